@@ -1,0 +1,27 @@
+#pragma once
+// Rigid transforms. Quaternion order is (w, x, y, z) everywhere on disk and on the device.
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace simuli {
+
+/// A rigid transform `a_from_b`: p_a = a_from_b * p_b. Rotation is a unit quaternion, translation in
+/// metres is the origin of frame b in frame a (for world_from_sensor: the sensor centre).
+struct Pose {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] Pose inverse() const;
+  [[nodiscard]] Eigen::Matrix4d matrix() const;
+  /// From a 4x4 or the upper 3x4 of it; the rotation block is re-orthonormalised.
+  static Pose from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b);
+};
+
+[[nodiscard]] Pose operator*(const Pose& a_from_b, const Pose& b_from_c);
+[[nodiscard]] Eigen::Vector3d operator*(const Pose& a_from_b, const Eigen::Vector3d& p_b);
+
+/// Pose between two world_from_sensor poses: slerp of the rotation (shorter arc), lerp of the sensor
+/// centre (METHOD: interpolating the inverse would bend the path). u = 0 gives a, u = 1 gives b.
+[[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double u);
+
+}  // namespace simuli

@@ -1,0 +1,22 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <string>
+
+#include "host/scene/gaussians.hpp"
+
+namespace simuli {
+
+/// A trained scene: two particle sets that share nothing but the origin.
+struct Scene {
+  std::string name;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // world, m; particle means are offsets from it
+  GaussianSet camera{SetKind::kCamera, 0, 0};
+  GaussianSet lidar{SetKind::kLidar, 0, 0};
+  /// Seen where transmittance is left: colour in [0,1] for the camera set; intensity, hit logit and
+  /// drop logit for the LiDAR set (a ray through empty space returns nothing).
+  std::array<float, 3> camera_background{0.0F, 0.0F, 0.0F};
+  std::array<float, 3> lidar_background{0.0F, -4.0F, 4.0F};
+};
+
+}  // namespace simuli

@@ -1,0 +1,66 @@
+#pragma once
+// Spinning LiDAR model: rows (beams) x columns (firings). Frame: x forward, y left, z up; azimuth =
+// atan2(y, x), counter-clockwise positive seen from above; elevation positive up. Angles in radians.
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace simuli {
+
+enum class SpinDirection { kCounterClockwise, kClockwise };
+
+/// One beam. Its ray at azimuth phi starts at
+///   (horizontal_offset * (-sin phi, cos phi), vertical_offset) and points along (elevation, phi).
+struct LidarRow {
+  double elevation = 0.0;          // rad
+  double azimuth_offset = 0.0;     // rad, added to the column's azimuth
+  double vertical_offset = 0.0;    // m, along z
+  double horizontal_offset = 0.0;  // m, to the left of the beam
+  double time_offset = 0.0;        // s, added to the column's firing time
+};
+
+struct Lidar {
+  std::string name;
+  std::vector<LidarRow> rows;  // top to bottom: elevation strictly decreasing
+  int columns = 0;
+  double azimuth_first = 0.0;  // rad, azimuth of column 0
+  double azimuth_span = 0.0;   // rad > 0, swept by all columns; 2 pi for a full turn
+  SpinDirection spin = SpinDirection::kCounterClockwise;
+  double range_min = 0.0;  // m
+  double range_max = 0.0;  // m
+  double beam_divergence = 0.0;  // rad, full angle; 0: an ideal ray
+  double divergence_variance = 0.25;  // k of METHOD section 8: 0.25 for 1/e^2, 0.72 FWHM, 1 sigma
+
+  [[nodiscard]] int row_count() const { return static_cast<int>(rows.size()); }
+  [[nodiscard]] std::size_t ray_count() const { return rows.size() * static_cast<std::size_t>(columns); }
+  [[nodiscard]] double spin_sign() const { return spin == SpinDirection::kCounterClockwise ? 1.0 : -1.0; }
+  /// Azimuth of (row, column) at the centre of its firing, not wrapped.
+  [[nodiscard]] double azimuth(int row, int column) const;
+  /// Share of the sweep at which (row, column) fires; sweep_duration_s scales the row's time offset.
+  [[nodiscard]] double time_fraction(int row, int column, double sweep_duration_s) const;
+  /// Unit direction for a measured or nominal (azimuth, elevation).
+  [[nodiscard]] static Eigen::Vector3d direction(double azimuth, double elevation);
+  /// Origin in the sensor frame of the ray of `row` at `azimuth`.
+  [[nodiscard]] Eigen::Vector3d origin(int row, double azimuth) const;
+};
+
+/// Throws Error{kInput} naming `file` and field for a model that no sensor has.
+void validate(const Lidar& lidar, const std::string& file);
+
+/// A built-in model by name; throws Error{kUsage} listing the known names.
+[[nodiscard]] Lidar builtin_lidar(const std::string& name);
+[[nodiscard]] std::vector<std::string> builtin_lidar_names();
+
+/// The rays of one sweep in row-major order, in the sensor frame at each ray's own time. Measured and
+/// nominal rays take the same road from here on.
+struct LidarRays {
+  int rows = 0;
+  int columns = 0;
+  std::vector<float> azimuth;        // [rows*columns] rad
+  std::vector<float> elevation;      // [rows*columns] rad, from the ray's own origin
+  std::vector<float> time_fraction;  // [rows*columns] 0 at the sweep's start, 1 at its end
+};
+
+[[nodiscard]] LidarRays nominal_rays(const Lidar& lidar, double sweep_duration_s);
+
+}  // namespace simuli

@@ -1,0 +1,77 @@
+#pragma once
+// A log folder: log.json (sensors, trajectory, frames; units in the key names), images/, sweeps/.
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/scene/pose.hpp"
+#include "host/sensors/camera.hpp"
+#include "host/sensors/lidar.hpp"
+#include "host/sensors/trajectory.hpp"
+
+namespace simuli {
+
+struct LogCamera {
+  Camera model;
+  Pose rig_from_camera;
+};
+
+struct LogLidar {
+  Lidar model;
+  Pose rig_from_lidar;
+};
+
+/// One recorded image. Exposure from start to end: equal for a global shutter.
+struct ImageFrame {
+  std::string camera;  // name of a LogCamera
+  std::string file;    // relative to the log folder
+  double time_start_s = 0.0;
+  double time_end_s = 0.0;
+};
+
+/// One recorded sweep, stored as the full firing grid.
+struct SweepFrame {
+  std::string lidar;  // name of a LogLidar
+  std::string file;   // relative to the log folder
+  double time_start_s = 0.0;
+  double time_end_s = 0.0;
+};
+
+struct Log {
+  std::filesystem::path folder;
+  std::string name;
+  std::int64_t start_ns = 0;  // epoch of all seconds below
+  std::vector<LogCamera> cameras;
+  std::vector<LogLidar> lidars;
+  Trajectory world_from_rig;
+  std::vector<ImageFrame> images;  // by time
+  std::vector<SweepFrame> sweeps;  // by time
+
+  [[nodiscard]] const LogCamera& camera(const std::string& camera_name) const;  // Error{kInput}
+  [[nodiscard]] const LogLidar& lidar(const std::string& lidar_name) const;     // Error{kInput}
+};
+
+/// Rays of a sweep with what came back, row-major rows x columns. A ray that returned nothing has
+/// range 0 and intensity 0; its direction and time are those it was fired with.
+struct Sweep {
+  LidarRays rays;
+  std::vector<float> range;      // [rows*columns] m from the ray's own origin; 0: no return
+  std::vector<float> intensity;  // [rows*columns] in [0, 1]
+};
+
+/// Reads log.json. Unknown keys, missing keys, wrong types or units, dangling names are Error{kInput}.
+[[nodiscard]] Log read_log(const std::filesystem::path& folder);
+/// Writes log.json (temporary name, sync, rename); images and sweeps are written by their writers.
+void write_log(const Log& log);
+
+/// Sweeps are multi-channel float OpenEXR pictures (rows x columns; channels range_m, intensity,
+/// azimuth_rad, elevation_rad, time_fraction), lossless, readable by any EXR tool.
+[[nodiscard]] Sweep read_sweep(const std::filesystem::path& file, const Lidar& lidar);
+void write_sweep(const std::filesystem::path& file, const Sweep& sweep);
+
+/// Frames with index % every == every - 1 are for evaluation, all others for training; every = 0
+/// holds nothing out.
+[[nodiscard]] bool is_held_out(std::size_t index, int every);
+
+}  // namespace simuli
