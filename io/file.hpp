@@ -14,5 +14,10 @@ void write_file_atomically(const std::filesystem::path& file, const std::string&
 /// The same for libraries that write by name: `write` gets the temporary path (same extension).
 void write_atomically(const std::filesystem::path& file,
                       const std::function<void(const std::filesystem::path&)>& write);
+/// The same for a folder that must not exist yet: `write` fills a temporary sibling folder, which is
+/// renamed to `folder` when `write` returns and removed when it throws. Error{kInput} when `folder`
+/// exists or cannot be made.
+void write_folder_atomically(const std::filesystem::path& folder,
+                             const std::function<void(const std::filesystem::path&)>& write);
 
 }  // namespace simuli

@@ -1,0 +1,113 @@
+#pragma once
+// Strict reading of JSON files: every key is asked for by name and type, and a key that nobody asked for
+// is an error, so that a misspelt name or a wrong unit ("range_max_cm") never passes silently.
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace simuli {
+
+/// Keys keep the order in which they are written.
+using Json = nlohmann::ordered_json;
+
+/// One JSON object of a file. Every reader throws Error{kInput} "FILE: PATH.KEY: found ..., allowed ..."
+/// for a missing key or a value of another type. Nested objects are read by a function that gets their
+/// JsonObject; when it returns, keys it did not ask for are an error.
+class JsonObject {
+ public:
+  /// `file` and `path` ("cameras[0]"; empty for the root) are for messages; `value` must outlive this.
+  JsonObject(std::string file, std::string path, const Json& value);
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  /// "PATH.KEY", for messages of checks made by the caller.
+  [[nodiscard]] std::string field(const std::string& key) const;
+  /// Whether an optional key is there (does not count as asking for it).
+  [[nodiscard]] bool has(const std::string& key) const { return value_.contains(key); }
+
+  /// A number in [minimum, maximum] (JSON has no NaN or Inf).
+  [[nodiscard]] double number(const std::string& key,
+                              double minimum = std::numeric_limits<double>::lowest(),
+                              double maximum = std::numeric_limits<double>::max());
+  /// A number without fraction or exponent in [minimum, maximum].
+  [[nodiscard]] std::int64_t integer(const std::string& key,
+                                     std::int64_t minimum = std::numeric_limits<std::int64_t>::min(),
+                                     std::int64_t maximum = std::numeric_limits<std::int64_t>::max());
+  [[nodiscard]] std::string text(const std::string& key);
+  [[nodiscard]] bool boolean(const std::string& key);
+  /// An array of numbers.
+  [[nodiscard]] std::vector<double> numbers(const std::string& key);
+  /// An array of exactly N numbers.
+  template <int N>
+  [[nodiscard]] Eigen::Matrix<double, N, 1> vector(const std::string& key) {
+    const std::vector<double> values = numbers_of_count(key, N);
+    return Eigen::Map<const Eigen::Matrix<double, N, 1>>(values.data());
+  }
+  /// What `read(JsonObject&)` makes of the object under `key`.
+  template <class Read>
+  [[nodiscard]] auto object(const std::string& key, Read&& read) {
+    JsonObject child(file_, field(key), get(key));
+    return child.read_and_finish(read);
+  }
+  /// What `read(JsonObject&)` makes of each object of the array under `key`.
+  template <class Read>
+  [[nodiscard]] auto objects(const std::string& key, Read&& read) {
+    std::vector<std::decay_t<std::invoke_result_t<Read&, JsonObject&>>> out;
+    const Json& elements = array(key);
+    out.reserve(elements.size());
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      JsonObject child(file_, field(key) + '[' + std::to_string(i) + ']', elements[i]);
+      out.push_back(child.read_and_finish(read));
+    }
+    return out;
+  }
+  /// Allows a key without reading it, for files of other programs that hold more than is needed.
+  void ignore_other_keys() { ignores_others_ = true; }
+  /// The value under `key` as it stands.
+  [[nodiscard]] const Json& get(const std::string& key);
+
+  /// Calls `read(*this)`, then refuses keys that it did not ask for.
+  template <class Read>
+  auto read_and_finish(Read&& read) {
+    if constexpr (std::is_void_v<std::invoke_result_t<Read&, JsonObject&>>) {
+      read(*this);
+      finish();
+    } else {
+      auto result = read(*this);
+      finish();
+      return result;
+    }
+  }
+
+ private:
+  [[nodiscard]] const Json& array(const std::string& key);
+  [[nodiscard]] std::vector<double> numbers_of_count(const std::string& key, std::size_t count);
+  [[noreturn]] void refuse(const std::string& key, const std::string& allowed) const;
+  void finish() const;
+
+  std::string file_;
+  std::string path_;
+  const Json& value_;
+  std::set<std::string> asked_;
+  bool ignores_others_ = false;
+};
+
+/// Parses JSON text; Error{kInput} with line and column for bad syntax, and for a key that stands twice in
+/// one object. `file` is for messages.
+[[nodiscard]] Json parse_json(const std::string& text, const std::string& file);
+
+/// Reads a file whose root is an object: what `read(JsonObject&)` makes of it.
+template <class Read>
+auto read_json_text(const std::string& text, const std::string& file, Read&& read) {
+  const Json root = parse_json(text, file);
+  JsonObject object(file, "", root);
+  return object.read_and_finish(read);
+}
+
+}  // namespace simuli

@@ -1,0 +1,192 @@
+#include "io/log_json.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <set>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kLongestLog_s = 3.8e9;                           // 120 years
+constexpr std::int64_t kLatest_ns = 4'000'000'000'000'000'000LL;  // differences of two still fit int64
+constexpr double kUnitNormTolerance = 1e-3;  // a quaternion printed with 4 digits is still one
+
+Json array_of(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(value);
+  return array;
+}
+
+const char* to_string(SpinDirection spin) {
+  return spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise";
+}
+
+SpinDirection read_spin(JsonObject& object) {
+  const std::string name = object.text("spin");
+  for (const SpinDirection spin : {SpinDirection::kClockwise, SpinDirection::kCounterClockwise}) {
+    if (name == to_string(spin)) return spin;
+  }
+  throw_input_error(
+      object.file(), object.field("spin"), Json(name).dump(-1, ' ', true), "clockwise or counter_clockwise");
+}
+
+}  // namespace
+
+Json to_json(const Pose& a_from_b) {
+  const Eigen::Quaterniond& q = a_from_b.rotation;
+  return {{"position_m", array_of(a_from_b.translation)},
+          {"rotation_wxyz", Json::array({q.w(), q.x(), q.y(), q.z()})}};
+}
+
+Pose pose_from_json(JsonObject& object) {
+  Pose a_from_b;
+  a_from_b.translation = object.vector<3>("position_m");
+  const Eigen::Vector4d wxyz = object.vector<4>("rotation_wxyz");
+  if (!(std::abs(wxyz.norm() - 1.0) <= kUnitNormTolerance)) {
+    throw_input_error(object.file(),
+                      object.field("rotation_wxyz"),
+                      fmt::format("length {}", wxyz.norm()),
+                      "a unit quaternion");
+  }
+  a_from_b.rotation = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized();
+  return a_from_b;
+}
+
+Json to_json(const LogCamera& camera) {
+  const Camera& model = camera.model;
+  return {{"name", model.name},
+          {"width_px", model.width},
+          {"height_px", model.height},
+          {"fx_px", model.fx},
+          {"fy_px", model.fy},
+          {"cx_px", model.cx},
+          {"cy_px", model.cy},
+          {"shutter", simuli::to_string(model.shutter)},
+          {"rig_from_camera", to_json(camera.rig_from_camera)}};
+}
+
+LogCamera camera_from_json(JsonObject& object) {
+  constexpr int kLargestSide_px = 65536;
+  LogCamera camera;
+  Camera& model = camera.model;
+  model.name = object.text("name");
+  model.width = static_cast<int>(object.integer("width_px", 1, kLargestSide_px));
+  model.height = static_cast<int>(object.integer("height_px", 1, kLargestSide_px));
+  model.fx = object.number("fx_px");
+  model.fy = object.number("fy_px");
+  model.cx = object.number("cx_px");
+  model.cy = object.number("cy_px");
+  model.shutter = shutter_from_string(object.text("shutter"), object.file(), object.field("shutter"));
+  camera.rig_from_camera = object.object("rig_from_camera", pose_from_json);
+  validate(model, object.file());
+  return camera;
+}
+
+Json to_json(const LogLidar& lidar) {
+  const Lidar& model = lidar.model;
+  Json rows = Json::array();
+  for (const LidarRow& row : model.rows) {
+    rows.push_back({{"elevation_rad", row.elevation},
+                    {"azimuth_offset_rad", row.azimuth_offset},
+                    {"vertical_offset_m", row.vertical_offset},
+                    {"horizontal_offset_m", row.horizontal_offset},
+                    {"time_offset_s", row.time_offset}});
+  }
+  return {{"name", model.name},
+          {"columns", model.columns},
+          {"azimuth_first_rad", model.azimuth_first},
+          {"azimuth_span_rad", model.azimuth_span},
+          {"spin", to_string(model.spin)},
+          {"range_min_m", model.range_min},
+          {"range_max_m", model.range_max},
+          {"beam_divergence_rad", model.beam_divergence},
+          {"divergence_variance", model.divergence_variance},
+          {"rig_from_lidar", to_json(lidar.rig_from_lidar)},
+          {"rows", rows}};
+}
+
+LogLidar lidar_from_json(JsonObject& object) {
+  constexpr int kMostColumns = 1 << 20;
+  LogLidar lidar;
+  Lidar& model = lidar.model;
+  model.name = object.text("name");
+  model.columns = static_cast<int>(object.integer("columns", 1, kMostColumns));
+  model.azimuth_first = object.number("azimuth_first_rad");
+  model.azimuth_span = object.number("azimuth_span_rad");
+  model.spin = read_spin(object);
+  model.range_min = object.number("range_min_m");
+  model.range_max = object.number("range_max_m");
+  model.beam_divergence = object.number("beam_divergence_rad");
+  model.divergence_variance = object.number("divergence_variance");
+  lidar.rig_from_lidar = object.object("rig_from_lidar", pose_from_json);
+  model.rows = object.objects("rows", [](JsonObject& row) {
+    return LidarRow{row.number("elevation_rad"),
+                    row.number("azimuth_offset_rad"),
+                    row.number("vertical_offset_m"),
+                    row.number("horizontal_offset_m"),
+                    row.number("time_offset_s")};
+  });
+  validate(model, object.file());
+  return lidar;
+}
+
+void add_sensors(Json& object, const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars) {
+  object["cameras"] = Json::array();
+  object["lidars"] = Json::array();
+  for (const LogCamera& camera : cameras) object["cameras"].push_back(to_json(camera));
+  for (const LogLidar& lidar : lidars) object["lidars"].push_back(to_json(lidar));
+}
+
+void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vector<LogLidar>& lidars) {
+  cameras = object.objects("cameras", camera_from_json);
+  lidars = object.objects("lidars", lidar_from_json);
+  std::set<std::string> names;
+  const auto need_new = [&](const std::string& name, const char* key) {
+    if (name.empty() || !names.insert(name).second) {
+      throw_input_error(object.file(),
+                        object.field(key),
+                        "the name " + Json(name).dump(-1, ' ', true) + (name.empty() ? "" : " twice"),
+                        "one name per sensor, not empty");
+    }
+  };
+  for (const LogCamera& camera : cameras) need_new(camera.model.name, "cameras");
+  for (const LogLidar& lidar : lidars) need_new(lidar.model.name, "lidars");
+}
+
+Json to_json(const Trajectory& world_from_rig, std::int64_t start_ns) {
+  Json poses = Json::array();
+  for (const TimedPose& timed : world_from_rig.poses()) {
+    Json entry{{"time_ns", to_ns(timed.time_s, start_ns, "world_from_rig")}};
+    entry.update(to_json(timed.pose));
+    poses.push_back(std::move(entry));
+  }
+  return poses;
+}
+
+Trajectory trajectory_from_json(JsonObject& parent, const std::string& key, std::int64_t start_ns) {
+  std::vector<TimedPose> poses = parent.objects(key, [&](JsonObject& object) {
+    const double time_s = read_time_s(object, "time_ns", start_ns);
+    return TimedPose{time_s, pose_from_json(object)};
+  });
+  return with_context("reading " + parent.file() + ": " + parent.field(key),
+                      [&] { return Trajectory(std::move(poses)); });
+}
+
+std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field) {
+  if (!(std::abs(time_s) <= kLongestLog_s)) {
+    throw_input_error("log", field, fmt::format("{} s", time_s), "at most 120 years from the log's start");
+  }
+  return start_ns + static_cast<std::int64_t>(std::llround(time_s * 1e9));
+}
+
+std::int64_t read_time_ns(JsonObject& object, const std::string& key) {
+  return object.integer(key, -kLatest_ns, kLatest_ns);
+}
+
+double read_time_s(JsonObject& object, const std::string& key, std::int64_t start_ns) {
+  return static_cast<double>(read_time_ns(object, key) - start_ns) * 1e-9;
+}
+
+}  // namespace simuli

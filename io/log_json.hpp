@@ -1,0 +1,43 @@
+#pragma once
+// Sensors, poses and trajectories as JSON, shared by log.json and scene.json. Units stand in the key
+// names; times on disk are int64 nanoseconds. Readers throw Error{kInput} as io/json_reader.hpp says, and
+// check values with validate().
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/json_reader.hpp"
+#include "io/log.hpp"
+
+namespace simuli {
+
+/// {"position_m": [x, y, z], "rotation_wxyz": [w, x, y, z]}
+[[nodiscard]] Json to_json(const Pose& a_from_b);
+[[nodiscard]] Pose pose_from_json(JsonObject& object);
+
+/// Model and mounting of one camera.
+[[nodiscard]] Json to_json(const LogCamera& camera);
+[[nodiscard]] LogCamera camera_from_json(JsonObject& object);
+
+/// Model (every row in full) and mounting of one LiDAR.
+[[nodiscard]] Json to_json(const LogLidar& lidar);
+[[nodiscard]] LogLidar lidar_from_json(JsonObject& object);
+
+/// The arrays "cameras" and "lidars" of an object; names are unique over both.
+void add_sensors(Json& object, const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars);
+void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vector<LogLidar>& lidars);
+
+/// [{"time_ns", "position_m", "rotation_wxyz"}, ...]; start_ns is added to the trajectory's seconds. A file
+/// without an epoch of its own passes 0: nanoseconds since the start of the log.
+[[nodiscard]] Json to_json(const Trajectory& world_from_rig, std::int64_t start_ns);
+[[nodiscard]] Trajectory trajectory_from_json(JsonObject& parent,
+                                              const std::string& key,
+                                              std::int64_t start_ns);
+
+/// Seconds since start_ns <-> nanoseconds on disk. Error{kInput} naming `field` beyond 120 years.
+[[nodiscard]] std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field);
+[[nodiscard]] double read_time_s(JsonObject& object, const std::string& key, std::int64_t start_ns);
+/// An absolute time: int64 nanoseconds, 1843 to 2096.
+[[nodiscard]] std::int64_t read_time_ns(JsonObject& object, const std::string& key);
+
+}  // namespace simuli
