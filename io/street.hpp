@@ -1,53 +1,104 @@
 #pragma once
 // The embedded synthetic street: an analytic world of planes, boxes, cylinders and spheres with procedural
 // colour, ray traced in double precision. Ground truth for range, colour, intensity and drops.
+//
+// World: x along the street (the rig drives towards +x, from x = 0), y to the left, z up, road at z = 0.
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 
+#include "io/image.hpp"
 #include "io/log.hpp"
 
 namespace simuli {
 
+struct StreetWorld;
+
 /// What a ray meets first.
 struct StreetHit {
   bool hit = false;
-  double range = 0.0;          // m
-  Eigen::Vector3d normal;      // unit, world
-  Eigen::Vector3d colour;      // [0,1]; the sky's colour when nothing is hit
-  double reflectance = 0.0;    // [0,1], LiDAR
-  bool on_car = false;         // the moving car
+  double range = 0.0;                                // m
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit, world, towards the outside of the surface
+  Eigen::Vector3d colour = Eigen::Vector3d::Zero();  // [0,1]; the sky's colour when nothing is hit
+  double reflectance = 0.0;                          // [0,1], LiDAR; 0: glass, which returns nothing
+  bool on_car = false;                               // the moving car
+};
+
+/// What a LiDAR measures along one ray.
+struct StreetReturn {
+  double range = 0.0;      // m from the ray's origin; 0: nothing came back
+  double intensity = 0.0;  // [0,1]
 };
 
 class Street {
  public:
-  /// The street as embedded; seed varies textures and furniture.
-  explicit Street(std::uint64_t seed = 1);
+  /// The street as embedded; seed varies textures and furniture. With moving_car, one car drives ahead in
+  /// the left lane at kCarSpeed_m_per_s.
+  explicit Street(std::uint64_t seed = 1, bool moving_car = true);
   /// First hit of the ray from origin (world, m) along the unit direction at time_s, up to max_range.
+  /// Non-finite rays hit nothing.
   [[nodiscard]] StreetHit trace(const Eigen::Vector3d& origin,
                                 const Eigen::Vector3d& direction,
                                 double time_s,
                                 double max_range) const;
+  /// The same ray through a LiDAR: nothing for glass, for hits outside [range_min, range_max], and where
+  /// reflectance * cos(incidence) / range^2 is below kMinimumEnergy. Deterministic.
+  [[nodiscard]] StreetReturn lidar_return(const Eigen::Vector3d& origin,
+                                          const Eigen::Vector3d& direction,
+                                          double time_s,
+                                          double range_min,
+                                          double range_max) const;
+  /// Centre of the moving car's footprint on the road, world, m. Where it would be, if there is none.
+  [[nodiscard]] static Eigen::Vector3d car_position(double time_s);
+
+  static constexpr double kCarSpeed_m_per_s = 4.0;
+  static constexpr double kLength_m = 260.0;      // the rig may drive from x = 0 to here
+  static constexpr double kMinimumEnergy = 4e-6;  // 1/m^2; bare asphalt goes silent beyond about 40 m
 
  private:
-  std::uint64_t seed_;
+  std::shared_ptr<const StreetWorld> world_;
 };
 
 struct StreetOptions {
   std::filesystem::path output;
-  int frames = 20;               // images per camera = sweeps
-  double speed_m_per_s = 8.0;    // of the rig
+  int frames = 20;             // images per camera = sweeps
+  double speed_m_per_s = 8.0;  // of the rig
   int image_width = 320;
   int image_height = 180;
   int lidar_columns = 900;
   bool moving_car = true;
   bool rolling_shutter = false;  // 20 ms top to bottom instead of a global shutter
   std::uint64_t seed = 1;
+  int threads = 0;  // 0: one per core; the result is the same for any number
 };
 
-/// Renders the street into a log folder (complete or not at all).
+/// Renders the street into a log folder (complete or not at all): camera "front", lidar "top", both at
+/// 10 Hz, trajectory at 100 Hz. Sweep i spans [0.1 i, 0.1 (i + 1)] s and image i is exposed about its middle.
+/// `progress(done, total)` is called after every frame. Error{kInput} names an option outside its range, or
+/// an output folder that exists and is not empty.
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+/// The log that synth_street writes, without its pictures and sweeps. Same errors about options.
+[[nodiscard]] Log street_log(const StreetOptions& options);
+
+/// The picture a camera takes of the street: RGB in [0,1], mean of 2x2 rays per pixel, each pixel at its own
+/// time between time_start_s and time_end_s. For views that no log holds, too.
+[[nodiscard]] Image render_street(const Street& street,
+                                  const LogCamera& camera,
+                                  const Trajectory& world_from_rig,
+                                  double time_start_s,
+                                  double time_end_s,
+                                  int threads = 0);
+
+/// The sweep a LiDAR takes of the street; each ray from its own origin at its own time.
+[[nodiscard]] Sweep scan_street(const Street& street,
+                                const LogLidar& lidar,
+                                const Trajectory& world_from_rig,
+                                double time_start_s,
+                                double time_end_s,
+                                int threads = 0);
 
 }  // namespace simuli
