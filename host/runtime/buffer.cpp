@@ -1,0 +1,130 @@
+#include "host/runtime/buffer.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fmt/format.h>
+
+#include "host/runtime/cl_error.hpp"
+
+namespace simuli::detail {
+namespace {
+
+// The largest pattern clEnqueueFillBuffer takes; patterns are powers of two.
+constexpr std::size_t kMaxFillPatternBytes = 128;
+// Host copies for elements the device can't fill by itself are at most this large.
+constexpr std::size_t kFillChunkBytes = std::size_t{1} << 20U;
+
+}  // namespace
+
+Memory::Memory(const Device& device, std::string name, std::size_t element_bytes)
+    : device_(device), name_(std::move(name)), element_bytes_(element_bytes) {
+  allocate(0);
+}
+
+void Memory::allocate(std::size_t count) {
+  const std::uint64_t allowed = device_.info().max_alloc_bytes;
+  if (!(count <= allowed / element_bytes_)) {
+    throw Error(ErrorKind::kDevice,
+                fmt::format("buffer {}: {} elements of {} bytes are wanted, {} allows {} bytes per buffer",
+                            name_,
+                            count,
+                            element_bytes_,
+                            device_.info().label(),
+                            allowed));
+  }
+  const std::size_t bytes = std::max<std::size_t>(count, 1) * element_bytes_;
+  cl_call(
+      ErrorKind::kDevice,
+      [&] { return fmt::format("allocating buffer {} of {} bytes", name_, bytes); },
+      [&] { buffer_ = cl::Buffer(device_.context(), CL_MEM_READ_WRITE, bytes); });
+  capacity_ = count;
+}
+
+void Memory::reserve(std::size_t count) {
+  if (count > capacity_) {
+    // The old content goes first, so that growing never needs both at once.
+    count_ = 0;
+    capacity_ = 0;
+    buffer_ = cl::Buffer();
+    try {
+      allocate(count);
+    } catch (const Error&) {
+      allocate(0);  // still a valid, empty buffer
+      throw;
+    }
+  }
+  count_ = count;
+}
+
+void Memory::need_range(const char* what, std::size_t first, std::size_t count) const {
+  if (first <= count_ && count <= count_ - first) return;
+  throw Error(
+      ErrorKind::kInternal,
+      fmt::format(
+          "buffer {}: {} of {} elements from {} on, the buffer has {}", name_, what, count, first, count_));
+}
+
+void Memory::write(std::size_t first, const void* source, std::size_t count) {
+  need_range("upload", first, count);
+  if (count == 0) return;
+  const std::size_t bytes = count * element_bytes_;
+  cl_call(
+      ErrorKind::kDevice,
+      [&] { return fmt::format("writing {} bytes of buffer {}", bytes, name_); },
+      [&] { device_.queue().enqueueWriteBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, source); });
+}
+
+void Memory::read(std::size_t first, void* target, std::size_t count) const {
+  need_range("download", first, count);
+  if (count == 0) return;
+  const std::size_t bytes = count * element_bytes_;
+  cl_call(
+      ErrorKind::kDevice,
+      [&] { return fmt::format("reading {} bytes of buffer {}", bytes, name_); },
+      [&] { device_.queue().enqueueReadBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, target); });
+}
+
+void Memory::fill(const void* element) {
+  if (count_ == 0) return;
+  const std::size_t bytes = count_ * element_bytes_;
+  if (std::has_single_bit(element_bytes_) && element_bytes_ <= kMaxFillPatternBytes) {
+    cl_call(
+        ErrorKind::kDevice,
+        [&] { return fmt::format("filling {} bytes of buffer {}", bytes, name_); },
+        [&] {
+          // The C call: the binding's template wants the pattern's type.
+          const cl_int code = clEnqueueFillBuffer(
+              device_.queue()(), buffer_(), element, element_bytes_, 0, bytes, 0, nullptr, nullptr);
+          if (code != CL_SUCCESS) throw cl::Error(code, "clEnqueueFillBuffer");
+        });
+    return;
+  }
+  const std::size_t chunk = std::min(count_, std::max<std::size_t>(kFillChunkBytes / element_bytes_, 1));
+  std::vector<std::byte> pattern(chunk * element_bytes_);
+  for (std::size_t i = 0; i < chunk; ++i) {
+    std::memcpy(pattern.data() + i * element_bytes_, element, element_bytes_);
+  }
+  for (std::size_t first = 0; first < count_; first += chunk) {
+    write(first, pattern.data(), std::min(chunk, count_ - first));
+  }
+}
+
+void Memory::copy_from(const Memory& source) {
+  if (source.count_ != count_ || source.element_bytes_ != element_bytes_) {
+    throw Error(ErrorKind::kInternal,
+                fmt::format("buffer {}: copy from buffer {} of {} elements, this one has {}",
+                            name_,
+                            source.name_,
+                            source.count_,
+                            count_));
+  }
+  if (count_ == 0 || this == &source) return;
+  const std::size_t bytes = count_ * element_bytes_;
+  cl_call(
+      ErrorKind::kDevice,
+      [&] { return fmt::format("copying {} bytes of buffer {} to {}", bytes, source.name_, name_); },
+      [&] { device_.queue().enqueueCopyBuffer(source.buffer_, buffer_, 0, 0, bytes); });
+}
+
+}  // namespace simuli::detail
