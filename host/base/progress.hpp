@@ -1,0 +1,66 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+
+namespace simuli {
+
+/// How progress is shown: a bar redrawn in place, plain lines (log files, CI), or not at all.
+enum class ProgressStyle { kBar, kLines, kQuiet };
+
+/// kQuiet when asked to be, else kBar when stderr is a terminal, else kLines.
+[[nodiscard]] ProgressStyle progress_style(bool quiet);
+
+/// Shows how far a task of known size is, with the time left at its average speed so far. As a bar it is
+/// redrawn at most ten times a second; as lines at most every ten seconds and once at the end. Nothing is
+/// written from the destructor but the newline that a broken-off bar still owes the terminal.
+class Progress {
+ public:
+  /// Monotonic time in seconds.
+  using Clock = std::function<double()>;
+
+  /// `total` steps to do (0: the size is unknown, only the count is shown). Bars are cut to `columns`
+  /// characters, so that a narrow terminal does not scroll.
+  Progress(std::string label,
+           std::uint64_t total,
+           ProgressStyle style,
+           std::ostream& out,
+           Clock clock,
+           int columns = 110);
+  /// On stderr with the system's steady clock and the terminal's own width.
+  Progress(std::string label, std::uint64_t total, ProgressStyle style);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  Progress(Progress&&) = delete;
+  Progress& operator=(Progress&&) = delete;
+  ~Progress();
+
+  /// `done` steps are done; `extra` is shown behind the time, e.g. "PSNR 21.3 dB".
+  void update(std::uint64_t done, std::string_view extra = {});
+  /// Shows the last state, whatever the time since the one before, and ends the line.
+  void finish(std::string_view extra = {});
+
+ private:
+  void show(std::string_view extra, double now_s);
+  [[nodiscard]] std::string line(std::string_view extra, double now_s) const;
+
+  std::string label_;
+  std::uint64_t total_;
+  ProgressStyle style_;
+  std::ostream* out_;
+  Clock clock_;
+  int columns_;
+  std::uint64_t done_ = 0;
+  double start_s_ = 0.0;
+  double shown_s_ = 0.0;
+  bool shown_once_ = false;
+  bool bar_open_ = false;  // the cursor stands at the end of a bar
+  bool finished_ = false;
+};
+
+/// "0:07", "12:34", "1:02:03"; "--:--" for a time that is not a finite number >= 0.
+[[nodiscard]] std::string format_duration(double seconds);
+
+}  // namespace simuli
