@@ -1,0 +1,249 @@
+// Boxes of the reference: sizes, fallbacks, levers, time.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "tests/support/reference.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace simuli::reference {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using test::SingleParticle;
+
+constexpr double kDouble = 1e-12;  // roundings of double arithmetic on values around 1
+constexpr double kSingle = 2e-6;   // parameters are stored in single precision
+constexpr double kPi = std::numbers::pi;
+
+SingleParticle small_at(const Vector3d& mean, double scale = 0.01, double opacity = 0.5) {
+  SingleParticle particle;
+  particle.mean = mean;
+  particle.scale.setConstant(scale);
+  particle.opacity = opacity;
+  return particle;
+}
+
+Footprint camera_footprint(const SingleParticle& particle) {
+  const Particles set(test::set_of(SetKind::kCamera, {particle}));
+  return project(set, Sensor::of(test::small_camera(100, 80), Pose(), Pose()))[0];
+}
+
+Footprint lidar_footprint(const SingleParticle& particle, const Lidar& lidar) {
+  const Particles set(test::set_of(SetKind::kLidar, {particle}));
+  return project(set, Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), Pose()))[0];
+}
+
+TEST(CameraFootprint, OfASmallParticleIsItsScaledCovariance) {
+  const Footprint f = camera_footprint(small_at({1.0, -0.5, 10.0}));
+  const double focal = 60.0;
+  const double range2 = 101.25;
+  const double variance = 1e-4 + 0.3 * range2 / (focal * focal);
+  EXPECT_NEAR(f.filter_variance, 0.3 * range2 / (focal * focal), kSingle);
+  EXPECT_NEAR(f.filtered_scale.x(), std::sqrt(variance), kSingle);
+  EXPECT_NEAR(f.mean.x(), 50.0 + 6.0, 0.01);  // the second-order shift is f x s^2 / z^3
+  EXPECT_NEAR(f.mean.y(), 40.0 - 3.0, 0.01);
+  const double sigma_x_px = focal / 10.0 * std::sqrt(variance * (1.0 + 0.1 * 0.1));
+  EXPECT_NEAR(f.half_width.x(), std::sqrt(2.0 * std::log(255.0 * 0.5)) * sigma_x_px, 1e-3 * f.half_width.x());
+  EXPECT_NEAR(f.covariance(0, 0), sigma_x_px * sigma_x_px, 1e-3);
+  EXPECT_TRUE(f.visible);
+  EXPECT_FALSE(f.fallback);
+}
+
+TEST(CameraFootprint, FaintParticlesAreDropped) {
+  EXPECT_FALSE(camera_footprint(small_at({0, 0, 5}, 0.1, 0.99 / 255.0)).visible);
+  EXPECT_TRUE(camera_footprint(small_at({0, 0, 5}, 0.1, 1.01 / 255.0)).visible);
+}
+
+TEST(CameraFootprint, FallsBackToTheWholePictureNearTheCamera) {
+  const std::vector<SingleParticle> near_or_around = {
+      small_at({0.0, 0.0, 0.1}, 1.0),   // the camera is inside
+      small_at({0.0, 0.0, -0.5}, 0.5),  // behind, but its ball of k s = 1.56 m reaches forward
+      small_at({9.0, 0.0, 0.8}, 0.3),   // more than 84 degrees off axis
+  };
+  for (const SingleParticle& particle : near_or_around) {
+    const Footprint f = camera_footprint(particle);
+    EXPECT_TRUE(f.visible);
+    EXPECT_TRUE(f.fallback);
+    EXPECT_EQ(f.mean, Vector2d(50.0, 40.0));
+    EXPECT_EQ(f.half_width, Vector2d(50.0, 40.0));
+  }
+  EXPECT_FALSE(camera_footprint(small_at({0.0, 0.0, -3.0}, 0.5)).visible);
+  EXPECT_FALSE(camera_footprint(small_at({0.0, 0.0, 4.0})).fallback);
+}
+
+TEST(LidarFootprint, OfASmallParticleIsItsAngularSize) {
+  Lidar lidar = test::small_lidar(8, 90);
+  lidar.beam_divergence = 3e-3;
+  const Footprint f = lidar_footprint(small_at({0.0, 20.0, 0.0}, 0.05), lidar);
+  const double beam = 0.25 * std::tan(1.5e-3) * std::tan(1.5e-3) * 400.0;
+  EXPECT_NEAR(f.filter_variance, beam, kDouble);
+  EXPECT_NEAR(f.mean.x(), kPi / 2, kDouble);
+  EXPECT_NEAR(f.mean.y(), 0.0, kDouble);
+  const double half = std::sqrt(2.0 * std::log(255.0 * 0.5)) * std::sqrt(0.0025 + beam) / 20.0;
+  EXPECT_NEAR(f.half_width.x(), half, 1e-4 * half);
+  EXPECT_NEAR(f.half_width.y(), half, 1e-4 * half);
+}
+
+TEST(LidarFootprint, WidensByTheLeverArm) {
+  Lidar lidar = test::small_lidar(3, 90);
+  const Footprint plain = lidar_footprint(small_at({20.0, 0.0, 0.4}, 0.05), lidar);
+  lidar.rows[0].vertical_offset = 0.5;
+  lidar.rows[1].vertical_offset = 0.4;
+  lidar.rows[2].vertical_offset = 0.3;
+  lidar.rows[1].horizontal_offset = -0.1;
+  const Footprint f = lidar_footprint(small_at({20.0, 0.0, 0.4}, 0.05), lidar);
+  EXPECT_NEAR(f.mean.y(), 0.0, 1e-7);  // the reference origin is at z = 0.4 m, stored in single precision
+  const double lever = 0.1 + 0.1;
+  const double range = std::hypot(20.0, 0.4);
+  EXPECT_NEAR(f.half_width.x() - plain.half_width.x(), lever / (range - lever), 1e-5);
+  EXPECT_NEAR(f.half_width.y() - plain.half_width.y(), lever / (range - lever), 1e-5);
+}
+
+TEST(LidarFootprint, IsARingAroundTheSensorAndAtThePoles) {
+  const Lidar lidar = test::small_lidar(8, 90);
+  const Footprint around = lidar_footprint(small_at({0.5, 0.2, 0.0}, 0.5), lidar);
+  EXPECT_TRUE(around.fallback);
+  EXPECT_GE(around.half_width.x(), kPi);
+  EXPECT_GE(around.half_width.y(), kPi);
+  const Footprint above = lidar_footprint(small_at({0.1, 0.1, 10.0}, 0.05), lidar);
+  EXPECT_TRUE(above.fallback);
+  EXPECT_GE(above.half_width.x(), kPi);
+  const double radius = std::sqrt(2.0 * std::log(255.0 * 0.5)) * 0.05;
+  EXPECT_NEAR(above.half_width.y(), std::asin(radius / std::sqrt(100.02)), 1e-6);
+  EXPECT_NEAR(above.mean.y(), std::atan2(10.0, 0.1 * std::sqrt(2.0)), 1e-6);
+  EXPECT_FALSE(lidar_footprint(small_at({5.0, 0.0, 0.0}, 0.05), lidar).fallback);
+}
+
+TEST(LidarFootprint, WidensAtTheCutWhenTheSensorMoves) {
+  const Lidar lidar = test::small_lidar(8, 90);  // the cut is at azimuth pi
+  Pose end;
+  end.translation = {0.0, 1.0, 0.5};
+  const Sensor sensor = Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), end);
+  const auto widths = [&](const Vector3d& mean) {
+    const Particles set(test::set_of(SetKind::kLidar, {small_at(mean, 0.05)}));
+    return project(set, sensor)[0].half_width;
+  };
+  const Vector2d ahead = widths({10.0, 0.0, 0.0});
+  const Vector2d at_cut = widths({-10.0, 0.0, 0.0});
+  const double azimuth_change = std::atan2(1.0, 10.0);
+  const double elevation_change = std::atan2(0.5, std::hypot(10.0, 1.0));
+  EXPECT_NEAR(at_cut.x() - ahead.x(), azimuth_change, 2e-3);  // motion scales the widths by up to 1 %
+  EXPECT_NEAR(at_cut.y() - ahead.y(), elevation_change, 2e-3);
+}
+
+/// A particle put on a ray, as the ray stands at its own time, is projected to where the ray is.
+void expect_projection_inverts_rays(const Sensor& sensor, double distance_m, double tolerance) {
+  const std::vector<Ray> all = rays(sensor);
+  std::vector<SingleParticle> particles;
+  for (const Ray& ray : all) particles.push_back(small_at(ray.origin + distance_m * ray.direction, 1e-4));
+  Options options;
+  options.filter_variance_px2 = 0.0;  // its second-order shift of the mean is not what is tested
+  const std::vector<Footprint> footprints =
+      project(Particles(test::set_of(sensor.kind, particles)), sensor, options);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double dx = sensor.kind == SetKind::kLidar ? wrapped(footprints[i].mean.x() - all[i].x)
+                                                     : footprints[i].mean.x() - all[i].x;
+    EXPECT_NEAR(dx, 0.0, tolerance) << "ray " << i;
+    EXPECT_NEAR(footprints[i].mean.y() - all[i].y, 0.0, tolerance) << "ray " << i;
+  }
+}
+
+Pose moved(const Vector3d& translation, double yaw_rad) {
+  Pose pose;
+  pose.rotation = Eigen::AngleAxisd(yaw_rad, Vector3d(0.1, 0.2, 1.0).normalized());
+  pose.translation = translation;
+  return pose;
+}
+
+TEST(Time, ProjectionFindsTheRayThatSeesThePointWithARollingShutter) {
+  const Pose start = moved({1.0, 2.0, 0.5}, 0.3) * test::forward_from_camera();
+  const Pose end = moved({1.9, 2.1, 0.5}, 0.33) * test::forward_from_camera();
+  for (const ShutterKind shutter : {ShutterKind::kGlobal,
+                                    ShutterKind::kTopToBottom,
+                                    ShutterKind::kBottomToTop,
+                                    ShutterKind::kLeftToRight,
+                                    ShutterKind::kRightToLeft}) {
+    // 0.9 m and 1.7 degrees within the frame: three updates leave less than a fiftieth of a pixel.
+    expect_projection_inverts_rays(Sensor::of(test::small_camera(24, 16, shutter), start, end), 15.0, 0.02);
+  }
+}
+
+TEST(Time, ProjectionFindsTheRayThatSeesThePointWithASpinningLidar) {
+  Lidar lidar = test::small_lidar(4, 40);
+  for (const SpinDirection spin : {SpinDirection::kCounterClockwise, SpinDirection::kClockwise}) {
+    lidar.spin = spin;
+    // Inside the sweep: at the cut the time jumps, and a point may be seen twice or never.
+    LidarRays sweep = nominal_rays(lidar, 0.1);
+    std::vector<std::size_t> inner;
+    for (int r = 0; r < 4; ++r) {
+      for (int c = 2; c < 38; ++c) inner.push_back(static_cast<std::size_t>(r * 40 + c));
+    }
+    LidarRays kept{4, 36, {}, {}, {}};
+    for (const std::size_t i : inner) {
+      kept.azimuth.push_back(sweep.azimuth[i]);
+      kept.elevation.push_back(sweep.elevation[i]);
+      kept.time_fraction.push_back(sweep.time_fraction[i]);
+    }
+    const Sensor sensor = Sensor::of(lidar, kept, moved({1.0, 2.0, 0.5}, 0.3), moved({2.5, 2.2, 0.5}, 0.35));
+    expect_projection_inverts_rays(sensor, 15.0, 2e-5);  // a hundredth of a common column
+  }
+}
+
+TEST(Time, SharesOfTheFrameAreClamped) {
+  const Camera camera = test::small_camera(20, 10, ShutterKind::kBottomToTop);
+  EXPECT_NEAR(exposure_time(camera, {3.0, 2.5}), 0.75, kDouble);
+  EXPECT_EQ(exposure_time(camera, {3.0, -50.0}), 1.0);
+  EXPECT_EQ(exposure_time(camera, {3.0, 50.0}), 0.0);
+  Lidar lidar = test::small_lidar(2, 100);
+  lidar.spin = SpinDirection::kClockwise;
+  EXPECT_NEAR(firing_time(lidar, kPi), 0.005, kDouble);
+  EXPECT_NEAR(firing_time(lidar, kPi / 2), 0.255, kDouble);
+  EXPECT_NEAR(firing_time(lidar, -kPi / 2), 0.755, kDouble);
+  EXPECT_EQ(firing_time(lidar, -kPi + 1e-4), 1.0);
+}
+
+TEST(Rays, AgreeWithTheSensorModels) {
+  const Pose start = moved({1.0, 2.0, 0.5}, 0.3);
+  const Pose end = moved({2.5, 2.2, 0.5}, -0.4);
+  const Camera camera = test::small_camera(6, 4, ShutterKind::kTopToBottom);
+  const std::vector<Ray> pixels = rays(Sensor::of(camera, start, end));
+  ASSERT_EQ(pixels.size(), 24U);
+  for (const Ray& ray : pixels) {
+    const Vector2d pixel(ray.x, ray.y);
+    const Pose pose = interpolate(start, end, camera.exposure_fraction(pixel));
+    EXPECT_NEAR((ray.origin - pose.translation).norm(), 0.0, kDouble);
+    EXPECT_NEAR((ray.direction - pose.rotation * camera.unproject(pixel)).norm(), 0.0, kDouble);
+  }
+  Lidar lidar = test::small_lidar(3, 5);
+  lidar.rows[1] = {
+      .elevation = -0.1, .azimuth_offset = 0.02, .vertical_offset = 0.1, .horizontal_offset = 0.03};
+  const LidarRays sweep = nominal_rays(lidar, 0.1);
+  const std::vector<Ray> beams = rays(Sensor::of(lidar, sweep, start, end));
+  ASSERT_EQ(beams.size(), 15U);
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    const Pose pose = interpolate(start, end, sweep.time_fraction[i]);
+    const double azimuth = sweep.azimuth[i];
+    const Vector3d origin = pose * lidar.origin(static_cast<int>(i / 5), azimuth);
+    EXPECT_NEAR((beams[i].origin - origin).norm(), 0.0, kDouble);
+    EXPECT_NEAR((beams[i].direction - pose.rotation * Lidar::direction(azimuth, sweep.elevation[i])).norm(),
+                0.0,
+                kDouble);
+  }
+}
+
+TEST(Refusals, NameTheReason) {
+  GaussianSet set = test::set_of(SetKind::kCamera, {small_at({0, 0, 5})});
+  const Lidar lidar = test::small_lidar(2, 8);
+  const Sensor sweep = Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), Pose());
+  EXPECT_THROW((void)project(Particles(set), sweep), Error);
+  set.rotation().setZero();
+  EXPECT_THROW((void)project(Particles(set), Sensor::of(test::small_camera(5, 5), Pose(), Pose())), Error);
+  EXPECT_THROW((void)Sensor::of(test::small_lidar(3, 8), nominal_rays(lidar, 0.1), Pose(), Pose()), Error);
+}
+
+}  // namespace
+}  // namespace simuli::reference
