@@ -37,6 +37,8 @@ class Progress {
   Progress& operator=(Progress&&) = delete;
   ~Progress();
 
+  /// The size of the task, once it is known.
+  void set_total(std::uint64_t total) { total_ = total; }
   /// `done` steps are done; `extra` is shown behind the time, e.g. "PSNR 21.3 dB".
   void update(std::uint64_t done, std::string_view extra = {});
   /// Shows the last state, whatever the time since the one before, and ends the line.

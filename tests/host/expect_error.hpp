@@ -1,0 +1,23 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <string>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+
+/// Runs f, which must throw Error of `kind` whose one-line message holds `part`.
+template <class F>
+void expect_error(ErrorKind kind, const std::string& part, F&& f) {
+  try {
+    f();
+    ADD_FAILURE() << "nothing was thrown; expected: " << part;
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(error.kind(), kind) << what;
+    EXPECT_NE(what.find(part), std::string::npos) << "\"" << what << "\" lacks \"" << part << "\"";
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+  }
+}
+
+}  // namespace simuli
