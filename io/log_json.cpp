@@ -36,6 +36,9 @@ SpinDirection read_spin(JsonObject& object) {
 
 Json to_json(const Pose& a_from_b) {
   const Eigen::Quaterniond& q = a_from_b.rotation;
+  if (!(a_from_b.translation.allFinite() && std::abs(q.norm() - 1.0) <= kUnitNormTolerance)) {
+    throw_input_error("pose", "value", "NaN, Inf or no unit quaternion", "a rigid transform");
+  }
   return {{"position_m", array_of(a_from_b.translation)},
           {"rotation_wxyz", Json::array({q.w(), q.x(), q.y(), q.z()})}};
 }
@@ -135,8 +138,14 @@ LogLidar lidar_from_json(JsonObject& object) {
 void add_sensors(Json& object, const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars) {
   object["cameras"] = Json::array();
   object["lidars"] = Json::array();
-  for (const LogCamera& camera : cameras) object["cameras"].push_back(to_json(camera));
-  for (const LogLidar& lidar : lidars) object["lidars"].push_back(to_json(lidar));
+  for (const LogCamera& camera : cameras) {
+    validate(camera.model, "sensors to write");
+    object["cameras"].push_back(to_json(camera));
+  }
+  for (const LogLidar& lidar : lidars) {
+    validate(lidar.model, "sensors to write");
+    object["lidars"].push_back(to_json(lidar));
+  }
 }
 
 void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vector<LogLidar>& lidars) {
