@@ -1,4 +1,5 @@
 #pragma once
+// A scene folder: camera.ply, lidar.ply (io/ply.hpp) and scene.json, which names their counts.
 #include <filesystem>
 #include <vector>
 
@@ -12,12 +13,15 @@ struct SceneFile {
   Scene scene;
   std::vector<LogCamera> cameras;
   std::vector<LogLidar> lidars;
-  Trajectory world_from_rig;
+  Trajectory world_from_rig;  // may be empty
 };
 
-/// Scene folder: camera.ply, lidar.ply, scene.json. Unknown keys are errors. Errors as in io/log.hpp.
+/// Reads a scene folder. Unknown keys are errors, as are counts or SH degrees other than scene.json says.
+/// Errors as in io/log.hpp.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder);
-/// Writes each file atomically, scene.json last.
+/// Writes each file atomically, scene.json last; an older scene.json is removed first, so that a folder
+/// whose writing was cut short is refused. What could not be read back is refused before anything is
+/// touched: Error{kInput}.
 void write_scene(const std::filesystem::path& folder, const SceneFile& scene);
 
 }  // namespace simuli

@@ -1,0 +1,167 @@
+#include "io/scene_folder.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+#include "io/file.hpp"
+#include "io/ply.hpp"
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+using test::expect_input_error;
+using test::Scratch;
+
+SceneFile some_scene() {
+  SceneFile file;
+  Scene& scene = file.scene;
+  scene.name = "street \"corner\"";
+  scene.origin = {500123.456789012, -5400000.1, 0.1};
+  scene.camera = GaussianSet(SetKind::kCamera, 2, 3);
+  scene.lidar = GaussianSet(SetKind::kLidar, 0, 2);
+  for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    for (Eigen::Index i = 0; i < set->params.size(); ++i)
+      set->params.data()[i] = 0.3F + 0.01F * static_cast<float>(i);
+  }
+  scene.camera_background = {0.1F, 0.2F, 0.3F};
+  scene.lidar_background = {0.0F, -3.7F, 4.5F};
+  LogCamera camera;
+  camera.model = {"front", 64, 48, 50.5, 51.5, 32.25, 24.125, ShutterKind::kTopToBottom};
+  camera.rig_from_camera.translation = {1.5, -0.1, 1.4};
+  file.cameras.push_back(camera);
+  LogLidar lidar;
+  lidar.model.name = "top";
+  lidar.model.rows = {{0.1, 0.01, 0.02, -0.03, 1e-6}, {-0.2, 0.0, 0.0, 0.0, 0.0}};
+  lidar.model.columns = 90;
+  lidar.model.azimuth_span = 2.0 * std::numbers::pi;
+  lidar.model.range_min = 0.5;
+  lidar.model.range_max = 80.0;
+  lidar.model.beam_divergence = 0.003;
+  file.lidars.push_back(lidar);
+  const Pose turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())), {1.0, 2.0, 3.0}};
+  file.world_from_rig = Trajectory({{0.0, Pose{}}, {0.1, turned}});
+  return file;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+TEST(SceneFolder, RoundTrip) {
+  const Scratch scratch;
+  const SceneFile written = some_scene();
+  write_scene(scratch / "scene", written);
+  const SceneFile read = read_scene(scratch / "scene");
+  EXPECT_EQ(read.scene.name, written.scene.name);
+  EXPECT_EQ(read.scene.origin, written.scene.origin);  // every digit of a double
+  EXPECT_EQ(read.scene.camera_background, written.scene.camera_background);
+  EXPECT_EQ(read.scene.lidar_background, written.scene.lidar_background);
+  EXPECT_EQ(read.scene.camera.sh_degree, 2);
+  EXPECT_EQ(read.scene.camera.kind, SetKind::kCamera);
+  EXPECT_EQ(read.scene.lidar.kind, SetKind::kLidar);
+  EXPECT_EQ(read.scene.camera.params, written.scene.camera.params);
+  EXPECT_EQ(read.scene.lidar.params, written.scene.lidar.params);
+  ASSERT_EQ(read.cameras.size(), 1U);
+  EXPECT_EQ(read.cameras[0].model.cy, 24.125);
+  EXPECT_EQ(read.cameras[0].model.shutter, ShutterKind::kTopToBottom);
+  EXPECT_EQ(read.cameras[0].rig_from_camera.translation, written.cameras[0].rig_from_camera.translation);
+  ASSERT_EQ(read.lidars.size(), 1U);
+  ASSERT_EQ(read.lidars[0].model.rows.size(), 2U);
+  EXPECT_EQ(read.lidars[0].model.rows[0].horizontal_offset, -0.03);
+  EXPECT_EQ(read.lidars[0].model.beam_divergence, 0.003);
+  ASSERT_EQ(read.world_from_rig.poses().size(), 2U);
+  constexpr double kRounding = 1e-12;  // of a quaternion that is normalised again
+  EXPECT_TRUE(
+      read.world_from_rig.at(0.05).rotation.isApprox(written.world_from_rig.at(0.05).rotation, kRounding));
+  EXPECT_TRUE(read.world_from_rig.at(0.05).translation.isApprox(written.world_from_rig.at(0.05).translation,
+                                                                kRounding));
+}
+
+TEST(SceneFolder, SceneWithoutSensorsOrGaussiansIsAScene) {
+  const Scratch scratch;
+  write_scene(scratch / "scene", SceneFile{});
+  const SceneFile read = read_scene(scratch / "scene");
+  EXPECT_EQ(read.scene.camera.size(), 0);
+  EXPECT_TRUE(read.world_from_rig.poses().empty());
+}
+
+TEST(SceneFolder, OverwritingReplacesEverything) {
+  const Scratch scratch;
+  write_scene(scratch / "scene", some_scene());
+  SceneFile second = some_scene();
+  second.scene.camera = GaussianSet(SetKind::kCamera, 0, 1);
+  second.scene.camera.rotation()(0, 0) = 1.0F;
+  write_scene(scratch / "scene", second);
+  EXPECT_EQ(read_scene(scratch / "scene").scene.camera.size(), 1);
+}
+
+TEST(SceneFolder, BadSceneFilesAreRefused) {
+  const Scratch scratch;
+  write_scene(scratch / "scene", some_scene());
+  const std::filesystem::path file = scratch / "scene/scene.json";
+  const std::string good = read_file(file);
+  const auto refused =
+      [&](const std::string& from, const std::string& to, const std::vector<std::string>& words) {
+        write_file_atomically(file, replaced(good, from, to));
+        expect_input_error([&] { (void)read_scene(scratch / "scene"); }, words);
+      };
+  refused("\"name\"", "\"colour\": 1, \"name\"", {"scene.json", "colour"});
+  refused("\"sh_degree\": 2", "\"sh_degree\": 2, \"degrees\": 2", {"camera_set", "degrees"});
+  refused("\"origin_m\"", "\"origin_cm\"", {"origin"});
+  refused("simuli scene", "other scene", {"format", "other scene"});
+  refused("\"version\": 1", "\"version\": 2", {"version", "2"});
+  refused("\"gaussians\": 3", "\"gaussians\": 4", {"camera.ply", "3 Gaussians", "4"});
+  refused("\"gaussians\": 3", "\"gaussians\": \"3\"", {"camera_set.gaussians"});
+  refused("\"sh_degree\": 2", "\"sh_degree\": 1", {"camera.ply", "SH degree", "found 2"});
+  refused("\"sh_degree\": 0", "\"sh_degree\": 4", {"lidar_set.sh_degree", "4"});
+  refused("4.5", "4.5e300", {"lidar_set.background"});
+  refused("{", "", {"scene.json"});
+}
+
+TEST(SceneFolder, HalfAFolderIsRefused) {
+  const Scratch scratch;
+  expect_input_error([&] { (void)read_scene(scratch / "none"); }, {"scene.json"});
+  write_scene(scratch / "scene", some_scene());
+  std::filesystem::remove(scratch / "scene/lidar.ply");
+  expect_input_error([&] { (void)read_scene(scratch / "scene"); }, {"lidar.ply"});
+  write_scene(scratch / "scene", some_scene());
+  std::filesystem::remove(scratch / "scene/scene.json");
+  expect_input_error([&] { (void)read_scene(scratch / "scene"); }, {"scene.json"});
+  // The sets of the two files cannot be swapped.
+  write_scene(scratch / "scene", some_scene());
+  std::filesystem::copy_file(scratch / "scene/camera.ply",
+                             scratch / "scene/lidar.ply",
+                             std::filesystem::copy_options::overwrite_existing);
+  expect_input_error([&] { (void)read_scene(scratch / "scene"); }, {"lidar.ply", "channels"});
+}
+
+TEST(SceneFolder, WhatCannotBeReadBackLeavesTheOldSceneAlone) {
+  const Scratch scratch;
+  write_scene(scratch / "scene", some_scene());
+  const auto refused = [&](const SceneFile& bad, const std::vector<std::string>& words) {
+    expect_input_error([&] { write_scene(scratch / "scene", bad); }, words);
+    EXPECT_EQ(read_scene(scratch / "scene").scene.camera.size(), 3);
+  };
+  SceneFile bad = some_scene();
+  bad.scene.origin.x() = std::nan("");
+  refused(bad, {"origin_m"});
+  bad = some_scene();
+  bad.scene.lidar.params(1, kMeanRow) = std::nanf("");
+  refused(bad, {"lidar.ply", "vertex 1: x"});
+  bad = some_scene();
+  bad.lidars[0].model.name = "front";
+  refused(bad, {"front"});
+  bad = some_scene();
+  bad.cameras[0].model.fx = -1.0;
+  refused(bad, {"fx_px"});
+  bad = some_scene();
+  bad.scene.lidar.kind = SetKind::kCamera;
+  refused(bad, {"lidar.ply", "kind"});
+}
+
+}  // namespace
+}  // namespace simuli
