@@ -77,7 +77,7 @@ struct StreetOptions {
 /// Renders the street into a log folder (complete or not at all): camera "front", lidar "top", both at
 /// 10 Hz, trajectory at 100 Hz. Sweep i spans [0.1 i, 0.1 (i + 1)] s and image i is exposed about its middle.
 /// `progress(done, total)` is called after every frame. Error{kInput} names an option outside its range, or
-/// an output folder that exists and is not empty.
+/// an output folder that already exists.
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress = {});
 

@@ -1,7 +1,6 @@
 // The synthetic street seen by a camera and a LiDAR on a driving rig, written as a log folder.
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <fmt/format.h>
@@ -11,8 +10,8 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "io/file.hpp"
 #include "io/street.hpp"
-#include "io/street_world.hpp"
 
 namespace simuli {
 namespace {
@@ -134,41 +133,6 @@ void for_each_row(int rows, int threads, const Work& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// A sibling of the output that becomes it on commit() and vanishes otherwise.
-class FolderInTheMaking {
- public:
-  explicit FolderInTheMaking(std::filesystem::path output) : output_(std::move(output)) {
-    if (!output_.has_filename()) output_ = output_.parent_path();  // "out/" means "out"
-    std::error_code error;
-    if (std::filesystem::exists(output_, error) && !std::filesystem::is_empty(output_, error)) {
-      throw_input_error(
-          output_.string(), "output folder", "a folder or file that exists", "a new or empty folder");
-    }
-    temporary_ = output_;
-    temporary_ += fmt::format(".{}.partial", std::chrono::steady_clock::now().time_since_epoch().count());
-    std::filesystem::create_directories(temporary_, error);
-    if (error) throw_input_error(temporary_.string(), "output folder", error.message(), "a writable place");
-  }
-  FolderInTheMaking(const FolderInTheMaking&) = delete;
-  FolderInTheMaking& operator=(const FolderInTheMaking&) = delete;
-  ~FolderInTheMaking() {
-    std::error_code ignored;
-    if (!temporary_.empty()) std::filesystem::remove_all(temporary_, ignored);
-  }
-  [[nodiscard]] const std::filesystem::path& path() const { return temporary_; }
-  [[nodiscard]] const std::filesystem::path& commit() {
-    std::error_code error;
-    std::filesystem::rename(temporary_, output_, error);
-    if (error) throw_input_error(output_.string(), "output folder", error.message(), "a new or empty folder");
-    temporary_.clear();
-    return output_;
-  }
-
- private:
-  std::filesystem::path output_;
-  std::filesystem::path temporary_;
-};
-
 }  // namespace
 
 Log street_log(const StreetOptions& options) {
@@ -257,25 +221,26 @@ Sweep scan_street(const Street& street,
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress) {
   Log log = street_log(options);
-  FolderInTheMaking folder(options.output);
-  log.folder = folder.path();
-  std::filesystem::create_directories(log.folder / "images");
-  std::filesystem::create_directories(log.folder / "sweeps");
   const Street street(options.seed, options.moving_car);
   const LogCamera& camera = log.cameras.front();
   const LogLidar& lidar = log.lidars.front();
   const Trajectory& path = log.world_from_rig;
-  for (std::size_t i = 0; i < log.images.size(); ++i) {
-    const ImageFrame& image = log.images[i];
-    write_image(log.folder / image.file,
-                render_street(street, camera, path, image.time_start_s, image.time_end_s, options.threads));
-    const SweepFrame& sweep = log.sweeps[i];
-    write_sweep(log.folder / sweep.file,
-                scan_street(street, lidar, path, sweep.time_start_s, sweep.time_end_s, options.threads));
-    if (progress) progress(i + 1, log.images.size());
-  }
-  write_log(log);
-  log.folder = folder.commit();
+  write_folder_atomically(options.output, [&](const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder / "images");
+    std::filesystem::create_directories(folder / "sweeps");
+    for (std::size_t i = 0; i < log.images.size(); ++i) {
+      const ImageFrame& image = log.images[i];
+      write_image(folder / image.file,
+                  render_street(street, camera, path, image.time_start_s, image.time_end_s, options.threads));
+      const SweepFrame& sweep = log.sweeps[i];
+      write_sweep(folder / sweep.file,
+                  scan_street(street, lidar, path, sweep.time_start_s, sweep.time_end_s, options.threads));
+      if (progress) progress(i + 1, log.images.size());
+    }
+    log.folder = folder;
+    write_log(log);
+  });
+  log.folder = options.output;
   return log;
 }
 

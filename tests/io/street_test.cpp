@@ -1,0 +1,289 @@
+#include "io/street.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+
+// A few rounding errors of double at 10 m.
+constexpr double kExact_m = 1e-12;
+// Ranges are stored as float: half a unit in the last place at 100 m is 4e-6 m; the rest is left for times
+// that are rounded to nanoseconds on disk (1e-8 m at 10 m/s).
+constexpr double kStoredRange_m = 1e-4;
+constexpr double kFarAway_m = 1e4;
+
+StreetOptions small_options(const std::filesystem::path& output) {
+  StreetOptions options;
+  options.output = output;
+  options.frames = 2;
+  options.image_width = 48;
+  options.image_height = 27;
+  options.lidar_columns = 120;
+  return options;
+}
+
+TEST(Street, RoadLiesAtZeroAndPavementAKerbHigher) {
+  const Street street;
+  const StreetHit road = street.trace({10.0, -1.0, 2.0}, -Vector3d::UnitZ(), 0.0, kFarAway_m);
+  ASSERT_TRUE(road.hit);
+  EXPECT_NEAR(road.range, 2.0, kExact_m);
+  EXPECT_EQ(road.normal, Vector3d::UnitZ());
+  const StreetHit pavement = street.trace({10.0, -5.6, 2.0}, -Vector3d::UnitZ(), 0.0, kFarAway_m);
+  EXPECT_NEAR(pavement.range, 1.85, kExact_m);
+  // 3-4-5: 1.5 m down along a slope of 3 in 5, under the trees and between the parked cars.
+  const StreetHit slope = street.trace({0.0, 0.0, 1.5}, {0.8, 0.0, -0.6}, -1e3, kFarAway_m);
+  EXPECT_NEAR(slope.range, 2.5, kExact_m);
+}
+
+TEST(Street, SkyAndRangeLimit) {
+  const Street street;
+  EXPECT_FALSE(street.trace({0.0, 0.0, 2.0}, Vector3d::UnitZ(), 0.0, kFarAway_m).hit);
+  EXPECT_FALSE(street.trace({0.0, 0.0, 2.0}, -Vector3d::UnitZ(), 0.0, 1.9).hit);
+  EXPECT_TRUE(street.trace({0.0, 0.0, 2.0}, -Vector3d::UnitZ(), 0.0, 2.1).hit);
+  const StreetHit sky = street.trace({0.0, 0.0, 2.0}, Vector3d::UnitZ(), 0.0, kFarAway_m);
+  EXPECT_GT(sky.colour.z(), sky.colour.x());  // blue
+}
+
+TEST(Street, RaysThatAreNoRaysHitNothing) {
+  const Street street;
+  const double nan = std::nan("");
+  EXPECT_FALSE(street.trace({nan, 0.0, 2.0}, -Vector3d::UnitZ(), 0.0, kFarAway_m).hit);
+  EXPECT_FALSE(street.trace({0.0, 0.0, 2.0}, {0.0, nan, -1.0}, 0.0, kFarAway_m).hit);
+  EXPECT_FALSE(street.trace({0.0, 0.0, 2.0}, -Vector3d::UnitZ(), nan, kFarAway_m).hit);
+  EXPECT_FALSE(street.trace({0.0, 0.0, 2.0}, -Vector3d::UnitZ(), 0.0, nan).hit);
+}
+
+TEST(Street, CarMovesAtItsSpeed) {
+  const Street street;
+  constexpr double kRear_m = 2.1;  // from the car's middle to its bumper
+  for (const double time_s : {0.0, 0.5, 1.234, 2.0}) {
+    const double x = Street::car_position(time_s).x();
+    EXPECT_NEAR(x, Street::car_position(0.0).x() + Street::kCarSpeed_m_per_s * time_s, kExact_m);
+    const StreetHit rear = street.trace({0.0, 1.75, 0.6}, Vector3d::UnitX(), time_s, kFarAway_m);
+    ASSERT_TRUE(rear.hit);
+    EXPECT_TRUE(rear.on_car);
+    EXPECT_NEAR(rear.range, x - kRear_m, kExact_m);
+    EXPECT_EQ(rear.normal, -Vector3d::UnitX());
+  }
+}
+
+TEST(Street, CarCanBeLeftOut) {
+  const Street street(1, false);
+  const StreetHit hit = street.trace({0.0, 1.75, 0.6}, Vector3d::UnitX(), 0.0, kFarAway_m);
+  ASSERT_TRUE(hit.hit);  // the houses across the end
+  EXPECT_FALSE(hit.on_car);
+  EXPECT_GT(hit.range, Street::kLength_m);
+}
+
+TEST(Street, CarPaintTravelsWithTheCar) {
+  const Street street;
+  const auto side = [&](double time_s) {
+    const Vector3d origin = Street::car_position(time_s) + Vector3d(-1.7, -1.2, 0.7);
+    return street.trace(origin, Vector3d::UnitY(), time_s, kFarAway_m);
+  };
+  ASSERT_TRUE(side(0.0).on_car);
+  EXPECT_TRUE(side(0.0).colour.isApprox(side(1.7).colour));
+}
+
+TEST(Street, LidarIsBlindToGlassAndToFaintReturns) {
+  const Street street;
+  // The rear window of the moving car is glass, its tail is painted.
+  const Vector3d behind = Street::car_position(0.0) - Vector3d(6.0, 0.0, 0.0);
+  const Vector3d window = behind + Vector3d(0.0, 0.0, 1.2);
+  ASSERT_TRUE(street.trace(window, Vector3d::UnitX(), 0.0, 100.0).on_car);
+  EXPECT_EQ(street.lidar_return(window, Vector3d::UnitX(), 0.0, 0.9, 100.0).range, 0.0);
+  const StreetReturn tail =
+      street.lidar_return(behind + Vector3d(0.0, 0.0, 0.7), Vector3d::UnitX(), 0.0, 0.9, 100.0);
+  EXPECT_NEAR(tail.range, 6.0 - 2.1, kExact_m);
+  EXPECT_GT(tail.intensity, 0.0);
+  EXPECT_LE(tail.intensity, 1.0);
+  // Asphalt under a grazing ray: seen at 15 m, silent at 60 m, where it still is in the picture.
+  const auto road = [&](double distance_m) {
+    const Vector3d direction = Vector3d(-distance_m, 0.0, -1.9).normalized();
+    EXPECT_TRUE(street.trace({100.0, -1.0, 1.9}, direction, 0.0, 100.0).hit);
+    return street.lidar_return({100.0, -1.0, 1.9}, direction, 0.0, 0.9, 100.0).range;
+  };
+  EXPECT_NEAR(road(15.0), std::hypot(15.0, 1.9), 1e-9);
+  EXPECT_EQ(road(60.0), 0.0);
+  // Nearer than the sensor can measure.
+  EXPECT_EQ(street.lidar_return({0.0, 0.0, 0.5}, -Vector3d::UnitZ(), 0.0, 0.9, 100.0).range, 0.0);
+}
+
+TEST(Street, SweepIsTracedFromEachRaysOwnOriginAtItsOwnTime) {
+  StreetOptions options = small_options("unused");
+  options.lidar_columns = 300;
+  const Log log = street_log(options);
+  const Street street;
+  const LogLidar& lidar = log.lidars.front();
+  const SweepFrame& frame = log.sweeps[1];
+  const Sweep sweep = scan_street(street, lidar, log.world_from_rig, frame.time_start_s, frame.time_end_s);
+  int returns = 0;
+  int drops = 0;
+  double static_error_m = 0.0;  // what ignoring the motion within the sweep would cost
+  for (int r = 0; r < lidar.model.row_count(); ++r) {
+    const LidarRow& row = lidar.model.rows[static_cast<std::size_t>(r)];
+    for (int c = 0; c < lidar.model.columns; ++c) {
+      const auto i = static_cast<std::size_t>(r * lidar.model.columns + c);
+      const double az = static_cast<double>(sweep.rays.azimuth[i]);
+      const double el = static_cast<double>(sweep.rays.elevation[i]);
+      const double time_s = frame.time_start_s + 0.1 * static_cast<double>(sweep.rays.time_fraction[i]);
+      const Vector3d origin(-row.horizontal_offset * std::sin(az),
+                            row.horizontal_offset * std::cos(az),
+                            row.vertical_offset + 1.9);
+      const Vector3d direction(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+      const auto trace_at = [&](double pose_time_s) {
+        const Pose world_from_rig = log.world_from_rig.at(pose_time_s);
+        return street.trace(world_from_rig * origin, world_from_rig.rotation * direction, time_s, 100.0);
+      };
+      const auto range = static_cast<double>(sweep.range[i]);
+      if (range == 0.0) {
+        ++drops;
+        EXPECT_EQ(sweep.intensity[i], 0.0F);
+        continue;
+      }
+      ++returns;
+      EXPECT_NEAR(range, trace_at(time_s).range, kStoredRange_m) << "row " << r << " column " << c;
+      static_error_m = std::max(static_error_m, std::abs(range - trace_at(frame.time_start_s).range));
+    }
+  }
+  EXPECT_GT(returns, 20 * drops / 10);  // glass, faint asphalt: some drops, far from most
+  EXPECT_GT(drops, returns / 50);
+  EXPECT_GT(static_error_m, 0.1);  // the sweep takes 0.8 m of driving: the test would notice its loss
+}
+
+TEST(Street, PicturesDependOnSeedAndTimeButNotOnThreads) {
+  StreetOptions options = small_options("unused");
+  const Log log = street_log(options);
+  const auto picture = [&](const Street& street, double time_s, int threads) {
+    return render_street(street, log.cameras.front(), log.world_from_rig, time_s, time_s, threads).data;
+  };
+  const Street street(1);
+  const std::vector<float> once = picture(street, 0.05, 1);
+  EXPECT_EQ(once, picture(Street(1), 0.05, 7));
+  EXPECT_NE(once, picture(Street(2), 0.05, 1));
+  EXPECT_NE(once, picture(street, 0.15, 1));
+  EXPECT_TRUE(std::all_of(once.begin(), once.end(), [](float v) { return v >= 0.0F && v <= 1.0F; }));
+  const auto sweep = [&](int threads) {
+    return scan_street(street, log.lidars.front(), log.world_from_rig, 0.0, 0.1, threads);
+  };
+  EXPECT_EQ(sweep(1).range, sweep(5).range);
+  EXPECT_EQ(sweep(1).intensity, sweep(5).intensity);
+}
+
+TEST(Street, PictureShowsTheMovingCarWhereItIs) {
+  const Log log = street_log(small_options("unused"));
+  const LogCamera& camera = log.cameras.front();
+  const double time_s = 0.05;
+  const Pose world_from_camera = log.world_from_rig.at(time_s) * camera.rig_from_camera;
+  const Vector3d tail = Street::car_position(time_s) + Vector3d(-2.1, 0.4, 0.7);
+  Eigen::Vector2d pixel;
+  ASSERT_TRUE(camera.model.project(world_from_camera.inverse() * tail, pixel));
+  const auto x = static_cast<int>(pixel.x());
+  const auto y = static_cast<int>(pixel.y());
+  const Image with = render_street(Street(1, true), camera, log.world_from_rig, time_s, time_s);
+  const Image without = render_street(Street(1, false), camera, log.world_from_rig, time_s, time_s);
+  EXPECT_GT(with.at(x, y, 0), with.at(x, y, 2) + 0.3F);        // yellow paint
+  EXPECT_LT(without.at(x, y, 0), without.at(x, y, 2) + 0.1F);  // grey road
+}
+
+TEST(Street, RollingShutterReadsTopToBottom) {
+  StreetOptions options = small_options("unused");
+  options.rolling_shutter = true;
+  const Log log = street_log(options);
+  const ImageFrame& frame = log.images.front();
+  EXPECT_NEAR(frame.time_end_s - frame.time_start_s, 0.02, 1e-12);
+  const Street street;
+  const auto rows_like = [&](const Image& picture, double time_s) {
+    const Image still = render_street(street, log.cameras.front(), log.world_from_rig, time_s, time_s);
+    double top = 0.0;
+    double bottom = 0.0;
+    for (int x = 0; x < picture.width; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        top += std::abs(picture.at(x, 0, c) - still.at(x, 0, c));
+        bottom += std::abs(picture.at(x, picture.height - 1, c) - still.at(x, picture.height - 1, c));
+      }
+    }
+    return std::pair{top, bottom};
+  };
+  const Image rolling =
+      render_street(street, log.cameras.front(), log.world_from_rig, frame.time_start_s, frame.time_end_s);
+  const auto [top_at_start, bottom_at_start] = rows_like(rolling, frame.time_start_s);
+  const auto [top_at_end, bottom_at_end] = rows_like(rolling, frame.time_end_s);
+  EXPECT_LT(top_at_start, top_at_end);
+  EXPECT_LT(bottom_at_end, bottom_at_start);
+}
+
+TEST(Street, LogIsReadBackAsWritten) {
+  const test::Scratch scratch;
+  const StreetOptions options = small_options(scratch / "street");
+  std::size_t calls = 0;
+  const Log written = synth_street(options, [&](std::size_t done, std::size_t total) {
+    EXPECT_EQ(done, ++calls);
+    EXPECT_EQ(total, 2U);
+  });
+  EXPECT_EQ(calls, 2U);
+  EXPECT_EQ(written.folder, options.output);
+  const Log log = read_log(options.output);
+  ASSERT_EQ(log.images.size(), 2U);
+  ASSERT_EQ(log.sweeps.size(), 2U);
+  const Street street(options.seed);
+  const SweepFrame& frame = log.sweeps[1];
+  EXPECT_NEAR(frame.time_start_s, 0.1, 1e-9);
+  const LogLidar& lidar = log.lidar(frame.lidar);
+  const Sweep stored = read_sweep(log.folder / frame.file, lidar.model);
+  const Sweep truth = scan_street(street, lidar, log.world_from_rig, frame.time_start_s, frame.time_end_s);
+  ASSERT_EQ(stored.range.size(), lidar.model.ray_count());
+  // Drops agree but for a ray that grazes an edge: nanoseconds on disk move the sensor by 1e-9 m.
+  std::size_t different_drops = 0;
+  for (std::size_t i = 0; i < stored.range.size(); ++i) {
+    if ((stored.range[i] > 0.0F) != (truth.range[i] > 0.0F)) {
+      ++different_drops;
+    } else {
+      EXPECT_NEAR(stored.range[i], truth.range[i], kStoredRange_m);
+    }
+    EXPECT_EQ(stored.rays.azimuth[i], truth.rays.azimuth[i]);
+    EXPECT_EQ(stored.rays.time_fraction[i], truth.rays.time_fraction[i]);
+  }
+  EXPECT_LE(different_drops, 1U);
+  const ImageFrame& image = log.images[1];
+  EXPECT_NEAR(image.time_start_s, 0.15, 1e-9);
+  const Image picture = read_image(log.folder / image.file);
+  const Image drawn = render_street(
+      street, log.camera(image.camera), log.world_from_rig, image.time_start_s, image.time_end_s);
+  ASSERT_EQ(picture.data.size(), drawn.data.size());
+  constexpr double kEightBits = 0.5 / 255.0 + 1e-4;  // rounding to 8 bits
+  for (std::size_t i = 0; i < drawn.data.size(); ++i) EXPECT_NEAR(picture.data[i], drawn.data[i], kEightBits);
+}
+
+TEST(Street, OutputIsCompleteOrNotThere) {
+  const test::Scratch scratch;
+  StreetOptions options = small_options(scratch / "street");
+  EXPECT_THROW(synth_street(options, [](std::size_t, std::size_t) { throw std::runtime_error("stop"); }),
+               std::runtime_error);
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+  (void)synth_street(options);
+  test::expect_input_error([&] { (void)synth_street(options); }, {"street", "allowed"});
+}
+
+TEST(Street, OptionsOutsideTheirRangeAreRefused) {
+  const auto refused = [](const char* field, const auto& change) {
+    StreetOptions options = small_options("unused");
+    change(options);
+    test::expect_input_error([&] { (void)street_log(options); }, {field, "found", "allowed"});
+  };
+  refused("frames", [](StreetOptions& o) { o.frames = 0; });
+  refused("speed_m_per_s", [](StreetOptions& o) { o.speed_m_per_s = std::nan(""); });
+  refused("image_width", [](StreetOptions& o) { o.image_width = 1 << 30; });
+  refused("image_height", [](StreetOptions& o) { o.image_height = -1; });
+  refused("lidar_columns", [](StreetOptions& o) { o.lidar_columns = 0; });
+  refused("260 m", [](StreetOptions& o) { o.frames = 1000; });
+}
+
+}  // namespace
+}  // namespace simuli
