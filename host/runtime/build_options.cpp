@@ -37,8 +37,11 @@ BuildOptions& BuildOptions::real(Precision precision) {
 std::string BuildOptions::text() const {
   // Argument info is what Kernel<Args...> checks the host's types against.
   std::string text = "-cl-std=CL1.2 -cl-kernel-arg-info";
-  if (precision_ == Precision::kDouble) text += " -D " + std::string(kRealDouble) + "=1";
-  for (const auto& [name, value] : defines_) text += " -D " + name + "=" + value;
+  const auto append = [&](std::string_view name, std::string_view value) {
+    text.append(" -D ").append(name).append("=").append(value);
+  };
+  if (precision_ == Precision::kDouble) append(kRealDouble, "1");
+  for (const auto& [name, value] : defines_) append(name, value);
   return text;
 }
 

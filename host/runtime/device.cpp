@@ -15,7 +15,7 @@ namespace simuli {
 namespace {
 
 // 32 KiB is the least OpenCL 1.2 promises; a CPU keeps that in its first cache.
-constexpr std::uint64_t kCpuLocalBytes = 32 * 1024;
+constexpr std::uint64_t kCpuLocalBytes = 32U << 10U;
 
 struct Found {
   cl::Device device;
@@ -87,6 +87,7 @@ Quirks quirks_of(const DeviceInfo& info) {
   quirks.prefers_explicit_vectors = info.is_cpu;
   quirks.compiles_at_first_launch = platform.find("portable computing language") != std::string::npos;
   quirks.binaries_lack_argument_info = platform.find("nvidia") != std::string::npos;
+  quirks.ignores_line_directives = platform.find("oclgrind") != std::string::npos;
   quirks.usable_local_bytes = info.is_cpu ? std::min(info.local_bytes, kCpuLocalBytes) : info.local_bytes;
   return quirks;
 }

@@ -40,9 +40,9 @@ SIMULI_CL_TYPE(std::uint64_t, "ulong");
 class Range {
  public:
   // Implicit, so that launches read kernel.launch(count, 64, ...) and kernel.launch({w, h}, {16, 16}, ...).
-  Range(std::size_t x) : size_{x, 1, 1}, dimensions_(1) {}                                // NOLINT
-  Range(std::size_t x, std::size_t y) : size_{x, y, 1}, dimensions_(2) {}                 // NOLINT
-  Range(std::size_t x, std::size_t y, std::size_t z) : size_{x, y, z}, dimensions_(3) {}  // NOLINT
+  Range(std::size_t x) : size_{x, 1, 1}, dimensions_(1) {}  // NOLINT(google-explicit-constructor)
+  Range(std::size_t x, std::size_t y) : size_{x, y, 1}, dimensions_(2) {}
+  Range(std::size_t x, std::size_t y, std::size_t z) : size_{x, y, z}, dimensions_(3) {}
   [[nodiscard]] static Range none() { return {}; }
 
   [[nodiscard]] cl_uint dimensions() const { return dimensions_; }

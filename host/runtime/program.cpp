@@ -36,8 +36,7 @@ cl::Program compile(const Device& device,
                     const std::string& source,
                     const std::string& options) {
   const auto context = [&] { return fmt::format("building {} with options {}", shown, options); };
-  const auto program =
-      cl_call(ErrorKind::kKernel, context, [&] { return cl::Program(device.context(), source); });
+  auto program = cl_call(ErrorKind::kKernel, context, [&] { return cl::Program(device.context(), source); });
   try {
     // clBuildProgram, not compile and link: drivers cache this call.
     program.build({device.handle()}, options.c_str());

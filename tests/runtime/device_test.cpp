@@ -1,0 +1,103 @@
+#include "host/runtime/device.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "host/runtime/buffer.hpp"
+#include "host/runtime/cl_error.hpp"
+#include "tests/runtime/support.hpp"
+
+namespace simuli {
+namespace {
+
+using test::contains;
+using test::error_of;
+using test::ScopedEnvironment;
+
+TEST(Device, ThereIsAtLeastOne) { ASSERT_FALSE(Device::list().empty()) << "no OpenCL device: install PoCL"; }
+
+TEST(Device, DescribesItself) {
+  const Device device = test::open_device();
+  const DeviceInfo& info = device.info();
+  EXPECT_FALSE(info.platform.empty());
+  EXPECT_FALSE(info.name.empty());
+  EXPECT_FALSE(info.driver_version.empty());
+  EXPECT_TRUE(info.device_version.starts_with("OpenCL "));
+  EXPECT_TRUE(info.usable);
+  EXPECT_GT(info.compute_units, 0U);
+  EXPECT_GT(info.max_work_group_size, 0U);
+  EXPECT_GE(info.global_bytes, info.max_alloc_bytes);
+  // OpenCL 1.2 promises 32 KiB of local memory and 128 MiB or a quarter of the memory per buffer.
+  EXPECT_GE(info.local_bytes, 32U * 1024U);
+  EXPECT_GE(info.max_alloc_bytes, std::min<std::uint64_t>(info.global_bytes / 4, 128U << 20U));
+  EXPECT_GT(device.quirks().usable_local_bytes, 0U);
+  EXPECT_LE(device.quirks().usable_local_bytes, info.local_bytes);
+  EXPECT_EQ(device.quirks().prefers_explicit_vectors, info.is_cpu);
+}
+
+TEST(Device, ListHasGpusFirst) {
+  const auto devices = Device::list();
+  EXPECT_TRUE(std::is_partitioned(
+      devices.begin(), devices.end(), [](const DeviceInfo& info) { return info.is_gpu; }));
+}
+
+TEST(Device, IsFoundByIndexAndByName) {
+  const ScopedEnvironment unset("SIMULI_DEVICE", std::nullopt);
+  const auto devices = Device::list();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (!devices[i].usable) continue;
+    EXPECT_EQ(Device::best(std::to_string(i)).info().label(), devices[i].label());
+  }
+  std::string shouted = devices.front().label();
+  std::transform(shouted.begin(), shouted.end(), shouted.begin(), [](char c) {
+    return static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  });
+  EXPECT_EQ(Device::best(shouted).info().label(), devices.front().label());
+}
+
+TEST(Device, UnmatchedRequestListsTheDevices) {
+  const std::string first = Device::list().front().label();
+  EXPECT_TRUE(contains(error_of(ErrorKind::kDevice, [] { (void)Device::best("no such device"); }),
+                       {"'no such device'", "[0]", first}));
+  EXPECT_TRUE(contains(error_of(ErrorKind::kDevice, [] { (void)Device::best("123456"); }), {"'123456'"}));
+}
+
+TEST(Device, VariableIsARequestAndTheArgumentOverridesIt) {
+  const ScopedEnvironment set("SIMULI_DEVICE", "no such device");
+  EXPECT_TRUE(contains(error_of(ErrorKind::kDevice, [] { (void)Device::best(); }), {"no such device"}));
+  EXPECT_NO_THROW((void)Device::best("0"));
+}
+
+TEST(Device, AdoptsACallersContextAndQueue) {
+  const Device own = test::open_device();
+  const Device adopted = Device::adopt(own.context()(), own.queue()());
+  EXPECT_EQ(adopted.info().label(), own.info().label());
+  EXPECT_FALSE(adopted.profile().enabled());
+  const Buffer<int> buffer(adopted, "values", std::vector<int>{1, 2, 3});
+  EXPECT_EQ(buffer.download(), (std::vector<int>{1, 2, 3}));
+  const Device other = test::open_device();
+  EXPECT_TRUE(
+      contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(own.context()(), other.queue()()); }),
+               {"another context"}));
+}
+
+TEST(Device, RefusesAnOutOfOrderQueue) {
+  const Device own = test::open_device();
+  cl::CommandQueue queue;
+  try {
+    queue = cl::CommandQueue(own.context(), own.handle(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+  } catch (const cl::Error&) {
+    GTEST_SKIP() << "skipped: this device has no out-of-order queues to refuse";
+  }
+  EXPECT_TRUE(contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(own.context()(), queue()); }),
+                       {"out of order"}));
+}
+
+TEST(Device, CodesHaveNames) {
+  EXPECT_EQ(cl_code_name(CL_OUT_OF_RESOURCES), "CL_OUT_OF_RESOURCES");
+  EXPECT_EQ(cl_code_name(-1001), "CL_PLATFORM_NOT_FOUND_KHR");
+  EXPECT_EQ(cl_code_name(12345), "unknown OpenCL code");
+}
+
+}  // namespace
+}  // namespace simuli
