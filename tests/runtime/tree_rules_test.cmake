@@ -1,0 +1,51 @@
+# tree_rules.cmake on small trees, one rule broken in each: it has to name the file, and to accept the good tree.
+#   cmake -D RULES=tests/tree_rules.cmake -D WORK=<scratch folder> -P tree_rules_test.cmake
+cmake_minimum_required(VERSION 3.23)
+
+function(make_good_tree)
+  file(REMOVE_RECURSE "${WORK}")
+  file(WRITE "${WORK}/cl/files.cmake" "set(SIMULI_CL_FILES kernels/bin.cl math/sh.h)\n")
+  file(WRITE "${WORK}/cl/kernels/bin.cl" "// bin.cl - keys. Launcher: host/render/bin.cpp\n#include \"math/sh.h\"\n")
+  file(WRITE "${WORK}/cl/math/sh.h" "// sh.h - harmonics.\n")
+  file(WRITE "${WORK}/host/render/bin.cpp" "#include \"host/runtime/kernel.hpp\"\n")
+  file(WRITE "${WORK}/host/runtime/cl.hpp" "#include <CL/opencl.hpp>\n")
+endfunction()
+
+function(expect wanted_result wanted_text)
+  execute_process(COMMAND ${CMAKE_COMMAND} -D ROOT=${WORK} -P ${RULES}
+                  RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  string(REGEX REPLACE "[ \n]+" " " out "${out}")  # messages are wrapped
+  string(FIND "${out}" "${wanted_text}" at)
+  if((wanted_result STREQUAL "good" AND NOT result EQUAL 0) OR (wanted_result STREQUAL "bad" AND result EQUAL 0)
+     OR at EQUAL -1)
+    message(FATAL_ERROR "wanted ${wanted_result} and '${wanted_text}', got ${result}: ${out}")
+  endif()
+endfunction()
+
+# breaks(FILE TEXT MESSAGE): the good tree with that file is refused with that message.
+function(breaks file text wanted)
+  make_good_tree()
+  file(WRITE "${WORK}/${file}" "${text}")
+  expect(bad "${wanted}")
+endfunction()
+
+make_good_tree()
+expect(good "follow the rules")
+string(REPEAT "// line\n" 400 just_fits)
+file(WRITE "${WORK}/io/long.cpp" "${just_fits}")
+expect(good "follow the rules")
+
+breaks(io/long.cpp "${just_fits}// one more\n" "io/long.cpp: 401 lines")
+breaks(cl/math/sh.h "#include \"host/base/error.hpp\"\n" "cl/math/sh.h: cl includes nothing above it")
+breaks(host/base/a.hpp "#include \"io/file.hpp\"\n" "host/base/a.hpp: base, scene")
+breaks(host/scene/a.hpp "  #  include \"host/render/stages.hpp\"\n" "host/scene/a.hpp: base, scene")
+breaks(host/sensors/a.hpp "#include \"host/runtime/device.hpp\"\n" "host/sensors/a.hpp: base, scene")
+breaks(host/runtime/a.hpp "#include \"host/render/stages.hpp\"\n" "host/runtime/a.hpp: the runtime")
+breaks(host/render/a.cpp "#include \"io/file.hpp\"\n" "host/render/a.cpp: render includes no io")
+breaks(io/a.cpp "#include \"host/runtime/device.hpp\"\n" "io/a.cpp: io knows no device")
+breaks(optim/a.cpp "#include \"host/cli/train.hpp\"\n" "optim/a.cpp: optim includes no cli")
+breaks(tests/a.cpp "#include <CL/cl.h>\n" "tests/a.cpp: only host/runtime")
+breaks(cl/kernels/bin.cl "// something else\n" "cl/kernels/bin.cl: the first line")
+breaks(cl/kernels/bin.cl "// bin.cl - keys. Launcher: host/render/gone.cpp\n" "host/render/gone.cpp does not exist")
+breaks(cl/kernels/new.cl "// new.cl - new. Launcher: host/render/bin.cpp\n" "cl/kernels/new.cl: is not in cl/files.cmake")
+file(REMOVE_RECURSE "${WORK}")
