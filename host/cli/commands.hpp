@@ -1,0 +1,22 @@
+#pragma once
+// The commands of the program, one file each. A command adds itself to the app; its callback does the work
+// and throws Error, which main() turns into one line on stderr and an exit code. Data goes to stdout,
+// everything else to stderr.
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace simuli::cli {
+
+/// Options that every command takes, before or behind its name.
+struct Globals {
+  std::string device;                // part of an OpenCL device's name; empty: the best one
+  std::string quality = "balanced";  // what is not built yet is refused while parsing
+  bool json = false;                 // data as JSON
+  bool verbose = false;              // tell times on stderr
+};
+
+void add_import(CLI::App& app, const Globals& globals);
+void add_info(CLI::App& app, const Globals& globals);
+void add_synth(CLI::App& app, const Globals& globals);
+
+}  // namespace simuli::cli

@@ -1,0 +1,86 @@
+#include "host/cli/info.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+#include <system_error>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/cli/commands.hpp"
+
+namespace simuli::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InfoOptions {
+  std::string target;
+  std::string sensor;  // inside the target; empty: the target itself
+};
+
+/// False also where the path can't be looked at (no permission, a name too long).
+bool is_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+/// Prints the sensor `name` of a log or a scene.
+void print_sensor_of(const std::string& folder,
+                     const std::vector<LogCamera>& cameras,
+                     const std::vector<LogLidar>& lidars,
+                     const std::string& name,
+                     bool json) {
+  std::vector<std::string> known;
+  for (const LogCamera& camera : cameras) {
+    if (camera.model.name == name) return print_camera(camera.model, json);
+    known.push_back(camera.model.name);
+  }
+  for (const LogLidar& lidar : lidars) {
+    if (lidar.model.name == name) return print_lidar(lidar.model, json);
+    known.push_back(lidar.model.name);
+  }
+  throw_input_error(folder, "sensor", '"' + name + '"', fmt::format("{}", fmt::join(known, ", ")));
+}
+
+void info(const InfoOptions& options, bool json) {
+  const fs::path target = options.target;
+  if (is_there(target / "log.json")) {
+    const Log log = read_log(target);
+    if (options.sensor.empty()) return print_log(log, json);
+    return print_sensor_of(options.target, log.cameras, log.lidars, options.sensor, json);
+  }
+  if (is_there(target / "scene.json")) {
+    const SceneFile scene = read_scene(target);
+    if (options.sensor.empty()) return print_scene(scene, json);
+    return print_sensor_of(options.target, scene.cameras, scene.lidars, options.sensor, json);
+  }
+  const std::vector<std::string> builtin = builtin_lidar_names();
+  if (std::find(builtin.begin(), builtin.end(), options.target) == builtin.end()) {
+    throw_input_error(options.target,
+                      "folder",
+                      is_there(target) ? "neither log.json nor scene.json" : "nothing of that name",
+                      fmt::format("a log, a scene, or a sensor: {}", fmt::join(builtin, ", ")));
+  }
+  if (!options.sensor.empty()) {
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format(
+            "{} is a sensor: found \"{}\" behind it, allowed nothing", options.target, options.sensor));
+  }
+  print_lidar(builtin_lidar(options.target), json);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, const Globals& globals) {
+  const auto options = std::make_shared<InfoOptions>();
+  CLI::App* command = app.add_subcommand("info", "what a log, a scene or a sensor consists of");
+  command->add_option("TARGET", options->target, "log folder, scene folder or built-in sensor")->required();
+  command->add_option("SENSOR", options->sensor, "name of one sensor in that log or scene");
+  command->callback([options, &globals] { info(*options, globals.json); });
+}
+
+}  // namespace simuli::cli

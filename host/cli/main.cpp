@@ -1,0 +1,82 @@
+#include <chrono>
+#include <exception>
+#include <fmt/format.h>
+#include <iostream>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/cli/commands.hpp"
+
+namespace {
+
+/// Empty when `value` can be used, else what to tell the user. (CLI11's contract for a check.)
+std::string check_quality(const std::string& value) {
+  if (value == "balanced") return {};
+  for (const char* planned : {"draft", "exact", "reference"}) {
+    if (value == planned)
+      return fmt::format("found {}, which this version does not have; allowed balanced", value);
+  }
+  return fmt::format("found {}, allowed balanced", value);
+}
+
+void add_globals(CLI::App& app, simuli::cli::Globals& globals) {
+  app.add_option("--device", globals.device, "part of the OpenCL device's name; default: the best one");
+  app.add_option("--quality", globals.quality, "speed against accuracy: balanced")
+      ->check(CLI::Validator(check_quality, "NAME", "quality"));
+  app.add_flag("--json", globals.json, "data as JSON on stdout");
+  app.add_flag("--verbose", globals.verbose, "tell times on stderr");
+}
+
+int fail(const std::string& what, int exit_code) {
+  std::cerr << "simuli: " << what << std::endl;
+  return exit_code;
+}
+
+int run(int argc, char** argv) {
+  using simuli::ErrorKind;
+  CLI::App app("Camera and LiDAR simulation with 3D Gaussians on any OpenCL device", "simuli");
+  app.set_version_flag("--version", "simuli " SIMULI_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();  // global options may stand behind the command's name
+  simuli::cli::Globals globals;
+  add_globals(app, globals);
+  simuli::cli::add_import(app, globals);
+  simuli::cli::add_info(app, globals);
+  simuli::cli::add_synth(app, globals);
+
+  const auto begin = std::chrono::steady_clock::now();
+  try {
+    app.parse(argc, argv);  // runs the command
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    // CLI11 names a missing command before it names an unknown one.
+    const std::vector<std::string> unknown = app.remaining(true);
+    const bool is_unknown = error.get_name() == "RequiredError" && !unknown.empty();
+    const std::string what =
+        is_unknown ? "found \"" + unknown.front() + "\", allowed a command" : error.what();
+    return fail(what + " (simuli --help)", static_cast<int>(ErrorKind::kUsage));
+  }
+  if (!std::cout.flush()) return fail("stdout: could not be written", static_cast<int>(ErrorKind::kInput));
+  if (globals.verbose) {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+    std::cerr << fmt::format("simuli: {:.2f} s", elapsed.count()) << std::endl;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  constexpr int kInternal = static_cast<int>(simuli::ErrorKind::kInternal);
+  try {
+    return run(argc, argv);
+  } catch (const simuli::Error& error) {
+    return fail(error.what(), error.exit_code());
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory", kInternal);
+  } catch (const std::exception& error) {
+    return fail(fmt::format("internal error: {}", error.what()), kInternal);
+  }
+}

@@ -1,0 +1,42 @@
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/file_progress.hpp"
+#include "host/cli/info.hpp"
+#include "io/street.hpp"
+
+namespace simuli::cli {
+namespace {
+
+void synth(const StreetOptions& options, const Globals& globals) {
+  FileProgress progress("synth street", globals);
+  const Log log = synth_street(options, progress.callback());
+  progress.finish();
+  print_log(log, globals.json);
+}
+
+}  // namespace
+
+void add_synth(CLI::App& app, const Globals& globals) {
+  CLI::App* command =
+      app.add_subcommand("synth", "make a log of an embedded scene, whose truth is known exactly");
+  command->require_subcommand(1);
+
+  const auto options = std::make_shared<StreetOptions>();
+  CLI::App* street = command->add_subcommand("street", "a street with one moving car");
+  street->add_option("-o,--output", options->output, "log folder to write")->required();
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    street->add_option(name, value, text)->capture_default_str();
+  };
+  add("--frames", options->frames, "images per camera and sweeps");
+  add("--speed", options->speed_m_per_s, "of the rig, m/s");
+  add("--image-width", options->image_width, "pixels");
+  add("--image-height", options->image_height, "pixels");
+  add("--lidar-columns", options->lidar_columns, "firings per turn");
+  add("--seed", options->seed, "of textures and furniture");
+  street->add_flag("--moving-car,!--no-moving-car", options->moving_car, "one car drives; default: yes");
+  street->add_flag("--rolling-shutter", options->rolling_shutter, "20 ms top to bottom instead of global");
+  street->callback([options, &globals] { synth(*options, globals); });
+}
+
+}  // namespace simuli::cli
