@@ -1,0 +1,277 @@
+#include "optim/initialize.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "io/image.hpp"
+#include "optim/initialize_points.hpp"
+#include "optim/initialize_views.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it either way
+/// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
+constexpr float kHitLogit = 1.5F;
+constexpr double kFlatRatio = 0.2;  // thickness of a particle on a plane over its width
+constexpr double kThinnest_m = 0.01;
+constexpr double kShellFlatRatio = 0.1;
+constexpr double kShellExtents = 3.0;      // the shell stands at three times the farthest point ...
+constexpr double kShellNearest_m = 200.0;  // ... but never nearer than this
+
+void check(const InitOptions& o) {
+  const auto need = [](bool holds, const char* field, double found, const char* allowed) {
+    if (!holds) {
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("initialise: {}: found {}, allowed {}", field, found, allowed));
+    }
+  };
+  need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
+  need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
+  need(o.camera_sh_degree >= 0 && o.camera_sh_degree <= 3, "camera_sh_degree", o.camera_sh_degree, "0 to 3");
+  need(o.lidar_sh_degree >= 0 && o.lidar_sh_degree <= 3, "lidar_sh_degree", o.lidar_sh_degree, "0 to 3");
+  need(o.min_scale_m > 0.0, "min_scale_m", o.min_scale_m, "above 0");
+  need(o.max_scale_m >= o.min_scale_m && std::isfinite(o.max_scale_m),
+       "max_scale_m",
+       o.max_scale_m,
+       "finite and at least min_scale_m");
+}
+
+/// Mean sensor position in whole metres: offsets from it are small and exact in float.
+Eigen::Vector3d scene_origin(const Trajectory& world_from_rig) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const TimedPose& p : world_from_rig.poses()) sum += p.pose.translation;
+  return (sum / static_cast<double>(world_from_rig.poses().size())).array().round();
+}
+
+Pose shifted(Pose world_from_sensor, const Eigen::Vector3d& origin) {
+  world_from_sensor.translation -= origin;
+  return world_from_sensor;
+}
+
+void add_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin, VoxelGrid& grid) {
+  const LogLidar& lidar = log.lidar(frame.lidar);
+  const Sweep sweep = read_sweep(log.folder / frame.file, lidar.model);
+  const Pose start = shifted(log.world_from_rig.at(frame.time_start_s) * lidar.rig_from_lidar, origin);
+  const Pose end = shifted(log.world_from_rig.at(frame.time_end_s) * lidar.rig_from_lidar, origin);
+  const auto columns = static_cast<std::size_t>(sweep.rays.columns);
+  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+    if (sweep.range[i] == 0.0F) continue;  // fired, nothing came back
+    const double azimuth = sweep.rays.azimuth[i];
+    const Pose scene_from_lidar = interpolate(start, end, sweep.rays.time_fraction[i]);
+    const Eigen::Vector3d p_lidar =
+        lidar.model.origin(static_cast<int>(i / columns), azimuth) +
+        static_cast<double>(sweep.range[i]) * Lidar::direction(azimuth, sweep.rays.elevation[i]);
+    grid.add(scene_from_lidar * p_lidar, sweep.intensity[i]);
+  }
+}
+
+/// The picture of `frame` and the view it was taken from, both at the training size.
+std::pair<Image, View> load_view(const Log& log,
+                                 const ImageFrame& frame,
+                                 const Eigen::Vector3d& origin,
+                                 double image_scale) {
+  const LogCamera& camera = log.camera(frame.camera);
+  const std::filesystem::path file = log.folder / frame.file;
+  Image image = read_image(file);
+  if (image.width != camera.model.width || image.height != camera.model.height) {
+    throw_input_error(
+        file.string(),
+        "size",
+        fmt::format("{} x {}", image.width, image.height),
+        fmt::format("{} x {} as camera {}", camera.model.width, camera.model.height, camera.model.name));
+  }
+  const auto scaled = [&](int side) {
+    return std::max(1, static_cast<int>(std::lround(side * image_scale)));
+  };
+  const Camera model = camera.model.resized(scaled(image.width), scaled(image.height));
+  if (model.width != image.width || model.height != image.height) {
+    image = resize_area(image, model.width, model.height);
+  }
+  View view(model,
+            shifted(log.world_from_rig.at(frame.time_start_s) * camera.rig_from_camera, origin),
+            shifted(log.world_from_rig.at(frame.time_end_s) * camera.rig_from_camera, origin));
+  return {std::move(image), std::move(view)};
+}
+
+void set_shape(GaussianSet& set,
+               Eigen::Index row,
+               const Eigen::Vector3f& mean,
+               const Eigen::Quaternionf& scene_from_local,
+               const Eigen::Vector3d& scale_m) {
+  const Eigen::Quaternionf& q = scene_from_local;
+  set.mean().row(row) = mean.transpose();
+  set.log_scale().row(row) = scale_m.array().log().matrix().cast<float>().transpose();
+  set.rotation().row(row) << q.w(), q.x(), q.y(), q.z();
+  set.opacity_logit()(row) = kOpacityLogit;
+}
+
+/// A particle on point `i`: as wide as the distance to its neighbours and at least `width_m`, flat on planes.
+void set_on_point(GaussianSet& set,
+                  const PointSet& points,
+                  std::size_t i,
+                  const LocalShape& shape,
+                  double width_m,
+                  const InitOptions& options) {
+  const double scale_m =
+      std::clamp(std::max<double>(shape.spacing_m, width_m), options.min_scale_m, options.max_scale_m);
+  const double thickness_m =
+      shape.planar ? std::min(scale_m, std::max(kFlatRatio * scale_m, kThinnest_m)) : scale_m;
+  const auto row = static_cast<Eigen::Index>(i);
+  set_shape(set, row, points.position.col(row), shape.scene_from_local, {scale_m, scale_m, thickness_m});
+}
+
+GaussianSet lidar_set(const PointSet& points, const InitOptions& options) {
+  GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
+  const std::vector<LocalShape> shapes = local_shapes(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    set_on_point(set, points, i, shapes[i], 0.0, options);
+    set.sh(0).row(static_cast<Eigen::Index>(i)) << (points.intensity[i] - 0.5F) / kSh0, kHitLogit / kSh0,
+        -kHitLogit / kSh0;
+  }
+  return set;
+}
+
+/// Particles on the points, coloured by `looks`, and behind them the shell patches at `indices`.
+GaussianSet camera_set(const PointSet& points,
+                       const std::vector<PointLook>& looks,
+                       const FarShell& shell,
+                       const std::vector<FarShell::Patch>& patches,
+                       const std::vector<std::uint32_t>& kept,
+                       const InitOptions& options) {
+  const std::size_t count = points.size() + kept.size();
+  GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(count));
+  const auto set_colour = [&](std::size_t row, const Eigen::Vector3f& colour) {
+    set.sh(0).row(static_cast<Eigen::Index>(row)) = ((colour.array() - 0.5F) / kSh0).matrix().transpose();
+  };
+  const std::vector<LocalShape> shapes = local_shapes(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, options);
+    set_colour(i, looks[i].colour);
+  }
+  if (kept.empty()) return set;
+  // Fewer patches than cells: each covers the area of those that were left out.
+  const double widened = std::sqrt(static_cast<double>(patches.size()) / static_cast<double>(kept.size()));
+  const double scale_m = widened * shell.spacing_rad() * shell.distance_m();
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const FarShell::Patch& patch = patches[kept[k]];
+    const std::size_t row = points.size() + k;
+    set_shape(set,
+              static_cast<Eigen::Index>(row),
+              patch.direction * static_cast<float>(shell.distance_m()),
+              Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), patch.direction),
+              {scale_m, scale_m, kShellFlatRatio * scale_m});
+    set_colour(row, patch.colour);
+  }
+  return set;
+}
+
+/// Drops points that no image saw, then thins to `limit`. Returns the number of unseen points.
+std::size_t keep_seen(PointSet& points,
+                      std::vector<PointLook>& looks,
+                      std::size_t limit,
+                      std::uint64_t seed) {
+  std::vector<std::uint32_t> seen;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    if (std::isfinite(looks[i].range_m)) seen.push_back(static_cast<std::uint32_t>(i));
+  }
+  const std::size_t unseen = points.size() - seen.size();
+  std::vector<std::uint32_t> kept;
+  std::vector<PointLook> kept_looks;
+  for (const std::uint32_t k : thin(seen.size(), limit, seed)) {
+    kept.push_back(seen[k]);
+    kept_looks.push_back(looks[seen[k]]);
+  }
+  points = points.subset(kept);
+  looks = std::move(kept_looks);
+  return unseen;
+}
+
+template <class Frame>
+std::vector<const Frame*> training_frames(const std::vector<Frame>& frames, int every) {
+  std::vector<const Frame*> out;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!is_held_out(i, every)) out.push_back(&frames[i]);
+  }
+  return out;
+}
+
+double farthest_m(const PointSet& points, const Trajectory& trajectory, const Eigen::Vector3d& origin) {
+  double farthest = points.size() > 0 ? std::sqrt(points.position.colwise().squaredNorm().maxCoeff()) : 0.0;
+  for (const TimedPose& p : trajectory.poses()) {
+    farthest = std::max(farthest, (p.pose.translation - origin).norm());
+  }
+  return farthest;
+}
+
+}  // namespace
+
+SceneInit initialize_scene(const Log& log,
+                           const InitOptions& options,
+                           const std::function<void(std::size_t, std::size_t)>& progress) {
+  check(options);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto sweeps = training_frames(log.sweeps, options.held_out_every);
+  const auto images = training_frames(log.images, options.held_out_every);
+  if (sweeps.empty() && images.empty()) {
+    throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
+  }
+  std::size_t files = 0;
+  const auto step = [&] {
+    ++files;
+    if (progress) progress(files, sweeps.size() + images.size());
+  };
+  SceneInit out;
+  InitReport& report = out.report;
+  Scene& scene = out.scene;
+  scene.name = log.name;
+  scene.origin = scene_origin(log.world_from_rig);
+
+  VoxelGrid grid(options.voxel_m);
+  for (const SweepFrame* frame : sweeps) {
+    add_sweep(log, *frame, scene.origin, grid);
+    step();
+  }
+  PointSet points = grid.averages();
+  report.sweeps = sweeps.size();
+  report.points = grid.points();
+  report.voxels = points.size();
+
+  const auto lidar_kept = thin(points.size(), options.max_lidar, options.seed);
+  scene.lidar = lidar_set(points.subset(lidar_kept), options);
+  report.lidar_particles = lidar_kept.size();
+  report.lidar_thinned = points.size() - lidar_kept.size();
+
+  const double extent_m = farthest_m(points, log.world_from_rig, scene.origin);
+  FarShell shell(options.shell_spacing_deg, std::max(kShellNearest_m, kShellExtents * extent_m));
+  std::vector<PointLook> looks(points.size());
+  for (const ImageFrame* frame : images) {
+    const auto [image, view] = load_view(log, *frame, scene.origin, options.image_scale);
+    // Two samples per shell cell and axis, so that no cell between two samples stays empty.
+    const double sample_px = 0.5 * shell.spacing_rad() / view.pixel_size_at_1m();
+    const int cell_px = std::max(1, static_cast<int>(sample_px));
+    const Coverage coverage = look_at_points(view, image, points, options.voxel_m, cell_px, looks);
+    if (options.max_shell > 0) shell.add(view, image, coverage);
+    step();
+  }
+  report.images = images.size();
+  report.unseen_points = keep_seen(points, looks, options.max_camera, options.seed);
+  report.camera_thinned = report.voxels - report.unseen_points - points.size();
+
+  const std::vector<FarShell::Patch> patches = shell.patches();
+  const auto shell_kept = thin(patches.size(), options.max_shell, options.seed);
+  scene.camera = camera_set(points, looks, shell, patches, shell_kept, options);
+  report.shell_particles = shell_kept.size();
+  report.camera_particles = points.size() + shell_kept.size();
+  report.shell_distance_m = shell.distance_m();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return out;
+}
+
+}  // namespace simuli

@@ -1,0 +1,58 @@
+#pragma once
+// First guess of a scene from a log: LiDAR returns become particles, images give them colour, and what no
+// laser reaches (sky, far buildings) becomes a far shell. METHOD section 12.
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "host/scene/scene.hpp"
+#include "io/log.hpp"
+
+namespace simuli {
+
+struct InitOptions {
+  double voxel_m = 0.1;                // one point per voxel of this side
+  int held_out_every = 5;              // frames for which is_held_out() says yes are not read; 0: read all
+  double image_scale = 1.0;            // (0, 1]: size of the pictures the camera set will be trained on
+  int camera_sh_degree = 1;            // 0 to 3; coefficients above degree 0 start at zero
+  int lidar_sh_degree = 1;             // 0 to 3
+  std::size_t max_camera = 1'000'000;  // particles on LiDAR points; the shell comes on top
+  std::size_t max_lidar = 1'000'000;   // particles
+  std::size_t max_shell = 20'000;      // particles; 0: no shell
+  double shell_spacing_deg = 1.0;      // angle between shell particles, seen from the scene origin
+  double min_scale_m = 0.03;           // limits of a particle's standard deviation
+  double max_scale_m = 0.5;
+  std::uint64_t seed = 1;  // which points go when there are more than max_*
+};
+
+/// What the initialisation did, so that nothing is dropped without a number.
+struct InitReport {
+  std::size_t sweeps = 0;         // read
+  std::size_t images = 0;         // read
+  std::size_t points = 0;         // returns in those sweeps
+  std::size_t voxels = 0;         // occupied
+  std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
+  std::size_t lidar_thinned = 0;  // voxels left out to keep to max_lidar
+  std::size_t camera_thinned = 0;
+  std::size_t lidar_particles = 0;
+  std::size_t camera_particles = 0;  // with the shell
+  std::size_t shell_particles = 0;
+  double shell_distance_m = 0.0;
+  double seconds = 0.0;
+};
+
+struct SceneInit {
+  Scene scene;
+  InitReport report;
+};
+
+/// Reads the training sweeps and images of `log`, one at a time, and builds both particle sets. The same log
+/// and options give the same bits. The scene's origin is the mean position of the trajectory in whole
+/// metres. `progress(done, total)` is called after each file.
+/// Throws Error{kUsage} for options outside their range, Error{kInput} when no frame is left for training or
+/// a file can't be read.
+[[nodiscard]] SceneInit initialize_scene(const Log& log,
+                                         const InitOptions& options,
+                                         const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+}  // namespace simuli
