@@ -61,8 +61,10 @@ TEST(CameraFootprint, FaintParticlesAreDropped) {
 TEST(CameraFootprint, FallsBackToTheWholePictureNearTheCamera) {
   const std::vector<SingleParticle> near_or_around = {
       small_at({0.0, 0.0, 0.1}, 1.0),   // the camera is inside
-      small_at({0.0, 0.0, -0.5}, 0.5),  // behind, but its ball of k s = 1.56 m reaches forward
-      small_at({9.0, 0.0, 0.8}, 0.3),   // more than 84 degrees off axis
+      small_at({0.0, 0.0, -0.5}, 0.5),  // behind, with a sigma point in front
+      small_at({0.0, 0.0, -1.2},
+               0.5),  // all sigma points behind, but its ball of k s = 1.56 m reaches forward
+      small_at({9.0, 0.0, 0.8}, 0.3),  // more than 84 degrees off axis
   };
   for (const SingleParticle& particle : near_or_around) {
     const Footprint f = camera_footprint(particle);
@@ -193,6 +195,13 @@ TEST(Time, ProjectionFindsTheRayThatSeesThePointWithASpinningLidar) {
   }
 }
 
+TEST(Time, RangesAreThoseOfTheMiddleOfTheFrame) {
+  const Particles set(test::set_of(SetKind::kCamera, {small_at({0.0, 0.0, 8.0})}));
+  Pose end;
+  end.translation = {0.0, 0.0, 4.0};
+  EXPECT_NEAR(project(set, Sensor::of(test::small_camera(5, 5), Pose(), end))[0].range, 6.0, kDouble);
+}
+
 TEST(Time, SharesOfTheFrameAreClamped) {
   const Camera camera = test::small_camera(20, 10, ShutterKind::kBottomToTop);
   EXPECT_NEAR(exposure_time(camera, {3.0, 2.5}), 0.75, kDouble);
@@ -233,6 +242,28 @@ TEST(Rays, AgreeWithTheSensorModels) {
                 0.0,
                 kDouble);
   }
+}
+
+TEST(Rays, TurnOnTheShorterArc) {
+  const Pose start = moved({1.0, 2.0, 0.5}, 0.3);
+  const Pose end = moved({2.5, 2.2, 0.5}, -0.4);
+  Pose same_end = end;
+  same_end.rotation.coeffs() = -end.rotation.coeffs();  // the same rotation by the other quaternion
+  const Camera camera = test::small_camera(6, 4, ShutterKind::kLeftToRight);
+  const std::vector<Ray> expected = rays(Sensor::of(camera, start, end));
+  const std::vector<Ray> same = rays(Sensor::of(camera, start, same_end));
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR((same[i].direction - expected[i].direction).norm(), 0.0, kDouble);
+  }
+}
+
+TEST(Rays, PointAtTheMeasuredElevationAndStandAtTheNominalOne) {
+  const Lidar lidar = test::small_lidar(2, 3);
+  LidarRays sweep = nominal_rays(lidar, 0.1);
+  sweep.elevation[4] += 0.01F;  // row 1
+  const Ray ray = rays(Sensor::of(lidar, sweep, Pose(), Pose()))[4];
+  EXPECT_NEAR(std::asin(ray.direction.z()), static_cast<double>(sweep.elevation[4]), kDouble);
+  EXPECT_EQ(ray.y, lidar.rows[1].elevation);
 }
 
 TEST(Refusals, NameTheReason) {

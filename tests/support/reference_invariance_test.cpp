@@ -235,6 +235,36 @@ TEST(Invariance, BoxesOnlyTakeAwayFaintContributions) {
   EXPECT_LT(difference_sum / static_cast<double>(whole.size()), 0.01);
 }
 
+TEST(Boxes, ClipEachAxisByItself) {
+  for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
+    const Particles set = around_sensor(kind, 0, 12);
+    const Sensor sensor = kind == SetKind::kCamera ? moving_camera(ShutterKind::kGlobal) : moving_lidar();
+    const std::vector<Ray> all = rays(sensor);
+    Options unclipped;
+    unclipped.ignore_box = true;
+    int outside_x = 0;
+    int outside_y = 0;
+    for (Eigen::Index k = 0; k < set.size(); ++k) {
+      Particles one = set;
+      one.params = set.params.row(k);
+      const std::vector<Footprint> footprint = project(one, sensor);
+      const std::vector<RayResult> whole = render(one, sensor, all, footprint, unclipped, kCameraBackground);
+      const std::vector<RayResult> clipped = render(one, sensor, all, footprint, {}, kCameraBackground);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        double dx = std::abs(all[i].x - footprint[0].mean.x());
+        if (kind == SetKind::kLidar) dx = std::abs(std::remainder(dx, 2.0 * kPi));
+        const bool in_x = dx <= footprint[0].half_width.x();
+        const bool in_y = std::abs(all[i].y - footprint[0].mean.y()) <= footprint[0].half_width.y();
+        EXPECT_EQ(clipped[i].contributors, in_x && in_y ? whole[i].contributors : 0) << "particle " << k;
+        if (whole[i].contributors == 1 && !in_x && in_y) ++outside_x;
+        if (whole[i].contributors == 1 && in_x && !in_y) ++outside_y;
+      }
+    }
+    EXPECT_GT(outside_x, 0) << "kind " << static_cast<int>(kind);
+    EXPECT_GT(outside_y, 0) << "kind " << static_cast<int>(kind);
+  }
+}
+
 TEST(Scenes, AreTheSameForTheSameSeed) {
   test::SetRecipe recipe;
   recipe.sh_degree = 2;
