@@ -1,3 +1,22 @@
 # Every file of device code, relative to cl/: these are embedded in the library. One line each.
 set(SIMULI_CL_FILES
+  shared/layout.h
+  math/lanes.h
+  math/elementary.h
+  math/gaussian.h
+  math/response.h
+  math/sensor.h
+  math/sh.h
+  math/unscented.h
+  kernels/adam.cl
+  kernels/bin.cl
+  kernels/loss_image.cl
+  kernels/loss_lidar.cl
+  kernels/project.cl
+  kernels/project_bwd.cl
+  kernels/rays.cl
+  kernels/render.cl
+  kernels/render_bwd.cl
+  kernels/scan.cl
+  kernels/sort.cl
 )

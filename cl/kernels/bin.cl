@@ -1,0 +1,115 @@
+// bin.cl - visible particles -> tile instances -> tile ranges. Launcher: host/render/bin.cpp
+// Every work-item owns `chunk` consecutive elements: few work-items with long loops suit CPUs, many with
+// short ones GPUs. All orders are fixed by the input, none by scheduling.
+#include "math/lanes.h"
+#include "shared/layout.h"
+
+/// out counts[work-items]: visible particles of each chunk.
+__kernel void visible_count(__global const uint* keys,
+                            const uint n,
+                            const uint chunk,
+                            __global uint* counts) {
+  const uint first = min((uint)get_global_id(0) * chunk, n);
+  const uint last = min(first + chunk, n);
+  uint count = 0;
+  for (uint i = first; i < last; ++i) count += keys[i] != 0xffffffffu;
+  counts[get_global_id(0)] = count;
+}
+
+/// in  offsets[work-items]: exclusive prefix sum of counts
+/// out visible_keys, visible[M]: range keys and indices of the visible particles, by index
+__kernel void visible_write(__global const uint* keys,
+                            const uint n,
+                            const uint chunk,
+                            __global const uint* offsets,
+                            __global uint* visible_keys,
+                            __global uint* visible) {
+  const uint first = min((uint)get_global_id(0) * chunk, n);
+  const uint last = min(first + chunk, n);
+  uint place = offsets[get_global_id(0)];
+  for (uint i = first; i < last; ++i) {
+    if (keys[i] == 0xffffffffu) continue;
+    visible_keys[place] = keys[i];
+    visible[place] = i;
+    ++place;
+  }
+}
+
+inline uint tiles_of(const FrameParams frame, const Footprint f) {
+  return (uint)f.tile_count *
+         ((uint)f.row_last / frame.rows_per_tile - (uint)f.row_first / frame.rows_per_tile + 1);
+}
+
+/// in  order[M]: visible particles by range
+/// out counts[work-items]: tile instances of each chunk, 0xffffffff if they don't fit 32 bits
+__kernel void instance_count(const FrameParams frame,
+                             __global const uint* order,
+                             const uint m,
+                             const uint chunk,
+                             __global const Footprint* footprints,
+                             __global uint* counts) {
+  const uint first = min((uint)get_global_id(0) * chunk, m);
+  const uint last = min(first + chunk, m);
+  ulong count = 0;
+  for (uint i = first; i < last; ++i) count += tiles_of(frame, footprints[order[i]]);
+  counts[get_global_id(0)] = (uint)min(count, (ulong)0xffffffffu);
+}
+
+/// Writes the instances of each particle, nearest particle first.
+/// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28;
+///     emission[N]: a particle's first instance, the index of its first gradient slot
+__kernel void instance_emit(const FrameParams frame,
+                            __global const uint* order,
+                            const uint m,
+                            const uint chunk,
+                            __global const Footprint* footprints,
+                            __global const uint* offsets,
+                            __global uint* tile,
+                            __global uint* payload,
+                            __global uint* emission) {
+  const uint first = min((uint)get_global_id(0) * chunk, m);
+  const uint last = min(first + chunk, m);
+  uint place = offsets[get_global_id(0)];
+  for (uint i = first; i < last; ++i) {
+    const uint particle = order[i];
+    const Footprint f = footprints[particle];
+    emission[particle] = place;
+    const uint ty0 = (uint)f.row_first / frame.rows_per_tile;
+    const uint ty1 = (uint)f.row_last / frame.rows_per_tile;
+    for (uint ty = ty0; ty <= ty1; ++ty) {
+      const uint top = ty * frame.rows_per_tile;
+      const uint row0 = max((uint)f.row_first, top) - top;
+      const uint row1 = min((uint)f.row_last, top + frame.rows_per_tile - 1) - top;
+      const uint packed = particle | row0 * frame.row_slots << SIM_PARTICLE_BITS |
+                          ((row1 + 1) * frame.row_slots - 1) << (SIM_PARTICLE_BITS + 4);
+      uint tx = (uint)f.tile_x;
+      for (int k = 0; k < f.tile_count; ++k) {
+        tile[place] = ty * frame.tiles_x + tx;
+        payload[place] = packed;
+        ++place;
+        if (++tx == frame.tiles_x) tx = 0;
+      }
+    }
+  }
+}
+
+/// in  tile[K]: sorted
+/// out first[tiles + 1]: instances of tile t are [first[t], first[t+1])
+__kernel void tile_ranges(__global const uint* tile,
+                          const uint k,
+                          const uint chunk,
+                          const uint tiles,
+                          __global uint* first) {
+  const uint begin = min((uint)get_global_id(0) * chunk, k);
+  const uint end = min(begin + chunk, k);
+  // The work-item that owns instance i opens every tile after that of instance i-1 up to its own.
+  for (uint i = begin; i < end; ++i) {
+    const uint here = tile[i];
+    const uint from = i == 0 ? 0 : tile[i - 1] + 1;
+    for (uint t = from; t <= here; ++t) first[t] = i;
+  }
+  if (end == k && (begin < end || k == 0)) {
+    const uint from = k == 0 ? 0 : tile[k - 1] + 1;
+    for (uint t = from; t <= tiles; ++t) first[t] = k;
+  }
+}

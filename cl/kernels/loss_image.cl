@@ -1,0 +1,35 @@
+// loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/loss.cpp
+#include "math/lanes.h"
+#include "shared/layout.h"
+
+/// One work-item per tile. L = weight * mean over pixels and channels of |rendered - truth|.
+/// in  out[6][slots]; truth[3][slots]; world_ray[3][slots]: a zero direction marks slots without a pixel
+/// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
+__kernel void loss_image(const FrameParams frame,
+                         const real scale,
+                         __global const real* world_ray,
+                         __global const real* out,
+                         __global const real* truth,
+                         __global real* grad_out,
+                         __global real* sums) {
+  const uint tile = get_global_id(0);
+  const uint s = frame.slots;
+  F absolute = (F)R(0.0), squared = (F)R(0.0);
+  for (uint j = 0; j < SIM_TILE_RAYS; j += V) {
+    const uint i = tile * SIM_TILE_RAYS + j;
+    const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
+    const I real_pixel = OR(OR(x != R(0.0), y != R(0.0)), z != R(0.0));
+    for (int c = 0; c < 3; ++c) {
+      const F difference = SEL(real_pixel, LDV(out + c * s + i) - LDV(truth + c * s + i), (F)R(0.0));
+      absolute += fabs(difference);
+      squared = fma(difference, difference, squared);
+      F sign = SEL(difference > R(0.0), (F)R(1.0), (F)R(0.0));
+      sign = SEL(difference < R(0.0), (F)R(-1.0), sign);
+      STV(grad_out + c * s + i, sign * scale);
+    }
+    STV(grad_out + SIM_O_TRANSMITTANCE * s + i, (F)R(0.0));
+    STV(grad_out + SIM_O_DISTANCE * s + i, (F)R(0.0));
+  }
+  sums[2 * tile] = HSUM(absolute);
+  sums[2 * tile + 1] = HSUM(squared);
+}

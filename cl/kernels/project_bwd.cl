@@ -1,0 +1,143 @@
+// project_bwd.cl - gradient slots -> gradients of the parameters. Launcher: host/render/project.cpp
+#include "math/gaussian.h"
+#include "math/sh.h"
+
+/// V particles per work-item. Sums each particle's slots in emission order, then applies the chain rule of
+/// project's record. The box and the order carry no gradient (METHOD section 4).
+/// in  params[rows][stride]; keys[N], footprints[N], emission[N], records[N][16] of project and bin;
+///     grads[K][16] of render_bwd
+/// out param_grads[rows][stride]: dL/dparam, 0 for particles that were culled
+__kernel void project_bwd(const FrameParams frame,
+                          __global const real* params,
+                          __global const real* sensor,
+                          __global const uint* keys,
+                          __global const Footprint* footprints,
+                          __global const uint* emission,
+                          __global const real* records,
+                          __global const real* grads,
+                          __global real* param_grads) {
+  const uint i = get_global_id(0) * V;
+  if (i >= frame.particles) return;
+  const uint lanes = min((uint)V, frame.particles - i);
+  const uint stride = frame.stride;
+
+  // Slots are rows of 16 reals: add rows, then turn the V sums over.
+  real summed[SIM_GRAD * V];
+  real feature[3 * V];
+  real seen[V];
+  uint any_seen = 0;
+  for (uint lane = 0; lane < V; ++lane) {
+    REAL_VECTOR(16) sum = (REAL_VECTOR(16))(R(0.0));
+    seen[lane] = R(0.0);
+    for (int c = 0; c < 3; ++c) feature[c * V + lane] = R(0.0);
+    if (lane < lanes && keys[i + lane] != 0xffffffffu) {
+      const Footprint f = footprints[i + lane];
+      const uint rows = (uint)f.row_last / frame.rows_per_tile - (uint)f.row_first / frame.rows_per_tile + 1;
+      const uint count = (uint)f.tile_count * rows;
+      const __global real* slot = grads + (ulong)emission[i + lane] * SIM_GRAD;
+      for (uint k = 0; k < count; ++k) sum += vload16(k, slot);
+      for (int c = 0; c < 3; ++c) {
+        feature[c * V + lane] = records[(ulong)(i + lane) * SIM_RECORD + SIM_R_FEATURE + c];
+      }
+      seen[lane] = R(1.0);
+      any_seen = 1;
+    }
+    real row[SIM_GRAD];
+    vstore16(sum, 0, row);
+    for (int k = 0; k < SIM_GRAD; ++k) summed[k * V + lane] = row[k];
+  }
+  if (!any_seen) {
+    for (int row = 0; row < SIM_SH + 3 * SH_COEFFICIENTS; ++row) {
+      STV(param_grads + row * stride + i, (F)R(0.0));
+    }
+    return;
+  }
+
+  Gaussian g;
+  load_gaussian(params, stride, i, sensor, &g);
+  BlendMatrix b;
+  blend_matrix(&g, &b);
+  const I live = LDV(seen) > R(0.5);
+
+  // Back through A = D H M / r and o' = -H D M offset / r, H and D held: any fixed rotation leaves q and tau.
+  F go[3], in[3], gm[9];
+  for (int k = 0; k < 3; ++k) in[k] = LDV(summed + (SIM_G_ORIGIN + k) * V);
+  unreflect(&b, in, go);
+  for (int c = 0; c < 3; ++c) {
+    F column[3];
+    for (int k = 0; k < 3; ++k) in[k] = LDV(summed + (SIM_G_MATRIX + 3 * k + c) * V);
+    unreflect(&b, in, column);
+    // o_g = -M offset.
+    for (int k = 0; k < 3; ++k) gm[3 * k + c] = fma(-go[k], g.offset[c], column[k]);
+  }
+  F g_mean[3];
+  for (int c = 0; c < 3; ++c) {
+    g_mean[c] = -(b.m[c] * go[0] + b.m[3 + c] * go[1] + b.m[6 + c] * go[2]);
+  }
+
+  // M = diag(1/s^) R^T; s^ = sqrt(s^2 + kappa range^2).
+  F gr[9];
+  for (int k = 0; k < 3; ++k) {
+    const F inv = R(1.0) / g.filtered[k];
+    F along = (F)R(0.0);
+    for (int c = 0; c < 3; ++c) {
+      along = fma(gm[3 * k + c], b.m[3 * k + c], along);
+      gr[3 * c + k] = gm[3 * k + c] * inv;
+    }
+    const F g_filtered = -along * inv;
+    const F g_log_scale = g_filtered * g.scale[k] * g.scale[k] * inv;
+    STV(param_grads + (SIM_LOG_SCALE + k) * stride + i, SEL(live, g_log_scale, (F)R(0.0)));
+    const F by_range = g_filtered * inv * sensor[SIM_S_KAPPA];
+    for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
+  }
+
+  // R(q), then the normalisation of q.
+  const F w = g.quaternion[0], x = g.quaternion[1], y = g.quaternion[2], z = g.quaternion[3];
+  F gq[4];
+  gq[0] = R(2.0) * (x * (gr[7] - gr[5]) + y * (gr[2] - gr[6]) + z * (gr[3] - gr[1]));
+  gq[1] = R(2.0) * (w * (gr[7] - gr[5]) + y * (gr[1] + gr[3]) + z * (gr[2] + gr[6]) -
+                    R(2.0) * x * (gr[4] + gr[8]));
+  gq[2] = R(2.0) * (w * (gr[2] - gr[6]) + x * (gr[1] + gr[3]) + z * (gr[5] + gr[7]) -
+                    R(2.0) * y * (gr[0] + gr[8]));
+  gq[3] = R(2.0) * (w * (gr[3] - gr[1]) + x * (gr[2] + gr[6]) + y * (gr[5] + gr[7]) -
+                    R(2.0) * z * (gr[0] + gr[4]));
+  const F radial = gq[0] * w + gq[1] * x + gq[2] * y + gq[3] * z;
+  for (int k = 0; k < 4; ++k) {
+    const F value = (gq[k] - radial * g.quaternion[k]) * g.inv_norm;
+    STV(param_grads + (SIM_ROTATION + k) * stride + i, SEL(live, value, (F)R(0.0)));
+  }
+
+  // sigma = logistic(logit): d ln sigma / d logit = 1 - sigma.
+  const F logit = LDV(params + SIM_OPACITY * stride + i);
+  const F one_minus_sigma = R(1.0) / (R(1.0) + exp_lanes(VMAX(VMIN(logit, (F)R(80.0)), (F)R(-80.0))));
+  const F g_logit = LDV(summed + SIM_G_OPACITY * V) * one_minus_sigma;
+  STV(param_grads + SIM_OPACITY * stride + i, SEL(live, g_logit, (F)R(0.0)));
+
+  // Features; colour and intensity are clamped at 0 from below.
+  const F inv_range = R(1.0) / g.range;
+  const F dx = g.offset[0] * inv_range, dy = g.offset[1] * inv_range, dz = g.offset[2] * inv_range;
+  F basis[SH_COEFFICIENTS];
+  F weight[SH_COEFFICIENTS];
+  sh_basis(dx, dy, dz, basis);
+  for (int k = 0; k < SH_COEFFICIENTS; ++k) weight[k] = (F)R(0.0);
+  for (int channel = 0; channel < 3; ++channel) {
+    F gf = SEL(live, LDV(summed + (SIM_G_FEATURE + channel) * V), (F)R(0.0));
+    if (CLAMPED_CHANNELS > channel) gf = SEL(LDV(feature + channel * V) > R(0.0), gf, (F)R(0.0));
+    for (int k = 0; k < SH_COEFFICIENTS; ++k) {
+      const uint row = (SIM_SH + 3 * k + channel) * stride + i;
+      weight[k] = fma(gf, LDV(params + row), weight[k]);
+      STV(param_grads + row, gf * basis[k]);
+    }
+  }
+#if SH_DEGREE > 0
+  F gd[3];
+  sh_gradient(dx, dy, dz, weight, gd);
+  const F out = gd[0] * dx + gd[1] * dy + gd[2] * dz;
+  g_mean[0] = fma(fma(-out, dx, gd[0]), inv_range, g_mean[0]);
+  g_mean[1] = fma(fma(-out, dy, gd[1]), inv_range, g_mean[1]);
+  g_mean[2] = fma(fma(-out, dz, gd[2]), inv_range, g_mean[2]);
+#endif
+  for (int c = 0; c < 3; ++c) {
+    STV(param_grads + (SIM_MEAN + c) * stride + i, SEL(live, g_mean[c], (F)R(0.0)));
+  }
+}

@@ -1,0 +1,35 @@
+// rays.cl - rays of one frame in the world, from the sensor's own rays. Launcher: host/render/rays.cpp
+#include "math/sensor.h"
+
+/// Turns each slot's sensor-frame ray to the world at its own time. V slots per work-item.
+/// in  sensor_ray[3|7][slots]: unit direction; with ORIGINS also origin (m) and time share of the frame
+/// out world_ray[3|6][slots]: unit direction; with ORIGINS also origin minus o_ref, m
+/// Slots without a ray have a zero direction and keep it: nothing they meet can count.
+__kernel void rays(const FrameParams frame,
+                   __global const real* sensor,
+                   __global const real* sensor_ray,
+                   __global real* world_ray) {
+  const uint i = get_global_id(0) * V;
+  if (i >= frame.slots) return;
+  const uint s = frame.slots;
+  F d[3], world[3];
+  for (int k = 0; k < 3; ++k) d[k] = LDV(sensor_ray + k * s + i);
+#if ORIGINS
+  F o[3];
+  for (int k = 0; k < 3; ++k) o[k] = LDV(sensor_ray + (3 + k) * s + i);
+  const F t = LDV(sensor_ray + 6 * s + i);
+#else
+  const F t = (F)R(0.5);
+#endif
+  world_from_sensor_vector(sensor, d, t, world);
+  for (int k = 0; k < 3; ++k) STV(world_ray + k * s + i, world[k]);
+#if ORIGINS
+  world_from_sensor_vector(sensor, o, t, world);
+  for (int k = 0; k < 3; ++k) {
+#if MOVING
+    world[k] += sensor[SIM_S_CENTRE_STEP + k] * (t - R(0.5));
+#endif
+    STV(world_ray + (3 + k) * s + i, world[k]);
+  }
+#endif
+}

@@ -1,0 +1,119 @@
+// render.cl - front-to-back blending of a tile's particles. Launcher: host/render/render.cpp
+#include "math/response.h"
+
+/// One work-group of LS work-items per tile; each holds NR vectors of V rays in registers or L1.
+/// in  world_ray[3|6][slots], ray_u[slots]; first[tiles+1]; payload[K] by tile, nearest first; records[N][16]
+/// out out[6][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
+///     0 where transmittance never falls to 1/2). Slots without a ray get the background.
+/// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
+/// footprint touches are visited. A ray is retired (direction zeroed) once T < transmittance cut.
+__kernel void render(const FrameParams frame,
+                     __global const real* sensor,
+                     __global const real* world_ray,
+                     __global const real* ray_u,
+                     __global const uint* first,
+                     __global const uint* payload,
+                     __global const real* records,
+                     __global real* out) {
+  const uint tile = get_group_id(0);
+  const uint lid = get_local_id(0);
+  const uint base = tile * SIM_TILE_RAYS;
+  const uint tx = tile % frame.tiles_x;
+  const real t_min = sensor[SIM_S_T_MIN];
+  const real t_max = sensor[SIM_S_T_MAX];
+  const real t_cut = sensor[SIM_S_TRANSMITTANCE_CUT];
+  const real log_cut = log(sensor[SIM_S_ALPHA_CUT]);
+
+  RayLanes ray[NR];
+  F transmittance[NR], f0[NR], f1[NR], f2[NR], distance[NR];
+#if MEDIAN
+  F median[NR];
+#endif
+  int alive = 0;  // vectors that still have a ray
+  for (int j = 0; j < NR; ++j) {
+    ray[j] = load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid));
+    transmittance[j] = (F)R(1.0);
+    f0[j] = f1[j] = f2[j] = distance[j] = (F)R(0.0);
+#if MEDIAN
+    median[j] = (F)R(0.0);
+#endif
+    alive += ANY(OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0))) ? 1 : 0;
+  }
+
+  const uint end = first[tile + 1];
+#if LS > 1
+  __local real staged[LS * SIM_RECORD];
+  __local uint staged_payload[LS];
+  __local int group_alive;
+  for (uint batch = first[tile]; batch < end; batch += LS) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (lid == 0) group_alive = 0;
+    if (batch + lid < end) {
+      const uint p = payload[batch + lid];
+      staged_payload[lid] = p;
+      const __global real* source = records + (ulong)(p & SIM_PARTICLE_MASK) * SIM_RECORD;
+      for (int k = 0; k < SIM_RECORD; ++k) staged[lid * SIM_RECORD + k] = source[k];
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (alive > 0) group_alive = 1;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (!group_alive) break;
+    const uint count = min((uint)LS, end - batch);
+    for (uint i = 0; i < count; ++i) {
+      const uint packed = staged_payload[i];
+      real record[SIM_RECORD];
+      for (int k = 0; k < SIM_RECORD; ++k) record[k] = staged[i * SIM_RECORD + k];
+#else
+  for (uint i = first[tile]; i < end && alive > 0; ++i) {
+    {
+      const uint packed = payload[i];
+      if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
+      const __global real* source = records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD;
+      real record[SIM_RECORD];
+      for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+#endif
+      const real box_mean = local_box_mean(record[SIM_R_BOX_MEAN], tx, sensor);
+      const int j_last = J_LAST(packed);
+      for (int j = J_FIRST(packed); j <= j_last; ++j) {
+        if (J_OUTSIDE(j, lid, packed)) continue;
+        Response response;
+        respond(record, box_mean, &ray[j], t_min, t_max, &response);
+        if (!ANY(response.inside)) continue;
+        const F raw = raw_alpha(record, response.q, log_cut);
+        const F alpha = SEL(response.inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
+        const F weight = alpha * transmittance[j];
+        f0[j] = fma(weight, (F)record[SIM_R_FEATURE], f0[j]);
+        f1[j] = fma(weight, (F)record[SIM_R_FEATURE + 1], f1[j]);
+        f2[j] = fma(weight, (F)record[SIM_R_FEATURE + 2], f2[j]);
+        // Lanes outside may hold NaN or infinity in tau.
+        const F tau = SEL(response.inside, response.tau, (F)R(0.0));
+        distance[j] = fma(weight, tau, distance[j]);
+        const F left = transmittance[j] - weight;
+#if MEDIAN
+        median[j] = SEL(AND(transmittance[j] > R(0.5), left <= R(0.5)), tau, median[j]);
+#endif
+        transmittance[j] = left;
+        const I done = AND(left < t_cut, response.inside);
+        if (ANY(done)) {
+          for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
+          const I going =
+              OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0));
+          if (!ANY(going)) --alive;
+        }
+      }
+    }
+  }
+
+  for (int j = 0; j < NR; ++j) {
+    __global real* slot = out + base + VECTOR_SLOT(j, lid);
+    const F t = transmittance[j];
+    STV(slot, fma(t, (F)sensor[SIM_S_BACKGROUND], f0[j]));
+    STV(slot + frame.slots, fma(t, (F)sensor[SIM_S_BACKGROUND + 1], f1[j]));
+    STV(slot + 2 * frame.slots, fma(t, (F)sensor[SIM_S_BACKGROUND + 2], f2[j]));
+    STV(slot + SIM_O_TRANSMITTANCE * frame.slots, t);
+    STV(slot + SIM_O_DISTANCE * frame.slots, distance[j]);
+#if MEDIAN
+    STV(slot + SIM_O_MEDIAN * frame.slots, median[j]);
+#endif
+  }
+}

@@ -1,0 +1,192 @@
+// render_bwd.cl - gradients of blending, one 16-real slot per instance. Launcher: host/render/render.cpp
+#include "math/response.h"
+
+/// Index of the slot of (particle, tile): a particle's slots are contiguous, tile row by tile row.
+inline ulong gradient_slot(const FrameParams* frame,
+                           __global const Footprint* footprints,
+                           __global const uint* emission,
+                           uint particle,
+                           uint tx,
+                           uint ty) {
+  const Footprint f = footprints[particle];
+  uint column = tx + frame->tiles_x - (uint)f.tile_x;
+  if (column >= frame->tiles_x) column -= frame->tiles_x;
+  const uint row = ty - (uint)f.row_first / frame->rows_per_tile;
+  return (ulong)emission[particle] + row * (uint)f.tile_count + column;
+}
+
+/// Replays render front to back with the stored result: what lies behind a particle is the result minus
+/// what has been summed so far. No atomics: an instance's sums go to its own slot (emission order).
+/// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance)
+///     footprints[N], emission[N]
+/// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3).
+///     Every slot of every instance is written.
+__kernel void render_bwd(const FrameParams frame,
+                         __global const real* sensor,
+                         __global const real* world_ray,
+                         __global const real* ray_u,
+                         __global const uint* first,
+                         __global const uint* payload,
+                         __global const real* records,
+                         __global const Footprint* footprints,
+                         __global const uint* emission,
+                         __global const real* out,
+                         __global const real* grad_out,
+                         __global real* grads) {
+  const uint tile = get_group_id(0);
+  const uint lid = get_local_id(0);
+  const uint base = tile * SIM_TILE_RAYS;
+  const uint tx = tile % frame.tiles_x;
+  const uint ty = tile / frame.tiles_x;
+  const real t_min = sensor[SIM_S_T_MIN];
+  const real t_max = sensor[SIM_S_T_MAX];
+  const real t_cut = sensor[SIM_S_TRANSMITTANCE_CUT];
+  const real log_cut = log(sensor[SIM_S_ALPHA_CUT]);
+
+  RayLanes ray[NR];
+  F transmittance[NR];
+  F behind[NR];  // g . (what is still to come): features, distance and the last transmittance
+  F g0[NR], g1[NR], g2[NR], gd[NR];
+  int alive = 0;
+  for (int j = 0; j < NR; ++j) {
+    const uint slot = base + VECTOR_SLOT(j, lid);
+    ray[j] = load_ray(world_ray, ray_u, frame.slots, slot);
+    transmittance[j] = (F)R(1.0);
+    g0[j] = LDV(grad_out + slot);
+    g1[j] = LDV(grad_out + frame.slots + slot);
+    g2[j] = LDV(grad_out + 2 * frame.slots + slot);
+    const F gt = LDV(grad_out + SIM_O_TRANSMITTANCE * frame.slots + slot);
+    gd[j] = LDV(grad_out + SIM_O_DISTANCE * frame.slots + slot);
+    // The stored features hold T times the background already.
+    behind[j] = g0[j] * LDV(out + slot);
+    behind[j] = fma(g1[j], LDV(out + frame.slots + slot), behind[j]);
+    behind[j] = fma(g2[j], LDV(out + 2 * frame.slots + slot), behind[j]);
+    behind[j] = fma(gt, LDV(out + SIM_O_TRANSMITTANCE * frame.slots + slot), behind[j]);
+    behind[j] = fma(gd[j], LDV(out + SIM_O_DISTANCE * frame.slots + slot), behind[j]);
+    alive += ANY(OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0))) ? 1 : 0;
+  }
+
+  const uint end = first[tile + 1];
+  uint i = first[tile];
+#if LS > 1
+  __local real reduced[LS * SIM_GRAD];
+  __local int group_alive;
+  for (; i < end; ++i) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (lid == 0) group_alive = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (alive > 0) group_alive = 1;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (!group_alive) break;
+#else
+  for (; i < end && alive > 0; ++i) {
+    if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
+#endif
+    const uint packed = payload[i];
+    const uint particle = packed & SIM_PARTICLE_MASK;
+    const __global real* source = records + (ulong)particle * SIM_RECORD;
+    real record[SIM_RECORD];
+    for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+    const real box_mean = local_box_mean(record[SIM_R_BOX_MEAN], tx, sensor);
+    F sum[SIM_GRAD];
+    for (int k = 0; k < SIM_GRAD; ++k) sum[k] = (F)R(0.0);
+
+    const int j_last = J_LAST(packed);
+    for (int j = J_FIRST(packed); j <= j_last; ++j) {
+      if (J_OUTSIDE(j, lid, packed)) continue;
+      Response response;
+      respond(record, box_mean, &ray[j], t_min, t_max, &response);
+      const I inside = response.inside;
+      if (!ANY(inside)) continue;
+      const F raw = raw_alpha(record, response.q, log_cut);
+      const F alpha = SEL(inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
+      const F weight = alpha * transmittance[j];
+      const F tau = SEL(inside, response.tau, (F)R(0.0));
+      const F inv_n = SEL(inside, response.inv_n, (F)R(0.0));
+      const F q = SEL(inside, response.q, (F)R(0.0));
+      const F left = transmittance[j] - weight;
+
+      F value = g0[j] * record[SIM_R_FEATURE];
+      value = fma(g1[j], (F)record[SIM_R_FEATURE + 1], value);
+      value = fma(g2[j], (F)record[SIM_R_FEATURE + 2], value);
+      value = fma(gd[j], tau, value);
+      behind[j] = fma(-weight, value, behind[j]);
+      sum[SIM_G_FEATURE] = fma(weight, g0[j], sum[SIM_G_FEATURE]);
+      sum[SIM_G_FEATURE + 1] = fma(weight, g1[j], sum[SIM_G_FEATURE + 1]);
+      sum[SIM_G_FEATURE + 2] = fma(weight, g2[j], sum[SIM_G_FEATURE + 2]);
+
+      // dL/dalpha = T value - behind / (1 - alpha); no gradient through the clamp, but tau keeps its own.
+      const F d_alpha = fma(transmittance[j], value, -(behind[j] / (R(1.0) - alpha)));
+      const F d_log = SEL(AND(inside, raw < ALPHA_MAX), d_alpha * alpha, (F)R(0.0));
+      sum[SIM_G_OPACITY] += d_log;
+      const F dq = d_log * R(-0.5);
+      const F dtau = weight * gd[j];
+
+      // q = r^2 |o x a|^2 / |a|^2, tau = -(o . a) / |a|^2 with o = (0, 0, -1) + A delta.
+      const F two_q = R(2.0) * dq;
+      const F radial = two_q * record[SIM_R_RADIUS2];
+      const F scale_q = radial * inv_n;
+      const F along_a = (two_q * q + R(2.0) * dtau * tau) * inv_n;
+      F da[3], origin[3];
+#if ORIGINS
+      const F o2 = fma(response.o[0], response.o[0],
+                       fma(response.o[1], response.o[1], response.o[2] * response.o[2]));
+      for (int k = 0; k < 3; ++k) {
+        const F a = SEL(inside, response.a[k], (F)R(0.0));
+        const F o = response.o[k];
+        // d|o x a|^2/da = 2 (o^2 a - (o.a) o), d|o x a|^2/do = 2 (n o - (o.a) a), and -(o.a) = n tau.
+        da[k] = fma(fma(scale_q, o2, -along_a), a, (radial * tau - dtau * inv_n) * o);
+        origin[k] = fma(radial, fma(tau, a, o), -(dtau * inv_n * a));
+      }
+#else
+      const F a0 = SEL(inside, response.a[0], (F)R(0.0));
+      const F a1 = SEL(inside, response.a[1], (F)R(0.0));
+      const F a2 = SEL(inside, response.a[2], (F)R(0.0));
+      da[0] = fma(scale_q, a0, -(along_a * a0));
+      da[1] = fma(scale_q, a1, -(along_a * a1));
+      da[2] = fma(dtau, inv_n, -(along_a * a2));
+      // do: 2 r^2 (a2 a0, a2 a1, -(a0^2 + a1^2)) / n - a dtau / n.
+      const F s2 = scale_q * a2 - dtau * inv_n;
+      origin[0] = s2 * a0;
+      origin[1] = s2 * a1;
+      origin[2] = -(scale_q * fma(a0, a0, a1 * a1)) - dtau * inv_n * a2;
+#endif
+      for (int k = 0; k < 3; ++k) {
+        for (int c = 0; c < 3; ++c) {
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], ray[j].d[c], sum[SIM_G_MATRIX + 3 * k + c]);
+#if ORIGINS
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], ray[j].o[c], sum[SIM_G_MATRIX + 3 * k + c]);
+#endif
+        }
+        sum[SIM_G_ORIGIN + k] += origin[k];
+      }
+
+      transmittance[j] = left;
+      const I done = AND(left < t_cut, inside);
+      if (ANY(done)) {
+        for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
+        const I going = OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0));
+        if (!ANY(going)) --alive;
+      }
+    }
+
+    __global real* target = grads + SIM_GRAD * gradient_slot(&frame, footprints, emission, particle, tx, ty);
+#if LS > 1
+    for (int k = 0; k < SIM_GRAD; ++k) reduced[lid * SIM_GRAD + k] = HSUM(sum[k]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int k = (int)lid; k < SIM_GRAD; k += LS) {
+      real total = R(0.0);
+      for (int w = 0; w < LS; ++w) total += reduced[w * SIM_GRAD + k];
+      target[k] = total;
+    }
+#else
+    for (int k = 0; k < SIM_GRAD; ++k) target[k] = HSUM(sum[k]);
+#endif
+  }
+  // Behind the last contributor nothing was added: those slots are zero, not what the last frame left.
+  for (i += lid; i < end; i += LS) {
+    const uint particle = payload[i] & SIM_PARTICLE_MASK;
+    __global real* target = grads + SIM_GRAD * gradient_slot(&frame, footprints, emission, particle, tx, ty);
+    for (int k = 0; k < SIM_GRAD; ++k) target[k] = R(0.0);
+  }
+}

@@ -1,0 +1,97 @@
+// gaussian.h - one particle's parameters on lanes and the matrix that both project and its gradient use.
+#ifndef SIMULI_CL_MATH_GAUSSIAN_H
+#define SIMULI_CL_MATH_GAUSSIAN_H
+#include "math/elementary.h"
+#include "shared/layout.h"
+
+/// What blending needs of a particle, before the features.
+typedef struct {
+  F offset[3];      // mu - o_ref, m
+  F range;          // |offset|, m
+  F scale[3];       // s, m
+  F filtered[3];    // s^ = sqrt(s^2 + kappa range^2), m
+  F rotation[9];    // R, row-major: columns are the particle's axes in the world
+  F quaternion[4];  // normalised
+  F inv_norm;       // 1 / |raw quaternion|
+} Gaussian;
+
+/// Loads particles i .. i+V-1 (METHOD section 8: the footprint filter widens all axes alike).
+inline void load_gaussian(__global const real* params,
+                          uint stride,
+                          uint i,
+                          __global const real* sensor,
+                          Gaussian* g) {
+  const __global real* row = params + i;
+  for (int k = 0; k < 3; ++k) {
+    g->offset[k] = LDV(row + (SIM_MEAN + k) * stride) - sensor[SIM_S_CENTRE_REF + k];
+  }
+  const F range2 = g->offset[0] * g->offset[0] + g->offset[1] * g->offset[1] + g->offset[2] * g->offset[2];
+  g->range = sqrt(range2);
+  const F widen = range2 * sensor[SIM_S_KAPPA];
+  for (int k = 0; k < 3; ++k) {
+    g->scale[k] = exp_lanes(LDV(row + (SIM_LOG_SCALE + k) * stride));
+    g->filtered[k] = sqrt(fma(g->scale[k], g->scale[k], widen));
+  }
+  F q[4];
+  for (int k = 0; k < 4; ++k) q[k] = LDV(row + (SIM_ROTATION + k) * stride);
+  g->inv_norm = R(1.0) / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (int k = 0; k < 4; ++k) g->quaternion[k] = q[k] * g->inv_norm;
+  const F w = g->quaternion[0], x = g->quaternion[1], y = g->quaternion[2], z = g->quaternion[3];
+  g->rotation[0] = R(1.0) - R(2.0) * (y * y + z * z);
+  g->rotation[1] = R(2.0) * (x * y - w * z);
+  g->rotation[2] = R(2.0) * (x * z + w * y);
+  g->rotation[3] = R(2.0) * (x * y + w * z);
+  g->rotation[4] = R(1.0) - R(2.0) * (x * x + z * z);
+  g->rotation[5] = R(2.0) * (y * z - w * x);
+  g->rotation[6] = R(2.0) * (x * z - w * y);
+  g->rotation[7] = R(2.0) * (y * z + w * x);
+  g->rotation[8] = R(1.0) - R(2.0) * (x * x + y * y);
+}
+
+/// The blending matrix: M = diag(1/s^) R^T, o_g = -M offset, r = |o_g|, and A = D H M / r with H the
+/// Householder reflection that takes o_g to (0, 0, -+r) and D the sign that makes it (0, 0, -r).
+typedef struct {
+  F m[9];          // M, row-major
+  F a[9];          // A, row-major
+  F radius2;       // r^2
+  F inv_radius;    // 1 / r
+  F v[3];          // Householder vector
+  F two_over_vv;   // 2 / |v|^2
+  F sign;          // of D's last entry
+} BlendMatrix;
+
+inline void blend_matrix(const Gaussian* g, BlendMatrix* b) {
+  F o[3];
+  for (int i = 0; i < 3; ++i) {
+    const F inv_scale = R(1.0) / g->filtered[i];
+    for (int j = 0; j < 3; ++j) b->m[3 * i + j] = g->rotation[3 * j + i] * inv_scale;
+    o[i] = -(b->m[3 * i] * g->offset[0] + b->m[3 * i + 1] * g->offset[1] + b->m[3 * i + 2] * g->offset[2]);
+  }
+  b->radius2 = o[0] * o[0] + o[1] * o[1] + o[2] * o[2];
+  const F r = sqrt(b->radius2);
+  b->inv_radius = R(1.0) / r;
+  // Adding a number of o_z's own sign never cancels; H then takes o_g to -sign(o_z) r e3.
+  const F side = SEL(o[2] < R(0.0), (F)R(-1.0), (F)R(1.0));
+  b->v[0] = o[0];
+  b->v[1] = o[1];
+  b->v[2] = o[2] + side * r;
+  b->two_over_vv = R(2.0) / (b->v[0] * b->v[0] + b->v[1] * b->v[1] + b->v[2] * b->v[2]);
+  b->sign = side;
+  for (int j = 0; j < 3; ++j) {
+    const F vm = (b->v[0] * b->m[j] + b->v[1] * b->m[3 + j] + b->v[2] * b->m[6 + j]) * b->two_over_vv;
+    b->a[j] = (b->m[j] - b->v[0] * vm) * b->inv_radius;
+    b->a[3 + j] = (b->m[3 + j] - b->v[1] * vm) * b->inv_radius;
+    b->a[6 + j] = (b->m[6 + j] - b->v[2] * vm) * b->inv_radius * b->sign;
+  }
+}
+
+/// Gradient in the rows of A (scaled, reflected) taken back to the frame of M: out = H D in / r.
+inline void unreflect(const BlendMatrix* b, const F* in, F* out) {
+  const F last = in[2] * b->sign;
+  const F dot = (b->v[0] * in[0] + b->v[1] * in[1] + b->v[2] * last) * b->two_over_vv;
+  out[0] = (in[0] - b->v[0] * dot) * b->inv_radius;
+  out[1] = (in[1] - b->v[1] * dot) * b->inv_radius;
+  out[2] = (last - b->v[2] * dot) * b->inv_radius;
+}
+
+#endif

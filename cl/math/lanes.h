@@ -1,0 +1,96 @@
+// lanes.h - one source for CPU vectors and GPU work-items.
+// V lanes per vector, NR vectors per work-item, LS work-items per tile: V * NR * LS = 256 rays.
+// F is a vector of V reals, I the integer vector of the same width. Masks are 1 in scalars and -1 in
+// vectors, so they are used only through SEL, ANY, AND and OR.
+#ifndef SIMULI_CL_MATH_LANES_H
+#define SIMULI_CL_MATH_LANES_H
+
+// Contraction by choice only: forward and backward must round alike. fma() is written out.
+#pragma OPENCL FP_CONTRACT OFF
+
+#define LANES_CAT_(a, b) a##b
+#define LANES_CAT(a, b) LANES_CAT_(a, b)
+
+#ifdef SIMULI_REAL_DOUBLE
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+typedef double real;
+#define REAL_(x) x
+#define REAL_VECTOR(n) LANES_CAT(double, n)
+#else
+typedef float real;
+#define REAL_(x) x##f
+#define REAL_VECTOR(n) LANES_CAT(float, n)
+#endif
+// R(1.5): a constant of the build's precision.
+#define R(x) REAL_(x)
+
+#ifndef V
+#define V 1
+#endif
+
+#if V == 1
+typedef real F;
+typedef int I;
+#define LDV(p) (*(p))
+#define STV(p, v) (*(p) = (v))
+#define SEL(c, a, b) ((c) ? (a) : (b))
+#define ANY(c) (c)
+#define AND(a, b) ((a) && (b))
+#define OR(a, b) ((a) || (b))
+#define HSUM(v) (v)
+#else
+#ifdef SIMULI_REAL_DOUBLE
+typedef REAL_VECTOR(V) F;
+typedef LANES_CAT(long, V) I;
+#else
+typedef REAL_VECTOR(V) F;
+typedef LANES_CAT(int, V) I;
+#endif
+#define LDV(p) LANES_CAT(vload, V)(0, (p))
+#define STV(p, v) LANES_CAT(vstore, V)((v), 0, (p))
+#define SEL(c, a, b) ((c) ? (a) : (b))
+#define AND(a, b) ((a) & (b))
+#define OR(a, b) ((a) | (b))
+
+// any() compiles to a chain of extractions on CPU compilers; the reduction builtin is one instruction.
+#ifdef __has_builtin
+#if __has_builtin(__builtin_reduce_or)
+#define ANY(c) (__builtin_reduce_or(c) != 0)
+#endif
+#endif
+#ifndef ANY
+#define ANY(c) any(c)
+#endif
+
+// Sum of the lanes, by halves: one fixed order on every device.
+#if V == 16
+#define HSUM(v) hsum16(v)
+#elif V == 8
+#define HSUM(v) hsum8(v)
+#elif V == 4
+#define HSUM(v) hsum4(v)
+#endif
+#if V >= 4
+inline real hsum4(REAL_VECTOR(4) v) { return (v.s0 + v.s2) + (v.s1 + v.s3); }
+#endif
+#if V >= 8
+inline real hsum8(REAL_VECTOR(8) v) { return hsum4(v.lo + v.hi); }
+#endif
+#if V >= 16
+inline real hsum16(F v) { return hsum8(v.lo + v.hi); }
+#endif
+#endif
+
+#define VMIN(a, b) SEL((a) < (b), (a), (b))
+#define VMAX(a, b) SEL((a) > (b), (a), (b))
+
+#ifdef __has_builtin
+#if __has_builtin(__builtin_prefetch)
+#define PREFETCH(p) __builtin_prefetch(p)
+#endif
+#endif
+#ifndef PREFETCH
+#define PREFETCH(p)
+#endif
+
+#endif

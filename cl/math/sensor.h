@@ -1,0 +1,94 @@
+// sensor.h - the sensor's pose at a time, and the maps point -> (x, y) -> time of cameras and LiDARs.
+// Rays (rays.cl) and projection (project.cl) share these functions, so that they agree.
+// Build: SENSOR = SENSOR_CAMERA or SENSOR_LIDAR, MOVING = 0 or 1.
+#ifndef SIMULI_CL_MATH_SENSOR_H
+#define SIMULI_CL_MATH_SENSOR_H
+#include "math/elementary.h"
+#include "shared/layout.h"
+
+#define SENSOR_CAMERA 0
+#define SENSOR_LIDAR 1
+
+/// v turned about the unit axis by the angle whose sine and cosine are given (Rodrigues).
+inline void turn(__global const real* axis, F sine, F cosine, F* v) {
+  const real ax = axis[0], ay = axis[1], az = axis[2];
+  const F dot = (ax * v[0] + ay * v[1] + az * v[2]) * (R(1.0) - cosine);
+  const F cx = ay * v[2] - az * v[1];
+  const F cy = az * v[0] - ax * v[2];
+  const F cz = ax * v[1] - ay * v[0];
+  v[0] = v[0] * cosine + cx * sine + ax * dot;
+  v[1] = v[1] * cosine + cy * sine + ay * dot;
+  v[2] = v[2] * cosine + cz * sine + az * dot;
+}
+
+/// out = M v, or M^T v when `transposed`; M row-major 3x3.
+inline void rotate(__global const real* m, const F* v, F* out) {
+  out[0] = m[0] * v[0] + m[1] * v[1] + m[2] * v[2];
+  out[1] = m[3] * v[0] + m[4] * v[1] + m[5] * v[2];
+  out[2] = m[6] * v[0] + m[7] * v[1] + m[8] * v[2];
+}
+inline void rotate_back(__global const real* m, const F* v, F* out) {
+  out[0] = m[0] * v[0] + m[3] * v[1] + m[6] * v[2];
+  out[1] = m[1] * v[0] + m[4] * v[1] + m[7] * v[2];
+  out[2] = m[2] * v[0] + m[5] * v[1] + m[8] * v[2];
+}
+
+/// World direction of a sensor-frame vector at time t in [0, 1] of the frame.
+inline void world_from_sensor_vector(__global const real* sensor, const F* v, F t, F* out) {
+#if MOVING
+  F turned[3] = {v[0], v[1], v[2]};
+  const F angle = sensor[SIM_S_ANGLE] * t;
+  turn(sensor + SIM_S_AXIS, sin(angle), cos(angle), turned);
+  rotate_back(sensor + SIM_S_ROT_START, turned, out);
+#else
+  rotate_back(sensor + SIM_S_ROT_REF, v, out);
+#endif
+}
+
+/// Sensor-frame coordinates at time t of the world point o_ref + p.
+inline void sensor_from_world_point(__global const real* sensor, const F* p, F t, F* out) {
+#if MOVING
+  // o_ref + p - centre(t), the centre moving evenly about o_ref.
+  const F u = t - R(0.5);
+  const F moved[3] = {p[0] - sensor[SIM_S_CENTRE_STEP] * u,
+                      p[1] - sensor[SIM_S_CENTRE_STEP + 1] * u,
+                      p[2] - sensor[SIM_S_CENTRE_STEP + 2] * u};
+  rotate(sensor + SIM_S_ROT_START, moved, out);
+  const F angle = -sensor[SIM_S_ANGLE] * t;
+  turn(sensor + SIM_S_AXIS, sin(angle), cos(angle), out);
+#else
+  rotate(sensor + SIM_S_ROT_REF, p, out);
+#endif
+}
+
+/// (x, y) of a sensor-frame point: pixels, or azimuth and elevation in rad. `valid` is cleared in
+/// lanes where the point has no image: nearer than 1 cm before the camera or beyond 84 degrees off axis.
+inline void project_point(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
+#if SENSOR == SENSOR_CAMERA
+  const F r2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+  const I ok = AND(p[2] > R(0.01), p[2] * p[2] >= R(0.01) * r2);
+  const F inv_z = R(1.0) / SEL(ok, p[2], (F)R(1.0));
+  *x = fma(p[0] * inv_z, (F)sensor[SIM_S_FX], (F)sensor[SIM_S_CX]);
+  *y = fma(p[1] * inv_z, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
+  *valid = AND(*valid, ok);
+#else
+  const F z = p[2] - sensor[SIM_S_HEIGHT_REF];
+  *x = atan2_lanes(p[1], p[0]);
+  *y = atan2_lanes(z, sqrt(p[0] * p[0] + p[1] * p[1]));
+#endif
+}
+
+/// Share of the frame at which (x, y) is measured, in [0, 1].
+inline F time_of(__global const real* sensor, F x, F y) {
+#if SENSOR == SENSOR_CAMERA
+  F t = fma(x, (F)sensor[SIM_S_TIME_X], fma(y, (F)sensor[SIM_S_TIME_Y], (F)sensor[SIM_S_TIME_C]));
+#else
+  F turned = (x - sensor[SIM_S_AZIMUTH_FIRST]) * sensor[SIM_S_SPIN];
+  turned -= TWO_PI_R * floor(turned * (R(1.0) / TWO_PI_R));
+  F t = turned / sensor[SIM_S_SPAN] + sensor[SIM_S_HALF_COLUMN];
+#endif
+  t = VMIN(t, (F)R(1.0));
+  return VMAX(t, (F)R(0.0));
+}
+
+#endif

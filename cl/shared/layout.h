@@ -1,0 +1,123 @@
+// layout.h - what host C++ and OpenCL C agree on: record layouts, tables of constants, launch structs.
+// 4-byte scalars only. __cplusplus is the guard: plain clang does not define __OPENCL_VERSION__.
+#ifndef SIMULI_CL_SHARED_LAYOUT_H
+#define SIMULI_CL_SHARED_LAYOUT_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace simuli::shared {
+using sim_u32 = std::uint32_t;
+using sim_i32 = std::int32_t;
+#define SIM_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), #type " has an unexpected size")
+#else
+typedef uint sim_u32;
+typedef int sim_i32;
+#define SIM_CHECK_SIZE(type, bytes) typedef char type##_size_check[sizeof(type) == (bytes) ? 1 : -1]
+#endif
+
+// A tile holds 256 rays: 16 slot rows of 16 slots. A slot row is the finest unit that a particle's
+// footprint selects; for a camera it is one row of 16 pixels, for a LiDAR 16 neighbouring firings of a beam.
+#define SIM_TILE_RAYS 256
+#define SIM_SLOT_ROW 16
+#define SIM_SLOT_ROWS 16
+
+// Rows of the parameter matrix (host/scene/gaussians.hpp), each of `stride` reals.
+#define SIM_MEAN 0
+#define SIM_LOG_SCALE 3
+#define SIM_ROTATION 6
+#define SIM_OPACITY 10
+#define SIM_SH 11
+
+// One blending record per particle, 16 reals. With o_g = M (o_ref - mu), M = diag(1/s^) R^T, r = |o_g| and H
+// the orthogonal map that takes o_g to -r e3: rows of H M / r, r^2, the largest squared distance that
+// still counts, features, and the box along the tile's x axis.
+#define SIM_RECORD 16
+#define SIM_R_MATRIX 0
+#define SIM_R_RADIUS2 9
+#define SIM_R_QMAX 10
+#define SIM_R_FEATURE 11
+#define SIM_R_BOX_MEAN 14
+#define SIM_R_BOX_HALF 15
+
+// One gradient slot per instance, 16 reals, in the order in which render_bwd sums them.
+#define SIM_GRAD 16
+#define SIM_G_MATRIX 0
+#define SIM_G_ORIGIN 9
+#define SIM_G_OPACITY 12
+#define SIM_G_FEATURE 13
+
+// Outputs of blending, one row of `slots` reals each.
+#define SIM_O_FEATURE 0
+#define SIM_O_TRANSMITTANCE 3
+#define SIM_O_DISTANCE 4
+#define SIM_O_MEDIAN 5
+#define SIM_OUTPUTS 6
+
+// Payload of an instance: particle in the low 24 bits, first and last slot row in the high 8.
+#define SIM_PARTICLE_BITS 24
+#define SIM_PARTICLE_MASK 0xffffffu
+
+// Constants of one sensor at one frame, as reals (float or double with the build).
+#define SIM_S_CENTRE_START 0   // world, m from the scene origin
+#define SIM_S_CENTRE_STEP 3    // centre at the end minus centre at the start
+#define SIM_S_CENTRE_REF 6     // centre half-way through the frame: o_ref
+#define SIM_S_ROT_START 9      // sensor_from_world at the start, row-major 3x3
+#define SIM_S_ROT_REF 18       // sensor_from_world half-way
+#define SIM_S_AXIS 27          // of the turn from start to end, sensor frame
+#define SIM_S_ANGLE 30         // rad, of that turn
+#define SIM_S_KAPPA 31         // footprint variance per squared metre of range
+#define SIM_S_ALPHA_CUT 32
+#define SIM_S_T_MIN 33         // m
+#define SIM_S_T_MAX 34         // m
+#define SIM_S_TRANSMITTANCE_CUT 35
+#define SIM_S_BACKGROUND 36    // 3 features
+#define SIM_S_FX 39            // camera: px
+#define SIM_S_FY 40
+#define SIM_S_CX 41
+#define SIM_S_CY 42
+#define SIM_S_WIDTH 43
+#define SIM_S_HEIGHT 44
+#define SIM_S_COS_FOV 45       // of the cone about the optical axis that holds the picture
+#define SIM_S_SIN_FOV 46
+#define SIM_S_TIME_X 47        // camera: exposure fraction = c + x * px + y * py
+#define SIM_S_TIME_Y 48
+#define SIM_S_TIME_C 49
+#define SIM_S_AZIMUTH_FIRST 50 // LiDAR: rad
+#define SIM_S_SPIN 51          // +1 counter-clockwise, -1 clockwise
+#define SIM_S_SPAN 52          // rad swept
+#define SIM_S_HALF_COLUMN 53   // half a column as a share of the sweep
+#define SIM_S_HEIGHT_REF 54    // m, mean vertical offset of the beams
+#define SIM_S_LEVER 55         // m, reach of the beams' origins about the reference
+#define SIM_S_LUT_FIRST 56     // elevation of the look-up table's first bin
+#define SIM_S_LUT_SCALE 57     // bins per rad
+#define SIM_S_TILE_X0 58       // tile x of u: (u - x0) * scale
+#define SIM_S_TILE_SCALE 59    // tiles per unit of u
+#define SIM_S_PERIOD 60        // of u: 2 pi for azimuth, 0 for pixels
+#define SIM_SENSOR_REALS 64
+
+// Integers of one frame, passed by value.
+typedef struct {
+  sim_u32 particles;      // N
+  sim_u32 stride;         // reals from one parameter row to the next, a multiple of 16, >= N
+  sim_u32 tiles_x;
+  sim_u32 tiles_y;
+  sim_u32 rows;           // sensor rows: pixel rows or beams
+  sim_u32 rows_per_tile;  // sensor rows in one tile row
+  sim_u32 row_slots;      // slot rows per sensor row: 1 for cameras
+  sim_u32 slots;          // tiles_x * tiles_y * SIM_TILE_RAYS
+} FrameParams;
+SIM_CHECK_SIZE(FrameParams, 32);
+
+// The range of tiles and sensor rows that one particle may touch; count = 0: culled.
+typedef struct {
+  sim_i32 tile_x;      // first tile column, wraps at tiles_x
+  sim_i32 tile_count;  // tile columns
+  sim_i32 row_first;   // sensor rows, inclusive
+  sim_i32 row_last;
+} Footprint;
+SIM_CHECK_SIZE(Footprint, 16);
+
+#ifdef __cplusplus
+}  // namespace simuli::shared
+#endif
+#endif

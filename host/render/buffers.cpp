@@ -1,0 +1,93 @@
+// The device memory of a frame and what kernels are specialised for.
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+#include "host/render/stages.hpp"
+
+namespace simuli {
+
+LaneShape LaneShape::of(const Device& device, Precision precision) {
+  if (!device.quirks().prefers_explicit_vectors) return {1, 4, 64};
+  return precision == Precision::kFloat ? LaneShape{16, 16, 1} : LaneShape{8, 32, 1};
+}
+
+BuildOptions Variant::options() const {
+  BuildOptions options;
+  return options.real(precision)
+      .define("SENSOR", sensor)
+      .define("MOVING", moving)
+      .define("ORIGINS", origins)
+      .define("SH_DEGREE", sh_degree)
+      .define("MEDIAN", median)
+      .define("V", shape.lanes)
+      .define("NR", shape.vectors)
+      .define("LS", shape.work_items);
+}
+
+RayBuffers::RayBuffers(const Device& device, const RayGrid& grid, Precision precision)
+    : sensor_ray(device, "sensor rays", precision),
+      u(device, "ray places", precision),
+      row_lut(device, "beam table", grid.row_lut),
+      row_elevation(device, "beam elevations", precision) {
+  sensor_ray.assign(grid.sensor_ray);
+  u.assign(grid.u);
+  row_elevation.assign(grid.row_elevation);
+}
+
+ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision)
+    : kind(set.kind), params(device, "particles", precision) {
+  upload(set);
+}
+
+void ParticleBuffers::upload(const GaussianSet& set) {
+  if (set.size() > SIM_PARTICLE_MASK) {
+    throw Error(ErrorKind::kDevice,
+                fmt::format("particles: found {}, allowed {} in one set", set.size(), SIM_PARTICLE_MASK));
+  }
+  kind = set.kind;
+  sh_degree = set.sh_degree;
+  count = static_cast<std::uint32_t>(set.size());
+  stride = static_cast<std::uint32_t>(round_up(count, 16));
+  const auto rows = static_cast<std::size_t>(param_rows(sh_degree));
+  // Padding is made of particles that nobody can see, and whose quaternions can be normalised.
+  std::vector<float> padded(rows * stride, 0.0F);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto column = set.params.col(static_cast<Eigen::Index>(row));
+    float* target = padded.data() + row * stride;
+    std::copy(column.data(), column.data() + count, target);
+    const float filler = row == kRotationRow ? 1.0F : row == kOpacityRow ? -80.0F : 0.0F;
+    std::fill(target + count, target + stride, filler);
+  }
+  params.assign(padded);
+}
+
+GaussianSet ParticleBuffers::download() const {
+  GaussianSet set(kind, sh_degree, count);
+  const std::vector<float> padded = params.download_float();
+  for (Eigen::Index row = 0; row < set.params.cols(); ++row) {
+    const float* source = padded.data() + static_cast<std::size_t>(row) * stride;
+    std::copy(source, source + count, set.params.col(row).data());
+  }
+  return set;
+}
+
+FrameBuffers::FrameBuffers(const Device& device, Precision precision)
+    : sensor(device, "sensor constants", precision, SIM_SENSOR_REALS),
+      world_ray(device, "world rays", precision),
+      records(device, "records", precision),
+      footprints(device, "footprints"),
+      keys(device, "range keys"),
+      order(device, "visible particles"),
+      order_keys(device, "visible keys"),
+      emission(device, "emission"),
+      tile(device, "instance tiles"),
+      payload(device, "instances"),
+      first(device, "tile ranges"),
+      out(device, "ray outputs", precision),
+      grad_out(device, "ray gradients", precision),
+      grads(device, "instance gradients", precision),
+      counts(device, "counts"),
+      key_scratch(device, "sort keys"),
+      value_scratch(device, "sort values") {}
+
+}  // namespace simuli

@@ -1,0 +1,32 @@
+#pragma once
+#include <compare>
+#include <cstddef>
+
+#include "host/runtime/build_options.hpp"
+#include "host/runtime/device.hpp"
+
+namespace simuli {
+
+/// How the 256 rays of a tile are spread: work_items x vectors x lanes = 256 (cl/math/lanes.h).
+struct LaneShape {
+  int lanes = 16;
+  int vectors = 16;
+  int work_items = 1;
+  /// CPUs: one work-item per tile, explicit vectors. GPUs: 64 scalar work-items of 4 rays.
+  [[nodiscard]] static LaneShape of(const Device& device, Precision precision);
+  auto operator<=>(const LaneShape&) const = default;
+};
+
+/// Every approximation of a frame, named, with its default (DESIGN: speed against accuracy).
+struct RenderOptions {
+  Precision precision = Precision::kFloat;
+  double alpha_cut = 1.0 / 255.0;   // contributions below this are not made
+  double transmittance_cut = 1e-4;  // a ray is done below this
+  double camera_filter_px2 = 0.3;   // variance of the pixel footprint, px^2
+  bool median_distance = true;      // write the median distance as well (LiDAR)
+  int lidar_rows_per_tile = 8;      // 1, 2, 4, 8 or 16 beams; the tile is 256 / that many firings wide
+  LaneShape shape{0, 0, 0};         // 0: LaneShape::of(device)
+  std::size_t max_instances = std::size_t{1} << 28U;  // a frame that needs more is refused
+};
+
+}  // namespace simuli

@@ -1,0 +1,62 @@
+// Launcher of "kernels/project.cl" and "kernels/project_bwd.cl".
+#include "host/render/stages.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr std::size_t kLocalSize = 32;
+
+BuildOptions backward_options(const Variant& variant) {
+  BuildOptions options = variant.options();
+  // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
+  return options.define("CLAMPED_CHANNELS", variant.sensor == SensorType::kCamera ? 3 : 1);
+}
+
+}  // namespace
+
+ProjectStage::ProjectStage(const Device& device, const Variant& variant)
+    : lanes_(variant.shape.lanes),
+      project_(Program(device, "kernels/project.cl", variant.options()), "project"),
+      project_bwd_(Program(device, "kernels/project_bwd.cl", backward_options(variant)), "project_bwd") {}
+
+void ProjectStage::run(const shared::FrameParams& frame,
+                       const ParticleBuffers& particles,
+                       const RayBuffers& rays,
+                       FrameBuffers& buffers) {
+  buffers.records.reserve(std::size_t{frame.particles} * SIM_RECORD);
+  buffers.footprints.reserve(frame.particles);
+  buffers.keys.reserve(frame.particles);
+  const std::size_t items =
+      round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
+  project_.launch(round_up(items, kLocalSize),
+                  kLocalSize,
+                  frame,
+                  particles.params,
+                  buffers.sensor,
+                  rays.row_lut,
+                  rays.row_elevation,
+                  buffers.records,
+                  buffers.footprints,
+                  buffers.keys);
+}
+
+void ProjectStage::run_backward(const shared::FrameParams& frame,
+                                const ParticleBuffers& particles,
+                                FrameBuffers& buffers,
+                                RealBuffer& param_grads) {
+  const std::size_t items =
+      round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
+  project_bwd_.launch(round_up(items, kLocalSize),
+                      kLocalSize,
+                      frame,
+                      particles.params,
+                      buffers.sensor,
+                      buffers.keys,
+                      buffers.footprints,
+                      buffers.emission,
+                      buffers.records,
+                      buffers.grads,
+                      param_grads);
+}
+
+}  // namespace simuli

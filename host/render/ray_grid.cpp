@@ -1,0 +1,273 @@
+#include "host/render/ray_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <numeric>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kLutBins = 4096;
+
+void allocate_slots(RayGrid& grid) {
+  const std::size_t slots = std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * SIM_TILE_RAYS;
+  if (slots > std::size_t{1} << 30U) {
+    throw Error(ErrorKind::kInput, fmt::format("sensor: found {} ray slots, allowed 2^30", slots));
+  }
+  grid.frame.slots = static_cast<std::uint32_t>(slots);
+  grid.ray_of_slot.assign(slots, -1);
+  grid.sensor_ray.assign(7 * slots, 0.0F);
+  grid.u.assign(slots, 0.0F);
+}
+
+void set_ray(RayGrid& grid,
+             std::size_t slot,
+             std::size_t ray,
+             const Eigen::Vector3d& direction,
+             const Eigen::Vector3d& origin,
+             double time) {
+  const std::size_t slots = grid.frame.slots;
+  grid.ray_of_slot[slot] = static_cast<std::int32_t>(ray);
+  for (std::size_t k = 0; k < 3; ++k) {
+    grid.sensor_ray[k * slots + slot] = static_cast<float>(direction[static_cast<Eigen::Index>(k)]);
+    grid.sensor_ray[(3 + k) * slots + slot] = static_cast<float>(origin[static_cast<Eigen::Index>(k)]);
+  }
+  grid.sensor_ray[6 * slots + slot] = static_cast<float>(time);
+}
+
+/// Half the angle of the cone about the optical axis that holds all pixels.
+double field_of_view(const Camera& camera) {
+  double angle = 0.0;
+  for (const double x : {0.0, static_cast<double>(camera.width)}) {
+    for (const double y : {0.0, static_cast<double>(camera.height)}) {
+      angle = std::max(angle, std::acos(std::clamp(camera.unproject({x, y}).z(), -1.0, 1.0)));
+    }
+  }
+  return angle;
+}
+
+}  // namespace
+
+RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
+  RayGrid grid;
+  grid.type = SensorType::kCamera;
+  grid.rays = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  auto& frame = grid.frame;
+  frame.tiles_x = static_cast<std::uint32_t>((camera.width + SIM_SLOT_ROW - 1) / SIM_SLOT_ROW);
+  frame.tiles_y = static_cast<std::uint32_t>((camera.height + SIM_SLOT_ROWS - 1) / SIM_SLOT_ROWS);
+  frame.rows = static_cast<std::uint32_t>(camera.height);
+  frame.rows_per_tile = SIM_SLOT_ROWS;
+  frame.row_slots = 1;
+  allocate_slots(grid);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const std::size_t tile = static_cast<std::size_t>(y / SIM_SLOT_ROWS) * frame.tiles_x +
+                               static_cast<std::size_t>(x / SIM_SLOT_ROW);
+      const std::size_t slot = tile * SIM_TILE_RAYS +
+                               static_cast<std::size_t>(y % SIM_SLOT_ROWS * SIM_SLOT_ROW + x % SIM_SLOT_ROW);
+      const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
+      const std::size_t ray =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
+      set_ray(
+          grid, slot, ray, camera.unproject(pixel), Eigen::Vector3d::Zero(), camera.exposure_fraction(pixel));
+      grid.u[slot] = static_cast<float>(pixel.x());
+    }
+  }
+  auto& c = grid.constants;
+  c[SIM_S_FX] = camera.fx;
+  c[SIM_S_FY] = camera.fy;
+  c[SIM_S_CX] = camera.cx;
+  c[SIM_S_CY] = camera.cy;
+  c[SIM_S_WIDTH] = camera.width;
+  c[SIM_S_HEIGHT] = camera.height;
+  c[SIM_S_COS_FOV] = field_of_view(camera);  // an angle here; frame_constants adds the sensor's turn
+  c[SIM_S_TIME_C] = camera.exposure_fraction({0.0, 0.0});
+  c[SIM_S_TIME_X] = camera.exposure_fraction({1.0, 0.0}) - c[SIM_S_TIME_C];
+  c[SIM_S_TIME_Y] = camera.exposure_fraction({0.0, 1.0}) - c[SIM_S_TIME_C];
+  c[SIM_S_KAPPA] = options.camera_filter_px2 / (camera.fx * camera.fy);
+  c[SIM_S_T_MIN] = 0.01;
+  c[SIM_S_T_MAX] = 1e6;
+  c[SIM_S_TILE_SCALE] = 1.0 / SIM_SLOT_ROW;
+  return grid;
+}
+
+namespace {
+
+/// The tile column of an azimuth when the circle is cut into `tiles`; the one function of tiles and rays.
+std::size_t azimuth_tile(float azimuth, std::size_t tiles) {
+  const double place = (static_cast<double>(azimuth) + kPi) * static_cast<double>(tiles) / (2.0 * kPi);
+  return std::min(static_cast<std::size_t>(std::max(place, 0.0)), tiles - 1);
+}
+
+/// Largest number of rays of one beam in one of `tiles` azimuth columns.
+std::size_t fullest(const LidarRays& rays, std::size_t tiles) {
+  std::size_t most = 0;
+  std::vector<std::size_t> count(tiles);
+  for (int r = 0; r < rays.rows; ++r) {
+    std::fill(count.begin(), count.end(), std::size_t{0});
+    const std::size_t base = static_cast<std::size_t>(r) * static_cast<std::size_t>(rays.columns);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(rays.columns); ++c) {
+      most = std::max(most, ++count[azimuth_tile(rays.azimuth[base + c], tiles)]);
+    }
+  }
+  return most;
+}
+
+void fill_elevation_table(RayGrid& grid, const Lidar& lidar) {
+  for (const LidarRow& row : lidar.rows) grid.row_elevation.push_back(row.elevation);
+  const double low = grid.row_elevation.back();
+  const double span = std::max(grid.row_elevation.front() - low, 1e-6);
+  const double bin = span / (kLutBins - 4);
+  grid.constants[SIM_S_LUT_FIRST] = low - bin;
+  grid.constants[SIM_S_LUT_SCALE] = 1.0 / bin;
+  grid.row_lut.resize(kLutBins);
+  for (int b = 0; b < kLutBins; ++b) {
+    // Beams certainly above everything in bin b, a bin of slack for the device's rounding.
+    const double edge = low - bin + (b + 2) * bin;
+    const auto above = std::find_if(
+        grid.row_elevation.begin(), grid.row_elevation.end(), [&](double e) { return e < edge; });
+    grid.row_lut[static_cast<std::size_t>(b)] = static_cast<std::int32_t>(above - grid.row_elevation.begin());
+  }
+}
+
+}  // namespace
+
+RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOptions& options) {
+  const std::size_t count = lidar.rows.size() * static_cast<std::size_t>(rays.columns);
+  if (rays.rows != lidar.row_count() || rays.columns < 1 || rays.azimuth.size() != count ||
+      rays.elevation.size() != count || rays.time_fraction.size() != count) {
+    throw_input_error("lidar " + lidar.name,
+                      "rays",
+                      fmt::format("{} x {}", rays.rows, rays.columns),
+                      fmt::format("{} beams, three values per ray", lidar.row_count()));
+  }
+  const int per_tile = options.lidar_rows_per_tile;
+  if (per_tile < 1 || per_tile > 16 || (per_tile & (per_tile - 1)) != 0) {
+    throw_input_error("options", "lidar_rows_per_tile", std::to_string(per_tile), "1, 2, 4, 8 or 16");
+  }
+  RayGrid grid;
+  grid.type = SensorType::kLidar;
+  grid.rays = count;
+  auto& frame = grid.frame;
+  frame.rows = static_cast<std::uint32_t>(rays.rows);
+  frame.rows_per_tile = static_cast<std::uint32_t>(per_tile);
+  frame.row_slots = static_cast<std::uint32_t>(SIM_SLOT_ROWS / per_tile);
+  frame.tiles_y = (frame.rows + frame.rows_per_tile - 1) / frame.rows_per_tile;
+  const std::size_t width = std::size_t{frame.row_slots} * SIM_SLOT_ROW;
+
+  // As few azimuth columns as hold every beam's rays; jitter of measured rays costs a few more.
+  std::size_t tiles = std::max<std::size_t>(1, (static_cast<std::size_t>(rays.columns) + width - 1) / width);
+  const std::size_t most_tiles = 4 * tiles + 64;
+  while (tiles <= most_tiles && fullest(rays, tiles) > width) ++tiles;
+  if (tiles > most_tiles) {
+    throw_input_error("lidar " + lidar.name,
+                      "ray azimuths",
+                      fmt::format("more than {} rays of one beam in 1/{} turn", width, most_tiles),
+                      "rays spread along the azimuth");
+  }
+  frame.tiles_x = static_cast<std::uint32_t>(tiles);
+  allocate_slots(grid);
+
+  auto& c = grid.constants;
+  c[SIM_S_TILE_X0] = -kPi;
+  c[SIM_S_TILE_SCALE] = static_cast<double>(tiles) / (2.0 * kPi);
+  c[SIM_S_PERIOD] = 2.0 * kPi;
+  fill_elevation_table(grid, lidar);
+
+  double lowest = 1e30, highest = -1e30, sum = 0.0, sideways = 0.0;
+  for (const LidarRow& row : lidar.rows) {
+    lowest = std::min(lowest, row.vertical_offset);
+    highest = std::max(highest, row.vertical_offset);
+    sideways = std::max(sideways, std::abs(row.horizontal_offset));
+    sum += row.vertical_offset;
+  }
+  c[SIM_S_HEIGHT_REF] = sum / static_cast<double>(lidar.rows.size());
+  c[SIM_S_LEVER] = (highest - lowest) / 2.0 + sideways;
+  grid.lever_arms = highest != 0.0 || lowest != 0.0 || sideways != 0.0;
+
+  std::vector<std::size_t> order(static_cast<std::size_t>(rays.columns));
+  std::vector<std::size_t> used(tiles);
+  for (int r = 0; r < rays.rows; ++r) {
+    const std::size_t base = static_cast<std::size_t>(r) * static_cast<std::size_t>(rays.columns);
+    std::iota(order.begin(), order.end(), base);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return rays.azimuth[a] < rays.azimuth[b];
+    });
+    std::fill(used.begin(), used.end(), std::size_t{0});
+    for (const std::size_t ray : order) {
+      const std::size_t tx = azimuth_tile(rays.azimuth[ray], tiles);
+      const std::size_t tile = static_cast<std::size_t>(r / per_tile) * tiles + tx;
+      const std::size_t slot =
+          tile * SIM_TILE_RAYS + static_cast<std::size_t>(r % per_tile) * width + used[tx]++;
+      const double azimuth = static_cast<double>(rays.azimuth[ray]);
+      set_ray(grid,
+              slot,
+              ray,
+              Lidar::direction(azimuth, static_cast<double>(rays.elevation[ray])),
+              lidar.origin(r, azimuth),
+              static_cast<double>(rays.time_fraction[ray]));
+      const double centre = -kPi + (static_cast<double>(tx) + 0.5) * 2.0 * kPi / static_cast<double>(tiles);
+      grid.u[slot] = static_cast<float>(azimuth - centre);
+    }
+  }
+  c[SIM_S_AZIMUTH_FIRST] = lidar.azimuth_first;
+  c[SIM_S_SPIN] = lidar.spin_sign();
+  c[SIM_S_SPAN] = lidar.azimuth_span;
+  c[SIM_S_HALF_COLUMN] = 0.5 / lidar.columns;
+  const double half_divergence = std::tan(lidar.beam_divergence / 2.0);
+  c[SIM_S_KAPPA] = lidar.divergence_variance * half_divergence * half_divergence;
+  c[SIM_S_T_MIN] = lidar.range_min;
+  c[SIM_S_T_MAX] = lidar.range_max;
+  return grid;
+}
+
+std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
+                                                     const Pose& world_from_sensor_start,
+                                                     const Pose& world_from_sensor_end,
+                                                     const RenderOptions& options,
+                                                     const std::array<float, 3>& background,
+                                                     bool& moving) {
+  auto c = grid.constants;
+  const auto put = [&c](std::size_t at, const auto& values) {
+    for (Eigen::Index k = 0; k < values.size(); ++k) c[at + static_cast<std::size_t>(k)] = values(k);
+  };
+  const auto put_rotation = [&c](std::size_t at, const Eigen::Matrix3d& m) {
+    for (Eigen::Index k = 0; k < 9; ++k) c[at + static_cast<std::size_t>(k)] = m(k / 3, k % 3);
+  };
+  const Pose& a = world_from_sensor_start;
+  const Pose& b = world_from_sensor_end;
+  const Pose middle = interpolate(a, b, 0.5);
+  put(SIM_S_CENTRE_START, a.translation);
+  put(SIM_S_CENTRE_STEP, Eigen::Vector3d(b.translation - a.translation));
+  put(SIM_S_CENTRE_REF, middle.translation);
+  put_rotation(SIM_S_ROT_START, a.rotation.toRotationMatrix().transpose());
+  put_rotation(SIM_S_ROT_REF, middle.rotation.toRotationMatrix().transpose());
+
+  // The turn from start to end in the sensor frame, by the shorter arc as slerp takes it.
+  Eigen::Quaterniond turn = a.rotation.conjugate() * b.rotation;
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  const double angle = 2.0 * std::atan2(sine, turn.w());
+  put(SIM_S_AXIS,
+      Eigen::Vector3d(sine > 0.0 ? Eigen::Vector3d(turn.vec() / sine) : Eigen::Vector3d::UnitX()));
+  c[SIM_S_ANGLE] = angle;
+  // Below what float poses resolve there is no motion: 1e-9 m and rad over the frame.
+  moving = angle > 1e-9 || (b.translation - a.translation).norm() > 1e-9;
+
+  c[SIM_S_ALPHA_CUT] = options.alpha_cut;
+  c[SIM_S_TRANSMITTANCE_CUT] = options.transmittance_cut;
+  for (std::size_t k = 0; k < 3; ++k) c[SIM_S_BACKGROUND + k] = static_cast<double>(background[k]);
+  if (grid.type == SensorType::kCamera) {
+    const double cone = std::min(c[SIM_S_COS_FOV] + angle / 2.0 + 1e-4, kPi);
+    c[SIM_S_COS_FOV] = std::cos(cone);
+    c[SIM_S_SIN_FOV] = std::sin(cone);
+  }
+  return c;
+}
+
+}  // namespace simuli

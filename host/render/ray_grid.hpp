@@ -1,0 +1,49 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "cl/shared/layout.h"
+#include "host/render/options.hpp"
+#include "host/scene/pose.hpp"
+#include "host/sensors/camera.hpp"
+#include "host/sensors/lidar.hpp"
+
+namespace simuli {
+
+enum class SensorType : int { kCamera = 0, kLidar = 1 };  // as SENSOR in cl/math/sensor.h
+
+/// All rays of a sensor laid into tiles of 256 slots, in the sensor frame: what every later stage needs
+/// to know of a sensor model. A slot without a ray has ray_of_slot -1 and a zero direction.
+struct RayGrid {
+  SensorType type = SensorType::kCamera;
+  shared::FrameParams frame{};            // particles and stride are filled in per particle set
+  bool lever_arms = false;                // rays start away from the sensor's origin
+  std::size_t rays = 0;                   // pixels row-major, or LiDAR rays row-major
+  std::vector<std::int32_t> ray_of_slot;  // [slots]
+  std::vector<float> sensor_ray;          // [7][slots]: direction, origin (m), share of the frame
+  std::vector<float> u;                   // [slots]: px, or azimuth from the tile column's centre (rad)
+  std::vector<std::int32_t> row_lut;      // LiDAR: elevation bin -> first beam to look at, [4096]
+  std::vector<double> row_elevation;      // LiDAR: [beams] rad, falling
+  /// SIM_S_FX.. of cl/shared/layout.h: the constants of the model, poses excepted.
+  std::array<double, SIM_SENSOR_REALS> constants{};
+};
+
+/// Pixels in tiles of 16 x 16.
+[[nodiscard]] RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options);
+
+/// Rays (measured or nominal) in tiles of rows_per_tile beams x uniform azimuth columns, as narrow as
+/// needed for every beam's rays to fit its slots. Error{kInput} when `rays` is not rows x columns of the
+/// model, or too uneven in azimuth to be tiled.
+[[nodiscard]] RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOptions& options);
+
+/// The constants of one frame: model, poses (world relative to the scene origin), cuts, background.
+/// Fills `moving`: start and end differ.
+[[nodiscard]] std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
+                                                                   const Pose& world_from_sensor_start,
+                                                                   const Pose& world_from_sensor_end,
+                                                                   const RenderOptions& options,
+                                                                   const std::array<float, 3>& background,
+                                                                   bool& moving);
+
+}  // namespace simuli

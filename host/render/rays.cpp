@@ -1,0 +1,23 @@
+// Launcher of "kernels/rays.cl".
+#include "host/render/stages.hpp"
+
+namespace simuli {
+
+RaysStage::RaysStage(const Device& device, const Variant& variant)
+    : lanes_(variant.shape.lanes),
+      rows_(variant.origins ? 6 : 3),
+      rays_(Program(device, "kernels/rays.cl", variant.options()), "rays") {}
+
+void RaysStage::run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers) {
+  buffers.world_ray.reserve(rows_ * frame.slots);
+  const std::size_t items = frame.slots / static_cast<std::size_t>(lanes_);
+  // Slots come in tiles of 256, so that any of these local sizes divides the work.
+  rays_.launch(items,
+               std::size_t{SIM_TILE_RAYS} / static_cast<std::size_t>(lanes_),
+               frame,
+               buffers.sensor,
+               rays.sensor_ray,
+               buffers.world_ray);
+}
+
+}  // namespace simuli

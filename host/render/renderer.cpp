@@ -1,0 +1,139 @@
+#include "host/render/renderer.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+
+SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
+    : grid_(std::move(grid)), buffers_(device, grid_, options.precision) {}
+SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
+    : SensorRays(device, make_ray_grid(camera, options), options) {}
+SensorRays::SensorRays(const Device& device,
+                       const Lidar& lidar,
+                       const LidarRays& rays,
+                       const RenderOptions& options)
+    : SensorRays(device, make_ray_grid(lidar, rays, options), options) {}
+
+std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {
+  if (values.size() != channels * grid_.rays) {
+    throw Error(ErrorKind::kInternal, "to_slots: one value per channel and ray is needed");
+  }
+  const std::size_t slots = grid_.frame.slots;
+  std::vector<float> out(channels * slots, 0.0F);
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    const std::int32_t ray = grid_.ray_of_slot[slot];
+    if (ray < 0) continue;
+    for (std::size_t c = 0; c < channels; ++c) {
+      out[c * slots + slot] = values[c * grid_.rays + static_cast<std::size_t>(ray)];
+    }
+  }
+  return out;
+}
+
+float RayResults::drop_probability(std::size_t ray) const {
+  return 1.0F / (1.0F + std::exp(feature[1][ray] - feature[2][ray]));
+}
+
+float RayResults::expected_distance(std::size_t ray) const {
+  const float opacity = 1.0F - transmittance[ray];
+  return opacity > 0.0F ? distance[ray] / opacity : 0.0F;
+}
+
+namespace {
+
+RenderOptions resolve(const Device& device, RenderOptions options) {
+  if (options.shape.lanes == 0) options.shape = LaneShape::of(device, options.precision);
+  const LaneShape& s = options.shape;
+  if (s.lanes * s.vectors * s.work_items != SIM_TILE_RAYS) {
+    throw Error(ErrorKind::kInternal, "lane shape: lanes x vectors x work-items is not 256");
+  }
+  return options;
+}
+
+}  // namespace
+
+Renderer::Renderer(const Device& device, const RenderOptions& options)
+    : device_(device),
+      options_(resolve(device, options)),
+      scan_(device),
+      sort_(device),
+      bin_(device),
+      loss_(device, options.precision),
+      buffers_(device, options.precision) {}
+
+Renderer::Stages& Renderer::stages(const Variant& variant) {
+  auto& entry = stages_[variant];
+  if (!entry) entry = std::make_unique<Stages>(device_, variant);
+  return *entry;
+}
+
+void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, const View& view) {
+  const RayGrid& grid = rays.grid();
+  bool moving = false;
+  const auto constants = frame_constants(
+      grid, view.world_from_sensor_start, view.world_from_sensor_end, options_, view.background, moving);
+  Variant variant;
+  variant.sensor = grid.type;
+  variant.moving = moving;
+  variant.origins = moving || grid.lever_arms;
+  variant.sh_degree = particles.sh_degree;
+  variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
+  variant.precision = options_.precision;
+  variant.shape = options_.shape;
+  current_ = &stages(variant);
+  rays_ = &rays;
+  frame_ = grid.frame;
+  frame_.particles = particles.count;
+  frame_.stride = particles.stride;
+
+  buffers_.sensor.upload(std::span<const double>(constants));
+  current_->rays.run(frame_, rays.buffers(), buffers_);
+  current_->project.run(frame_, particles, rays.buffers(), buffers_);
+  bin_.run(frame_, buffers_, sort_, scan_, options_.max_instances);
+  current_->render.run(frame_, rays.buffers(), buffers_);
+}
+
+RayResults Renderer::results() const {
+  if (rays_ == nullptr) throw Error(ErrorKind::kInternal, "results: nothing has been rendered");
+  const RayGrid& grid = rays_->grid();
+  const std::vector<float> out = buffers_.out.download_float();
+  const std::size_t slots = grid.frame.slots;
+  RayResults results;
+  results.rays = grid.rays;
+  std::vector<float>* rows[SIM_OUTPUTS] = {&results.feature[0],
+                                           &results.feature[1],
+                                           &results.feature[2],
+                                           &results.transmittance,
+                                           &results.distance,
+                                           &results.median};
+  const std::size_t used = median_ ? SIM_OUTPUTS : SIM_O_MEDIAN;
+  for (std::size_t row = 0; row < used; ++row) {
+    rows[row]->resize(grid.rays);
+    for (std::size_t slot = 0; slot < slots; ++slot) {
+      const std::int32_t ray = grid.ray_of_slot[slot];
+      if (ray >= 0) (*rows[row])[static_cast<std::size_t>(ray)] = out[row * slots + slot];
+    }
+  }
+  return results;
+}
+
+void Renderer::set_output_gradients(const std::vector<double>& gradients) {
+  if (gradients.size() != std::size_t{5} * frame_.slots) {
+    throw Error(ErrorKind::kInternal, "set_output_gradients: 5 values per slot are needed");
+  }
+  buffers_.grad_out.assign(gradients);
+}
+
+void Renderer::backward(const ParticleBuffers& particles, RealBuffer& param_grads) {
+  if (current_ == nullptr || particles.count != frame_.particles) {
+    throw Error(ErrorKind::kInternal, "backward: other particles than those last rendered");
+  }
+  param_grads.reserve(particles.params.count());
+  current_->render.run_backward(frame_, rays_->buffers(), buffers_);
+  current_->project.run_backward(frame_, particles, buffers_, param_grads);
+}
+
+}  // namespace simuli

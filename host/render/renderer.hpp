@@ -1,0 +1,102 @@
+#pragma once
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "host/render/stages.hpp"
+#include "host/scene/pose.hpp"
+
+namespace simuli {
+
+/// A sensor ready to render: its ray grid, on host and device.
+class SensorRays {
+ public:
+  SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
+  SensorRays(const Device& device, const Lidar& lidar, const LidarRays& rays, const RenderOptions& options);
+
+  [[nodiscard]] const RayGrid& grid() const { return grid_; }
+  [[nodiscard]] const RayBuffers& buffers() const { return buffers_; }
+  /// values[channels][rays] in ray order -> [channels][slots] in slot order; slots without a ray get 0.
+  [[nodiscard]] std::vector<float> to_slots(const std::vector<float>& values, std::size_t channels) const;
+
+ private:
+  SensorRays(const Device& device, RayGrid grid, const RenderOptions& options);
+  RayGrid grid_;
+  RayBuffers buffers_;
+};
+
+/// One view of a sensor. Poses are world_from_sensor with world relative to the scene origin.
+struct View {
+  Pose world_from_sensor_start;
+  Pose world_from_sensor_end;
+  std::array<float, 3> background{0.0F, 0.0F, 0.0F};
+};
+
+/// What every ray saw, in ray order (pixels or beams row-major).
+struct RayResults {
+  std::size_t rays = 0;
+  std::vector<float> feature[3];     // [rays] colour, or intensity, hit logit, drop logit
+  std::vector<float> transmittance;  // [rays]
+  std::vector<float> distance;       // [rays] sum of w tau, m; divide by 1 - transmittance for the mean
+  std::vector<float> median;         // [rays] m, 0 where transmittance stays above 1/2; may be empty
+
+  /// softmax(hit, drop)[drop] of a LiDAR ray.
+  [[nodiscard]] float drop_probability(std::size_t ray) const;
+  /// Expected distance in m; 0 where nothing at all was met.
+  [[nodiscard]] float expected_distance(std::size_t ray) const;
+};
+
+/// Renders one particle set, and takes gradients back to it. One frame at a time; the buffers of the last
+/// frame stay readable until the next.
+class Renderer {
+ public:
+  Renderer(const Device& device, const RenderOptions& options);
+
+  /// Forward pass: project, sort, bin, blend. Results stay on the device.
+  void render(const ParticleBuffers& particles, const SensorRays& rays, const View& view);
+  /// Results of the last render, in ray order. Waits.
+  [[nodiscard]] RayResults results() const;
+
+  /// Losses of the last render; they leave dL/d(outputs) for backward(). truth in slot order.
+  ImageLoss image_loss(const RealBuffer& truth, double scale) {
+    return loss_.run_image(frame_, buffers_, truth, scale);
+  }
+  LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
+    return loss_.run_lidar(frame_, buffers_, truth, scale);
+  }
+  /// dL/d(outputs)[5][slots] given directly: features, transmittance, sum of w tau.
+  void set_output_gradients(const std::vector<double>& gradients);
+  /// dL/d(outputs) -> param_grads[param_rows][stride] of the particles last rendered.
+  void backward(const ParticleBuffers& particles, RealBuffer& param_grads);
+
+  [[nodiscard]] const FrameBuffers& buffers() const { return buffers_; }
+  [[nodiscard]] const shared::FrameParams& frame() const { return frame_; }
+  [[nodiscard]] const RenderOptions& options() const { return options_; }
+  [[nodiscard]] const Device& device() const { return device_; }
+
+ private:
+  struct Stages {
+    Stages(const Device& device, const Variant& variant)
+        : rays(device, variant), project(device, variant), render(device, variant) {}
+    RaysStage rays;
+    ProjectStage project;
+    RenderStage render;
+  };
+  Stages& stages(const Variant& variant);
+
+  Device device_;
+  RenderOptions options_;
+  std::map<Variant, std::unique_ptr<Stages>> stages_;
+  ScanStage scan_;
+  SortStage sort_;
+  BinStage bin_;
+  LossStage loss_;
+  FrameBuffers buffers_;
+  shared::FrameParams frame_{};
+  const SensorRays* rays_ = nullptr;
+  Stages* current_ = nullptr;
+  bool median_ = false;
+};
+
+}  // namespace simuli

@@ -1,0 +1,324 @@
+#pragma once
+// The contract of a frame: its stages in the order in which they run, each a launcher with the stem of its
+// kernel file. N particles, M of them visible, K tile instances, S ray slots.
+#include <cstdint>
+#include <vector>
+
+#include "cl/shared/layout.h"
+#include "host/render/options.hpp"
+#include "host/render/ray_grid.hpp"
+#include "host/runtime/kernel.hpp"
+#include "host/scene/gaussians.hpp"
+
+namespace simuli {
+
+template <>
+struct ClTypeName<shared::FrameParams> {
+  static constexpr std::string_view value = "FrameParams";
+};
+template <>
+struct ClTypeName<shared::Footprint> {
+  static constexpr std::string_view value = "Footprint";
+};
+
+/// What kernels are specialised for. What a frame doesn't need compiles to nothing.
+struct Variant {
+  SensorType sensor = SensorType::kCamera;
+  bool moving = false;   // the pose changes during the frame
+  bool origins = false;  // rays have origins of their own: moving, or lever arms
+  int sh_degree = 0;
+  bool median = false;
+  Precision precision = Precision::kFloat;
+  LaneShape shape;
+
+  [[nodiscard]] BuildOptions options() const;
+  auto operator<=>(const Variant&) const = default;
+};
+
+/// How many work-items share a pass over n elements, and how many consecutive elements each takes.
+struct Chunks {
+  std::size_t work_items = 0;
+  std::uint32_t chunk = 0;
+};
+[[nodiscard]] Chunks chunks_of(const Device& device, std::size_t n);
+
+/// Rays of a sensor on the device (a RayGrid uploaded).
+struct RayBuffers {
+  RayBuffers(const Device& device, const RayGrid& grid, Precision precision);
+  RealBuffer sensor_ray;  // [7][S]
+  RealBuffer u;           // [S]
+  Buffer<std::int32_t> row_lut;
+  RealBuffer row_elevation;  // [beams]
+};
+
+/// Particles of one set on the device, each parameter a row of `stride` reals.
+struct ParticleBuffers {
+  ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision);
+  void upload(const GaussianSet& set);
+  [[nodiscard]] GaussianSet download() const;
+  SetKind kind;
+  int sh_degree = 0;
+  std::uint32_t count = 0;
+  std::uint32_t stride = 0;
+  RealBuffer params;  // [param_rows][stride]
+};
+
+/// Everything a frame writes; grows, never shrinks.
+struct FrameBuffers {
+  FrameBuffers(const Device& device, Precision precision);
+  RealBuffer sensor;                        // [64]
+  RealBuffer world_ray;                     // [3|6][S]
+  RealBuffer records;                       // [N][16]
+  Buffer<shared::Footprint> footprints;     // [N]
+  Buffer<std::uint32_t> keys;               // [N]
+  Buffer<std::uint32_t> order, order_keys;  // [M], by range
+  Buffer<std::uint32_t> emission;           // [N]
+  Buffer<std::uint32_t> tile, payload;      // [K], by tile, nearest first
+  Buffer<std::uint32_t> first;              // [tiles + 1]
+  RealBuffer out;                           // [6][S]
+  RealBuffer grad_out;                      // [5][S]
+  RealBuffer grads;                         // [K][16]
+  Buffer<std::uint32_t> counts;             // scratch of the counting passes
+  Buffer<std::uint32_t> key_scratch, value_scratch;
+  std::uint32_t visible = 0;    // M
+  std::uint32_t instances = 0;  // K
+};
+
+class RaysStage {
+ public:
+  RaysStage(const Device& device, const Variant& variant);
+  void run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers);  // S -> S
+
+ private:
+  int lanes_;
+  std::size_t rows_;
+  Kernel<shared::FrameParams, BufRealConst, BufRealConst, BufReal> rays_;
+};
+
+class ProjectStage {
+ public:
+  ProjectStage(const Device& device, const Variant& variant);
+  void run(const shared::FrameParams& frame,
+           const ParticleBuffers& particles,
+           const RayBuffers& rays,
+           FrameBuffers& buffers);  // N -> N
+  /// Gradient slots -> param_grads[param_rows][stride].
+  void run_backward(const shared::FrameParams& frame,
+                    const ParticleBuffers& particles,
+                    FrameBuffers& buffers,
+                    RealBuffer& param_grads);
+
+ private:
+  int lanes_;
+  Kernel<shared::FrameParams,
+         BufRealConst,
+         BufRealConst,
+         Buf<const std::int32_t>,
+         BufRealConst,
+         BufReal,
+         Buf<shared::Footprint>,
+         Buf<std::uint32_t>>
+      project_;
+  Kernel<shared::FrameParams,
+         BufRealConst,
+         BufRealConst,
+         Buf<const std::uint32_t>,
+         Buf<const shared::Footprint>,
+         Buf<const std::uint32_t>,
+         BufRealConst,
+         BufRealConst,
+         BufReal>
+      project_bwd_;
+};
+
+class ScanStage {
+ public:
+  explicit ScanStage(const Device& device);
+  /// Exclusive prefix sum of data[0, n) in place; returns the 64-bit total when `wanted` (waits).
+  std::uint64_t run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted);
+
+ private:
+  std::size_t work_items_;
+  Kernel<Buf<std::uint32_t>, std::uint32_t, Buf<std::uint64_t>> scan_;
+  Buffer<std::uint64_t> total_;
+};
+
+class SortStage {
+ public:
+  explicit SortStage(const Device& device);
+  /// Sorts n pairs by the low `bits` of the key, stably. The scratch buffers are swapped in and out.
+  void run(Buffer<std::uint32_t>& keys,
+           Buffer<std::uint32_t>& values,
+           Buffer<std::uint32_t>& key_scratch,
+           Buffer<std::uint32_t>& value_scratch,
+           std::uint32_t n,
+           int bits,
+           ScanStage& scan);
+
+ private:
+  std::size_t work_items_;
+  int digit_bits_;
+  std::size_t groups_;
+  Buffer<std::uint32_t> histogram_;
+  Kernel<Buf<const std::uint32_t>, std::uint32_t, std::uint32_t, std::uint32_t, Buf<std::uint32_t>> count_;
+  Kernel<Buf<const std::uint32_t>,
+         Buf<const std::uint32_t>,
+         std::uint32_t,
+         std::uint32_t,
+         std::uint32_t,
+         Buf<const std::uint32_t>,
+         Buf<std::uint32_t>,
+         Buf<std::uint32_t>>
+      scatter_;
+};
+
+class BinStage {
+ public:
+  explicit BinStage(const Device& device);
+  /// keys, footprints -> order, emission, tile, payload, first; fills visible and instances. N -> M -> K.
+  /// Error{kDevice} with numbers when the frame needs more than max_instances.
+  void run(const shared::FrameParams& frame,
+           FrameBuffers& buffers,
+           SortStage& sort,
+           ScanStage& scan,
+           std::size_t max_instances);
+
+ private:
+  Device device_;
+  Kernel<Buf<const std::uint32_t>, std::uint32_t, std::uint32_t, Buf<std::uint32_t>> visible_count_;
+  Kernel<Buf<const std::uint32_t>,
+         std::uint32_t,
+         std::uint32_t,
+         Buf<const std::uint32_t>,
+         Buf<std::uint32_t>,
+         Buf<std::uint32_t>>
+      visible_write_;
+  Kernel<shared::FrameParams,
+         Buf<const std::uint32_t>,
+         std::uint32_t,
+         std::uint32_t,
+         Buf<const shared::Footprint>,
+         Buf<std::uint32_t>>
+      instance_count_;
+  Kernel<shared::FrameParams,
+         Buf<const std::uint32_t>,
+         std::uint32_t,
+         std::uint32_t,
+         Buf<const shared::Footprint>,
+         Buf<const std::uint32_t>,
+         Buf<std::uint32_t>,
+         Buf<std::uint32_t>,
+         Buf<std::uint32_t>>
+      instance_emit_;
+  Kernel<Buf<const std::uint32_t>, std::uint32_t, std::uint32_t, std::uint32_t, Buf<std::uint32_t>>
+      tile_ranges_;
+};
+
+class RenderStage {
+ public:
+  RenderStage(const Device& device, const Variant& variant);
+  void run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers);  // K -> S
+  /// out, grad_out -> grads. S -> K.
+  void run_backward(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers);
+
+ private:
+  std::size_t work_items_;
+  Kernel<shared::FrameParams,
+         BufRealConst,
+         BufRealConst,
+         BufRealConst,
+         Buf<const std::uint32_t>,
+         Buf<const std::uint32_t>,
+         BufRealConst,
+         BufReal>
+      render_;
+  Kernel<shared::FrameParams,
+         BufRealConst,
+         BufRealConst,
+         BufRealConst,
+         Buf<const std::uint32_t>,
+         Buf<const std::uint32_t>,
+         BufRealConst,
+         Buf<const shared::Footprint>,
+         Buf<const std::uint32_t>,
+         BufRealConst,
+         BufRealConst,
+         BufReal>
+      render_bwd_;
+};
+
+/// Sums of a picture's loss, over all pixels and channels.
+struct ImageLoss {
+  double absolute = 0.0;
+  double squared = 0.0;
+};
+
+/// Sums of a sweep's losses: |d^ - d| (m) and |intensity error| over returned rays, cross entropy and
+/// wrong drop decisions over all rays.
+struct LidarLoss {
+  double distance_m = 0.0;
+  double intensity = 0.0;
+  double entropy = 0.0;
+  double wrong = 0.0;
+};
+
+/// Weights of a sweep's losses over the number of rays that each is the mean of.
+struct LidarLossScale {
+  double distance = 0.0;
+  double intensity = 0.0;
+  double entropy = 0.0;
+};
+
+class LossStage {
+ public:
+  LossStage(const Device& device, Precision precision);
+  /// out -> grad_out. truth[3][S]; scale: weight / (3 x pixels).
+  ImageLoss run_image(const shared::FrameParams& frame,
+                      FrameBuffers& buffers,
+                      const RealBuffer& truth,
+                      double scale);
+  /// out -> grad_out. truth[2][S]: range, intensity.
+  LidarLoss run_lidar(const shared::FrameParams& frame,
+                      FrameBuffers& buffers,
+                      const RealBuffer& truth,
+                      const LidarLossScale& scale);
+
+ private:
+  std::vector<double> sums(std::size_t columns) const;
+  RealBuffer sums_;
+  RealBuffer scale_;
+  Kernel<shared::FrameParams, RealScalar, BufRealConst, BufRealConst, BufRealConst, BufReal, BufReal> image_;
+  Kernel<shared::FrameParams, BufRealConst, BufRealConst, BufRealConst, BufRealConst, BufReal, BufReal>
+      lidar_;
+};
+
+/// Adam on a parameter matrix of one set.
+class AdamStage {
+ public:
+  AdamStage(const Device& device, const ParticleBuffers& particles);
+  /// One step with rate[param_rows]; counts iterations itself.
+  void run(ParticleBuffers& particles, const RealBuffer& grads, const std::vector<double>& rate);
+  /// Gradient entries so far that were not finite and moved nothing. Waits.
+  [[nodiscard]] std::uint32_t rejected() const { return rejected_.read_back(); }
+
+ private:
+  int lanes_;
+  std::uint64_t iteration_ = 0;
+  RealBuffer rate_, first_, second_;
+  Buffer<std::uint32_t> rejected_;
+  Kernel<std::uint32_t,
+         BufRealConst,
+         RealScalar,
+         RealScalar,
+         RealScalar,
+         RealScalar,
+         RealScalar,
+         BufRealConst,
+         BufReal,
+         BufReal,
+         BufReal,
+         Buf<std::uint32_t>>
+      adam_;
+};
+
+}  // namespace simuli
