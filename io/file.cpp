@@ -159,6 +159,7 @@ void write_folder_atomically(const fs::path& folder, const std::function<void(co
   }
   Cleanup cleanup(temporary);
   write(temporary);
+  for (const auto& entry : fs::recursive_directory_iterator(temporary)) sync_path(entry.path());
   sync_path(temporary);
   rename_synced(temporary, target);
   cleanup.release();

@@ -1,0 +1,184 @@
+#include "io/image.hpp"
+
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "io/file.hpp"
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+using test::expect_input_error;
+using test::Scratch;
+
+/// Half a step of 8 bits, and float rounding.
+constexpr float kEightBitTolerance = 0.5F / 255.0F + 1e-6F;
+
+/// Every pixel and channel differs from its neighbours.
+Image pattern(int width, int height, int channels) {
+  Image image(width, height, channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    image.data[i] = static_cast<float>((i * 37) % 256) / 255.0F;
+  }
+  return image;
+}
+
+TEST(Image, PngKeepsEightBitValues) {
+  const Scratch scratch;
+  const Image image = pattern(17, 9, 3);
+  write_image(scratch / "a.png", image);
+  const Image read = read_image(scratch / "a.png");
+  ASSERT_EQ(read.width, 17);
+  ASSERT_EQ(read.height, 9);
+  ASSERT_EQ(read.channels, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i) EXPECT_NEAR(read.data[i], image.data[i], 1e-6F);
+}
+
+TEST(Image, ExrKeepsEveryBit) {
+  const Scratch scratch;
+  Image image = pattern(8, 5, 3);
+  image.at(3, 2, 1) = -17.25F;
+  image.at(4, 2, 0) = 1e-7F;
+  write_image(scratch / "a.exr", image);
+  EXPECT_EQ(read_image(scratch / "a.exr").data, image.data);
+}
+
+TEST(Image, JpegIsClose) {
+  const Scratch scratch;
+  Image image(32, 32, 3);
+  for (float& value : image.data) value = 0.5F;
+  write_image(scratch / "a.jpg", image);
+  constexpr float kJpegTolerance = 3.0F / 255.0F;  // a flat picture loses a step or two of 8 bits
+  for (const float value : read_image(scratch / "a.jpg").data) EXPECT_NEAR(value, 0.5F, kJpegTolerance);
+}
+
+TEST(Image, GreyBecomesThreeEqualChannels) {
+  const Scratch scratch;
+  const Image image = pattern(7, 3, 1);
+  write_image(scratch / "grey.png", image);
+  const Image read = read_image(scratch / "grey.png");
+  ASSERT_EQ(read.channels, 3);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 7; ++x) {
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(read.at(x, y, c), image.at(x, y, 0), 1e-6F);
+    }
+  }
+}
+
+TEST(Image, EightBitFormatsClipWhatIsOutside) {
+  const Scratch scratch;
+  Image image(2, 1, 1);
+  image.data = {-0.5F, 3.0F};
+  write_image(scratch / "clip.png", image);
+  const Image read = read_image(scratch / "clip.png");
+  EXPECT_EQ(read.at(0, 0, 0), 0.0F);
+  EXPECT_EQ(read.at(1, 0, 0), 1.0F);
+}
+
+TEST(Image, RefusesTruncatedFiles) {
+  const Scratch scratch;
+  for (const std::string ending : {"png", "jpg", "exr"}) {
+    write_image(scratch / ("whole." + ending), pattern(64, 64, 3));
+    const std::string bytes = read_file(scratch / ("whole." + ending));
+    for (const double share : {0.5, 0.9}) {
+      const auto kept = static_cast<std::size_t>(share * static_cast<double>(bytes.size()));
+      const fs::path file = scratch.file("cut." + ending, bytes.substr(0, kept));
+      expect_input_error([&] { (void)read_image(file); }, {"cut." + ending, "found", "allowed"});
+    }
+  }
+}
+
+TEST(Image, RefusesWhatIsNoPicture) {
+  const Scratch scratch;
+  expect_input_error([&] { (void)read_image(scratch / "none.png"); }, {"none.png", "found", "allowed"});
+  const fs::path text = scratch.file("text.png", "not a picture");
+  expect_input_error([&] { (void)read_image(text); }, {"text.png", "found", "allowed"});
+  const fs::path empty = scratch.file("empty.jpg", "");
+  expect_input_error([&] { (void)read_image(empty); }, {"empty.jpg"});
+}
+
+TEST(Image, ChecksTheClaimedSizeBeforeItAllocates) {
+  const Scratch scratch;
+  write_image(scratch / "small.png", pattern(4, 4, 3));
+  std::string bytes = read_file(scratch / "small.png");
+  // IHDR: 4 bytes width, 4 bytes height from byte 16, its CRC after 13 bytes of content.
+  const auto put = [&](std::size_t at, std::uint32_t value) {
+    for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (24 - 8 * i));
+  };
+  put(16, 60000);
+  put(20, 60000);
+  std::uint32_t crc = 0xFFFFFFFFU;
+  for (std::size_t i = 12; i < 29; ++i) {
+    crc ^= static_cast<unsigned char>(bytes[i]);
+    for (int k = 0; k < 8; ++k) crc = (crc >> 1U) ^ ((crc & 1U) != 0U ? 0xEDB88320U : 0U);
+  }
+  put(29, ~crc);
+  const fs::path file = scratch.file("bomb.png", bytes);
+  expect_input_error([&] { (void)read_image(file); }, {"bomb.png", "60000 x 60000", "allowed at most"});
+}
+
+TEST(Image, RefusesWhatCannotBeWritten) {
+  const Scratch scratch;
+  Image image = pattern(4, 4, 3);
+  expect_input_error([&] { write_image(scratch / "a.xyz", image); }, {"a.xyz", "allowed"});
+  expect_input_error([&] { write_image(scratch / "a.png", Image(4, 4, 2)); }, {"channels", "found 2"});
+  expect_input_error([&] { write_image(scratch / "a.png", Image(0, 4, 3)); }, {"size_px", "found 0 x 4"});
+  image.at(2, 1, 0) = std::numeric_limits<float>::quiet_NaN();
+  expect_input_error([&] { write_image(scratch / "a.png", image); }, {"pixel (2, 1)", "found NaN"});
+  image.data.pop_back();
+  expect_input_error([&] { write_image(scratch / "a.png", image); }, {"data", "47 values", "48 values"});
+  EXPECT_TRUE(fs::is_empty(scratch.path()));
+}
+
+TEST(ResizeArea, HalvingAveragesFourPixels) {
+  const Image image = pattern(8, 6, 3);
+  const Image half = resize_area(image, 4, 3);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        const float mean = 0.25F * (image.at(2 * x, 2 * y, c) + image.at(2 * x + 1, 2 * y, c) +
+                                    image.at(2 * x, 2 * y + 1, c) + image.at(2 * x + 1, 2 * y + 1, c));
+        EXPECT_NEAR(half.at(x, y, c), mean, 1e-6F);
+      }
+    }
+  }
+}
+
+TEST(ResizeArea, KeepsTheMeanAtAnySize) {
+  const Image image = pattern(31, 17, 1);
+  const auto mean = [](const Image& i) {
+    double sum = 0.0;
+    for (const float value : i.data) sum += value;
+    return sum / static_cast<double>(i.data.size());
+  };
+  for (const auto& [w, h] : {std::pair{7, 5}, {31, 17}, {40, 33}, {1, 1}, {30, 1}}) {
+    const Image resized = resize_area(image, w, h);
+    constexpr double kFloatSums = 1e-6;
+    EXPECT_NEAR(mean(resized), mean(image), kFloatSums) << w << " x " << h;
+  }
+  EXPECT_EQ(resize_area(image, 31, 17).data, image.data);
+}
+
+TEST(ResizeArea, WeighsPartlyCoveredPixels) {
+  Image image(3, 1, 1);
+  image.data = {0.0F, 0.3F, 0.9F};
+  const Image two = resize_area(image, 2, 1);  // 1.5 old pixels each
+  EXPECT_NEAR(two.at(0, 0, 0), (0.0F + 0.5F * 0.3F) / 1.5F, 1e-6F);
+  EXPECT_NEAR(two.at(1, 0, 0), (0.5F * 0.3F + 0.9F) / 1.5F, 1e-6F);
+  expect_input_error([&] { (void)resize_area(image, 0, 1); }, {"size_px", "found 0 x 1"});
+}
+
+TEST(Image, WholeStepsOfEightBitsAreRounded) {
+  const Scratch scratch;
+  Image image(1, 1, 1);
+  image.data = {100.4F / 255.0F};
+  write_image(scratch / "a.png", image);
+  EXPECT_NEAR(read_image(scratch / "a.png").at(0, 0, 0), image.data[0], kEightBitTolerance);
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,103 @@
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+
+#include "io/file.hpp"
+#include "io/image.hpp"
+#include "io/log.hpp"
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+using test::expect_input_error;
+using test::Scratch;
+
+Lidar some_lidar() {
+  Lidar lidar;
+  lidar.name = "top";
+  lidar.rows = {{0.1, 0, 0, 0, 0}, {0.0, 0, 0, 0, 0}, {-0.1, 0, 0, 0, 0}};
+  lidar.columns = 50;
+  lidar.azimuth_first = 3.0;
+  lidar.azimuth_span = 2.0 * std::numbers::pi;
+  lidar.spin = SpinDirection::kClockwise;
+  lidar.range_max = 100.0;
+  return lidar;
+}
+
+Sweep some_sweep(const Lidar& lidar) {
+  Sweep sweep;
+  sweep.rays = nominal_rays(lidar, 0.1);
+  for (std::size_t i = 0; i < lidar.ray_count(); ++i) {
+    const bool returned = i % 5 != 0;
+    sweep.range.push_back(returned ? 1.0F + 0.37F * static_cast<float>(i) : 0.0F);
+    sweep.intensity.push_back(returned ? static_cast<float>(i % 11) / 11.0F : 0.0F);
+  }
+  return sweep;
+}
+
+TEST(SweepFile, KeepsEveryBit) {
+  const Scratch scratch;
+  const Lidar lidar = some_lidar();
+  const Sweep sweep = some_sweep(lidar);
+  write_sweep(scratch / "s.exr", sweep);
+  const Sweep read = read_sweep(scratch / "s.exr", lidar);
+  EXPECT_EQ(read.rays.rows, 3);
+  EXPECT_EQ(read.rays.columns, 50);
+  EXPECT_EQ(read.range, sweep.range);
+  EXPECT_EQ(read.intensity, sweep.intensity);
+  EXPECT_EQ(read.rays.azimuth, sweep.rays.azimuth);
+  EXPECT_EQ(read.rays.elevation, sweep.rays.elevation);
+  EXPECT_EQ(read.rays.time_fraction, sweep.rays.time_fraction);
+}
+
+TEST(SweepFile, RefusesAnotherSensorsGrid) {
+  const Scratch scratch;
+  Lidar lidar = some_lidar();
+  write_sweep(scratch / "s.exr", some_sweep(lidar));
+  lidar.columns = 51;
+  expect_input_error([&] { (void)read_sweep(scratch / "s.exr", lidar); },
+                     {"s.exr: rows x columns: found 3 x 50, allowed 3 x 51 of lidar top"});
+}
+
+TEST(SweepFile, RefusesBadValuesByChannelRowAndColumn) {
+  const Scratch scratch;
+  const Lidar lidar = some_lidar();
+  const auto refuse = [&](auto&& spoil, const std::vector<std::string>& words) {
+    Sweep sweep = some_sweep(lidar);
+    spoil(sweep);
+    expect_input_error([&] { write_sweep(scratch / "s.exr", sweep); }, words);
+  };
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  refuse([&](Sweep& s) { s.range[62] = kNan; }, {"s.exr", "channel range_m: row 1, column 12", "found nan"});
+  refuse([&](Sweep& s) { s.range[3] = kInf; }, {"channel range_m: row 0, column 3", "found inf"});
+  refuse([&](Sweep& s) { s.range[149] = -1.0F; }, {"channel range_m: row 2, column 49", "found -1"});
+  refuse([&](Sweep& s) { s.intensity[1] = 1.5F; }, {"channel intensity: row 0, column 1", "found 1.5"});
+  refuse([&](Sweep& s) { s.intensity[5] = 0.5F; }, {"channel intensity: row 0, column 5", "range 0"});
+  refuse([&](Sweep& s) { s.rays.azimuth[0] = kNan; }, {"channel azimuth_rad: row 0, column 0"});
+  refuse([&](Sweep& s) { s.rays.elevation[0] = 2.0F; }, {"channel elevation_rad: row 0, column 0"});
+  refuse([&](Sweep& s) { s.rays.time_fraction[0] = kNan; }, {"channel time_fraction: row 0, column 0"});
+  refuse([&](Sweep& s) { s.intensity.pop_back(); }, {"channel intensity", "found 149 values", "allowed 150"});
+  refuse([&](Sweep& s) { s.rays.rows = 0; }, {"rows x columns", "found 0 x 50"});
+  EXPECT_TRUE(fs::is_empty(scratch.path()));
+  expect_input_error([&] { write_sweep(scratch / "s.png", some_sweep(lidar)); }, {"s.png", ".exr"});
+}
+
+TEST(SweepFile, RefusesOtherChannelsAndTruncation) {
+  const Scratch scratch;
+  const Lidar lidar = some_lidar();
+  write_image(scratch / "rgb.exr", Image(50, 3, 3));
+  expect_input_error([&] { (void)read_sweep(scratch / "rgb.exr", lidar); },
+                     {"rgb.exr", "channel range_m", "R, G, B"});
+  write_sweep(scratch / "s.exr", some_sweep(lidar));
+  const std::string bytes = read_file(scratch / "s.exr");
+  const fs::path cut = scratch.file("cut.exr", bytes.substr(0, bytes.size() - 100));
+  expect_input_error([&] { (void)read_sweep(cut, lidar); }, {"cut.exr", "found", "allowed"});
+  expect_input_error([&] { (void)read_sweep(scratch / "none.exr", lidar); }, {"none.exr"});
+}
+
+}  // namespace
+}  // namespace simuli
