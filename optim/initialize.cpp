@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "io/image.hpp"
+#include "optim/initialize_moving.hpp"
 #include "optim/initialize_points.hpp"
 #include "optim/initialize_views.hpp"
 
@@ -55,18 +56,32 @@ Pose shifted(Pose world_from_sensor, const Eigen::Vector3d& origin) {
   return world_from_sensor;
 }
 
-void add_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin, VoxelGrid& grid) {
+/// A sweep with the poses at its start and end.
+struct PosedSweep {
+  const Lidar& lidar;
+  Sweep sweep;
+  Pose scene_from_lidar_start;
+  Pose scene_from_lidar_end;
+};
+
+PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin) {
   const LogLidar& lidar = log.lidar(frame.lidar);
-  const Sweep sweep = read_sweep(log.folder / frame.file, lidar.model);
-  const Pose start = shifted(log.world_from_rig.at(frame.time_start_s) * lidar.rig_from_lidar, origin);
-  const Pose end = shifted(log.world_from_rig.at(frame.time_end_s) * lidar.rig_from_lidar, origin);
+  return {lidar.model,
+          read_sweep(log.folder / frame.file, lidar.model),
+          shifted(log.world_from_rig.at(frame.time_start_s) * lidar.rig_from_lidar, origin),
+          shifted(log.world_from_rig.at(frame.time_end_s) * lidar.rig_from_lidar, origin)};
+}
+
+void add_points(const PosedSweep& posed, VoxelGrid& grid) {
+  const Sweep& sweep = posed.sweep;
   const auto columns = static_cast<std::size_t>(sweep.rays.columns);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;  // fired, nothing came back
     const double azimuth = sweep.rays.azimuth[i];
-    const Pose scene_from_lidar = interpolate(start, end, sweep.rays.time_fraction[i]);
+    const Pose scene_from_lidar =
+        interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, sweep.rays.time_fraction[i]);
     const Eigen::Vector3d p_lidar =
-        lidar.model.origin(static_cast<int>(i / columns), azimuth) +
+        posed.lidar.origin(static_cast<int>(i / columns), azimuth) +
         static_cast<double>(sweep.range[i]) * Lidar::direction(azimuth, sweep.rays.elevation[i]);
     grid.add(scene_from_lidar * p_lidar, sweep.intensity[i]);
   }
@@ -172,6 +187,14 @@ GaussianSet camera_set(const PointSet& points,
   return set;
 }
 
+PointSet keep_static(const PointSet& points, const std::vector<PointVotes>& votes) {
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    if (!is_moving(votes[i])) kept.push_back(static_cast<std::uint32_t>(i));
+  }
+  return points.subset(kept);
+}
+
 /// Drops points that no image saw, then thins to `limit`. Returns the number of unseen points.
 std::size_t keep_seen(PointSet& points,
                       std::vector<PointLook>& looks,
@@ -225,7 +248,7 @@ SceneInit initialize_scene(const Log& log,
   std::size_t files = 0;
   const auto step = [&] {
     ++files;
-    if (progress) progress(files, sweeps.size() + images.size());
+    if (progress) progress(files, (options.drop_moving ? 2 : 1) * sweeps.size() + images.size());
   };
   SceneInit out;
   InitReport& report = out.report;
@@ -235,13 +258,23 @@ SceneInit initialize_scene(const Log& log,
 
   VoxelGrid grid(options.voxel_m);
   for (const SweepFrame* frame : sweeps) {
-    add_sweep(log, *frame, scene.origin, grid);
+    add_points(load_sweep(log, *frame, scene.origin), grid);
     step();
   }
   PointSet points = grid.averages();
   report.sweeps = sweeps.size();
   report.points = grid.points();
   report.voxels = points.size();
+  if (options.drop_moving) {
+    std::vector<PointVotes> votes(points.size());
+    for (const SweepFrame* frame : sweeps) {
+      const PosedSweep s = load_sweep(log, *frame, scene.origin);
+      vote_on_points(s.sweep, s.lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points, votes);
+      step();
+    }
+    points = keep_static(points, votes);
+    report.moving_points = report.voxels - points.size();
+  }
 
   const auto lidar_kept = thin(points.size(), options.max_lidar, options.seed);
   scene.lidar = lidar_set(points.subset(lidar_kept), options);
@@ -262,7 +295,7 @@ SceneInit initialize_scene(const Log& log,
   }
   report.images = images.size();
   report.unseen_points = keep_seen(points, looks, options.max_camera, options.seed);
-  report.camera_thinned = report.voxels - report.unseen_points - points.size();
+  report.camera_thinned = report.voxels - report.moving_points - report.unseen_points - points.size();
 
   const std::vector<FarShell::Patch> patches = shell.patches();
   const auto shell_kept = thin(patches.size(), options.max_shell, options.seed);

@@ -22,7 +22,8 @@ struct InitOptions {
   double shell_spacing_deg = 1.0;      // angle between shell particles, seen from the scene origin
   double min_scale_m = 0.03;           // limits of a particle's standard deviation
   double max_scale_m = 0.5;
-  std::uint64_t seed = 1;  // which points go when there are more than max_*
+  bool drop_moving = true;  // leave out points that other sweeps look through (initialize_moving.hpp)
+  std::uint64_t seed = 1;   // which points go when there are more than max_*
 };
 
 /// What the initialisation did, so that nothing is dropped without a number.
@@ -31,6 +32,7 @@ struct InitReport {
   std::size_t images = 0;         // read
   std::size_t points = 0;         // returns in those sweeps
   std::size_t voxels = 0;         // occupied
+  std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
   std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
   std::size_t lidar_thinned = 0;  // voxels left out to keep to max_lidar
   std::size_t camera_thinned = 0;
@@ -46,11 +48,11 @@ struct SceneInit {
   InitReport report;
 };
 
-/// Reads the training sweeps and images of `log`, one at a time, and builds both particle sets. The same log
-/// and options give the same bits. The scene's origin is the mean position of the trajectory in whole
-/// metres. `progress(done, total)` is called after each file.
-/// Throws Error{kUsage} for options outside their range, Error{kInput} when no frame is left for training or
-/// a file can't be read.
+/// Reads the training sweeps and images of `log`, one at a time, and builds both particle sets of the
+/// static background (sweeps are read twice to drop what moved). The same log and options give the same bits.
+/// The scene's origin is the mean position of the trajectory in whole metres. `progress(done, total)` is
+/// called after each file. Throws Error{kUsage} for options outside their range, Error{kInput} when no frame
+/// is left for training or a file can't be read.
 [[nodiscard]] SceneInit initialize_scene(const Log& log,
                                          const InitOptions& options,
                                          const std::function<void(std::size_t, std::size_t)>& progress = {});

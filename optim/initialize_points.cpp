@@ -8,9 +8,9 @@
 #include <limits>
 #include <nanoflann.hpp>
 #include <numeric>
-#include <thread>
 
 #include "host/base/error.hpp"
+#include "optim/parallel.hpp"
 
 namespace simuli {
 namespace {
@@ -24,20 +24,6 @@ constexpr std::size_t kPlaneNeighbours = 8;
 constexpr double kPlaneRatio = 0.1;
 /// Middle over largest variance from which they are a plane and not just a line, as one laser ring is.
 constexpr double kLineRatio = 0.02;
-
-/// Runs f(begin, end) on all cores. Each index is handled alone, so the split does not show in the result.
-template <class F>
-void parallel_ranges(std::size_t count, const F& f) {
-  constexpr std::size_t kSmallest = 4096;
-  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-  const std::size_t parts = std::clamp<std::size_t>(count / kSmallest, 1, cores);
-  std::vector<std::jthread> threads;
-  threads.reserve(parts - 1);
-  for (std::size_t i = 1; i < parts; ++i) {
-    threads.emplace_back([&f, i, parts, count] { f(count * i / parts, count * (i + 1) / parts); });
-  }
-  f(0, count / parts);
-}
 
 struct CloudView {
   const PointSet& points;

@@ -186,9 +186,9 @@ TEST_F(InitializeScene, HeldOutFramesAreNotRead) {
   std::size_t calls = 0;
   const SceneInit init = initialize_scene(log_, options, [&](std::size_t done, std::size_t total) {
     EXPECT_EQ(done, ++calls);
-    EXPECT_EQ(total, 2U);
+    EXPECT_EQ(total, 3U);  // the sweep twice
   });
-  EXPECT_EQ(calls, 2U);
+  EXPECT_EQ(calls, 3U);
   EXPECT_EQ(init.report.sweeps, 1U);
   EXPECT_EQ(init.report.images, 1U);
   EXPECT_THROW((void)initialize_scene(log_, {}), Error);  // and the others are
@@ -275,23 +275,26 @@ TEST(InitializeStreet, PointsLieOnTheSurfacesOfTheStreet) {
   const SceneInit init = initialize_scene(log, {});
   const GaussianSet& set = init.scene.lidar;
   ASSERT_GT(set.size(), 1000);
-  // Looked at from where the rig stood in the middle, most particles are on the first surface; the others are
-  // behind it, hidden by what stands before them.
+  // Surfaces that face the drive show the motion: there a point moved along the road leaves its surface.
+  // Looked at from where the rig stood in the middle, most of their particles are on the first surface; the
+  // others are hidden by what stands before them.
   const Street street(street_options.seed);
   const LogLidar& lidar = log.lidars.front();
   const Eigen::Vector3d eye = (log.world_from_rig.at(0.15) * lidar.rig_from_lidar).translation;
+  const Eigen::Vector3d drive =
+      (log.world_from_rig.at(0.3).translation - log.world_from_rig.at(0.0).translation).normalized();
   std::vector<double> off_m;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
     const Eigen::Vector3d p_world = init.scene.origin + set.mean().row(i).transpose().cast<double>();
     const double range_m = (p_world - eye).norm();
     const StreetHit hit = street.trace(eye, (p_world - eye) / range_m, 0.15, 200.0);
-    if (hit.hit)
-      off_m.push_back(std::abs(hit.range - range_m) * std::abs(hit.normal.dot(p_world - eye)) / range_m);
+    if (!hit.hit || !(std::abs(hit.normal.dot(drive)) > 0.7)) continue;
+    off_m.push_back(std::abs(hit.range - range_m) * std::abs(hit.normal.dot(p_world - eye)) / range_m);
   }
-  ASSERT_GT(off_m.size(), static_cast<std::size_t>(set.size()) / 2);
+  ASSERT_GT(off_m.size(), 100U);
   std::nth_element(off_m.begin(), off_m.begin() + static_cast<long>(off_m.size() / 2), off_m.end());
-  // Without the motion during the sweep (0.8 m) undone the median is decimetres.
-  EXPECT_LT(off_m[off_m.size() / 2], 0.01);
+  // The sensor's own noise and the voxel's average; undoing no motion (0.8 m per sweep) gives decimetres.
+  EXPECT_LT(off_m[off_m.size() / 2], 0.03);
   fs::remove_all(pattern);
 }
 
