@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "io/image.hpp"
+#include "optim/frames.hpp"
 #include "optim/initialize_moving.hpp"
 #include "optim/initialize_points.hpp"
 #include "optim/initialize_views.hpp"
@@ -88,31 +89,16 @@ void add_points(const PosedSweep& posed, VoxelGrid& grid) {
 }
 
 /// The picture of `frame` and the view it was taken from, both at the training size.
-std::pair<Image, View> load_view(const Log& log,
-                                 const ImageFrame& frame,
-                                 const Eigen::Vector3d& origin,
-                                 double image_scale) {
+std::pair<Image, ImageView> load_view(const Log& log,
+                                      const ImageFrame& frame,
+                                      const Eigen::Vector3d& origin,
+                                      double image_scale) {
   const LogCamera& camera = log.camera(frame.camera);
-  const std::filesystem::path file = log.folder / frame.file;
-  Image image = read_image(file);
-  if (image.width != camera.model.width || image.height != camera.model.height) {
-    throw_input_error(
-        file.string(),
-        "size",
-        fmt::format("{} x {}", image.width, image.height),
-        fmt::format("{} x {} as camera {}", camera.model.width, camera.model.height, camera.model.name));
-  }
-  const auto scaled = [&](int side) {
-    return std::max(1, static_cast<int>(std::lround(side * image_scale)));
-  };
-  const Camera model = camera.model.resized(scaled(image.width), scaled(image.height));
-  if (model.width != image.width || model.height != image.height) {
-    image = resize_area(image, model.width, model.height);
-  }
-  View view(model,
-            shifted(log.world_from_rig.at(frame.time_start_s) * camera.rig_from_camera, origin),
-            shifted(log.world_from_rig.at(frame.time_end_s) * camera.rig_from_camera, origin));
-  return {std::move(image), std::move(view)};
+  const Camera model = scaled_camera(camera.model, image_scale);
+  return {load_image(log, frame, model),
+          ImageView(model,
+                    shifted(log.world_from_rig.at(frame.time_start_s) * camera.rig_from_camera, origin),
+                    shifted(log.world_from_rig.at(frame.time_end_s) * camera.rig_from_camera, origin))};
 }
 
 void set_shape(GaussianSet& set,

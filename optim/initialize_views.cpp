@@ -31,18 +31,18 @@ struct Seen {
 
 }  // namespace
 
-View::View(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end)
+ImageView::ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end)
     : camera_(std::move(camera)),
       start_(scene_from_camera_start),
       end_(scene_from_camera_end),
       moves_(camera_.shutter != ShutterKind::kGlobal),
       camera_from_scene_mid_(interpolate(start_, end_, 0.5).inverse()) {}
 
-Pose View::scene_from_camera(const Eigen::Vector2d& pixel) const {
+Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
   return interpolate(start_, end_, camera_.exposure_fraction(pixel));
 }
 
-bool View::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
+bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
   Eigen::Vector3d p_camera = camera_from_scene_mid_ * p_scene;
   if (!camera_.project(p_camera, pixel)) return false;
   if (moves_) {
@@ -60,9 +60,9 @@ bool View::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, doubl
   return is_inside(camera_, pixel, 0.0);
 }
 
-void View::unproject(const Eigen::Vector2d& pixel,
-                     Eigen::Vector3d& origin,
-                     Eigen::Vector3d& direction) const {
+void ImageView::unproject(const Eigen::Vector2d& pixel,
+                          Eigen::Vector3d& origin,
+                          Eigen::Vector3d& direction) const {
   const Pose pose = scene_from_camera(pixel);
   origin = pose.translation;
   direction = pose.rotation * camera_.unproject(pixel);
@@ -98,7 +98,7 @@ Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel
   return colour;
 }
 
-Coverage look_at_points(const View& view,
+Coverage look_at_points(const ImageView& view,
                         const Image& image,
                         const PointSet& points,
                         double point_size_m,
@@ -169,7 +169,7 @@ FarShell::FarShell(double spacing_deg, double distance_m)
   }
 }
 
-void FarShell::add(const View& view, const Image& image, const Coverage& coverage) {
+void FarShell::add(const ImageView& view, const Image& image, const Coverage& coverage) {
   for (int row = 0; row < coverage.rows; ++row) {
     for (int column = 0; column < coverage.columns; ++column) {
       if (!coverage.is_empty_around(column, row)) continue;

@@ -15,9 +15,9 @@ namespace simuli {
 
 /// One exposure: a camera and its pose (scene frame: world shifted by the scene origin) at the start and the
 /// end of the read-out.
-class View {
+class ImageView {
  public:
-  View(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end);
+  ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end);
 
   /// Pixel and distance (m, along the ray) at which p_scene is seen, at the time at which the shutter reaches
   /// it. False when it lies behind the camera or outside the picture.
@@ -59,7 +59,7 @@ struct Coverage {
 /// image saw from closer by, takes this image's colour. Points hide what lies behind a disc of diameter
 /// `point_size_m`. `image` has the size of the view's camera and 3 channels; looks: [points]. Returns the
 /// coverage by the points in cells of `cell_px` pixels.
-Coverage look_at_points(const View& view,
+Coverage look_at_points(const ImageView& view,
                         const Image& image,
                         const PointSet& points,
                         double point_size_m,
@@ -77,7 +77,7 @@ class FarShell {
   FarShell(double spacing_deg, double distance_m);
   /// Adds the colours of all cells of `coverage` that are empty with their neighbours. The camera must stand
   /// within the shell.
-  void add(const View& view, const Image& image, const Coverage& coverage);
+  void add(const ImageView& view, const Image& image, const Coverage& coverage);
   /// One direction with a colour.
   void add(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const Eigen::Vector3f& colour);
 

@@ -34,9 +34,9 @@ PointSet point_set(const std::vector<Eigen::Vector3f>& positions) {
 
 Pose at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
 
-TEST(View, RollingShutterSeesAPointAtItsOwnTime) {
+TEST(ImageView, RollingShutterSeesAPointAtItsOwnTime) {
   // Moves 1 m to the right while reading out from the top to the bottom.
-  const View view(camera(ShutterKind::kTopToBottom), at(0, 0, 0), at(1, 0, 0));
+  const ImageView view(camera(ShutterKind::kTopToBottom), at(0, 0, 0), at(1, 0, 0));
   Eigen::Vector2d pixel;
   double range_m = 0.0;
   ASSERT_TRUE(view.project({0.5, 2.0, 10.0}, pixel, range_m));
@@ -49,8 +49,8 @@ TEST(View, RollingShutterSeesAPointAtItsOwnTime) {
   EXPECT_LT((origin + range_m * direction - Eigen::Vector3d(0.5, 2.0, 10.0)).norm(), 1e-6);
 }
 
-TEST(View, PointsOutsideThePictureAreNotSeen) {
-  const View view(camera(), at(0, 0, 0), at(0, 0, 0));
+TEST(ImageView, PointsOutsideThePictureAreNotSeen) {
+  const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
   Eigen::Vector2d pixel;
   double range_m = 0.0;
   EXPECT_TRUE(view.project({4.9, 0, 10}, pixel, range_m));
@@ -69,7 +69,7 @@ TEST(LookAtPoints, TheForegroundHidesTheBackground) {
   const std::size_t beside = positions.size();
   positions.emplace_back(6.0F, 0.0F, 20.0F);
   const PointSet points = point_set(positions);
-  const View view(camera(), at(0, 0, 0), at(0, 0, 0));
+  const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
   std::vector<PointLook> looks(points.size());
   const Coverage coverage = look_at_points(view, plain(0.25F, 0.5F, 0.75F), points, 0.1, 5, looks);
   for (std::size_t i = 0; i < hidden; ++i) ASSERT_TRUE(std::isfinite(looks[i].range_m)) << i;
@@ -85,8 +85,8 @@ TEST(LookAtPoints, TheForegroundHidesTheBackground) {
 
 TEST(LookAtPoints, TheClosestImageGivesTheColour) {
   const PointSet points = point_set({{0, 0, 10}});
-  const View far(camera(), at(0, 0, 0), at(0, 0, 0));
-  const View near(camera(), at(0, 0, 4), at(0, 0, 4));
+  const ImageView far(camera(), at(0, 0, 0), at(0, 0, 0));
+  const ImageView near(camera(), at(0, 0, 4), at(0, 0, 4));
   for (const bool near_first : {false, true}) {
     std::vector<PointLook> looks(1);
     for (const bool is_near : {near_first, !near_first}) {
@@ -149,7 +149,7 @@ TEST(FarShell, AWholeSphereHasCellsOfEqualSizeAndNoDoubles) {
 }
 
 TEST(FarShell, AddsOnlyWhatNoPointExplains) {
-  const View view(camera(), at(0, 0, 0), at(0, 0, 0));
+  const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
   std::vector<Eigen::Vector3f> wall;  // fills the right half of the picture
   for (int x = 0; x < 60; ++x) {
     for (int y = -45; y < 45; ++y)
