@@ -35,7 +35,7 @@ __kernel void visible_write(__global const uint* keys,
   }
 }
 
-inline uint tiles_of(const FrameParams frame, const Footprint f) {
+FN uint tiles_of(const FrameParams frame, const Footprint f) {
   return (uint)f.tile_count *
          ((uint)f.row_last / frame.rows_per_tile - (uint)f.row_first / frame.rows_per_tile + 1);
 }

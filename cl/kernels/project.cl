@@ -3,7 +3,7 @@
 #include "math/unscented.h"
 
 /// Beams (elevation falling with the index) above `elevation`; with `inclusive` those at it as well.
-inline int beams_above(__global const int* row_lut,
+FN int beams_above(__global const int* row_lut,
                        __global const real* row_elevation,
                        __global const real* sensor,
                        int rows,

@@ -2,7 +2,7 @@
 #include "math/response.h"
 
 /// Index of the slot of (particle, tile): a particle's slots are contiguous, tile row by tile row.
-inline ulong gradient_slot(const FrameParams* frame,
+FN ulong gradient_slot(const FrameParams* frame,
                            __global const Footprint* footprints,
                            __global const uint* emission,
                            uint particle,

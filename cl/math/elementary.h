@@ -9,9 +9,9 @@
 #define HALF_PI_R R(1.57079632679489661923)
 
 #ifdef SIMULI_REAL_DOUBLE
-inline F exp_lanes(F x) { return exp(x); }
-inline F round_lanes(F x) { return rint(x); }
-inline F atan2_lanes(F y, F x) { return atan2(y, x); }
+FN F exp_lanes(F x) { return exp(x); }
+FN F round_lanes(F x) { return rint(x); }
+FN F atan2_lanes(F y, F x) { return atan2(y, x); }
 #else
 #if V == 1
 #define AS_F(x) as_float(x)
@@ -25,10 +25,10 @@ inline F atan2_lanes(F y, F x) { return atan2(y, x); }
 #define ROUND_MAGIC 12582912.0f
 
 /// Nearest integer of |x| < 2^22.
-inline F round_lanes(F x) { return (x + ROUND_MAGIC) - ROUND_MAGIC; }
+FN F round_lanes(F x) { return (x + ROUND_MAGIC) - ROUND_MAGIC; }
 
 /// exp(x) for -87 < x < 88, relative error below 2e-7; minimax polynomial of 2^f on [-1/2, 1/2].
-inline F exp_lanes(F x) {
+FN F exp_lanes(F x) {
   const F scaled = x * 1.44269504f;
   const F magic = scaled + ROUND_MAGIC;
   // x - n ln 2 in two steps: the rounding of x * log2(e) alone would cost |x| * 6e-8.
@@ -43,7 +43,7 @@ inline F exp_lanes(F x) {
 }
 
 /// atan2(y, x) within 2e-7 rad; atan2(0, 0) = 0. Minimax polynomial of atan on [0, 1].
-inline F atan2_lanes(F y, F x) {
+FN F atan2_lanes(F y, F x) {
   const F ax = fabs(x);
   const F ay = fabs(y);
   const F big = VMAX(ax, ay);
@@ -64,6 +64,6 @@ inline F atan2_lanes(F y, F x) {
 #endif
 
 /// x wrapped to [-period/2, period/2].
-inline F wrap_lanes(F x, real period) { return fma(round_lanes(x * (R(1.0) / period)), (F)-period, x); }
+FN F wrap_lanes(F x, real period) { return fma(round_lanes(x * (R(1.0) / period)), (F)-period, x); }
 
 #endif

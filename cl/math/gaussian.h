@@ -16,7 +16,7 @@ typedef struct {
 } Gaussian;
 
 /// Loads particles i .. i+V-1 (METHOD section 8: the footprint filter widens all axes alike).
-inline void load_gaussian(__global const real* params,
+FN void load_gaussian(__global const real* params,
                           uint stride,
                           uint i,
                           __global const real* sensor,
@@ -60,7 +60,7 @@ typedef struct {
   F sign;          // of D's last entry
 } BlendMatrix;
 
-inline void blend_matrix(const Gaussian* g, BlendMatrix* b) {
+FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
   F o[3];
   for (int i = 0; i < 3; ++i) {
     const F inv_scale = R(1.0) / g->filtered[i];
@@ -86,7 +86,7 @@ inline void blend_matrix(const Gaussian* g, BlendMatrix* b) {
 }
 
 /// Gradient in the rows of A (scaled, reflected) taken back to the frame of M: out = H D in / r.
-inline void unreflect(const BlendMatrix* b, const F* in, F* out) {
+FN void unreflect(const BlendMatrix* b, const F* in, F* out) {
   const F last = in[2] * b->sign;
   const F dot = (b->v[0] * in[0] + b->v[1] * in[1] + b->v[2] * last) * b->two_over_vv;
   out[0] = (in[0] - b->v[0] * dot) * b->inv_radius;

@@ -11,6 +11,9 @@
 #define LANES_CAT_(a, b) a##b
 #define LANES_CAT(a, b) LANES_CAT_(a, b)
 
+// CPU drivers leave long functions out of line, and then pass vectors through memory.
+#define FN inline __attribute__((always_inline))
+
 #ifdef SIMULI_REAL_DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef double real;
@@ -71,13 +74,13 @@ typedef LANES_CAT(int, V) I;
 #define HSUM(v) hsum4(v)
 #endif
 #if V >= 4
-inline real hsum4(REAL_VECTOR(4) v) { return (v.s0 + v.s2) + (v.s1 + v.s3); }
+FN real hsum4(REAL_VECTOR(4) v) { return (v.s0 + v.s2) + (v.s1 + v.s3); }
 #endif
 #if V >= 8
-inline real hsum8(REAL_VECTOR(8) v) { return hsum4(v.lo + v.hi); }
+FN real hsum8(REAL_VECTOR(8) v) { return hsum4(v.lo + v.hi); }
 #endif
 #if V >= 16
-inline real hsum16(F v) { return hsum8(v.lo + v.hi); }
+FN real hsum16(F v) { return hsum8(v.lo + v.hi); }
 #endif
 #endif
 

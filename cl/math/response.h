@@ -30,7 +30,7 @@ typedef struct {
 } Response;
 
 /// record: the particle's 16 reals, its box mean already relative to the tile's origin.
-inline void respond(const real* record, real box_mean, const RayLanes* ray, real t_min, real t_max, Response* out) {
+FN void respond(const real* record, real box_mean, const RayLanes* ray, real t_min, real t_max, Response* out) {
   for (int k = 0; k < 3; ++k) {
     const real* row = record + 3 * k;
     out->a[k] = fma(ray->d[0], (F)row[0], fma(ray->d[1], (F)row[1], ray->d[2] * row[2]));
@@ -64,12 +64,12 @@ inline void respond(const real* record, real box_mean, const RayLanes* ray, real
 }
 
 /// alpha before the clamp: sigma exp(-q/2) = cut exp((qmax - q)/2).
-inline F raw_alpha(const real* record, F q, real log_cut) {
+FN F raw_alpha(const real* record, F q, real log_cut) {
   return exp_lanes(fma(record[SIM_R_QMAX] - q, (F)R(0.5), (F)log_cut));
 }
 
 /// Box mean of a record from the origin of tile column tx, by the shorter way round.
-inline real local_box_mean(real box_mean, uint tx, __global const real* sensor) {
+FN real local_box_mean(real box_mean, uint tx, __global const real* sensor) {
   real mean = box_mean;
   if (sensor[SIM_S_PERIOD] > R(0.0)) {
     mean -= sensor[SIM_S_TILE_X0] + ((real)tx + R(0.5)) / sensor[SIM_S_TILE_SCALE];
@@ -98,7 +98,7 @@ inline real local_box_mean(real box_mean, uint tx, __global const real* sensor) 
    VECTOR_SLOT_ROW(j, lid) > SLOT_ROW_LAST(payload))
 #endif
 
-inline RayLanes load_ray(__global const real* world_ray, __global const real* ray_u, uint slots, uint slot) {
+FN RayLanes load_ray(__global const real* world_ray, __global const real* ray_u, uint slots, uint slot) {
   RayLanes ray;
   for (int k = 0; k < 3; ++k) ray.d[k] = LDV(world_ray + k * slots + slot);
 #if ORIGINS

@@ -10,7 +10,7 @@
 #define SENSOR_LIDAR 1
 
 /// v turned about the unit axis by the angle whose sine and cosine are given (Rodrigues).
-inline void turn(__global const real* axis, F sine, F cosine, F* v) {
+FN void turn(__global const real* axis, F sine, F cosine, F* v) {
   const real ax = axis[0], ay = axis[1], az = axis[2];
   const F dot = (ax * v[0] + ay * v[1] + az * v[2]) * (R(1.0) - cosine);
   const F cx = ay * v[2] - az * v[1];
@@ -22,19 +22,19 @@ inline void turn(__global const real* axis, F sine, F cosine, F* v) {
 }
 
 /// out = M v, or M^T v when `transposed`; M row-major 3x3.
-inline void rotate(__global const real* m, const F* v, F* out) {
+FN void rotate(__global const real* m, const F* v, F* out) {
   out[0] = m[0] * v[0] + m[1] * v[1] + m[2] * v[2];
   out[1] = m[3] * v[0] + m[4] * v[1] + m[5] * v[2];
   out[2] = m[6] * v[0] + m[7] * v[1] + m[8] * v[2];
 }
-inline void rotate_back(__global const real* m, const F* v, F* out) {
+FN void rotate_back(__global const real* m, const F* v, F* out) {
   out[0] = m[0] * v[0] + m[3] * v[1] + m[6] * v[2];
   out[1] = m[1] * v[0] + m[4] * v[1] + m[7] * v[2];
   out[2] = m[2] * v[0] + m[5] * v[1] + m[8] * v[2];
 }
 
 /// World direction of a sensor-frame vector at time t in [0, 1] of the frame.
-inline void world_from_sensor_vector(__global const real* sensor, const F* v, F t, F* out) {
+FN void world_from_sensor_vector(__global const real* sensor, const F* v, F t, F* out) {
 #if MOVING
   F turned[3] = {v[0], v[1], v[2]};
   const F angle = sensor[SIM_S_ANGLE] * t;
@@ -46,7 +46,7 @@ inline void world_from_sensor_vector(__global const real* sensor, const F* v, F 
 }
 
 /// Sensor-frame coordinates at time t of the world point o_ref + p.
-inline void sensor_from_world_point(__global const real* sensor, const F* p, F t, F* out) {
+FN void sensor_from_world_point(__global const real* sensor, const F* p, F t, F* out) {
 #if MOVING
   // o_ref + p - centre(t), the centre moving evenly about o_ref.
   const F u = t - R(0.5);
@@ -63,7 +63,7 @@ inline void sensor_from_world_point(__global const real* sensor, const F* p, F t
 
 /// (x, y) of a sensor-frame point: pixels, or azimuth and elevation in rad. `valid` is cleared in
 /// lanes where the point has no image: nearer than 1 cm before the camera or beyond 84 degrees off axis.
-inline void project_point(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
+FN void project_point(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
 #if SENSOR == SENSOR_CAMERA
   const F r2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
   const I ok = AND(p[2] > R(0.01), p[2] * p[2] >= R(0.01) * r2);
@@ -79,7 +79,7 @@ inline void project_point(__global const real* sensor, const F* p, F* x, F* y, I
 }
 
 /// Share of the frame at which (x, y) is measured, in [0, 1].
-inline F time_of(__global const real* sensor, F x, F y) {
+FN F time_of(__global const real* sensor, F x, F y) {
 #if SENSOR == SENSOR_CAMERA
   F t = fma(x, (F)sensor[SIM_S_TIME_X], fma(y, (F)sensor[SIM_S_TIME_Y], (F)sensor[SIM_S_TIME_C]));
 #else

@@ -7,7 +7,7 @@
 #define SH_COEFFICIENTS ((SH_DEGREE + 1) * (SH_DEGREE + 1))
 
 /// Basis values at the unit direction (x, y, z).
-inline void sh_basis(F x, F y, F z, F* basis) {
+FN void sh_basis(F x, F y, F z, F* basis) {
   basis[0] = (F)R(0.28209479177387814);
 #if SH_DEGREE > 0
   basis[1] = y * R(-0.4886025119029199);
@@ -35,7 +35,7 @@ inline void sh_basis(F x, F y, F z, F* basis) {
 
 #if SH_DEGREE > 0
 /// Gradient in (x, y, z) of sum_k weight[k] basis[k], the polynomials extended off the unit sphere.
-inline void sh_gradient(F x, F y, F z, const F* weight, F* gradient) {
+FN void sh_gradient(F x, F y, F z, const F* weight, F* gradient) {
   F gx = weight[3] * R(-0.4886025119029199);
   F gy = weight[1] * R(-0.4886025119029199);
   F gz = weight[2] * R(0.4886025119029199);

@@ -15,7 +15,7 @@ typedef struct {
 } Box;
 
 /// Image of the world point o_ref + p at its own time: t <- time(project(p, pose(t))) from t = 1/2.
-inline void project_at_own_time(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
+FN void project_at_own_time(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
   F q[3];
 #if MOVING
   F t = (F)R(0.5);
@@ -33,7 +33,7 @@ inline void project_at_own_time(__global const real* sensor, const F* p, F* x, F
 }
 
 /// reach: the radius in standard deviations at which alpha falls to the cut.
-inline void unscented_box(__global const real* sensor, const Gaussian* g, F reach, Box* box) {
+FN void unscented_box(__global const real* sensor, const Gaussian* g, F reach, Box* box) {
   F x0, y0;
   I valid = (F)R(0.0) == (F)R(0.0);
   project_at_own_time(sensor, g->offset, &x0, &y0, &valid);
