@@ -1,0 +1,232 @@
+#include "optim/evaluate.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "optim/frames.hpp"
+
+namespace simuli {
+namespace {
+
+/// Mean of the values that are numbers.
+class Mean {
+ public:
+  void add(double value) {
+    if (std::isnan(value)) {
+      ++left_out_;
+      return;
+    }
+    sum_ += value;
+    ++count_;
+  }
+  [[nodiscard]] double value() const {
+    return count_ > 0 ? sum_ / static_cast<double>(count_) : std::numeric_limits<double>::quiet_NaN();
+  }
+  [[nodiscard]] std::size_t left_out() const { return left_out_; }
+
+ private:
+  double sum_ = 0.0;
+  std::size_t count_ = 0;
+  std::size_t left_out_ = 0;
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+/// Median seconds of a render whose results stay on the device.
+double time_render(Renderer& renderer,
+                   const ParticleBuffers& particles,
+                   const SensorRays& rays,
+                   const View& view,
+                   int repeats) {
+  std::vector<double> seconds;
+  for (int i = 0; i <= repeats; ++i) {
+    renderer.device().finish();
+    const auto begin = std::chrono::steady_clock::now();
+    renderer.render(particles, rays, view);
+    renderer.device().finish();
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+    if (i > 0) seconds.push_back(elapsed.count());  // the first compiles and allocates
+  }
+  return median(std::move(seconds));
+}
+
+SweepComparison compare_rays(const SweepPair& pair, const Lidar& lidar, const View& view) {
+  const LidarRays& rays = pair.recorded.rays;
+  const std::size_t count = pair.recorded.range.size();
+  const auto columns = static_cast<std::size_t>(rays.columns);
+  SweepComparison out;
+  out.truth_range = pair.recorded.range;
+  out.truth_intensity = pair.recorded.intensity;
+  for (std::size_t i = 0; i < count; ++i) {
+    const RayResults& r = pair.simulated;
+    out.range.push_back(best_distance(r, i));
+    out.intensity.push_back(std::clamp(r.feature[0][i], 0.0F, 1.0F));
+    out.drop.push_back(r.drop_probability(i));
+    const Pose scene_from_lidar =
+        interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
+    const Eigen::Vector3d origin = lidar.origin(static_cast<int>(i / columns), rays.azimuth[i]);
+    const Eigen::Vector3d direction = Lidar::direction(rays.azimuth[i], rays.elevation[i]);
+    out.origin.push_back((scene_from_lidar * origin).cast<float>());
+    out.direction.push_back((scene_from_lidar.rotation * direction).cast<float>());
+  }
+  return out;
+}
+
+/// Median |expected distance - range| over returned rays; NaN without one.
+double expected_median_m(const SweepPair& pair) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
+    const double range = pair.recorded.range[i];
+    if (range > 0.0) errors.push_back(std::abs(pair.simulated.expected_distance(i) - range));
+  }
+  return errors.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(errors));
+}
+
+/// One evaluation: what its two halves share.
+struct Evaluation {
+  const Log& log;
+  const Scene& scene;
+  const EvalOptions& options;
+  Renderer& renderer;
+  const std::function<void()>& step;
+  EvalReport& report;
+
+  void images(const std::vector<std::size_t>& frames);
+  void sweeps(const std::vector<std::size_t>& frames);
+};
+
+void Evaluation::images(const std::vector<std::size_t>& frames) {
+  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options().precision);
+  std::map<std::string, std::unique_ptr<SensorRays>> rays_of;
+  Mean psnr, ssim_mean;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const ImageFrame& frame = log.images[frames[k]];
+    const Camera model = scaled_camera(log.camera(frame.camera).model, options.image_scale);
+    auto& rays = rays_of[frame.camera];
+    if (!rays) rays = std::make_unique<SensorRays>(renderer.device(), model, renderer.options());
+    const View view = view_of(log, scene, frame);
+    if (k == 0) {
+      const double seconds = time_render(renderer, particles, *rays, view, options.timed_renders);
+      report.camera_mp_per_s = static_cast<double>(rays->grid().rays) / seconds / 1e6;
+      report.image_width = model.width;
+      report.image_height = model.height;
+    }
+    renderer.render(particles, *rays, view);
+    const Image rendered = picture_of(renderer.results(), model);
+    const Image truth = load_image(log, frame, model);
+    psnr.add(psnr_db(rendered, truth));
+    ssim_mean.add(ssim(rendered, truth));
+    step();
+  }
+  report.images = frames.size();
+  report.psnr_db = psnr.value();
+  report.ssim = ssim_mean.value();
+}
+
+void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
+  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
+  Mean distance, medl2, rel, intensity, drop, chamfer2, chamfer, expected;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const SweepFrame& frame = log.sweeps[frames[k]];
+    const Lidar& lidar = log.lidar(frame.lidar).model;
+    const View view = view_of(log, scene, frame);
+    const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
+    if (k == 0) {
+      const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
+      const double seconds = time_render(renderer, particles, rays, view, options.timed_renders);
+      report.lidar_mr_per_s = static_cast<double>(rays.grid().rays) / seconds / 1e6;
+    }
+    const SweepMetrics m = compare_sweep(compare_rays(pair, lidar, view));
+    distance.add(m.distance_median_m);
+    medl2.add(m.medl2_m2);
+    rel.add(m.mean_rel_l2);
+    intensity.add(m.intensity_rmse);
+    drop.add(m.raydrop_accuracy);
+    chamfer2.add(m.chamfer_m2);
+    chamfer.add(m.chamfer_m);
+    expected.add(expected_median_m(pair));
+    step();
+  }
+  report.sweeps = frames.size();
+  report.lidar = {distance.value(),
+                  medl2.value(),
+                  rel.value(),
+                  intensity.value(),
+                  drop.value(),
+                  chamfer2.value(),
+                  chamfer.value()};
+  report.distance_expected_median_m = expected.value();
+  report.sweeps_without_chamfer = chamfer.left_out();
+  report.sweeps_without_distance = distance.left_out();
+}
+
+}  // namespace
+
+SweepPair render_sweep(Renderer& renderer,
+                       const ParticleBuffers& lidar_set,
+                       const Log& log,
+                       const Scene& scene,
+                       const SweepFrame& frame) {
+  const Lidar& lidar = log.lidar(frame.lidar).model;
+  SweepPair pair;
+  pair.recorded = read_sweep(log.folder / frame.file, lidar);
+  const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
+  renderer.render(lidar_set, rays, view_of(log, scene, frame));
+  pair.simulated = renderer.results();
+  return pair;
+}
+
+EvalReport evaluate(const Device& device,
+                    const Log& log,
+                    const Scene& scene,
+                    const EvalOptions& options,
+                    const std::function<void(std::size_t, std::size_t)>& progress) {
+  if (options.timed_renders < 1 || options.held_out_every < 0 || options.held_out_every == 1) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("evaluate: found held_out_every {}, timed_renders {}, allowed 0 or at least 2, "
+                            "at least 1",
+                            options.held_out_every,
+                            options.timed_renders));
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  // Nothing held out: every frame is "not held out", and all of them are compared.
+  const bool held_out = options.held_out_every > 0;
+  const auto images = select_frames(log.images, options.held_out_every, held_out);
+  const auto sweeps = select_frames(log.sweeps, options.held_out_every, held_out);
+  if (images.empty() && sweeps.empty()) {
+    throw_input_error(log.folder.string(),
+                      "held-out frames",
+                      "0",
+                      fmt::format("at least one: a log of {} frames or more", options.held_out_every));
+  }
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EvalReport report;
+  report.psnr_db = report.ssim = report.camera_mp_per_s = report.lidar_mr_per_s = kNaN;
+  report.lidar = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
+  report.distance_expected_median_m = kNaN;
+  report.device = device.info().label();
+  Renderer renderer(device, RenderOptions{});
+  std::size_t done = 0;
+  const std::function<void()> step = [&] {
+    ++done;
+    if (progress) progress(done, images.size() + sweeps.size());
+  };
+  Evaluation evaluation{log, scene, options, renderer, step, report};
+  if (!images.empty()) evaluation.images(images);
+  if (!sweeps.empty()) evaluation.sweeps(sweeps);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return report;
+}
+
+}  // namespace simuli

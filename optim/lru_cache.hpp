@@ -1,0 +1,53 @@
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <list>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+
+namespace simuli {
+
+/// Keeps what was used last within a budget of bytes. What a caller still holds stays alive when it is
+/// dropped from the cache; an entry larger than the whole budget is handed out and not kept.
+template <class T>
+class LruCache {
+ public:
+  explicit LruCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
+
+  /// The entry under `key`, made by `make()` unless it is here. `bytes_of(entry)` is its size.
+  template <class Make, class BytesOf>
+  std::shared_ptr<const T> get(std::size_t key, const Make& make, const BytesOf& bytes_of) {
+    if (const auto found = where_.find(key); found != where_.end()) {
+      entries_.splice(entries_.begin(), entries_, found->second);
+      return found->second->value;
+    }
+    auto value = std::make_shared<const T>(make());
+    const std::size_t bytes = bytes_of(*value);
+    if (bytes > budget_bytes_) return value;
+    while (used_bytes_ + bytes > budget_bytes_) {
+      used_bytes_ -= entries_.back().bytes;
+      where_.erase(entries_.back().key);
+      entries_.pop_back();
+    }
+    entries_.push_front({key, bytes, value});
+    where_[key] = entries_.begin();
+    used_bytes_ += bytes;
+    return value;
+  }
+  [[nodiscard]] std::size_t used_bytes() const { return used_bytes_; }
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+ private:
+  struct Entry {
+    std::size_t key;
+    std::size_t bytes;
+    std::shared_ptr<const T> value;
+  };
+  std::size_t budget_bytes_;
+  std::size_t used_bytes_ = 0;
+  std::list<Entry> entries_;  // last used first
+  std::unordered_map<std::size_t, typename std::list<Entry>::iterator> where_;
+};
+
+}  // namespace simuli

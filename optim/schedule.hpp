@@ -1,0 +1,50 @@
+#pragma once
+// What decides, iteration by iteration, which frame is used and how far parameters may move. Everything
+// here is a pure function of the seed and the iteration.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "host/scene/gaussians.hpp"
+
+namespace simuli {
+
+/// A well mixed hash of a seed and two counters (splitmix64 finaliser): the generator is its counter, so
+/// that any draw can be made again without the ones before it.
+[[nodiscard]] std::uint64_t counter_hash(std::uint64_t seed, std::uint64_t stream, std::uint64_t counter);
+
+/// Frames in epochs: each is a new permutation of all frames.
+class FrameOrder {
+ public:
+  /// `stream` parts the orders that share one seed.
+  FrameOrder(std::vector<std::size_t> frames, std::uint64_t seed, std::uint64_t stream);
+  [[nodiscard]] bool empty() const { return frames_.empty(); }
+  [[nodiscard]] std::size_t size() const { return frames_.size(); }
+  /// The frame of an iteration; iterations may be asked for in any order. There must be frames.
+  [[nodiscard]] std::size_t at(std::uint64_t iteration);
+
+ private:
+  void shuffle(std::uint64_t epoch);
+
+  std::vector<std::size_t> frames_;
+  std::vector<std::size_t> shuffled_;
+  std::uint64_t seed_;
+  std::uint64_t stream_;
+  std::uint64_t epoch_ = 0;
+};
+
+/// Learning rates of the parameter groups, per step of Adam.
+struct LearningRates {
+  double mean_m = 2e-3;  // at the start; decays exponentially to mean_final_m
+  double mean_final_m = 2e-5;
+  double log_scale = 5e-3;
+  double rotation = 1e-3;
+  double opacity = 2.5e-2;   // of the logit
+  double sh = 2.5e-3;        // degree 0
+  double sh_rest = 1.25e-4;  // degrees above
+};
+
+/// The rate of each parameter row [param_rows(sh_degree)] at `progress` in [0, 1] of the training.
+[[nodiscard]] std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress);
+
+}  // namespace simuli
