@@ -42,9 +42,12 @@ int run(int argc, char** argv) {
   app.fallthrough();  // global options may stand behind the command's name
   simuli::cli::Globals globals;
   add_globals(app, globals);
+  simuli::cli::add_bench(app, globals);
+  simuli::cli::add_eval(app, globals);
   simuli::cli::add_import(app, globals);
   simuli::cli::add_info(app, globals);
   simuli::cli::add_synth(app, globals);
+  simuli::cli::add_train(app, globals);
 
   const auto begin = std::chrono::steady_clock::now();
   try {

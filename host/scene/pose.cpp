@@ -1,6 +1,9 @@
 #include "host/scene/pose.hpp"
 
 #include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
 
 namespace simuli {
 
@@ -21,6 +24,16 @@ Pose Pose::from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a_from_b.leftCols<3>(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+  const Eigen::Vector3d scale = svd.singularValues();
+  if (!(rotation.determinant() > 0.0 && scale(0) < 1.01 && scale(2) > 0.99)) {
+    throw_input_error("pose",
+                      "rotation",
+                      fmt::format("determinant {:.4g}, scales {:.4g} to {:.4g}",
+                                  a_from_b.leftCols<3>().determinant(),
+                                  scale(2),
+                                  scale(0)),
+                      "a rotation within 1 %");
+  }
   return {Eigen::Quaterniond(rotation).normalized(), a_from_b.col(3)};
 }
 

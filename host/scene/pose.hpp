@@ -13,7 +13,8 @@ struct Pose {
 
   [[nodiscard]] Pose inverse() const;
   [[nodiscard]] Eigen::Matrix4d matrix() const;
-  /// From a 4x4 or the upper 3x4 of it; the rotation block is re-orthonormalised.
+  /// From the upper 3x4 of a matrix; the rotation block is replaced by the nearest rotation. Error{kInput}
+  /// when it is no rotation to begin with (a reflection, scaled, not finite).
   static Pose from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b);
 };
 

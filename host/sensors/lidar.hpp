@@ -21,7 +21,7 @@ struct LidarRow {
 
 struct Lidar {
   std::string name;
-  std::vector<LidarRow> rows;  // top to bottom: elevation strictly decreasing
+  std::vector<LidarRow> rows;  // top to bottom: elevation never rising
   int columns = 0;
   double azimuth_first = 0.0;  // rad, azimuth of column 0
   double azimuth_span = 0.0;   // rad > 0, swept by all columns; 2 pi for a full turn

@@ -17,6 +17,9 @@ Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) 
     const bool finite = std::isfinite(p.time_s) && p.pose.translation.allFinite() &&
                         p.pose.rotation.coeffs().allFinite();
     if (!finite) throw_input_error("trajectory", fmt::format("poses[{}]", i), "NaN or Inf", "finite");
+    if (!(p.pose.rotation.norm() > 1e-6)) {
+      throw_input_error("trajectory", fmt::format("poses[{}].rotation", i), "a zero quaternion", "any other");
+    }
     if (i > 0 && !(p.time_s > poses_[i - 1].time_s)) {
       throw_input_error("trajectory",
                         fmt::format("poses[{}].time", i),

@@ -14,7 +14,7 @@ struct TimedPose {
 class Trajectory {
  public:
   Trajectory() = default;
-  /// Throws Error{kInput} when empty, not strictly increasing in time, or not finite.
+  /// Throws Error{kInput} when empty, not strictly increasing in time, not finite, or a rotation is zero.
   explicit Trajectory(std::vector<TimedPose> poses);
 
   /// world_from_rig at time_s. Up to `kExtrapolation_s` outside the recorded span the end segment is

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "tests/host/expect_error.hpp"
+
 namespace simuli {
 namespace {
 
@@ -47,6 +49,17 @@ TEST(Pose, FromMatrixTakesTheNearestRotation) {
   const Eigen::Matrix3d r = read.rotation.toRotationMatrix();
   EXPECT_LT((r * r.transpose() - Eigen::Matrix3d::Identity()).norm(), kRounding);
   EXPECT_LT((read.translation - Eigen::Vector3d(7, 8, 9)).norm(), kRounding);
+}
+
+TEST(Pose, FromMatrixRefusesWhatIsNoRotation) {
+  Eigen::Matrix<double, 3, 4> mirrored = Eigen::Matrix<double, 3, 4>::Identity();
+  mirrored(1, 1) = -1.0;
+  expect_error(ErrorKind::kInput, "determinant", [&] { (void)Pose::from_matrix(mirrored); });
+  Eigen::Matrix<double, 3, 4> scaled = Eigen::Matrix<double, 3, 4>::Identity();
+  scaled(2, 2) = 1.1;
+  expect_error(ErrorKind::kInput, "rotation within 1 %", [&] { (void)Pose::from_matrix(scaled); });
+  scaled(2, 2) = std::nan("");
+  expect_error(ErrorKind::kInput, "rotation within 1 %", [&] { (void)Pose::from_matrix(scaled); });
 }
 
 TEST(Pose, InterpolationTurnsAtConstantRate) {

@@ -60,6 +60,12 @@ TEST(Trajectory, RefusesWhatIsNoTrajectory) {
   expect_error(ErrorKind::kInput, "poses[1]", [] { Trajectory({at_x(1, 0), at_x(kNan, 0)}); });
 }
 
+TEST(Trajectory, RefusesAZeroQuaternion) {
+  Pose pose;
+  pose.rotation.coeffs().setZero();
+  expect_error(ErrorKind::kInput, "poses[0].rotation", [&] { Trajectory({{0.0, pose}}); });
+}
+
 TEST(Trajectory, NormalisesRotations) {
   TimedPose p = at_x(0, 0);
   p.pose.rotation.coeffs() *= 2.0;
