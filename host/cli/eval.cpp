@@ -1,0 +1,39 @@
+#include <memory>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/training.hpp"
+#include "io/scene_folder.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct EvalCommand {
+  std::string scene;
+  std::string log;
+  EvalOptions options;
+};
+
+void eval(const EvalCommand& command, const Globals& globals) {
+  const SceneFile file = read_scene(command.scene);
+  const Log log = read_log(command.log);
+  const Device device = Device::best(globals.device);
+  print_eval(evaluate_scene(device, log, file.scene, command.options, globals), globals.json);
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app, const Globals& globals) {
+  const auto command = std::make_shared<EvalCommand>();
+  CLI::App* sub = app.add_subcommand("eval", "compare a scene with the frames it was not trained on");
+  sub->add_option("SCENE", command->scene, "scene folder")->required();
+  sub->add_option("LOG", command->log, "log folder that the scene was trained on")->required();
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    sub->add_option(name, value, text)->capture_default_str();
+  };
+  add("--scale", command->options.image_scale, "size of the compared pictures over the recorded");
+  add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
+  add("--repeats", command->options.timed_renders, "timed renders of each sensor");
+  sub->callback([command, &globals] { eval(*command, globals); });
+}
+
+}  // namespace simuli::cli

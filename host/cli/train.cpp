@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/train_settings.hpp"
+#include "host/cli/training.hpp"
+#include "io/scene_folder.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct TrainCommand {
+  std::string log;
+  std::string output;
+  std::vector<std::string> settings;
+  InitOptions init;
+  TrainOptions train;
+};
+
+void print_report(const TrainedScene& trained, const TrainCommand& command, bool json) {
+  const TrainReport& r = trained.training;
+  if (json) {
+    const nlohmann::ordered_json out = {{"scene", command.output},
+                                        {"iterations", r.last.iteration},
+                                        {"stopped_early", r.stopped_early},
+                                        {"images", r.images},
+                                        {"sweeps", r.sweeps},
+                                        {"camera_particles", r.camera_particles},
+                                        {"lidar_particles", r.lidar_particles},
+                                        {"moving_points", trained.init.moving_points},
+                                        {"train_psnr_db", r.last.psnr_db},
+                                        {"train_distance_m", r.last.distance_m},
+                                        {"train_drop_accuracy", r.last.drop_accuracy},
+                                        {"rejected_gradients", r.rejected_gradients},
+                                        {"init_seconds", trained.init.seconds},
+                                        {"seconds", r.seconds}};
+    std::cout << out.dump(2) << '\n';
+    return;
+  }
+  std::cout << fmt::format("scene {}\n  {} iterations on {} images and {} sweeps, {:.1f} s + {:.1f} s\n",
+                           command.output,
+                           r.last.iteration,
+                           r.images,
+                           r.sweeps,
+                           trained.init.seconds,
+                           r.seconds)
+            << fmt::format("  camera set {} particles ({} of them the far shell), LiDAR set {} particles\n",
+                           r.camera_particles,
+                           trained.init.shell_particles,
+                           r.lidar_particles)
+            << fmt::format(
+                   "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
+                   "camera set, {} that no image saw\n",
+                   trained.init.moving_points,
+                   trained.init.lidar_thinned,
+                   trained.init.camera_thinned,
+                   trained.init.unseen_points);
+}
+
+void train(TrainCommand command, const Globals& globals) {
+  apply_settings(command.settings, command.init, command.train);
+  command.init.image_scale = command.train.image_scale;
+  command.init.held_out_every = command.train.held_out_every;
+  command.init.seed = command.train.seed;
+  const Log log = read_log(command.log);
+  const Device device = Device::best(globals.device);
+  if (globals.verbose) {
+    std::cerr << fmt::format("simuli: {}; {}\n",
+                             device.info().label(),
+                             fmt::join(list_settings(command.init, command.train), " "));
+  }
+  const TrainedScene trained = train_scene(device, log, command.init, command.train, globals);
+  write_scene(command.output, trained.file);
+  print_report(trained, command, globals.json);
+}
+
+}  // namespace
+
+void add_train(CLI::App& app, const Globals& globals) {
+  const auto command = std::make_shared<TrainCommand>();
+  CLI::App* sub = app.add_subcommand("train", "fit a scene to a log");
+  sub->add_option("LOG", command->log, "log folder")->required();
+  sub->add_option("-o,--output", command->output, "scene folder to write")->required();
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    sub->add_option(name, value, text)->capture_default_str();
+  };
+  add("--iterations", command->train.iterations, "one image and one sweep each");
+  add("--max-seconds", command->train.max_seconds, "stop training early after this time; 0: never");
+  add("--scale", command->train.image_scale, "size of the training pictures over the recorded");
+  add("--held-out", command->train.held_out_every, "keep every N-th frame for evaluation; 0: none");
+  add("--seed", command->train.seed, "of the frames' order and of thinning");
+  sub->add_option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
+  sub->callback([command, &globals] { train(*command, globals); });
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,140 @@
+#include "host/cli/training.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/progress.hpp"
+#include "host/cli/file_progress.hpp"
+
+namespace simuli::cli {
+namespace {
+
+std::string status_text(const TrainStatus& s, const TrainReport& counts) {
+  std::string text;
+  if (std::isfinite(s.psnr_db)) text += fmt::format("PSNR {:.2f} dB  ", s.psnr_db);
+  if (std::isfinite(s.distance_m)) {
+    text += fmt::format("distance {:.1f} cm  drop {:.1f} %  ", 100.0 * s.distance_m, 100.0 * s.drop_accuracy);
+  }
+  return text + fmt::format("{:.0f}k + {:.0f}k particles",
+                            static_cast<double>(counts.camera_particles) / 1e3,
+                            static_cast<double>(counts.lidar_particles) / 1e3);
+}
+
+void warn(const TrainReport& report, const TrainOptions& options) {
+  if (report.rejected_gradients > 0) {
+    std::cerr << fmt::format("simuli: warning: {} gradient entries were not finite and moved nothing\n",
+                             report.rejected_gradients);
+  }
+  if (report.stopped_early) {
+    std::cerr << fmt::format(
+        "simuli: warning: stopped after {:.0f} s at iteration {} of {}; the learning rates had not run "
+        "down\n",
+        report.seconds,
+        report.last.iteration,
+        options.iterations);
+  }
+}
+
+std::string number(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+}  // namespace
+
+TrainedScene train_scene(const Device& device,
+                         const Log& log,
+                         const InitOptions& init,
+                         const TrainOptions& options,
+                         const Globals& globals) {
+  FileProgress reading("initialise", globals);
+  SceneInit start = initialize_scene(log, init, reading.callback());
+  reading.finish();
+  TrainedScene out;
+  out.init = start.report;
+  out.file.cameras = log.cameras;
+  out.file.lidars = log.lidars;
+  out.file.world_from_rig = log.world_from_rig;
+
+  TrainReport counts;
+  counts.camera_particles = start.scene.camera.size();
+  counts.lidar_particles = start.scene.lidar.size();
+  Trainer trainer(device, log, std::move(start.scene), options);
+  Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals.json));
+  out.training = trainer.run([&](const TrainStatus& status) {
+    progress.update(static_cast<std::uint64_t>(status.iteration), status_text(status, counts));
+  });
+  progress.finish(status_text(out.training.last, counts));
+  warn(out.training, options);
+  out.file.scene = trainer.scene();
+  return out;
+}
+
+EvalReport evaluate_scene(const Device& device,
+                          const Log& log,
+                          const Scene& scene,
+                          const EvalOptions& options,
+                          const Globals& globals) {
+  FileProgress progress("evaluate", globals);
+  const EvalReport report = evaluate(device, log, scene, options, progress.callback());
+  progress.finish();
+  return report;
+}
+
+void print_eval(const EvalReport& r, bool json) {
+  const SweepMetrics& l = r.lidar;
+  if (json) {
+    // A value that is not a number (no such frame in the log) is null.
+    const nlohmann::ordered_json out = {{"psnr_db", r.psnr_db},
+                                        {"ssim", r.ssim},
+                                        {"distance_median_m", l.distance_median_m},
+                                        {"distance_expected_median_m", r.distance_expected_median_m},
+                                        {"medl2_m2", l.medl2_m2},
+                                        {"mean_rel_l2", l.mean_rel_l2},
+                                        {"intensity_rmse", l.intensity_rmse},
+                                        {"raydrop_accuracy", l.raydrop_accuracy},
+                                        {"chamfer_m2", l.chamfer_m2},
+                                        {"chamfer_m", l.chamfer_m},
+                                        {"camera_mp_per_s", r.camera_mp_per_s},
+                                        {"lidar_mr_per_s", r.lidar_mr_per_s},
+                                        {"images", r.images},
+                                        {"sweeps", r.sweeps},
+                                        {"sweeps_without_distance", r.sweeps_without_distance},
+                                        {"sweeps_without_chamfer", r.sweeps_without_chamfer},
+                                        {"image_width_px", r.image_width},
+                                        {"image_height_px", r.image_height},
+                                        {"device", r.device},
+                                        {"seconds", r.seconds}};
+    std::cout << out.dump(2) << '\n';
+    return;
+  }
+  const auto line = [](const char* name, const std::string& value, const char* unit) {
+    std::cout << fmt::format("  {:<34} {:>10} {}\n", name, value, unit);
+  };
+  std::cout << fmt::format("held-out frames: {} pictures of {} x {} px, {} sweeps, on {}\n",
+                           r.images,
+                           r.image_width,
+                           r.image_height,
+                           r.sweeps,
+                           r.device);
+  line("PSNR", number(r.psnr_db, 2), "dB");
+  line("SSIM", number(r.ssim, 4), "");
+  line("distance error, median", number(l.distance_median_m * 100.0, 2), "cm");
+  line("  of expected distances", number(r.distance_expected_median_m * 100.0, 2), "cm");
+  line("distance error, median squared", number(l.medl2_m2, 6), "m^2");
+  line("distance error, mean rel. squared", number(l.mean_rel_l2, 5), "");
+  line("intensity error, RMS", number(l.intensity_rmse, 4), "of 1");
+  line("ray drop, right decisions", number(l.raydrop_accuracy * 100.0, 2), "% of rays");
+  line("Chamfer, squared", number(l.chamfer_m2, 4), "m^2");
+  line("Chamfer, mean of both ways", number(l.chamfer_m, 4), "m");
+  line("camera speed", number(r.camera_mp_per_s, 2), "MP/s");
+  line("LiDAR speed", number(r.lidar_mr_per_s, 2), "MR/s");
+  if (r.sweeps_without_distance + r.sweeps_without_chamfer > 0) {
+    std::cout << fmt::format("  left out of means: {} sweeps without returns, {} without predicted points\n",
+                             r.sweeps_without_distance,
+                             r.sweeps_without_chamfer);
+  }
+}
+
+}  // namespace simuli::cli
