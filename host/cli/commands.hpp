@@ -19,6 +19,7 @@ void add_bench(CLI::App& app, const Globals& globals);
 void add_eval(CLI::App& app, const Globals& globals);
 void add_import(CLI::App& app, const Globals& globals);
 void add_info(CLI::App& app, const Globals& globals);
+void add_render(CLI::App& app, const Globals& globals);
 void add_synth(CLI::App& app, const Globals& globals);
 void add_train(CLI::App& app, const Globals& globals);
 

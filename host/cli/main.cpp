@@ -46,6 +46,7 @@ int run(int argc, char** argv) {
   simuli::cli::add_eval(app, globals);
   simuli::cli::add_import(app, globals);
   simuli::cli::add_info(app, globals);
+  simuli::cli::add_render(app, globals);
   simuli::cli::add_synth(app, globals);
   simuli::cli::add_train(app, globals);
 

@@ -1,0 +1,114 @@
+#include "host/cli/pictures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "optim/frames.hpp"
+
+namespace simuli::cli {
+namespace {
+
+/// Colours from near to far, interpolated linearly; each neighbour differs in hue and in lightness.
+constexpr std::array<std::array<float, 3>, 6> kRangeColours = {{{1.00F, 0.97F, 0.75F},
+                                                                {0.99F, 0.75F, 0.25F},
+                                                                {0.91F, 0.36F, 0.26F},
+                                                                {0.62F, 0.18F, 0.50F},
+                                                                {0.27F, 0.25F, 0.66F},
+                                                                {0.12F, 0.45F, 0.60F}}};
+
+/// `place` in [0, 1] of the colour scale.
+std::array<float, 3> colour_at(double place) {
+  const double step = std::clamp(place, 0.0, 1.0) * (kRangeColours.size() - 1);
+  const std::size_t low = std::min(static_cast<std::size_t>(step), kRangeColours.size() - 2);
+  const auto share = static_cast<float>(step - static_cast<double>(low));
+  std::array<float, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    out[c] = (1.0F - share) * kRangeColours[low][c] + share * kRangeColours[low + 1][c];
+  }
+  return out;
+}
+
+}  // namespace
+
+LidarPicture lidar_picture(const RayResults& results) {
+  LidarPicture out;
+  for (std::size_t i = 0; i < results.rays; ++i) {
+    const float drop = results.drop_probability(i);
+    const bool returns = drop <= 0.5F;
+    out.range.push_back(returns ? best_distance(results, i) : 0.0F);
+    out.intensity.push_back(returns ? std::clamp(results.feature[0][i], 0.0F, 1.0F) : 0.0F);
+    out.drop.push_back(drop);
+  }
+  return out;
+}
+
+Image range_image(const Lidar& lidar, const std::vector<float>& range) {
+  const int columns = static_cast<int>(range.size() / lidar.rows.size());
+  Image image(columns, lidar.row_count() * kBeam_px, 3);
+  const double nearest_m = std::max(lidar.range_min, 0.5);  // the scale is logarithmic
+  const double decades = std::log(lidar.range_max / nearest_m);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      // Azimuth grows to the left.
+      const int column = lidar.spin == SpinDirection::kClockwise ? x : columns - 1 - x;
+      const auto ray = static_cast<std::size_t>(y / kBeam_px) * static_cast<std::size_t>(columns) +
+                       static_cast<std::size_t>(column);
+      if (!(range[ray] > 0.0F)) continue;
+      const std::array<float, 3> colour = colour_at(std::log(range[ray] / nearest_m) / decades);
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = colour[static_cast<std::size_t>(c)];
+    }
+  }
+  return image;
+}
+
+PointCloud point_cloud(const Lidar& lidar,
+                       const LidarRays& rays,
+                       const LidarPicture& picture,
+                       const View& view,
+                       const Eigen::Vector3d& scene_origin) {
+  PointCloud cloud;
+  cloud.columns = {"x", "y", "z", "intensity", "range", "drop"};
+  const auto returned =
+      std::count_if(picture.range.begin(), picture.range.end(), [](float r) { return r > 0.0F; });
+  cloud.values.resize(returned, static_cast<Eigen::Index>(cloud.columns.size()));
+  Eigen::Index point = 0;
+  for (std::size_t i = 0; i < picture.range.size(); ++i) {
+    if (!(picture.range[i] > 0.0F)) continue;
+    const Pose scene_from_lidar =
+        interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
+    const int row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
+    const Eigen::Vector3d p_lidar =
+        lidar.origin(row, rays.azimuth[i]) +
+        static_cast<double>(picture.range[i]) * Lidar::direction(rays.azimuth[i], rays.elevation[i]);
+    const Eigen::Vector3d p_world = scene_from_lidar * p_lidar + scene_origin;
+    cloud.values.row(point++) << p_world.cast<float>().transpose(), picture.intensity[i], picture.range[i],
+        picture.drop[i];
+  }
+  return cloud;
+}
+
+Image joined(const Image& first, const Image& second, bool beside) {
+  constexpr int kGap_px = 4;
+  const bool fits = beside ? first.height == second.height : first.width == second.width;
+  if (!fits || first.channels != 3 || second.channels != 3) {
+    throw Error(ErrorKind::kInternal, "joined: pictures of different sizes");
+  }
+  Image out(beside ? first.width + kGap_px + second.width : first.width,
+            beside ? first.height : first.height + kGap_px + second.height,
+            3);
+  std::fill(out.data.begin(), out.data.end(), 1.0F);
+  const auto paste = [&out](const Image& from, int x0, int y0) {
+    for (int y = 0; y < from.height; ++y) {
+      for (int x = 0; x < from.width; ++x) {
+        for (int c = 0; c < 3; ++c) out.at(x0 + x, y0 + y, c) = from.at(x, y, c);
+      }
+    }
+  };
+  paste(first, 0, 0);
+  paste(second, beside ? first.width + kGap_px : 0, beside ? 0 : first.height + kGap_px);
+  return out;
+}
+
+}  // namespace simuli::cli

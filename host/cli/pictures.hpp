@@ -1,0 +1,36 @@
+#pragma once
+// What renders look like on disk: pictures of ranges, point clouds of returned rays.
+#include <vector>
+
+#include "host/render/renderer.hpp"
+#include "host/sensors/lidar.hpp"
+#include "io/image.hpp"
+#include "io/ply.hpp"
+
+namespace simuli::cli {
+
+/// What a LiDAR gives per ray, row-major beams x firings.
+struct LidarPicture {
+  std::vector<float> range;      // m, 0: no return
+  std::vector<float> intensity;  // [0, 1]
+  std::vector<float> drop;       // probability
+};
+/// A ray returns when dropping it is at most as likely as not.
+[[nodiscard]] LidarPicture lidar_picture(const RayResults& results);
+
+/// Ranges as colours: warm near, cold far, on a logarithmic scale from range_min to range_max; black: no
+/// return. Beams from top to bottom, each kBeam_px tall; firings from left to right as seen from the sensor.
+[[nodiscard]] Image range_image(const Lidar& lidar, const std::vector<float>& range);
+inline constexpr int kBeam_px = 4;
+
+/// Returned rays as points: x y z in world, intensity, range, drop.
+[[nodiscard]] PointCloud point_cloud(const Lidar& lidar,
+                                     const LidarRays& rays,
+                                     const LidarPicture& picture,
+                                     const View& view,
+                                     const Eigen::Vector3d& scene_origin);
+
+/// One picture under the other with a gap, both of the same width; side by side where `beside`.
+[[nodiscard]] Image joined(const Image& first, const Image& second, bool beside);
+
+}  // namespace simuli::cli

@@ -1,0 +1,299 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/file_progress.hpp"
+#include "host/cli/pictures.hpp"
+#include "io/file.hpp"
+#include "io/scene_folder.hpp"
+#include "optim/frames.hpp"
+
+namespace simuli::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kRecorded[] = "recorded";
+
+struct RenderCommand {
+  std::string scene;
+  std::string sensor;
+  std::string trajectory = kRecorded;
+  std::string times;         // t0:t1:dt, s
+  std::string frames;        // a:b
+  double duration_s = -1.0;  // of one frame; below 0: as the sensor says
+  double lane_shift_m = 0.0;
+  double scale = 1.0;
+  std::string output;
+};
+
+/// What is rendered: one of the two.
+struct Sensor {
+  bool is_camera = false;
+  Camera camera;
+  Lidar lidar;
+  Pose rig_from_sensor;
+};
+
+struct Span {
+  double start_s = 0.0;
+  double end_s = 0.0;
+};
+
+[[noreturn]] void refuse(const std::string& what, const std::string& found, const std::string& allowed) {
+  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
+}
+
+Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
+  std::vector<std::string> known;
+  for (const LogCamera& c : file.cameras) {
+    if (c.model.name == command.sensor) {
+      return {true, scaled_camera(c.model, command.scale), {}, c.rig_from_camera};
+    }
+    known.push_back(c.model.name);
+  }
+  for (const LogLidar& l : file.lidars) {
+    if (l.model.name == command.sensor) return {false, {}, l.model, l.rig_from_lidar};
+    known.push_back(l.model.name);
+  }
+  const std::vector<std::string> builtin = builtin_lidar_names();
+  if (std::find(builtin.begin(), builtin.end(), command.sensor) == builtin.end()) {
+    known.insert(known.end(), builtin.begin(), builtin.end());
+    refuse("--sensor", command.sensor, fmt::format("{}", fmt::join(known, ", ")));
+  }
+  if (file.lidars.empty()) {
+    throw_input_error(command.scene, "lidars", "none", "one, where a built-in LiDAR is to be mounted");
+  }
+  return {false, {}, builtin_lidar(command.sensor), file.lidars.front().rig_from_lidar};
+}
+
+/// "a:b:c" as `count` numbers.
+std::vector<double> parse_numbers(const char* option, const std::string& text, std::size_t count) {
+  std::vector<double> values;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  while (values.size() < count) {
+    double value = 0.0;
+    const auto result = std::from_chars(at, end, value);
+    if (result.ec != std::errc{} || !std::isfinite(value)) break;
+    values.push_back(value);
+    at = result.ptr;
+    if (values.size() == count && at == end) return values;
+    if (at == end || *at != ':') break;
+    ++at;
+  }
+  refuse(option, text, fmt::format("{} finite numbers parted by ':'", count));
+}
+
+/// How long one frame takes when it is not a recorded one.
+double duration_of(const Sensor& sensor, const RenderCommand& command) {
+  if (command.duration_s >= 0.0) return command.duration_s;
+  constexpr double kSpin_s = 0.1;  // one turn at the 10 Hz of most automotive LiDARs
+  if (!sensor.is_camera) return kSpin_s;
+  if (sensor.camera.shutter == ShutterKind::kGlobal) return 0.0;
+  refuse(
+      "--duration", "", "the read-out time in s, as camera " + sensor.camera.name + " has a rolling shutter");
+}
+
+std::vector<Span> spans_at(const std::vector<double>& starts_s, double duration_s) {
+  std::vector<Span> spans;
+  for (const double t : starts_s) spans.push_back({t, t + duration_s});
+  return spans;
+}
+
+std::vector<double> parse_times(const std::string& text) {
+  constexpr double kMostFrames = 1e6;
+  const std::vector<double> t = parse_numbers("--times", text, 3);
+  const bool allowed = t[2] > 0.0 && t[1] >= t[0] && (t[1] - t[0]) / t[2] < kMostFrames;
+  if (!allowed) refuse("--times", text, "t0:t1:dt with t0 <= t1, dt > 0 and less than a million frames");
+  std::vector<double> times;
+  // A hair more, so that 0:1:0.1 includes 1.
+  for (std::size_t i = 0; t[0] + static_cast<double>(i) * t[2] <= t[1] + 1e-9; ++i) {
+    times.push_back(t[0] + static_cast<double>(i) * t[2]);
+  }
+  return times;
+}
+
+/// Times of the log's frames of this sensor, or of the log's first sensor of its kind.
+std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor) {
+  std::vector<Span> spans;
+  if (sensor.is_camera) {
+    for (const ImageFrame& f : log.images) {
+      if (f.camera == sensor.camera.name) spans.push_back({f.time_start_s, f.time_end_s});
+    }
+  } else if (!log.lidars.empty()) {
+    const auto same = [&](const LogLidar& l) { return l.model.name == sensor.lidar.name; };
+    const bool is_there = std::any_of(log.lidars.begin(), log.lidars.end(), same);
+    const std::string& name = is_there ? sensor.lidar.name : log.lidars.front().model.name;
+    for (const SweepFrame& f : log.sweeps) {
+      if (f.lidar == name) spans.push_back({f.time_start_s, f.time_end_s});
+    }
+  }
+  return spans;
+}
+
+std::vector<Span> select_spans(std::vector<Span> all, const std::string& frames) {
+  if (frames.empty()) return all;
+  const std::vector<double> range = parse_numbers("--frames", frames, 2);
+  const double a = range[0], b = range[1];
+  const bool allowed =
+      a >= 0.0 && b >= a && b < static_cast<double>(all.size()) && a == std::floor(a) && b == std::floor(b);
+  if (!allowed) refuse("--frames", frames, fmt::format("a:b with 0 <= a <= b < {}", all.size()));
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(a);
+  return {first, first + static_cast<std::ptrdiff_t>(b - a) + 1};
+}
+
+struct Plan {
+  Trajectory world_from_rig;
+  std::vector<Span> spans;
+};
+
+Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand& command) {
+  if (!command.times.empty() && !command.frames.empty()) {
+    refuse("--frames", command.frames, "either --times or --frames");
+  }
+  const std::vector<double> times =
+      command.times.empty() ? std::vector<double>{} : parse_times(command.times);
+  Plan plan;
+  std::vector<Span> recorded;
+  if (command.trajectory == kRecorded) {
+    plan.world_from_rig = file.world_from_rig;
+    if (plan.world_from_rig.poses().empty()) {
+      throw_input_error(command.scene, "trajectory", "no poses", "at least one, or --trajectory LOG");
+    }
+    if (times.empty()) {
+      std::vector<double> starts_s;
+      for (const TimedPose& p : plan.world_from_rig.poses()) starts_s.push_back(p.time_s);
+      recorded = spans_at(starts_s, duration_of(sensor, command));
+    }
+  } else {
+    const Log log = read_log(command.trajectory);
+    plan.world_from_rig = log.world_from_rig;
+    recorded = recorded_spans(log, sensor);
+    if (times.empty() && recorded.empty()) {
+      throw_input_error(
+          command.trajectory, "frames of " + command.sensor, "none", "at least one, or --times");
+    }
+  }
+  plan.spans = times.empty() ? select_spans(std::move(recorded), command.frames)
+                             : spans_at(times, duration_of(sensor, command));
+  return plan;
+}
+
+void write_sweep_files(const fs::path& stem,
+                       const Sensor& sensor,
+                       const LidarRays& rays,
+                       const RayResults& results,
+                       const View& view,
+                       const Eigen::Vector3d& origin) {
+  const LidarPicture picture = lidar_picture(results);
+  write_point_cloud_ply(stem.string() + ".ply", point_cloud(sensor.lidar, rays, picture, view, origin));
+  write_image(stem.string() + "_range.png", range_image(sensor.lidar, picture.range));
+}
+
+/// Float holds a millimetre up to here.
+constexpr double kFarthestFloat_m = 8192.0;
+
+void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
+  if (sensor.is_camera) return;
+  double farthest_m = 0.0;
+  for (const TimedPose& p : plan.world_from_rig.poses()) {
+    farthest_m = std::max(farthest_m, p.pose.translation.norm());
+  }
+  if (farthest_m <= kFarthestFloat_m) return;
+  std::cerr << fmt::format(
+      "simuli: warning: {:.0f} m from the world's origin the float coordinates of points step by {:.3g} m\n",
+      farthest_m,
+      farthest_m * std::numeric_limits<float>::epsilon());
+}
+
+void render(const RenderCommand& command, const Globals& globals) {
+  const SceneFile file = read_scene(command.scene);
+  const Sensor sensor = find_sensor(file, command);
+  const Plan plan = make_plan(file, sensor, command);
+  warn_of_rounding(plan, sensor);
+  const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
+  const Pose rig_from_sensor = rig_from_shifted * sensor.rig_from_sensor;
+  const Scene& scene = file.scene;
+
+  const Device device = Device::best(globals.device);
+  Renderer renderer(device, RenderOptions{});
+  const ParticleBuffers particles(
+      device, sensor.is_camera ? scene.camera : scene.lidar, renderer.options().precision);
+  std::unique_ptr<SensorRays> rays;
+  LidarRays lidar_rays;
+  double lidar_duration_s = -1.0;
+  FileProgress progress("render", globals);
+  const auto on_frame = progress.callback();
+  write_folder_atomically(command.output, [&](const fs::path& folder) {
+    for (std::size_t i = 0; i < plan.spans.size(); ++i) {
+      const Span& span = plan.spans[i];
+      const double duration_s = span.end_s - span.start_s;
+      const View view = view_at(plan.world_from_rig,
+                                rig_from_sensor,
+                                span.start_s,
+                                span.end_s,
+                                scene.origin,
+                                sensor.is_camera ? scene.camera_background : scene.lidar_background);
+      const fs::path stem = folder / fmt::format("{}_{:06d}", command.sensor, i);
+      if (sensor.is_camera) {
+        if (!rays) rays = std::make_unique<SensorRays>(device, sensor.camera, renderer.options());
+        renderer.render(particles, *rays, view);
+        write_image(stem.string() + ".png", picture_of(renderer.results(), sensor.camera));
+      } else {
+        if (duration_s != lidar_duration_s) {  // the beams' firing times are shares of it
+          lidar_rays = nominal_rays(sensor.lidar, duration_s);
+          rays = std::make_unique<SensorRays>(device, sensor.lidar, lidar_rays, renderer.options());
+          lidar_duration_s = duration_s;
+        }
+        renderer.render(particles, *rays, view);
+        write_sweep_files(stem, sensor, lidar_rays, renderer.results(), view, scene.origin);
+      }
+      on_frame(i + 1, plan.spans.size());
+    }
+  });
+  progress.finish();
+  if (globals.json) {
+    const nlohmann::ordered_json out = {{"folder", command.output},
+                                        {"sensor", command.sensor},
+                                        {"frames", plan.spans.size()},
+                                        {"device", device.info().label()}};
+    std::cout << out.dump(2) << '\n';
+  } else {
+    std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), command.sensor, command.output);
+  }
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, const Globals& globals) {
+  const auto command = std::make_shared<RenderCommand>();
+  CLI::App* sub = app.add_subcommand("render", "what a sensor sees of a scene along a trajectory");
+  sub->add_option("SCENE", command->scene, "scene folder")->required();
+  sub->add_option("--sensor", command->sensor, "a sensor of the scene, or a built-in LiDAR in its place")
+      ->required();
+  sub->add_option("-o,--output", command->output, "folder to make: PNG; PLY and a range picture for LiDARs")
+      ->required();
+  sub->add_option("--trajectory", command->trajectory, "recorded: the scene's own, or a log folder")
+      ->capture_default_str();
+  sub->add_option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");
+  sub->add_option("--frames", command->frames, "a:b, first and last of the recorded frames, from 0");
+  sub->add_option(
+         "--duration", command->duration_s, "of one frame, s; default: 0.1 for LiDARs, 0 for cameras")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
+  sub->add_option("--scale", command->scale, "size of the pictures over the camera's own");
+  sub->callback([command, &globals] { render(*command, globals); });
+}
+
+}  // namespace simuli::cli
