@@ -20,7 +20,7 @@ FN int beams_above(__global const int* row_lut,
 /// V particles per work-item: visibility, box, features, record.
 /// in  params[rows][stride]; row_lut[4096], row_elevation[beams]: LiDAR only
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
-///     0xffffffff for a culled particle. NaN in any input culls the particle.
+///     0xffffffff for a culled particle. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
                       __global const real* params,
                       __global const real* sensor,
@@ -44,8 +44,12 @@ __kernel void project(const FrameParams frame,
   F centre[3];
   sensor_from_world_point(sensor, g.offset, (F)R(0.5), centre);
 
-  // Positive guards: NaN anywhere makes them false.
-  I visible = AND(qmax > R(0.0), AND(logit == logit, radius < R(1e18)));
+  // Positive guards: NaN anywhere makes them false. Beyond these bounds exp, squares and inverses leave floats.
+  I visible = AND(qmax > R(0.0), AND(fabs(logit) < R(1e35), radius < R(1e18)));
+  visible = AND(visible, AND(g.inv_norm > R(1e-18), g.inv_norm < R(1e18)));
+  for (int k = 0; k < 3; ++k) {
+    visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame.stride + i)) < R(80.0));
+  }
   visible = AND(visible, AND(g.range - radius < sensor[SIM_S_T_MAX], g.range > R(1e-6)));
 #if SENSOR == SENSOR_CAMERA
   // The ball of that radius against the cone that holds the picture.
@@ -107,6 +111,7 @@ __kernel void project(const FrameParams frame,
 
   BlendMatrix b;
   blend_matrix(&g, &b);
+  visible = AND(visible, AND(b.radius2 > R(1e-30), b.radius2 < R(1e30)));
 
   real out[SIM_RECORD * V];
   for (int k = 0; k < 9; ++k) STV(out + k * V, b.a[k]);
@@ -170,11 +175,13 @@ __kernel void project(const FrameParams frame,
   const F inv_range = R(1.0) / g.range;
   F basis[SH_COEFFICIENTS];
   sh_basis(g.offset[0] * inv_range, g.offset[1] * inv_range, g.offset[2] * inv_range, basis);
+  I usable = (F)R(0.0) == (F)R(0.0);
   for (int channel = 0; channel < 3; ++channel) {
     F sum = (F)R(0.0);
     for (int k = 0; k < SH_COEFFICIENTS; ++k) {
       sum = fma(basis[k], LDV(params + (SIM_SH + 3 * k + channel) * frame.stride + i), sum);
     }
+    usable = AND(usable, fabs(sum) < R(1e20));
 #if SENSOR == SENSOR_CAMERA
     sum = VMAX(sum + R(0.5), (F)R(0.0));
 #else
@@ -182,8 +189,13 @@ __kernel void project(const FrameParams frame,
 #endif
     STV(out + (SIM_R_FEATURE + channel) * V, sum);
   }
+  STV(seen, SEL(usable, (F)R(1.0), (F)R(0.0)));
   for (uint lane = 0; lane < lanes; ++lane) {
     if (!(drawn >> lane & 1u)) continue;
+    if (!(seen[lane] > R(0.5))) {
+      keys[i + lane] = 0xffffffffu;
+      continue;
+    }
     __global real* record = records + (ulong)(i + lane) * SIM_RECORD;
     for (int k = 0; k < SIM_RECORD; ++k) record[k] = out[k * V + lane];
   }

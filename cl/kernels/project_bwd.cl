@@ -17,9 +17,10 @@ __kernel void project_bwd(const FrameParams frame,
                           __global const real* grads,
                           __global real* param_grads) {
   const uint i = get_global_id(0) * V;
-  if (i >= frame.particles) return;
-  const uint lanes = min((uint)V, frame.particles - i);
   const uint stride = frame.stride;
+  if (i >= stride) return;
+  // The padding behind the last particle gets zeros as well: Adam reads whole rows.
+  const uint lanes = min((uint)V, frame.particles - min(i, frame.particles));
 
   // Slots are rows of 16 reals: add rows, then turn the V sums over.
   real summed[SIM_GRAD * V];
@@ -126,7 +127,7 @@ __kernel void project_bwd(const FrameParams frame,
     for (int k = 0; k < SH_COEFFICIENTS; ++k) {
       const uint row = (SIM_SH + 3 * k + channel) * stride + i;
       weight[k] = fma(gf, LDV(params + row), weight[k]);
-      STV(param_grads + row, gf * basis[k]);
+      STV(param_grads + row, SEL(live, gf * basis[k], (F)R(0.0)));  // a culled particle's basis may be NaN
     }
   }
 #if SH_DEGREE > 0

@@ -27,7 +27,7 @@ FN F atan2_lanes(F y, F x) { return atan2(y, x); }
 /// Nearest integer of |x| < 2^22.
 FN F round_lanes(F x) { return (x + ROUND_MAGIC) - ROUND_MAGIC; }
 
-/// exp(x) for -87 < x < 88, relative error below 2e-7; minimax polynomial of 2^f on [-1/2, 1/2].
+/// exp(x) for -87 < x < 88, relative error below 2.5e-7; minimax polynomial of 2^f on [-1/2, 1/2].
 FN F exp_lanes(F x) {
   const F scaled = x * 1.44269504f;
   const F magic = scaled + ROUND_MAGIC;
@@ -42,7 +42,8 @@ FN F exp_lanes(F x) {
   return AS_F(AS_I(p) + (AS_I(magic) << 23));
 }
 
-/// atan2(y, x) within 2e-7 rad; atan2(0, 0) = 0. Minimax polynomial of atan on [0, 1].
+/// atan2(y, x) within 3e-7 rad (near pi a float is 2.4e-7 from the next); atan2(0, 0) = 0. Minimax polynomial
+/// of atan on [0, 1].
 FN F atan2_lanes(F y, F x) {
   const F ax = fabs(x);
   const F ay = fabs(y);

@@ -1,0 +1,105 @@
+// The accuracy that cl/math/elementary.h states, over the domains that it states.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "host/runtime/kernel.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr const char* kProbe = R"(
+#include "math/elementary.h"
+__kernel void probe(__global const real* a, __global const real* b, __global real* exp_out,
+                    __global real* atan2_out, __global real* wrap_out, __global real* round_out) {
+  const uint i = get_global_id(0) * V;
+  STV(exp_out + i, exp_lanes(LDV(a + i)));
+  STV(atan2_out + i, atan2_lanes(LDV(b + i), LDV(a + i)));
+  STV(wrap_out + i, wrap_lanes(LDV(a + i), TWO_PI_R));
+  STV(round_out + i, round_lanes(LDV(a + i)));
+}
+)";
+
+struct Probed {
+  std::vector<float> exp, atan2, wrap, round;
+};
+
+Probed probe(int lanes, const std::vector<float>& a, const std::vector<float>& b) {
+  const Device device = Device::best();
+  BuildOptions options;
+  options.define("V", lanes);
+  Kernel<BufRealConst, BufRealConst, BufReal, BufReal, BufReal, BufReal> kernel(
+      Program::from_text(device, "probe.cl", kProbe, options), "probe");
+  const auto buffer = [&](const char* name) { return RealBuffer(device, name, Precision::kFloat, a.size()); };
+  RealBuffer in_a = buffer("a"), in_b = buffer("b");
+  RealBuffer exps = buffer("exp"), angles = buffer("atan2"), wraps = buffer("wrap"), rounds = buffer("round");
+  in_a.upload(std::span<const float>(a));
+  in_b.upload(std::span<const float>(b));
+  kernel.launch(a.size() / static_cast<std::size_t>(lanes), 1, in_a, in_b, exps, angles, wraps, rounds);
+  return {exps.download_float(), angles.download_float(), wraps.download_float(), rounds.download_float()};
+}
+
+class Elementary : public testing::TestWithParam<int> {};
+
+TEST_P(Elementary, FloatFunctionsKeepTheirStatedBounds) {
+  constexpr std::size_t kSamples = std::size_t{1} << 16U;
+  constexpr double kExpRelative = 2.5e-7;
+  constexpr double kAtan2_rad = 3e-7;
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  test::Random random(2);
+  std::vector<float> a(kSamples), b(kSamples);
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    a[i] = static_cast<float>(random.uniform(-86.9, 87.9));
+    // All quadrants and slopes: magnitudes from 1e-3 to 1e3.
+    b[i] = static_cast<float>(std::exp(random.uniform(-7, 7)) * (i % 2 == 0 ? 1.0 : -1.0));
+  }
+  a[0] = 0.0F;
+  b[0] = 0.0F;
+  const float edges[] = {0.0F, -86.999F, 87.999F, 1.0F, -1.0F, 1e-30F, 0.34657F, -0.34658F};
+  std::copy(std::begin(edges), std::end(edges), a.begin() + 1);
+  const Probed found = probe(GetParam(), a, b);
+
+  double worst_exp = 0.0, worst_atan2 = 0.0, worst_wrap = 0.0;
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const double x = static_cast<double>(a[i]), y = static_cast<double>(b[i]);
+    const double e = std::exp(x);
+    worst_exp = std::max(worst_exp, std::abs(static_cast<double>(found.exp[i]) - e) / e);
+    worst_atan2 = std::max(worst_atan2, std::abs(static_cast<double>(found.atan2[i]) - std::atan2(y, x)));
+    // By whole turns: the result is the argument on the circle, inside half a turn either way. A float
+    // turn is 2e-7 off per turn taken away, and a wrapped value is as rounded as its argument.
+    const double wrapped = static_cast<double>(found.wrap[i]);
+    ASSERT_LE(std::abs(wrapped), kTurn / 2.0 + 4e-6) << x;
+    worst_wrap = std::max(worst_wrap, std::abs(std::remainder(wrapped - x, kTurn)));
+    ASSERT_EQ(found.round[i], std::nearbyint(a[i])) << x;
+  }
+  EXPECT_LE(worst_exp, kExpRelative);
+  EXPECT_LE(worst_atan2, kAtan2_rad);
+  EXPECT_LE(worst_wrap, 14.5 * 2e-7 + 5e-7);
+  EXPECT_EQ(found.atan2[0], 0.0F);  // atan2(0, 0)
+}
+
+TEST_P(Elementary, WrappedAnglesAreExactWithinOneTurn) {
+  // What azimuths are: differences of two angles in [-pi, pi].
+  constexpr std::size_t kSamples = 4096;
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  test::Random random(3);
+  std::vector<float> a(kSamples), b(kSamples, 1.0F);
+  for (float& x : a) x = static_cast<float>(random.uniform(-kTurn, kTurn));
+  const Probed found = probe(GetParam(), a, b);
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const double expected = std::remainder(static_cast<double>(a[i]), kTurn);
+    const double error = static_cast<double>(found.wrap[i]) - expected;
+    ASSERT_LE(std::abs(std::remainder(error, kTurn)), 4e-7) << a[i];
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Lanes, Elementary, testing::Values(1, 16), [](const auto& instance) {
+  return std::string(instance.param == 1 ? "scalar" : "vector16");
+});
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,77 @@
+#include "tests/cl/support.hpp"
+
+#include <cstdlib>
+#include <ostream>
+
+namespace simuli::test {
+namespace {
+
+// All tests of this room share compiled programs through a cache in the build tree, not the user's.
+class SharedPrograms : public testing::Environment {
+ public:
+  void SetUp() override { ::setenv("SIMULI_CACHE_DIR", SIMULI_TEST_CACHE_DIR, 1); }
+};
+const testing::Environment* const kSharedPrograms =
+    testing::AddGlobalTestEnvironment(new SharedPrograms);  // GoogleTest owns it
+
+constexpr double kSweep_s = 0.1;
+
+}  // namespace
+
+void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
+
+SensorRays Shot::on(const Device& device, const RenderOptions& options) const {
+  return kind == SetKind::kCamera ? SensorRays(device, camera, options)
+                                  : SensorRays(device, lidar, rays, options);
+}
+
+reference::Sensor Shot::reference() const {
+  return kind == SetKind::kCamera
+             ? reference::Sensor::of(camera, view.world_from_sensor_start, view.world_from_sensor_end)
+             : reference::Sensor::of(lidar, rays, view.world_from_sensor_start, view.world_from_sensor_end);
+}
+
+Shot shot_of(const SceneCase& scene_case, int width, int height) {
+  Shot shot;
+  shot.kind = scene_case.kind;
+  Pose world_from_sensor;
+  if (scene_case.kind == SetKind::kCamera) {
+    world_from_sensor = forward_from_camera();
+    shot.camera =
+        small_camera(width, height, scene_case.moving ? ShutterKind::kTopToBottom : ShutterKind::kGlobal);
+  } else {
+    shot.lidar = small_lidar(height, width);
+    if (scene_case.levers) {
+      for (std::size_t r = 0; r < shot.lidar.rows.size(); ++r) {
+        shot.lidar.rows[r].vertical_offset = 0.1 + 0.003 * static_cast<double>(r);
+      }
+    }
+    shot.rays = nominal_rays(shot.lidar, kSweep_s);
+  }
+  shot.view.world_from_sensor_start = world_from_sensor;
+  shot.view.world_from_sensor_end = world_from_sensor;
+  if (scene_case.moving) {
+    const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 0.9, 0.4).normalized();
+    Pose& end = shot.view.world_from_sensor_end;
+    end.translation += Eigen::Vector3d(0.6, 0.1, -0.05);
+    end.rotation = world_from_sensor.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(0.06, axis));
+  }
+  shot.view.background = {0.2F, -1.0F, 1.5F};
+  return shot;
+}
+
+GaussianSet set_for(const SceneCase& scene_case, SetRecipe recipe, std::uint64_t seed) {
+  recipe.kind = scene_case.kind;
+  recipe.sh_degree = scene_case.sh_degree;
+  return random_set(recipe, seed);
+}
+
+std::vector<double> outputs(const Renderer& renderer) {
+  std::vector<double> out = renderer.buffers().out.download_double();
+  out.resize(std::size_t{5} * renderer.frame().slots);  // the median distance has no gradient
+  return out;
+}
+
+bool has_double(const Device& device) { return device.info().fp64; }
+
+}  // namespace simuli::test

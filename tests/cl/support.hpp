@@ -1,0 +1,65 @@
+#pragma once
+// What the tests of device code share: scene cases that reuse the same few program variants (each variant
+// costs seconds of compile time), and their sensors for kernels and reference alike.
+#include <gtest/gtest.h>
+#include <iosfwd>
+#include <vector>
+
+#include "host/render/renderer.hpp"
+#include "tests/support/reference.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace simuli::test {
+
+/// A sensor and what its kernels are specialised for.
+struct SceneCase {
+  const char* name;
+  SetKind kind;
+  bool moving;
+  bool levers;  // LiDAR beams start away from the sensor's origin
+  int sh_degree;
+};
+void PrintTo(const SceneCase& scene_case, std::ostream* out);
+
+inline constexpr SceneCase kCameraStill{"camera", SetKind::kCamera, false, false, 0};
+inline constexpr SceneCase kCameraSh3{"camera_sh3", SetKind::kCamera, false, false, 3};
+inline constexpr SceneCase kCameraRolling{"camera_rolling", SetKind::kCamera, true, false, 1};
+inline constexpr SceneCase kLidarStill{"lidar", SetKind::kLidar, false, false, 2};
+inline constexpr SceneCase kLidarLevers{"lidar_levers", SetKind::kLidar, false, true, 0};
+inline constexpr SceneCase kLidarMoving{"lidar_moving", SetKind::kLidar, true, true, 1};
+
+inline constexpr LaneShape kDefaultShape{0, 0, 0};  // of the device
+inline constexpr LaneShape kCpuShape{16, 16, 1};
+inline constexpr LaneShape kGpuShape{1, 4, 64};
+
+/// One sensor in one view.
+struct Shot {
+  SetKind kind = SetKind::kCamera;
+  Camera camera;
+  Lidar lidar;
+  LidarRays rays;
+  View view;
+
+  [[nodiscard]] SensorRays on(const Device& device, const RenderOptions& options) const;
+  [[nodiscard]] reference::Sensor reference() const;
+};
+
+/// Cameras look along +x; `width` x `height` pixels, or columns x beams of a full turn from azimuth pi,
+/// 1 to 80 m. A moving sensor drives 0.6 m along x and turns by 0.06 rad during the frame.
+[[nodiscard]] Shot shot_of(const SceneCase& scene_case, int width, int height);
+
+/// The set's kind and degree are those of the case.
+[[nodiscard]] GaussianSet set_for(const SceneCase& scene_case, SetRecipe recipe, std::uint64_t seed);
+
+/// Everything the last render wrote, [5][slots]: what set_output_gradients is the gradient of.
+[[nodiscard]] std::vector<double> outputs(const Renderer& renderer);
+
+/// Whether the default device computes in double; where not, tests in double are skipped by name.
+[[nodiscard]] bool has_double(const Device& device);
+#define SIMULI_NEEDS_DOUBLE(device)                                                     \
+  if (!simuli::test::has_double(device)) {                                              \
+    GTEST_SKIP() << "not run: comparisons in double precision, the device has no fp64"; \
+  }                                                                                     \
+  static_assert(true)
+
+}  // namespace simuli::test
