@@ -1,0 +1,88 @@
+// Adam against the textbook (Kingma and Ba, algorithm 1) in double.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+/// Algorithm 1, one parameter after the other.
+struct Textbook {
+  std::vector<double> params, first, second;
+  int steps = 0;
+
+  void step(const std::vector<double>& gradients, const std::vector<double>& rate, std::size_t stride) {
+    constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-15;
+    ++steps;
+    first.resize(params.size(), 0.0);
+    second.resize(params.size(), 0.0);
+    for (std::size_t i = 0; i < params.size(); ++i) {
+      const double g = std::isfinite(gradients[i]) ? gradients[i] : 0.0;
+      first[i] = kBeta1 * first[i] + (1.0 - kBeta1) * g;
+      second[i] = kBeta2 * second[i] + (1.0 - kBeta2) * g * g;
+      const double m = first[i] / (1.0 - std::pow(kBeta1, steps));
+      const double v = second[i] / (1.0 - std::pow(kBeta2, steps));
+      params[i] -= rate[i / stride] * m / (std::sqrt(v) + kEpsilon);
+    }
+  }
+};
+
+class Adam : public testing::TestWithParam<Precision> {};
+
+TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
+  const Device device = Device::best();
+  if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
+  constexpr std::uint32_t kSteps = 20;
+  const GaussianSet set = test::set_for(test::kCameraRolling, {.count = 37}, 8);
+  ParticleBuffers particles(device, set, GetParam());
+  AdamStage adam(device, particles);
+  const std::vector<double> start = particles.params.download_double();
+  Textbook expected{start, {}, {}};
+  std::vector<double> rate;
+  for (int row = 0; row < param_rows(set.sh_degree); ++row) rate.push_back(1e-3 * (row % 4));
+
+  // These never get a number: NaN and infinities move nothing and leave no trace in the moments.
+  const std::size_t stride = particles.stride;
+  const std::size_t bad[] = {stride * 1 + 3, stride * 5 + 36, stride * 7 + 16};
+  test::Random random(1);
+  RealBuffer grads(device, "gradients", GetParam());
+  std::vector<double> g(start.size());
+  for (std::uint32_t step = 0; step < kSteps; ++step) {
+    for (double& value : g) {
+      // Representable in float: both builds and the textbook get the same numbers.
+      value = static_cast<double>(static_cast<float>(random.normal() * std::exp(random.uniform(-12, 3))));
+    }
+    g[bad[0]] = std::numeric_limits<double>::quiet_NaN();
+    g[bad[1]] = std::numeric_limits<double>::infinity();
+    g[bad[2]] = -std::numeric_limits<double>::infinity();
+    grads.assign(std::span<const double>(g));
+    adam.run(particles, grads, rate);
+    expected.step(g, rate, stride);
+  }
+  const std::vector<double> found = particles.params.download_double();
+  // Twenty sums, each rounded against the parameter, and the rounding of the steps themselves.
+  const double rounding = 20.0 * (GetParam() == Precision::kDouble ? 1.2e-16 : 6e-8);
+  double moved = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ASSERT_NEAR(found[i], expected.params[i], rounding * (1.0 + std::abs(start[i]))) << i;
+    moved = std::max(moved, std::abs(found[i] - start[i]));
+  }
+  EXPECT_GT(moved, 1e-3);
+  for (const std::size_t i : bad) EXPECT_EQ(found[i], start[i]);
+  EXPECT_EQ(adam.rejected(), 3U * kSteps);
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         Adam,
+                         testing::Values(Precision::kFloat, Precision::kDouble),
+                         [](const auto& instance) {
+                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                         });
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,70 @@
+#pragma once
+// Analytic gradients against central differences, judged parameter group by parameter group.
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "host/scene/gaussians.hpp"
+
+namespace simuli::test {
+
+/// Compares gradients of a parameter matrix. Each error is relative to the largest difference quotient of
+/// its group (means, log-scales, ...): groups have scales of their own, and the small entries of one are
+/// the cancelled sums of large ones.
+class GradientCheck {
+ public:
+  void add(int row, double analytic, double numeric) { entries_.push_back({row, analytic, numeric}); }
+
+  /// Largest relative error of a group; infinite for anything that is not a number, or for a group whose
+  /// difference quotients are all 0 while the analytic gradient is not.
+  [[nodiscard]] double worst(int group) const {
+    double scale = 0.0, error = 0.0;
+    for (const Entry& e : entries_) {
+      if (group_of(e.row) != group) continue;
+      if (!(std::isfinite(e.analytic) && std::isfinite(e.numeric))) return HUGE_VAL;
+      scale = std::max(scale, std::abs(e.numeric));
+      error = std::max(error, std::abs(e.analytic - e.numeric));
+    }
+    return error > 0.0 ? error / scale : 0.0;
+  }
+  /// A group that was never moved would pass any comparison.
+  [[nodiscard]] bool moves(int group) const {
+    for (const Entry& e : entries_) {
+      if (group_of(e.row) == group && std::abs(e.numeric) > 0.0) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] bool passes(double tolerance) const {
+    for (int group = 0; group < kGroups; ++group) {
+      if (!(worst(group) <= tolerance)) return false;
+    }
+    return true;
+  }
+  /// The same with the analytic gradient of one group scaled: a wrong gradient, for tests of this check.
+  [[nodiscard]] GradientCheck scaled(int group, double factor) const {
+    GradientCheck other = *this;
+    for (Entry& e : other.entries_) e.analytic *= group_of(e.row) == group ? factor : 1.0;
+    return other;
+  }
+
+  static constexpr int kGroups = 6;
+  static constexpr std::array<const char*, kGroups> kGroupNames{
+      "mean", "log-scale", "rotation", "opacity", "SH 0", "SH 1.."};
+  [[nodiscard]] static int group_of(int row) {
+    if (row < kLogScaleRow) return 0;
+    if (row < kRotationRow) return 1;
+    if (row < kOpacityRow) return 2;
+    if (row < kShRow) return 3;
+    return row < kShRow + 3 ? 4 : 5;
+  }
+
+ private:
+  struct Entry {
+    int row;
+    double analytic, numeric;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace simuli::test

@@ -1,0 +1,184 @@
+// Losses against the same few lines in double, and their gradients against difference quotients.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <vector>
+
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr std::size_t kTiles = 3;
+constexpr std::size_t kSlots = kTiles * SIM_TILE_RAYS;
+// Sums of 768 terms, the largest distances 50 m: 24 bits of each and of the running sum.
+constexpr double kFloatSumTolerance = 2e-6;
+// Losses are piecewise smooth; quotients of a loss near 1 at steps of 1e-4 are good to 1e-8.
+constexpr double kQuotientTolerance = 1e-6;
+
+/// Outputs as a render might leave them; every seventh slot has no ray.
+struct Rendered {
+  explicit Rendered(const Device& device, Precision precision) : buffers(device, precision) {
+    frame.tiles_x = kTiles;
+    frame.tiles_y = 1;
+    frame.slots = kSlots;
+    test::Random random(17);
+    out.resize(SIM_OUTPUTS * kSlots);
+    std::vector<double> world_ray(3 * kSlots);
+    for (std::size_t i = 0; i < kSlots; ++i) {
+      const double transmittance = i % 11 == 0 ? 0.9995 : random.uniform(0.0, 0.95);
+      out[i] = random.uniform(0.0, 1.0);
+      out[kSlots + i] = 3.0 * random.normal();
+      out[2 * kSlots + i] = 3.0 * random.normal();
+      out[SIM_O_TRANSMITTANCE * kSlots + i] = transmittance;
+      out[SIM_O_DISTANCE * kSlots + i] = (1.0 - transmittance) * random.uniform(2.0, 50.0);
+      const Eigen::Vector3d direction = i % 7 == 0 ? Eigen::Vector3d::Zero() : random.direction();
+      for (std::size_t k = 0; k < 3; ++k) {
+        world_ray[k * kSlots + i] = direction[static_cast<Eigen::Index>(k)];
+      }
+    }
+    buffers.world_ray.assign(std::span<const double>(world_ray));
+    upload();
+  }
+  void upload() { buffers.out.assign(std::span<const double>(out)); }
+  [[nodiscard]] static bool fired(std::size_t slot) { return slot % 7 != 0; }
+
+  shared::FrameParams frame{};
+  FrameBuffers buffers;
+  std::vector<double> out;
+};
+
+std::vector<double> random_truth(std::size_t channels, double low, double high, std::uint64_t seed) {
+  test::Random random(seed);
+  std::vector<double> truth(channels * kSlots);
+  for (double& t : truth) t = random.uniform(low, high);
+  return truth;
+}
+
+class Loss : public testing::TestWithParam<Precision> {
+ protected:
+  [[nodiscard]] double sum_tolerance() const {
+    return GetParam() == Precision::kDouble ? 1e-12 : kFloatSumTolerance;
+  }
+  Device device_ = Device::best();
+};
+
+TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
+  if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
+  Rendered rendered(device_, GetParam());
+  LossStage stage(device_, GetParam());
+  const std::vector<double> truth_values = random_truth(3, 0.0, 1.0, 5);
+  RealBuffer truth(device_, "truth", GetParam());
+  truth.assign(std::span<const double>(truth_values));
+  constexpr double kScale = 0.37;
+  const ImageLoss loss = stage.run_image(rendered.frame, rendered.buffers, truth, kScale);
+  const std::vector<double> grad = rendered.buffers.grad_out.download_double();
+
+  double absolute = 0.0, squared = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < kSlots; ++i) {
+      if (!Rendered::fired(i)) {
+        ASSERT_EQ(grad[c * kSlots + i], 0.0);
+        continue;
+      }
+      const double d = rendered.out[c * kSlots + i] - truth_values[c * kSlots + i];
+      absolute += std::abs(d);
+      squared += d * d;
+      ASSERT_NEAR(grad[c * kSlots + i], d > 0.0 ? kScale : -kScale, 1e-7);
+    }
+  }
+  EXPECT_NEAR(loss.absolute, absolute, sum_tolerance() * absolute);
+  EXPECT_NEAR(loss.squared, squared, sum_tolerance() * squared);
+  for (std::size_t i = 3 * kSlots; i < 5 * kSlots; ++i) ASSERT_EQ(grad[i], 0.0);
+
+  if (GetParam() == Precision::kFloat) return;
+  for (const std::size_t i : {1UL, 300UL, 700UL, kSlots + 5, 2 * kSlots + 500}) {
+    const double before = rendered.out[i];
+    const auto at = [&](double step) {
+      rendered.out[i] = before + step;
+      rendered.upload();
+      return kScale * stage.run_image(rendered.frame, rendered.buffers, truth, kScale).absolute;
+    };
+    EXPECT_NEAR((at(1e-4) - at(-1e-4)) / 2e-4, grad[i], kQuotientTolerance) << i;
+    rendered.out[i] = before;
+  }
+}
+
+/// Terms of one ray of a sweep, straight from their definition.
+struct RayTerms {
+  double distance = 0.0, intensity = 0.0, entropy = 0.0, wrong = 0.0;
+};
+RayTerms terms_of(const std::vector<double>& out, const std::vector<double>& truth, std::size_t i) {
+  RayTerms terms;
+  const bool returned = truth[i] > 0.0;
+  const double opacity = 1.0 - out[SIM_O_TRANSMITTANCE * kSlots + i];
+  if (returned) terms.intensity = std::abs(out[i] - truth[kSlots + i]);
+  if (returned && opacity > 1e-3) {
+    terms.distance = std::abs(out[SIM_O_DISTANCE * kSlots + i] / opacity - truth[i]);
+  }
+  const double hit = std::exp(out[kSlots + i]), drop = std::exp(out[2 * kSlots + i]);
+  const double p = drop / (hit + drop);
+  terms.entropy = -std::log(returned ? 1.0 - p : p);
+  terms.wrong = (p > 0.5) == returned ? 1.0 : 0.0;
+  return terms;
+}
+
+TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
+  if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
+  Rendered rendered(device_, GetParam());
+  LossStage stage(device_, GetParam());
+  std::vector<double> truth_values = random_truth(2, 0.0, 1.0, 6);
+  // A third has no return; the second channel stays an intensity.
+  for (std::size_t i = 0; i < kSlots; ++i) truth_values[i] = i % 3 == 0 ? 0.0 : 1.0 + 49.0 * truth_values[i];
+  RealBuffer truth(device_, "truth", GetParam());
+  truth.assign(std::span<const double>(truth_values));
+  constexpr LidarLossScale kScale{0.11, 0.7, 0.3};
+  const LidarLoss loss = stage.run_lidar(rendered.frame, rendered.buffers, truth, kScale);
+  const std::vector<double> grad = rendered.buffers.grad_out.download_double();
+
+  RayTerms sum;
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    if (!Rendered::fired(i)) {
+      for (std::size_t row = 0; row < 5; ++row) ASSERT_EQ(grad[row * kSlots + i], 0.0) << i;
+      continue;
+    }
+    const RayTerms terms = terms_of(rendered.out, truth_values, i);
+    sum.distance += terms.distance;
+    sum.intensity += terms.intensity;
+    sum.entropy += terms.entropy;
+    sum.wrong += terms.wrong;
+  }
+  EXPECT_NEAR(loss.distance_m, sum.distance, sum_tolerance() * sum.distance);
+  EXPECT_NEAR(loss.intensity, sum.intensity, sum_tolerance() * sum.intensity);
+  EXPECT_NEAR(loss.entropy, sum.entropy, sum_tolerance() * sum.entropy);
+  EXPECT_EQ(loss.wrong, sum.wrong);
+
+  if (GetParam() == Precision::kFloat) return;
+  for (std::size_t row = 0; row < 5; ++row) {
+    for (const std::size_t slot :
+         {1UL, 3UL, 11UL, 22UL, 44UL, 301UL, 512UL, 700UL}) {  // 11, 22, 44: all but clear
+      const std::size_t i = row * kSlots + slot;
+      const double before = rendered.out[i];
+      const double step = row == SIM_O_TRANSMITTANCE ? 1e-6 : 1e-4;
+      const auto at = [&](double by) {
+        rendered.out[i] = before + by;
+        rendered.upload();
+        const LidarLoss l = stage.run_lidar(rendered.frame, rendered.buffers, truth, kScale);
+        return kScale.distance * l.distance_m + kScale.intensity * l.intensity + kScale.entropy * l.entropy;
+      };
+      const double quotient = (at(step) - at(-step)) / (2.0 * step);
+      EXPECT_NEAR(quotient, grad[i], kQuotientTolerance * (1.0 + std::abs(grad[i]))) << row << " " << slot;
+      rendered.out[i] = before;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         Loss,
+                         testing::Values(Precision::kFloat, Precision::kDouble),
+                         [](const auto& instance) {
+                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                         });
+
+}  // namespace
+}  // namespace simuli
