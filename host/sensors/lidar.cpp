@@ -1,8 +1,7 @@
 #include "host/sensors/lidar.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 
 #include "host/base/error.hpp"
@@ -21,15 +20,16 @@ double Lidar::time_fraction(int row, int column, double sweep_duration_s) const 
 }
 
 Eigen::Vector3d Lidar::direction(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth),
-          std::cos(elevation) * std::sin(azimuth),
-          std::sin(elevation)};
+  return {
+      std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }
 
 Eigen::Vector3d Lidar::origin(int row, double azimuth) const {
   const LidarRow& beam = rows[static_cast<std::size_t>(row)];
-  return {-beam.horizontal_offset * std::sin(azimuth),
-          beam.horizontal_offset * std::cos(azimuth),
+  const double sine = std::sin(azimuth);
+  const double cosine = std::cos(azimuth);
+  return {beam.radial_offset * cosine - beam.horizontal_offset * sine,
+          beam.radial_offset * sine + beam.horizontal_offset * cosine,
           beam.vertical_offset};
 }
 
@@ -56,6 +56,9 @@ void validate(const Lidar& lidar, const std::string& file) {
     }
     if (!(std::abs(row.horizontal_offset) <= 10.0)) {
       refuse(name + "horizontal_offset_m", row.horizontal_offset, "-10 to 10");
+    }
+    if (!(std::abs(row.radial_offset) <= 10.0)) {
+      refuse(name + "radial_offset_m", row.radial_offset, "-10 to 10");
     }
     if (!(std::abs(row.time_offset) <= 1.0)) refuse(name + "time_offset_s", row.time_offset, "-1 to 1");
     if (i > 0 && !(row.elevation <= lidar.rows[i - 1].elevation)) {

@@ -10,13 +10,15 @@ namespace simuli {
 enum class SpinDirection { kCounterClockwise, kClockwise };
 
 /// One beam. Its ray at azimuth phi starts at
-///   (horizontal_offset * (-sin phi, cos phi), vertical_offset) and points along (elevation, phi).
+///   (horizontal_offset * (-sin phi, cos phi) + radial_offset * (cos phi, sin phi), vertical_offset)
+/// and points along (elevation, phi).
 struct LidarRow {
   double elevation = 0.0;          // rad
   double azimuth_offset = 0.0;     // rad, added to the column's azimuth
   double vertical_offset = 0.0;    // m, along z
   double horizontal_offset = 0.0;  // m, to the left of the beam
   double time_offset = 0.0;        // s, added to the column's firing time
+  double radial_offset = 0.0;      // m, away from the spin axis
 };
 
 struct Lidar {
@@ -26,9 +28,9 @@ struct Lidar {
   double azimuth_first = 0.0;  // rad, azimuth of column 0
   double azimuth_span = 0.0;   // rad > 0, swept by all columns; 2 pi for a full turn
   SpinDirection spin = SpinDirection::kCounterClockwise;
-  double range_min = 0.0;  // m
-  double range_max = 0.0;  // m
-  double beam_divergence = 0.0;  // rad, full angle; 0: an ideal ray
+  double range_min = 0.0;             // m
+  double range_max = 0.0;             // m
+  double beam_divergence = 0.0;       // rad, full angle; 0: an ideal ray
   double divergence_variance = 0.25;  // k of METHOD section 8: 0.25 for 1/e^2, 0.72 FWHM, 1 sigma
 
   [[nodiscard]] int row_count() const { return static_cast<int>(rows.size()); }
@@ -47,7 +49,8 @@ struct Lidar {
 /// Throws Error{kInput} naming `file` and field for a model that no sensor has.
 void validate(const Lidar& lidar, const std::string& file);
 
-/// A built-in model by name; throws Error{kUsage} listing the known names.
+/// A built-in model by name or "name@mode" (host/sensors/lidar_library.hpp, which also tells its source);
+/// Error{kUsage} naming the closest known names.
 [[nodiscard]] Lidar builtin_lidar(const std::string& name);
 [[nodiscard]] std::vector<std::string> builtin_lidar_names();
 

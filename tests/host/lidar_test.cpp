@@ -67,6 +67,15 @@ TEST(Lidar, OriginStandsToTheLeftOfTheBeamAndUp) {
   EXPECT_NEAR(across.dot(Lidar::direction(azimuth, 0)), 0.0, kRounding);
 }
 
+TEST(Lidar, RadialOffsetMovesTheOriginAlongTheBeam) {
+  Lidar lidar = two_rows(SpinDirection::kClockwise);
+  lidar.rows[0].radial_offset = 0.03;
+  const double azimuth = 1.234;
+  const Eigen::Vector3d moved =
+      lidar.origin(0, azimuth) - two_rows(SpinDirection::kClockwise).origin(0, azimuth);
+  EXPECT_LT((moved - 0.03 * Lidar::direction(azimuth, 0.0)).norm(), kRounding);
+}
+
 TEST(Lidar, NominalRaysAreRowMajorAndWrapped) {
   const Lidar lidar = two_rows(SpinDirection::kCounterClockwise);
   const LidarRays rays = nominal_rays(lidar, 0.1);
@@ -106,6 +115,7 @@ TEST(Lidar, ValidateNamesTheFieldThatIsWrong) {
   refused("rows[1].azimuth_offset_rad", [](Lidar& l) { l.rows[1].azimuth_offset = kNan; });
   refused("rows[0].vertical_offset_m", [](Lidar& l) { l.rows[0].vertical_offset = 11.0; });
   refused("rows[0].horizontal_offset_m", [](Lidar& l) { l.rows[0].horizontal_offset = kNan; });
+  refused("rows[0].radial_offset_m", [](Lidar& l) { l.rows[0].radial_offset = -10.5; });
   refused("rows[0].time_offset_s", [](Lidar& l) { l.rows[0].time_offset = 2.0; });
   refused("azimuth_first_rad", [](Lidar& l) { l.azimuth_first = kNan; });
   refused("azimuth_span_rad", [](Lidar& l) { l.azimuth_span = 0.0; });
@@ -115,20 +125,6 @@ TEST(Lidar, ValidateNamesTheFieldThatIsWrong) {
   refused("range_max_m", [](Lidar& l) { l.range_max = std::numeric_limits<double>::infinity(); });
   refused("beam_divergence_rad", [](Lidar& l) { l.beam_divergence = kNan; });
   refused("divergence_variance", [](Lidar& l) { l.divergence_variance = -0.1; });
-}
-
-TEST(Lidar, BuiltInTablesAreValid) {
-  ASSERT_FALSE(builtin_lidar_names().empty());
-  for (const std::string& name : builtin_lidar_names()) {
-    const Lidar lidar = builtin_lidar(name);
-    EXPECT_EQ(lidar.name, name);
-    EXPECT_NO_THROW(validate(lidar, name));
-    // A full turn is swept once: the first and the last column are one step apart.
-    const double step = lidar.azimuth_span / lidar.columns;
-    const double gap = std::remainder(lidar.azimuth(0, 0) - lidar.azimuth(0, lidar.columns - 1), 2 * kPi);
-    EXPECT_NEAR(std::abs(gap), step, 1e-9) << name;
-  }
-  expect_error(ErrorKind::kUsage, "kitti_hdl64e", [] { (void)builtin_lidar("hdl65"); });
 }
 
 TEST(Lidar, KittiTableCrossesTheSpinAxisWhereItWasFitted) {

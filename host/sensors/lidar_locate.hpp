@@ -1,0 +1,51 @@
+#pragma once
+// The inverse of the ray functions: which row and column of a LiDAR meets a point. Calibration, importers
+// and tests build on it.
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "host/scene/pose.hpp"
+#include "host/sensors/lidar.hpp"
+
+namespace simuli {
+
+/// Where a point lies in the grid of firings of one row.
+struct LidarHit {
+  int row = 0;
+  double column = 0.0;           // fractional; whole at a firing, [-1/2, columns - 1/2] inside the sweep
+  double azimuth = 0.0;          // rad, of the row's ray through the point, seen from above
+  double elevation_error = 0.0;  // rad, of the point above the row's beam, seen from the beam's origin
+  double range = 0.0;            // m, from the beam's origin
+  double time_fraction = 0.0;    // of the sweep, at the fractional column
+
+  /// Nearest column; full turns wrap.
+  [[nodiscard]] int nearest_column(const Lidar& lidar) const;
+};
+
+/// The place of `p_sensor` in `row`, in closed form with all of the row's offsets. Empty when no ray of
+/// the row reaches the point's azimuth: outside a partial field of view, or nearer to the spin axis than
+/// the beam passes.
+[[nodiscard]] std::optional<LidarHit> locate_in_row(const Lidar& lidar,
+                                                    int row,
+                                                    const Eigen::Vector3d& p_sensor,
+                                                    double sweep_duration_s);
+
+/// The firing whose ray passes `p_sensor` at the smallest angle, among all rows. With lever arms a point
+/// may lie on rays of two rows; then either is returned.
+[[nodiscard]] std::optional<LidarHit> locate(const Lidar& lidar,
+                                             const Eigen::Vector3d& p_sensor,
+                                             double sweep_duration_s);
+
+/// Every time at which `row` passes the azimuth of a resting point while the sensor moves from
+/// world_from_sensor_start to _end during the sweep (host/scene/pose.hpp, interpolate): mostly one; none
+/// or two for a point at the cut of the sweep, more for one that the sensor passes close by.
+/// By time; each solves time = firing time of its column at that pose, to 1e-12 of the sweep.
+[[nodiscard]] std::vector<LidarHit> locate_moving(const Lidar& lidar,
+                                                  int row,
+                                                  const Eigen::Vector3d& p_world,
+                                                  const Pose& world_from_sensor_start,
+                                                  const Pose& world_from_sensor_end,
+                                                  double sweep_duration_s);
+
+}  // namespace simuli

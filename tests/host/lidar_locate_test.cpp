@@ -1,0 +1,179 @@
+// Every firing is found again from a point on its ray, at rest and from a moving sensor.
+#include "host/sensors/lidar_locate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <string>
+
+#include "host/sensors/lidar_library.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSteps = 1e-3;  // of a row or a column: what a sensor model must hold
+constexpr double kRanges_m[] = {0.5, 3.0, 17.0, 100.0};
+
+double row_step(const Lidar& lidar, int row) {
+  const auto r = static_cast<std::size_t>(row);
+  double step = kPi;
+  if (r > 0) step = std::min(step, lidar.rows[r - 1].elevation - lidar.rows[r].elevation);
+  if (r + 1 < lidar.rows.size()) step = std::min(step, lidar.rows[r].elevation - lidar.rows[r + 1].elevation);
+  return step;
+}
+
+/// The error of `hit` as one of (row, column), in steps; huge for another row.
+double error_in_steps(const Lidar& lidar, const LidarHit& hit, int row, int column) {
+  if (hit.row != row) return 1e9;
+  double columns = std::abs(hit.column - column);
+  if (lidar.azimuth_span > 2.0 * kPi - 1e-9) columns = std::abs(std::remainder(columns, lidar.columns));
+  return std::max(columns, std::abs(hit.elevation_error) / row_step(lidar, row));
+}
+
+Eigen::Vector3d point_on_ray(const Lidar& lidar, int row, int column, double range) {
+  const double azimuth = lidar.azimuth(row, column);
+  return lidar.origin(row, azimuth) +
+         range * Lidar::direction(azimuth, lidar.rows[static_cast<std::size_t>(row)].elevation);
+}
+
+std::vector<int> some_columns(const Lidar& lidar, int row) {
+  return {0, (lidar.columns / 3 + 7 * row) % lidar.columns, lidar.columns - 1};
+}
+
+TEST(LidarLocate, EveryRowOfEveryTableAtRest) {
+  double worst_of_all = 0.0;
+  for (const std::string& name : builtin_lidar_names()) {
+    const BuiltinLidar sensor = builtin_lidar_with_facts(name);
+    const Lidar& lidar = sensor.model;
+    const double duration_s = 1.0 / sensor.facts.mode.spin_hz;
+    double worst = 0.0;
+    int shared = 0;
+    for (int row = 0; row < lidar.row_count(); ++row) {
+      for (const int column : some_columns(lidar, row)) {
+        for (const double range : kRanges_m) {
+          const Eigen::Vector3d p = point_on_ray(lidar, row, column, range);
+          const auto own = locate_in_row(lidar, row, p, duration_s);
+          ASSERT_TRUE(own) << name << " row " << row << " column " << column;
+          worst = std::max(worst, error_in_steps(lidar, *own, row, column));
+          EXPECT_NEAR(own->range, range, 1e-9) << name;
+          EXPECT_NEAR(own->time_fraction, lidar.time_fraction(row, column, duration_s), 1e-9) << name;
+          EXPECT_EQ(own->nearest_column(lidar), column) << name;
+          const auto best = locate(lidar, p, duration_s);
+          ASSERT_TRUE(best);
+          if (best->row == row) continue;
+          // Only a ray of another row through the very same point may win.
+          ++shared;
+          EXPECT_LT(std::abs(best->elevation_error), 1e-9) << name << " row " << row << " at " << range;
+        }
+      }
+    }
+    EXPECT_LT(worst, kSteps) << name;
+    EXPECT_EQ(shared, 0) << name;
+    worst_of_all = std::max(worst_of_all, worst);
+  }
+  RecordProperty("worst_steps", std::to_string(worst_of_all));
+}
+
+/// 30 m/s forward and 90 deg/s to the left, with some roll.
+void motion(double duration_s, Pose& start, Pose& end) {
+  start.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d(0.1, 0.2, 1.0).normalized()));
+  start.translation = {100.0, -20.0, 1.8};
+  end.rotation = start.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(
+                                      kPi / 2 * duration_s, Eigen::Vector3d(0.05, 0, 1).normalized()));
+  end.translation = start.translation + start.rotation * Eigen::Vector3d(30.0 * duration_s, 0.0, 0.0);
+}
+
+TEST(LidarLocate, EveryRowOfEveryTableInMotion) {
+  double worst_of_all = 0.0;
+  for (const std::string& name : builtin_lidar_names()) {
+    const BuiltinLidar sensor = builtin_lidar_with_facts(name);
+    const Lidar& lidar = sensor.model;
+    const double duration_s = 1.0 / sensor.facts.mode.spin_hz;
+    Pose start, end;
+    motion(duration_s, start, end);
+    double worst = 0.0;
+    for (int row = 0; row < lidar.row_count(); ++row) {
+      for (const int column : some_columns(lidar, row)) {
+        for (const double range : kRanges_m) {
+          const Pose world_from_sensor =
+              interpolate(start, end, lidar.time_fraction(row, column, duration_s));
+          const Eigen::Vector3d p_world = world_from_sensor * point_on_ray(lidar, row, column, range);
+          double closest = 1e9;
+          for (const LidarHit& hit : locate_moving(lidar, row, p_world, start, end, duration_s)) {
+            closest = std::min(closest, error_in_steps(lidar, hit, row, column));
+          }
+          EXPECT_LT(closest, kSteps) << name << " row " << row << " column " << column << " at " << range;
+          worst = std::max(worst, closest);
+        }
+      }
+    }
+    worst_of_all = std::max(worst_of_all, worst);
+  }
+  RecordProperty("worst_steps", std::to_string(worst_of_all));
+}
+
+Lidar one_row(double span, int columns) {
+  Lidar lidar;
+  lidar.name = "one";
+  lidar.rows = {LidarRow{}};
+  lidar.columns = columns;
+  lidar.azimuth_first = kPi - span / columns / 2.0;
+  lidar.azimuth_span = span;
+  lidar.spin = SpinDirection::kClockwise;
+  lidar.range_max = 100.0;
+  return lidar;
+}
+
+TEST(LidarLocate, PointAtTheCutIsSeenTwiceOrNever) {
+  const Lidar lidar = one_row(2.0 * kPi, 360);
+  const Pose start;
+  for (const double yaw : {0.1, -0.1}) {
+    Pose end;
+    end.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+    // The cut is behind. Turning with the spin (clockwise: yaw < 0) the sweep covers more than a turn.
+    const double behind = kPi + yaw / 2.0;
+    const Eigen::Vector3d p = 10.0 * Eigen::Vector3d(std::cos(behind), std::sin(behind), 0.0);
+    EXPECT_EQ(locate_moving(lidar, 0, p, start, end, 0.1).size(), yaw < 0.0 ? 2U : 0U);
+    EXPECT_EQ(locate_moving(lidar, 0, -p, start, end, 0.1).size(), 1U);
+  }
+  EXPECT_EQ(locate_moving(lidar, 0, {0.0, 5.0, 0.0}, start, start, 0.1).size(), 1U);
+}
+
+TEST(LidarLocate, OutsideAPartialFieldOfViewIsNothing) {
+  Lidar lidar = one_row(2.0, 200);
+  lidar.azimuth_first = 1.0 - 0.005;  // 0.995 down to -0.995
+  const auto at = [](double azimuth) { return Eigen::Vector3d(8.0 * Lidar::direction(azimuth, 0.0)); };
+  EXPECT_TRUE(locate(lidar, at(0.999), 0.1));
+  EXPECT_TRUE(locate(lidar, at(-0.999), 0.1));
+  EXPECT_FALSE(locate(lidar, at(1.001), 0.1));
+  EXPECT_FALSE(locate(lidar, at(-1.001), 0.1));
+  EXPECT_FALSE(locate(lidar, at(kPi), 0.1));
+  EXPECT_EQ(locate(lidar, at(0.995), 0.1)->nearest_column(lidar), 0);
+  EXPECT_EQ(locate(lidar, at(-0.995), 0.1)->nearest_column(lidar), 199);
+}
+
+TEST(LidarLocate, PointInsideTheCircleOfBeamsHasNoRay) {
+  Lidar lidar = one_row(2.0 * kPi, 360);
+  lidar.rows[0].horizontal_offset = 0.05;
+  EXPECT_FALSE(locate(lidar, {0.03, 0.0, 0.0}, 0.1));
+  EXPECT_FALSE(locate(lidar, {0.0, 0.0, 1.0}, 0.1));
+  EXPECT_TRUE(locate(lidar, {0.06, 0.0, 0.0}, 0.1));
+  lidar.rows[0].radial_offset = 0.05;
+  EXPECT_FALSE(locate(lidar, {0.06, 0.0, 0.0}, 0.1));
+}
+
+TEST(LidarLocate, ColumnsWrapAtTheCutOfAFullTurn) {
+  const Lidar lidar = one_row(2.0 * kPi, 360);
+  LidarHit hit;
+  hit.column = -0.4;
+  EXPECT_EQ(hit.nearest_column(lidar), 0);
+  hit.column = 359.5;
+  EXPECT_EQ(hit.nearest_column(lidar), 0);
+  hit.column = -0.5000000001;
+  EXPECT_EQ(hit.nearest_column(lidar), 359);
+}
+
+}  // namespace
+}  // namespace simuli
