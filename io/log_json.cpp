@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "io/lidar_file.hpp"
 
 namespace simuli {
 namespace {
@@ -17,19 +18,6 @@ Json array_of(const Eigen::Ref<const Eigen::VectorXd>& values) {
   Json array = Json::array();
   for (const double value : values) array.push_back(value);
   return array;
-}
-
-const char* to_string(SpinDirection spin) {
-  return spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise";
-}
-
-SpinDirection read_spin(JsonObject& object) {
-  const std::string name = object.text("spin");
-  for (const SpinDirection spin : {SpinDirection::kClockwise, SpinDirection::kCounterClockwise}) {
-    if (name == to_string(spin)) return spin;
-  }
-  throw_input_error(
-      object.file(), object.field("spin"), Json(name).dump(-1, ' ', true), "clockwise or counter_clockwise");
 }
 
 }  // namespace
@@ -88,50 +76,15 @@ LogCamera camera_from_json(JsonObject& object) {
 }
 
 Json to_json(const LogLidar& lidar) {
-  const Lidar& model = lidar.model;
-  Json rows = Json::array();
-  for (const LidarRow& row : model.rows) {
-    rows.push_back({{"elevation_rad", row.elevation},
-                    {"azimuth_offset_rad", row.azimuth_offset},
-                    {"vertical_offset_m", row.vertical_offset},
-                    {"horizontal_offset_m", row.horizontal_offset},
-                    {"time_offset_s", row.time_offset}});
-  }
-  return {{"name", model.name},
-          {"columns", model.columns},
-          {"azimuth_first_rad", model.azimuth_first},
-          {"azimuth_span_rad", model.azimuth_span},
-          {"spin", to_string(model.spin)},
-          {"range_min_m", model.range_min},
-          {"range_max_m", model.range_max},
-          {"beam_divergence_rad", model.beam_divergence},
-          {"divergence_variance", model.divergence_variance},
-          {"rig_from_lidar", to_json(lidar.rig_from_lidar)},
-          {"rows", rows}};
+  Json json = to_json(lidar.model);
+  json["rig_from_lidar"] = to_json(lidar.rig_from_lidar);
+  return json;
 }
 
 LogLidar lidar_from_json(JsonObject& object) {
-  constexpr int kMostColumns = 1 << 20;
   LogLidar lidar;
-  Lidar& model = lidar.model;
-  model.name = object.text("name");
-  model.columns = static_cast<int>(object.integer("columns", 1, kMostColumns));
-  model.azimuth_first = object.number("azimuth_first_rad");
-  model.azimuth_span = object.number("azimuth_span_rad");
-  model.spin = read_spin(object);
-  model.range_min = object.number("range_min_m");
-  model.range_max = object.number("range_max_m");
-  model.beam_divergence = object.number("beam_divergence_rad");
-  model.divergence_variance = object.number("divergence_variance");
+  lidar.model = lidar_model_from_json(object);
   lidar.rig_from_lidar = object.object("rig_from_lidar", pose_from_json);
-  model.rows = object.objects("rows", [](JsonObject& row) {
-    return LidarRow{row.number("elevation_rad"),
-                    row.number("azimuth_offset_rad"),
-                    row.number("vertical_offset_m"),
-                    row.number("horizontal_offset_m"),
-                    row.number("time_offset_s")};
-  });
-  validate(model, object.file());
   return lidar;
 }
 

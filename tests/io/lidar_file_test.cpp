@@ -1,0 +1,132 @@
+#include "io/lidar_file.hpp"
+
+#include <gtest/gtest.h>
+#include <string>
+
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+using test::expect_input_error;
+using test::Scratch;
+
+void expect_same(const Lidar& a, const Lidar& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.columns, b.columns);
+  EXPECT_EQ(a.azimuth_first, b.azimuth_first);
+  EXPECT_EQ(a.azimuth_span, b.azimuth_span);
+  EXPECT_EQ(a.spin, b.spin);
+  EXPECT_EQ(a.range_min, b.range_min);
+  EXPECT_EQ(a.range_max, b.range_max);
+  EXPECT_EQ(a.beam_divergence, b.beam_divergence);
+  EXPECT_EQ(a.divergence_variance, b.divergence_variance);
+  ASSERT_EQ(a.rows.size(), b.rows.size());
+  for (std::size_t r = 0; r < a.rows.size(); ++r) {
+    EXPECT_EQ(a.rows[r].elevation, b.rows[r].elevation);
+    EXPECT_EQ(a.rows[r].azimuth_offset, b.rows[r].azimuth_offset);
+    EXPECT_EQ(a.rows[r].vertical_offset, b.rows[r].vertical_offset);
+    EXPECT_EQ(a.rows[r].horizontal_offset, b.rows[r].horizontal_offset);
+    EXPECT_EQ(a.rows[r].time_offset, b.rows[r].time_offset);
+    EXPECT_EQ(a.rows[r].radial_offset, b.rows[r].radial_offset);
+  }
+}
+
+LidarFile some_file() {
+  const BuiltinLidar sensor = builtin_lidar_with_facts("ouster_os1_32_g@2048x10");
+  return {sensor.model, sensor.facts};
+}
+
+LidarFile some_rays() {
+  RayList list;
+  list.name = "petals";
+  list.azimuth = {0.1, -0.2, 0.3};
+  list.elevation = {0.0, 0.05, -0.1};
+  list.time_fraction = {0.0, 0.25, 0.5};
+  list.origin = {{0.0, 0.01, 0.02}, {0.0, 0.0, 0.0}, {-0.1, 0.0, 0.0}};
+  list.range_min = 0.5;
+  list.range_max = 60.0;
+  return {list, {}};
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+TEST(LidarFile, EveryBuiltInModelRoundTrips) {
+  const Scratch scratch;
+  for (const std::string& name : builtin_lidar_names()) {
+    const BuiltinLidar sensor = builtin_lidar_with_facts(name);
+    const LidarFile read =
+        read_lidar_file(scratch.file("sensor.json", to_json(LidarFile{sensor.model, sensor.facts}).dump(1)));
+    expect_same(std::get<Lidar>(read.model), sensor.model);
+    EXPECT_EQ(read.facts.source, sensor.facts.source);
+    EXPECT_EQ(read.facts.licence, sensor.facts.licence);
+    EXPECT_EQ(read.facts.note, sensor.facts.note);
+    EXPECT_EQ(read.facts.modes.size(), sensor.facts.modes.size());
+  }
+}
+
+TEST(LidarFile, TheModelsOwnModeStandsFirst) {
+  const Scratch scratch;
+  const LidarFile read = read_lidar_file(scratch.file("sensor.json", to_json(some_file()).dump()));
+  EXPECT_EQ(read.facts.mode.columns, 2048);
+  EXPECT_EQ(read.facts.mode.spin_hz, 10.0);
+  EXPECT_EQ(read.facts.modes.size(), 5U);
+}
+
+TEST(LidarFile, RayListRoundTrips) {
+  const Scratch scratch;
+  const LidarFile written = some_rays();
+  const LidarFile read = read_lidar_file(scratch.file("rays.json", to_json(written).dump()));
+  const auto& a = std::get<RayList>(read.model);
+  const auto& b = std::get<RayList>(written.model);
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.azimuth, b.azimuth);
+  EXPECT_EQ(a.elevation, b.elevation);
+  EXPECT_EQ(a.time_fraction, b.time_fraction);
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.range_max, 60.0);
+  LidarFile plain = some_rays();
+  std::get<RayList>(plain.model).origin.clear();
+  EXPECT_EQ(to_json(plain).count("origin_m"), 0U);
+  const LidarFile again = read_lidar_file(scratch.file("plain.json", to_json(plain).dump()));
+  EXPECT_TRUE(std::get<RayList>(again.model).origin.empty());
+}
+
+TEST(LidarFile, BadFilesAreRefusedByField) {
+  const Scratch scratch;
+  const std::string good = to_json(some_file()).dump();
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+    expect_input_error([&] { (void)read_lidar_file(scratch.file("bad.json", text)); }, words);
+  };
+  refused("{", {"bad.json"});
+  refused("[]", {"bad.json"});
+  refused(replaced(good, "\"lidar\"", "\"radar\""), {"bad.json: kind", "radar", "lidar or ray_list"});
+  refused(replaced(good, "\"clockwise\"", "\"left\""), {"spin", "left", "clockwise"});
+  refused(replaced(good, "range_max_m", "range_max_cm"), {"range_max_m"});
+  refused(replaced(good, "\"rows\"", "\"colour\": 1, \"rows\""), {"colour"});
+  refused(replaced(good, "\"elevation_rad\"", "\"elevation_deg\""), {"rows[0].elevation_rad"});
+  refused(replaced(good, "\"elevation_rad\":", "\"elevation_rad\":7"), {"rows[0].elevation_rad", "7"});
+  refused(replaced(good, "\"columns\":2048,\"azimuth_first_rad\"", "\"columns\":2047,\"azimuth_first_rad\""),
+          {"modes[0].columns", "2048", "2047"});
+  expect_input_error([&] { (void)read_lidar_file(scratch / "none.json"); }, {"none.json"});
+
+  const std::string rays = to_json(some_rays()).dump();
+  refused(replaced(rays, "[0.0,0.05,-0.1]", "[0.0,0.05]"), {"elevation_rad", "2 rays"});
+  refused(replaced(rays, "\"origin_m\":[", "\"origin_m\":[1,"), {"origin_m", "10 numbers"});
+  refused(replaced(rays, "\"range_min_m\":0.5", "\"range_min_m\":-1"), {"range_min_m", "-1"});
+}
+
+TEST(LidarFile, OlderLogsHaveNoRadialOffset) {
+  Lidar model = builtin_lidar("velodyne_vlp16");
+  Json json = to_json(model);
+  for (Json& row : json["rows"]) row.erase("radial_offset_m");
+  const Lidar read = read_json_text(json.dump(), "log.json", lidar_model_from_json);
+  expect_same(read, model);
+}
+
+}  // namespace
+}  // namespace simuli
