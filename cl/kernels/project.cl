@@ -80,8 +80,15 @@ __kernel void project(const FrameParams frame,
   const F height = centre[2] - sensor[SIM_S_HEIGHT_REF];
   const F flat = sqrt(centre[0] * centre[0] + centre[1] * centre[1]);
   const F distance = sqrt(flat * flat + height * height);
+  const I inside = distance <= radius;
+  const I around = OR(inside, flat <= fma(fabs(height), (F)R(0.05), radius));
+  const F ratio = VMIN(radius / VMAX(distance, (F)R(1e-9)), (F)R(1.0));
+  const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
+  box.mean_y = SEL(around, atan2_lanes(height, flat), box.mean_y);
+  box.half_y = SEL(around, SEL(inside, (F)R(4.0), spread), box.half_y);
 #if MOVING
-  // Near the cut of the sweep a surface is met from the pose at the start and from that at the end.
+  // Near the cut of the sweep a surface is met from the pose at the start and from that at the end; so are
+  // rings, which hold the cut.
   {
     F cut = box.mean_x - sensor[SIM_S_AZIMUTH_FIRST];
     cut = fabs(wrap_lanes(cut, TWO_PI_R));
@@ -91,17 +98,11 @@ __kernel void project(const FrameParams frame,
     sensor_from_world_point(sensor, g.offset, (F)R(1.0), last);
     project_point(sensor, first, &x0, &y0, &seen);
     project_point(sensor, last, &x1, &y1, &seen);
-    const I at_cut = cut < box.half_x + R(0.2);
+    const I at_cut = OR(around, cut < box.half_x + R(0.2));
     box.half_x += SEL(at_cut, fabs(wrap_lanes(x1 - x0, TWO_PI_R)), (F)R(0.0));
     box.half_y += SEL(at_cut, fabs(y1 - y0), (F)R(0.0));
   }
 #endif
-  const I inside = distance <= radius;
-  const I around = OR(inside, flat <= fma(fabs(height), (F)R(0.05), radius));
-  const F ratio = VMIN(radius / VMAX(distance, (F)R(1e-9)), (F)R(1.0));
-  const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
-  box.mean_y = SEL(around, atan2_lanes(height, flat), box.mean_y);
-  box.half_y = SEL(around, SEL(inside, (F)R(4.0), spread), box.half_y);
   const F lever = sensor[SIM_S_LEVER] / VMAX(distance - sensor[SIM_S_LEVER], (F)R(1e-3));
   box.half_x += lever;
   box.half_y += lever;

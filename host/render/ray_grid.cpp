@@ -98,9 +98,12 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
 
 namespace {
 
+/// Azimuth in [-pi, pi]; measured ones may be counted from anywhere.
+double wrapped(float azimuth) { return std::remainder(static_cast<double>(azimuth), 2.0 * kPi); }
+
 /// The tile column of an azimuth when the circle is cut into `tiles`; the one function of tiles and rays.
 std::size_t azimuth_tile(float azimuth, std::size_t tiles) {
-  const double place = (static_cast<double>(azimuth) + kPi) * static_cast<double>(tiles) / (2.0 * kPi);
+  const double place = (wrapped(azimuth) + kPi) * static_cast<double>(tiles) / (2.0 * kPi);
   return std::min(static_cast<std::size_t>(std::max(place, 0.0)), tiles - 1);
 }
 
@@ -146,6 +149,18 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
                       fmt::format("{} x {}", rays.rows, rays.columns),
                       fmt::format("{} beams, three values per ray", lidar.row_count()));
   }
+  const auto usable = [](float value) { return std::abs(value) <= 1e3F; };  // false for NaN
+  for (std::size_t ray = 0; ray < count; ++ray) {
+    if (!(usable(rays.azimuth[ray]) && usable(rays.elevation[ray]) && usable(rays.time_fraction[ray]))) {
+      throw_input_error("lidar " + lidar.name,
+                        fmt::format("ray {}", ray),
+                        fmt::format("azimuth {}, elevation {}, time {}",
+                                    rays.azimuth[ray],
+                                    rays.elevation[ray],
+                                    rays.time_fraction[ray]),
+                        "numbers of at most 1000");
+    }
+  }
   const int per_tile = options.lidar_rows_per_tile;
   if (per_tile < 1 || per_tile > 16 || (per_tile & (per_tile - 1)) != 0) {
     throw_input_error("options", "lidar_rows_per_tile", std::to_string(per_tile), "1, 2, 4, 8 or 16");
@@ -160,8 +175,11 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
   frame.tiles_y = (frame.rows + frame.rows_per_tile - 1) / frame.rows_per_tile;
   const std::size_t width = std::size_t{frame.row_slots} * SIM_SLOT_ROW;
 
-  // As few azimuth columns as hold every beam's rays; jitter of measured rays costs a few more.
-  std::size_t tiles = std::max<std::size_t>(1, (static_cast<std::size_t>(rays.columns) + width - 1) / width);
+  // As few azimuth columns as hold every beam's rays; jitter of measured rays costs a few more. Sixteen at
+  // least: differences of azimuths inside a tile are not wrapped, so that the widest box (pi - 0.2 to either
+  // side) and half a tile have to stay below half a turn.
+  constexpr std::size_t kLeastTiles = 16;
+  std::size_t tiles = std::max(kLeastTiles, (static_cast<std::size_t>(rays.columns) + width - 1) / width);
   const std::size_t most_tiles = 4 * tiles + 64;
   while (tiles <= most_tiles && fullest(rays, tiles) > width) ++tiles;
   if (tiles > most_tiles) {
@@ -212,7 +230,7 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
               lidar.origin(r, azimuth),
               static_cast<double>(rays.time_fraction[ray]));
       const double centre = -kPi + (static_cast<double>(tx) + 0.5) * 2.0 * kPi / static_cast<double>(tiles);
-      grid.u[slot] = static_cast<float>(azimuth - centre);
+      grid.u[slot] = static_cast<float>(wrapped(rays.azimuth[ray]) - centre);
     }
   }
   c[SIM_S_AZIMUTH_FIRST] = lidar.azimuth_first;

@@ -10,8 +10,8 @@ std::size_t scan_work_items(const Device& device) {
 
 }  // namespace
 
-ScanStage::ScanStage(const Device& device)
-    : work_items_(scan_work_items(device)),
+ScanStage::ScanStage(const Device& device, std::size_t work_items)
+    : work_items_(work_items == 0 ? scan_work_items(device) : work_items),
       scan_(Program(device, "kernels/scan.cl", BuildOptions().define("LS", work_items_)), "scan_exclusive"),
       total_(device, "scan total", 1) {}
 

@@ -13,10 +13,12 @@ BuildOptions sort_options(std::size_t work_items, int digit_bits) {
 
 }  // namespace
 
-SortStage::SortStage(const Device& device)
-    : work_items_(device.info().is_cpu ? 1 : 64),
-      digit_bits_(device.info().is_cpu ? 11 : 4),
-      groups_(device.info().compute_units * (device.info().is_cpu ? 2U : 16U)),
+SortStage::SortStage(const Device& device, std::size_t work_items)
+    : work_items_(work_items != 0        ? work_items
+                  : device.info().is_cpu ? 1
+                                         : 64),
+      digit_bits_(work_items_ == 1 ? 11 : 4),
+      groups_(device.info().compute_units * (work_items_ == 1 ? 2U : 16U)),
       histogram_(device, "radix histogram", (std::size_t{1} << static_cast<unsigned>(digit_bits_)) * groups_),
       count_(Program(device, "kernels/sort.cl", sort_options(work_items_, digit_bits_)), "radix_count"),
       scatter_(Program(device, "kernels/sort.cl", sort_options(work_items_, digit_bits_)), "radix_scatter") {}

@@ -133,7 +133,8 @@ class ProjectStage {
 
 class ScanStage {
  public:
-  explicit ScanStage(const Device& device);
+  /// `work_items` share the scan; 0: as suits the device. Tests run the GPU's way on CPUs.
+  explicit ScanStage(const Device& device, std::size_t work_items = 0);
   /// Exclusive prefix sum of data[0, n) in place; returns the 64-bit total when `wanted` (waits).
   std::uint64_t run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted);
 
@@ -145,7 +146,8 @@ class ScanStage {
 
 class SortStage {
  public:
-  explicit SortStage(const Device& device);
+  /// Work-groups of one work-item sort 11 bits a pass, larger ones 4; 0: as suits the device.
+  explicit SortStage(const Device& device, std::size_t work_items = 0);
   /// Sorts n pairs by the low `bits` of the key, stably. The scratch buffers are swapped in and out.
   void run(Buffer<std::uint32_t>& keys,
            Buffer<std::uint32_t>& values,

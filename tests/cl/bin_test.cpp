@@ -1,0 +1,295 @@
+// Binning: every (tile, particle) pair once, nearest first, and none that a ray needs is missing.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+using test::SceneCase;
+
+constexpr std::uint32_t kCulled = 0xffffffffU;
+
+/// One instance as the payload has it.
+struct Instance {
+  std::uint32_t particle = 0, first_slot_row = 0, last_slot_row = 0;
+};
+Instance unpacked(std::uint32_t payload) {
+  return {
+      payload & SIM_PARTICLE_MASK, payload >> SIM_PARTICLE_BITS & 15U, payload >> (SIM_PARTICLE_BITS + 4)};
+}
+
+/// Tile lists by (tile, particle), after the checks that hold for any frame: `first` is monotone and
+/// complete, no pair stands twice, every tile is ordered by range, ties by index.
+std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> checked_lists(const shared::FrameParams& frame,
+                                                                          const FrameBuffers& buffers) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> lists;
+  const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;
+  const std::vector<std::uint32_t> first = buffers.first.download();
+  const std::vector<std::uint32_t> payload = buffers.payload.download();
+  const std::vector<std::uint32_t> keys = buffers.keys.download();
+  EXPECT_EQ(first.size(), tiles + 1);
+  EXPECT_EQ(first.front(), 0U);
+  EXPECT_EQ(first.back(), buffers.instances);
+  EXPECT_TRUE(std::is_sorted(first.begin(), first.end()));
+  for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+    std::pair<std::uint32_t, std::uint32_t> before{0, 0};
+    for (std::uint32_t i = first[tile]; i < first[tile + 1]; ++i) {
+      const Instance instance = unpacked(payload[i]);
+      const std::pair<std::uint32_t, std::uint32_t> place{keys[instance.particle], instance.particle};
+      EXPECT_TRUE(i == first[tile] || before < place) << "tile " << tile;
+      before = place;
+      EXPECT_TRUE(lists.emplace(std::pair(tile, instance.particle), instance).second) << "tile " << tile;
+    }
+  }
+  const auto visible = std::count_if(keys.begin(), keys.end(), [](std::uint32_t k) { return k != kCulled; });
+  EXPECT_EQ(buffers.visible, static_cast<std::uint32_t>(visible));
+  return lists;
+}
+
+struct BinStages {
+  explicit BinStages(const Device& device, std::size_t work_items)
+      : scan(device, work_items), sort(device, work_items), bin(device) {}
+  ScanStage scan;
+  SortStage sort;
+  BinStage bin;
+};
+
+/// Random rectangles; a third is culled, some wrap round the end of a tile row.
+void random_footprints(const shared::FrameParams& frame, FrameBuffers& buffers, std::uint64_t seed) {
+  test::Random random(seed);
+  std::vector<shared::Footprint> footprints(frame.particles);
+  std::vector<std::uint32_t> keys(frame.particles, kCulled);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::int32_t>(random.uniform(0.0, n)); };
+  for (std::size_t i = 0; i < footprints.size(); ++i) {
+    shared::Footprint& f = footprints[i];
+    f.tile_x = below(frame.tiles_x);
+    f.tile_count = 1 + below(i % 5 == 0 ? frame.tiles_x : std::min(frame.tiles_x, 2U));
+    f.row_first = below(frame.rows);
+    f.row_last = f.row_first + below(frame.rows - static_cast<std::uint32_t>(f.row_first));
+    if (i % 3 == 1) continue;
+    const float range = static_cast<float>(std::floor(random.uniform(1.0, 40.0)) / 4.0);  // with ties
+    std::memcpy(&keys[i], &range, sizeof(range));
+  }
+  buffers.footprints.assign(std::span<const shared::Footprint>(footprints));
+  buffers.keys.assign(std::span<const std::uint32_t>(keys));
+}
+
+class Bin : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(Bin, ListsAreThoseOfTheRectangles) {
+  const Device device = Device::best();
+  BinStages stages(device, GetParam());
+  FrameBuffers buffers(device, Precision::kFloat);
+  constexpr shared::FrameParams kSweep{.particles = 0,
+                                       .stride = 0,
+                                       .tiles_x = 7,
+                                       .tiles_y = 3,
+                                       .rows = 20,
+                                       .rows_per_tile = 8,
+                                       .row_slots = 2,
+                                       .slots = 0};
+  constexpr shared::FrameParams kPicture{.particles = 0,
+                                         .stride = 0,
+                                         .tiles_x = 5,
+                                         .tiles_y = 4,
+                                         .rows = 50,
+                                         .rows_per_tile = 16,
+                                         .row_slots = 1,
+                                         .slots = 0};
+  constexpr shared::FrameParams kOneTile{.particles = 0,
+                                         .stride = 0,
+                                         .tiles_x = 1,
+                                         .tiles_y = 1,
+                                         .rows = 1,
+                                         .rows_per_tile = 16,
+                                         .row_slots = 1,
+                                         .slots = 0};
+  for (shared::FrameParams frame : {kSweep, kPicture, kOneTile}) {
+    for (const std::uint32_t n : {1000U, 1U, 2U, 0U, 17U, 333U}) {  // shrinking: stale content would show
+      SCOPED_TRACE(std::to_string(n) + " particles, " + std::to_string(frame.tiles_x) + " tile columns");
+      frame.particles = n;
+      random_footprints(frame, buffers, n + frame.tiles_x);
+      stages.bin.run(frame, buffers, stages.sort, stages.scan, std::size_t{1} << 20U);
+      const auto lists = checked_lists(frame, buffers);
+      const auto footprints = buffers.footprints.download();
+      const auto keys = buffers.keys.download();
+      const auto emission = buffers.emission.download();
+      std::size_t expected = 0;
+      std::set<std::uint32_t> gradient_slots;
+      for (std::uint32_t particle = 0; particle < n; ++particle) {
+        if (keys[particle] == kCulled) continue;
+        const shared::Footprint& f = footprints[particle];
+        std::uint32_t own = 0;
+        for (std::uint32_t ty = 0; ty < frame.tiles_y; ++ty) {
+          const std::int32_t top = static_cast<std::int32_t>(ty * frame.rows_per_tile);
+          const std::int32_t bottom = top + static_cast<std::int32_t>(frame.rows_per_tile) - 1;
+          if (f.row_last < top || f.row_first > bottom) continue;
+          for (std::int32_t k = 0; k < f.tile_count; ++k) {
+            const std::uint32_t tx = static_cast<std::uint32_t>(f.tile_x + k) % frame.tiles_x;
+            const auto found = lists.find({ty * frame.tiles_x + tx, particle});
+            ASSERT_NE(found, lists.end());
+            const auto row_slots = static_cast<std::int32_t>(frame.row_slots);
+            EXPECT_EQ(found->second.first_slot_row,
+                      static_cast<std::uint32_t>((std::max(f.row_first, top) - top) * row_slots));
+            EXPECT_EQ(found->second.last_slot_row,
+                      static_cast<std::uint32_t>((std::min(f.row_last, bottom) - top + 1) * row_slots - 1));
+            gradient_slots.insert(emission[particle] + own++);
+          }
+        }
+        expected += own;
+      }
+      EXPECT_EQ(buffers.instances, expected);
+      EXPECT_EQ(lists.size(), expected);
+      // Gradient slots are the numbers 0 .. K-1, each one particle's own.
+      EXPECT_EQ(gradient_slots.size(), expected);
+      EXPECT_TRUE(gradient_slots.empty() || *gradient_slots.rbegin() == expected - 1);
+    }
+  }
+}
+
+TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
+  const Device device = Device::best();
+  BinStages stages(device, GetParam());
+  FrameBuffers buffers(device, Precision::kFloat);
+  const shared::FrameParams frame{.particles = 9,
+                                  .stride = 16,
+                                  .tiles_x = 4,
+                                  .tiles_y = 2,
+                                  .rows = 32,
+                                  .rows_per_tile = 16,
+                                  .row_slots = 1,
+                                  .slots = 0};
+  buffers.footprints.assign(std::vector<shared::Footprint>(9, {0, 4, 0, 31}));  // all 8 tiles
+  buffers.keys.assign(std::vector<std::uint32_t>(9, 5));
+  stages.bin.run(frame, buffers, stages.sort, stages.scan, 72);
+  EXPECT_EQ(buffers.instances, 72U);
+  try {
+    stages.bin.run(frame, buffers, stages.sort, stages.scan, 71);
+    FAIL() << "72 instances were taken where 71 are allowed";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kDevice);
+    EXPECT_NE(std::string(error.what()).find("found 72 tile instances, allowed 71"), std::string::npos)
+        << error.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(WorkItems,
+                         Bin,
+                         testing::Values(std::size_t{1}, std::size_t{64}),
+                         [](const auto& instance) {
+                           return std::string(instance.param == 1 ? "cpu" : "gpu");
+                         });
+
+/// What the particle takes of the ray's light, boxes apart.
+double alpha_of(const reference::Footprint& f, const Eigen::Vector3d& mean, const reference::Ray& ray) {
+  const Eigen::Matrix3d unit_from_scene =
+      f.filtered_scale.cwiseInverse().asDiagonal() * f.scene_from_particle.transpose();
+  const Eigen::Vector3d o = unit_from_scene * (ray.origin - mean);
+  const Eigen::Vector3d d = unit_from_scene * ray.direction;
+  return f.opacity * std::exp(-0.5 * o.cross(d).squaredNorm() / d.squaredNorm());
+}
+
+class BinOfScenes : public testing::TestWithParam<SceneCase> {};
+
+TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
+  const SceneCase& scene = GetParam();
+  const bool camera = scene.kind == SetKind::kCamera;
+  const Device device = Device::best();
+  RenderOptions options;
+  Renderer renderer(device, options);
+  const test::SetRecipe recipe{
+      .count = 500, .low = {-12, -12, -4}, .high = {12, 12, 4}, .scale_min = 0.05, .scale_max = 0.8};
+  const GaussianSet set = test::set_for(scene, recipe, 13);
+  const test::Shot shot = camera ? test::shot_of(scene, 72, 50) : test::shot_of(scene, 150, 20);
+  const SensorRays rays = shot.on(device, options);
+  renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, shot.view);
+  const auto lists = checked_lists(renderer.frame(), renderer.buffers());
+
+  const reference::Sensor sensor = shot.reference();
+  const auto footprints = reference::project(reference::Particles(set), sensor);
+  const auto all_rays = reference::rays(sensor);
+  // A float box may end this much earlier, as a share of its half width.
+  constexpr double kFloatShare = 1e-3;
+  const double alpha_cut = options.alpha_cut * (1.0 + kFloatShare);
+  std::size_t needed = 0, at_seam_low = 0, at_seam_high = 0;
+  const auto& ray_of_slot = rays.grid().ray_of_slot;
+  for (std::uint32_t slot = 0; slot < ray_of_slot.size(); ++slot) {
+    if (ray_of_slot[slot] < 0) continue;
+    const reference::Ray& ray = all_rays[static_cast<std::size_t>(ray_of_slot[slot])];
+    for (std::uint32_t particle = 0; particle < footprints.size(); ++particle) {
+      const reference::Footprint& f = footprints[particle];
+      if (!f.visible) continue;
+      const double dx = camera ? ray.x - f.mean.x() : reference::wrapped(ray.x - f.mean.x());
+      if (!(std::abs(dx) <= f.half_width.x() * (1.0 - kFloatShare))) continue;
+      if (!(std::abs(ray.y - f.mean.y()) <= f.half_width.y() * (1.0 - kFloatShare))) continue;
+      // Boxes are wider than what is seen, and by their margins not alike.
+      if (!(alpha_of(f, set.mean().row(particle).transpose().cast<double>(), ray) >= alpha_cut)) continue;
+      ++needed;
+      const auto found = lists.find({slot / SIM_TILE_RAYS, particle});
+      ASSERT_NE(found, lists.end()) << "ray " << ray_of_slot[slot] << " particle " << particle;
+      const std::uint32_t slot_row = slot % SIM_TILE_RAYS / SIM_SLOT_ROW;
+      ASSERT_LE(found->second.first_slot_row, slot_row)
+          << "ray " << ray_of_slot[slot] << " particle " << particle;
+      ASSERT_GE(found->second.last_slot_row, slot_row)
+          << "ray " << ray_of_slot[slot] << " particle " << particle;
+      at_seam_low += ray.x < -3.05 ? 1U : 0U;
+      at_seam_high += ray.x > 3.05 ? 1U : 0U;
+    }
+  }
+  EXPECT_GT(needed, all_rays.size());
+  if (!camera) {
+    EXPECT_GT(at_seam_low, 10U);
+    EXPECT_GT(at_seam_high, 10U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         BinOfScenes,
+                         testing::Values(test::kCameraRolling, test::kLidarStill, test::kLidarMoving),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
+TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
+  // Half-way the sensor is above the particle, a ring far below the lowest beam; at the start, where it
+  // fires at it, the particle is a metre behind and reaches the beams.
+  test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
+  shot.lidar.range_min = 0.1;
+  shot.view.world_from_sensor_end = shot.view.world_from_sensor_start;
+  shot.view.world_from_sensor_end.translation.x() -= 2.0;
+  const GaussianSet flat =
+      test::set_of(SetKind::kLidar,
+                   {{.mean = {-1.2, 0.0, -1.2}, .scale = Eigen::Vector3d::Constant(0.3), .opacity = 0.9}});
+  GaussianSet set(SetKind::kLidar, test::kLidarMoving.sh_degree, 1);
+  set.params.leftCols(flat.params.cols()) = flat.params;
+
+  const Device device = Device::best();
+  const RenderOptions options;
+  Renderer renderer(device, options);
+  const SensorRays rays = shot.on(device, options);
+  renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
+  const RayResults found = renderer.results();
+  const auto expected =
+      reference::render(reference::Particles(set), shot.reference(), {}, Eigen::Vector3d::Zero());
+  constexpr double kDecided = 1e-3;  // a yes-or-no decision as close as this may go the other way
+  std::size_t met = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (!(expected[i].margin >= kDecided)) continue;
+    met += expected[i].contributors > 0 ? 1U : 0U;
+    ASSERT_NEAR(static_cast<double>(found.transmittance[i]), expected[i].transmittance, 1e-4) << "ray " << i;
+  }
+  EXPECT_GT(met, 20U);
+}
+
+}  // namespace
+}  // namespace simuli
