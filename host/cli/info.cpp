@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
 
@@ -15,6 +16,8 @@ namespace simuli::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kAllSensors = "sensors";
 
 struct InfoOptions {
   std::string target;
@@ -39,10 +42,32 @@ void print_sensor_of(const std::string& folder,
     known.push_back(camera.model.name);
   }
   for (const LogLidar& lidar : lidars) {
-    if (lidar.model.name == name) return print_lidar(lidar.model, json);
+    if (lidar.model.name == name) return print_lidar({lidar.model, {}}, json);
     known.push_back(lidar.model.name);
   }
   throw_input_error(folder, "sensor", '"' + name + '"', fmt::format("{}", fmt::join(known, ", ")));
+}
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Prints a sensor by its built-in name, or the list of all.
+void print_builtin(const std::string& name, bool json) {
+  const std::vector<std::string> lidars = builtin_lidar_names();
+  if (name == kAllSensors) return print_sensor_names({}, lidars, json);
+  if (holds(lidars, name.substr(0, name.find('@')))) {
+    const BuiltinLidar sensor = builtin_lidar_with_facts(name);
+    return print_lidar({sensor.model, sensor.facts}, json);
+  }
+  const std::vector<std::string> close = close_names(name, lidars);
+  throw_input_error(
+      name,
+      "folder",
+      is_there(name) ? "neither log.json nor scene.json" : "nothing of that name",
+      close.empty()
+          ? fmt::format("a log, a scene, a sensor file, or a sensor of \"{}\"", kAllSensors)
+          : fmt::format("a log, a scene, a sensor file, or a sensor like {}", fmt::join(close, ", ")));
 }
 
 void info(const InfoOptions& options, bool json) {
@@ -57,20 +82,15 @@ void info(const InfoOptions& options, bool json) {
     if (options.sensor.empty()) return print_scene(scene, json);
     return print_sensor_of(options.target, scene.cameras, scene.lidars, options.sensor, json);
   }
-  const std::vector<std::string> builtin = builtin_lidar_names();
-  if (std::find(builtin.begin(), builtin.end(), options.target) == builtin.end()) {
-    throw_input_error(options.target,
-                      "folder",
-                      is_there(target) ? "neither log.json nor scene.json" : "nothing of that name",
-                      fmt::format("a log, a scene, or a sensor: {}", fmt::join(builtin, ", ")));
-  }
   if (!options.sensor.empty()) {
     throw Error(
         ErrorKind::kUsage,
         fmt::format(
             "{} is a sensor: found \"{}\" behind it, allowed nothing", options.target, options.sensor));
   }
-  print_lidar(builtin_lidar(options.target), json);
+  std::error_code ignored;
+  if (fs::is_regular_file(target, ignored)) return print_lidar(read_lidar_file(target), json);
+  print_builtin(options.target, json);
 }
 
 }  // namespace
@@ -78,7 +98,12 @@ void info(const InfoOptions& options, bool json) {
 void add_info(CLI::App& app, const Globals& globals) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App* command = app.add_subcommand("info", "what a log, a scene or a sensor consists of");
-  command->add_option("TARGET", options->target, "log folder, scene folder or built-in sensor")->required();
+  command
+      ->add_option("TARGET",
+                   options->target,
+                   "log folder, scene folder, LiDAR file, built-in sensor (a LiDAR's name may end in "
+                   "@COLUMNSxHZ), or \"sensors\" for the list of them")
+      ->required();
   command->add_option("SENSOR", options->sensor, "name of one sensor in that log or scene");
   command->callback([options, &globals] { info(*options, globals.json); });
 }

@@ -1,8 +1,6 @@
-#include <algorithm>
 #include <fmt/format.h>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "host/cli/info.hpp"
 
@@ -11,8 +9,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
-
 double path_length_m(const Trajectory& trajectory) {
   double length = 0.0;
   const auto& poses = trajectory.poses();
@@ -20,10 +16,6 @@ double path_length_m(const Trajectory& trajectory) {
     length += (poses[i].pose.translation - poses[i - 1].pose.translation).norm();
   }
   return length;
-}
-
-const char* to_string(SpinDirection spin) {
-  return spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise";
 }
 
 Json camera_json(const Camera& c) {
@@ -38,27 +30,7 @@ Json camera_json(const Camera& c) {
           {"shutter", simuli::to_string(c.shutter)}};
 }
 
-Json lidar_json(const Lidar& l) {
-  Json rows = Json::array();
-  for (const LidarRow& row : l.rows) {
-    rows.push_back({{"elevation_rad", row.elevation},
-                    {"azimuth_offset_rad", row.azimuth_offset},
-                    {"vertical_offset_m", row.vertical_offset},
-                    {"horizontal_offset_m", row.horizontal_offset},
-                    {"time_offset_s", row.time_offset}});
-  }
-  return {{"kind", "lidar"},
-          {"name", l.name},
-          {"columns", l.columns},
-          {"azimuth_first_rad", l.azimuth_first},
-          {"azimuth_span_rad", l.azimuth_span},
-          {"spin", to_string(l.spin)},
-          {"range_min_m", l.range_min},
-          {"range_max_m", l.range_max},
-          {"beam_divergence_rad", l.beam_divergence},
-          {"divergence_variance", l.divergence_variance},
-          {"rows", rows}};
-}
+Json lidar_json(const Lidar& l) { return to_json(LidarFile{l, {}}); }
 
 Json trajectory_json(const Trajectory& t) {
   if (t.poses().empty()) return {{"poses", 0}};
@@ -96,22 +68,6 @@ std::string camera_line(const Camera& c) {
                      c.fx,
                      c.fy,
                      simuli::to_string(c.shutter));
-}
-
-std::string lidar_line(const Lidar& l) {
-  const auto [low, high] =
-      std::minmax_element(l.rows.begin(), l.rows.end(), [](const LidarRow& a, const LidarRow& b) {
-        return a.elevation < b.elevation;
-      });
-  return fmt::format("lidar  {:<16} {} rows x {} columns, elevation {:.2f} to {:.2f} deg, {}, {} to {} m",
-                     l.name,
-                     l.row_count(),
-                     l.columns,
-                     low->elevation * kDegPerRad,
-                     high->elevation * kDegPerRad,
-                     to_string(l.spin),
-                     l.range_min,
-                     l.range_max);
 }
 
 std::string sensors_text(const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars) {
@@ -175,27 +131,6 @@ void print_camera(const Camera& camera, bool json) {
   if (json) return print(camera_json(camera));
   std::cout << camera_line(camera) << '\n'
             << fmt::format("  centre {:.2f}, {:.2f} px\n", camera.cx, camera.cy);
-}
-
-void print_lidar(const Lidar& lidar, bool json) {
-  if (json) return print(lidar_json(lidar));
-  std::cout
-      << lidar_line(lidar) << '\n'
-      << fmt::format("  azimuth from {:.3f} deg over {:.3f} deg, divergence {} rad\n",
-                     lidar.azimuth_first * kDegPerRad,
-                     lidar.azimuth_span * kDegPerRad,
-                     lidar.beam_divergence)
-      << "  row  elevation_deg  azimuth_offset_deg  vertical_offset_m  horizontal_offset_m  time_offset_us\n";
-  for (std::size_t i = 0; i < lidar.rows.size(); ++i) {
-    const LidarRow& row = lidar.rows[i];
-    std::cout << fmt::format("  {:3}  {:13.4f}  {:18.4f}  {:17.4f}  {:19.4f}  {:14.2f}\n",
-                             i,
-                             row.elevation * kDegPerRad,
-                             row.azimuth_offset * kDegPerRad,
-                             row.vertical_offset,
-                             row.horizontal_offset,
-                             row.time_offset * 1e6);
-  }
 }
 
 }  // namespace simuli::cli

@@ -36,8 +36,4 @@ struct BuiltinLidar {
 /// there, and the sensor's modes for a mode that it has not.
 [[nodiscard]] BuiltinLidar builtin_lidar_with_facts(const std::string& name);
 
-/// Up to `most` built-in names that resemble `name`, the closest first; all of them equal nothing but a
-/// part of it or few typing errors away. Empty when none is close.
-[[nodiscard]] std::vector<std::string> close_lidar_names(const std::string& name, std::size_t most = 5);
-
 }  // namespace simuli

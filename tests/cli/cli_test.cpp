@@ -116,6 +116,24 @@ TEST_F(Cli, InfoOfABuiltInSensor) {
   EXPECT_NE(json.err.find(" s\n"), std::string::npos) << json.err;
 }
 
+TEST_F(Cli, InfoOfASensorFileAndOfAMode) {
+  const Outcome built_in = run("info hesai_xt32@20 --json");
+  ASSERT_EQ(built_in.exit_code, 0) << built_in.err;
+  std::ofstream(folder_ / "mine.json") << built_in.out;
+  const Outcome file = run("info mine.json --json");
+  ASSERT_EQ(file.exit_code, 0) << file.err;
+  EXPECT_EQ(file.out, built_in.out);
+  const Outcome text = run("info mine.json");
+  for (const char* part : {"32 rows x 1000 columns", "20 turns per second", "row firing times", "licence"}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in " << text.out;
+  }
+  expect_failure("info hesai_xt32@7", kUsage, "allowed 2000x10");
+  expect_failure("info hesai_x32", kInput, "like hesai_xt32");
+  std::ofstream(folder_ / "wrong.json") << "{\"kind\": \"lidar\", \"colour\": 1}";
+  expect_failure("info wrong.json", kInput, "wrong.json: ");
+  EXPECT_NE(run("info sensors").out.find("velodyne_vlp16"), std::string::npos);
+}
+
 TEST_F(Cli, SynthesisedLogCanBeLookedAt) {
   const Outcome synth =
       run("synth street -o small.log --frames 2 --image-width 32 --image-height 18 --lidar-columns 36");

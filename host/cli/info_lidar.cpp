@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <numbers>
+
+#include "host/cli/info.hpp"
+
+namespace simuli::cli {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+struct Span {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+template <class Values, class Value>
+Span span_of(const Values& values, Value&& value) {
+  Span span{value(*values.begin()), value(*values.begin())};
+  for (const auto& element : values) {
+    span.low = std::min(span.low, value(element));
+    span.high = std::max(span.high, value(element));
+  }
+  return span;
+}
+
+Span span_of(const std::vector<double>& values) {
+  return span_of(values, [](double value) { return value; });
+}
+
+std::string to_text(const Span& span, double scale, int digits) {
+  return fmt::format("{:.{}f} to {:.{}f}", span.low * scale, digits, span.high * scale, digits);
+}
+
+/// Empty where all are zero.
+std::string offsets_text(const std::vector<LidarRow>& rows,
+                         double LidarRow::*field,
+                         const char* name,
+                         double scale,
+                         int digits,
+                         const char* unit) {
+  const Span span = span_of(rows, [field](const LidarRow& row) { return row.*field; });
+  if (span.low == 0.0 && span.high == 0.0) return "";
+  return fmt::format("  {} {} {}\n", name, to_text(span, scale, digits), unit);
+}
+
+std::string elevation_text(const Lidar& lidar) {
+  const std::size_t rows = lidar.rows.size();
+  std::string text = fmt::format("  elevation {:.3f} to {:.3f} deg",
+                                 lidar.rows.back().elevation * kDegPerRad,
+                                 lidar.rows.front().elevation * kDegPerRad);
+  if (rows > 1) {
+    std::vector<double> steps;
+    for (std::size_t r = 1; r < rows; ++r) {
+      steps.push_back(lidar.rows[r - 1].elevation - lidar.rows[r].elevation);
+    }
+    text += fmt::format(", steps of {} deg", to_text(span_of(steps), kDegPerRad, 3));
+  }
+  return text + '\n';
+}
+
+std::string azimuth_text(const Lidar& lidar) {
+  const double step = lidar.azimuth_span / lidar.columns;
+  const bool full = std::abs(lidar.azimuth_span - 2.0 * std::numbers::pi) < 1e-6;
+  return fmt::format("  azimuth from {:.3f} deg over {:.3f} deg ({}), steps of {:.4f} deg\n",
+                     lidar.azimuth_first * kDegPerRad,
+                     lidar.azimuth_span * kDegPerRad,
+                     full ? "a full turn" : "a partial field of view",
+                     step * kDegPerRad);
+}
+
+std::string divergence_text(double beam_divergence, double variance, const LidarFacts& facts) {
+  if (beam_divergence == 0.0) return "  divergence unknown or none: ideal rays\n";
+  std::string text = fmt::format("  divergence {:.3f} mrad full angle, variance {} of (half angle x range)^2",
+                                 beam_divergence * 1e3,
+                                 variance);
+  if (facts.divergence_horizontal != facts.divergence_vertical) {
+    text += fmt::format(" (beam of {:.3f} x {:.3f} mrad)",
+                        facts.divergence_horizontal * 1e3,
+                        facts.divergence_vertical * 1e3);
+  }
+  return text + '\n';
+}
+
+std::string facts_text(const LidarFacts& facts) {
+  std::string text;
+  if (!facts.modes.empty()) {
+    std::vector<std::string> modes;
+    for (const LidarMode& mode : facts.modes) {
+      modes.push_back(fmt::format("{}x{}", mode.columns, mode.spin_hz));
+    }
+    text += fmt::format("  modes (columns x turns per second) {}\n", fmt::join(modes, ", "));
+  }
+  if (!facts.source.empty()) text += fmt::format("  source {}\n", facts.source);
+  if (!facts.licence.empty()) text += fmt::format("  licence {}\n", facts.licence);
+  if (!facts.note.empty()) text += fmt::format("  note {}\n", facts.note);
+  return text;
+}
+
+std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
+  std::string text = lidar_line(lidar);
+  if (facts.mode.spin_hz > 0.0) text += fmt::format(", {} turns per second", facts.mode.spin_hz);
+  text += '\n' + elevation_text(lidar) + azimuth_text(lidar);
+  const auto add =
+      [&](double LidarRow::*field, const char* name, double scale, int digits, const char* unit) {
+        text += offsets_text(lidar.rows, field, name, scale, digits, unit);
+      };
+  add(&LidarRow::azimuth_offset, "row azimuth offsets", kDegPerRad, 3, "deg");
+  add(&LidarRow::vertical_offset, "beam origins up", 1.0, 4, "m");
+  add(&LidarRow::horizontal_offset, "beam origins to the left", 1.0, 4, "m");
+  add(&LidarRow::radial_offset, "beam origins outwards", 1.0, 4, "m");
+  add(&LidarRow::time_offset, "row firing times", 1e6, 2, "us");
+  return text + divergence_text(lidar.beam_divergence, lidar.divergence_variance, facts);
+}
+
+std::string model_text(const RayList& list, const LidarFacts& facts) {
+  std::string text = fmt::format(
+      "ray list {:<14} {} rays, {} to {} m\n", list.name, list.ray_count(), list.range_min, list.range_max);
+  text += fmt::format("  azimuth {} deg, elevation {} deg\n",
+                      to_text(span_of(list.azimuth), kDegPerRad, 3),
+                      to_text(span_of(list.elevation), kDegPerRad, 3));
+  text += fmt::format("  fired at {} of the frame\n", to_text(span_of(list.time_fraction), 1.0, 4));
+  if (!list.origin.empty()) {
+    const Span reach = span_of(list.origin, [](const Eigen::Vector3d& origin) { return origin.norm(); });
+    text += fmt::format("  ray origins {} m from the sensor's\n", to_text(reach, 1.0, 4));
+  }
+  return text + divergence_text(list.beam_divergence, list.divergence_variance, facts);
+}
+
+}  // namespace
+
+std::string lidar_line(const Lidar& lidar) {
+  return fmt::format("lidar  {:<26} {:3} rows x {} columns, elevation {:.2f} to {:.2f} deg, {}, {} to {} m",
+                     lidar.name,
+                     lidar.row_count(),
+                     lidar.columns,
+                     lidar.rows.back().elevation * kDegPerRad,
+                     lidar.rows.front().elevation * kDegPerRad,
+                     lidar.spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise",
+                     lidar.range_min,
+                     lidar.range_max);
+}
+
+void print_lidar(const LidarFile& lidar, bool json) {
+  if (json) {
+    std::cout << to_json(lidar).dump(2) << '\n';
+  } else {
+    std::cout << std::visit([&](const auto& model) { return model_text(model, lidar.facts); }, lidar.model)
+              << facts_text(lidar.facts);
+  }
+}
+
+void print_sensor_names(const std::vector<std::string>& cameras,
+                        const std::vector<std::string>& lidars,
+                        bool json) {
+  if (json) {
+    std::cout << Json{{"cameras", cameras}, {"lidars", lidars}}.dump(2) << '\n';
+    return;
+  }
+  for (const std::string& name : lidars) std::cout << lidar_line(builtin_lidar(name)) << '\n';
+  for (const std::string& name : cameras) std::cout << "camera " << name << '\n';
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,32 @@
+#include "host/base/close_names.hpp"
+
+#include <gtest/gtest.h>
+
+namespace simuli {
+namespace {
+
+using Names = std::vector<std::string>;
+const Names kKnown{"acme_top16", "acme_top32", "acme_side", "borealis_top128", "plain"};
+
+TEST(CloseNames, TypingErrors) {
+  EXPECT_EQ(close_names("plian", kKnown), Names{"plain"});
+  EXPECT_EQ(close_names("acme_sdie", kKnown), Names{"acme_side"});
+  EXPECT_EQ(close_names("acme_top3", kKnown).front(), "acme_top32");
+}
+
+TEST(CloseNames, PartsOfANameAndItsEnd) {
+  EXPECT_EQ(close_names("borealis", kKnown), Names{"borealis_top128"});
+  EXPECT_EQ(close_names("top128", kKnown).front(), "borealis_top128");
+  EXPECT_EQ(close_names("top128x", kKnown).front(), "borealis_top128");
+}
+
+TEST(CloseNames, NothingCloseAndNotTooMany) {
+  EXPECT_TRUE(close_names("zzzzzz", kKnown).empty());
+  EXPECT_TRUE(close_names("", kKnown).empty());
+  EXPECT_TRUE(close_names("x", kKnown).empty());
+  EXPECT_TRUE(close_names("plain", {}).empty());
+  EXPECT_EQ(close_names("acme", kKnown, 2).size(), 2U);
+}
+
+}  // namespace
+}  // namespace simuli
