@@ -17,6 +17,14 @@ FN int beams_above(__global const int* row_lut,
   return row;
 }
 
+#if SENSOR == SENSOR_CAMERA
+/// Tile column of a pixel column; pictures that wrap go on at `tiles` and at -1.
+FN int tile_of_column(int column, int width, int tiles) {
+  const int turn = column < 0 ? -1 : column >= width ? 1 : 0;
+  return turn * tiles + (column - turn * width) / SIM_SLOT_ROW;
+}
+#endif
+
 /// V particles per work-item: visibility, box, features, record.
 /// in  params[rows][stride]; row_lut[4096], row_elevation[beams]: LiDAR only
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
@@ -52,15 +60,17 @@ __kernel void project(const FrameParams frame,
   }
   visible = AND(visible, AND(g.range - radius < sensor[SIM_S_T_MAX], g.range > R(1e-6)));
 #if SENSOR == SENSOR_CAMERA
-  // The ball of that radius against the cone that holds the picture.
+  // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
+  // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
   const F step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
                       sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
                       sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
   const F ball = radius + R(0.5) * step;
   const F tangent2 = fma(g.range, g.range, -(ball * ball));
-  const F limit =
-      fma(sqrt(VMAX(tangent2, (F)R(0.0))), (F)sensor[SIM_S_COS_FOV], ball * -sensor[SIM_S_SIN_FOV]);
-  visible = AND(visible, OR(tangent2 <= R(0.0), centre[2] >= limit));
+  const F tangent = sqrt(VMAX(tangent2, (F)R(0.0)));
+  const F limit = fma(tangent, (F)sensor[SIM_S_COS_FOV], ball * -sensor[SIM_S_SIN_FOV]);
+  const I all_round = fma(tangent, (F)sensor[SIM_S_SIN_FOV], ball * sensor[SIM_S_COS_FOV]) <= R(0.0);
+  visible = AND(visible, OR(OR(tangent2 <= R(0.0), all_round), centre[2] >= limit));
 #endif
   if (!ANY(visible)) {
     for (uint lane = 0; lane < lanes; ++lane) keys[i + lane] = 0xffffffffu;
@@ -76,6 +86,20 @@ __kernel void project(const FrameParams frame,
   box.mean_y = SEL(known, box.mean_y, (F)R(0.0));
   box.half_x = SEL(known, box.half_x, (F)R(1e9));
   box.half_y = SEL(known, box.half_y, (F)R(1e9));
+#if WRAPS
+  // Around the camera, or about a pole of the picture, a particle is a band of all columns.
+  const F flat = sqrt(centre[0] * centre[0] + centre[2] * centre[2]);
+  const I inside = g.range <= radius;
+  const I around = OR(inside, flat <= fma(fabs(centre[1]), (F)R(0.05), radius));
+  const F ratio = VMIN(radius / g.range, (F)R(1.0));
+  const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
+  const F pole_y = fma(atan2_lanes(centre[1], flat), (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
+  box.mean_y = SEL(around, pole_y, box.mean_y);
+  box.half_y = SEL(around, SEL(inside, (F)R(1e9), spread * sensor[SIM_S_FY]), box.half_y);
+  // Nearly all round is all round: per ray the wrapped difference is not formed.
+  const real widest = R(0.5) * sensor[SIM_S_PERIOD] - R(0.5) * SIM_SLOT_ROW;
+  box.half_x = SEL(OR(around, box.half_x > widest), (F)R(1e9), box.half_x);
+#endif
 #else
   const F height = centre[2] - sensor[SIM_S_HEIGHT_REF];
   const F flat = sqrt(centre[0] * centre[0] + centre[1] * centre[1]);
@@ -136,13 +160,25 @@ __kernel void project(const FrameParams frame,
     if (seen[lane] > R(0.5)) {
 #if SENSOR == SENSOR_CAMERA
       // Pixels whose centres lie in the box; comparing before converting keeps huge values defined.
-      const real column0 = max(ceil(low_x[lane] - R(0.5)), R(0.0));
-      const real column1 = min(floor(high_x[lane] - R(0.5)), sensor[SIM_S_WIDTH] - R(1.0));
+      real column0 = ceil(low_x[lane] - R(0.5));
+      real column1 = floor(high_x[lane] - R(0.5));
       const real row0 = max(ceil(low_y[lane] - R(0.5)), R(0.0));
       const real row1 = min(floor(high_y[lane] - R(0.5)), sensor[SIM_S_HEIGHT] - R(1.0));
+      const int tiles = (int)frame.tiles_x;
+#if WRAPS
+      // One column on either side covers the rounding of the wrap; the box itself decides per ray.
+      const int all = column1 - column0 + R(3.0) >= sensor[SIM_S_WIDTH];
+      column0 = all ? R(0.0) : column0 - R(1.0);
+      column1 = all ? sensor[SIM_S_WIDTH] - R(1.0) : column1 + R(1.0);
+#else
+      column0 = max(column0, R(0.0));
+      column1 = min(column1, sensor[SIM_S_WIDTH] - R(1.0));
+#endif
       if (column0 <= column1 && row0 <= row1) {
-        f.tile_x = (int)column0 / SIM_SLOT_ROW;
-        f.tile_count = (int)column1 / SIM_SLOT_ROW - f.tile_x + 1;
+        const int first = tile_of_column((int)column0, (int)sensor[SIM_S_WIDTH], tiles);
+        const int last = tile_of_column((int)column1, (int)sensor[SIM_S_WIDTH], tiles);
+        f.tile_x = ((first % tiles) + tiles) % tiles;
+        f.tile_count = min(last - first + 1, tiles);
         f.row_first = (int)row0;
         f.row_last = (int)row1;
       }

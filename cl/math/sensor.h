@@ -3,11 +3,24 @@
 // Build: SENSOR = SENSOR_CAMERA or SENSOR_LIDAR, MOVING = 0 or 1.
 #ifndef SIMULI_CL_MATH_SENSOR_H
 #define SIMULI_CL_MATH_SENSOR_H
+#include "math/camera.h"
 #include "math/elementary.h"
 #include "shared/layout.h"
 
 #define SENSOR_CAMERA 0
 #define SENSOR_LIDAR 1
+
+// The camera's lens: SIM_LENS_.. of shared/layout.h.
+#ifndef LENS
+#define LENS SIM_LENS_PINHOLE
+#endif
+
+// Whether x comes round again after sensor[SIM_S_PERIOD].
+#if SENSOR == SENSOR_LIDAR || LENS == SIM_LENS_EQUIRECTANGULAR
+#define WRAPS 1
+#else
+#define WRAPS 0
+#endif
 
 /// v turned about the unit axis by the angle whose sine and cosine are given (Rodrigues).
 FN void turn(__global const real* axis, F sine, F cosine, F* v) {
@@ -62,15 +75,34 @@ FN void sensor_from_world_point(__global const real* sensor, const F* p, F t, F*
 }
 
 /// (x, y) of a sensor-frame point: pixels, or azimuth and elevation in rad. `valid` is cleared in
-/// lanes where the point has no image: nearer than 1 cm before the camera or beyond 84 degrees off axis.
+/// lanes where the point has no image: nearer than 1 cm to the camera or outside the lens's domain.
 FN void project_point(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
 #if SENSOR == SENSOR_CAMERA
-  const F r2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-  const I ok = AND(p[2] > R(0.01), p[2] * p[2] >= R(0.01) * r2);
-  const F inv_z = R(1.0) / SEL(ok, p[2], (F)R(1.0));
-  *x = fma(p[0] * inv_z, (F)sensor[SIM_S_FX], (F)sensor[SIM_S_CX]);
-  *y = fma(p[1] * inv_z, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
-  *valid = AND(*valid, ok);
+  F u, v;
+#if LENS == SIM_LENS_PINHOLE
+  pinhole_image(p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_OPENCV_PINHOLE
+  opencv_pinhole_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_OPENCV_FISHEYE
+  opencv_fisheye_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_FTHETA
+  ftheta_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_FTHETA_INVERSE
+  ftheta_inverse_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_MEI
+  mei_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_EQUIRECTANGULAR
+  equirectangular_image(p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_DOUBLE_SPHERE
+  double_sphere_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+#elif LENS == SIM_LENS_EUCM
+  eucm_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+#endif
+  *x = fma(u, (F)sensor[SIM_S_FX], (F)sensor[SIM_S_CX]);
+  *y = fma(v, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
+#if WRAPS
+  *x -= sensor[SIM_S_PERIOD] * floor(*x / sensor[SIM_S_PERIOD]);
+#endif
 #else
   const F z = p[2] - sensor[SIM_S_HEIGHT_REF];
   *x = atan2_lanes(p[1], p[0]);

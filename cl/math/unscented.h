@@ -48,8 +48,8 @@ FN void unscented_box(__global const real* sensor, const Gaussian* g, F reach, B
       F x, y;
       project_at_own_time(sensor, p, &x, &y, &valid);
       F dx = x - x0;
-#if SENSOR == SENSOR_LIDAR
-      dx = wrap_lanes(dx, TWO_PI_R);
+#if WRAPS
+      dx = wrap_lanes(dx, sensor[SIM_S_PERIOD]);
 #endif
       const F dy = y - y0;
       sum_x += dx;

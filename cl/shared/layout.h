@@ -93,7 +93,31 @@ typedef int sim_i32;
 #define SIM_S_TILE_X0 58       // tile x of u: (u - x0) * scale
 #define SIM_S_TILE_SCALE 59    // tiles per unit of u
 #define SIM_S_PERIOD 60        // of u: 2 pi for azimuth, 0 for pixels
-#define SIM_SENSOR_REALS 64
+#define SIM_S_LENS 64          // camera: SIM_LENS_REALS constants of the lens
+#define SIM_SENSOR_REALS 96
+
+// The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...
+#define SIM_LENS_PINHOLE 0
+#define SIM_LENS_OPENCV_PINHOLE 1
+#define SIM_LENS_OPENCV_FISHEYE 2
+#define SIM_LENS_FTHETA 3           // image radius as a polynomial of the angle
+#define SIM_LENS_FTHETA_INVERSE 4   // angle as a polynomial of the image radius
+#define SIM_LENS_MEI 5
+#define SIM_LENS_EQUIRECTANGULAR 6
+#define SIM_LENS_DOUBLE_SPHERE 7
+#define SIM_LENS_EUCM 8
+// ... and constants. Angles are those off the optical axis; radii are in focal lengths.
+#define SIM_L_COS_MIN 0       // MEI, double sphere, EUCM: points at smaller cosines have no image
+#define SIM_L_ANGLE_MAX 1     // fisheye, F-theta: rad
+#define SIM_L_RADIUS2_MAX 2   // OpenCV pinhole, MEI: squared radius before distortion
+#define SIM_L_RADIUS_MAX 3    // inverse F-theta: image radius at the largest angle
+#define SIM_L_DISTORTION 4    // OpenCV pinhole, MEI: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4
+#define SIM_L_POLYNOMIAL 4    // fisheye: k1..k4; F-theta: coefficients of degree 1 to 5
+#define SIM_L_LINEAR 9        // F-theta: c d e of the map [[c d] [e 1]]
+#define SIM_L_XI 16           // MEI, double sphere
+#define SIM_L_ALPHA 17        // double sphere, EUCM
+#define SIM_L_BETA 18         // EUCM
+#define SIM_LENS_REALS 32
 
 // Integers of one frame, passed by value.
 typedef struct {

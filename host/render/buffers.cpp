@@ -15,6 +15,7 @@ BuildOptions Variant::options() const {
   BuildOptions options;
   return options.real(precision)
       .define("SENSOR", sensor)
+      .define("LENS", lens)
       .define("MOVING", moving)
       .define("ORIGINS", origins)
       .define("SH_DEGREE", sh_degree)

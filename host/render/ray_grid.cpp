@@ -40,22 +40,13 @@ void set_ray(RayGrid& grid,
   grid.sensor_ray[6 * slots + slot] = static_cast<float>(time);
 }
 
-/// Half the angle of the cone about the optical axis that holds all pixels.
-double field_of_view(const Camera& camera) {
-  double angle = 0.0;
-  for (const double x : {0.0, static_cast<double>(camera.width)}) {
-    for (const double y : {0.0, static_cast<double>(camera.height)}) {
-      angle = std::max(angle, std::acos(std::clamp(camera.unproject({x, y}).z(), -1.0, 1.0)));
-    }
-  }
-  return angle;
-}
-
 }  // namespace
 
 RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   RayGrid grid;
   grid.type = SensorType::kCamera;
+  grid.lens = camera.lens.kind();
+  const bool wraps = grid.lens == LensKind::kEquirectangular;
   grid.rays = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   auto& frame = grid.frame;
   frame.tiles_x = static_cast<std::uint32_t>((camera.width + SIM_SLOT_ROW - 1) / SIM_SLOT_ROW);
@@ -64,6 +55,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   frame.rows_per_tile = SIM_SLOT_ROWS;
   frame.row_slots = 1;
   allocate_slots(grid);
+  double lowest_cosine = 1.0;  // of the cone about the optical axis that holds all rays
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t tile = static_cast<std::size_t>(y / SIM_SLOT_ROWS) * frame.tiles_x +
@@ -73,26 +65,39 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const std::size_t ray =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
-      set_ray(
-          grid, slot, ray, camera.unproject(pixel), Eigen::Vector3d::Zero(), camera.exposure_fraction(pixel));
-      grid.u[slot] = static_cast<float>(pixel.x());
+      const Eigen::Vector3d direction = camera.unproject(pixel);
+      if (direction.isZero(0.0)) {
+        ++grid.without_ray;
+        continue;
+      }
+      lowest_cosine = std::min(lowest_cosine, direction.z());
+      set_ray(grid, slot, ray, direction, Eigen::Vector3d::Zero(), camera.exposure_fraction(pixel));
+      const double from = wraps ? x / SIM_SLOT_ROW * SIM_SLOT_ROW + 0.5 * SIM_SLOT_ROW : 0.0;
+      grid.u[slot] = static_cast<float>(pixel.x() - from);
     }
   }
+  if (grid.without_ray == grid.rays) {
+    throw_input_error("camera " + camera.name, "lens", "no pixel with a ray", "at least one");
+  }
   auto& c = grid.constants;
+  const auto& lens = camera.lens.constants();
+  std::copy(lens.begin(), lens.end(), c.begin() + SIM_S_LENS);
   c[SIM_S_FX] = camera.fx;
   c[SIM_S_FY] = camera.fy;
   c[SIM_S_CX] = camera.cx;
   c[SIM_S_CY] = camera.cy;
   c[SIM_S_WIDTH] = camera.width;
   c[SIM_S_HEIGHT] = camera.height;
-  c[SIM_S_COS_FOV] = field_of_view(camera);  // an angle here; frame_constants adds the sensor's turn
+  c[SIM_S_COS_FOV] =
+      std::acos(std::max(lowest_cosine, -1.0));  // an angle here; frame_constants adds the sensor's turn
   c[SIM_S_TIME_C] = camera.exposure_fraction({0.0, 0.0});
   c[SIM_S_TIME_X] = camera.exposure_fraction({1.0, 0.0}) - c[SIM_S_TIME_C];
   c[SIM_S_TIME_Y] = camera.exposure_fraction({0.0, 1.0}) - c[SIM_S_TIME_C];
-  c[SIM_S_KAPPA] = options.camera_filter_px2 / (camera.fx * camera.fy);
+  c[SIM_S_KAPPA] = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
   c[SIM_S_T_MIN] = 0.01;
   c[SIM_S_T_MAX] = 1e6;
   c[SIM_S_TILE_SCALE] = 1.0 / SIM_SLOT_ROW;
+  c[SIM_S_PERIOD] = wraps ? camera.width : 0.0;
   return grid;
 }
 

@@ -18,8 +18,10 @@ enum class SensorType : int { kCamera = 0, kLidar = 1 };  // as SENSOR in cl/mat
 struct RayGrid {
   SensorType type = SensorType::kCamera;
   shared::FrameParams frame{};            // particles and stride are filled in per particle set
+  LensKind lens = LensKind::kPinhole;     // of a camera
   bool lever_arms = false;                // rays start away from the sensor's origin
   std::size_t rays = 0;                   // pixels row-major, or LiDAR rays row-major
+  std::size_t without_ray = 0;            // pixels that the lens sees nothing through: no slot has them
   std::vector<std::int32_t> ray_of_slot;  // [slots]
   std::vector<float> sensor_ray;          // [7][slots]: direction, origin (m), share of the frame
   std::vector<float> u;                   // [slots]: px, or azimuth from the tile column's centre (rad)
@@ -29,7 +31,8 @@ struct RayGrid {
   std::array<double, SIM_SENSOR_REALS> constants{};
 };
 
-/// Pixels in tiles of 16 x 16.
+/// Pixels in tiles of 16 x 16. A pixel through which the lens has no ray has no slot ray either: it stays in
+/// the picture as background. Error{kInput} when no pixel has one.
 [[nodiscard]] RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options);
 
 /// Rays (measured or nominal) in tiles of rows_per_tile beams x uniform azimuth columns, as narrow as

@@ -77,6 +77,7 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
       grid, view.world_from_sensor_start, view.world_from_sensor_end, options_, view.background, moving);
   Variant variant;
   variant.sensor = grid.type;
+  variant.lens = grid.lens;
   variant.moving = moving;
   variant.origins = moving || grid.lever_arms;
   variant.sh_degree = particles.sh_degree;
@@ -85,6 +86,7 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
   variant.shape = options_.shape;
   current_ = &stages(variant);
   rays_ = &rays;
+  background_ = view.background;
   frame_ = grid.frame;
   frame_.particles = particles.count;
   frame_.stride = particles.stride;
@@ -111,7 +113,11 @@ RayResults Renderer::results() const {
                                            &results.median};
   const std::size_t used = median_ ? SIM_OUTPUTS : SIM_O_MEDIAN;
   for (std::size_t row = 0; row < used; ++row) {
-    rows[row]->resize(grid.rays);
+    // What a pixel without a ray shows.
+    const float empty = row < SIM_O_TRANSMITTANCE    ? background_[row]
+                        : row == SIM_O_TRANSMITTANCE ? 1.0F
+                                                     : 0.0F;
+    rows[row]->assign(grid.rays, empty);
     for (std::size_t slot = 0; slot < slots; ++slot) {
       const std::int32_t ray = grid.ray_of_slot[slot];
       if (ray >= 0) (*rows[row])[static_cast<std::size_t>(ray)] = out[row * slots + slot];

@@ -97,6 +97,7 @@ class Renderer {
   const SensorRays* rays_ = nullptr;
   Stages* current_ = nullptr;
   bool median_ = false;
+  std::array<float, 3> background_{};
 };
 
 }  // namespace simuli

@@ -24,6 +24,7 @@ struct ClTypeName<shared::Footprint> {
 /// What kernels are specialised for. What a frame doesn't need compiles to nothing.
 struct Variant {
   SensorType sensor = SensorType::kCamera;
+  LensKind lens = LensKind::kPinhole;  // of a camera
   bool moving = false;   // the pose changes during the frame
   bool origins = false;  // rays have origins of their own: moving, or lever arms
   int sh_degree = 0;
@@ -66,7 +67,7 @@ struct ParticleBuffers {
 /// Everything a frame writes; grows, never shrinks.
 struct FrameBuffers {
   FrameBuffers(const Device& device, Precision precision);
-  RealBuffer sensor;                        // [64]
+  RealBuffer sensor;                        // [SIM_SENSOR_REALS]
   RealBuffer world_ray;                     // [3|6][S]
   RealBuffer records;                       // [N][16]
   Buffer<shared::Footprint> footprints;     // [N]

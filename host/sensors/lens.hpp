@@ -1,0 +1,72 @@
+#pragma once
+// The map between directions and the picture, without focal length and principal point. Frame: OpenCV
+// (x right, y down, z forward). Image coordinates (u, v) are in focal lengths from the principal point.
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cl/shared/layout.h"
+
+namespace simuli {
+
+enum class LensKind : int {
+  kPinhole = SIM_LENS_PINHOLE,                  // ideal
+  kOpencvPinhole = SIM_LENS_OPENCV_PINHOLE,     // rational radial, tangential and thin-prism distortion
+  kOpencvFisheye = SIM_LENS_OPENCV_FISHEYE,     // Kannala-Brandt: radius = t + k1 t^3 + .. + k4 t^9
+  kFtheta = SIM_LENS_FTHETA,                    // radius = a1 t + .. + a5 t^5, then [[c d] [e 1]]
+  kFthetaInverse = SIM_LENS_FTHETA_INVERSE,     // t = b1 radius + .. + b5 radius^5, then [[c d] [e 1]]
+  kMei = SIM_LENS_MEI,                          // unified mirror model with radial-tangential distortion
+  kEquirectangular = SIM_LENS_EQUIRECTANGULAR,  // (azimuth, elevation): a full turn about the y axis
+  kDoubleSphere = SIM_LENS_DOUBLE_SPHERE,
+  kEucm = SIM_LENS_EUCM,  // extended unified model
+};
+
+/// Names as they stand in files: "pinhole", "opencv_pinhole", ..., in the order of LensKind.
+[[nodiscard]] const std::vector<std::string>& lens_names();
+[[nodiscard]] const char* to_string(LensKind kind);
+/// Throws Error{kInput} naming `file` and `field` for an unknown name.
+[[nodiscard]] LensKind lens_from_string(const std::string& name,
+                                        const std::string& file,
+                                        const std::string& field);
+/// Names of a kind's parameters with their units, in order: "k1", ..., "max_angle_rad".
+[[nodiscard]] const std::vector<std::string>& lens_parameter_names(LensKind kind);
+
+/// A lens, whole after construction: its parameters and the domain in which its map is one to one. The
+/// domain ends at max_angle_rad (pi: the polynomials alone decide) or at the first fold of the distortion,
+/// whichever comes first; points and pixels beyond it have no image and no ray.
+class Lens {
+ public:
+  /// The ideal pinhole. It projects points up to 84 degrees off axis (z >= a tenth of the distance); beyond,
+  /// where images run away to infinity, it has rays alone.
+  Lens();
+  /// `parameters` as lens_parameter_names(kind) says. Throws Error{kInput} naming `file` and the parameter
+  /// for a wrong count or a value that no lens has.
+  Lens(LensKind kind, const std::vector<double>& parameters, const std::string& file = "lens");
+
+  [[nodiscard]] LensKind kind() const { return kind_; }
+  [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
+  /// What the device needs: SIM_L_.. of cl/shared/layout.h.
+  [[nodiscard]] const std::array<double, SIM_LENS_REALS>& constants() const { return constants_; }
+
+  /// Image of a point (m); false when it has none. The same text as on the device (cl/math/camera.h).
+  [[nodiscard]] bool project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;
+  /// Unit direction that has this image; zero where there is none. The result is verified by projection.
+  [[nodiscard]] Eigen::Vector3d unproject(const Eigen::Vector2d& image) const;
+  /// Focal lengths per rad at the axis.
+  [[nodiscard]] double centre_slope() const;
+
+ private:
+  [[nodiscard]] double constant(int index) const { return constants_[static_cast<std::size_t>(index)]; }
+  void set(int index, double value) { constants_[static_cast<std::size_t>(index)] = value; }
+  void fill_constants();
+  void find_domain(double max_angle_rad);                                     // lens_domain.cpp
+  [[nodiscard]] Eigen::Vector3d inverse(const Eigen::Vector2d& image) const;  // lens_inverse.cpp
+
+  LensKind kind_ = LensKind::kPinhole;
+  std::vector<double> parameters_;
+  std::array<double, SIM_LENS_REALS> constants_{};
+};
+
+}  // namespace simuli

@@ -1,0 +1,174 @@
+// Where a lens's map stops being one to one.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+
+#include "host/sensors/lens.hpp"
+#include "host/sensors/lens_forward.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+// Straight behind the camera one direction fills a whole circle of the picture: that far and no further.
+constexpr double kLargestAngle_rad = kPi - 1e-5;
+// The pinhole's own limit, z >= 0.1 of the distance (PINHOLE_COS2_MIN of cl/math/camera.h).
+const double kPinholeAngle_rad = std::acos(0.1);
+constexpr int kSamples = 1024;    // along a search for a sign change
+constexpr int kDirections = 128;  // around the axis
+constexpr int kBisections = 60;   // to the last bit of an angle
+
+/// First root of f in (0, end], or infinity; f(0) > 0. Between samples f may dip below zero and come back:
+/// every local minimum of the samples is searched by golden section.
+double first_root(const std::function<double(double)>& f, double end) {
+  const auto bisect = [&f](double above, double below) {
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = 0.5 * (above + below);
+      (f(middle) > 0.0 ? above : below) = middle;
+    }
+    return above;
+  };
+  const double step = end / kSamples;
+  double before = f(0.0), here = f(step);
+  for (int i = 1; i <= kSamples; ++i) {
+    const double t = i * step;
+    if (!(here > 0.0)) return bisect(t - step, t);
+    if (i == kSamples) break;
+    const double after = f(t + step);
+    if (here <= before && here <= after) {
+      constexpr double kGolden = 0.3819660112501051;
+      double low = t - step, high = t + step;
+      for (int k = 0; k < kBisections; ++k) {
+        const double a = low + kGolden * (high - low), b = high - kGolden * (high - low);
+        if (!(f(a) > 0.0)) return bisect(t - step, a);
+        if (!(f(b) > 0.0)) return bisect(t - step, b);
+        if (f(a) < f(b)) {
+          high = b;
+        } else {
+          low = a;
+        }
+      }
+    }
+    before = here;
+    here = after;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Determinant of the distortion's Jacobian at the radius, negative from a pole of the rational part on.
+double orientation(const double* k, double radius, double direction) {
+  lens_forward::Distorted d;
+  lens_forward::distort(k, radius * std::cos(direction), radius * std::sin(direction), &d);
+  const double r2 = radius * radius;
+  if (!(1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) > 0.0)) return -1.0;
+  return d.u_x * d.v_y - d.u_y * d.v_x;
+}
+
+/// The squared radius up to which a point with a positive determinant is before the fold. radius_of: the
+/// radius at a parameter that runs from 0 to `end`, increasing.
+double largest_radius2(const double* k, const std::function<double(double)>& radius_of, double end) {
+  const bool symmetric =
+      std::all_of(k + 8, k + 12, [](double s) { return s == 0.0; }) && k[2] == 0.0 && k[3] == 0.0;
+  const int directions = symmetric ? 1 : kDirections;
+  std::array<double, kDirections> fold{};
+  double first = end, last = 0.0;
+  for (int i = 0; i < directions; ++i) {
+    const double direction = 2.0 * kPi * i / directions;
+    const double root =
+        std::min(end, first_root([&](double t) { return orientation(k, radius_of(t), direction); }, end));
+    fold[static_cast<std::size_t>(i)] = root;
+    first = std::min(first, root);
+    last = std::max(last, root);
+  }
+  // Between its own fold and the furthest one every direction must stay reversed, or points there would be
+  // accepted for a second time. Lenses that wind like this are cut at the nearest fold instead.
+  for (int i = 0; i < directions; ++i) {
+    const double direction = 2.0 * kPi * i / directions;
+    const double own = fold[static_cast<std::size_t>(i)];
+    for (int j = 1; j <= kSamples && own < last; ++j) {
+      const double t = own + (last - own) * j / kSamples;
+      if (orientation(k, radius_of(t), direction) > 0.0) return radius_of(first) * radius_of(first);
+    }
+  }
+  return radius_of(last) * radius_of(last);
+}
+
+}  // namespace
+
+void Lens::find_domain(double max_angle_rad) {
+  const double* const k = constants_.data();
+  const double largest = std::min(max_angle_rad, kLargestAngle_rad);
+  switch (kind_) {
+    case LensKind::kPinhole:
+    case LensKind::kEquirectangular:
+      break;
+    case LensKind::kOpencvPinhole: {
+      const double end = std::min(largest, kPinholeAngle_rad);
+      set(SIM_L_RADIUS2_MAX,
+          largest_radius2(
+              k + SIM_L_DISTORTION, [](double angle) { return std::tan(angle); }, end));
+      break;
+    }
+    case LensKind::kOpencvFisheye: {
+      const double* const c = k + SIM_L_POLYNOMIAL;
+      const auto slope = [c](double angle) {
+        const double a2 = angle * angle;
+        return 1.0 + a2 * (3.0 * c[0] + a2 * (5.0 * c[1] + a2 * (7.0 * c[2] + a2 * 9.0 * c[3])));
+      };
+      set(SIM_L_ANGLE_MAX, std::min(largest, first_root(slope, largest)));
+      break;
+    }
+    case LensKind::kFtheta: {
+      const auto slope = [k](double angle) {
+        return lens_forward::polynomial5_slope(k + SIM_L_POLYNOMIAL, angle);
+      };
+      set(SIM_L_ANGLE_MAX, std::min(largest, first_root(slope, largest)));
+      break;
+    }
+    case LensKind::kFthetaInverse: {
+      const double* const b = k + SIM_L_POLYNOMIAL;
+      // Eight times the radius at which the first coefficient alone reaches the largest angle: no lens
+      // compresses its edge more than that.
+      const double end = 8.0 * largest / b[0];
+      const double fold =
+          std::min(end, first_root([b](double r) { return lens_forward::polynomial5_slope(b, r); }, end));
+      const double angle_at_fold = lens_forward::polynomial5(b, fold);
+      const double angle = std::min(largest, angle_at_fold);
+      set(SIM_L_ANGLE_MAX, angle);
+      set(SIM_L_RADIUS_MAX, angle < angle_at_fold ? lens_forward::polynomial5_inverse(b, angle, fold) : fold);
+      break;
+    }
+    case LensKind::kMei: {
+      const double xi = k[SIM_L_XI];
+      // The mirror's map ends where its ray is tangent (xi > 1) or runs parallel to the plane.
+      const double mirror = std::acos(-(xi > 1.0 ? 1.0 / xi : xi));
+      const double end = std::min(largest, mirror - 1e-5);
+      set(SIM_L_COS_MIN, std::cos(end));
+      set(SIM_L_RADIUS2_MAX,
+          largest_radius2(
+              k + SIM_L_DISTORTION,
+              [xi](double angle) { return std::sin(angle) / (std::cos(angle) + xi); },
+              end));
+      break;
+    }
+    case LensKind::kDoubleSphere: {
+      const double xi = k[SIM_L_XI], alpha = k[SIM_L_ALPHA];
+      const double w1 = alpha <= 0.5 ? alpha / (1.0 - alpha) : (1.0 - alpha) / alpha;
+      const double w2 = (w1 + xi) / std::sqrt(2.0 * w1 * xi + xi * xi + 1.0);
+      set(SIM_L_COS_MIN, std::max(std::cos(largest), -w2));
+      break;
+    }
+    case LensKind::kEucm: {
+      const double alpha = k[SIM_L_ALPHA], beta = k[SIM_L_BETA];
+      const double w = alpha <= 0.5 ? alpha / (1.0 - alpha) : (1.0 - alpha) / alpha;
+      // z > -w d with d^2 = beta (x^2 + y^2) + z^2, as a cosine.
+      const double cosine = -w * std::sqrt(beta / (1.0 - w * w + w * w * beta));
+      set(SIM_L_COS_MIN, std::max(std::cos(largest), cosine));
+      break;
+    }
+  }
+}
+
+}  // namespace simuli
