@@ -45,17 +45,25 @@ Pose pose_from_json(JsonObject& object) {
   return a_from_b;
 }
 
+Json to_json(const Camera& model) {
+  Json json = {{"name", model.name},
+               {"model", simuli::to_string(model.lens.kind())},
+               {"width_px", model.width},
+               {"height_px", model.height},
+               {"fx_px", model.fx},
+               {"fy_px", model.fy},
+               {"cx_px", model.cx},
+               {"cy_px", model.cy}};
+  const auto& names = lens_parameter_names(model.lens.kind());
+  for (std::size_t i = 0; i < names.size(); ++i) json[names[i]] = model.lens.parameters()[i];
+  json["shutter"] = simuli::to_string(model.shutter);
+  return json;
+}
+
 Json to_json(const LogCamera& camera) {
-  const Camera& model = camera.model;
-  return {{"name", model.name},
-          {"width_px", model.width},
-          {"height_px", model.height},
-          {"fx_px", model.fx},
-          {"fy_px", model.fy},
-          {"cx_px", model.cx},
-          {"cy_px", model.cy},
-          {"shutter", simuli::to_string(model.shutter)},
-          {"rig_from_camera", to_json(camera.rig_from_camera)}};
+  Json json = to_json(camera.model);
+  json["rig_from_camera"] = to_json(camera.rig_from_camera);
+  return json;
 }
 
 LogCamera camera_from_json(JsonObject& object) {
@@ -69,6 +77,13 @@ LogCamera camera_from_json(JsonObject& object) {
   model.fy = object.number("fy_px");
   model.cx = object.number("cx_px");
   model.cy = object.number("cy_px");
+  if (object.has("model")) {
+    const LensKind kind = lens_from_string(object.text("model"), object.file(), object.field("model"));
+    std::vector<double> parameters;
+    for (const std::string& name : lens_parameter_names(kind)) parameters.push_back(object.number(name));
+    const std::string where = object.field("model");
+    model.lens = Lens(kind, parameters, object.file() + ": " + where.substr(0, where.rfind("model")));
+  }
   model.shutter = shutter_from_string(object.text("shutter"), object.file(), object.field("shutter"));
   camera.rig_from_camera = object.object("rig_from_camera", pose_from_json);
   validate(model, object.file());

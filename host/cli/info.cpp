@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <iostream>
 #include <memory>
 #include <system_error>
 #include <vector>
@@ -54,13 +55,21 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
 
 /// Prints a sensor by its built-in name, or the list of all.
 void print_builtin(const std::string& name, bool json) {
+  const std::vector<std::string> cameras = builtin_camera_names();
   const std::vector<std::string> lidars = builtin_lidar_names();
-  if (name == kAllSensors) return print_sensor_names({}, lidars, json);
+  if (name == kAllSensors) return print_sensor_names(cameras, lidars, json);
   if (holds(lidars, name.substr(0, name.find('@')))) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     return print_lidar({sensor.model, sensor.facts}, json);
   }
-  const std::vector<std::string> close = close_names(name, lidars);
+  if (holds(cameras, name)) {
+    print_camera(builtin_camera(name), json);
+    if (!json) std::cout << "  source: " << builtin_camera_source(name) << '\n';
+    return;
+  }
+  std::vector<std::string> known = cameras;
+  known.insert(known.end(), lidars.begin(), lidars.end());
+  const std::vector<std::string> close = close_names(name, known);
   throw_input_error(
       name,
       "folder",

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/info.hpp"
+#include "io/log_json.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -19,15 +20,9 @@ double path_length_m(const Trajectory& trajectory) {
 }
 
 Json camera_json(const Camera& c) {
-  return {{"kind", "camera"},
-          {"name", c.name},
-          {"width_px", c.width},
-          {"height_px", c.height},
-          {"fx_px", c.fx},
-          {"fy_px", c.fy},
-          {"cx_px", c.cx},
-          {"cy_px", c.cy},
-          {"shutter", simuli::to_string(c.shutter)}};
+  Json json = {{"kind", "camera"}};
+  json.update(simuli::to_json(c));
+  return json;
 }
 
 Json lidar_json(const Lidar& l) { return to_json(LidarFile{l, {}}); }
@@ -61,8 +56,9 @@ Json set_json(const GaussianSet& set) {
 }
 
 std::string camera_line(const Camera& c) {
-  return fmt::format("camera {:<16} {} x {} px, focal {:.1f} x {:.1f} px, shutter {}",
+  return fmt::format("camera {:<16} {}, {} x {} px, focal {:.1f} x {:.1f} px, shutter {}",
                      c.name,
+                     simuli::to_string(c.lens.kind()),
                      c.width,
                      c.height,
                      c.fx,
@@ -131,6 +127,14 @@ void print_camera(const Camera& camera, bool json) {
   if (json) return print(camera_json(camera));
   std::cout << camera_line(camera) << '\n'
             << fmt::format("  centre {:.2f}, {:.2f} px\n", camera.cx, camera.cy);
+  const auto& names = lens_parameter_names(camera.lens.kind());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::cout << fmt::format("  {} {}\n", names[i], camera.lens.parameters()[i]);
+  }
+  const double pixels = static_cast<double>(camera.width) * camera.height;
+  const std::size_t missing = pixels_without_ray(camera);
+  std::cout << fmt::format(
+      "  {} pixels without a ray, {:.2f} %\n", missing, 100.0 * static_cast<double>(missing) / pixels);
 }
 
 }  // namespace simuli::cli
