@@ -52,7 +52,8 @@ __kernel void project(const FrameParams frame,
   F centre[3];
   sensor_from_world_point(sensor, g.offset, (F)R(0.5), centre);
 
-  // Positive guards: NaN anywhere makes them false. Beyond these bounds exp, squares and inverses leave floats.
+  // Positive guards: NaN anywhere makes them false. Beyond these bounds exp, squares and inverses leave the
+  // range of floats.
   I visible = AND(qmax > R(0.0), AND(fabs(logit) < R(1e35), radius < R(1e18)));
   visible = AND(visible, AND(g.inv_norm > R(1e-18), g.inv_norm < R(1e18)));
   for (int k = 0; k < 3; ++k) {

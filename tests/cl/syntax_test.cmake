@@ -10,7 +10,8 @@ if(count EQUAL 0)
   message(FATAL_ERROR "no kernels in ${ROOT}/kernels")
 endif()
 
-# Variants leave parameters unused on purpose. The builtin declarations come from the compiler's table: parsing the full header costs 0.4 s each time.
+# Variants leave parameters unused on purpose. The builtin declarations come from the compiler's table:
+# parsing the full header costs 0.4 s each time.
 set(flags -fsyntax-only -x cl -cl-std=CL1.2 -Xclang -finclude-default-header -Xclang -fdeclare-opencl-builtins
     -Wall -Wextra -Wno-unused-parameter -Werror -I${ROOT})
 # SENSOR MOVING ORIGINS SH_DEGREE MEDIAN | V NR LS | the double build or not
