@@ -81,8 +81,10 @@ LogCamera camera_from_json(JsonObject& object) {
     const LensKind kind = lens_from_string(object.text("model"), object.file(), object.field("model"));
     std::vector<double> parameters;
     for (const std::string& name : lens_parameter_names(kind)) parameters.push_back(object.number(name));
-    const std::string where = object.field("model");
-    model.lens = Lens(kind, parameters, object.file() + ": " + where.substr(0, where.rfind("model")));
+    const std::string field = object.field("model");  // "cameras[0].model", or "model" of a file's root
+    const std::size_t dot = field.rfind('.');
+    const std::string where = dot == std::string::npos ? "" : ": " + field.substr(0, dot);
+    model.lens = Lens(kind, parameters, object.file() + where);
   }
   model.shutter = shutter_from_string(object.text("shutter"), object.file(), object.field("shutter"));
   camera.rig_from_camera = object.object("rig_from_camera", pose_from_json);

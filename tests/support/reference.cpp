@@ -19,7 +19,7 @@ Ray camera_ray(const Sensor& sensor, int column, int row) {
   ray.x = column + 0.5;
   ray.y = row + 0.5;
   const Pose scene_from_camera = sensor.scene_from_sensor(exposure_time(camera, {ray.x, ray.y}));
-  const Vector3d d_camera((ray.x - camera.cx) / camera.fx, (ray.y - camera.cy) / camera.fy, 1.0);
+  const Vector3d d_camera = camera_direction(camera, {ray.x, ray.y});
   ray.origin = scene_from_camera.translation;
   ray.direction = (scene_from_camera.rotation * d_camera).normalized();
   return ray;

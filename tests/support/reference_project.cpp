@@ -14,7 +14,6 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kCameraNear_m = 0.01;    // z_min
-constexpr double kMinAxisCosine = 0.1;    // z / |p| of a valid point: about 84 degrees off axis
 constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis is a ring
 constexpr double kSeamMargin_rad = 0.2;
 constexpr double kMinLeverRange_m = 1e-3;
@@ -53,11 +52,7 @@ bool project_at(const Sensor& sensor, const Vector3d& p_scene, double u, Vector2
     xy = {std::atan2(p.y(), p.x()), std::atan2(p.z(), std::hypot(p.x(), p.y()))};
     return true;
   }
-  const bool valid = p.z() > kCameraNear_m && p.z() >= kMinAxisCosine * p.norm();
-  if (!valid) return false;
-  const Camera& camera = sensor.camera;
-  xy = {camera.fx * p.x() / p.z() + camera.cx, camera.fy * p.y() / p.z() + camera.cy};
-  return true;
+  return camera_image(sensor.camera, p, xy);
 }
 
 /// The same at the time at which the sensor sees the point. A point without a projection at any step of
@@ -100,7 +95,9 @@ Vector3d feature_of(const Particles& particles, Eigen::Index i, const Vector3d& 
 void camera_fallback(const Sensor& sensor, const Vector3d& mean, bool any_valid, Footprint& f) {
   f.fallback = true;
   const double radius = f.extent * f.filtered_scale.maxCoeff();
-  const bool reaches = in_sensor(sensor, mean, 0.5).z() + radius > kCameraNear_m;
+  // Other lenses than the pinhole may see behind the camera.
+  const bool reaches = sensor.camera.lens.kind() != LensKind::kPinhole ||
+                       in_sensor(sensor, mean, 0.5).z() + radius > kCameraNear_m;
   f.visible = any_valid || reaches;
   f.mean = {0.5 * sensor.camera.width, 0.5 * sensor.camera.height};
   f.half_width = f.mean;
