@@ -130,6 +130,11 @@ TEST(CameraModel, TheDeviceProjectsAsTheHostDoes) {
        {Vector3d(0, 0, 1), Vector3d(0, 0, -1), Vector3d(0, 0, 0.005), Vector3d(1e-25, 0, 2)}) {
     points.push_back(edge);
   }
+  // About the fold of the OpenCV pinhole, whose radius depends on the direction.
+  for (int i = 0; i < 4096; ++i) {
+    const double radius = std::tan(random.uniform(0.58, 0.66)), direction = random.uniform(0.0, 2.0 * kPi);
+    points.emplace_back(radius * std::cos(direction), radius * std::sin(direction), 1.0);
+  }
   const bool fp64 = test::has_double(Device::best());
   struct Build {
     Precision precision;
@@ -291,6 +296,26 @@ Camera panorama() {
 
 TEST(CameraModel, AnEquirectangularPictureWrapsAndMatchesTheReference) {
   expect_reference(picture_of(panorama(), false), 4000);
+}
+
+TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
+  Picture picture = picture_of(panorama(), false);
+  // The seam lies at the azimuth (0 - cx) / fx to the right of the optical axis, which is the world's x.
+  const double azimuth = -31.0 / panorama().fx;
+  test::SingleParticle particle;
+  particle.mean = 5.0 * Vector3d(std::cos(azimuth), -std::sin(azimuth), 0.0);
+  particle.scale.setConstant(0.05);
+  picture.set = test::set_of(SetKind::kCamera, {particle});
+  const Device device = Device::best();
+  Renderer renderer(device, {});
+  const ParticleBuffers particles(device, picture.set, Precision::kFloat);
+  const SensorRays rays = picture.shot.on(device, renderer.options());
+  renderer.render(particles, rays, picture.shot.view);
+  // One tile row, two of its seven tiles.
+  EXPECT_EQ(renderer.buffers().instances, 2U);
+  const RayResults results = renderer.results();
+  EXPECT_LT(results.transmittance[25 * 100], 0.99F);
+  EXPECT_LT(results.transmittance[25 * 100 + 99], 0.99F);
 }
 
 TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {

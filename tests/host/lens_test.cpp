@@ -62,7 +62,7 @@ Vector2d opencv_formula(const std::vector<double>& c, double x, double y) {
 
 const std::vector<double> kRational{
     0.55, -2.6, 0.001, -0.0006, 1.5, 0.42, -2.4, 1.43, 0.002, -0.0005, -0.0015, 0.0007, kPi};
-// The radius grows up to 30 degrees off axis and falls from there on: inside a picture of usual width.
+// The radius grows up to 35 degrees off axis and falls from there on: inside a picture of usual width.
 const std::vector<double> kFolded{-0.5894, 0.66, 0.0011, -0.001, -1.0088, 0, 0, 0, 0, 0, 0, 0, kPi};
 
 TEST(LensOpencvPinhole, FollowsTheFormula) {
