@@ -25,8 +25,8 @@ struct ClTypeName<shared::Footprint> {
 struct Variant {
   SensorType sensor = SensorType::kCamera;
   LensKind lens = LensKind::kPinhole;  // of a camera
-  bool moving = false;   // the pose changes during the frame
-  bool origins = false;  // rays have origins of their own: moving, or lever arms
+  bool moving = false;                 // the pose changes during the frame
+  bool origins = false;                // rays have origins of their own: moving, or lever arms
   int sh_degree = 0;
   bool median = false;
   Precision precision = Precision::kFloat;

@@ -141,7 +141,9 @@ template <class ProjectPoint>
 /// Pixel of a point in the camera frame; false when it has none. Lenses: pinhole, opencv_fisheye (with a
 /// radius that grows up to its max_angle_rad) and equirectangular, whose x is not wrapped: of that one only
 /// the rays, blended with ignore_box, are a reference.
-[[nodiscard]] bool camera_image(const Camera& camera, const Eigen::Vector3d& p_camera, Eigen::Vector2d& pixel);
+[[nodiscard]] bool camera_image(const Camera& camera,
+                                const Eigen::Vector3d& p_camera,
+                                Eigen::Vector2d& pixel);
 /// Direction through a pixel, not normalised; zero where there is none.
 [[nodiscard]] Eigen::Vector3d camera_direction(const Camera& camera, const Eigen::Vector2d& pixel);
 
