@@ -151,7 +151,10 @@ void Trainer::step_camera(double progress) {
   const ImageLoss loss = renderer_.image_loss(truth->truth, 1.0 / values);
   need_finite(loss.absolute + loss.squared, frame.file);
   renderer_.backward(camera_, camera_grads_);
-  camera_adam_.run(camera_, camera_grads_, row_rates(options_.camera, camera_.sh_degree, progress));
+  camera_adam_.run(camera_,
+                   camera_grads_,
+                   renderer_.buffers().keys,
+                   row_rates(options_.camera, camera_.sh_degree, progress));
   square_.add(loss.squared / values);
   status_.psnr_db = -10.0 * std::log10(square_.value());
 }
@@ -169,7 +172,8 @@ void Trainer::step_lidar(double progress) {
       renderer_.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
   need_finite(loss.distance_m + loss.intensity + loss.entropy, frame.file);
   renderer_.backward(lidar_, lidar_grads_);
-  lidar_adam_.run(lidar_, lidar_grads_, row_rates(options_.lidar, lidar_.sh_degree, progress));
+  lidar_adam_.run(
+      lidar_, lidar_grads_, renderer_.buffers().keys, row_rates(options_.lidar, lidar_.sh_degree, progress));
   distance_.add(loss.distance_m / returned);
   right_.add(1.0 - loss.wrong / rays);
   status_.distance_m = distance_.value();

@@ -1,11 +1,16 @@
-// adam.cl - one Adam step on a parameter matrix. Launcher: host/render/adam.cpp
+// adam.cl - one Adam step on the particles of a frame. Launcher: host/render/adam.cpp
 #include "math/lanes.h"
 
-/// V elements of one parameter row per work-item; global size (ceil(stride / V), rows).
-/// rate[rows]: learning rate of each row, the bias corrections included by the host in
-/// `inv_bias1 = 1 / (1 - beta1^t)` and `inv_bias2 = 1 / (1 - beta2^t)` (Kingma and Ba, algorithm 1).
+/// V particles per work-item, all their parameters. Particles that the last frame culled have no gradient:
+/// they keep parameters and moments, and cost one look at their key.
+/// in  keys[particles]: 0xffffffff for a culled particle; grads[rows][stride]
+///     rate[rows]: learning rate of each row; the bias corrections come from the host as
+///     inv_bias1 = 1 / (1 - beta1^t) and inv_bias2 = 1 / (1 - beta2^t) (Kingma and Ba, algorithm 1)
 /// A gradient that is not finite (or above 1e30) moves nothing and is counted in rejected[0].
-__kernel void adam(const uint stride,
+__kernel void adam(const uint particles,
+                   const uint stride,
+                   const uint rows,
+                   __global const uint* keys,
                    __global const real* rate,
                    const real beta1,
                    const real beta2,
@@ -18,20 +23,32 @@ __kernel void adam(const uint stride,
                    __global real* params,
                    __global uint* rejected) {
   const uint column = get_global_id(0) * V;
-  if (column >= stride) return;
-  const uint row = get_global_id(1);
-  const uint i = row * stride + column;
-  const F raw = LDV(grads + i);
-  const I finite = fabs(raw) < R(1e30);
-  const F g = SEL(finite, raw, (F)R(0.0));
-  const F m = fma((F)beta1, LDV(first_moment + i), (R(1.0) - beta1) * g);
-  const F v = fma((F)beta2, LDV(second_moment + i), (R(1.0) - beta2) * g * g);
-  STV(first_moment + i, m);
-  STV(second_moment + i, v);
-  const F step = rate[row] * (m * inv_bias1) / (sqrt(v * inv_bias2) + epsilon);
-  STV(params + i, LDV(params + i) - step);
-  if (ANY(!finite)) {
-    real count = HSUM(SEL(finite, (F)R(0.0), (F)R(1.0)));
-    atomic_add(rejected, (uint)count);
+  if (column >= particles) return;
+  real seen[V];
+  uint any_seen = 0;
+  for (uint lane = 0; lane < V; ++lane) {
+    const uint live = column + lane < particles && keys[column + lane] != 0xffffffffu;
+    seen[lane] = live ? R(1.0) : R(0.0);
+    any_seen |= live;
   }
+  if (!any_seen) return;
+  const I live = LDV(seen) > R(0.5);
+  F bad = (F)R(0.0);
+  for (uint row = 0; row < rows; ++row) {
+    const uint i = row * stride + column;
+    const F raw = LDV(grads + i);
+    const I finite = fabs(raw) < R(1e30);
+    const F g = SEL(finite, raw, (F)R(0.0));
+    const F m0 = LDV(first_moment + i);
+    const F v0 = LDV(second_moment + i);
+    const F m = fma((F)beta1, m0, (R(1.0) - beta1) * g);
+    const F v = fma((F)beta2, v0, (R(1.0) - beta2) * g * g);
+    const F step = rate[row] * (m * inv_bias1) / (sqrt(v * inv_bias2) + epsilon);
+    STV(first_moment + i, SEL(live, m, m0));
+    STV(second_moment + i, SEL(live, v, v0));
+    const F p = LDV(params + i);
+    STV(params + i, SEL(live, p - step, p));
+    bad += SEL(AND(live, !finite), (F)R(1.0), (F)R(0.0));
+  }
+  if (ANY(bad > R(0.0))) atomic_add(rejected, (uint)HSUM(bad));
 }

@@ -35,15 +35,9 @@ __kernel void visible_write(__global const uint* keys,
   }
 }
 
-FN uint tiles_of(const FrameParams frame, const Footprint f) {
-  return (uint)f.tile_count *
-         ((uint)f.row_last / frame.rows_per_tile - (uint)f.row_first / frame.rows_per_tile + 1);
-}
-
 /// in  order[M]: visible particles by range
 /// out counts[work-items]: tile instances of each chunk, 0xffffffff if they don't fit 32 bits
-__kernel void instance_count(const FrameParams frame,
-                             __global const uint* order,
+__kernel void instance_count(__global const uint* order,
                              const uint m,
                              const uint chunk,
                              __global const Footprint* footprints,
@@ -51,7 +45,7 @@ __kernel void instance_count(const FrameParams frame,
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   ulong count = 0;
-  for (uint i = first; i < last; ++i) count += tiles_of(frame, footprints[order[i]]);
+  for (uint i = first; i < last; ++i) count += footprints[order[i]].tiles;
   counts[get_global_id(0)] = (uint)min(count, (ulong)0xffffffffu);
 }
 
@@ -74,20 +68,23 @@ __kernel void instance_emit(const FrameParams frame,
     const uint particle = order[i];
     const Footprint f = footprints[particle];
     emission[particle] = place;
-    const uint ty0 = (uint)f.row_first / frame.rows_per_tile;
-    const uint ty1 = (uint)f.row_last / frame.rows_per_tile;
+    const uint row_first = SIM_LOW(f.rows), row_last = SIM_HIGH(f.rows);
+    const uint ty0 = row_first / frame.rows_per_tile;
+    const uint ty1 = row_last / frame.rows_per_tile;
     for (uint ty = ty0; ty <= ty1; ++ty) {
       const uint top = ty * frame.rows_per_tile;
-      const uint row0 = max((uint)f.row_first, top) - top;
-      const uint row1 = min((uint)f.row_last, top + frame.rows_per_tile - 1) - top;
+      const uint row0 = max(row_first, top) - top;
+      const uint row1 = min(row_last, top + frame.rows_per_tile - 1) - top;
       const uint packed = particle | row0 * frame.row_slots << SIM_PARTICLE_BITS |
                           ((row1 + 1) * frame.row_slots - 1) << (SIM_PARTICLE_BITS + 4);
-      uint tx = (uint)f.tile_x;
-      for (int k = 0; k < f.tile_count; ++k) {
-        tile[place] = ty * frame.tiles_x + tx;
-        payload[place] = packed;
-        ++place;
-        if (++tx == frame.tiles_x) tx = 0;
+      for (int part = 0; part < 2; ++part) {
+        const uint columns = part == 0 ? f.columns : f.others;
+        const uint begin = ty * frame.tiles_x + SIM_LOW(columns);
+        for (uint k = 0; k < SIM_HIGH(columns); ++k) {
+          tile[place] = begin + k;
+          payload[place] = packed;
+          ++place;
+        }
       }
     }
   }

@@ -17,13 +17,38 @@ FN int beams_above(__global const int* row_lut,
   return row;
 }
 
+/// Tile columns that [mean - half, mean + half] touches: first | count << 16, 0 for none. For cameras those of
+/// pixels whose centres lie inside.
+FN uint tile_columns(const FrameParams* frame, __global const real* sensor, real mean, real half_width) {
 #if SENSOR == SENSOR_CAMERA
-/// Tile column of a pixel column; pictures that wrap go on at `tiles` and at -1.
-FN int tile_of_column(int column, int width, int tiles) {
-  const int turn = column < 0 ? -1 : column >= width ? 1 : 0;
-  return turn * tiles + (column - turn * width) / SIM_SLOT_ROW;
-}
+  const real low = max(ceil(mean - half_width - R(0.5)), R(0.0));
+  const real high = min(floor(mean + half_width - R(0.5)), sensor[SIM_S_WIDTH] - R(1.0));
+  if (!(low <= high)) return 0;
+  const uint first = (uint)low / SIM_SLOT_ROW;
+  return first | ((uint)high / SIM_SLOT_ROW - first + 1) << 16;
+#else
+  // The margin covers the rounding of the boundaries on the host; the box itself decides per ray.
+  const real scale = sensor[SIM_S_TILE_SCALE], x0 = sensor[SIM_S_TILE_X0];
+  const real low = max(floor((mean - half_width - x0) * scale - R(1e-3)), R(0.0));
+  const real high = min(floor((mean + half_width - x0) * scale + R(1e-3)), (real)frame->tiles_x - R(1.0));
+  if (!(low <= high)) return 0;
+  return (uint)low | ((uint)high - (uint)low + 1) << 16;
 #endif
+}
+
+/// Makes two intervals that touch or overlap one, so that no tile is counted twice.
+FN void join_columns(Footprint* f) {
+  if (f->others == 0) return;
+  const uint a = SIM_LOW(f->columns), b = a + SIM_HIGH(f->columns);
+  const uint c = SIM_LOW(f->others), d = c + SIM_HIGH(f->others);
+  if (f->columns == 0) {
+    f->columns = f->others;
+    f->others = 0;
+  } else if (c <= b && a <= d) {
+    f->columns = min(a, c) | (max(b, d) - min(a, c)) << 16;
+    f->others = 0;
+  }
+}
 
 /// V particles per work-item: visibility, box, features, record.
 /// in  params[rows][stride]; row_lut[4096], row_elevation[beams]: LiDAR only
@@ -78,61 +103,101 @@ __kernel void project(const FrameParams frame,
     return;
   }
 
-  Box box;
-  unscented_box(sensor, &g, reach, &box);
+  // Where x goes round, a particle has two places: at the cut of a sweep it is met from the pose at the start
+  // and from that at the end (the unrolled spin angle of METHOD section 3).
+  Box box, other;
 #if SENSOR == SENSOR_CAMERA
+  F anchor = (F)R(0.0);
+#if WRAPS
+  F anchor_y;
+  I has_image = visible;
+  project_point(sensor, centre, &anchor, &anchor_y, &has_image);
+#endif
+  unscented_box(sensor, &g, reach, anchor, (F)R(0.5), &box);
   // Some sigma points without an image: the particle may be anywhere in the picture.
   const I known = box.valid;
   box.mean_x = SEL(known, box.mean_x, (F)R(0.0));
   box.mean_y = SEL(known, box.mean_y, (F)R(0.0));
   box.half_x = SEL(known, box.half_x, (F)R(1e9));
   box.half_y = SEL(known, box.half_y, (F)R(1e9));
+  other = box;
+  F low = box.mean_y - box.half_y;
+  F high = box.mean_y + box.half_y;
 #if WRAPS
+  const real period = sensor[SIM_S_PERIOD];
+  other.mean_x += SEL(box.mean_x < R(0.5) * period, (F)period, (F)-period);
   // Around the camera, or about a pole of the picture, a particle is a band of all columns.
   const F flat = sqrt(centre[0] * centre[0] + centre[2] * centre[2]);
   const I inside = g.range <= radius;
   const I around = OR(inside, flat <= fma(fabs(centre[1]), (F)R(0.05), radius));
   const F ratio = VMIN(radius / g.range, (F)R(1.0));
   const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
+  const F band = SEL(inside, (F)R(1e9), spread * sensor[SIM_S_FY]);
   const F pole_y = fma(atan2_lanes(centre[1], flat), (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
-  box.mean_y = SEL(around, pole_y, box.mean_y);
-  box.half_y = SEL(around, SEL(inside, (F)R(1e9), spread * sensor[SIM_S_FY]), box.half_y);
-  // Nearly all round is all round: per ray the wrapped difference is not formed.
-  const real widest = R(0.5) * sensor[SIM_S_PERIOD] - R(0.5) * SIM_SLOT_ROW;
+  low = SEL(around, pole_y - band, low);
+  high = SEL(around, pole_y + band, high);
+  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
+  const real widest = min(R(0.25) * period, R(0.5) * period - SIM_SLOT_ROW);
   box.half_x = SEL(OR(around, box.half_x > widest), (F)R(1e9), box.half_x);
 #endif
 #else
+  F middle_x, middle_y;
+  I has_image = visible;
+  project_point(sensor, centre, &middle_x, &middle_y, &has_image);
+  middle_x = SEL(middle_x < R(0.0), middle_x + TWO_PI_R, middle_x);
+  const F around_back = SEL(middle_x < PI_R, (F)TWO_PI_R, (F)-TWO_PI_R);
+  unscented_box(sensor, &g, reach, middle_x, time_of(sensor, middle_x, middle_y), &box);
   const F height = centre[2] - sensor[SIM_S_HEIGHT_REF];
   const F flat = sqrt(centre[0] * centre[0] + centre[1] * centre[1]);
   const F distance = sqrt(flat * flat + height * height);
+  const F lever = sensor[SIM_S_LEVER] / VMAX(distance - sensor[SIM_S_LEVER], (F)R(1e-3));
+  const F swept_first = (F)sensor[SIM_S_TILE_X0];
+  const F swept_last = (F)(sensor[SIM_S_TILE_X0] + (real)frame.tiles_x / sensor[SIM_S_TILE_SCALE]);
+  const F other_x = middle_x + around_back;
+  other = box;
+  other.mean_x = other_x;
+#if MOVING
+  // The second place is seldom swept: look only where it may be, motion during the sweep included.
+  const F slack = R(2.0) * box.half_x + lever + sensor[SIM_S_ANGLE] + R(0.01) +
+                  fabs(sensor[SIM_S_CENTRE_STEP]) / VMAX(flat, (F)R(1e-3)) +
+                  fabs(sensor[SIM_S_CENTRE_STEP + 1]) / VMAX(flat, (F)R(1e-3));
+  const I near = AND(other_x + slack >= swept_first, other_x - slack <= swept_last);
+  if (ANY(AND(near, visible))) {
+    unscented_box(sensor, &g, reach, other_x, time_of(sensor, other_x, middle_y), &other);
+  }
+#else
+  other.mean_x = box.mean_x + around_back;
+#endif
+  const I both = AND(other.mean_x + other.half_x + lever >= swept_first,
+                     other.mean_x - other.half_x - lever <= swept_last);
+  F low = box.mean_y - box.half_y;
+  F high = box.mean_y + box.half_y;
+  low = SEL(both, VMIN(low, other.mean_y - other.half_y), low);
+  high = SEL(both, VMAX(high, other.mean_y + other.half_y), high);
+  other.mean_x = SEL(both, other.mean_x, box.mean_x);
+  box.half_x = SEL(both, VMAX(box.half_x, other.half_x), box.half_x);
+
   const I inside = distance <= radius;
   const I around = OR(inside, flat <= fma(fabs(height), (F)R(0.05), radius));
   const F ratio = VMIN(radius / VMAX(distance, (F)R(1e-9)), (F)R(1.0));
   const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
-  box.mean_y = SEL(around, atan2_lanes(height, flat), box.mean_y);
-  box.half_y = SEL(around, SEL(inside, (F)R(4.0), spread), box.half_y);
+  F ring = SEL(inside, (F)R(4.0), spread);
 #if MOVING
-  // Near the cut of the sweep a surface is met from the pose at the start and from that at the end; so are
-  // rings, which hold the cut.
-  {
-    F cut = box.mean_x - sensor[SIM_S_AZIMUTH_FIRST];
-    cut = fabs(wrap_lanes(cut, TWO_PI_R));
-    F first[3], last[3], x0, y0, x1, y1;
+  if (ANY(around)) {  // a ring is met throughout the sweep
+    F first[3], last[3], x, first_y, last_y;
     I seen = visible;
     sensor_from_world_point(sensor, g.offset, (F)R(0.0), first);
     sensor_from_world_point(sensor, g.offset, (F)R(1.0), last);
-    project_point(sensor, first, &x0, &y0, &seen);
-    project_point(sensor, last, &x1, &y1, &seen);
-    const I at_cut = OR(around, cut < box.half_x + R(0.2));
-    box.half_x += SEL(at_cut, fabs(wrap_lanes(x1 - x0, TWO_PI_R)), (F)R(0.0));
-    box.half_y += SEL(at_cut, fabs(y1 - y0), (F)R(0.0));
+    project_point(sensor, first, &x, &first_y, &seen);
+    project_point(sensor, last, &x, &last_y, &seen);
+    ring += fabs(last_y - first_y);
   }
 #endif
-  const F lever = sensor[SIM_S_LEVER] / VMAX(distance - sensor[SIM_S_LEVER], (F)R(1e-3));
+  low = SEL(around, middle_y - ring, low) - lever;
+  high = SEL(around, middle_y + ring, high) + lever;
   box.half_x += lever;
-  box.half_y += lever;
-  // Nearly all round is all round: per ray the wrapped difference is not formed.
-  box.half_x = SEL(OR(around, box.half_x > PI_R - R(0.2)), (F)R(1e9), box.half_x);
+  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
+  box.half_x = SEL(OR(around, box.half_x > R(1.5)), (F)R(1e9), box.half_x);
 #endif
 
   BlendMatrix b;
@@ -140,18 +205,19 @@ __kernel void project(const FrameParams frame,
   visible = AND(visible, AND(b.radius2 > R(1e-30), b.radius2 < R(1e30)));
 
   real out[SIM_RECORD * V];
-  for (int k = 0; k < 9; ++k) STV(out + k * V, b.a[k]);
+  STV(out, b.a[0]);
+  STV(out + V, b.a[1]);
+  for (int k = 2; k < 8; ++k) STV(out + k * V, b.a[k + 1]);
   STV(out + SIM_R_RADIUS2 * V, b.radius2);
   STV(out + SIM_R_QMAX * V, qmax);
   STV(out + SIM_R_BOX_MEAN * V, box.mean_x);
+  STV(out + SIM_R_BOX_OTHER * V, other.mean_x);
   STV(out + SIM_R_BOX_HALF * V, box.half_x);
 
   // Tiles and rows, lane by lane: integers from here on.
-  real low_x[V], high_x[V], low_y[V], high_y[V], seen[V], range[V];
-  STV(low_x, box.mean_x - box.half_x);
-  STV(high_x, box.mean_x + box.half_x);
-  STV(low_y, box.mean_y - box.half_y);
-  STV(high_y, box.mean_y + box.half_y);
+  real low_y[V], high_y[V], seen[V], range[V];
+  STV(low_y, low);
+  STV(high_y, high);
   STV(seen, SEL(visible, (F)R(1.0), (F)R(0.0)));
   STV(range, g.range);
   uint drawn = 0;
@@ -160,52 +226,32 @@ __kernel void project(const FrameParams frame,
     uint key = 0xffffffffu;
     if (seen[lane] > R(0.5)) {
 #if SENSOR == SENSOR_CAMERA
-      // Pixels whose centres lie in the box; comparing before converting keeps huge values defined.
-      real column0 = ceil(low_x[lane] - R(0.5));
-      real column1 = floor(high_x[lane] - R(0.5));
+      // Pixel rows whose centres lie in the box; comparing before converting keeps huge values defined.
       const real row0 = max(ceil(low_y[lane] - R(0.5)), R(0.0));
       const real row1 = min(floor(high_y[lane] - R(0.5)), sensor[SIM_S_HEIGHT] - R(1.0));
-      const int tiles = (int)frame.tiles_x;
-#if WRAPS
-      // One column on either side covers the rounding of the wrap; the box itself decides per ray.
-      const int all = column1 - column0 + R(3.0) >= sensor[SIM_S_WIDTH];
-      column0 = all ? R(0.0) : column0 - R(1.0);
-      column1 = all ? sensor[SIM_S_WIDTH] - R(1.0) : column1 + R(1.0);
-#else
-      column0 = max(column0, R(0.0));
-      column1 = min(column1, sensor[SIM_S_WIDTH] - R(1.0));
-#endif
-      if (column0 <= column1 && row0 <= row1) {
-        const int first = tile_of_column((int)column0, (int)sensor[SIM_S_WIDTH], tiles);
-        const int last = tile_of_column((int)column1, (int)sensor[SIM_S_WIDTH], tiles);
-        f.tile_x = ((first % tiles) + tiles) % tiles;
-        f.tile_count = min(last - first + 1, tiles);
-        f.row_first = (int)row0;
-        f.row_last = (int)row1;
-      }
+      const int row_first = row0 <= row1 ? (int)row0 : 1;
+      const int row_last = row0 <= row1 ? (int)row1 : 0;
 #else
       const int rows = (int)frame.rows;
-      f.row_first = beams_above(row_lut, row_elevation, sensor, rows, high_y[lane], 0);
-      f.row_last = beams_above(row_lut, row_elevation, sensor, rows, low_y[lane], 1) - 1;
-      if (f.row_first <= f.row_last) {
-        const int tiles = (int)frame.tiles_x;
-        if (high_x[lane] > R(1e8)) {
-          f.tile_count = tiles;
-        } else {
-          // The margin covers the rounding of the boundaries on the host; the box itself decides per ray.
-          const real origin = sensor[SIM_S_TILE_X0], scale = sensor[SIM_S_TILE_SCALE];
-          const int first = (int)floor((low_x[lane] - origin) * scale - R(1e-3));
-          const int last = (int)floor((high_x[lane] - origin) * scale + R(1e-3));
-          f.tile_count = min(last - first + 1, tiles);
-          f.tile_x = ((first % tiles) + tiles) % tiles;
-        }
-      }
+      const int row_first = beams_above(row_lut, row_elevation, sensor, rows, high_y[lane], 0);
+      const int row_last = beams_above(row_lut, row_elevation, sensor, rows, low_y[lane], 1) - 1;
 #endif
-      if (f.tile_count > 0) key = as_uint((float)range[lane]);
+      if (row_first <= row_last) {
+        const real half_width = out[SIM_R_BOX_HALF * V + lane];
+        f.columns = tile_columns(&frame, sensor, out[SIM_R_BOX_MEAN * V + lane], half_width);
+#if WRAPS
+        f.others = tile_columns(&frame, sensor, out[SIM_R_BOX_OTHER * V + lane], half_width);
+        join_columns(&f);
+#endif
+        f.rows = (uint)row_first | (uint)row_last << 16;
+        f.tiles = (SIM_HIGH(f.columns) + SIM_HIGH(f.others)) *
+                  ((uint)row_last / frame.rows_per_tile - (uint)row_first / frame.rows_per_tile + 1);
+      }
+      if (f.tiles > 0) key = as_uint((float)range[lane]);
     }
     keys[i + lane] = key;
     footprints[i + lane] = f;
-    drawn |= f.tile_count > 0 ? 1u << lane : 0u;
+    drawn |= f.tiles > 0 ? 1u << lane : 0u;
   }
   if (drawn == 0) return;
 

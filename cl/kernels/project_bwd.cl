@@ -6,7 +6,8 @@
 /// project's record. The box and the order carry no gradient (METHOD section 4).
 /// in  params[rows][stride]; keys[N], footprints[N], emission[N], records[N][16] of project and bin;
 ///     grads[K][16] of render_bwd
-/// out param_grads[rows][stride]: dL/dparam, 0 for particles that were culled
+/// out param_grads[rows][stride]: dL/dparam of the particles that were not culled; what stands at the others is
+///     not defined
 __kernel void project_bwd(const FrameParams frame,
                           __global const real* params,
                           __global const real* sensor,
@@ -18,9 +19,8 @@ __kernel void project_bwd(const FrameParams frame,
                           __global real* param_grads) {
   const uint i = get_global_id(0) * V;
   const uint stride = frame.stride;
-  if (i >= stride) return;
-  // The padding behind the last particle gets zeros as well: Adam reads whole rows.
-  const uint lanes = min((uint)V, frame.particles - min(i, frame.particles));
+  if (i >= frame.particles) return;
+  const uint lanes = min((uint)V, frame.particles - i);
 
   // Slots are rows of 16 reals: add rows, then turn the V sums over.
   real summed[SIM_GRAD * V];
@@ -32,9 +32,7 @@ __kernel void project_bwd(const FrameParams frame,
     seen[lane] = R(0.0);
     for (int c = 0; c < 3; ++c) feature[c * V + lane] = R(0.0);
     if (lane < lanes && keys[i + lane] != 0xffffffffu) {
-      const Footprint f = footprints[i + lane];
-      const uint rows = (uint)f.row_last / frame.rows_per_tile - (uint)f.row_first / frame.rows_per_tile + 1;
-      const uint count = (uint)f.tile_count * rows;
+      const uint count = footprints[i + lane].tiles;
       const __global real* slot = grads + (ulong)emission[i + lane] * SIM_GRAD;
       for (uint k = 0; k < count; ++k) sum += vload16(k, slot);
       for (int c = 0; c < 3; ++c) {
@@ -47,12 +45,7 @@ __kernel void project_bwd(const FrameParams frame,
     vstore16(sum, 0, row);
     for (int k = 0; k < SIM_GRAD; ++k) summed[k * V + lane] = row[k];
   }
-  if (!any_seen) {
-    for (int row = 0; row < SIM_SH + 3 * SH_COEFFICIENTS; ++row) {
-      STV(param_grads + row * stride + i, (F)R(0.0));
-    }
-    return;
-  }
+  if (!any_seen) return;
 
   Gaussian g;
   load_gaussian(params, stride, i, sensor, &g);
@@ -60,7 +53,7 @@ __kernel void project_bwd(const FrameParams frame,
   blend_matrix(&g, &b);
   const I live = LDV(seen) > R(0.5);
 
-  // Back through A = D H M / r and o' = -H D M offset / r, H and D held: any fixed rotation leaves q and tau.
+  // Back through A = Q M / r and o' = -Q M offset / r with Q held: any fixed rotation leaves q and tau.
   F go[3], in[3], gm[9];
   for (int k = 0; k < 3; ++k) in[k] = LDV(summed + (SIM_G_ORIGIN + k) * V);
   unreflect(&b, in, go);

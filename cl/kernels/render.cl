@@ -72,7 +72,7 @@ __kernel void render(const FrameParams frame,
       real record[SIM_RECORD];
       for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
 #endif
-      const real box_mean = local_box_mean(record[SIM_R_BOX_MEAN], tx, sensor);
+      const real box_mean = nearest_box_mean(record, tx, sensor);
       const int j_last = J_LAST(packed);
       for (int j = J_FIRST(packed); j <= j_last; ++j) {
         if (J_OUTSIDE(j, lid, packed)) continue;

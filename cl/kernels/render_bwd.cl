@@ -9,10 +9,11 @@ FN ulong gradient_slot(const FrameParams* frame,
                            uint tx,
                            uint ty) {
   const Footprint f = footprints[particle];
-  uint column = tx + frame->tiles_x - (uint)f.tile_x;
-  if (column >= frame->tiles_x) column -= frame->tiles_x;
-  const uint row = ty - (uint)f.row_first / frame->rows_per_tile;
-  return (ulong)emission[particle] + row * (uint)f.tile_count + column;
+  const uint count = SIM_HIGH(f.columns);
+  uint column = tx - SIM_LOW(f.columns);  // beyond count when tx lies before it, too
+  if (column >= count) column = count + tx - SIM_LOW(f.others);
+  const uint row = ty - SIM_LOW(f.rows) / frame->rows_per_tile;
+  return (ulong)emission[particle] + row * (count + SIM_HIGH(f.others)) + column;
 }
 
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
@@ -87,7 +88,7 @@ __kernel void render_bwd(const FrameParams frame,
     const __global real* source = records + (ulong)particle * SIM_RECORD;
     real record[SIM_RECORD];
     for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
-    const real box_mean = local_box_mean(record[SIM_R_BOX_MEAN], tx, sensor);
+    const real box_mean = nearest_box_mean(record, tx, sensor);
     F sum[SIM_GRAD];
     for (int k = 0; k < SIM_GRAD; ++k) sum[k] = (F)R(0.0);
 

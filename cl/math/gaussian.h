@@ -48,8 +48,9 @@ FN void load_gaussian(__global const real* params,
   g->rotation[8] = R(1.0) - R(2.0) * (x * x + y * y);
 }
 
-/// The blending matrix: M = diag(1/s^) R^T, o_g = -M offset, r = |o_g|, and A = D H M / r with H the
-/// Householder reflection that takes o_g to (0, 0, -+r) and D the sign that makes it (0, 0, -r).
+/// The blending matrix: M = diag(1/s^) R^T, o_g = -M offset, r = |o_g|, and A = G D H M / r with H the
+/// Householder reflection that takes o_g to (0, 0, -+r), D the sign that makes it (0, 0, -r), and G the turn
+/// about the third axis that makes A[0][2] = 0.
 typedef struct {
   F m[9];          // M, row-major
   F a[9];          // A, row-major
@@ -58,6 +59,7 @@ typedef struct {
   F v[3];          // Householder vector
   F two_over_vv;   // 2 / |v|^2
   F sign;          // of D's last entry
+  F cosine, sine;  // of G
 } BlendMatrix;
 
 FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
@@ -83,14 +85,26 @@ FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
     b->a[3 + j] = (b->m[3 + j] - b->v[1] * vm) * b->inv_radius;
     b->a[6 + j] = (b->m[6 + j] - b->v[2] * vm) * b->inv_radius * b->sign;
   }
+  const F length2 = b->a[2] * b->a[2] + b->a[5] * b->a[5];
+  const I turned = length2 > R(1e-30);
+  const F inv_length = R(1.0) / sqrt(SEL(turned, length2, (F)R(1.0)));
+  b->cosine = SEL(turned, b->a[5] * inv_length, (F)R(1.0));
+  b->sine = SEL(turned, b->a[2] * inv_length, (F)R(0.0));
+  for (int j = 0; j < 3; ++j) {
+    const F first = b->a[j], second = b->a[3 + j];
+    b->a[j] = b->cosine * first - b->sine * second;
+    b->a[3 + j] = b->sine * first + b->cosine * second;
+  }
 }
 
-/// Gradient in the rows of A (scaled, reflected) taken back to the frame of M: out = H D in / r.
+/// Gradient in the rows of A (scaled, reflected, turned) taken back to the frame of M: out = H D G^T in / r.
 FN void unreflect(const BlendMatrix* b, const F* in, F* out) {
+  const F first = b->cosine * in[0] + b->sine * in[1];
+  const F second = b->cosine * in[1] - b->sine * in[0];
   const F last = in[2] * b->sign;
-  const F dot = (b->v[0] * in[0] + b->v[1] * in[1] + b->v[2] * last) * b->two_over_vv;
-  out[0] = (in[0] - b->v[0] * dot) * b->inv_radius;
-  out[1] = (in[1] - b->v[1] * dot) * b->inv_radius;
+  const F dot = (b->v[0] * first + b->v[1] * second + b->v[2] * last) * b->two_over_vv;
+  out[0] = (first - b->v[0] * dot) * b->inv_radius;
+  out[1] = (second - b->v[1] * dot) * b->inv_radius;
   out[2] = (last - b->v[2] * dot) * b->inv_radius;
 }
 

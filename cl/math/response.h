@@ -15,7 +15,7 @@ typedef struct {
 #if ORIGINS
   F o[3];  // origin - o_ref, m
 #endif
-  F u;     // place along the tile's x axis, from the tile's own origin
+  F u;     // place along the tile's x axis: px, or unrolled spin angle in rad
 } RayLanes;
 
 typedef struct {
@@ -29,18 +29,18 @@ typedef struct {
   I inside;    // contributes, but for retirement
 } Response;
 
-/// record: the particle's 16 reals, its box mean already relative to the tile's origin.
+/// record: the particle's 16 reals; box_mean: the one of its two that is nearer to the tile.
 FN void respond(const real* record, real box_mean, const RayLanes* ray, real t_min, real t_max, Response* out) {
-  for (int k = 0; k < 3; ++k) {
-    const real* row = record + 3 * k;
-    out->a[k] = fma(ray->d[0], (F)row[0], fma(ray->d[1], (F)row[1], ray->d[2] * row[2]));
-  }
+  // The first row's third entry is 0.
+  out->a[0] = fma(ray->d[0], (F)record[0], ray->d[1] * record[1]);
+  out->a[1] = fma(ray->d[0], (F)record[2], fma(ray->d[1], (F)record[3], ray->d[2] * record[4]));
+  out->a[2] = fma(ray->d[0], (F)record[5], fma(ray->d[1], (F)record[6], ray->d[2] * record[7]));
 #if ORIGINS
-  for (int k = 0; k < 3; ++k) {
-    const real* row = record + 3 * k;
-    const F rest = k == 2 ? (F)R(-1.0) : (F)R(0.0);
-    out->o[k] = fma(ray->o[0], (F)row[0], fma(ray->o[1], (F)row[1], fma(ray->o[2], (F)row[2], rest)));
-  }
+  out->o[0] = fma(ray->o[0], (F)record[0], ray->o[1] * record[1]);
+  out->o[1] = fma(ray->o[0], (F)record[2], fma(ray->o[1], (F)record[3], ray->o[2] * record[4]));
+  out->o[2] = fma(ray->o[0],
+                  (F)record[5],
+                  fma(ray->o[1], (F)record[6], fma(ray->o[2], (F)record[7], (F)R(-1.0))));
   // |o x a|^2 by the cross product: it does not cancel.
   const F cx = fma(out->o[1], out->a[2], -(out->o[2] * out->a[1]));
   const F cy = fma(out->o[2], out->a[0], -(out->o[0] * out->a[2]));
@@ -68,14 +68,11 @@ FN F raw_alpha(const real* record, F q, real log_cut) {
   return exp_lanes(fma(record[SIM_R_QMAX] - q, (F)R(0.5), (F)log_cut));
 }
 
-/// Box mean of a record from the origin of tile column tx, by the shorter way round.
-FN real local_box_mean(real box_mean, uint tx, __global const real* sensor) {
-  real mean = box_mean;
-  if (sensor[SIM_S_PERIOD] > R(0.0)) {
-    mean -= sensor[SIM_S_TILE_X0] + ((real)tx + R(0.5)) / sensor[SIM_S_TILE_SCALE];
-    mean -= sensor[SIM_S_PERIOD] * rint(mean / sensor[SIM_S_PERIOD]);
-  }
-  return mean;
+/// Of a record's two places along x the one nearer to the middle of tile column tx.
+FN real nearest_box_mean(const real* record, uint tx, __global const real* sensor) {
+  const real middle = sensor[SIM_S_TILE_X0] + ((real)tx + R(0.5)) / sensor[SIM_S_TILE_SCALE];
+  const real one = record[SIM_R_BOX_MEAN], other = record[SIM_R_BOX_OTHER];
+  return fabs(other - middle) < fabs(one - middle) ? other : one;
 }
 
 // Slots of vector j of this work-item, from the tile's first slot, and its slot row.

@@ -74,8 +74,9 @@ FN void sensor_from_world_point(__global const real* sensor, const F* p, F t, F*
 #endif
 }
 
-/// (x, y) of a sensor-frame point: pixels, or azimuth and elevation in rad. `valid` is cleared in
-/// lanes where the point has no image: nearer than 1 cm to the camera or outside the lens's domain.
+/// (x, y) of a sensor-frame point: pixels, or the spin angle since the sweep's start (rad, by the shorter way
+/// round, in [-pi, pi]) and elevation (rad). `valid` is cleared in lanes where the point has no image: nearer
+/// than 1 cm to the camera or outside the lens's domain.
 FN void project_point(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
 #if SENSOR == SENSOR_CAMERA
   F u, v;
@@ -105,19 +106,17 @@ FN void project_point(__global const real* sensor, const F* p, F* x, F* y, I* va
 #endif
 #else
   const F z = p[2] - sensor[SIM_S_HEIGHT_REF];
-  *x = atan2_lanes(p[1], p[0]);
+  *x = wrap_lanes((atan2_lanes(p[1], p[0]) - sensor[SIM_S_AZIMUTH_CUT]) * sensor[SIM_S_SPIN], TWO_PI_R);
   *y = atan2_lanes(z, sqrt(p[0] * p[0] + p[1] * p[1]));
 #endif
 }
 
-/// Share of the frame at which (x, y) is measured, in [0, 1].
+/// Share of the frame at which (x, y) is measured, in [0, 1]; a LiDAR's x is the unrolled spin angle.
 FN F time_of(__global const real* sensor, F x, F y) {
 #if SENSOR == SENSOR_CAMERA
   F t = fma(x, (F)sensor[SIM_S_TIME_X], fma(y, (F)sensor[SIM_S_TIME_Y], (F)sensor[SIM_S_TIME_C]));
 #else
-  F turned = (x - sensor[SIM_S_AZIMUTH_FIRST]) * sensor[SIM_S_SPIN];
-  turned -= TWO_PI_R * floor(turned * (R(1.0) / TWO_PI_R));
-  F t = turned / sensor[SIM_S_SPAN] + sensor[SIM_S_HALF_COLUMN];
+  F t = x * sensor[SIM_S_INV_SPAN];
 #endif
   t = VMIN(t, (F)R(1.0));
   return VMAX(t, (F)R(0.0));

@@ -14,29 +14,40 @@ typedef struct {
   I valid;           // every sigma point has an image
 } Box;
 
-/// Image of the world point o_ref + p at its own time: t <- time(project(p, pose(t))) from t = 1/2.
-FN void project_at_own_time(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
+/// x by the way round that is nearest to `anchor`, for sensors whose x goes round.
+FN F unrolled(__global const real* sensor, F x, F anchor) {
+#if WRAPS
+  return anchor + wrap_lanes(x - anchor, sensor[SIM_S_PERIOD]);
+#else
+  return x;
+#endif
+}
+
+/// Image of the world point o_ref + p at its own time: t <- time(project(p, pose(t))), from the time of
+/// (anchor, y), x being unrolled near the anchor.
+FN void project_at_own_time(__global const real* sensor, const F* p, F anchor, F t, F* x, F* y, I* valid) {
   F q[3];
 #if MOVING
-  F t = (F)R(0.5);
   for (int k = 0; k < SHUTTER_ITERATIONS; ++k) {
     I seen = *valid;
     sensor_from_world_point(sensor, p, t, q);
     project_point(sensor, q, x, y, &seen);
+    *x = unrolled(sensor, *x, anchor);
     t = time_of(sensor, *x, *y);
   }
-  sensor_from_world_point(sensor, p, t, q);
-#else
-  sensor_from_world_point(sensor, p, (F)R(0.5), q);
 #endif
+  sensor_from_world_point(sensor, p, t, q);
   project_point(sensor, q, x, y, valid);
+  *x = unrolled(sensor, *x, anchor);
 }
 
+/// The box about the particle's place near `anchor`, the iteration starting at time t.
 /// reach: the radius in standard deviations at which alpha falls to the cut.
-FN void unscented_box(__global const real* sensor, const Gaussian* g, F reach, Box* box) {
+FN void unscented_box(__global const real* sensor, const Gaussian* g, F reach, F anchor, F t, Box* box) {
   F x0, y0;
   I valid = (F)R(0.0) == (F)R(0.0);
-  project_at_own_time(sensor, g->offset, &x0, &y0, &valid);
+  project_at_own_time(sensor, g->offset, anchor, t, &x0, &y0, &valid);
+  const F t0 = time_of(sensor, x0, y0);
   F sum_x = (F)R(0.0), sum_y = (F)R(0.0), sum_xx = (F)R(0.0), sum_yy = (F)R(0.0);
   for (int axis = 0; axis < 3; ++axis) {
     const F arm = g->filtered[axis] * R(1.7320508075688772);
@@ -46,11 +57,8 @@ FN void unscented_box(__global const real* sensor, const Gaussian* g, F reach, B
                       fma(g->rotation[3 + axis], signed_arm, g->offset[1]),
                       fma(g->rotation[6 + axis], signed_arm, g->offset[2])};
       F x, y;
-      project_at_own_time(sensor, p, &x, &y, &valid);
-      F dx = x - x0;
-#if WRAPS
-      dx = wrap_lanes(dx, sensor[SIM_S_PERIOD]);
-#endif
+      project_at_own_time(sensor, p, x0, t0, &x, &y, &valid);
+      const F dx = x - x0;
       const F dy = y - y0;
       sum_x += dx;
       sum_y += dy;

@@ -28,15 +28,17 @@ typedef int sim_i32;
 #define SIM_OPACITY 10
 #define SIM_SH 11
 
-// One blending record per particle, 16 reals. With o_g = M (o_ref - mu), M = diag(1/s^) R^T, r = |o_g| and H
-// the orthogonal map that takes o_g to -r e3: rows of H M / r, r^2, the largest squared distance that
-// still counts, features, and the box along the tile's x axis.
+// One blending record per particle, 16 reals. With o_g = M (o_ref - mu), M = diag(1/s^) R^T, r = |o_g| and Q
+// the orthogonal map that takes o_g to -r e3 and makes the last entry of the first row 0: the 8 other entries
+// of A = Q M / r, r^2, the largest squared distance that still counts, features, and the box along the tile's
+// x axis: a particle has two places there when x goes round (a sweep's start and end), else the same twice.
 #define SIM_RECORD 16
 #define SIM_R_MATRIX 0
-#define SIM_R_RADIUS2 9
-#define SIM_R_QMAX 10
-#define SIM_R_FEATURE 11
-#define SIM_R_BOX_MEAN 14
+#define SIM_R_RADIUS2 8
+#define SIM_R_QMAX 9
+#define SIM_R_FEATURE 10
+#define SIM_R_BOX_MEAN 13
+#define SIM_R_BOX_OTHER 14
 #define SIM_R_BOX_HALF 15
 
 // One gradient slot per instance, 16 reals, in the order in which render_bwd sums them.
@@ -82,17 +84,16 @@ typedef int sim_i32;
 #define SIM_S_TIME_X 47        // camera: exposure fraction = c + x * px + y * py
 #define SIM_S_TIME_Y 48
 #define SIM_S_TIME_C 49
-#define SIM_S_AZIMUTH_FIRST 50 // LiDAR: rad
+#define SIM_S_AZIMUTH_CUT 50   // LiDAR: rad, where the sweep starts
 #define SIM_S_SPIN 51          // +1 counter-clockwise, -1 clockwise
-#define SIM_S_SPAN 52          // rad swept
-#define SIM_S_HALF_COLUMN 53   // half a column as a share of the sweep
+#define SIM_S_INV_SPAN 52      // 1 / rad swept
 #define SIM_S_HEIGHT_REF 54    // m, mean vertical offset of the beams
 #define SIM_S_LEVER 55         // m, reach of the beams' origins about the reference
 #define SIM_S_LUT_FIRST 56     // elevation of the look-up table's first bin
 #define SIM_S_LUT_SCALE 57     // bins per rad
 #define SIM_S_TILE_X0 58       // tile x of u: (u - x0) * scale
 #define SIM_S_TILE_SCALE 59    // tiles per unit of u
-#define SIM_S_PERIOD 60        // of u: 2 pi for azimuth, 0 for pixels
+#define SIM_S_PERIOD 60        // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
 #define SIM_S_LENS 64          // camera: SIM_LENS_REALS constants of the lens
 #define SIM_SENSOR_REALS 96
 
@@ -132,14 +133,17 @@ typedef struct {
 } FrameParams;
 SIM_CHECK_SIZE(FrameParams, 32);
 
-// The range of tiles and sensor rows that one particle may touch; count = 0: culled.
+// The tiles and sensor rows that one particle may touch: up to two intervals of tile columns, one for each of
+// its places along x. A culled particle has none.
 typedef struct {
-  sim_i32 tile_x;      // first tile column, wraps at tiles_x
-  sim_i32 tile_count;  // tile columns
-  sim_i32 row_first;   // sensor rows, inclusive
-  sim_i32 row_last;
+  sim_u32 columns;  // first tile column | tile columns << 16
+  sim_u32 others;   // the same of the second interval; 0: none
+  sim_u32 rows;     // first sensor row | last sensor row << 16
+  sim_u32 tiles;    // tiles in all
 } Footprint;
 SIM_CHECK_SIZE(Footprint, 16);
+#define SIM_LOW(packed) ((packed) & 0xffffu)
+#define SIM_HIGH(packed) ((packed) >> 16)
 
 #ifdef __cplusplus
 }  // namespace simuli::shared

@@ -10,6 +10,8 @@ constexpr double kBeta1 = 0.9;
 constexpr double kBeta2 = 0.999;
 constexpr double kEpsilon = 1e-15;  // gradients of means over many rays are tiny: epsilon must not damp them
 
+constexpr std::size_t kLocalSize = 32;
+
 BuildOptions adam_options(const Device& device, Precision precision) {
   BuildOptions options;
   return options.real(precision).define("V", LaneShape::of(device, precision).lanes);
@@ -28,14 +30,20 @@ AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
   second_.fill(0.0);
 }
 
-void AdamStage::run(ParticleBuffers& particles, const RealBuffer& grads, const std::vector<double>& rate) {
+void AdamStage::run(ParticleBuffers& particles,
+                    const RealBuffer& grads,
+                    const Buffer<std::uint32_t>& keys,
+                    const std::vector<double>& rate) {
   ++iteration_;
   rate_.assign(rate);
   const auto t = static_cast<double>(iteration_);
   const std::size_t items = particles.stride / static_cast<std::size_t>(lanes_);
-  adam_.launch(Range(items, rate.size()),
-               Range::none(),
+  adam_.launch(round_up(items, kLocalSize),
+               kLocalSize,
+               particles.count,
                particles.stride,
+               static_cast<std::uint32_t>(rate.size()),
+               keys,
                rate_,
                kBeta1,
                kBeta2,

@@ -51,8 +51,7 @@ void BinStage::run(const shared::FrameParams& frame,
   if (b.visible > 0) {
     const Chunks visible = chunks_of(device_, b.visible);
     b.counts.reserve(visible.work_items);
-    instance_count_.launch(
-        visible.work_items, 1, frame, b.order, b.visible, visible.chunk, b.footprints, b.counts);
+    instance_count_.launch(visible.work_items, 1, b.order, b.visible, visible.chunk, b.footprints, b.counts);
     const std::uint64_t total = scan.run(b.counts, static_cast<std::uint32_t>(visible.work_items), true);
     if (total > max_instances) {
       throw Error(ErrorKind::kDevice,

@@ -44,7 +44,8 @@ void ProjectStage::run_backward(const shared::FrameParams& frame,
                                 const ParticleBuffers& particles,
                                 FrameBuffers& buffers,
                                 RealBuffer& param_grads) {
-  const std::size_t items = frame.stride / static_cast<std::size_t>(lanes_);  // padding included
+  const std::size_t items =
+      round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
   project_bwd_.launch(round_up(items, kLocalSize),
                       kLocalSize,
                       frame,

@@ -72,8 +72,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
       }
       lowest_cosine = std::min(lowest_cosine, direction.z());
       set_ray(grid, slot, ray, direction, Eigen::Vector3d::Zero(), camera.exposure_fraction(pixel));
-      const double from = wraps ? x / SIM_SLOT_ROW * SIM_SLOT_ROW + 0.5 * SIM_SLOT_ROW : 0.0;
-      grid.u[slot] = static_cast<float>(pixel.x() - from);
+      grid.u[slot] = static_cast<float>(pixel.x());
     }
   }
   if (grid.without_ray == grid.rays) {
@@ -103,25 +102,48 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
 
 namespace {
 
-/// Azimuth in [-pi, pi]; measured ones may be counted from anywhere.
-double wrapped(float azimuth) { return std::remainder(static_cast<double>(azimuth), 2.0 * kPi); }
-
-/// The tile column of an azimuth when the circle is cut into `tiles`; the one function of tiles and rays.
-std::size_t azimuth_tile(float azimuth, std::size_t tiles) {
-  const double place = (wrapped(azimuth) + kPi) * static_cast<double>(tiles) / (2.0 * kPi);
-  return std::min(static_cast<std::size_t>(std::max(place, 0.0)), tiles - 1);
+/// Azimuth at which the sweep starts: half a column before the first.
+double azimuth_cut(const Lidar& lidar) {
+  return lidar.azimuth_first - lidar.spin_sign() * 0.5 * lidar.azimuth_span / lidar.columns;
 }
 
-/// Largest number of rays of one beam in one of `tiles` azimuth columns.
-std::size_t fullest(const LidarRays& rays, std::size_t tiles) {
+/// The spin angle since the sweep's start of every ray, unrolled: the turn nearest to where its time puts it.
+/// The one coordinate of tiles, rays and boxes along the spin (METHOD section 3, the seam).
+std::vector<double> spin_angles(const Lidar& lidar, const LidarRays& rays) {
+  const double cut = azimuth_cut(lidar);
+  std::vector<double> angles(rays.azimuth.size());
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const double by_time = static_cast<double>(rays.time_fraction[i]) * lidar.azimuth_span;
+    const double turned = lidar.spin_sign() * (static_cast<double>(rays.azimuth[i]) - cut);
+    angles[i] = by_time + std::remainder(turned - by_time, 2.0 * kPi);
+  }
+  return angles;
+}
+
+/// Uniform tile columns over all spin angles.
+struct SpinTiles {
+  double first = 0.0;  // rad
+  double width = 0.0;  // rad
+  std::size_t count = 0;
+  [[nodiscard]] std::size_t of(double angle) const {
+    const double place = (angle - first) / width;
+    return std::min(static_cast<std::size_t>(std::max(place, 0.0)), count - 1);
+  }
+};
+
+SpinTiles spin_tiles(const std::vector<double>& angles, std::size_t count) {
+  const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
+  // A hair more than the rays, so that the last one is inside.
+  return {*low, (*high - *low + 1e-6) / static_cast<double>(count), count};
+}
+
+/// Largest number of rays of one beam in one tile column.
+std::size_t fullest(const std::vector<double>& angles, std::size_t columns, const SpinTiles& tiles) {
   std::size_t most = 0;
-  std::vector<std::size_t> count(tiles);
-  for (int r = 0; r < rays.rows; ++r) {
-    std::fill(count.begin(), count.end(), std::size_t{0});
-    const std::size_t base = static_cast<std::size_t>(r) * static_cast<std::size_t>(rays.columns);
-    for (std::size_t c = 0; c < static_cast<std::size_t>(rays.columns); ++c) {
-      most = std::max(most, ++count[azimuth_tile(rays.azimuth[base + c], tiles)]);
-    }
+  std::vector<std::size_t> count(tiles.count);
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    if (i % columns == 0) std::fill(count.begin(), count.end(), std::size_t{0});
+    most = std::max(most, ++count[tiles.of(angles[i])]);
   }
   return most;
 }
@@ -180,25 +202,26 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
   frame.tiles_y = (frame.rows + frame.rows_per_tile - 1) / frame.rows_per_tile;
   const std::size_t width = std::size_t{frame.row_slots} * SIM_SLOT_ROW;
 
-  // As few azimuth columns as hold every beam's rays; jitter of measured rays costs a few more. Sixteen at
-  // least: differences of azimuths inside a tile are not wrapped, so that the widest box (pi - 0.2 to either
-  // side) and half a tile have to stay below half a turn.
-  constexpr std::size_t kLeastTiles = 16;
-  std::size_t tiles = std::max(kLeastTiles, (static_cast<std::size_t>(rays.columns) + width - 1) / width);
-  const std::size_t most_tiles = 4 * tiles + 64;
-  while (tiles <= most_tiles && fullest(rays, tiles) > width) ++tiles;
-  if (tiles > most_tiles) {
+  // As few tile columns as hold every beam's rays; jitter of measured rays costs a few more.
+  const std::vector<double> angles = spin_angles(lidar, rays);
+  const auto columns = static_cast<std::size_t>(rays.columns);
+  // At least 8: in wider tiles the two places of a particle at the cut could not be told apart.
+  std::size_t count_x = std::max<std::size_t>(8, (columns + width - 1) / width);
+  const std::size_t most_tiles = 4 * count_x + 64;
+  while (count_x <= most_tiles && fullest(angles, columns, spin_tiles(angles, count_x)) > width) ++count_x;
+  if (count_x > most_tiles) {
     throw_input_error("lidar " + lidar.name,
                       "ray azimuths",
-                      fmt::format("more than {} rays of one beam in 1/{} turn", width, most_tiles),
-                      "rays spread along the azimuth");
+                      fmt::format("more than {} rays of one beam in 1/{} of the sweep", width, most_tiles),
+                      "rays spread along the sweep");
   }
-  frame.tiles_x = static_cast<std::uint32_t>(tiles);
+  const SpinTiles tiles = spin_tiles(angles, count_x);
+  frame.tiles_x = static_cast<std::uint32_t>(tiles.count);
   allocate_slots(grid);
 
   auto& c = grid.constants;
-  c[SIM_S_TILE_X0] = -kPi;
-  c[SIM_S_TILE_SCALE] = static_cast<double>(tiles) / (2.0 * kPi);
+  c[SIM_S_TILE_X0] = tiles.first;
+  c[SIM_S_TILE_SCALE] = 1.0 / tiles.width;
   c[SIM_S_PERIOD] = 2.0 * kPi;
   fill_elevation_table(grid, lidar);
 
@@ -213,18 +236,17 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
   c[SIM_S_LEVER] = (highest - lowest) / 2.0 + sideways;
   grid.lever_arms = highest != 0.0 || lowest != 0.0 || sideways != 0.0;
 
-  std::vector<std::size_t> order(static_cast<std::size_t>(rays.columns));
-  std::vector<std::size_t> used(tiles);
+  std::vector<std::size_t> order(columns);
+  std::vector<std::size_t> used(tiles.count);
   for (int r = 0; r < rays.rows; ++r) {
-    const std::size_t base = static_cast<std::size_t>(r) * static_cast<std::size_t>(rays.columns);
+    const std::size_t base = static_cast<std::size_t>(r) * columns;
     std::iota(order.begin(), order.end(), base);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return rays.azimuth[a] < rays.azimuth[b];
-    });
+    std::stable_sort(
+        order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return angles[a] < angles[b]; });
     std::fill(used.begin(), used.end(), std::size_t{0});
     for (const std::size_t ray : order) {
-      const std::size_t tx = azimuth_tile(rays.azimuth[ray], tiles);
-      const std::size_t tile = static_cast<std::size_t>(r / per_tile) * tiles + tx;
+      const std::size_t tx = tiles.of(angles[ray]);
+      const std::size_t tile = static_cast<std::size_t>(r / per_tile) * tiles.count + tx;
       const std::size_t slot =
           tile * SIM_TILE_RAYS + static_cast<std::size_t>(r % per_tile) * width + used[tx]++;
       const double azimuth = static_cast<double>(rays.azimuth[ray]);
@@ -234,14 +256,12 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
               Lidar::direction(azimuth, static_cast<double>(rays.elevation[ray])),
               lidar.origin(r, azimuth),
               static_cast<double>(rays.time_fraction[ray]));
-      const double centre = -kPi + (static_cast<double>(tx) + 0.5) * 2.0 * kPi / static_cast<double>(tiles);
-      grid.u[slot] = static_cast<float>(wrapped(rays.azimuth[ray]) - centre);
+      grid.u[slot] = static_cast<float>(angles[ray]);
     }
   }
-  c[SIM_S_AZIMUTH_FIRST] = lidar.azimuth_first;
+  c[SIM_S_AZIMUTH_CUT] = azimuth_cut(lidar);
   c[SIM_S_SPIN] = lidar.spin_sign();
-  c[SIM_S_SPAN] = lidar.azimuth_span;
-  c[SIM_S_HALF_COLUMN] = 0.5 / lidar.columns;
+  c[SIM_S_INV_SPAN] = 1.0 / lidar.azimuth_span;
   const double half_divergence = std::tan(lidar.beam_divergence / 2.0);
   c[SIM_S_KAPPA] = lidar.divergence_variance * half_divergence * half_divergence;
   c[SIM_S_T_MIN] = lidar.range_min;

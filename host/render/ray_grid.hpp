@@ -24,7 +24,7 @@ struct RayGrid {
   std::size_t without_ray = 0;            // pixels that the lens sees nothing through: no slot has them
   std::vector<std::int32_t> ray_of_slot;  // [slots]
   std::vector<float> sensor_ray;          // [7][slots]: direction, origin (m), share of the frame
-  std::vector<float> u;                   // [slots]: px, or azimuth from the tile column's centre (rad)
+  std::vector<float> u;                   // [slots]: px, or spin angle since the sweep's start (rad)
   std::vector<std::int32_t> row_lut;      // LiDAR: elevation bin -> first beam to look at, [4096]
   std::vector<double> row_elevation;      // LiDAR: [beams] rad, falling
   /// SIM_S_FX.. of cl/shared/layout.h: the constants of the model, poses excepted.

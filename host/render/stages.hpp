@@ -196,8 +196,7 @@ class BinStage {
          Buf<std::uint32_t>,
          Buf<std::uint32_t>>
       visible_write_;
-  Kernel<shared::FrameParams,
-         Buf<const std::uint32_t>,
+  Kernel<Buf<const std::uint32_t>,
          std::uint32_t,
          std::uint32_t,
          Buf<const shared::Footprint>,
@@ -299,8 +298,12 @@ class LossStage {
 class AdamStage {
  public:
   AdamStage(const Device& device, const ParticleBuffers& particles);
-  /// One step with rate[param_rows]; counts iterations itself.
-  void run(ParticleBuffers& particles, const RealBuffer& grads, const std::vector<double>& rate);
+  /// One step with rate[param_rows] on the particles that the frame of `keys` (FrameBuffers) did not cull;
+  /// counts iterations itself.
+  void run(ParticleBuffers& particles,
+           const RealBuffer& grads,
+           const Buffer<std::uint32_t>& keys,
+           const std::vector<double>& rate);
   /// Gradient entries so far that were not finite and moved nothing. Waits.
   [[nodiscard]] std::uint32_t rejected() const { return rejected_.read_back(); }
 
@@ -310,6 +313,9 @@ class AdamStage {
   RealBuffer rate_, first_, second_;
   Buffer<std::uint32_t> rejected_;
   Kernel<std::uint32_t,
+         std::uint32_t,
+         std::uint32_t,
+         Buf<const std::uint32_t>,
          BufRealConst,
          RealScalar,
          RealScalar,

@@ -44,10 +44,15 @@ Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& sh
   std::vector<double> weights(out.size());
   for (double& w : weights) w = random.normal();
   renderer.set_output_gradients(weights);
+  grads.reserve(particles.params.count());
+  grads.fill(0.0);  // backward leaves what stands at culled particles
   renderer.backward(particles, grads);
   step.grads = grads.download_float();
   AdamStage adam(device, particles);
-  adam.run(particles, grads, std::vector<double>(static_cast<std::size_t>(param_rows(set.sh_degree)), 1e-3));
+  adam.run(particles,
+           grads,
+           renderer.buffers().keys,
+           std::vector<double>(static_cast<std::size_t>(param_rows(set.sh_degree)), 1e-3));
   EXPECT_EQ(adam.rejected(), 0U);
   step.params = particles.params.download_float();
   return step;

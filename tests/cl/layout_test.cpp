@@ -29,10 +29,10 @@ __kernel void probe(__global uint* at) {
   at[7] = OFFSET(frame, row_slots);
   at[8] = OFFSET(frame, slots);
   at[9] = sizeof(Footprint);
-  at[10] = OFFSET(footprint, tile_x);
-  at[11] = OFFSET(footprint, tile_count);
-  at[12] = OFFSET(footprint, row_first);
-  at[13] = OFFSET(footprint, row_last);
+  at[10] = OFFSET(footprint, columns);
+  at[11] = OFFSET(footprint, others);
+  at[12] = OFFSET(footprint, rows);
+  at[13] = OFFSET(footprint, tiles);
 }
 )";
 
@@ -49,10 +49,10 @@ Offsets host_offsets() {
           offsetof(FrameParams, row_slots),
           offsetof(FrameParams, slots),
           sizeof(Footprint),
-          offsetof(Footprint, tile_x),
-          offsetof(Footprint, tile_count),
-          offsetof(Footprint, row_first),
-          offsetof(Footprint, row_last)};
+          offsetof(Footprint, columns),
+          offsetof(Footprint, others),
+          offsetof(Footprint, rows),
+          offsetof(Footprint, tiles)};
 }
 
 Offsets device_offsets(const std::string& layout) {
@@ -83,7 +83,7 @@ TEST(Layout, DeviceAndHostAgree) {
 TEST(Layout, TheProbeSeesSwappedFields) {
   const std::string layout = load_source("shared/layout.h");
   EXPECT_NE(device_offsets(swapped(layout, "sim_u32 stride;", "sim_u32 tiles_x;")), host_offsets());
-  EXPECT_NE(device_offsets(swapped(layout, "sim_i32 row_first;", "sim_i32 row_last;")), host_offsets());
+  EXPECT_NE(device_offsets(swapped(layout, "sim_u32 columns;", "sim_u32 others;")), host_offsets());
 }
 
 }  // namespace

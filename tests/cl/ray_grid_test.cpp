@@ -43,10 +43,13 @@ void expect_complete(const RayGrid& grid) {
   ASSERT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
 }
 
-/// The slots of a sweep lie in their beam's slot rows and in their azimuth's tile column.
+/// The slots of a sweep lie in their beam's slot rows and in the tile column of their spin angle, which is that
+/// of their azimuth in the turn of their time.
 void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
   const auto& frame = grid.frame;
-  const double half_tile = kPi / frame.tiles_x;
+  const double first = grid.constants[SIM_S_TILE_X0];
+  const double width = 1.0 / grid.constants[SIM_S_TILE_SCALE];
+  const double span = 1.0 / grid.constants[SIM_S_INV_SPAN];
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
     const std::int32_t ray = grid.ray_of_slot[slot];
     if (ray < 0) continue;
@@ -56,10 +59,14 @@ void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
     ASSERT_EQ(tile / frame.tiles_x * frame.rows_per_tile + slot_row / frame.row_slots, row) << "ray " << ray;
     constexpr double kFloat_rad = 1e-6;
     const double u = static_cast<double>(grid.u[slot]);
-    ASSERT_LE(std::abs(u), half_tile + kFloat_rad) << "ray " << ray;
-    const double centre = -kPi + (static_cast<double>(tile % frame.tiles_x) + 0.5) * 2.0 * half_tile;
+    const double left = first + static_cast<double>(tile % frame.tiles_x) * width;
+    ASSERT_GE(u, left - kFloat_rad) << "ray " << ray;
+    ASSERT_LE(u, left + width + kFloat_rad) << "ray " << ray;
     const double azimuth = static_cast<double>(rays.azimuth[static_cast<std::size_t>(ray)]);
-    ASSERT_NEAR(std::remainder(u + centre - azimuth, 2.0 * kPi), 0.0, kFloat_rad) << "ray " << ray;
+    const double turned = grid.constants[SIM_S_SPIN] * (azimuth - grid.constants[SIM_S_AZIMUTH_CUT]);
+    ASSERT_NEAR(std::remainder(u - turned, 2.0 * kPi), 0.0, kFloat_rad) << "ray " << ray;
+    const double by_time = static_cast<double>(rays.time_fraction[static_cast<std::size_t>(ray)]) * span;
+    ASSERT_LE(std::abs(u - by_time), kPi + kFloat_rad) << "ray " << ray;
   }
 }
 

@@ -38,7 +38,8 @@ Ray lidar_ray(const Sensor& sensor, int row, std::size_t index) {
   Ray ray;
   ray.origin = scene_from_lidar.rotation * o_lidar + scene_from_lidar.translation;
   ray.direction = (scene_from_lidar.rotation * d_lidar).normalized();
-  ray.x = azimuth;
+  ray.x =
+      spin_angle(sensor.lidar, azimuth, sensor.lidar_rays.time_fraction[index] * sensor.lidar.azimuth_span);
   ray.y = beam.elevation;
   return ray;
 }
@@ -125,12 +126,10 @@ double exposure_time(const Camera& camera, const Vector2d& pixel) {
   return std::clamp(fraction, 0.0, 1.0);
 }
 
-double firing_time(const Lidar& lidar, double azimuth) {
-  constexpr double kTurn = 2.0 * std::numbers::pi;
+double spin_angle(const Lidar& lidar, double azimuth, double anchor) {
   const double spin = lidar.spin == SpinDirection::kCounterClockwise ? 1.0 : -1.0;
-  const double angle = spin * (azimuth - lidar.azimuth_first);
-  const double unrolled = angle - kTurn * std::floor(angle / kTurn);
-  return std::clamp(unrolled / lidar.azimuth_span + 0.5 / lidar.columns, 0.0, 1.0);
+  const double start = lidar.azimuth_first - spin * 0.5 * lidar.azimuth_span / lidar.columns;
+  return anchor + wrapped(spin * (azimuth - start) - anchor);
 }
 
 Eigen::VectorXd sh_basis(int degree, const Vector3d& direction) {

@@ -62,8 +62,8 @@ struct Sensor {
 struct Ray {
   Eigen::Vector3d origin;     // m
   Eigen::Vector3d direction;  // unit
-  double x = 0.0;             // camera: pixel; LiDAR: azimuth, rad
-  double y = 0.0;             // camera: pixel; LiDAR: nominal elevation of the row, rad
+  double x = 0.0;  // camera: pixel; LiDAR: spin angle since the sweep's start, rad, unrolled by time
+  double y = 0.0;  // camera: pixel; LiDAR: nominal elevation of the row, rad
 };
 
 /// One particle as the sensor sees it: everything that render() needs and what led to it.
@@ -78,7 +78,8 @@ struct Footprint {
   Eigen::Vector3d filtered_scale = Eigen::Vector3d::Zero();  // m, s_hat
   Eigen::Matrix3d scene_from_particle = Eigen::Matrix3d::Identity();  // R
   double extent = 0.0;                                                // k = sqrt(2 ln(sigma / alpha_cut))
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();        // m, pixels or rad; azimuth is not wrapped
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();  // m, pixels or rad (spin angle, elevation)
+  double other_x = 0.0;  // LiDAR: the particle's place one turn on or back; a ray may be in either box
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of the seven points; zero in the fallback
   Eigen::Vector2d half_width = Eigen::Vector2d::Zero();  // of the box, widenings included
 };
@@ -153,8 +154,9 @@ template <class ProjectPoint>
 /// Share of the frame at which the pixel is exposed, in [0,1] also for pixels outside the picture.
 [[nodiscard]] double exposure_time(const Camera& camera, const Eigen::Vector2d& pixel);
 
-/// Share of the sweep at which the LiDAR fires in the direction `azimuth`, in [0,1]; row offsets ignored.
-[[nodiscard]] double firing_time(const Lidar& lidar, double azimuth);
+/// Spin angle since the sweep's start (half a column before the first) of the direction `azimuth`, in the
+/// turn nearest to `anchor`.
+[[nodiscard]] double spin_angle(const Lidar& lidar, double azimuth, double anchor);
 
 // ---- implementation of the template -------------------------------------------------------------------
 

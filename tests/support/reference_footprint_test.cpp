@@ -83,7 +83,7 @@ TEST(LidarFootprint, OfASmallParticleIsItsAngularSize) {
   const Footprint f = lidar_footprint(small_at({0.0, 20.0, 0.0}, 0.05), lidar);
   const double beam = 0.25 * std::tan(1.5e-3) * std::tan(1.5e-3) * 400.0;
   EXPECT_NEAR(f.filter_variance, beam, kDouble);
-  EXPECT_NEAR(f.mean.x(), kPi / 2, kDouble);
+  EXPECT_NEAR(f.mean.x(), spin_angle(lidar, kPi / 2, kPi), kDouble);
   EXPECT_NEAR(f.mean.y(), 0.0, kDouble);
   const double half = std::sqrt(2.0 * std::log(255.0 * 0.5)) * std::sqrt(0.0025 + beam) / 20.0;
   EXPECT_NEAR(f.half_width.x(), half, 1e-4 * half);
@@ -120,21 +120,25 @@ TEST(LidarFootprint, IsARingAroundTheSensorAndAtThePoles) {
   EXPECT_FALSE(lidar_footprint(small_at({5.0, 0.0, 0.0}, 0.05), lidar).fallback);
 }
 
-TEST(LidarFootprint, WidensAtTheCutWhenTheSensorMoves) {
-  const Lidar lidar = test::small_lidar(8, 90);  // the cut is at azimuth pi
-  Pose end;
-  end.translation = {0.0, 1.0, 0.5};
-  const Sensor sensor = Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), end);
-  const auto widths = [&](const Vector3d& mean) {
-    const Particles set(test::set_of(SetKind::kLidar, {small_at(mean, 0.05)}));
-    return project(set, sensor)[0].half_width;
+TEST(LidarFootprint, StandsAtBothEndsOfTheSweep) {
+  const Lidar lidar = test::small_lidar(8, 90);  // starts at azimuth pi, counter-clockwise
+  const auto footprint = [&](const Vector3d& motion) {
+    Pose end;
+    end.translation = motion;
+    const Sensor sensor = Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), end);
+    return project(Particles(test::set_of(SetKind::kLidar, {small_at({-10.0, 0.0, 0.0}, 0.4)})), sensor)[0];
   };
-  const Vector2d ahead = widths({10.0, 0.0, 0.0});
-  const Vector2d at_cut = widths({-10.0, 0.0, 0.0});
-  const double azimuth_change = std::atan2(1.0, 10.0);
+  const Footprint still = footprint({0.0, 0.0, 0.0});
+  EXPECT_NEAR(std::abs(still.other_x - still.mean.x()), 2.0 * kPi, kDouble);
+  // Dead astern at the start. A sensor that goes 1 m to the right meets it again atan(1/10) before the end...
+  const Footprint twice = footprint({0.0, -1.0, 0.5});
+  EXPECT_NEAR(std::abs(twice.other_x - twice.mean.x()), 2.0 * kPi - std::atan2(1.0, 10.0), 2e-3);
   const double elevation_change = std::atan2(0.5, std::hypot(10.0, 1.0));
-  EXPECT_NEAR(at_cut.x() - ahead.x(), azimuth_change, 2e-3);  // motion scales the widths by up to 1 %
-  EXPECT_NEAR(at_cut.y() - ahead.y(), elevation_change, 2e-3);
+  EXPECT_NEAR(twice.half_width.y() - still.half_width.y(), 0.5 * elevation_change, 2e-3);
+  // ... and to one that goes to the left the sweep ends before it comes up again.
+  const Footprint once = footprint({0.0, 1.0, 0.5});
+  EXPECT_EQ(once.other_x, once.mean.x());
+  EXPECT_NEAR(once.half_width.y(), still.half_width.y(), 2e-3);
 }
 
 /// A particle put on a ray, as the ray stands at its own time, is projected to where the ray is.
@@ -147,8 +151,10 @@ void expect_projection_inverts_rays(const Sensor& sensor, double distance_m, dou
   const std::vector<Footprint> footprints =
       project(Particles(test::set_of(sensor.kind, particles)), sensor, options);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double dx = sensor.kind == SetKind::kLidar ? wrapped(footprints[i].mean.x() - all[i].x)
-                                                     : footprints[i].mean.x() - all[i].x;
+    double dx = footprints[i].mean.x() - all[i].x;
+    if (sensor.kind == SetKind::kLidar && std::abs(footprints[i].other_x - all[i].x) < std::abs(dx)) {
+      dx = footprints[i].other_x - all[i].x;
+    }
     EXPECT_NEAR(dx, 0.0, tolerance) << "ray " << i;
     EXPECT_NEAR(footprints[i].mean.y() - all[i].y, 0.0, tolerance) << "ray " << i;
   }
@@ -209,10 +215,11 @@ TEST(Time, SharesOfTheFrameAreClamped) {
   EXPECT_EQ(exposure_time(camera, {3.0, 50.0}), 0.0);
   Lidar lidar = test::small_lidar(2, 100);
   lidar.spin = SpinDirection::kClockwise;
-  EXPECT_NEAR(firing_time(lidar, kPi), 0.005, kDouble);
-  EXPECT_NEAR(firing_time(lidar, kPi / 2), 0.255, kDouble);
-  EXPECT_NEAR(firing_time(lidar, -kPi / 2), 0.755, kDouble);
-  EXPECT_EQ(firing_time(lidar, -kPi + 1e-4), 1.0);
+  const double half_column = kPi / 100.0;
+  EXPECT_NEAR(spin_angle(lidar, kPi, 0.0), half_column, kDouble);
+  EXPECT_NEAR(spin_angle(lidar, kPi / 2, kPi), kPi / 2 + half_column, kDouble);
+  EXPECT_NEAR(spin_angle(lidar, -kPi / 2, kPi), 1.5 * kPi + half_column, kDouble);
+  EXPECT_NEAR(spin_angle(lidar, kPi, 2.0 * kPi), 2.0 * kPi + half_column, kDouble);
 }
 
 TEST(Rays, AgreeWithTheSensorModels) {

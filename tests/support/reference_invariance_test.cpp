@@ -252,7 +252,7 @@ TEST(Boxes, ClipEachAxisByItself) {
       const std::vector<RayResult> clipped = render(one, sensor, all, footprint, {}, kCameraBackground);
       for (std::size_t i = 0; i < all.size(); ++i) {
         double dx = std::abs(all[i].x - footprint[0].mean.x());
-        if (kind == SetKind::kLidar) dx = std::abs(std::remainder(dx, 2.0 * kPi));
+        if (kind == SetKind::kLidar) dx = std::min(dx, std::abs(all[i].x - footprint[0].other_x));
         const bool in_x = dx <= footprint[0].half_width.x();
         const bool in_y = std::abs(all[i].y - footprint[0].mean.y()) <= footprint[0].half_width.y();
         EXPECT_EQ(clipped[i].contributors, in_x && in_y ? whole[i].contributors : 0) << "particle " << k;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "tests/support/reference.hpp"
@@ -15,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kPi = std::numbers::pi;
 constexpr double kCameraNear_m = 0.01;    // z_min
 constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis is a ring
-constexpr double kSeamMargin_rad = 0.2;
+constexpr double kWidestBox_rad = 1.5;    // half-width above which a box is the whole turn
 constexpr double kMinLeverRange_m = 1e-3;
 
 /// The point between the rows' origins to which LiDAR azimuth and elevation refer, in the LiDAR frame.
@@ -45,31 +46,61 @@ Vector3d in_sensor(const Sensor& sensor, const Vector3d& p_scene, double u) {
   return sensor.kind == SetKind::kCamera ? p_sensor : p_sensor - reference_origin(sensor.lidar);
 }
 
-/// Pixel, or azimuth and elevation, of the point seen at time u; false when it has none.
-bool project_at(const Sensor& sensor, const Vector3d& p_scene, double u, Vector2d& xy) {
+/// Pixel, or spin angle (in the turn nearest to `anchor`) and elevation, of the point seen at time u; false
+/// when it has none.
+bool project_at(const Sensor& sensor, const Vector3d& p_scene, double u, double anchor, Vector2d& xy) {
   const Vector3d p = in_sensor(sensor, p_scene, u);
   if (sensor.kind == SetKind::kLidar) {
-    xy = {std::atan2(p.y(), p.x()), std::atan2(p.z(), std::hypot(p.x(), p.y()))};
+    xy = {spin_angle(sensor.lidar, std::atan2(p.y(), p.x()), anchor),
+          std::atan2(p.z(), std::hypot(p.x(), p.y()))};
     return true;
   }
   return camera_image(sensor.camera, p, xy);
 }
 
-/// The same at the time at which the sensor sees the point. A point without a projection at any step of
-/// the iteration has none.
+/// Share of the frame at which the sensor sees what projects to xy, in [0, 1].
+double time_of(const Sensor& sensor, const Vector2d& xy) {
+  if (sensor.kind == SetKind::kCamera) return exposure_time(sensor.camera, xy);
+  return std::clamp(xy.x() / sensor.lidar.azimuth_span, 0.0, 1.0);
+}
+
+/// The same at the time at which the sensor sees the point, starting from time u. A point without a
+/// projection at any step of the iteration has none.
 bool project_at_own_time(const Sensor& sensor,
                          const Vector3d& p_scene,
                          const Options& options,
+                         double anchor,
+                         double u,
                          Vector2d& xy) {
-  double u = 0.5;
   if (sensor.moves()) {
     for (int i = 0; i < options.shutter_iterations; ++i) {
-      if (!project_at(sensor, p_scene, u, xy)) return false;
-      u = sensor.kind == SetKind::kCamera ? exposure_time(sensor.camera, xy)
-                                          : firing_time(sensor.lidar, xy.x());
+      if (!project_at(sensor, p_scene, u, anchor, xy)) return false;
+      u = time_of(sensor, xy);
     }
   }
-  return project_at(sensor, p_scene, u, xy);
+  return project_at(sensor, p_scene, u, anchor, xy);
+}
+
+/// The sigma points' mean and covariance about the particle's place near `anchor`.
+SigmaResult sigma_at(const Sensor& sensor,
+                     const Options& options,
+                     const Vector3d& mean,
+                     const Footprint& f,
+                     double anchor,
+                     double u) {
+  Vector2d centre;
+  double point_anchor = anchor;
+  double point_u = u;
+  if (project_at_own_time(sensor, mean, options, anchor, u, centre)) {
+    point_anchor = centre.x();
+    point_u = time_of(sensor, centre);
+  }
+  return unscented(
+      mean, f.scene_from_particle, f.filtered_scale, false, [&](const Vector3d& p_scene, Vector2d& xy) {
+        // The mean itself keeps the anchor it was found from.
+        if (p_scene == mean) return project_at_own_time(sensor, mean, options, anchor, u, xy);
+        return project_at_own_time(sensor, p_scene, options, point_anchor, point_u, xy);
+      });
 }
 
 double filter_variance_m2(const Sensor& sensor, double range_m, const Options& options) {
@@ -104,36 +135,76 @@ void camera_fallback(const Sensor& sensor, const Vector3d& mean, bool any_valid,
 }
 
 /// The ring of all azimuths for a particle around the sensor or about its spin axis; false for others.
-bool lidar_fallback(const Vector3d& p_mid, Footprint& f) {
+/// Returns the elevation interval in `low` and `high`.
+bool lidar_ring(const Vector3d& p_mid, const Footprint& f, double& low, double& high) {
   const double radius = f.extent * f.filtered_scale.maxCoeff();
   const double distance = p_mid.norm();
   const double from_axis = std::hypot(p_mid.x(), p_mid.y());
   const bool around = distance <= radius;
   const bool at_pole = from_axis <= radius + kPoleMargin_rad * std::abs(p_mid.z());
   if (!around && !at_pole) return false;
-  f.fallback = true;
-  f.mean = {std::atan2(p_mid.y(), p_mid.x()), std::atan2(p_mid.z(), from_axis)};
-  f.half_width = {kPi, around ? kPi : std::asin(std::min(1.0, radius / distance))};
+  const double elevation = std::atan2(p_mid.z(), from_axis);
+  const double half = around ? 4.0 : std::asin(std::min(1.0, radius / distance));
+  low = elevation - half;
+  high = elevation + half;
   return true;
 }
 
-/// What widens a LiDAR box, unscented or fallback: rows that do not start at the reference origin, and
-/// motion across the sweep's cut.
-void widen_lidar_box(const Sensor& sensor, const Vector3d& mean, Footprint& f) {
+/// Smallest and largest spin angle of all rays.
+std::pair<double, double> swept(const Sensor& sensor) {
+  double first = 1e30;
+  double last = -1e30;
+  for (std::size_t i = 0; i < sensor.lidar_rays.azimuth.size(); ++i) {
+    const double by_time = sensor.lidar_rays.time_fraction[i] * sensor.lidar.azimuth_span;
+    const double angle = spin_angle(sensor.lidar, sensor.lidar_rays.azimuth[i], by_time);
+    first = std::min(first, angle);
+    last = std::max(last, angle);
+  }
+  return {first, last};
+}
+
+/// A LiDAR may meet a particle at two places of its unrolled spin angle, one turn apart but for its own
+/// motion. Where both are swept, both boxes have the larger half-width and the elevations of both. All are
+/// widened by the reach of the rows' origins.
+void lidar_footprint(const Sensor& sensor, const Options& options, const Vector3d& mean, Footprint& f) {
+  const Vector3d p_mid = in_sensor(sensor, mean, 0.5);
+  const double azimuth = std::atan2(p_mid.y(), p_mid.x());
+  const double here = spin_angle(sensor.lidar, azimuth, kPi);  // in [0, 2 pi)
+  const double there = here < kPi ? here + 2.0 * kPi : here - 2.0 * kPi;
+  const auto start = [&](double x) { return std::clamp(x / sensor.lidar.azimuth_span, 0.0, 1.0); };
+  const SigmaResult one = sigma_at(sensor, options, mean, f, here, start(here));
+  const SigmaResult two = sigma_at(sensor, options, mean, f, there, start(there));
+  const Vector2d half_one = f.extent * one.covariance.diagonal().cwiseSqrt();
+  const Vector2d half_two = f.extent * two.covariance.diagonal().cwiseSqrt();
   const double lever = lever_arm_m(sensor.lidar);
-  f.half_width.array() += lever / std::max(f.range - lever, kMinLeverRange_m);
-  if (!sensor.moves()) return;
-  const auto angles = [&](double u) {
-    Vector2d xy;
-    project_at(sensor, mean, u, xy);
-    return xy;
-  };
-  const double from_cut = std::abs(wrapped(angles(0.5).x() - sensor.lidar.azimuth_first));
-  if (!(from_cut <= f.half_width.x() + kSeamMargin_rad)) return;
-  const Vector2d start = angles(0.0);
-  const Vector2d end = angles(1.0);
-  f.half_width.x() += std::abs(wrapped(start.x() - end.x()));
-  f.half_width.y() += std::abs(start.y() - end.y());
+  const double widening = lever / std::max(p_mid.norm() - lever, kMinLeverRange_m);
+  const auto [first, last] = swept(sensor);
+  const double reach = half_two.x() + widening;
+  const bool both = two.mean.x() + reach >= first && two.mean.x() - reach <= last;
+
+  double low = one.mean.y() - half_one.y();
+  double high = one.mean.y() + half_one.y();
+  double half_x = half_one.x();
+  if (both) {
+    low = std::min(low, two.mean.y() - half_two.y());
+    high = std::max(high, two.mean.y() + half_two.y());
+    half_x = std::max(half_x, half_two.x());
+  }
+  f.fallback = lidar_ring(p_mid, f, low, high);
+  if (f.fallback && sensor.moves()) {  // a ring is met throughout the sweep
+    const Vector3d first_p = in_sensor(sensor, mean, 0.0);
+    const Vector3d last_p = in_sensor(sensor, mean, 1.0);
+    const double change = std::abs(std::atan2(last_p.z(), std::hypot(last_p.x(), last_p.y())) -
+                                   std::atan2(first_p.z(), std::hypot(first_p.x(), first_p.y())));
+    low -= change;
+    high += change;
+  }
+  half_x += widening;
+  if (f.fallback || half_x > kWidestBox_rad) half_x = 100.0;  // all round
+  f.covariance = one.covariance;
+  f.mean = {one.mean.x(), 0.5 * (low + high)};
+  f.other_x = both ? two.mean.x() : one.mean.x();
+  f.half_width = {half_x, 0.5 * (high - low) + widening};
 }
 
 Footprint footprint_of(const Particles& particles,
@@ -163,15 +234,11 @@ Footprint footprint_of(const Particles& particles,
   if (!f.visible) return f;
   f.extent = std::sqrt(2.0 * std::log(f.opacity / options.alpha_cut));
 
-  const bool lidar = sensor.kind == SetKind::kLidar;
-  if (lidar && lidar_fallback(in_sensor(sensor, mean, 0.5), f)) {
-    widen_lidar_box(sensor, mean, f);
+  if (sensor.kind == SetKind::kLidar) {
+    lidar_footprint(sensor, options, mean, f);
     return f;
   }
-  const SigmaResult sigma = unscented(
-      mean, f.scene_from_particle, f.filtered_scale, lidar, [&](const Vector3d& p_scene, Vector2d& xy) {
-        return project_at_own_time(sensor, p_scene, options, xy);
-      });
+  const SigmaResult sigma = sigma_at(sensor, options, mean, f, 0.0, 0.5);
   if (!sigma.all_valid) {
     camera_fallback(sensor, mean, sigma.any_valid, f);
     return f;
@@ -179,7 +246,6 @@ Footprint footprint_of(const Particles& particles,
   f.mean = sigma.mean;
   f.covariance = sigma.covariance;
   f.half_width = f.extent * sigma.covariance.diagonal().cwiseSqrt();
-  if (lidar) widen_lidar_box(sensor, mean, f);
   return f;
 }
 

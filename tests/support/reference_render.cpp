@@ -73,7 +73,7 @@ Candidate respond(
   c.included.require(c.tau < range.max_m, c.tau / range.max_m - 1.0);
   if (!options.ignore_box) {
     double dx = ray.x - f.mean.x();
-    if (sensor.kind == SetKind::kLidar) dx = wrapped(dx);
+    if (sensor.kind == SetKind::kLidar && std::abs(ray.x - f.other_x) < std::abs(dx)) dx = ray.x - f.other_x;
     const double dy = ray.y - f.mean.y();
     c.included.require(std::abs(dx) <= f.half_width.x(), std::abs(dx) / f.half_width.x() - 1.0);
     c.included.require(std::abs(dy) <= f.half_width.y(), std::abs(dy) / f.half_width.y() - 1.0);
