@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <fmt/format.h>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "host/base/error.hpp"
 #include "io/image.hpp"
 #include "optim/frames.hpp"
+#include "optim/initialize_depth.hpp"
 #include "optim/initialize_moving.hpp"
 #include "optim/initialize_points.hpp"
 #include "optim/initialize_views.hpp"
@@ -43,6 +45,10 @@ void check(const InitOptions& o) {
        "max_scale_m",
        o.max_scale_m,
        "finite and at least min_scale_m");
+  for (const double scale : {o.camera_scale, o.lidar_scale}) {
+    need(scale > 0.0 && scale <= 10.0, "scale over spacing", scale, "above 0, at most 10");
+  }
+  need(o.sweep_cell_px >= 1 && o.sweep_cell_px <= 64, "sweep_cell_px", o.sweep_cell_px, "1 to 64");
 }
 
 /// Mean sensor position in whole metres: offsets from it are small and exact in float.
@@ -113,15 +119,17 @@ void set_shape(GaussianSet& set,
   set.opacity_logit()(row) = kOpacityLogit;
 }
 
-/// A particle on point `i`: as wide as the distance to its neighbours and at least `width_m`, flat on planes.
+/// A particle on point `i`, flat on planes: `per_spacing` times the distance to its neighbours, which counts
+/// as `width_m` at least.
 void set_on_point(GaussianSet& set,
                   const PointSet& points,
                   std::size_t i,
                   const LocalShape& shape,
                   double width_m,
+                  double per_spacing,
                   const InitOptions& options) {
-  const double scale_m =
-      std::clamp(std::max<double>(shape.spacing_m, width_m), options.min_scale_m, options.max_scale_m);
+  const double scale_m = std::clamp(
+      per_spacing * std::max<double>(shape.spacing_m, width_m), options.min_scale_m, options.max_scale_m);
   const double thickness_m =
       shape.planar ? std::min(scale_m, std::max(kFlatRatio * scale_m, kThinnest_m)) : scale_m;
   const auto row = static_cast<Eigen::Index>(i);
@@ -132,7 +140,7 @@ GaussianSet lidar_set(const PointSet& points, const InitOptions& options) {
   GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
   const std::vector<LocalShape> shapes = local_shapes(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], 0.0, options);
+    set_on_point(set, points, i, shapes[i], 0.0, options.lidar_scale, options);
     set.sh(0).row(static_cast<Eigen::Index>(i)) << (points.intensity[i] - 0.5F) / kSh0, kHitLogit / kSh0,
         -kHitLogit / kSh0;
   }
@@ -153,13 +161,13 @@ GaussianSet camera_set(const PointSet& points,
   };
   const std::vector<LocalShape> shapes = local_shapes(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, options);
+    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, options.camera_scale, options);
     set_colour(i, looks[i].colour);
   }
   if (kept.empty()) return set;
   // Fewer patches than cells: each covers the area of those that were left out.
   const double widened = std::sqrt(static_cast<double>(patches.size()) / static_cast<double>(kept.size()));
-  const double scale_m = widened * shell.spacing_rad() * shell.distance_m();
+  const double scale_m = options.camera_scale * widened * shell.spacing_rad() * shell.distance_m();
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const FarShell::Patch& patch = patches[kept[k]];
     const std::size_t row = points.size() + k;
@@ -202,6 +210,50 @@ std::size_t keep_seen(PointSet& points,
   return unseen;
 }
 
+/// Adds to `points` what the pictures of each camera show where no point is, one per voxel of twice the
+/// side. `step` is called after each picture.
+std::size_t add_picture_depths(const Log& log,
+                               const std::vector<const ImageFrame*>& images,
+                               const Eigen::Vector3d& origin,
+                               const InitOptions& options,
+                               const std::function<void()>& step,
+                               PointSet& points) {
+  constexpr std::size_t kReach = 2;  // pictures before and after
+  struct Loaded {
+    SweepPicture picture;
+    Coverage coverage;
+  };
+  VoxelGrid grid(2.0 * options.voxel_m);
+  for (const LogCamera& camera : log.cameras) {
+    std::vector<const ImageFrame*> frames;
+    for (const ImageFrame* frame : images) {
+      if (frame->camera == camera.model.name) frames.push_back(frame);
+    }
+    std::deque<Loaded> window;  // frames [first, next)
+    std::size_t first = 0, next = 0;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      for (; next < frames.size() && next <= k + kReach; ++next) {
+        const auto [image, view] = load_view(log, *frames[next], origin, options.image_scale);
+        std::vector<PointLook> unused(points.size());
+        Coverage coverage =
+            look_at_points(view, image, points, options.voxel_m, options.sweep_cell_px, unused);
+        window.push_back({sweep_picture(view, image), std::move(coverage)});
+      }
+      for (; first + kReach < k; ++first) window.pop_front();
+      std::vector<const SweepPicture*> others;
+      for (std::size_t i = 0; i < window.size(); ++i) {
+        if (first + i != k) others.push_back(&window[i].picture);
+      }
+      const Loaded& here = window[k - first];
+      for (const Eigen::Vector3d& p : sweep_depths(here.picture, others, here.coverage)) grid.add(p, 0.0);
+      step();
+    }
+  }
+  const PointSet found = grid.averages();
+  points.append(found);
+  return found.size();
+}
+
 template <class Frame>
 std::vector<const Frame*> training_frames(const std::vector<Frame>& frames, int every) {
   std::vector<const Frame*> out;
@@ -234,7 +286,9 @@ SceneInit initialize_scene(const Log& log,
   std::size_t files = 0;
   const auto step = [&] {
     ++files;
-    if (progress) progress(files, (options.drop_moving ? 2 : 1) * sweeps.size() + images.size());
+    if (progress)
+      progress(files,
+               (options.drop_moving ? 2 : 1) * sweeps.size() + (options.sweep_depth ? 2 : 1) * images.size());
   };
   SceneInit out;
   InitReport& report = out.report;
@@ -267,6 +321,10 @@ SceneInit initialize_scene(const Log& log,
   report.lidar_particles = lidar_kept.size();
   report.lidar_thinned = points.size() - lidar_kept.size();
 
+  const std::size_t static_points = points.size();
+  if (options.sweep_depth) {
+    report.depth_points = add_picture_depths(log, images, scene.origin, options, step, points);
+  }
   const double extent_m = farthest_m(points, log.world_from_rig, scene.origin);
   FarShell shell(options.shell_spacing_deg, std::max(kShellNearest_m, kShellExtents * extent_m));
   std::vector<PointLook> looks(points.size());
@@ -281,7 +339,7 @@ SceneInit initialize_scene(const Log& log,
   }
   report.images = images.size();
   report.unseen_points = keep_seen(points, looks, options.max_camera, options.seed);
-  report.camera_thinned = report.voxels - report.moving_points - report.unseen_points - points.size();
+  report.camera_thinned = static_points + report.depth_points - report.unseen_points - points.size();
 
   const std::vector<FarShell::Patch> patches = shell.patches();
   const auto shell_kept = thin(patches.size(), options.max_shell, options.seed);

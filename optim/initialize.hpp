@@ -18,10 +18,14 @@ struct InitOptions {
   int lidar_sh_degree = 1;             // 0 to 3
   std::size_t max_camera = 1'000'000;  // particles on LiDAR points; the shell comes on top
   std::size_t max_lidar = 1'000'000;   // particles
-  std::size_t max_shell = 20'000;      // particles; 0: no shell
-  double shell_spacing_deg = 1.0;      // angle between shell particles, seen from the scene origin
-  double min_scale_m = 0.03;           // limits of a particle's standard deviation
+  std::size_t max_shell = 100'000;     // particles; 0: no shell
+  double shell_spacing_deg = 0.5;      // angle between shell particles, seen from the scene origin
+  double camera_scale = 0.5;           // standard deviation of a particle over the distance to its neighbours
+  double lidar_scale = 0.5;
+  double min_scale_m = 0.03;  // limits of a particle's standard deviation
   double max_scale_m = 0.5;
+  bool sweep_depth = true;  // place camera particles also where only pictures tell the depth
+  int sweep_cell_px = 4;    // between them, in the training picture
   bool drop_moving = true;  // leave out points that other sweeps look through (initialize_moving.hpp)
   std::uint64_t seed = 1;   // which points go when there are more than max_*
 };
@@ -34,6 +38,7 @@ struct InitReport {
   std::size_t voxels = 0;         // occupied
   std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
   std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
+  std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
   std::size_t lidar_thinned = 0;  // voxels left out to keep to max_lidar
   std::size_t camera_thinned = 0;
   std::size_t lidar_particles = 0;

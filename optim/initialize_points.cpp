@@ -86,6 +86,13 @@ PointSet PointSet::subset(const std::vector<std::uint32_t>& indices) const {
   return out;
 }
 
+void PointSet::append(const PointSet& others) {
+  const Eigen::Index count = position.cols();
+  position.conservativeResize(Eigen::NoChange, count + others.position.cols());
+  position.rightCols(others.position.cols()) = others.position;
+  intensity.insert(intensity.end(), others.intensity.begin(), others.intensity.end());
+}
+
 VoxelGrid::VoxelGrid(double voxel_m) : voxel_m_(voxel_m) {
   if (!(voxel_m >= 1e-3 && voxel_m <= 100.0)) {
     throw Error(ErrorKind::kUsage, fmt::format("voxel_m: found {}, allowed 0.001 to 100", voxel_m));

@@ -16,6 +16,8 @@ struct PointSet {
   [[nodiscard]] std::size_t size() const { return intensity.size(); }
   /// The points at `indices`, in that order.
   [[nodiscard]] PointSet subset(const std::vector<std::uint32_t>& indices) const;
+  /// Puts `others` behind these.
+  void append(const PointSet& others);
 };
 
 /// Averages points per voxel. Sums are exact integers (micrometres, millionths), so the averages do not

@@ -25,6 +25,8 @@ class ImageView {
   /// Ray through `pixel` in the scene frame; the direction is a unit vector.
   void unproject(const Eigen::Vector2d& pixel, Eigen::Vector3d& origin, Eigen::Vector3d& direction) const;
   [[nodiscard]] const Camera& camera() const { return camera_; }
+  /// The same exposure by another camera in its place, e.g. camera().resized(...).
+  [[nodiscard]] ImageView with_camera(const Camera& camera) const { return {camera, start_, end_}; }
   /// Side of a pixel in metres at 1 m distance.
   [[nodiscard]] double pixel_size_at_1m() const { return 2.0 / (camera_.fx + camera_.fy); }
 

@@ -7,12 +7,12 @@
 namespace simuli {
 
 /// Runs f(begin, end) over [0, count) in equal parts on all cores. For work in which each index is handled
-/// alone, so that the split does not show in the result. f must not throw.
+/// alone, so that the split does not show in the result. f must not throw. A part smaller than `smallest` is
+/// not worth a thread.
 template <class F>
-void parallel_ranges(std::size_t count, const F& f) {
-  constexpr std::size_t kSmallest = 4096;
+void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096) {
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-  const std::size_t parts = std::clamp<std::size_t>(count / kSmallest, 1, cores);
+  const std::size_t parts = std::clamp<std::size_t>(count / smallest, 1, cores);
   std::vector<std::jthread> threads;
   threads.reserve(parts - 1);
   for (std::size_t i = 1; i < parts; ++i) {

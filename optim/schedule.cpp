@@ -42,16 +42,16 @@ std::size_t FrameOrder::at(std::uint64_t iteration) {
 }
 
 std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress) {
-  std::vector<double> row(static_cast<std::size_t>(param_rows(sh_degree)), rates.sh_rest);
+  const double share = std::pow(rates.final_share, progress);
+  std::vector<double> row(static_cast<std::size_t>(param_rows(sh_degree)), share * rates.sh_rest);
   const auto set = [&row](int first, int count, double rate) {
     std::fill_n(row.begin() + first, count, rate);
   };
-  const double mean_m = rates.mean_m * std::pow(rates.mean_final_m / rates.mean_m, progress);
-  set(kMeanRow, 3, mean_m);
-  set(kLogScaleRow, 3, rates.log_scale);
-  set(kRotationRow, 4, rates.rotation);
-  set(kOpacityRow, 1, rates.opacity);
-  set(kShRow, 3, rates.sh);
+  set(kMeanRow, 3, rates.mean_m * std::pow(rates.mean_final_m / rates.mean_m, progress));
+  set(kLogScaleRow, 3, share * rates.log_scale);
+  set(kRotationRow, 4, share * rates.rotation);
+  set(kOpacityRow, 1, share * rates.opacity);
+  set(kShRow, 3, share * rates.sh);
   return row;
 }
 

@@ -33,15 +33,17 @@ class FrameOrder {
   std::uint64_t epoch_ = 0;
 };
 
-/// Learning rates of the parameter groups, per step of Adam.
+/// Learning rates of the parameter groups, per step of Adam, at the start. All fall exponentially: to
+/// mean_final_m, and to final_share of what they were.
 struct LearningRates {
-  double mean_m = 2e-3;  // at the start; decays exponentially to mean_final_m
-  double mean_final_m = 2e-5;
-  double log_scale = 5e-3;
-  double rotation = 1e-3;
-  double opacity = 2.5e-2;   // of the logit
-  double sh = 2.5e-3;        // degree 0
-  double sh_rest = 1.25e-4;  // degrees above
+  double mean_m = 1e-2;
+  double mean_final_m = 1e-4;
+  double log_scale = 2e-2;
+  double rotation = 5e-3;
+  double opacity = 0.1;   // of the logit
+  double sh = 2e-2;       // degree 0
+  double sh_rest = 2e-3;  // degrees above
+  double final_share = 0.1;
 };
 
 /// The rate of each parameter row [param_rows(sh_degree)] at `progress` in [0, 1] of the training.

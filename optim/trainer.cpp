@@ -35,6 +35,7 @@ void check(const TrainOptions& o) {
          "mean rate",
          std::min(r->mean_m, r->mean_final_m),
          "finite and above 0");
+    need(r->final_share > 0.0 && r->final_share <= 1.0, "final_share", r->final_share, "above 0, at most 1");
     for (const double rate : {r->log_scale, r->rotation, r->opacity, r->sh, r->sh_rest}) {
       need(rate >= 0.0 && std::isfinite(rate), "learning rate", rate, "finite, 0 or more");
     }

@@ -30,6 +30,7 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
                                         {"sweeps", r.sweeps},
                                         {"camera_particles", r.camera_particles},
                                         {"lidar_particles", r.lidar_particles},
+                                        {"depth_points", trained.init.depth_points},
                                         {"moving_points", trained.init.moving_points},
                                         {"train_psnr_db", r.last.psnr_db},
                                         {"train_distance_m", r.last.distance_m},

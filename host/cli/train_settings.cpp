@@ -29,8 +29,12 @@ std::vector<Setting> settings_of(InitOptions& init, TrainOptions& train) {
       {"init.max_lidar", &init.max_lidar},
       {"init.max_shell", &init.max_shell},
       {"init.shell_spacing_deg", &init.shell_spacing_deg},
+      {"init.camera_scale", &init.camera_scale},
+      {"init.lidar_scale", &init.lidar_scale},
       {"init.min_scale_m", &init.min_scale_m},
       {"init.max_scale_m", &init.max_scale_m},
+      {"init.sweep_depth", &init.sweep_depth},
+      {"init.sweep_cell_px", &init.sweep_cell_px},
       {"init.drop_moving", &init.drop_moving},
       {"loss.distance", &train.weights.distance},
       {"loss.intensity", &train.weights.intensity},
@@ -45,6 +49,7 @@ std::vector<Setting> settings_of(InitOptions& init, TrainOptions& train) {
     all.push_back({set + ".rate.opacity", &rates.opacity});
     all.push_back({set + ".rate.sh", &rates.sh});
     all.push_back({set + ".rate.sh_rest", &rates.sh_rest});
+    all.push_back({set + ".rate.final_share", &rates.final_share});
   };
   add_rates("camera", train.camera);
   add_rates("lidar", train.lidar);

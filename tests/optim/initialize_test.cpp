@@ -116,7 +116,9 @@ TEST_F(InitializeScene, LidarParticlesLieOnTheWall) {
 }
 
 TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
-  const SceneInit init = initialize_scene(log_, {});
+  InitOptions options;
+  options.camera_scale = 0.5;
+  const SceneInit init = initialize_scene(log_, options);
   const GaussianSet& set = init.scene.camera;
   const auto on_points = set.size() - static_cast<Eigen::Index>(init.report.shell_particles);
   EXPECT_EQ(static_cast<std::size_t>(set.size()), init.report.camera_particles);
@@ -132,8 +134,8 @@ TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
     const int channel = column < 40.0 ? 0 : 1;
     (channel == 0 ? left : right)++;
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(colour_of(set, i, c), c == channel ? 1.0F : 0.0F, kColour) << i;
-    // No narrower than a pixel of the picture at 10 m: no holes.
-    ASSERT_GE(set.log_scale()(i, 0), static_cast<float>(std::log(kWall_m / 60.0)) - 1e-4F);
+    // Half a pixel of the picture at 10 m at least: no holes.
+    ASSERT_GE(set.log_scale()(i, 0), static_cast<float>(std::log(0.5 * kWall_m / 60.0)) - 1e-4F);
   }
   EXPECT_GT(left, 100);
   EXPECT_GT(right, 100);
@@ -186,9 +188,9 @@ TEST_F(InitializeScene, HeldOutFramesAreNotRead) {
   std::size_t calls = 0;
   const SceneInit init = initialize_scene(log_, options, [&](std::size_t done, std::size_t total) {
     EXPECT_EQ(done, ++calls);
-    EXPECT_EQ(total, 3U);  // the sweep twice
+    EXPECT_EQ(total, 4U);  // both twice
   });
-  EXPECT_EQ(calls, 3U);
+  EXPECT_EQ(calls, 4U);
   EXPECT_EQ(init.report.sweeps, 1U);
   EXPECT_EQ(init.report.images, 1U);
   EXPECT_THROW((void)initialize_scene(log_, {}), Error);  // and the others are
@@ -199,6 +201,7 @@ TEST_F(InitializeScene, DegreesAndImageScaleAreTaken) {
   options.camera_sh_degree = 3;
   options.lidar_sh_degree = 0;
   options.image_scale = 0.5;
+  options.camera_scale = 1.0;
   const SceneInit init = initialize_scene(log_, options);
   EXPECT_EQ(init.scene.camera.params.cols(), param_rows(3));
   EXPECT_EQ(init.scene.lidar.params.cols(), param_rows(0));

@@ -1,0 +1,41 @@
+#pragma once
+// A street small enough to train on in a second.
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "io/street.hpp"
+#include "optim/initialize.hpp"
+
+namespace simuli::test {
+
+/// Six pictures of 64 x 36 and six sweeps of 32 x 90, made once per process; frame 4 is held out of five.
+class SmallStreet : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "simuli_street_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    StreetOptions options;
+    options.output = folder_ / "street.log";
+    options.frames = 6;
+    options.image_width = 64;
+    options.image_height = 36;
+    options.lidar_columns = 90;
+    options.moving_car = false;
+    log_ = synth_street(options);
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+
+  static Scene initial_scene() {
+    InitOptions options;
+    options.voxel_m = 0.2;
+    options.sweep_depth = false;
+    return initialize_scene(log_, options).scene;
+  }
+
+  inline static std::filesystem::path folder_;
+  inline static Log log_;
+};
+
+}  // namespace simuli::test
