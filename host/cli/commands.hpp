@@ -16,6 +16,8 @@ struct Globals {
 };
 
 void add_bench(CLI::App& app, const Globals& globals);
+void add_demo(CLI::App& app, const Globals& globals);
+void add_devices(CLI::App& app, const Globals& globals);
 void add_eval(CLI::App& app, const Globals& globals);
 void add_import(CLI::App& app, const Globals& globals);
 void add_info(CLI::App& app, const Globals& globals);

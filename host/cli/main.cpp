@@ -43,6 +43,8 @@ int run(int argc, char** argv) {
   simuli::cli::Globals globals;
   add_globals(app, globals);
   simuli::cli::add_bench(app, globals);
+  simuli::cli::add_demo(app, globals);
+  simuli::cli::add_devices(app, globals);
   simuli::cli::add_eval(app, globals);
   simuli::cli::add_import(app, globals);
   simuli::cli::add_info(app, globals);

@@ -89,8 +89,9 @@ PointCloud point_cloud(const Lidar& lidar,
   return cloud;
 }
 
-Image joined(const Image& first, const Image& second, bool beside) {
+Image joined(const Image& first, const Image& second, Layout layout) {
   constexpr int kGap_px = 4;
+  const bool beside = layout == Layout::kBeside;
   const bool fits = beside ? first.height == second.height : first.width == second.width;
   if (!fits || first.channels != 3 || second.channels != 3) {
     throw Error(ErrorKind::kInternal, "joined: pictures of different sizes");

@@ -30,7 +30,8 @@ inline constexpr int kBeam_px = 4;
                                      const View& view,
                                      const Eigen::Vector3d& scene_origin);
 
-/// One picture under the other with a gap, both of the same width; side by side where `beside`.
-[[nodiscard]] Image joined(const Image& first, const Image& second, bool beside);
+enum class Layout { kBeside, kBelow };
+/// Two pictures of the same height beside each other, or of the same width one below the other, with a gap.
+[[nodiscard]] Image joined(const Image& first, const Image& second, Layout layout);
 
 }  // namespace simuli::cli
