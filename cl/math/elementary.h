@@ -12,6 +12,7 @@
 FN F exp_lanes(F x) { return exp(x); }
 FN F round_lanes(F x) { return rint(x); }
 FN F atan2_lanes(F y, F x) { return atan2(y, x); }
+FN void sincos_lanes(F x, F* sine, F* cosine) { *sine = sincos(x, cosine); }
 #else
 #if V == 1
 #define AS_F(x) as_float(x)
@@ -40,6 +41,29 @@ FN F exp_lanes(F x) {
   p = fma(p, f, (F)0.693146967f);
   p = fma(p, f, (F)1.00000007f);
   return AS_F(AS_I(p) + (AS_I(magic) << 23));
+}
+
+/// Sine and cosine of |x| < 1000 rad within 2e-7; minimax polynomials on [-pi/4, pi/4].
+FN void sincos_lanes(F x, F* sine, F* cosine) {
+  const F quarter = round_lanes(x * 0.636619772f);
+  // pi / 2 in two parts: the first alone is wrong by 4e-8.
+  F r = fma(quarter, (F)-1.57079637f, x);
+  r = fma(quarter, (F)4.37113883e-8f, r);
+  const F r2 = r * r;
+  F s = fma((F)-0.000195108387f, r2, (F)0.00833213149f);
+  s = fma(s, r2, (F)-0.166666542f);
+  s = fma(s * r2, r, r);
+  F c = fma((F)2.44312046e-5f, r2, (F)-0.0013887306f);
+  c = fma(c, r2, (F)0.0416666457f);
+  c = fma(c * r2, r2, fma(r2, (F)-0.5f, (F)1.0f));
+  // Odd quarters swap the two, the second half of the turn changes the signs.
+  const F half_turns = round_lanes(quarter * 0.5f - 0.25f);
+  const F odd = quarter - 2.0f * half_turns;
+  const F sign = 1.0f - 2.0f * fabs(half_turns - 2.0f * round_lanes(half_turns * 0.5f));
+  const F first = SEL(odd > 0.5f, c, s);
+  const F second = SEL(odd > 0.5f, -s, c);
+  *sine = first * sign;
+  *cosine = second * sign;
 }
 
 /// atan2(y, x) within 3e-7 rad (near pi a float is 2.4e-7 from the next); atan2(0, 0) = 0. Minimax polynomial

@@ -50,8 +50,9 @@ FN void rotate_back(__global const real* m, const F* v, F* out) {
 FN void world_from_sensor_vector(__global const real* sensor, const F* v, F t, F* out) {
 #if MOVING
   F turned[3] = {v[0], v[1], v[2]};
-  const F angle = sensor[SIM_S_ANGLE] * t;
-  turn(sensor + SIM_S_AXIS, sin(angle), cos(angle), turned);
+  F sine, cosine;
+  sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
+  turn(sensor + SIM_S_AXIS, sine, cosine, turned);
   rotate_back(sensor + SIM_S_ROT_START, turned, out);
 #else
   rotate_back(sensor + SIM_S_ROT_REF, v, out);
@@ -67,8 +68,9 @@ FN void sensor_from_world_point(__global const real* sensor, const F* p, F t, F*
                       p[1] - sensor[SIM_S_CENTRE_STEP + 1] * u,
                       p[2] - sensor[SIM_S_CENTRE_STEP + 2] * u};
   rotate(sensor + SIM_S_ROT_START, moved, out);
-  const F angle = -sensor[SIM_S_ANGLE] * t;
-  turn(sensor + SIM_S_AXIS, sin(angle), cos(angle), out);
+  F sine, cosine;
+  sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
+  turn(sensor + SIM_S_AXIS, -sine, cosine, out);
 #else
   rotate(sensor + SIM_S_ROT_REF, p, out);
 #endif
@@ -116,7 +118,7 @@ FN F time_of(__global const real* sensor, F x, F y) {
 #if SENSOR == SENSOR_CAMERA
   F t = fma(x, (F)sensor[SIM_S_TIME_X], fma(y, (F)sensor[SIM_S_TIME_Y], (F)sensor[SIM_S_TIME_C]));
 #else
-  F t = x * sensor[SIM_S_INV_SPAN];
+  F t = fma(x, (F)sensor[SIM_S_INV_SPAN], (F)sensor[SIM_S_TIME_FIRST]);
 #endif
   t = VMIN(t, (F)R(1.0));
   return VMAX(t, (F)R(0.0));

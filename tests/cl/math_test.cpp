@@ -15,32 +15,43 @@ namespace {
 constexpr const char* kProbe = R"(
 #include "math/elementary.h"
 __kernel void probe(__global const real* a, __global const real* b, __global real* exp_out,
-                    __global real* atan2_out, __global real* wrap_out, __global real* round_out) {
+                    __global real* atan2_out, __global real* wrap_out, __global real* round_out,
+                    __global real* sin_out, __global real* cos_out) {
   const uint i = get_global_id(0) * V;
   STV(exp_out + i, exp_lanes(LDV(a + i)));
   STV(atan2_out + i, atan2_lanes(LDV(b + i), LDV(a + i)));
   STV(wrap_out + i, wrap_lanes(LDV(a + i), TWO_PI_R));
   STV(round_out + i, round_lanes(LDV(a + i)));
+  F sine, cosine;
+  sincos_lanes(LDV(a + i), &sine, &cosine);
+  STV(sin_out + i, sine);
+  STV(cos_out + i, cosine);
 }
 )";
 
 struct Probed {
-  std::vector<float> exp, atan2, wrap, round;
+  std::vector<float> exp, atan2, wrap, round, sin, cos;
 };
 
 Probed probe(int lanes, const std::vector<float>& a, const std::vector<float>& b) {
   const Device device = Device::best();
   BuildOptions options;
   options.define("V", lanes);
-  Kernel<BufRealConst, BufRealConst, BufReal, BufReal, BufReal, BufReal> kernel(
+  Kernel<BufRealConst, BufRealConst, BufReal, BufReal, BufReal, BufReal, BufReal, BufReal> kernel(
       Program::from_text(device, "probe.cl", kProbe, options), "probe");
   const auto buffer = [&](const char* name) { return RealBuffer(device, name, Precision::kFloat, a.size()); };
   RealBuffer in_a = buffer("a"), in_b = buffer("b");
   RealBuffer exps = buffer("exp"), angles = buffer("atan2"), wraps = buffer("wrap"), rounds = buffer("round");
+  RealBuffer sines = buffer("sin"), cosines = buffer("cos");
   in_a.upload(std::span<const float>(a));
   in_b.upload(std::span<const float>(b));
-  kernel.launch(a.size() / static_cast<std::size_t>(lanes), 1, in_a, in_b, exps, angles, wraps, rounds);
-  return {exps.download_float(), angles.download_float(), wraps.download_float(), rounds.download_float()};
+  kernel.launch(a.size() / static_cast<std::size_t>(lanes), 1, in_a, in_b, exps, angles, wraps, rounds, sines, cosines);
+  return {exps.download_float(),
+          angles.download_float(),
+          wraps.download_float(),
+          rounds.download_float(),
+          sines.download_float(),
+          cosines.download_float()};
 }
 
 class Elementary : public testing::TestWithParam<int> {};
@@ -63,7 +74,7 @@ TEST_P(Elementary, FloatFunctionsKeepTheirStatedBounds) {
   std::copy(std::begin(edges), std::end(edges), a.begin() + 1);
   const Probed found = probe(GetParam(), a, b);
 
-  double worst_exp = 0.0, worst_atan2 = 0.0, worst_wrap = 0.0;
+  double worst_exp = 0.0, worst_atan2 = 0.0, worst_wrap = 0.0, worst_sincos = 0.0;
   for (std::size_t i = 0; i < kSamples; ++i) {
     const double x = static_cast<double>(a[i]), y = static_cast<double>(b[i]);
     const double e = std::exp(x);
@@ -75,9 +86,12 @@ TEST_P(Elementary, FloatFunctionsKeepTheirStatedBounds) {
     ASSERT_LE(std::abs(wrapped), kTurn / 2.0 + 4e-6) << x;
     worst_wrap = std::max(worst_wrap, std::abs(std::remainder(wrapped - x, kTurn)));
     ASSERT_EQ(found.round[i], std::nearbyint(a[i])) << x;
+    worst_sincos = std::max(worst_sincos, std::abs(static_cast<double>(found.sin[i]) - std::sin(x)));
+    worst_sincos = std::max(worst_sincos, std::abs(static_cast<double>(found.cos[i]) - std::cos(x)));
   }
   EXPECT_LE(worst_exp, kExpRelative);
   EXPECT_LE(worst_atan2, kAtan2_rad);
+  EXPECT_LE(worst_sincos, 2e-7);
   EXPECT_LE(worst_wrap, 14.5 * 2e-7 + 5e-7);
   EXPECT_EQ(found.atan2[0], 0.0F);  // atan2(0, 0)
 }
