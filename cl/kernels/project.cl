@@ -2,14 +2,14 @@
 #include "math/sh.h"
 #include "math/unscented.h"
 
-/// Beams (elevation falling with the index) above `elevation`; with `inclusive` those at it as well.
+/// Rows (elevation not rising with the index) above `elevation`; with `inclusive` those at it as well.
 FN int beams_above(__global const int* row_lut,
                        __global const real* row_elevation,
                        __global const real* sensor,
                        int rows,
                        real elevation,
                        int inclusive) {
-  // The table starts the search at most a bin or two early; beams of one bin are walked.
+  // The table, made of the rows' lowest rays, starts the search early; rows of one bin are walked.
   real bin = (elevation - sensor[SIM_S_LUT_FIRST]) * sensor[SIM_S_LUT_SCALE];
   bin = bin > R(0.0) ? (bin < R(4095.0) ? bin : R(4095.0)) : R(0.0);
   int row = row_lut[(int)bin];
@@ -50,8 +50,23 @@ FN void join_columns(Footprint* f) {
   }
 }
 
+#if SENSOR == SENSOR_LIDAR && MOVING
+/// Raises x and y to how far the image of o_ref + p moves from time t to t + dt.
+FN void drift(__global const real* sensor, const F* p, F t, F dt, F* x, F* y) {
+  F q[3], x0, y0, x1, y1;
+  I seen = t == t;
+  sensor_from_world_point(sensor, p, t, q);
+  project_point(sensor, q, &x0, &y0, &seen);
+  sensor_from_world_point(sensor, p, t + dt, q);
+  project_point(sensor, q, &x1, &y1, &seen);
+  *x = VMAX(*x, fabs(wrap_lanes(x1 - x0, TWO_PI_R)));
+  *y = VMAX(*y, fabs(y1 - y0));
+}
+#endif
+
 /// V particles per work-item: visibility, box, features, record.
-/// in  params[rows][stride]; row_lut[4096], row_elevation[beams]: LiDAR only
+/// in  params[rows][stride]; row_lut[4096], row_elevation[2][rows], lowest and highest of
+///     each row's rays: LiDAR only
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
 ///     0xffffffff for a culled particle. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
@@ -154,11 +169,24 @@ __kernel void project(const FrameParams frame,
   const F swept_first = (F)sensor[SIM_S_TILE_X0];
   const F swept_last = (F)(sensor[SIM_S_TILE_X0] + (real)frame.tiles_x / sensor[SIM_S_TILE_SCALE]);
   const F other_x = middle_x + around_back;
+  F drift_x = (F)R(0.0), drift_y = (F)R(0.0);
+#if MOVING
+  if (sensor[SIM_S_TIME_SPREAD] > R(0.0)) {
+    const F t0 = time_of(sensor, box.mean_x, box.mean_y);
+    const F dt = (F)sensor[SIM_S_TIME_SPREAD];
+    drift(sensor, g.offset, t0, dt, &drift_x, &drift_y);
+    drift(sensor, g.offset, t0, -dt, &drift_x, &drift_y);
+    // The spin angle that drifts tells another time itself: dt / (1 - rate of drift over rate of spin).
+    const F farther = dt / (R(1.0) - VMIN(drift_x * sensor[SIM_S_INV_SPAN] / dt, (F)R(0.75)));
+    drift(sensor, g.offset, t0, farther, &drift_x, &drift_y);
+    drift(sensor, g.offset, t0, -farther, &drift_x, &drift_y);
+  }
+#endif
   other = box;
   other.mean_x = other_x;
 #if MOVING
   // The second place is seldom swept: look only where it may be, motion during the sweep included.
-  const F slack = R(2.0) * box.half_x + lever + sensor[SIM_S_ANGLE] + R(0.01) +
+  const F slack = R(2.0) * box.half_x + lever + drift_x + sensor[SIM_S_ANGLE] + R(0.01) +
                   fabs(sensor[SIM_S_CENTRE_STEP]) / VMAX(flat, (F)R(1e-3)) +
                   fabs(sensor[SIM_S_CENTRE_STEP + 1]) / VMAX(flat, (F)R(1e-3));
   const I near = AND(other_x + slack >= swept_first, other_x - slack <= swept_last);
@@ -168,8 +196,9 @@ __kernel void project(const FrameParams frame,
 #else
   other.mean_x = box.mean_x + around_back;
 #endif
-  const I both = AND(other.mean_x + other.half_x + lever >= swept_first,
-                     other.mean_x - other.half_x - lever <= swept_last);
+  const F wider = lever + drift_x;
+  const I both = AND(other.mean_x + other.half_x + wider >= swept_first,
+                     other.mean_x - other.half_x - wider <= swept_last);
   F low = box.mean_y - box.half_y;
   F high = box.mean_y + box.half_y;
   low = SEL(both, VMIN(low, other.mean_y - other.half_y), low);
@@ -178,7 +207,11 @@ __kernel void project(const FrameParams frame,
   box.half_x = SEL(both, VMAX(box.half_x, other.half_x), box.half_x);
 
   const I inside = distance <= radius;
-  const I around = OR(inside, flat <= fma(fabs(height), (F)R(0.05), radius));
+  // Of what the sensor passes over or below, the azimuth changes too fast for a box.
+  const real passed = R(0.5) * sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
+                                    sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
+                                    sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
+  const I around = OR(inside, flat <= fma(fabs(height), (F)R(0.05), radius) + passed);
   const F ratio = VMIN(radius / VMAX(distance, (F)R(1e-9)), (F)R(1.0));
   const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
   F ring = SEL(inside, (F)R(4.0), spread);
@@ -190,12 +223,13 @@ __kernel void project(const FrameParams frame,
     sensor_from_world_point(sensor, g.offset, (F)R(1.0), last);
     project_point(sensor, first, &x, &first_y, &seen);
     project_point(sensor, last, &x, &last_y, &seen);
-    ring += fabs(last_y - first_y);
+    // Over the sensor's head the elevation rises and falls again.
+    ring += VMAX(fabs(first_y - middle_y), fabs(last_y - middle_y));
   }
 #endif
-  low = SEL(around, middle_y - ring, low) - lever;
-  high = SEL(around, middle_y + ring, high) + lever;
-  box.half_x += lever;
+  low = SEL(around, middle_y - ring, low) - lever - drift_y;
+  high = SEL(around, middle_y + ring, high) + lever + drift_y;
+  box.half_x += wider;
   // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
   box.half_x = SEL(OR(around, box.half_x > R(1.5)), (F)R(1e9), box.half_x);
 #endif
@@ -234,7 +268,7 @@ __kernel void project(const FrameParams frame,
 #else
       const int rows = (int)frame.rows;
       const int row_first = beams_above(row_lut, row_elevation, sensor, rows, high_y[lane], 0);
-      const int row_last = beams_above(row_lut, row_elevation, sensor, rows, low_y[lane], 1) - 1;
+      const int row_last = beams_above(row_lut, row_elevation + rows, sensor, rows, low_y[lane], 1) - 1;
 #endif
       if (row_first <= row_last) {
         const real half_width = out[SIM_R_BOX_HALF * V + lane];

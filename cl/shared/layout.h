@@ -87,6 +87,7 @@ typedef int sim_i32;
 #define SIM_S_AZIMUTH_CUT 50   // LiDAR: rad, where the sweep starts
 #define SIM_S_SPIN 51          // +1 counter-clockwise, -1 clockwise
 #define SIM_S_INV_SPAN 52      // 1 / rad swept
+#define SIM_S_TIME_FIRST 53    // share of the frame at which the sweep starts
 #define SIM_S_HEIGHT_REF 54    // m, mean vertical offset of the beams
 #define SIM_S_LEVER 55         // m, reach of the beams' origins about the reference
 #define SIM_S_LUT_FIRST 56     // elevation of the look-up table's first bin
@@ -94,6 +95,7 @@ typedef int sim_i32;
 #define SIM_S_TILE_X0 58       // tile x of u: (u - x0) * scale
 #define SIM_S_TILE_SCALE 59    // tiles per unit of u
 #define SIM_S_PERIOD 60        // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
+#define SIM_S_TIME_SPREAD 61   // rays fire at most this share of the frame before or after what x tells
 #define SIM_S_LENS 64          // camera: SIM_LENS_REALS constants of the lens
 #define SIM_SENSOR_REALS 96
 

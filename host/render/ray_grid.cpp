@@ -7,38 +7,12 @@
 #include <numeric>
 
 #include "host/base/error.hpp"
+#include "host/render/ray_slots.hpp"
 
 namespace simuli {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kLutBins = 4096;
-
-void allocate_slots(RayGrid& grid) {
-  const std::size_t slots = std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * SIM_TILE_RAYS;
-  if (slots > std::size_t{1} << 30U) {
-    throw Error(ErrorKind::kInput, fmt::format("sensor: found {} ray slots, allowed 2^30", slots));
-  }
-  grid.frame.slots = static_cast<std::uint32_t>(slots);
-  grid.ray_of_slot.assign(slots, -1);
-  grid.sensor_ray.assign(7 * slots, 0.0F);
-  grid.u.assign(slots, 0.0F);
-}
-
-void set_ray(RayGrid& grid,
-             std::size_t slot,
-             std::size_t ray,
-             const Eigen::Vector3d& direction,
-             const Eigen::Vector3d& origin,
-             double time) {
-  const std::size_t slots = grid.frame.slots;
-  grid.ray_of_slot[slot] = static_cast<std::int32_t>(ray);
-  for (std::size_t k = 0; k < 3; ++k) {
-    grid.sensor_ray[k * slots + slot] = static_cast<float>(direction[static_cast<Eigen::Index>(k)]);
-    grid.sensor_ray[(3 + k) * slots + slot] = static_cast<float>(origin[static_cast<Eigen::Index>(k)]);
-  }
-  grid.sensor_ray[6 * slots + slot] = static_cast<float>(time);
-}
 
 }  // namespace
 
@@ -54,7 +28,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   frame.rows = static_cast<std::uint32_t>(camera.height);
   frame.rows_per_tile = SIM_SLOT_ROWS;
   frame.row_slots = 1;
-  allocate_slots(grid);
+  ray_slots::allocate(grid);
   double lowest_cosine = 1.0;  // of the cone about the optical axis that holds all rays
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -71,7 +45,8 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
         continue;
       }
       lowest_cosine = std::min(lowest_cosine, direction.z());
-      set_ray(grid, slot, ray, direction, Eigen::Vector3d::Zero(), camera.exposure_fraction(pixel));
+      ray_slots::set_ray(
+          grid, slot, ray, direction, Eigen::Vector3d::Zero(), camera.exposure_fraction(pixel));
       grid.u[slot] = static_cast<float>(pixel.x());
     }
   }
@@ -148,21 +123,30 @@ std::size_t fullest(const std::vector<double>& angles, std::size_t columns, cons
   return most;
 }
 
-void fill_elevation_table(RayGrid& grid, const Lidar& lidar) {
-  for (const LidarRow& row : lidar.rows) grid.row_elevation.push_back(row.elevation);
-  const double low = grid.row_elevation.back();
-  const double span = std::max(grid.row_elevation.front() - low, 1e-6);
-  const double bin = span / (kLutBins - 4);
-  grid.constants[SIM_S_LUT_FIRST] = low - bin;
-  grid.constants[SIM_S_LUT_SCALE] = 1.0 / bin;
-  grid.row_lut.resize(kLutBins);
-  for (int b = 0; b < kLutBins; ++b) {
-    // Beams certainly above everything in bin b, a bin of slack for the device's rounding.
-    const double edge = low - bin + (b + 2) * bin;
-    const auto above = std::find_if(
-        grid.row_elevation.begin(), grid.row_elevation.end(), [&](double e) { return e < edge; });
-    grid.row_lut[static_cast<std::size_t>(b)] = static_cast<std::int32_t>(above - grid.row_elevation.begin());
+/// How far the rays' times are from what their spin angles tell, as a share of the frame.
+double time_spread(const Lidar& lidar, const LidarRays& rays, const std::vector<double>& angles) {
+  constexpr double kRounding = 1e-6;  // of times in float
+  double spread = 0.0;
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const double told = angles[i] / lidar.azimuth_span;
+    spread = std::max(spread, std::abs(static_cast<double>(rays.time_fraction[i]) - told));
   }
+  return spread > kRounding ? spread : 0.0;
+}
+
+/// Where the beams start: the mean height, and how far they are from there.
+void set_origins(RayGrid& grid, const Lidar& lidar) {
+  double height = 0.0, up = 0.0, sideways = 0.0;
+  for (const LidarRow& row : lidar.rows)
+    height += row.vertical_offset / static_cast<double>(lidar.rows.size());
+  for (const LidarRow& row : lidar.rows) {
+    up = std::max(up, std::abs(row.vertical_offset - height));
+    sideways = std::max(sideways, std::hypot(row.horizontal_offset, row.radial_offset));
+    grid.lever_arms = grid.lever_arms || row.vertical_offset != 0.0;
+  }
+  grid.lever_arms = grid.lever_arms || sideways != 0.0;
+  grid.constants[SIM_S_HEIGHT_REF] = height;
+  grid.constants[SIM_S_LEVER] = up + sideways;
 }
 
 }  // namespace
@@ -188,19 +172,14 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
                         "numbers of at most 1000");
     }
   }
-  const int per_tile = options.lidar_rows_per_tile;
-  if (per_tile < 1 || per_tile > 16 || (per_tile & (per_tile - 1)) != 0) {
-    throw_input_error("options", "lidar_rows_per_tile", std::to_string(per_tile), "1, 2, 4, 8 or 16");
-  }
   RayGrid grid;
   grid.type = SensorType::kLidar;
   grid.rays = count;
   auto& frame = grid.frame;
   frame.rows = static_cast<std::uint32_t>(rays.rows);
-  frame.rows_per_tile = static_cast<std::uint32_t>(per_tile);
-  frame.row_slots = static_cast<std::uint32_t>(SIM_SLOT_ROWS / per_tile);
+  const std::size_t width = ray_slots::set_rows_per_tile(grid, options);
+  const auto per_tile = static_cast<int>(frame.rows_per_tile);
   frame.tiles_y = (frame.rows + frame.rows_per_tile - 1) / frame.rows_per_tile;
-  const std::size_t width = std::size_t{frame.row_slots} * SIM_SLOT_ROW;
 
   // As few tile columns as hold every beam's rays; jitter of measured rays costs a few more.
   const std::vector<double> angles = spin_angles(lidar, rays);
@@ -217,24 +196,16 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
   }
   const SpinTiles tiles = spin_tiles(angles, count_x);
   frame.tiles_x = static_cast<std::uint32_t>(tiles.count);
-  allocate_slots(grid);
+  ray_slots::allocate(grid);
 
   auto& c = grid.constants;
   c[SIM_S_TILE_X0] = tiles.first;
   c[SIM_S_TILE_SCALE] = 1.0 / tiles.width;
   c[SIM_S_PERIOD] = 2.0 * kPi;
-  fill_elevation_table(grid, lidar);
-
-  double lowest = 1e30, highest = -1e30, sum = 0.0, sideways = 0.0;
-  for (const LidarRow& row : lidar.rows) {
-    lowest = std::min(lowest, row.vertical_offset);
-    highest = std::max(highest, row.vertical_offset);
-    sideways = std::max(sideways, std::abs(row.horizontal_offset));
-    sum += row.vertical_offset;
-  }
-  c[SIM_S_HEIGHT_REF] = sum / static_cast<double>(lidar.rows.size());
-  c[SIM_S_LEVER] = (highest - lowest) / 2.0 + sideways;
-  grid.lever_arms = highest != 0.0 || lowest != 0.0 || sideways != 0.0;
+  std::vector<double> elevations;
+  for (const LidarRow& row : lidar.rows) elevations.push_back(row.elevation);
+  ray_slots::fill_elevation_table(grid, elevations, elevations);
+  set_origins(grid, lidar);
 
   std::vector<std::size_t> order(columns);
   std::vector<std::size_t> used(tiles.count);
@@ -250,20 +221,20 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
       const std::size_t slot =
           tile * SIM_TILE_RAYS + static_cast<std::size_t>(r % per_tile) * width + used[tx]++;
       const double azimuth = static_cast<double>(rays.azimuth[ray]);
-      set_ray(grid,
-              slot,
-              ray,
-              Lidar::direction(azimuth, static_cast<double>(rays.elevation[ray])),
-              lidar.origin(r, azimuth),
-              static_cast<double>(rays.time_fraction[ray]));
+      ray_slots::set_ray(grid,
+                         slot,
+                         ray,
+                         Lidar::direction(azimuth, static_cast<double>(rays.elevation[ray])),
+                         lidar.origin(r, azimuth),
+                         static_cast<double>(rays.time_fraction[ray]));
       grid.u[slot] = static_cast<float>(angles[ray]);
     }
   }
   c[SIM_S_AZIMUTH_CUT] = azimuth_cut(lidar);
   c[SIM_S_SPIN] = lidar.spin_sign();
   c[SIM_S_INV_SPAN] = 1.0 / lidar.azimuth_span;
-  const double half_divergence = std::tan(lidar.beam_divergence / 2.0);
-  c[SIM_S_KAPPA] = lidar.divergence_variance * half_divergence * half_divergence;
+  c[SIM_S_TIME_SPREAD] = time_spread(lidar, rays, angles);
+  c[SIM_S_KAPPA] = ray_slots::beam_variance(lidar.beam_divergence, lidar.divergence_variance);
   c[SIM_S_T_MIN] = lidar.range_min;
   c[SIM_S_T_MAX] = lidar.range_max;
   return grid;

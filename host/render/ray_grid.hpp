@@ -8,6 +8,7 @@
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
 #include "host/sensors/lidar.hpp"
+#include "host/sensors/ray_list.hpp"
 
 namespace simuli {
 
@@ -25,8 +26,8 @@ struct RayGrid {
   std::vector<std::int32_t> ray_of_slot;  // [slots]
   std::vector<float> sensor_ray;          // [7][slots]: direction, origin (m), share of the frame
   std::vector<float> u;                   // [slots]: px, or spin angle since the sweep's start (rad)
-  std::vector<std::int32_t> row_lut;      // LiDAR: elevation bin -> first beam to look at, [4096]
-  std::vector<double> row_elevation;      // LiDAR: [beams] rad, falling
+  std::vector<std::int32_t> row_lut;      // LiDAR: elevation bin -> first row to look at, [4096]
+  std::vector<double> row_elevation;      // LiDAR: [2][rows] rad, lowest and highest ray
   /// SIM_S_FX.. of cl/shared/layout.h: the constants of the model, poses excepted.
   std::array<double, SIM_SENSOR_REALS> constants{};
 };
@@ -39,6 +40,11 @@ struct RayGrid {
 /// needed for every beam's rays to fit its slots. Error{kInput} when `rays` is not rows x columns of the
 /// model, or too uneven in azimuth to be tiled.
 [[nodiscard]] RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOptions& options);
+
+/// Rays without rows, sorted by elevation into rows of as many as the tiles hold. Within the box of a
+/// particle the elevation is decided per such row, not per ray. Error{kInput} for a list that validate()
+/// refuses, and for one that would need more than 65535 rows.
+[[nodiscard]] RayGrid make_ray_grid(const RayList& list, const RenderOptions& options);
 
 /// The constants of one frame: model, poses (world relative to the scene origin), cuts, background.
 /// Fills `moving`: start and end differ.

@@ -16,6 +16,8 @@ SensorRays::SensorRays(const Device& device,
                        const LidarRays& rays,
                        const RenderOptions& options)
     : SensorRays(device, make_ray_grid(lidar, rays, options), options) {}
+SensorRays::SensorRays(const Device& device, const RayList& list, const RenderOptions& options)
+    : SensorRays(device, make_ray_grid(list, options), options) {}
 
 std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {
   if (values.size() != channels * grid_.rays) {

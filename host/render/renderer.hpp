@@ -14,6 +14,7 @@ class SensorRays {
  public:
   SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
   SensorRays(const Device& device, const Lidar& lidar, const LidarRays& rays, const RenderOptions& options);
+  SensorRays(const Device& device, const RayList& list, const RenderOptions& options);
 
   [[nodiscard]] const RayGrid& grid() const { return grid_; }
   [[nodiscard]] const RayBuffers& buffers() const { return buffers_; }

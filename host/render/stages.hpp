@@ -49,7 +49,7 @@ struct RayBuffers {
   RealBuffer sensor_ray;  // [7][S]
   RealBuffer u;           // [S]
   Buffer<std::int32_t> row_lut;
-  RealBuffer row_elevation;  // [beams]
+  RealBuffer row_elevation;  // [2][rows]
 };
 
 /// Particles of one set on the device, each parameter a row of `stride` reals.

@@ -30,9 +30,10 @@ Ray lidar_ray(const Sensor& sensor, int row, std::size_t index) {
   const double azimuth = sensor.lidar_rays.azimuth[index];
   const double elevation = sensor.lidar_rays.elevation[index];
   const Pose scene_from_lidar = sensor.scene_from_sensor(sensor.lidar_rays.time_fraction[index]);
-  const Vector3d o_lidar(-beam.horizontal_offset * std::sin(azimuth),
-                         beam.horizontal_offset * std::cos(azimuth),
-                         beam.vertical_offset);
+  const Vector3d outwards(std::cos(azimuth), std::sin(azimuth), 0.0);
+  const Vector3d to_the_left(-std::sin(azimuth), std::cos(azimuth), 0.0);
+  const Vector3d o_lidar = beam.radial_offset * outwards + beam.horizontal_offset * to_the_left +
+                           Vector3d(0.0, 0.0, beam.vertical_offset);
   const Vector3d d_lidar(
       std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
   Ray ray;

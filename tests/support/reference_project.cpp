@@ -27,15 +27,14 @@ Vector3d reference_origin(const Lidar& lidar) {
 }
 
 double lever_arm_m(const Lidar& lidar) {
-  double low = lidar.rows.front().vertical_offset;
-  double high = low;
+  const double middle = reference_origin(lidar).z();
+  double vertical = 0.0;
   double horizontal = 0.0;
   for (const LidarRow& row : lidar.rows) {
-    low = std::min(low, row.vertical_offset);
-    high = std::max(high, row.vertical_offset);
-    horizontal = std::max(horizontal, std::abs(row.horizontal_offset));
+    vertical = std::max(vertical, std::abs(row.vertical_offset - middle));
+    horizontal = std::max(horizontal, std::hypot(row.horizontal_offset, row.radial_offset));
   }
-  return 0.5 * (high - low) + horizontal;
+  return vertical + horizontal;
 }
 
 /// The point in the sensor frame at time u; of a LiDAR from its reference origin.
@@ -136,12 +135,15 @@ void camera_fallback(const Sensor& sensor, const Vector3d& mean, bool any_valid,
 
 /// The ring of all azimuths for a particle around the sensor or about its spin axis; false for others.
 /// Returns the elevation interval in `low` and `high`.
-bool lidar_ring(const Vector3d& p_mid, const Footprint& f, double& low, double& high) {
+bool lidar_ring(const Sensor& sensor, const Vector3d& p_mid, const Footprint& f, double& low, double& high) {
   const double radius = f.extent * f.filtered_scale.maxCoeff();
   const double distance = p_mid.norm();
   const double from_axis = std::hypot(p_mid.x(), p_mid.y());
   const bool around = distance <= radius;
-  const bool at_pole = from_axis <= radius + kPoleMargin_rad * std::abs(p_mid.z());
+  const Vector3d step_m =
+      sensor.scene_from_sensor_end.translation - sensor.scene_from_sensor_start.translation;
+  const double passed_m = 0.5 * step_m.norm();
+  const bool at_pole = from_axis <= radius + kPoleMargin_rad * std::abs(p_mid.z()) + passed_m;
   if (!around && !at_pole) return false;
   const double elevation = std::atan2(p_mid.z(), from_axis);
   const double half = around ? 4.0 : std::asin(std::min(1.0, radius / distance));
@@ -163,6 +165,37 @@ std::pair<double, double> swept(const Sensor& sensor) {
   return {first, last};
 }
 
+/// How far a LiDAR's rays fire from the time that their spin angle tells, as a share of the frame.
+double time_spread(const Sensor& sensor) {
+  constexpr double kFloatTimes = 1e-6;
+  double spread = 0.0;
+  for (std::size_t i = 0; i < sensor.lidar_rays.azimuth.size(); ++i) {
+    const double time = sensor.lidar_rays.time_fraction[i];
+    const double angle =
+        spin_angle(sensor.lidar, sensor.lidar_rays.azimuth[i], time * sensor.lidar.azimuth_span);
+    spread = std::max(spread, std::abs(time - angle / sensor.lidar.azimuth_span));
+  }
+  return spread > kFloatTimes ? spread : 0.0;
+}
+
+/// How far the image of the mean moves within that time of its own.
+Vector2d drift(const Sensor& sensor, const Vector3d& mean, double u) {
+  const double spread = sensor.moves() ? time_spread(sensor) : 0.0;
+  Vector2d farthest(0.0, 0.0), own, xy;
+  project_at(sensor, mean, u, 0.0, own);
+  if (spread == 0.0) return farthest;
+  double dt = spread;
+  for (int round = 0; round < 2; ++round) {
+    for (const double at : {u + dt, u - dt}) {
+      project_at(sensor, mean, at, own.x(), xy);
+      farthest = farthest.cwiseMax((xy - own).cwiseAbs());
+    }
+    // The drifted spin angle tells another time in turn: the sum of that series.
+    dt = spread / (1.0 - std::min(farthest.x() / sensor.lidar.azimuth_span / spread, 0.75));
+  }
+  return farthest;
+}
+
 /// A LiDAR may meet a particle at two places of its unrolled spin angle, one turn apart but for its own
 /// motion. Where both are swept, both boxes have the larger half-width and the elevations of both. All are
 /// widened by the reach of the rows' origins.
@@ -179,7 +212,8 @@ void lidar_footprint(const Sensor& sensor, const Options& options, const Vector3
   const double lever = lever_arm_m(sensor.lidar);
   const double widening = lever / std::max(p_mid.norm() - lever, kMinLeverRange_m);
   const auto [first, last] = swept(sensor);
-  const double reach = half_two.x() + widening;
+  const Vector2d drifted = drift(sensor, mean, time_of(sensor, one.mean));
+  const double reach = half_two.x() + widening + drifted.x();
   const bool both = two.mean.x() + reach >= first && two.mean.x() - reach <= last;
 
   double low = one.mean.y() - half_one.y();
@@ -190,21 +224,22 @@ void lidar_footprint(const Sensor& sensor, const Options& options, const Vector3
     high = std::max(high, two.mean.y() + half_two.y());
     half_x = std::max(half_x, half_two.x());
   }
-  f.fallback = lidar_ring(p_mid, f, low, high);
+  f.fallback = lidar_ring(sensor, p_mid, f, low, high);
   if (f.fallback && sensor.moves()) {  // a ring is met throughout the sweep
     const Vector3d first_p = in_sensor(sensor, mean, 0.0);
     const Vector3d last_p = in_sensor(sensor, mean, 1.0);
-    const double change = std::abs(std::atan2(last_p.z(), std::hypot(last_p.x(), last_p.y())) -
-                                   std::atan2(first_p.z(), std::hypot(first_p.x(), first_p.y())));
+    const auto elevation = [](const Vector3d& p) { return std::atan2(p.z(), std::hypot(p.x(), p.y())); };
+    const double change = std::max(std::abs(elevation(first_p) - elevation(p_mid)),
+                                   std::abs(elevation(last_p) - elevation(p_mid)));
     low -= change;
     high += change;
   }
-  half_x += widening;
+  half_x += widening + drifted.x();
   if (f.fallback || half_x > kWidestBox_rad) half_x = 100.0;  // all round
   f.covariance = one.covariance;
   f.mean = {one.mean.x(), 0.5 * (low + high)};
   f.other_x = both ? two.mean.x() : one.mean.x();
-  f.half_width = {half_x, 0.5 * (high - low) + widening};
+  f.half_width = {half_x, 0.5 * (high - low) + widening + drifted.y()};
 }
 
 Footprint footprint_of(const Particles& particles,

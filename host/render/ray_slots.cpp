@@ -1,0 +1,77 @@
+#include "host/render/ray_slots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+
+namespace simuli::ray_slots {
+namespace {
+
+constexpr int kLutBins = 4096;
+
+}  // namespace
+
+void allocate(RayGrid& grid) {
+  const std::size_t slots = std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * SIM_TILE_RAYS;
+  if (slots > std::size_t{1} << 30U) {
+    throw Error(ErrorKind::kInput, fmt::format("sensor: found {} ray slots, allowed 2^30", slots));
+  }
+  grid.frame.slots = static_cast<std::uint32_t>(slots);
+  grid.ray_of_slot.assign(slots, -1);
+  grid.sensor_ray.assign(7 * slots, 0.0F);
+  grid.u.assign(slots, 0.0F);
+}
+
+void set_ray(RayGrid& grid,
+             std::size_t slot,
+             std::size_t ray,
+             const Eigen::Vector3d& direction,
+             const Eigen::Vector3d& origin,
+             double time) {
+  const std::size_t slots = grid.frame.slots;
+  grid.ray_of_slot[slot] = static_cast<std::int32_t>(ray);
+  for (std::size_t k = 0; k < 3; ++k) {
+    grid.sensor_ray[k * slots + slot] = static_cast<float>(direction[static_cast<Eigen::Index>(k)]);
+    grid.sensor_ray[(3 + k) * slots + slot] = static_cast<float>(origin[static_cast<Eigen::Index>(k)]);
+  }
+  grid.sensor_ray[6 * slots + slot] = static_cast<float>(time);
+}
+
+void fill_elevation_table(RayGrid& grid,
+                          const std::vector<double>& lowest,
+                          const std::vector<double>& highest) {
+  grid.row_elevation = lowest;
+  grid.row_elevation.insert(grid.row_elevation.end(), highest.begin(), highest.end());
+  const double low = lowest.back();
+  const double span = std::max(lowest.front() - low, 1e-6);
+  const double bin = span / (kLutBins - 4);
+  grid.constants[SIM_S_LUT_FIRST] = low - bin;
+  grid.constants[SIM_S_LUT_SCALE] = 1.0 / bin;
+  grid.row_lut.resize(kLutBins);
+  for (int b = 0; b < kLutBins; ++b) {
+    // Rows certainly above everything in bin b, a bin of slack for the device's rounding.
+    const double edge = low - bin + (b + 2) * bin;
+    const auto above =
+        std::partition_point(lowest.begin(), lowest.end(), [&](double e) { return e >= edge; });
+    grid.row_lut[static_cast<std::size_t>(b)] = static_cast<std::int32_t>(above - lowest.begin());
+  }
+}
+
+std::size_t set_rows_per_tile(RayGrid& grid, const RenderOptions& options) {
+  const int per_tile = options.lidar_rows_per_tile;
+  if (per_tile < 1 || per_tile > 16 || (per_tile & (per_tile - 1)) != 0) {
+    throw_input_error("options", "lidar_rows_per_tile", std::to_string(per_tile), "1, 2, 4, 8 or 16");
+  }
+  grid.frame.rows_per_tile = static_cast<std::uint32_t>(per_tile);
+  grid.frame.row_slots = static_cast<std::uint32_t>(SIM_SLOT_ROWS / per_tile);
+  return std::size_t{grid.frame.row_slots} * SIM_SLOT_ROW;
+}
+
+double beam_variance(double beam_divergence, double divergence_variance) {
+  const double half_divergence = std::tan(beam_divergence / 2.0);
+  return divergence_variance * half_divergence * half_divergence;
+}
+
+}  // namespace simuli::ray_slots

@@ -1,0 +1,104 @@
+// Every built-in LiDAR in tiles and on the device: each ray has its slot and meets what stands on it.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "host/sensors/lidar_library.hpp"
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+// A ray through the middle of a particle of opacity 0.95 keeps 0.05; a particle that its tile does not list
+// leaves it 1.
+constexpr float kHit = 0.3F;
+
+TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
+  for (const std::string& name : builtin_lidar_names()) {
+    const BuiltinLidar sensor = builtin_lidar_with_facts(name);
+    const LidarRays rays = nominal_rays(sensor.model, 1.0 / sensor.facts.mode.spin_hz);
+    const RayGrid grid = make_ray_grid(sensor.model, rays, {});
+    ASSERT_EQ(grid.rays, sensor.model.ray_count()) << name;
+    std::vector<int> seen(grid.rays, 0);
+    const double first = grid.constants[SIM_S_TILE_X0];
+    const double width = 1.0 / grid.constants[SIM_S_TILE_SCALE];
+    for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+      const std::int32_t ray = grid.ray_of_slot[slot];
+      if (ray < 0) continue;
+      ++seen[static_cast<std::size_t>(ray)];
+      const std::size_t tile = slot / SIM_TILE_RAYS;
+      const std::size_t row = tile / grid.frame.tiles_x * grid.frame.rows_per_tile +
+                              slot % SIM_TILE_RAYS / SIM_SLOT_ROW / grid.frame.row_slots;
+      ASSERT_EQ(row, static_cast<std::size_t>(ray) / static_cast<std::size_t>(rays.columns)) << name;
+      const double place = (static_cast<double>(grid.u[slot]) - first) / width;
+      constexpr double kFloat = 1e-3;  // of a tile
+      ASSERT_NEAR(place, static_cast<double>(tile % grid.frame.tiles_x) + 0.5, 0.5 + kFloat) << name;
+    }
+    ASSERT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; })) << name;
+  }
+}
+
+/// Small balls on some rays of `sensor`, at each ray's own time; the rays' indices go to `chosen`.
+GaussianSet balls_on_rays(const BuiltinLidar& sensor,
+                          const Pose& start,
+                          const Pose& end,
+                          std::vector<std::size_t>& chosen) {
+  const Lidar& lidar = sensor.model;
+  std::vector<test::SingleParticle> balls;
+  chosen.clear();
+  for (int row = 0; row < lidar.row_count(); row += std::max(1, lidar.row_count() / 32)) {
+    for (const int column : {0, (lidar.columns / 5 + 37 * row) % lidar.columns, lidar.columns - 1}) {
+      const double azimuth = lidar.azimuth(row, column);
+      const double range = row % 2 == 0 ? 6.0 : 25.0;
+      const Pose scene_from_sensor =
+          interpolate(start, end, lidar.time_fraction(row, column, 1.0 / sensor.facts.mode.spin_hz));
+      test::SingleParticle ball;
+      ball.mean = scene_from_sensor *
+                  Eigen::Vector3d(
+                      lidar.origin(row, azimuth) +
+                      range * Lidar::direction(azimuth, lidar.rows[static_cast<std::size_t>(row)].elevation));
+      ball.scale = Eigen::Vector3d::Constant(0.004);
+      ball.opacity = 0.95;
+      balls.push_back(ball);
+      chosen.push_back(static_cast<std::size_t>(row) * static_cast<std::size_t>(lidar.columns) +
+                       static_cast<std::size_t>(column));
+    }
+  }
+  return test::set_of(SetKind::kLidar, balls);
+}
+
+void expect_hits(const Pose& start, const Pose& end) {
+  const Device device = Device::best();
+  const RenderOptions options;
+  Renderer renderer(device, options);
+  for (const std::string& name : builtin_lidar_names()) {
+    const BuiltinLidar sensor = builtin_lidar_with_facts(name);
+    std::vector<std::size_t> chosen;
+    const GaussianSet set = balls_on_rays(sensor, start, end, chosen);
+    const SensorRays rays(
+        device, sensor.model, nominal_rays(sensor.model, 1.0 / sensor.facts.mode.spin_hz), options);
+    renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}});
+    const std::vector<float> found = renderer.results().transmittance;
+    std::size_t missed = 0;
+    for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
+    EXPECT_EQ(missed, 0U) << name << ": of " << chosen.size() << " balls";
+  }
+}
+
+TEST(LidarTables, RaysMeetWhatStandsOnThem) { expect_hits({}, {}); }
+
+TEST(LidarTables, MovingRaysMeetWhatStandsOnThem) {
+  // 30 m/s and 90 degrees/s during a tenth of a second.
+  const Pose start;
+  Pose end;
+  end.translation = {3.0, 0.0, 0.0};
+  end.rotation = Eigen::AngleAxisd(kPi / 20.0, Eigen::Vector3d::UnitZ());
+  expect_hits(start, end);
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,179 @@
+// Rays without rows: in tiles, and on the device against the sensor that has rows.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr float kHit = 0.3F;  // as in lidar_tables_test.cpp
+
+/// Petals about the x axis, as two turning prisms make them: neighbours in time are none in angle.
+RayList rosette(std::size_t rays) {
+  RayList list;
+  list.name = "rosette";
+  list.range_min = 0.2;
+  list.range_max = 200.0;
+  for (std::size_t i = 0; i < rays; ++i) {
+    const double time = (static_cast<double>(i) + 0.5) / static_cast<double>(rays);
+    const double radius = 0.335 * std::cos(2.0 * kPi * 23.7 * time);
+    const double angle = 2.0 * kPi * 7.3 * time;
+    list.azimuth.push_back(radius * std::cos(angle));
+    list.elevation.push_back(radius * std::sin(angle));
+    list.time_fraction.push_back(time);
+    list.origin.emplace_back(0.0, 0.01 * std::cos(angle), 0.01 * std::sin(angle));
+  }
+  return list;
+}
+
+RayList list_of(const Lidar& lidar, const LidarRays& rays) {
+  RayList list;
+  list.name = "listed";
+  list.range_min = lidar.range_min;
+  list.range_max = lidar.range_max;
+  for (std::size_t i = 0; i < rays.azimuth.size(); ++i) {
+    const int row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
+    list.azimuth.push_back(static_cast<double>(rays.azimuth[i]));
+    list.elevation.push_back(static_cast<double>(rays.elevation[i]));
+    list.time_fraction.push_back(static_cast<double>(rays.time_fraction[i]));
+    list.origin.push_back(lidar.origin(row, list.azimuth.back()));
+  }
+  return list;
+}
+
+/// Every ray in one slot, in the tile of its azimuth and in a row whose elevations hold it.
+void expect_complete(const RayList& list, const RayGrid& grid) {
+  ASSERT_EQ(grid.rays, list.ray_count());
+  const std::size_t rows = grid.frame.rows;
+  ASSERT_EQ(grid.row_elevation.size(), 2 * rows);
+  for (std::size_t row = 1; row < 2 * rows; ++row) {
+    if (row == rows) continue;
+    ASSERT_LE(grid.row_elevation[row], grid.row_elevation[row - 1]);
+  }
+  std::vector<int> seen(grid.rays, 0);
+  for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+    if (grid.ray_of_slot[slot] < 0) continue;
+    const auto ray = static_cast<std::size_t>(grid.ray_of_slot[slot]);
+    ++seen[ray];
+    const std::size_t tile = slot / SIM_TILE_RAYS;
+    const std::size_t row = tile / grid.frame.tiles_x * grid.frame.rows_per_tile +
+                            slot % SIM_TILE_RAYS / SIM_SLOT_ROW / grid.frame.row_slots;
+    ASSERT_LT(row, rows);
+    ASSERT_LE(grid.row_elevation[row], list.elevation[ray]);
+    ASSERT_GE(grid.row_elevation[rows + row], list.elevation[ray]);
+    const double place = (static_cast<double>(grid.u[slot]) - grid.constants[SIM_S_TILE_X0]) *
+                         grid.constants[SIM_S_TILE_SCALE];
+    constexpr double kFloat = 1e-3;  // of a tile
+    ASSERT_NEAR(place, static_cast<double>(tile % grid.frame.tiles_x) + 0.5, 0.5 + kFloat);
+    const double turned = static_cast<double>(grid.u[slot]) + grid.constants[SIM_S_AZIMUTH_CUT];
+    ASSERT_NEAR(std::remainder(turned - list.azimuth[ray], 2.0 * kPi), 0.0, 1e-6);
+  }
+  ASSERT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
+}
+
+TEST(RayListGrid, AnyListIsComplete) {
+  for (const int rows_per_tile : {1, 8, 16}) {
+    RenderOptions options;
+    options.lidar_rows_per_tile = rows_per_tile;
+    for (const std::size_t rays : {1U, 2U, 257U, 24000U}) {
+      const RayList list = rosette(rays);
+      const RayGrid grid = make_ray_grid(list, options);
+      expect_complete(list, grid);
+      // Tiles pay: most of their slots hold a ray once there are many.
+      if (rays == 24000U) {
+        EXPECT_LT(grid.frame.slots, 3 * rays);
+      }
+    }
+    const Lidar lidar = test::small_lidar(20, 300);
+    const RayList turn = list_of(lidar, nominal_rays(lidar, 0.1));
+    expect_complete(turn, make_ray_grid(turn, options));
+    RayList same = rosette(1000);
+    std::fill(same.azimuth.begin(), same.azimuth.end(), 3.0);
+    std::fill(same.elevation.begin(), same.elevation.end(), -0.2);
+    expect_complete(same, make_ray_grid(same, options));
+  }
+}
+
+TEST(RayListGrid, BadListsAreRefused) {
+  RayList list = rosette(10);
+  list.azimuth[3] = std::nan("");
+  EXPECT_THROW((void)make_ray_grid(list, {}), Error);
+}
+
+Pose drive() {
+  Pose end;
+  end.translation = {3.0, 0.4, 0.0};
+  end.rotation = Eigen::AngleAxisd(kPi / 20.0, Eigen::Vector3d(0.05, 0.1, 1.0).normalized());
+  return end;
+}
+
+std::vector<float> transmittance(const Device& device,
+                                 const GaussianSet& set,
+                                 const SensorRays& rays,
+                                 const Pose& end) {
+  Renderer renderer(device, {});
+  renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {{}, end, {}});
+  return renderer.results().transmittance;
+}
+
+TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
+  const RayList list = rosette(24000);
+  for (const Pose& end : {Pose{}, drive()}) {
+    std::vector<test::SingleParticle> balls;
+    std::vector<std::size_t> chosen;
+    for (std::size_t ray = 0; ray < list.ray_count(); ray += 97) {
+      const double range = ray % 2 == 0 ? 8.0 : 40.0;
+      test::SingleParticle ball;
+      ball.mean = interpolate({}, end, list.time_fraction[ray]) *
+                  Eigen::Vector3d(list.ray_origin(ray) + range * list.direction(ray));
+      ball.scale = Eigen::Vector3d::Constant(0.004);
+      ball.opacity = 0.95;
+      balls.push_back(ball);
+      chosen.push_back(ray);
+    }
+    const Device device = Device::best();
+    const std::vector<float> found =
+        transmittance(device, test::set_of(SetKind::kLidar, balls), SensorRays(device, list, {}), end);
+    std::size_t missed = 0;
+    for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
+    EXPECT_EQ(missed, 0U) << "of " << chosen.size();
+  }
+}
+
+TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
+  const Lidar lidar = test::small_lidar(20, 300);
+  const LidarRays rays = nominal_rays(lidar, 0.1);
+  test::SetRecipe recipe;
+  recipe.kind = SetKind::kLidar;
+  recipe.count = 300;
+  recipe.low = {-12, -12, -4};
+  recipe.high = {12, 12, 4};
+  recipe.scale_min = 0.05;
+  recipe.scale_max = 0.5;
+  const GaussianSet set = test::random_set(recipe, 5);
+  const Device device = Device::best();
+  for (const Pose& end : {Pose{}, drive()}) {
+    const std::vector<float> expected = transmittance(device, set, SensorRays(device, lidar, rays, {}), end);
+    const std::vector<float> found =
+        transmittance(device, set, SensorRays(device, list_of(lidar, rays), {}), end);
+    double sum = 0.0;
+    int hit = 0;
+    for (std::size_t ray = 0; ray < expected.size(); ++ray) {
+      // Boxes of a list are wider: it keeps the tails that the box of a row clips.
+      ASSERT_NEAR(found[ray], expected[ray], 0.12F) << "ray " << ray;
+      sum += std::abs(static_cast<double>(found[ray]) - static_cast<double>(expected[ray]));
+      hit += expected[ray] < 0.9F ? 1 : 0;
+    }
+    EXPECT_LT(sum / static_cast<double>(expected.size()), 2e-3);
+    EXPECT_GT(hit, 500);
+  }
+}
+
+}  // namespace
+}  // namespace simuli
