@@ -100,5 +100,48 @@ TEST(LidarTables, MovingRaysMeetWhatStandsOnThem) {
   expect_hits(start, end);
 }
 
+/// Transmittance of all rays over one ball of radius 12 cm at `p_sensor`.
+std::vector<float> past_ball(const Lidar& lidar, const LidarRays& rays, const Eigen::Vector3d& p_sensor) {
+  const Device device = Device::best();
+  Renderer renderer(device, {});
+  test::SingleParticle ball;
+  ball.mean = p_sensor;
+  ball.scale = Eigen::Vector3d::Constant(0.04);
+  ball.opacity = 0.95;
+  const SensorRays on_device(device, lidar, rays, {});
+  renderer.render(
+      ParticleBuffers(device, test::set_of(SetKind::kLidar, {ball}), Precision::kFloat), on_device, {});
+  return renderer.results().transmittance;
+}
+
+TEST(LidarTables, NothingIsSeenOutsideTheRangeLimits) {
+  const Lidar lidar = builtin_lidar("velodyne_vlp16");  // 0.5 to 100 m
+  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const std::size_t ray = 3 * static_cast<std::size_t>(lidar.columns) + 500;
+  const Eigen::Vector3d direction = Lidar::direction(lidar.azimuth(3, 500), lidar.rows[3].elevation);
+  for (const double range : {0.52, 5.0, 99.9}) {
+    EXPECT_LT(past_ball(lidar, rays, range * direction)[ray], kHit) << range;
+  }
+  for (const double range : {0.48, 100.1}) {
+    EXPECT_EQ(past_ball(lidar, rays, range * direction)[ray], 1.0F) << range;
+  }
+}
+
+TEST(LidarTables, MeasuredRaysTakeTheSameRoad) {
+  const Lidar lidar = builtin_lidar("velodyne_hdl64e_s2_sztaki");
+  LidarRays rays = nominal_rays(lidar, 0.1);
+  const std::size_t ray = 20 * static_cast<std::size_t>(lidar.columns) + 1234;
+  // A measured ray off its nominal direction by half a column, with its own time.
+  rays.azimuth[ray] += static_cast<float>(0.5 * lidar.azimuth_span / lidar.columns);
+  rays.time_fraction[ray] += 1e-4F;
+  const double azimuth = static_cast<double>(rays.azimuth[ray]);
+  const Eigen::Vector3d p_sensor =
+      lidar.origin(20, azimuth) + 60.0 * Lidar::direction(azimuth, lidar.rows[20].elevation);
+  const float measured = past_ball(lidar, rays, p_sensor)[ray];
+  const float nominal = past_ball(lidar, nominal_rays(lidar, 0.1), p_sensor)[ray];
+  EXPECT_LT(measured, kHit);
+  EXPECT_GT(nominal, measured + 0.3F);  // half a column is 9 cm there
+}
+
 }  // namespace
 }  // namespace simuli
