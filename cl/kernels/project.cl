@@ -128,7 +128,7 @@ __kernel void project(const FrameParams frame,
   I has_image = visible;
   project_point(sensor, centre, &anchor, &anchor_y, &has_image);
 #endif
-  unscented_box(sensor, &g, reach, anchor, (F)R(0.5), &box);
+  projected_box(sensor, &g, reach, anchor, (F)R(0.5), &box);
   // Some sigma points without an image: the particle may be anywhere in the picture.
   const I known = box.valid;
   box.mean_x = SEL(known, box.mean_x, (F)R(0.0));
@@ -161,7 +161,7 @@ __kernel void project(const FrameParams frame,
   project_point(sensor, centre, &middle_x, &middle_y, &has_image);
   middle_x = SEL(middle_x < R(0.0), middle_x + TWO_PI_R, middle_x);
   const F around_back = SEL(middle_x < PI_R, (F)TWO_PI_R, (F)-TWO_PI_R);
-  unscented_box(sensor, &g, reach, middle_x, time_of(sensor, middle_x, middle_y), &box);
+  projected_box(sensor, &g, reach, middle_x, time_of(sensor, middle_x, middle_y), &box);
   const F height = centre[2] - sensor[SIM_S_HEIGHT_REF];
   const F flat = sqrt(centre[0] * centre[0] + centre[1] * centre[1]);
   const F distance = sqrt(flat * flat + height * height);
@@ -191,7 +191,7 @@ __kernel void project(const FrameParams frame,
                   fabs(sensor[SIM_S_CENTRE_STEP + 1]) / VMAX(flat, (F)R(1e-3));
   const I near = AND(other_x + slack >= swept_first, other_x - slack <= swept_last);
   if (ANY(AND(near, visible))) {
-    unscented_box(sensor, &g, reach, other_x, time_of(sensor, other_x, middle_y), &other);
+    projected_box(sensor, &g, reach, other_x, time_of(sensor, other_x, middle_y), &other);
   }
 #else
   other.mean_x = box.mean_x + around_back;

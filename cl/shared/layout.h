@@ -98,6 +98,7 @@ typedef int sim_i32;
 #define SIM_S_TIME_SPREAD 61   // rays fire at most this share of the frame before or after what x tells
 #define SIM_S_LENS 64          // camera: SIM_LENS_REALS constants of the lens
 #define SIM_SENSOR_REALS 96
+#define SIM_MONTE_CARLO 200    // Monte Carlo projection: as many standard normal triples follow the constants
 
 // The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...
 #define SIM_LENS_PINHOLE 0

@@ -20,6 +20,7 @@ BuildOptions Variant::options() const {
       .define("ORIGINS", origins)
       .define("SH_DEGREE", sh_degree)
       .define("MEDIAN", median)
+      .define("PROJECTION", projection)
       .define("V", shape.lanes)
       .define("NR", shape.vectors)
       .define("LS", shape.work_items);

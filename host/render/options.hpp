@@ -17,9 +17,17 @@ struct LaneShape {
   auto operator<=>(const LaneShape&) const = default;
 };
 
+/// How a particle's extent on the sensor is found (METHOD section 4; the paper's table 8).
+enum class Projection : int {
+  kUnscented = 0,   // seven sigma points
+  kLinearized = 1,  // the derivative at the centre, as in EWA splatting
+  kMonteCarlo = 2,  // 200 samples: slow, the yardstick of the other two
+};
+
 /// Every approximation of a frame, named, with its default (DESIGN: speed against accuracy).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
+  Projection projection = Projection::kUnscented;
   double alpha_cut = 1.0 / 255.0;   // contributions below this are not made
   double transmittance_cut = 1e-4;  // a ray is done below this
   double camera_filter_px2 = 0.3;   // variance of the pixel footprint, px^2

@@ -1,6 +1,8 @@
 #include "host/render/renderer.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -55,6 +57,30 @@ RenderOptions resolve(const Device& device, RenderOptions options) {
   return options;
 }
 
+/// SIM_MONTE_CARLO standard normal triples, the same always (splitmix64 and Box-Muller), in pairs of opposite
+/// sign so that their mean is exactly 0.
+void append_normal_samples(std::vector<double>& values) {
+  std::uint64_t state = 0;
+  const auto uniform = [&state] {
+    state += 0x9e3779b97f4a7c15U;
+    std::uint64_t z = state;
+    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+    z ^= z >> 31U;
+    return (static_cast<double>(z >> 11U) + 0.5) * 0x1p-53;
+  };
+  for (int pair = 0; pair < SIM_MONTE_CARLO / 2; ++pair) {
+    double sample[3];
+    for (double& value : sample) {
+      const double radius = std::sqrt(-2.0 * std::log(uniform()));
+      value = radius * std::cos(2.0 * std::numbers::pi * uniform());
+    }
+    for (const double sign : {1.0, -1.0}) {
+      for (const double value : sample) values.push_back(sign * value);
+    }
+  }
+}
+
 }  // namespace
 
 Renderer::Renderer(const Device& device, const RenderOptions& options)
@@ -85,6 +111,7 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
   variant.sh_degree = particles.sh_degree;
   variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
   variant.precision = options_.precision;
+  variant.projection = options_.projection;
   variant.shape = options_.shape;
   current_ = &stages(variant);
   rays_ = &rays;
@@ -93,7 +120,9 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
   frame_.particles = particles.count;
   frame_.stride = particles.stride;
 
-  buffers_.sensor.upload(std::span<const double>(constants));
+  std::vector<double> sensor(constants.begin(), constants.end());
+  if (options_.projection == Projection::kMonteCarlo) append_normal_samples(sensor);
+  buffers_.sensor.assign(sensor);
   current_->rays.run(frame_, rays.buffers(), buffers_);
   current_->project.run(frame_, particles, rays.buffers(), buffers_);
   bin_.run(frame_, buffers_, sort_, scan_, options_.max_instances);

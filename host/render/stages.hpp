@@ -30,6 +30,7 @@ struct Variant {
   int sh_degree = 0;
   bool median = false;
   Precision precision = Precision::kFloat;
+  Projection projection = Projection::kUnscented;
   LaneShape shape;
 
   [[nodiscard]] BuildOptions options() const;
