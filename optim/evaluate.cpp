@@ -216,7 +216,7 @@ EvalReport evaluate(const Device& device,
   report.lidar = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
   report.distance_expected_median_m = kNaN;
   report.device = device.info().label();
-  Renderer renderer(device, RenderOptions{});
+  Renderer renderer(device, options.render);
   std::size_t done = 0;
   const std::function<void()> step = [&] {
     ++done;

@@ -15,8 +15,7 @@ namespace {
 
 enum Stream : std::uint64_t { kImageStream = 1, kSweepStream = 2 };
 
-RenderOptions training_options() {
-  RenderOptions options;
+RenderOptions training_options(RenderOptions options) {
   options.median_distance = false;  // has no gradient
   return options;
 }
@@ -30,6 +29,9 @@ void check(const TrainOptions& o) {
   need(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "0 (no limit) or more");
   need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
   need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
+  if (o.render.precision != Precision::kFloat) {
+    throw Error(ErrorKind::kUsage, "train: precision: found double, allowed float");
+  }
   for (const LearningRates* r : {&o.camera, &o.lidar}) {
     need(r->mean_m > 0.0 && r->mean_final_m > 0.0 && std::isfinite(r->mean_m + r->mean_final_m),
          "mean rate",
@@ -83,7 +85,7 @@ Trainer::Trainer(const Device& device, const Log& log, Scene scene, const TrainO
       scene_(std::move(scene)),
       options_(checked(options)),
       device_(device),
-      renderer_(device, training_options()),
+      renderer_(device, training_options(options_.render)),
       camera_(device, scene_.camera, Precision::kFloat),
       lidar_(device, scene_.lidar, Precision::kFloat),
       camera_grads_(zeros_like("camera gradients", camera_, device)),

@@ -32,6 +32,7 @@ struct TrainOptions {
   LearningRates camera;
   LearningRates lidar;
   LidarWeights weights;
+  RenderOptions render;  // in float; the median distance has no gradient and is never written
   std::size_t cache_bytes = std::size_t{2} << 30U;  // of frames kept on the device, images and sweeps each
 };
 
