@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <fstream>
 #include <memory>
+#include <string_view>
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
@@ -32,6 +34,32 @@ void require_jpeg_end(const fs::path& file) {
   if (bytes.rfind("\xFF\xD9") == std::string::npos) {
     throw_input_error(file.string(), "content", "no end marker (truncated)", "a whole JPEG");
   }
+}
+
+/// The PNG library writes to stderr by itself when a file ends early, and errors are to be one line: the
+/// chunks are counted off beforehand. Files of other formats pass.
+void require_whole_png(const fs::path& file) {
+  constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
+  constexpr std::size_t kChunkFrame = 12;  // length, name, checksum
+  std::ifstream stream(file, std::ios::binary);
+  std::string head(kSignature.size(), '\0');
+  if (!stream.read(head.data(), static_cast<std::streamsize>(head.size())) || head != kSignature) return;
+  stream.close();
+  const std::string bytes = read_file(file);
+  std::size_t place = kSignature.size();
+  while (bytes.size() - place >= kChunkFrame) {
+    std::size_t length = 0;
+    for (std::size_t k = 0; k < 4; ++k) length = length << 8U | static_cast<unsigned char>(bytes[place + k]);
+    const std::string name = bytes.substr(place + 4, 4);
+    const std::size_t left = bytes.size() - place - kChunkFrame;
+    if (length > left) {
+      throw_input_error(
+          file.string(), "PNG chunk", fmt::format("{} bytes of {} (truncated)", left, length), "all of them");
+    }
+    if (name == "IEND") return;
+    place += kChunkFrame + length;
+  }
+  throw_input_error(file.string(), "PNG end chunk", "none (truncated)", "a whole picture");
 }
 
 void require_size(const fs::path& file, const OIIO::ImageSpec& spec) {
@@ -105,6 +133,7 @@ std::vector<Footprint> footprints(int old_size, int new_size) {
 }  // namespace
 
 Image read_image(const fs::path& file) {
+  require_whole_png(file);
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;  // colours as stored: alpha is dropped, not multiplied in
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);

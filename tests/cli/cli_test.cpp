@@ -1,64 +1,12 @@
-// Runs the program and looks at its exit code, stdout and stderr.
-#include <algorithm>
-#include <cstdlib>
-#include <filesystem>
-#include <fmt/format.h>
-#include <fstream>
+// Commands that need no device.
 #include <gtest/gtest.h>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <stdlib.h>
-#include <string>
-#include <sys/wait.h>
+
+#include "tests/cli/cli_fixture.hpp"
 
 namespace {
 
-namespace fs = std::filesystem;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
-class Cli : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "simuli_cli_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  /// Runs "simuli ARGUMENTS" through the shell, in the test's folder.
-  Outcome run(const std::string& arguments) const {
-    const std::string command = fmt::format(
-        "cd '{}' && '{}' {} >out.txt 2>err.txt </dev/null", folder_.string(), SIMULI_PROGRAM, arguments);
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
-  }
-  /// The run fails with `exit_code` and one line "simuli: ..." on stderr that holds `part`.
-  void expect_failure(const std::string& arguments, int exit_code, const std::string& part) const {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.exit_code, exit_code) << arguments << ": " << outcome.err;
-    EXPECT_EQ(outcome.err.rfind("simuli: ", 0), 0U) << arguments << ": " << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1)
-        << arguments << ": " << outcome.err;
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << arguments << ": " << outcome.err;
-    EXPECT_EQ(outcome.out, "") << arguments;
-  }
-
-  fs::path folder_;
-
- private:
-  std::string read(const char* name) const {
-    std::ifstream file(folder_ / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-};
-
-constexpr int kUsage = 2;
-constexpr int kInput = 3;
+using namespace simuli::test;
 
 TEST_F(Cli, UsageErrorsAreOneLineAndExitWith2) {
   expect_failure("", kUsage, "subcommand");
@@ -154,6 +102,87 @@ TEST_F(Cli, SynthesisedLogCanBeLookedAt) {
   }
   expect_failure("info small.log rear", kInput, "sensor: found \"rear\"");
   expect_failure("synth street -o small.log", kInput, "small.log");  // never overwritten
+}
+
+/// Whole file, or its first `bytes`.
+std::string head_of(const fs::path& file, std::size_t bytes = std::string::npos) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(stream), {}};
+  return content.substr(0, bytes);
+}
+void put(const fs::path& file, const std::string& content) {
+  std::ofstream(file, std::ios::binary) << content;
+}
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t place = text.find(from);
+  EXPECT_NE(place, std::string::npos) << from;
+  return place == std::string::npos ? text : text.replace(place, from.size(), to);
+}
+
+TEST_F(Cli, DamagedLogsAreOneLineAndLeaveNothing) {
+  ASSERT_EQ(
+      run("synth street -o a.log --frames 2 --image-width 32 --image-height 18 --lidar-columns 36").exit_code,
+      0);
+  const fs::path json = folder_ / "a.log" / "log.json";
+  const std::string whole = head_of(json);
+  put(json, replaced(whole, "\"width_px\"", "\"width_cm\""));
+  expect_failure("train a.log -o s.scene", kInput, "width_px: found no such key beside");
+  put(json, replaced(whole, "\"name\"", "\"colour\": 1, \"name\""));
+  expect_failure("info a.log", kInput, "colour");
+  put(json, whole);
+
+  fs::path picture;
+  for (const auto& entry : fs::directory_iterator(folder_ / "a.log" / "images")) picture = entry.path();
+  const std::string pixels = head_of(picture);
+  put(picture, pixels.substr(0, pixels.size() / 2));
+  expect_failure(
+      "train a.log -o s.scene --held-out 0 --iterations 2", kInput, "(truncated), allowed all of them");
+  put(picture, pixels);
+  for (const auto& entry : fs::directory_iterator(folder_ / "a.log" / "sweeps")) picture = entry.path();
+  put(picture, head_of(picture, 500));
+  expect_failure("train a.log -o s.scene --held-out 0 --iterations 2", kInput, picture.filename().string());
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    EXPECT_EQ(entry.path().filename().string().find("s.scene"), std::string::npos) << entry.path();
+  }
+}
+
+/// A scene of one particle: what `simuli info` can read.
+std::string one_particle_ply() {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n";
+  for (const char* name : {"x",
+                           "y",
+                           "z",
+                           "f_dc_0",
+                           "f_dc_1",
+                           "f_dc_2",
+                           "opacity",
+                           "scale_0",
+                           "scale_1",
+                           "scale_2",
+                           "rot_0",
+                           "rot_1",
+                           "rot_2",
+                           "rot_3"}) {
+    text += fmt::format("property float {}\n", name);
+  }
+  return text + "end_header\n1 2 3 0 0 0 0 -2 -2 -2 1 0 0 0\n";
+}
+
+TEST_F(Cli, DamagedScenesAreOneLine) {
+  fs::create_directory(folder_ / "a.scene");
+  put(folder_ / "a.scene" / "camera.ply", one_particle_ply());
+  put(folder_ / "a.scene" / "lidar.ply", one_particle_ply());
+  put(folder_ / "a.scene" / "scene.json",
+      R"({"format": "simuli scene", "version": 1, "name": "one", "origin_m": [0, 0, 0],
+    "camera_set": {"gaussians": 1, "sh_degree": 0, "background": [0, 0, 0]},
+    "lidar_set": {"gaussians": 1, "sh_degree": 0, "background": [0, -4, 4]}, "cameras": [], "lidars": []})");
+  const Outcome good = run("info a.scene");
+  ASSERT_EQ(good.exit_code, 0) << good.err;
+  const fs::path ply = folder_ / "a.scene" / "camera.ply";
+  put(ply, replaced(one_particle_ply(), "1 2 3", "1 nan 3"));
+  expect_failure("info a.scene", kInput, "camera.ply: ");
+  put(ply, replaced(one_particle_ply(), "vertex 1", "vertex 4000000000"));
+  expect_failure("info a.scene", kInput, "found 4000000000 vertices");
 }
 
 }  // namespace
