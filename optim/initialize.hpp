@@ -21,7 +21,7 @@ struct InitOptions {
   std::size_t max_shell = 100'000;     // particles; 0: no shell
   double shell_spacing_deg = 0.5;      // angle between shell particles, seen from the scene origin
   double camera_scale = 0.5;           // standard deviation of a particle over the distance to its neighbours
-  double lidar_scale = 0.5;
+  double lidar_scale = 0.7;
   double min_scale_m = 0.03;  // limits of a particle's standard deviation
   double max_scale_m = 0.5;
   bool sweep_depth = true;  // place camera particles also where only pictures tell the depth

@@ -16,9 +16,10 @@
 namespace simuli {
 
 /// Weights of the LiDAR set's losses, each a mean over its rays (METHOD section 10). Only their ratios
-/// matter: the set has no other loss, and Adam's steps do not depend on the loss's scale.
+/// matter: the set has no other loss, and Adam's steps do not depend on the loss's scale. METHOD's 0.01 is
+/// the weight beside a picture's loss; alone, distances need more to hold their own against the drops.
 struct LidarWeights {
-  double distance = 0.01;  // |d^ - d| in m, returned rays
+  double distance = 0.3;   // |d^ - d| in m, returned rays
   double intensity = 0.1;  // |i^ - i|, returned rays
   double drop = 0.05;      // cross entropy, all rays
 };
@@ -30,7 +31,7 @@ struct TrainOptions {
   int held_out_every = 5;    // frames for which is_held_out() says yes are not read; 0: all are trained on
   std::uint64_t seed = 1;
   LearningRates camera;
-  LearningRates lidar;
+  LearningRates lidar{.mean_m = 2e-3, .mean_final_m = 2e-5};  // returns are where they are: nearly fixed
   LidarWeights weights;
   RenderOptions render;  // in float; the median distance has no gradient and is never written
   std::size_t cache_bytes = std::size_t{2} << 30U;  // of frames kept on the device, images and sweeps each

@@ -1,0 +1,119 @@
+// Commands that train and render.
+#include <fstream>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/cli_fixture.hpp"
+
+namespace {
+
+using namespace simuli::test;
+
+/// A small street and a scene trained on it for three iterations.
+class SceneCli : public Cli {
+ protected:
+  void make_scene() const {
+    const Outcome synth =
+        run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
+            "--no-moving-car");
+    ASSERT_EQ(synth.exit_code, 0) << synth.err;
+    const Outcome train = run("train s.log -o s.scene --iterations 3 --json --set init.voxel_m=0.3");
+    ASSERT_EQ(train.exit_code, 0) << train.err;
+    const nlohmann::json report = nlohmann::json::parse(train.out);
+    EXPECT_EQ(report.at("iterations"), 3);
+    EXPECT_EQ(report.at("rejected_gradients"), 0);
+    EXPECT_EQ(report.at("images"), 5);  // of 6, one is held out
+    EXPECT_EQ(train.err, "");
+  }
+  std::size_t files_in(const std::string& folder) const {
+    std::size_t files = 0;
+    for (const auto& entry : fs::directory_iterator(folder_ / folder))
+      files += entry.is_regular_file() ? 1 : 0;
+    return files;
+  }
+};
+
+TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
+  make_scene();
+  const Outcome eval = run("eval s.scene s.log --scale 0.5 --json");
+  ASSERT_EQ(eval.exit_code, 0) << eval.err;
+  const nlohmann::json report = nlohmann::json::parse(eval.out);
+  for (const char* key : {"psnr_db",
+                          "ssim",
+                          "distance_median_m",
+                          "medl2_m2",
+                          "mean_rel_l2",
+                          "intensity_rmse",
+                          "raydrop_accuracy",
+                          "chamfer_m2",
+                          "chamfer_m",
+                          "camera_mp_per_s",
+                          "lidar_mr_per_s"}) {
+    ASSERT_TRUE(report.at(key).is_number()) << key;
+  }
+  EXPECT_EQ(report.at("image_width_px"), 32);
+  EXPECT_NE(run("eval s.scene s.log").out.find("PSNR"), std::string::npos);
+
+  EXPECT_EQ(run("render s.scene --sensor front --trajectory s.log --frames 1:2 -o pictures").exit_code, 0);
+  EXPECT_EQ(files_in("pictures"), 2U);
+  EXPECT_TRUE(fs::exists(folder_ / "pictures" / "front_000001.png"));
+  EXPECT_EQ(run("render s.scene --sensor top --times 0:0.2:0.1 --lane-shift 0.5 -o sweeps").exit_code, 0);
+  EXPECT_EQ(files_in("sweeps"), 6U);  // a cloud and a picture each
+  std::ifstream cloud(folder_ / "sweeps" / "top_000002.ply");
+  std::string line;
+  std::getline(cloud, line);
+  EXPECT_EQ(line, "ply");
+  const Outcome builtin = run("render s.scene --sensor generic64 --times 0.1:0.1:1 -o other --json");
+  ASSERT_EQ(builtin.exit_code, 0) << builtin.err;
+  EXPECT_EQ(nlohmann::json::parse(builtin.out).at("frames"), 1);
+
+  expect_failure("render s.scene --sensor rear -o x", kUsage, "allowed front, top, ");
+  expect_failure("render s.scene --sensor front --frames 9:9 --trajectory s.log -o x", kUsage, "--frames");
+  expect_failure("render s.scene --sensor front --times 0:1 -o x", kUsage, "--times");
+  expect_failure("render s.scene --sensor front --times 0:nan:1 -o x", kUsage, "--times");
+  expect_failure("render s.scene --sensor front --times 90:90:1 -o x", kInput, "90");  // behind the end
+  expect_failure("render s.scene --sensor front -o pictures", kInput, "pictures");     // never overwritten
+  EXPECT_FALSE(fs::exists(folder_ / "x"));
+}
+
+TEST_F(SceneCli, BadRequestsAreRefused) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 2 --image-width 32 --image-height 18 --lidar-columns 36").exit_code,
+      0);
+  expect_failure("train nowhere.log -o x", kInput, "nowhere.log");
+  expect_failure("train s.log -o x --set speed=1", kUsage, "camera.rate.mean_m");  // lists the keys
+  expect_failure("train s.log -o x --set init.voxel_m=wide", kUsage, "init.voxel_m: found \"wide\"");
+  expect_failure("train s.log -o x --set init.voxel_m", kUsage, "KEY=VALUE");
+  expect_failure("train s.log -o x --set init.voxel_m=0.2 --set init.voxel_m=0.3", kUsage, "twice");
+  expect_failure("train s.log -o x --scale 0", kUsage, "image");
+  expect_failure("train s.log -o x --iterations many", kUsage, "--iterations");
+  EXPECT_FALSE(fs::exists(folder_ / "x"));
+  expect_failure("eval nowhere.scene s.log", kInput, "nowhere.scene");
+  expect_failure("render nowhere.scene --sensor top -o x", kInput, "nowhere.scene");
+}
+
+TEST_F(SceneCli, EveryDevicePassesItsCheck) {
+  const Outcome devices = run("devices --check --json");
+  ASSERT_EQ(devices.exit_code, 0) << devices.err;
+  const nlohmann::json list = nlohmann::json::parse(devices.out);
+  ASSERT_FALSE(list.empty());
+  for (const auto& device : list) {
+    EXPECT_EQ(device.at("usable"), device.value("check_passed", false)) << device;
+  }
+  constexpr int kDevice = 4;
+  expect_failure("eval a b --device no-such-device", kInput, "a");  // the folder is looked at first
+  expect_failure("demo -o d --device no-such-device", kDevice, "no-such-device");
+  EXPECT_FALSE(fs::exists(folder_ / "d"));
+}
+
+TEST_F(SceneCli, DemoLeavesLogScenePicturesAndTable) {
+  const Outcome demo = run("demo -o demo --iterations 1");
+  ASSERT_EQ(demo.exit_code, 0) << demo.err;
+  for (const char* part :
+       {"street.log/log.json", "street.scene/scene.json", "camera.png", "lidar_range.png"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "demo" / part)) << part;
+  }
+  EXPECT_NE(demo.out.find("PSNR"), std::string::npos);
+}
+
+}  // namespace
