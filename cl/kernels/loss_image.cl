@@ -1,5 +1,5 @@
 // loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/loss.cpp
-#include "math/lanes.h"
+#include "math/elementary.h"
 #include "shared/layout.h"
 
 /// One work-item per tile. L = weight * mean over pixels and channels of |rendered - truth|.
@@ -18,7 +18,7 @@ __kernel void loss_image(const FrameParams frame,
   for (uint j = 0; j < SIM_TILE_RAYS; j += V) {
     const uint i = tile * SIM_TILE_RAYS + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
-    const I real_pixel = OR(OR(x != R(0.0), y != R(0.0)), z != R(0.0));
+    const I real_pixel = is_ray(x, y, z);
     for (int c = 0; c < 3; ++c) {
       const F difference = SEL(real_pixel, LDV(out + c * s + i) - LDV(truth + c * s + i), (F)R(0.0));
       absolute += fabs(difference);

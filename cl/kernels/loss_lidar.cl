@@ -24,7 +24,7 @@ __kernel void loss_lidar(const FrameParams frame,
   for (uint j = 0; j < SIM_TILE_RAYS; j += V) {
     const uint i = tile * SIM_TILE_RAYS + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
-    const I fired = OR(OR(x != R(0.0), y != R(0.0)), z != R(0.0));
+    const I fired = is_ray(x, y, z);
     const F range = LDV(truth + i);
     const I returned = AND(fired, range > R(0.0));
 

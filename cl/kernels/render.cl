@@ -37,7 +37,7 @@ __kernel void render(const FrameParams frame,
 #if MEDIAN
     median[j] = (F)R(0.0);
 #endif
-    alive += ANY(OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0))) ? 1 : 0;
+    alive += ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1 : 0;
   }
 
   const uint end = first[tile + 1];
@@ -96,8 +96,7 @@ __kernel void render(const FrameParams frame,
         const I done = AND(left < t_cut, response.inside);
         if (ANY(done)) {
           for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
-          const I going =
-              OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0));
+          const I going = is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2]);
           if (!ANY(going)) --alive;
         }
       }

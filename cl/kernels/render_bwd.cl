@@ -64,7 +64,7 @@ __kernel void render_bwd(const FrameParams frame,
     behind[j] = fma(g2[j], LDV(out + 2 * frame.slots + slot), behind[j]);
     behind[j] = fma(gt, LDV(out + SIM_O_TRANSMITTANCE * frame.slots + slot), behind[j]);
     behind[j] = fma(gd[j], LDV(out + SIM_O_DISTANCE * frame.slots + slot), behind[j]);
-    alive += ANY(OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0))) ? 1 : 0;
+    alive += ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1 : 0;
   }
 
   const uint end = first[tile + 1];
@@ -166,7 +166,7 @@ __kernel void render_bwd(const FrameParams frame,
       const I done = AND(left < t_cut, inside);
       if (ANY(done)) {
         for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
-        const I going = OR(OR(ray[j].d[0] != R(0.0), ray[j].d[1] != R(0.0)), ray[j].d[2] != R(0.0));
+        const I going = is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2]);
         if (!ANY(going)) --alive;
       }
     }

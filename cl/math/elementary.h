@@ -88,6 +88,9 @@ FN F atan2_lanes(F y, F x) {
 }
 #endif
 
+/// Lanes that hold a ray: a direction of zero marks slots without one, and rays that are done.
+FN I is_ray(F x, F y, F z) { return OR(OR(x != R(0.0), y != R(0.0)), z != R(0.0)); }
+
 /// x wrapped to [-period/2, period/2].
 FN F wrap_lanes(F x, real period) { return fma(round_lanes(x * (R(1.0) / period)), (F)-period, x); }
 
