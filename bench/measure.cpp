@@ -43,7 +43,7 @@ std::string to_text(const std::vector<Row>& rows) {
   for (const Row& r : rows) width = std::max(width, r.name.size());
   std::string out;
   for (const Row& r : rows) {
-    out += fmt::format("{:<{}}  {:>10.3f} {:<8} +- {:.3f}\n", r.name, width, r.value, r.unit, r.spread);
+    out += fmt::format("{:<{}}  {:>12.5g} {:<8} +- {:.3g}\n", r.name, width, r.value, r.unit, r.spread);
   }
   return out;
 }

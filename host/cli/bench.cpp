@@ -1,34 +1,91 @@
 // simuli bench: the numbers the README claims, as commands.
+#include <fmt/format.h>
 #include <iostream>
 #include <memory>
+#include <utility>
+#include <vector>
 
+#include "bench/figure11.hpp"
+#include "bench/sensor_errors.hpp"
 #include "bench/stages.hpp"
+#include "bench/table8.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
 
 namespace simuli::cli {
 
+namespace {
+
+struct BenchCommand {
+  bool stages = false;
+  bool extremes = false;
+  int table = 0;       // 0: none
+  int figure = 0;      // 0: none
+  int iterations = 0;  // 0: each bench's own number
+  bench::StagesOptions stage_options;
+  bench::Table8Options table8;
+  bench::Figure11Options figure11;
+};
+
+void run_bench(BenchCommand command, const Globals& globals) {
+  const int asked = (command.stages ? 1 : 0) + (command.extremes ? 1 : 0) + (command.table != 0 ? 1 : 0) +
+                    (command.figure != 0 ? 1 : 0);
+  if (asked != 1) {
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("bench: found {} tables, allowed one of --stages, --extremes, --table 8, --figure 11",
+                    asked));
+  }
+  if (!command.table8.log.empty() && command.table != 8) {
+    throw Error(ErrorKind::kUsage, "bench: --log: found without --table 8, allowed with it");
+  }
+  if (command.iterations > 0) {
+    if (command.table == 0 && command.figure == 0) {
+      throw Error(ErrorKind::kUsage,
+                  "bench: --iterations: found without a training, allowed with --table, --figure");
+    }
+    command.table8.iterations = command.figure11.iterations = command.iterations;
+  }
+  const auto note = [](const std::string& line) { std::cerr << line << '\n'; };
+  std::vector<bench::Row> rows;
+  std::vector<std::string> broken;
+  if (command.stages) rows = bench::run_stages(globals.device, command.stage_options, note);
+  if (command.table == 8) rows = bench::run_table8(globals.device, command.table8, note);
+  if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
+  if (command.extremes) {
+    bench::ExtremesReport report = bench::run_extremes(globals.device, note);
+    rows = std::move(report.rows);
+    broken = std::move(report.broken);
+  }
+  std::cout << (globals.json ? bench::to_json(rows) : bench::to_text(rows));
+  if (broken.empty()) return;
+  for (const std::string& line : broken) note(line);
+  throw Error(ErrorKind::kNumeric, fmt::format("bench --extremes: {} bounds broken", broken.size()));
+}
+
+}  // namespace
+
 void add_bench(CLI::App& app, const Globals& globals) {
-  struct Options {
-    bool stages = false;
-    bench::StagesOptions stage_options;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("bench", "measure: times of the stages of a frame");
+  const auto options = std::make_shared<BenchCommand>();
+  CLI::App* command = app.add_subcommand("bench", "measure: times, and the numbers of the paper's tables");
   command->add_flag(
       "--stages", options->stages, "each stage of a camera and a LiDAR frame, forward and backward");
+  command->add_flag(
+      "--extremes", options->extremes, "float against double at the ends of range, size and position");
+  command->add_option("--table", options->table, "8: unscented, linearised and Monte Carlo projection")
+      ->check(CLI::IsMember({8}));
+  command->add_option("--figure", options->figure, "11: motion during a frame, modelled and ignored")
+      ->check(CLI::IsMember({11}));
+  command->add_option("--log", options->table8.log, "table 8: a log folder instead of the embedded street");
+  command->add_option("--iterations", options->iterations, "of each training of a table or figure")
+      ->check(CLI::Range(1, 1'000'000));
   command->add_option("--particles", options->stage_options.particles, "Gaussians of the synthetic street")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{16'000'000}))
       ->capture_default_str();
   command->add_option("--frames", options->stage_options.frames, "frames timed; the median is told")
       ->check(CLI::Range(5, 10'000))
       ->capture_default_str();
-  command->callback([options, &globals] {
-    if (!options->stages) throw Error(ErrorKind::kUsage, "bench: found no table, allowed --stages");
-    const auto rows = bench::run_stages(
-        globals.device, options->stage_options, [](const std::string& line) { std::cerr << line << '\n'; });
-    std::cout << (globals.json ? bench::to_json(rows) : bench::to_text(rows));
-  });
+  command->callback([options, &globals] { run_bench(*options, globals); });
 }
 
 }  // namespace simuli::cli
