@@ -4,6 +4,7 @@ set(SIMULI_CL_FILES
   math/camera.h
   math/lanes.h
   math/elementary.h
+  math/extent.h
   math/gaussian.h
   math/response.h
   math/sensor.h

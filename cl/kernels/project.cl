@@ -1,4 +1,5 @@
 // project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/project.cpp
+#include "math/extent.h"
 #include "math/sh.h"
 #include "math/unscented.h"
 
@@ -50,7 +51,7 @@ FN void join_columns(Footprint* f) {
   }
 }
 
-#if SENSOR == SENSOR_LIDAR && MOVING
+#if SENSOR == SENSOR_LIDAR && MOVING && EXTENT == EXTENT_UNSCENTED
 /// Raises x and y to how far the image of o_ref + p moves from time t to t + dt.
 FN void drift(__global const real* sensor, const F* p, F t, F dt, F* x, F* y) {
   F q[3], x0, y0, x1, y1;
@@ -99,7 +100,12 @@ __kernel void project(const FrameParams frame,
   for (int k = 0; k < 3; ++k) {
     visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame.stride + i)) < R(80.0));
   }
-  visible = AND(visible, AND(g.range - radius < sensor[SIM_S_T_MAX], g.range > R(1e-6)));
+#if EXTENT == EXTENT_EXACT
+  const F far = sensor[SIM_S_T_MAX] + origin_reach(&frame, sensor);
+#else
+  const F far = (F)sensor[SIM_S_T_MAX];
+#endif
+  visible = AND(visible, AND(g.range - radius < far, g.range > R(1e-6)));
 #if SENSOR == SENSOR_CAMERA
   // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
   // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
@@ -121,7 +127,10 @@ __kernel void project(const FrameParams frame,
   // Where x goes round, a particle has two places: at the cut of a sweep it is met from the pose at the start
   // and from that at the end (the unrolled spin angle of METHOD section 3).
   Box box, other;
-#if SENSOR == SENSOR_CAMERA
+  F low, high;
+#if EXTENT == EXTENT_EXACT
+  exact_box(&frame, sensor, &g, reach, radius, &box, &other, &low, &high);
+#elif SENSOR == SENSOR_CAMERA
   F anchor = (F)R(0.0);
 #if WRAPS
   F anchor_y;
@@ -136,8 +145,8 @@ __kernel void project(const FrameParams frame,
   box.half_x = SEL(known, box.half_x, (F)R(1e9));
   box.half_y = SEL(known, box.half_y, (F)R(1e9));
   other = box;
-  F low = box.mean_y - box.half_y;
-  F high = box.mean_y + box.half_y;
+  low = box.mean_y - box.half_y;
+  high = box.mean_y + box.half_y;
 #if WRAPS
   const real period = sensor[SIM_S_PERIOD];
   other.mean_x += SEL(box.mean_x < R(0.5) * period, (F)period, (F)-period);
@@ -199,8 +208,8 @@ __kernel void project(const FrameParams frame,
   const F wider = lever + drift_x;
   const I both = AND(other.mean_x + other.half_x + wider >= swept_first,
                      other.mean_x - other.half_x - wider <= swept_last);
-  F low = box.mean_y - box.half_y;
-  F high = box.mean_y + box.half_y;
+  low = box.mean_y - box.half_y;
+  high = box.mean_y + box.half_y;
   low = SEL(both, VMIN(low, other.mean_y - other.half_y), low);
   high = SEL(both, VMAX(high, other.mean_y + other.half_y), high);
   other.mean_x = SEL(both, other.mean_x, box.mean_x);

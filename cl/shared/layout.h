@@ -96,8 +96,12 @@ typedef int sim_i32;
 #define SIM_S_TILE_SCALE 59    // tiles per unit of u
 #define SIM_S_PERIOD 60        // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
 #define SIM_S_TIME_SPREAD 61   // rays fire at most this share of the frame before or after what x tells
+#define SIM_S_ROW_SPREAD 62    // LiDAR: rad, rays' elevations are at most this off their row's
 #define SIM_S_LENS 64          // camera: SIM_LENS_REALS constants of the lens
-#define SIM_SENSOR_REALS 96
+#define SIM_S_LENS_CONE 96     // camera: rad, half angle of the cone about the axis where the slopes hold
+#define SIM_S_LENS_SLOPE_X 97  // largest px per rad there, along x and y
+#define SIM_S_LENS_SLOPE_Y 98
+#define SIM_SENSOR_REALS 100
 #define SIM_MONTE_CARLO 200    // Monte Carlo projection: as many standard normal triples follow the constants
 
 // The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...

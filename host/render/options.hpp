@@ -24,16 +24,23 @@ enum class Projection : int {
   kMonteCarlo = 2,  // 200 samples: slow, the yardstick of the other two
 };
 
+/// Which rays a particle may contribute to (METHOD section 4): how much is lost against how much is tested.
+enum class Extent : int {
+  kUnscented = 0,  // those within the box of Projection; the response is clipped there
+  kExact = 1,      // all with an alpha of at least alpha_cut: closed-form bounds, nothing is lost
+};
+
 /// Every approximation of a frame, named, with its default (DESIGN: speed against accuracy).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
-  double alpha_cut = 1.0 / 255.0;   // contributions below this are not made
-  double transmittance_cut = 1e-4;  // a ray is done below this
-  double camera_filter_px2 = 0.3;   // variance of the pixel footprint, px^2
-  bool median_distance = true;      // write the median distance as well (LiDAR)
-  int lidar_rows_per_tile = 8;      // 1, 2, 4, 8 or 16 beams; the tile is 256 / that many firings wide
-  LaneShape shape{0, 0, 0};         // 0: LaneShape::of(device)
+  Extent extent = Extent::kUnscented;  // kExact: projection has no effect
+  double alpha_cut = 1.0 / 255.0;      // contributions below this are not made
+  double transmittance_cut = 1e-4;     // a ray is done below this
+  double camera_filter_px2 = 0.3;      // variance of the pixel footprint, px^2
+  bool median_distance = true;         // write the median distance as well (LiDAR)
+  int lidar_rows_per_tile = 8;         // 1, 2, 4, 8 or 16 beams; the tile is 256 / that many firings wide
+  LaneShape shape{0, 0, 0};            // 0: LaneShape::of(device)
   std::size_t max_instances = std::size_t{1} << 28U;  // a frame that needs more is refused
 };
 

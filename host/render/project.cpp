@@ -6,6 +6,12 @@ namespace {
 
 constexpr std::size_t kLocalSize = 32;
 
+/// Only the forward projection asks for the extent: other kernels are one program for both.
+BuildOptions forward_options(const Variant& variant) {
+  BuildOptions options = variant.options();
+  return options.define("EXTENT", variant.extent);
+}
+
 BuildOptions backward_options(const Variant& variant) {
   BuildOptions options = variant.options();
   // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
@@ -16,7 +22,7 @@ BuildOptions backward_options(const Variant& variant) {
 
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.shape.lanes),
-      project_(Program(device, "kernels/project.cl", variant.options()), "project"),
+      project_(Program(device, "kernels/project.cl", forward_options(variant)), "project"),
       project_bwd_(Program(device, "kernels/project_bwd.cl", backward_options(variant)), "project_bwd") {}
 
 void ProjectStage::run(const shared::FrameParams& frame,

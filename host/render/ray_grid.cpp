@@ -14,6 +14,57 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+/// How fast a lens's image moves at most, over a cone about its axis.
+struct LensSlopes {
+  double cone_rad = 0.0;
+  double x = 1e9;  // px per rad; so much that any bound made of it is the whole picture
+  double y = 1e9;
+};
+
+/// The largest |gradient| of the pixel's x and y over the directions at `angle` off axis, added to `slopes`;
+/// false when not all of them have an image.
+bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
+  constexpr int kAround = 72;
+  constexpr double kStep = 1e-5;  // rad
+  const auto image = [&](double theta, double phi, Eigen::Vector2d& pixel) {
+    const double out = std::sin(theta);
+    return camera.project({out * std::cos(phi), out * std::sin(phi), std::cos(theta)}, pixel);
+  };
+  for (int k = 0; k < kAround; ++k) {
+    const double phi = 2.0 * kPi * k / kAround;
+    const double turn = kStep / std::sin(angle);
+    Eigen::Vector2d here, inwards, around;
+    if (!(image(angle, phi, here) && image(angle - kStep, phi, inwards) &&
+          image(angle, phi + turn, around))) {
+      return false;
+    }
+    slopes.x = std::max(slopes.x, std::hypot(here.x() - inwards.x(), around.x() - here.x()) / kStep);
+    slopes.y = std::max(slopes.y, std::hypot(here.y() - inwards.y(), around.y() - here.y()) / kStep);
+  }
+  return true;
+}
+
+/// A convex cone must be that of all rays (picture_rad); a wider one may reach as far as the lens does, half
+/// a radian more at most, since what leaves it has no bound but the picture.
+LensSlopes lens_slopes(const Camera& camera, double picture_rad) {
+  constexpr double kStep = 0.25 * kPi / 180.0;
+  constexpr double kBetweenSamples = 1.02;  // the slopes are smooth: less than this between neighbours
+  const bool convex = picture_rad <= 0.5 * kPi;
+  const double farthest = convex ? picture_rad : std::min(picture_rad + 0.5, kPi - kStep);
+  LensSlopes slopes{0.0, 0.0, 0.0};
+  while (slopes.cone_rad < farthest) {
+    const double angle = std::min(slopes.cone_rad + kStep, farthest);
+    LensSlopes wider = slopes;
+    if (!add_slopes(camera, angle, wider)) break;
+    slopes = wider;
+    slopes.cone_rad = angle;
+  }
+  if (convex && slopes.cone_rad < farthest) return {picture_rad};
+  slopes.x *= kBetweenSamples;
+  slopes.y *= kBetweenSamples;
+  return slopes;
+}
+
 }  // namespace
 
 RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
@@ -64,6 +115,12 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   c[SIM_S_HEIGHT] = camera.height;
   c[SIM_S_COS_FOV] =
       std::acos(std::max(lowest_cosine, -1.0));  // an angle here; frame_constants adds the sensor's turn
+  if (grid.lens != LensKind::kPinhole && !wraps) {
+    const LensSlopes slopes = lens_slopes(camera, c[SIM_S_COS_FOV]);
+    c[SIM_S_LENS_CONE] = slopes.cone_rad;
+    c[SIM_S_LENS_SLOPE_X] = slopes.x;
+    c[SIM_S_LENS_SLOPE_Y] = slopes.y;
+  }
   c[SIM_S_TIME_C] = camera.exposure_fraction({0.0, 0.0});
   c[SIM_S_TIME_X] = camera.exposure_fraction({1.0, 0.0}) - c[SIM_S_TIME_C];
   c[SIM_S_TIME_Y] = camera.exposure_fraction({0.0, 1.0}) - c[SIM_S_TIME_C];
@@ -132,6 +189,16 @@ double time_spread(const Lidar& lidar, const LidarRays& rays, const std::vector<
     spread = std::max(spread, std::abs(static_cast<double>(rays.time_fraction[i]) - told));
   }
   return spread > kRounding ? spread : 0.0;
+}
+
+/// How far the rays' elevations are from those of their rows: 0 unless measured.
+double row_spread(const Lidar& lidar, const LidarRays& rays) {
+  double spread = 0.0;
+  for (std::size_t i = 0; i < rays.elevation.size(); ++i) {
+    const double nominal = lidar.rows[i / static_cast<std::size_t>(rays.columns)].elevation;
+    spread = std::max(spread, std::abs(static_cast<double>(rays.elevation[i]) - nominal));
+  }
+  return spread;
 }
 
 /// Where the beams start: the mean height, and how far they are from there.
@@ -234,6 +301,7 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
   c[SIM_S_SPIN] = lidar.spin_sign();
   c[SIM_S_INV_SPAN] = 1.0 / lidar.azimuth_span;
   c[SIM_S_TIME_SPREAD] = time_spread(lidar, rays, angles);
+  c[SIM_S_ROW_SPREAD] = row_spread(lidar, rays);
   c[SIM_S_KAPPA] = ray_slots::beam_variance(lidar.beam_divergence, lidar.divergence_variance);
   c[SIM_S_T_MIN] = lidar.range_min;
   c[SIM_S_T_MAX] = lidar.range_max;

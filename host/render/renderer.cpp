@@ -112,6 +112,7 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
   variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
   variant.precision = options_.precision;
   variant.projection = options_.projection;
+  variant.extent = options_.extent;
   variant.shape = options_.shape;
   current_ = &stages(variant);
   rays_ = &rays;

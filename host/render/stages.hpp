@@ -31,6 +31,7 @@ struct Variant {
   bool median = false;
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
+  Extent extent = Extent::kUnscented;
   LaneShape shape;
 
   [[nodiscard]] BuildOptions options() const;
