@@ -181,10 +181,10 @@ GaussianSet camera_set(const PointSet& points,
   return set;
 }
 
-PointSet keep_static(const PointSet& points, const std::vector<PointVotes>& votes) {
+PointSet keep_static(const PointSet& points, const std::vector<bool>& moved) {
   std::vector<std::uint32_t> kept;
-  for (std::size_t i = 0; i < votes.size(); ++i) {
-    if (!is_moving(votes[i])) kept.push_back(static_cast<std::uint32_t>(i));
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    if (!moved[i]) kept.push_back(static_cast<std::uint32_t>(i));
   }
   return points.subset(kept);
 }
@@ -312,7 +312,10 @@ SceneInit initialize_scene(const Log& log,
       vote_on_points(s.sweep, s.lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points, votes);
       step();
     }
-    points = keep_static(points, votes);
+    std::vector<bool> moved(points.size());
+    std::transform(votes.begin(), votes.end(), moved.begin(), is_moving);
+    out.moving = MovingSpace(options.voxel_m, points, moved);
+    points = keep_static(points, moved);
     report.moving_points = report.voxels - points.size();
   }
 
@@ -344,6 +347,14 @@ SceneInit initialize_scene(const Log& log,
   const std::vector<FarShell::Patch> patches = shell.patches();
   const auto shell_kept = thin(patches.size(), options.max_shell, options.seed);
   scene.camera = camera_set(points, looks, shell, patches, shell_kept, options);
+  if (!patches.empty()) {
+    // What the set lets through is far away: the mean of what is, not black.
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (const FarShell::Patch& patch : patches) sum += patch.colour;
+    for (std::size_t c = 0; c < 3; ++c) {
+      scene.camera_background[c] = sum[static_cast<Eigen::Index>(c)] / static_cast<float>(patches.size());
+    }
+  }
   report.shell_particles = shell_kept.size();
   report.camera_particles = points.size() + shell_kept.size();
   report.shell_distance_m = shell.distance_m();

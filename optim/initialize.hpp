@@ -7,6 +7,7 @@
 
 #include "host/scene/scene.hpp"
 #include "io/log.hpp"
+#include "optim/moving_space.hpp"
 
 namespace simuli {
 
@@ -14,7 +15,7 @@ struct InitOptions {
   double voxel_m = 0.1;                // one point per voxel of this side
   int held_out_every = 5;              // frames for which is_held_out() says yes are not read; 0: read all
   double image_scale = 1.0;            // (0, 1]: size of the pictures the camera set will be trained on
-  int camera_sh_degree = 1;            // 0 to 3; coefficients above degree 0 start at zero
+  int camera_sh_degree = 2;            // 0 to 3; coefficients above degree 0 start at zero
   int lidar_sh_degree = 1;             // 0 to 3
   std::size_t max_camera = 1'000'000;  // particles on LiDAR points; the shell comes on top
   std::size_t max_lidar = 1'000'000;   // particles
@@ -50,6 +51,7 @@ struct InitReport {
 
 struct SceneInit {
   Scene scene;
+  MovingSpace moving;  // empty unless drop_moving
   InitReport report;
 };
 

@@ -15,9 +15,9 @@ namespace simuli {
 
 /// One simulated sweep beside the recorded one, ray by ray. Range 0 in `truth_range`: no return.
 struct SweepComparison {
-  std::vector<float> range;          // m, simulated
-  std::vector<float> intensity;      // [0,1], simulated
-  std::vector<float> drop;           // probability that the ray returns nothing, simulated
+  std::vector<float> range;      // m, simulated
+  std::vector<float> intensity;  // [0,1], simulated
+  std::vector<float> drop;       // probability that the ray returns nothing, simulated
   std::vector<float> truth_range;
   std::vector<float> truth_intensity;
   std::vector<Eigen::Vector3f> origin;     // m, world from the scene origin

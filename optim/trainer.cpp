@@ -13,6 +13,10 @@
 namespace simuli {
 namespace {
 
+constexpr float kUnknown = -1.0F;         // truth that the losses leave out
+constexpr double kFarthestSweep_s = 0.1;  // in which a car drives a car's length at most
+constexpr double kMovingReach_m = 0.5;    // from a return to the rest of the body around it
+
 enum Stream : std::uint64_t { kImageStream = 1, kSweepStream = 2 };
 
 RenderOptions training_options(RenderOptions options) {
@@ -26,6 +30,7 @@ void check(const TrainOptions& o) {
     throw Error(ErrorKind::kUsage, fmt::format("train: {}: found {}, allowed {}", field, found, allowed));
   };
   need(o.iterations >= 0, "iterations", o.iterations, "0 or more");
+  need(o.lidar_every >= 1, "lidar_every", o.lidar_every, "1 or more");
   need(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "0 (no limit) or more");
   need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
   need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
@@ -80,9 +85,11 @@ double Trainer::RunningMean::value() const {
   return weight > 0.0 ? sum / weight : std::numeric_limits<double>::quiet_NaN();
 }
 
-Trainer::Trainer(const Device& device, const Log& log, Scene scene, const TrainOptions& options)
+Trainer::Trainer(
+    const Device& device, const Log& log, Scene scene, const TrainOptions& options, MovingSpace moving)
     : log_(log),
       scene_(std::move(scene)),
+      moving_(options.mask_moving ? std::move(moving) : MovingSpace{}),
       options_(checked(options)),
       device_(device),
       renderer_(device, training_options(options_.render)),
@@ -111,13 +118,51 @@ const SensorRays& Trainer::camera_rays(const std::string& name) {
   return *entry;
 }
 
+MovingReturns Trainer::moving_returns(const SweepFrame& frame, const Sweep& sweep) const {
+  const View view = view_of(log_, scene_, frame);
+  return find_moving_returns(moving_,
+                             sweep,
+                             log_.lidar(frame.lidar).model,
+                             view.world_from_sensor_start,
+                             view.world_from_sensor_end);
+}
+
+/// By the training sweep nearest in time. Empty when nothing moved or no sweep is near enough to tell.
+std::vector<bool> Trainer::hidden_pixels(const ImageFrame& frame) const {
+  if (moving_.voxels() == 0) return {};
+  const double time_s = 0.5 * (frame.time_start_s + frame.time_end_s);
+  const SweepFrame* nearest = nullptr;
+  double nearest_s = kFarthestSweep_s;
+  for (const std::size_t index : select_frames(log_.sweeps, options_.held_out_every, false)) {
+    const SweepFrame& sweep = log_.sweeps[index];
+    const double apart_s = std::abs(0.5 * (sweep.time_start_s + sweep.time_end_s) - time_s);
+    if (apart_s > nearest_s) continue;
+    nearest_s = apart_s;
+    nearest = &sweep;
+  }
+  if (nearest == nullptr) return {};
+  const Sweep sweep = read_sweep(log_.folder / nearest->file, log_.lidar(nearest->lidar).model);
+  const View view = view_of(log_, scene_, frame);
+  const ImageView image_view(
+      models_.at(frame.camera), view.world_from_sensor_start, view.world_from_sensor_end);
+  return moving_pixels(image_view, moving_returns(*nearest, sweep).p_scene, kMovingReach_m);
+}
+
 std::shared_ptr<const Trainer::ImageTruth> Trainer::image_truth(std::size_t index, const SensorRays& rays) {
   const ImageFrame& frame = log_.images[index];
   return image_cache_.get(
       index,
       [&] {
         ImageTruth out{RealBuffer(device_, "picture", Precision::kFloat)};
-        out.truth.assign(rays.to_slots(planar(load_image(log_, frame, models_.at(frame.camera))), 3));
+        std::vector<float> values = planar(load_image(log_, frame, models_.at(frame.camera)));
+        const std::vector<bool> hidden = hidden_pixels(frame);
+        out.known = rays.grid().rays;
+        for (std::size_t i = 0; i < hidden.size(); ++i) {
+          if (!hidden[i]) continue;
+          for (std::size_t c = 0; c < 3; ++c) values[c * hidden.size() + i] = kUnknown;
+          --out.known;
+        }
+        out.truth.assign(rays.to_slots(values, 3));
         return out;
       },
       [](const ImageTruth& t) { return bytes_of(t.truth); });
@@ -132,10 +177,15 @@ std::shared_ptr<const Trainer::SweepTruth> Trainer::sweep_truth(std::size_t inde
         const Sweep sweep = read_sweep(log_.folder / frame.file, lidar);
         SweepTruth out{std::make_unique<SensorRays>(device_, lidar, sweep.rays, renderer_.options()),
                        RealBuffer(device_, "sweep", Precision::kFloat)};
+        const MovingReturns moving = moving_returns(frame, sweep);
         std::vector<float> values = sweep.range;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          if (moving.is_moving[i]) values[i] = kUnknown;
+          out.known += values[i] >= 0.0F ? 1U : 0U;
+          out.returned += values[i] > 0.0F ? 1U : 0U;
+        }
         values.insert(values.end(), sweep.intensity.begin(), sweep.intensity.end());
         out.truth.assign(out.rays->to_slots(values, 2));
-        for (const float range : sweep.range) out.returned += range > 0.0F ? 1U : 0U;
         return out;
       },
       [](const SweepTruth& t) {
@@ -150,8 +200,8 @@ void Trainer::step_camera(double progress) {
   const SensorRays& rays = camera_rays(frame.camera);
   const auto truth = image_truth(index, rays);
   renderer_.render(camera_, rays, view_of(log_, scene_, frame));
-  const double values = 3.0 * static_cast<double>(rays.grid().rays);
-  const ImageLoss loss = renderer_.image_loss(truth->truth, 1.0 / values);
+  const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
+  const ImageLoss loss = renderer_.image_loss(truth->truth, 1.0 / values, options_.colour_squared / values);
   need_finite(loss.absolute + loss.squared, frame.file);
   renderer_.backward(camera_, camera_grads_);
   camera_adam_.run(camera_,
@@ -163,11 +213,11 @@ void Trainer::step_camera(double progress) {
 }
 
 void Trainer::step_lidar(double progress) {
-  const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration));
+  const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.lidar_every));
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = sweep_truth(index);
   renderer_.render(lidar_, *truth->rays, view_of(log_, scene_, frame));
-  const auto rays = static_cast<double>(truth->rays->grid().rays);
+  const double rays = std::max(1.0, static_cast<double>(truth->known));
   // A sweep without a return has no distance loss to weigh: its sums are zero.
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarWeights& w = options_.weights;
@@ -186,7 +236,8 @@ void Trainer::step_lidar(double progress) {
 void Trainer::step() {
   const double progress = static_cast<double>(status_.iteration) / std::max(1, options_.iterations);
   if (!images_.empty() && camera_.count > 0) step_camera(progress);
-  if (!sweeps_.empty() && lidar_.count > 0) step_lidar(progress);
+  const bool lidar_turn = status_.iteration % options_.lidar_every == 0;
+  if (lidar_turn && !sweeps_.empty() && lidar_.count > 0) step_lidar(progress);
   ++status_.iteration;
 }
 

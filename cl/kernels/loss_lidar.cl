@@ -9,7 +9,8 @@
 ///   intensity: mean over returned rays of |feature0 - intensity|
 ///   drop:      mean over all rays of the cross entropy of p
 /// scale[3]: weight of each term over its number of rays.
-/// in  out[6][slots]; truth[2][slots]: range (m, 0: no return) and intensity; world_ray: zero marks no ray
+/// in  out[6][slots]; truth[2][slots]: range (m, 0: no return, below 0: not known) and intensity;
+///     world_ray: zero marks no ray
 /// out grad_out[5][slots]; sums[tiles][4]: |d^ - d|, |intensity error|, cross entropy, wrong decisions
 __kernel void loss_lidar(const FrameParams frame,
                          __global const real* scale,
@@ -24,8 +25,8 @@ __kernel void loss_lidar(const FrameParams frame,
   for (uint j = 0; j < SIM_TILE_RAYS; j += V) {
     const uint i = tile * SIM_TILE_RAYS + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
-    const I fired = is_ray(x, y, z);
     const F range = LDV(truth + i);
+    const I fired = AND(is_ray(x, y, z), range >= R(0.0));
     const I returned = AND(fired, range > R(0.0));
 
     // Intensity.

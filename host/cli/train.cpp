@@ -88,7 +88,7 @@ void add_train(CLI::App& app, const Globals& globals) {
   const auto add = [&](const char* name, auto& value, const char* text) {
     sub->add_option(name, value, text)->capture_default_str();
   };
-  add("--iterations", command->train.iterations, "one image and one sweep each");
+  add("--iterations", command->train.iterations, "one image each, a sweep every lidar_every");
   add("--max-seconds", command->train.max_seconds, "stop training early after this time; 0: never");
   add("--scale", command->train.image_scale, "size of the training pictures over the recorded");
   add("--held-out", command->train.held_out_every, "keep every N-th frame for evaluation; 0: none");

@@ -36,9 +36,12 @@ std::vector<Setting> settings_of(InitOptions& init, TrainOptions& train) {
       {"init.sweep_depth", &init.sweep_depth},
       {"init.sweep_cell_px", &init.sweep_cell_px},
       {"init.drop_moving", &init.drop_moving},
+      {"loss.colour_squared", &train.colour_squared},
       {"loss.distance", &train.weights.distance},
       {"loss.intensity", &train.weights.intensity},
       {"loss.drop", &train.weights.drop},
+      {"lidar_every", &train.lidar_every},
+      {"mask_moving", &train.mask_moving},
       {"cache_bytes", &train.cache_bytes},
   };
   const auto add_rates = [&all](const std::string& set, LearningRates& rates) {

@@ -60,7 +60,7 @@ TrainedScene train_scene(const Device& device,
   TrainReport counts;
   counts.camera_particles = start.scene.camera.size();
   counts.lidar_particles = start.scene.lidar.size();
-  Trainer trainer(device, log, std::move(start.scene), options);
+  Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
   Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals.json));
   out.training = trainer.run([&](const TrainStatus& status) {
     progress.update(static_cast<std::uint64_t>(status.iteration), status_text(status, counts));

@@ -29,11 +29,12 @@ std::vector<double> LossStage::sums(std::size_t columns) const {
 ImageLoss LossStage::run_image(const shared::FrameParams& frame,
                                FrameBuffers& b,
                                const RealBuffer& truth,
-                               double scale) {
+                               double absolute_scale,
+                               double squared_scale) {
   const std::size_t tiles = std::size_t{frame.tiles_x} * frame.tiles_y;
   b.grad_out.reserve(kGradRows * frame.slots);
   sums_.reserve(2 * tiles);
-  image_.launch(tiles, 1, frame, scale, b.world_ray, b.out, truth, b.grad_out, sums_);
+  image_.launch(tiles, 1, frame, absolute_scale, squared_scale, b.world_ray, b.out, truth, b.grad_out, sums_);
   const std::vector<double> total = sums(2);
   return {total[0], total[1]};
 }

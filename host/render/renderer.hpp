@@ -60,8 +60,8 @@ class Renderer {
   [[nodiscard]] RayResults results() const;
 
   /// Losses of the last render; they leave dL/d(outputs) for backward(). truth in slot order.
-  ImageLoss image_loss(const RealBuffer& truth, double scale) {
-    return loss_.run_image(frame_, buffers_, truth, scale);
+  ImageLoss image_loss(const RealBuffer& truth, double absolute_scale, double squared_scale) {
+    return loss_.run_image(frame_, buffers_, truth, absolute_scale, squared_scale);
   }
   LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
     return loss_.run_lidar(frame_, buffers_, truth, scale);

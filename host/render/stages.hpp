@@ -276,11 +276,12 @@ struct LidarLossScale {
 class LossStage {
  public:
   LossStage(const Device& device, Precision precision);
-  /// out -> grad_out. truth[3][S]; scale: weight / (3 x pixels).
+  /// out -> grad_out. truth[3][S]; scales: weight / (3 x pixels) of |d| and of d^2.
   ImageLoss run_image(const shared::FrameParams& frame,
                       FrameBuffers& buffers,
                       const RealBuffer& truth,
-                      double scale);
+                      double absolute_scale,
+                      double squared_scale);
   /// out -> grad_out. truth[2][S]: range, intensity.
   LidarLoss run_lidar(const shared::FrameParams& frame,
                       FrameBuffers& buffers,
@@ -291,7 +292,15 @@ class LossStage {
   std::vector<double> sums(std::size_t columns) const;
   RealBuffer sums_;
   RealBuffer scale_;
-  Kernel<shared::FrameParams, RealScalar, BufRealConst, BufRealConst, BufRealConst, BufReal, BufReal> image_;
+  Kernel<shared::FrameParams,
+         RealScalar,
+         RealScalar,
+         BufRealConst,
+         BufRealConst,
+         BufRealConst,
+         BufReal,
+         BufReal>
+      image_;
   Kernel<shared::FrameParams, BufRealConst, BufRealConst, BufRealConst, BufRealConst, BufReal, BufReal>
       lidar_;
 };

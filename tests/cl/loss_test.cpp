@@ -13,6 +13,8 @@ constexpr std::size_t kTiles = 3;
 constexpr std::size_t kSlots = kTiles * SIM_TILE_RAYS;
 // Sums of 768 terms, the largest distances 50 m: 24 bits of each and of the running sum.
 constexpr double kFloatSumTolerance = 2e-6;
+// A difference of two floats of size 10, times 4.
+constexpr double kSlopeTolerance = 1e-6;
 // Losses are piecewise smooth; quotients of a loss near 1 at steps of 1e-4 are good to 1e-8.
 constexpr double kQuotientTolerance = 1e-6;
 
@@ -70,8 +72,8 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
   const std::vector<double> truth_values = random_truth(3, 0.0, 1.0, 5);
   RealBuffer truth(device_, "truth", GetParam());
   truth.assign(std::span<const double>(truth_values));
-  constexpr double kScale = 0.37;
-  const ImageLoss loss = stage.run_image(rendered.frame, rendered.buffers, truth, kScale);
+  constexpr double kScale = 0.37, kSquaredScale = 1.9;
+  const ImageLoss loss = stage.run_image(rendered.frame, rendered.buffers, truth, kScale, kSquaredScale);
   const std::vector<double> grad = rendered.buffers.grad_out.download_double();
 
   double absolute = 0.0, squared = 0.0;
@@ -84,7 +86,8 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
       const double d = rendered.out[c * kSlots + i] - truth_values[c * kSlots + i];
       absolute += std::abs(d);
       squared += d * d;
-      ASSERT_NEAR(grad[c * kSlots + i], d > 0.0 ? kScale : -kScale, 1e-7);
+      const double slope = (d > 0.0 ? kScale : -kScale) + 2.0 * kSquaredScale * d;
+      ASSERT_NEAR(grad[c * kSlots + i], slope, kSlopeTolerance * (1.0 + std::abs(slope)));
     }
   }
   EXPECT_NEAR(loss.absolute, absolute, sum_tolerance() * absolute);
@@ -97,7 +100,9 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
     const auto at = [&](double step) {
       rendered.out[i] = before + step;
       rendered.upload();
-      return kScale * stage.run_image(rendered.frame, rendered.buffers, truth, kScale).absolute;
+      const ImageLoss stepped =
+          stage.run_image(rendered.frame, rendered.buffers, truth, kScale, kSquaredScale);
+      return kScale * stepped.absolute + kSquaredScale * stepped.squared;
     };
     EXPECT_NEAR((at(1e-4) - at(-1e-4)) / 2e-4, grad[i], kQuotientTolerance) << i;
     rendered.out[i] = before;

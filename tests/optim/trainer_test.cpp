@@ -17,6 +17,7 @@ class TrainerTest : public test::SmallStreet {
     TrainOptions o;
     o.iterations = iterations;
     o.image_scale = 1.0;
+    o.lidar_every = 1;
     return o;
   }
   static Scene train(const TrainOptions& o, TrainReport* report = nullptr) {
@@ -85,6 +86,38 @@ TEST_F(TrainerTest, TimeLimitStopsEarlyAndSaysSo) {
   EXPECT_EQ(scene.camera.size(), initial_scene().camera.size());
 }
 
+TEST_F(TrainerTest, SweepsTakeTheirTurns) {
+  TrainOptions o = options(2);
+  o.lidar_every = 2;
+  Trainer trainer(Device::best(), log_, initial_scene(), o);
+  trainer.step();
+  const Eigen::MatrixXf first = trainer.scene().lidar.params;
+  trainer.step();
+  EXPECT_TRUE((trainer.scene().lidar.params.array() == first.array()).all());
+  EXPECT_FALSE((initial_scene().lidar.params.array() == first.array()).all());
+}
+
+TEST_F(TrainerTest, MaskedFramesTeachNothing) {
+  // Every voxel moved, so every return and every pixel near one is unknown.
+  const Scene scene = initial_scene();
+  PointSet points;
+  points.position = scene.lidar.mean().transpose();
+  points.intensity.assign(static_cast<std::size_t>(points.position.cols()), 0.5F);
+  const MovingSpace everywhere(50.0, points, std::vector<bool>(points.size(), true));
+  TrainOptions o = options(1);
+  o.weights.drop = 0.0;  // rays without a return are known
+  o.mask_moving = true;
+  Trainer masked(Device::best(), log_, scene, o, everywhere);
+  masked.step();
+  EXPECT_TRUE((masked.scene().lidar.params.array() == scene.lidar.params.array()).all());
+  EXPECT_EQ(masked.status().distance_m, 0.0);
+  o.mask_moving = false;
+  Trainer unmasked(Device::best(), log_, scene, o, everywhere);
+  unmasked.step();
+  EXPECT_FALSE((unmasked.scene().lidar.params.array() == scene.lidar.params.array()).all());
+  EXPECT_NE(unmasked.status().psnr_db, masked.status().psnr_db);
+}
+
 TEST_F(TrainerTest, SetsWithoutParticlesAreLeftAlone) {
   Scene scene = initial_scene();
   scene.camera = GaussianSet(SetKind::kCamera, 0, 0);
@@ -108,6 +141,7 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
     }
   };
   expect_refused([](TrainOptions& o) { o.iterations = -1; });
+  expect_refused([](TrainOptions& o) { o.lidar_every = 0; });
   expect_refused([](TrainOptions& o) { o.held_out_every = 1; });
   expect_refused([](TrainOptions& o) { o.image_scale = 0.0; });
   expect_refused([&](TrainOptions& o) { o.image_scale = kNaN; });
