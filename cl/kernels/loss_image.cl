@@ -3,8 +3,8 @@
 #include "shared/layout.h"
 
 /// One work-item per tile. With d = rendered - truth, L = sum over pixels and channels of
-/// absolute_scale |d| + squared_scale d^2: of what a static scene can't foretell (leaves, cars that pass) the first
-/// learns the median, the second the mean.
+/// absolute_scale |d| + squared_scale d^2: of what a static scene can't foretell (leaves, cars that pass) the
+/// first learns the median, the second the mean.
 /// A pixel whose truth is negative is not known and has no part in it.
 /// in  out[6][slots]; truth[3][slots]; world_ray[3][slots]: a zero direction marks slots without a pixel
 /// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
