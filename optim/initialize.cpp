@@ -26,8 +26,10 @@ constexpr float kHitLogit = 1.5F;
 constexpr double kFlatRatio = 0.2;  // thickness of a particle on a plane over its width
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
-constexpr double kShellExtents = 3.0;      // the shell stands at three times the farthest point ...
-constexpr double kShellNearest_m = 200.0;  // ... but never nearer than this
+constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells
+constexpr float kShellOpacityLogit = 3.0F;  // 0.95
+constexpr double kShellExtents = 3.0;       // the shell stands at three times the farthest point ...
+constexpr double kShellNearest_m = 200.0;   // ... but never nearer than this
 
 void check(const InitOptions& o) {
   const auto need = [](bool holds, const char* field, double found, const char* allowed) {
@@ -167,7 +169,9 @@ GaussianSet camera_set(const PointSet& points,
   if (kept.empty()) return set;
   // Fewer patches than cells: each covers the area of those that were left out.
   const double widened = std::sqrt(static_cast<double>(patches.size()) / static_cast<double>(kept.size()));
-  const double scale_m = options.camera_scale * widened * shell.spacing_rad() * shell.distance_m();
+  // Wide and opaque: nothing is behind the shell, and gaps in it would show wherever no picture was trained
+  // on.
+  const double scale_m = kShellScale * widened * shell.spacing_rad() * shell.distance_m();
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const FarShell::Patch& patch = patches[kept[k]];
     const std::size_t row = points.size() + k;
@@ -176,6 +180,7 @@ GaussianSet camera_set(const PointSet& points,
               patch.direction * static_cast<float>(shell.distance_m()),
               Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), patch.direction),
               {scale_m, scale_m, kShellFlatRatio * scale_m});
+    set.opacity_logit()(static_cast<Eigen::Index>(row)) = kShellOpacityLogit;
     set_colour(row, patch.colour);
   }
   return set;
@@ -348,12 +353,20 @@ SceneInit initialize_scene(const Log& log,
   const auto shell_kept = thin(patches.size(), options.max_shell, options.seed);
   scene.camera = camera_set(points, looks, shell, patches, shell_kept, options);
   if (!patches.empty()) {
-    // What the set lets through is far away: the mean of what is, not black.
+    // What the set lets through is the sky, as far as is known: the mean of the upper half of the shell.
+    std::vector<float> heights;
+    for (const FarShell::Patch& patch : patches) heights.push_back(patch.direction.z());
+    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+    std::nth_element(heights.begin(), middle, heights.end());
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (const FarShell::Patch& patch : patches) sum += patch.colour;
-    for (std::size_t c = 0; c < 3; ++c) {
-      scene.camera_background[c] = sum[static_cast<Eigen::Index>(c)] / static_cast<float>(patches.size());
+    float count = 0.0F;
+    for (const FarShell::Patch& patch : patches) {
+      if (patch.direction.z() < *middle) continue;
+      sum += patch.colour;
+      count += 1.0F;
     }
+    for (std::size_t c = 0; c < 3; ++c)
+      scene.camera_background[c] = sum[static_cast<Eigen::Index>(c)] / count;
   }
   report.shell_particles = shell_kept.size();
   report.camera_particles = points.size() + shell_kept.size();
