@@ -30,7 +30,7 @@ enum class Extent : int {
   kExact = 1,      // all with an alpha of at least alpha_cut: closed-form bounds, nothing is lost
 };
 
-/// Every approximation of a frame, named, with its default (DESIGN: speed against accuracy).
+/// Every approximation of a frame, named, with its default (speed against accuracy).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
