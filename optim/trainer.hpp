@@ -4,48 +4,26 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <map>
-#include <memory>
 #include <string>
-#include <vector>
 
 #include "host/render/renderer.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log.hpp"
-#include "optim/lru_cache.hpp"
 #include "optim/moving_space.hpp"
 #include "optim/schedule.hpp"
+#include "optim/train_options.hpp"
+#include "optim/trained_set.hpp"
+#include "optim/truth.hpp"
 
 namespace simuli {
 
-/// Weights of the LiDAR set's losses, each a mean over its rays (METHOD section 10). Only their ratios
-/// matter: the set has no other loss, and Adam's steps do not depend on the loss's scale. METHOD's 0.01 is
-/// the weight beside a picture's loss; alone, distances need more to hold their own against the drops.
-struct LidarWeights {
-  double distance = 0.5;   // |d^ - d| in m, returned rays
-  double intensity = 0.1;  // |i^ - i|, returned rays
-  double drop = 0.05;      // cross entropy, all rays
-};
-
-struct TrainOptions {
-  int iterations = 1500;     // one image each
-  int lidar_every = 3;       // iterations per sweep: returns start where they belong, colours do not
-  double max_seconds = 0.0;  // stop early after this time; 0: no limit. The schedule follows iterations
-  double image_scale = 0.5;  // (0, 1]
-  int held_out_every = 5;    // frames for which is_held_out() says yes are not read; 0: all are trained on
-  std::uint64_t seed = 1;
-  double colour_squared =
-      10.0;  // weight of the mean squared colour error; that of the mean absolute one is 1
-  LearningRates camera{.final_share = 0.3};
-  /// Returns are where they are: nearly fixed. Drops differ from sweep to sweep: fast rates learn them by
-  /// heart.
-  LearningRates lidar{.mean_m = 2e-3, .mean_final_m = 2e-5, .opacity = 5e-2, .sh = 5e-3, .sh_rest = 2.5e-4};
-  LidarWeights weights;
-  /// Leave what moved out of the losses. The background gets clean; unmasked, it takes on a smear of what
-  /// moved, which is closer to the recorded pictures than nothing.
-  bool mask_moving = false;
-  RenderOptions render;  // in float; the median distance has no gradient and is never written
-  std::size_t cache_bytes = std::size_t{2} << 30U;  // of frames kept on the device, images and sweeps each
+/// Mean that forgets: about the last 20 values count.
+struct RunningMean {
+  double sum = 0.0;
+  double weight = 0.0;
+  void add(double value);
+  /// NaN before the first value.
+  [[nodiscard]] double value() const;
 };
 
 /// How the training stands. Values are running means over about the last 20 frames; NaN before the first.
@@ -91,47 +69,23 @@ class Trainer {
   /// The scene as trained so far.
   [[nodiscard]] Scene scene() const;
 
- private:
-  struct ImageTruth {
-    RealBuffer truth;       // [3][slots], -1: not known
-    std::size_t known = 0;  // pixels
-  };
-  struct SweepTruth {
-    std::unique_ptr<SensorRays> rays;
-    RealBuffer truth;          // [2][slots] range (-1: not known), intensity
-    std::size_t known = 0;     // rays
-    std::size_t returned = 0;  // known ones
-  };
-  /// Weighted mean that forgets: about the last 20 values count.
-  struct RunningMean {
-    double sum = 0.0;
-    double weight = 0.0;
-    void add(double value);
-    [[nodiscard]] double value() const;
-  };
+  Trainer(const Trainer&) = delete;
+  Trainer& operator=(const Trainer&) = delete;
 
-  const SensorRays& camera_rays(const std::string& name);
-  std::shared_ptr<const ImageTruth> image_truth(std::size_t index, const SensorRays& rays);
-  std::shared_ptr<const SweepTruth> sweep_truth(std::size_t index);
-  MovingReturns moving_returns(const SweepFrame& frame, const Sweep& sweep) const;
-  std::vector<bool> hidden_pixels(const ImageFrame& frame) const;
-  void step_camera(double progress);
-  void step_lidar(double progress);
+ private:
+  /// Error{kNumeric} naming the frame's file unless the loss is a finite number.
+  static void need_finite(double loss, const std::string& file);
+  void step_camera(double progress);  // trainer_camera.cpp
+  void step_lidar(double progress);   // trainer_lidar.cpp
 
   const Log& log_;
   Scene scene_;
-  MovingSpace moving_;
   TrainOptions options_;
   Device device_;
   Renderer renderer_;
-  ParticleBuffers camera_, lidar_;
-  RealBuffer camera_grads_, lidar_grads_;
-  AdamStage camera_adam_, lidar_adam_;
+  TruthCache truth_;
+  TrainedSet camera_, lidar_;
   FrameOrder images_, sweeps_;
-  std::map<std::string, Camera> models_;  // scaled, by name
-  std::map<std::string, std::unique_ptr<SensorRays>> camera_rays_;
-  LruCache<ImageTruth> image_cache_;
-  LruCache<SweepTruth> sweep_cache_;
   RunningMean square_, distance_, right_;
   TrainStatus status_;
 };

@@ -1,0 +1,40 @@
+#include "optim/train_options.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+
+TrainOptions checked(const TrainOptions& o) {
+  const auto need = [](bool holds, const char* field, double found, const char* allowed) {
+    if (holds) return;
+    throw Error(ErrorKind::kUsage, fmt::format("train: {}: found {}, allowed {}", field, found, allowed));
+  };
+  need(o.iterations >= 0, "iterations", o.iterations, "0 or more");
+  need(o.lidar_every >= 1, "lidar_every", o.lidar_every, "1 or more");
+  need(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "0 (no limit) or more");
+  need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
+  need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
+  if (o.render.precision != Precision::kFloat) {
+    throw Error(ErrorKind::kUsage, "train: precision: found double, allowed float");
+  }
+  for (const LearningRates* r : {&o.camera, &o.lidar}) {
+    need(r->mean_m > 0.0 && r->mean_final_m > 0.0 && std::isfinite(r->mean_m + r->mean_final_m),
+         "mean rate",
+         std::min(r->mean_m, r->mean_final_m),
+         "finite and above 0");
+    need(r->final_share > 0.0 && r->final_share <= 1.0, "final_share", r->final_share, "above 0, at most 1");
+    for (const double rate : {r->log_scale, r->rotation, r->opacity, r->sh, r->sh_rest}) {
+      need(rate >= 0.0 && std::isfinite(rate), "learning rate", rate, "finite, 0 or more");
+    }
+  }
+  for (const double weight : {o.weights.distance, o.weights.intensity, o.weights.drop}) {
+    need(weight >= 0.0 && std::isfinite(weight), "loss weight", weight, "finite, 0 or more");
+  }
+  return o;
+}
+
+}  // namespace simuli

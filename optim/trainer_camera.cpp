@@ -1,0 +1,28 @@
+// The camera set's share of an iteration: one picture, its losses, one step of Adam.
+#include <algorithm>
+#include <cmath>
+
+#include "optim/frames.hpp"
+#include "optim/trainer.hpp"
+
+namespace simuli {
+
+void Trainer::step_camera(double progress) {
+  const std::size_t index = images_.at(static_cast<std::uint64_t>(status_.iteration));
+  const ImageFrame& frame = log_.images[index];
+  const SensorRays& rays = truth_.camera_rays(frame.camera);
+  const auto truth = truth_.image(index);
+  renderer_.render(camera_.particles, rays, view_of(log_, scene_, frame));
+  const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
+  const ImageLoss loss = renderer_.image_loss(truth->truth, 1.0 / values, options_.colour_squared / values);
+  need_finite(loss.absolute + loss.squared, frame.file);
+  renderer_.backward(camera_.particles, camera_.grads);
+  camera_.adam.run(camera_.particles,
+                   camera_.grads,
+                   renderer_.buffers().keys,
+                   row_rates(options_.camera, camera_.particles.sh_degree, progress));
+  square_.add(loss.squared / values);
+  status_.psnr_db = -10.0 * std::log10(square_.value());
+}
+
+}  // namespace simuli
