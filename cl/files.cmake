@@ -11,6 +11,7 @@ set(SIMULI_CL_FILES
   math/sh.h
   math/unscented.h
   kernels/adam.cl
+  kernels/anchor.cl
   kernels/bin.cl
   kernels/loss_image.cl
   kernels/loss_lidar.cl

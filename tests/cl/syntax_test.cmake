@@ -23,7 +23,7 @@ set(variants
 set(failed 0)
 foreach(kernel IN LISTS kernels)
   foreach(variant IN LISTS variants)
-    separate_arguments(defines UNIX_COMMAND "${variant} -DCLAMPED_CHANNELS=1 -DRADIX_BITS=4")
+    separate_arguments(defines UNIX_COMMAND "${variant} -DCLAMPED_CHANNELS=1 -DRADIX_BITS=4 -DNEIGHBOURS=50")
     execute_process(COMMAND ${CLANG} ${flags} ${defines} ${kernel} RESULT_VARIABLE code ERROR_VARIABLE log)
     if(NOT code EQUAL 0)
       message("${kernel} ${variant}:\n${log}")

@@ -1,0 +1,298 @@
+// anchor.cl - a set's nearest neighbours in another, their distance as a loss. Launcher: host/render/anchor.cpp
+// Points lie in the order of their Morton code (63 bits: 21 per axis), 16 to a leaf, 16 leaves or nodes to a
+// node: a tree of boxes without pointers, as good for clusters, lines and outliers as for an even cloud.
+// Node i of a level has the children 16 i .. 16 i + 15 of the level below, leaves below level 0.
+// Build: NEIGHBOURS, the K.
+#include "math/lanes.h"
+#include "shared/layout.h"
+
+#define WIDTH 16
+#define LEVELS 6  // 16^6 leaves are more than a set may have particles
+#define NONE 0xffffffffu
+#define FAR ((real)INFINITY)
+typedef REAL_VECTOR(16) R16;
+
+FN real min16(R16 v) {
+  const REAL_VECTOR(8) a = VMIN(v.lo, v.hi);
+  const REAL_VECTOR(4) b = VMIN(a.lo, a.hi);
+  const REAL_VECTOR(2) c = VMIN(b.lo, b.hi);
+  return VMIN(c.x, c.y);
+}
+FN real max16(R16 v) { return -min16(-v); }
+
+FN int is_finite_point(real x, real y, real z) {
+  return fabs(x) < FAR && fabs(y) < FAR && fabs(z) < FAR;
+}
+
+/// out boxes[work-items][6]: least x, y, z and greatest x, y, z of the chunk's finite points
+__kernel void anchor_bounds(__global const real* params,
+                            const uint stride,
+                            const uint n,
+                            const uint chunk,
+                            __global real* boxes) {
+  const uint begin = get_global_id(0) * chunk;
+  const uint end = min(begin + chunk, n);
+  real low[3], high[3];
+  for (int k = 0; k < 3; ++k) low[k] = FAR, high[k] = -FAR;
+  for (uint i = begin; i < end; ++i) {
+    real p[3];
+    for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + i];
+    if (!is_finite_point(p[0], p[1], p[2])) continue;
+    for (int k = 0; k < 3; ++k) low[k] = VMIN(low[k], p[k]), high[k] = VMAX(high[k], p[k]);
+  }
+  __global real* box = boxes + 6 * get_global_id(0);
+  for (int k = 0; k < 3; ++k) box[k] = low[k], box[3 + k] = high[k];
+}
+
+/// The bits of a 21-bit number three apart.
+FN ulong spread_bits(ulong x) {
+  x = (x | x << 32) & 0x001f00000000ffffUL;
+  x = (x | x << 16) & 0x001f0000ff0000ffUL;
+  x = (x | x << 8) & 0x100f00f00f00f00fUL;
+  x = (x | x << 4) & 0x10c30c30c30c30c3UL;
+  return (x | x << 2) & 0x1249249249249249UL;
+}
+
+/// Half of each point's Morton code; points without a place come last.
+/// in  frame[4]: least corner, cells per m; order[n] or, in the first pass (shift 0), nothing
+/// out keys[n]: 32 bits of the code of order[i], from bit `shift` on; order[n] = i in the first pass
+__kernel void anchor_keys(__global const real* params,
+                          const uint stride,
+                          const uint n,
+                          __global const real* frame,
+                          const uint shift,
+                          __global uint* order,
+                          __global uint* keys) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  if (shift == 0) order[i] = i;
+  const uint point = order[i];
+  real p[3];
+  for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + point];
+  ulong code = ~0UL;
+  if (is_finite_point(p[0], p[1], p[2])) {
+    code = 0;
+    for (int k = 0; k < 3; ++k) {
+      const real cell = (p[k] - frame[k]) * frame[3];
+      const ulong clamped = cell > R(0.0) ? min((ulong)cell, (ulong)0x1fffff) : 0;
+      code |= spread_bits(clamped) << k;
+    }
+  }
+  keys[i] = (uint)(code >> shift);
+}
+
+/// Leaves, and their boxes as lanes of the nodes of level 0.
+/// out points[leaves][3][16], ids[leaves][16] (NONE: no point there); boxes[nodes][6][16]
+__kernel void anchor_leaves(__global const real* params,
+                            const uint stride,
+                            const uint n,
+                            __global const uint* order,
+                            __global real* points,
+                            __global uint* ids,
+                            __global real* boxes,
+                            const uint leaves) {
+  const uint leaf = get_global_id(0);
+  if (leaf >= leaves) return;
+  real low[3], high[3];
+  for (int k = 0; k < 3; ++k) low[k] = FAR, high[k] = -FAR;
+  for (uint lane = 0; lane < WIDTH; ++lane) {
+    const uint i = leaf * WIDTH + lane;
+    uint id = NONE;
+    real p[3] = {FAR, FAR, FAR};
+    if (i < n) {
+      const uint point = order[i];
+      real q[3];
+      for (int k = 0; k < 3; ++k) q[k] = params[(SIM_MEAN + k) * stride + point];
+      if (is_finite_point(q[0], q[1], q[2])) {
+        id = point;
+        for (int k = 0; k < 3; ++k) p[k] = q[k], low[k] = VMIN(low[k], q[k]), high[k] = VMAX(high[k], q[k]);
+      }
+    }
+    ids[i] = id;
+    for (int k = 0; k < 3; ++k) points[(leaf * 3 + k) * (ulong)WIDTH + lane] = p[k];
+  }
+  __global real* box = boxes + (ulong)(leaf / WIDTH) * 6 * WIDTH + leaf % WIDTH;
+  for (int k = 0; k < 3; ++k) box[k * WIDTH] = low[k], box[(3 + k) * WIDTH] = high[k];
+}
+
+/// Boxes of the nodes [child_first, child_first + children) as lanes of the level above, at parent_first.
+/// Lanes without a child (those of leaves, too) must have been filled with NaN: no query comes near them.
+__kernel void anchor_nodes(__global real* boxes,
+                           const uint child_first,
+                           const uint children,
+                           const uint parent_first) {
+  const uint child = get_global_id(0);
+  if (child >= children) return;
+  __global const real* from = boxes + (ulong)(child_first + child) * 6 * WIDTH;
+  __global real* to = boxes + (ulong)(parent_first + child / WIDTH) * 6 * WIDTH + child % WIDTH;
+  for (int k = 0; k < 3; ++k) {
+    const R16 low = vload16(k, from), high = vload16(3 + k, from);
+    to[k * WIDTH] = min16(SEL(low <= FAR, low, (R16)FAR));
+    to[(3 + k) * WIDTH] = max16(SEL(high >= -FAR, high, (R16)(-FAR)));
+  }
+}
+
+/// Squared distances from p to 16 boxes; boxes of nothing (least above greatest, or NaN) are infinitely far.
+/// Rounds as the distance to a point does, and monotonically: never above that to a point inside.
+FN R16 box_distances(__global const real* box, const real* p) {
+  R16 sum = (R16)R(0.0);
+  R16 empty_low = vload16(0, box);
+  for (int k = 0; k < 3; ++k) {
+    const R16 below = vload16(k, box) - p[k];
+    const R16 above = p[k] - vload16(3 + k, box);
+    R16 outside = SEL(below > above, below, above);
+    outside = SEL(outside > R(0.0), outside, (R16)R(0.0));
+    sum = sum + outside * outside;
+  }
+  return SEL(empty_low < FAR, sum, (R16)FAR);
+}
+
+/// Whether neighbour (d, id) comes after (e, other): by distance, ties by number.
+FN int comes_after(real d, uint id, real e, uint other) { return d > e || (d == e && id > other); }
+
+/// Puts (d, id) at the root of the first `count` entries of a heap whose root is the last neighbour.
+FN void sift_down(real* distance, uint* neighbour, uint count, real d, uint id) {
+  uint at = 0;
+  while (2 * at + 1 < count) {
+    uint child = 2 * at + 1;
+    if (child + 1 < count &&
+        comes_after(distance[child + 1], neighbour[child + 1], distance[child], neighbour[child])) {
+      ++child;
+    }
+    if (!comes_after(distance[child], neighbour[child], d, id)) break;
+    distance[at] = distance[child];
+    neighbour[at] = neighbour[child];
+    at = child;
+  }
+  distance[at] = d;
+  neighbour[at] = id;
+}
+
+/// One query per work-item: depth first, nearest child first, skipping boxes behind the K-th neighbour.
+/// in  queries: parameter rows, of which the means are used; boxes, points, ids of the tree over n points
+/// out candidates[N][K]: neighbours nearer than reach, nearest first, ties by number; NONE: there are no more
+///     nearest[N]: the first of them
+__kernel void anchor_search(__global const real* queries,
+                            const uint query_stride,
+                            const uint query_count,
+                            const uint n,
+                            const real reach2,
+                            __global const real* boxes,
+                            __global const real* points,
+                            __global const uint* ids,
+                            __global uint* candidates,
+                            __global uint* nearest) {
+  const uint query = get_global_id(0);
+  if (query >= query_count) return;
+  real p[3];
+  for (int k = 0; k < 3; ++k) p[k] = queries[(SIM_MEAN + k) * query_stride + query];
+  real distance[NEIGHBOURS];
+  uint neighbour[NEIGHBOURS];
+  for (int k = 0; k < NEIGHBOURS; ++k) distance[k] = reach2, neighbour[k] = NONE;
+
+  uint first[LEVELS];
+  int top = 0;
+  uint nodes = ((n + WIDTH - 1) / WIDTH + WIDTH - 1) / WIDTH;
+  first[0] = 0;
+  while (nodes > 1 && top + 1 < LEVELS) {
+    first[top + 1] = first[top] + nodes;
+    nodes = (nodes + WIDTH - 1) / WIDTH;
+    ++top;
+  }
+  real pending[LEVELS * WIDTH];  // squared distances of the children of node[level] yet to be seen
+  uint node[LEVELS];
+  int level = top;
+  node[level] = 0;
+  if (n > 0) vstore16(box_distances(boxes + (ulong)first[top] * 6 * WIDTH, p), level, pending);
+  else level = top + 1;
+  while (level <= top) {
+    const real least = min16(vload16(level, pending));
+    if (!(least <= distance[0] && least < FAR)) {
+      ++level;
+      continue;
+    }
+    uint lane = 0;
+    while (lane < WIDTH - 1 && pending[level * WIDTH + lane] != least) ++lane;
+    pending[level * WIDTH + lane] = FAR;
+    const uint child = node[level] * WIDTH + lane;
+    if (level > 0) {
+      --level;
+      node[level] = child;
+      vstore16(box_distances(boxes + (ulong)(first[level] + child) * 6 * WIDTH, p), level, pending);
+      continue;
+    }
+    const __global real* leaf = points + (ulong)child * 3 * WIDTH;
+    const R16 dx = vload16(0, leaf) - p[0], dy = vload16(1, leaf) - p[1], dz = vload16(2, leaf) - p[2];
+    real found[WIDTH];
+    vstore16(dx * dx + dy * dy + dz * dz, 0, found);
+    for (uint k = 0; k < WIDTH; ++k) {
+      if (found[k] > distance[0]) continue;
+      const uint id = ids[child * WIDTH + k];
+      if (comes_after(distance[0], neighbour[0], found[k], id)) {
+        sift_down(distance, neighbour, NEIGHBOURS, found[k], id);
+      }
+    }
+  }
+  // The heap's root is the last: from the back.
+  __global uint* out = candidates + (ulong)query * NEIGHBOURS;
+  for (uint left = NEIGHBOURS; left > 0; --left) {
+    out[left - 1] = neighbour[0];
+    sift_down(distance, neighbour, left - 1, distance[left - 1], neighbour[left - 1]);
+  }
+  nearest[query] = out[0];
+}
+
+/// Distance of each visible particle to its nearest candidate; the gradient goes to the particle alone. At the
+/// candidate itself there is none.
+/// in  keys[n]: 0xffffffff for a culled particle; candidates[n][K]; choose: whether the nearest is found anew
+/// io  nearest[n]; grads[rows][stride]: weight times the unit vector away from it is added to the means'
+/// out sums[work-items][2]: sum of distances in m, and of how many
+__kernel void anchor_loss(const uint n,
+                          const uint chunk,
+                          __global const uint* keys,
+                          __global const real* params,
+                          const uint stride,
+                          __global const real* targets,
+                          const uint target_stride,
+                          __global const uint* candidates,
+                          const uint choose,
+                          const real weight,
+                          __global uint* nearest,
+                          __global real* grads,
+                          __global real* sums) {
+  const uint begin = get_global_id(0) * chunk;
+  const uint end = min(begin + chunk, n);
+  real sum = R(0.0), count = R(0.0);
+  for (uint i = begin; i < end; ++i) {
+    uint target = nearest[i];
+    if (keys[i] == 0xffffffffu || target == NONE) continue;
+    real p[3], away[3];
+    for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + i];
+    if (choose) {
+      real least = FAR;
+      __global const uint* list = candidates + (ulong)i * NEIGHBOURS;
+      for (uint c = 0; c < NEIGHBOURS && list[c] != NONE; ++c) {
+        real d2 = R(0.0);
+        for (int k = 0; k < 3; ++k) {
+          const real d = p[k] - targets[(SIM_MEAN + k) * target_stride + list[c]];
+          d2 = fma(d, d, d2);
+        }
+        if (d2 < least) least = d2, target = list[c];
+      }
+      nearest[i] = target;
+    }
+    real d2 = R(0.0);
+    for (int k = 0; k < 3; ++k) {
+      away[k] = p[k] - targets[(SIM_MEAN + k) * target_stride + target];
+      d2 = fma(away[k], away[k], d2);
+    }
+    if (!(d2 < FAR)) continue;
+    count += R(1.0);
+    if (!(d2 > R(0.0))) continue;
+    const real distance = sqrt(d2);
+    sum += distance;
+    for (int k = 0; k < 3; ++k) grads[(SIM_MEAN + k) * stride + i] += weight * away[k] / distance;
+  }
+  sums[2 * get_global_id(0)] = sum;
+  sums[2 * get_global_id(0) + 1] = count;
+}
