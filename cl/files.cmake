@@ -9,6 +9,7 @@ set(SIMULI_CL_FILES
   math/response.h
   math/sensor.h
   math/sh.h
+  math/shutter.h
   math/unscented.h
   kernels/adam.cl
   kernels/anchor.cl

@@ -51,20 +51,6 @@ FN void join_columns(Footprint* f) {
   }
 }
 
-#if SENSOR == SENSOR_LIDAR && MOVING && EXTENT == EXTENT_UNSCENTED
-/// Raises x and y to how far the image of o_ref + p moves from time t to t + dt.
-FN void drift(__global const real* sensor, const F* p, F t, F dt, F* x, F* y) {
-  F q[3], x0, y0, x1, y1;
-  I seen = t == t;
-  sensor_from_world_point(sensor, p, t, q);
-  project_point(sensor, q, &x0, &y0, &seen);
-  sensor_from_world_point(sensor, p, t + dt, q);
-  project_point(sensor, q, &x1, &y1, &seen);
-  *x = VMAX(*x, fabs(wrap_lanes(x1 - x0, TWO_PI_R)));
-  *y = VMAX(*y, fabs(y1 - y0));
-}
-#endif
-
 /// V particles per work-item: visibility, box, features, record.
 /// in  params[rows][stride]; row_lut[4096], row_elevation[2][rows], lowest and highest of
 ///     each row's rays: LiDAR only
@@ -100,11 +86,7 @@ __kernel void project(const FrameParams frame,
   for (int k = 0; k < 3; ++k) {
     visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame.stride + i)) < R(80.0));
   }
-#if EXTENT == EXTENT_EXACT
   const F far = sensor[SIM_S_T_MAX] + origin_reach(&frame, sensor);
-#else
-  const F far = (F)sensor[SIM_S_T_MAX];
-#endif
   visible = AND(visible, AND(g.range - radius < far, g.range > R(1e-6)));
 #if SENSOR == SENSOR_CAMERA
   // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
@@ -126,121 +108,20 @@ __kernel void project(const FrameParams frame,
 
   // Where x goes round, a particle has two places: at the cut of a sweep it is met from the pose at the start
   // and from that at the end (the unrolled spin angle of METHOD section 3).
-  Box box, other;
-  F low, high;
+  Bounds box;
 #if EXTENT == EXTENT_EXACT
-  exact_box(&frame, sensor, &g, reach, radius, &box, &other, &low, &high);
-#elif SENSOR == SENSOR_CAMERA
-  F anchor = (F)R(0.0);
-#if WRAPS
-  F anchor_y;
-  I has_image = visible;
-  project_point(sensor, centre, &anchor, &anchor_y, &has_image);
-#endif
-  projected_box(sensor, &g, reach, anchor, (F)R(0.5), &box);
-  // Some sigma points without an image: the particle may be anywhere in the picture.
-  const I known = box.valid;
-  box.mean_x = SEL(known, box.mean_x, (F)R(0.0));
-  box.mean_y = SEL(known, box.mean_y, (F)R(0.0));
-  box.half_x = SEL(known, box.half_x, (F)R(1e9));
-  box.half_y = SEL(known, box.half_y, (F)R(1e9));
-  other = box;
-  low = box.mean_y - box.half_y;
-  high = box.mean_y + box.half_y;
-#if WRAPS
-  const real period = sensor[SIM_S_PERIOD];
-  other.mean_x += SEL(box.mean_x < R(0.5) * period, (F)period, (F)-period);
-  // Around the camera, or about a pole of the picture, a particle is a band of all columns.
-  const F flat = sqrt(centre[0] * centre[0] + centre[2] * centre[2]);
-  const I inside = g.range <= radius;
-  const I around = OR(inside, flat <= fma(fabs(centre[1]), (F)R(0.05), radius));
-  const F ratio = VMIN(radius / g.range, (F)R(1.0));
-  const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
-  const F band = SEL(inside, (F)R(1e9), spread * sensor[SIM_S_FY]);
-  const F pole_y = fma(atan2_lanes(centre[1], flat), (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
-  low = SEL(around, pole_y - band, low);
-  high = SEL(around, pole_y + band, high);
-  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
-  const real widest = min(R(0.25) * period, R(0.5) * period - SIM_SLOT_ROW);
-  box.half_x = SEL(OR(around, box.half_x > widest), (F)R(1e9), box.half_x);
-#endif
+  exact_bounds(&frame, sensor, &g, reach, radius, &box);
 #else
-  F middle_x, middle_y;
-  I has_image = visible;
-  project_point(sensor, centre, &middle_x, &middle_y, &has_image);
-  middle_x = SEL(middle_x < R(0.0), middle_x + TWO_PI_R, middle_x);
-  const F around_back = SEL(middle_x < PI_R, (F)TWO_PI_R, (F)-TWO_PI_R);
-  projected_box(sensor, &g, reach, middle_x, time_of(sensor, middle_x, middle_y), &box);
-  const F height = centre[2] - sensor[SIM_S_HEIGHT_REF];
-  const F flat = sqrt(centre[0] * centre[0] + centre[1] * centre[1]);
-  const F distance = sqrt(flat * flat + height * height);
-  const F lever = sensor[SIM_S_LEVER] / VMAX(distance - sensor[SIM_S_LEVER], (F)R(1e-3));
-  const F swept_first = (F)sensor[SIM_S_TILE_X0];
-  const F swept_last = (F)(sensor[SIM_S_TILE_X0] + (real)frame.tiles_x / sensor[SIM_S_TILE_SCALE]);
-  const F other_x = middle_x + around_back;
-  F drift_x = (F)R(0.0), drift_y = (F)R(0.0);
-#if MOVING
-  if (sensor[SIM_S_TIME_SPREAD] > R(0.0)) {
-    const F t0 = time_of(sensor, box.mean_x, box.mean_y);
-    const F dt = (F)sensor[SIM_S_TIME_SPREAD];
-    drift(sensor, g.offset, t0, dt, &drift_x, &drift_y);
-    drift(sensor, g.offset, t0, -dt, &drift_x, &drift_y);
-    // The spin angle that drifts tells another time itself: dt / (1 - rate of drift over rate of spin).
-    const F farther = dt / (R(1.0) - VMIN(drift_x * sensor[SIM_S_INV_SPAN] / dt, (F)R(0.75)));
-    drift(sensor, g.offset, t0, farther, &drift_x, &drift_y);
-    drift(sensor, g.offset, t0, -farther, &drift_x, &drift_y);
+  const I known = unscented_bounds(&frame, sensor, &g, centre, reach, radius, visible, &box);
+  if (ANY(AND(visible, NOT(known)))) {
+    Bounds all;
+    exact_bounds(&frame, sensor, &g, reach, radius, &all);
+    box.mean_x = SEL(known, box.mean_x, all.mean_x);
+    box.other_x = SEL(known, box.other_x, all.other_x);
+    box.half_x = SEL(known, box.half_x, all.half_x);
+    box.low = SEL(known, box.low, all.low);
+    box.high = SEL(known, box.high, all.high);
   }
-#endif
-  other = box;
-  other.mean_x = other_x;
-#if MOVING
-  // The second place is seldom swept: look only where it may be, motion during the sweep included.
-  const F slack = R(2.0) * box.half_x + lever + drift_x + sensor[SIM_S_ANGLE] + R(0.01) +
-                  fabs(sensor[SIM_S_CENTRE_STEP]) / VMAX(flat, (F)R(1e-3)) +
-                  fabs(sensor[SIM_S_CENTRE_STEP + 1]) / VMAX(flat, (F)R(1e-3));
-  const I near = AND(other_x + slack >= swept_first, other_x - slack <= swept_last);
-  if (ANY(AND(near, visible))) {
-    projected_box(sensor, &g, reach, other_x, time_of(sensor, other_x, middle_y), &other);
-  }
-#else
-  other.mean_x = box.mean_x + around_back;
-#endif
-  const F wider = lever + drift_x;
-  const I both = AND(other.mean_x + other.half_x + wider >= swept_first,
-                     other.mean_x - other.half_x - wider <= swept_last);
-  low = box.mean_y - box.half_y;
-  high = box.mean_y + box.half_y;
-  low = SEL(both, VMIN(low, other.mean_y - other.half_y), low);
-  high = SEL(both, VMAX(high, other.mean_y + other.half_y), high);
-  other.mean_x = SEL(both, other.mean_x, box.mean_x);
-  box.half_x = SEL(both, VMAX(box.half_x, other.half_x), box.half_x);
-
-  const I inside = distance <= radius;
-  // Of what the sensor passes over or below, the azimuth changes too fast for a box.
-  const real passed = R(0.5) * sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
-                                    sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
-                                    sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
-  const I around = OR(inside, flat <= fma(fabs(height), (F)R(0.05), radius) + passed);
-  const F ratio = VMIN(radius / VMAX(distance, (F)R(1e-9)), (F)R(1.0));
-  const F spread = atan2_lanes(ratio, sqrt(VMAX(fma(-ratio, ratio, (F)R(1.0)), (F)R(0.0))));
-  F ring = SEL(inside, (F)R(4.0), spread);
-#if MOVING
-  if (ANY(around)) {  // a ring is met throughout the sweep
-    F first[3], last[3], x, first_y, last_y;
-    I seen = visible;
-    sensor_from_world_point(sensor, g.offset, (F)R(0.0), first);
-    sensor_from_world_point(sensor, g.offset, (F)R(1.0), last);
-    project_point(sensor, first, &x, &first_y, &seen);
-    project_point(sensor, last, &x, &last_y, &seen);
-    // Over the sensor's head the elevation rises and falls again.
-    ring += VMAX(fabs(first_y - middle_y), fabs(last_y - middle_y));
-  }
-#endif
-  low = SEL(around, middle_y - ring, low) - lever - drift_y;
-  high = SEL(around, middle_y + ring, high) + lever + drift_y;
-  box.half_x += wider;
-  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
-  box.half_x = SEL(OR(around, box.half_x > R(1.5)), (F)R(1e9), box.half_x);
 #endif
 
   BlendMatrix b;
@@ -254,13 +135,13 @@ __kernel void project(const FrameParams frame,
   STV(out + SIM_R_RADIUS2 * V, b.radius2);
   STV(out + SIM_R_QMAX * V, qmax);
   STV(out + SIM_R_BOX_MEAN * V, box.mean_x);
-  STV(out + SIM_R_BOX_OTHER * V, other.mean_x);
+  STV(out + SIM_R_BOX_OTHER * V, box.other_x);
   STV(out + SIM_R_BOX_HALF * V, box.half_x);
 
   // Tiles and rows, lane by lane: integers from here on.
   real low_y[V], high_y[V], seen[V], range[V];
-  STV(low_y, low);
-  STV(high_y, high);
+  STV(low_y, box.low);
+  STV(high_y, box.high);
   STV(seen, SEL(visible, (F)R(1.0), (F)R(0.0)));
   STV(range, g.range);
   uint drawn = 0;

@@ -13,7 +13,6 @@
 #define EXTENT EXTENT_UNSCENTED
 #endif
 
-#define EVERYWHERE R(1e9)  // px or rad: no bound
 // How often the time that a particle is seen in is narrowed down, the first look at the whole frame included.
 #define EXACT_ROUNDS 3
 // Rounding of floats: the bounds are this much wider than the mathematics (share of the half width, px, rad).
@@ -108,7 +107,7 @@ FN I shadow_slopes(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* 
       far2, fma(e->stretch, along, e->more), e->stretch * mixed, fma(e->stretch, across, e->more), low, high);
 }
 
-/// Bounds of v / u over the part of the shadow where u > 0; +-EVERYWHERE where there is none.
+/// Bounds of v / u over the part of the shadow where u > 0; +-NO_BOUND where there is none.
 FN void shadow_ratios(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* low, F* high) {
   F slope[2];
   const I outside = shadow_slopes(e, pu, pv, au, av, &slope[0], &slope[1]);
@@ -116,8 +115,8 @@ FN void shadow_ratios(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, 
     const F ahead = fma(-pv, slope[end], pu);
     const I bounded = AND(outside, ahead > R(1e-4) * (fabs(pu) + fabs(pv * slope[end])));
     const F ratio = fma(pu, slope[end], pv) / SEL(bounded, ahead, (F)R(1.0));
-    if (end == 0) *low = SEL(bounded, ratio, (F)-EVERYWHERE);
-    if (end == 1) *high = SEL(bounded, ratio, (F)EVERYWHERE);
+    if (end == 0) *low = SEL(bounded, ratio, (F)-NO_BOUND);
+    if (end == 1) *high = SEL(bounded, ratio, (F)NO_BOUND);
   }
 }
 
@@ -131,8 +130,8 @@ FN void spherical_extent(
   *azimuth = atan2_lanes(pb, pa);
   F right, left;
   const I aside = shadow_slopes(e, pa, pb, e->a[a], e->a[b], &right, &left);
-  *from = SEL(aside, atan2_lanes(right, (F)R(1.0)), (F)-EVERYWHERE);
-  *to = SEL(aside, atan2_lanes(left, (F)R(1.0)), (F)EVERYWHERE);
+  *from = SEL(aside, atan2_lanes(right, (F)R(1.0)), (F)-NO_BOUND);
+  *to = SEL(aside, atan2_lanes(left, (F)R(1.0)), (F)NO_BOUND);
 
   // In any case all points are within the ball, and no point of a cap is farther off in elevation than its
   // angle.
@@ -219,10 +218,10 @@ FN void lens_extent(__global const real* sensor, const Ellipsoid* e, F* x0, F* x
   project_point(sensor, n, &x, &y, &bounded);
   const F half_x = cap * sensor[SIM_S_LENS_SLOPE_X];
   const F half_y = cap * sensor[SIM_S_LENS_SLOPE_Y];
-  *x0 = SEL(bounded, x - half_x, (F)-EVERYWHERE);
-  *x1 = SEL(bounded, x + half_x, (F)EVERYWHERE);
-  *y0 = SEL(bounded, y - half_y, (F)-EVERYWHERE);
-  *y1 = SEL(bounded, y + half_y, (F)EVERYWHERE);
+  *x0 = SEL(bounded, x - half_x, (F)-NO_BOUND);
+  *x1 = SEL(bounded, x + half_x, (F)NO_BOUND);
+  *y0 = SEL(bounded, y - half_y, (F)-NO_BOUND);
+  *y1 = SEL(bounded, y + half_y, (F)NO_BOUND);
 }
 #endif
 
@@ -322,19 +321,15 @@ FN F origin_reach(const FrameParams* frame, __global const real* sensor) {
   return reach;
 }
 
-/// The box, its other place where x wraps, and the interval of y outside of which no ray gets alpha >=
-/// alpha_cut. Time is narrowed down from above: all rays that can see the particle are in the extent of the
-/// whole frame, hence within its times; as seen in these times alone they are in a smaller extent, and so
-/// forth.
-FN void exact_box(const FrameParams* frame,
-                  __global const real* sensor,
-                  const Gaussian* g,
-                  F reach,
-                  F radius,
-                  Box* box,
-                  Box* other,
-                  F* low,
-                  F* high) {
+/// Bounds outside of which no ray gets alpha >= alpha_cut. Time is narrowed down from above: all rays that can
+/// see the particle are in the extent of the whole frame, hence within its times; as seen in these times alone
+/// they are in a smaller extent, and so forth.
+FN void exact_bounds(const FrameParams* frame,
+                     __global const real* sensor,
+                     const Gaussian* g,
+                     F reach,
+                     F radius,
+                     Bounds* out) {
   const Extent none = {(F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
   Extent whole, place[2];
   F first, last;
@@ -370,21 +365,21 @@ FN void exact_box(const FrameParams* frame,
   place[1].mean_x += SEL(place[0].mean_x < R(0.5) * period, (F)period, (F)-period);
 #endif
 #endif
-  *low = place[0].low;
-  *high = place[0].high;
-  box->mean_x = place[0].mean_x;
-  box->half_x = place[0].half_x;
-  other->mean_x = place[1].mean_x;
+  out->low = place[0].low;
+  out->high = place[0].high;
+  out->mean_x = place[0].mean_x;
+  out->half_x = place[0].half_x;
+  out->other_x = place[1].mean_x;
 #if SENSOR == SENSOR_LIDAR
-  other->mean_x = SEL(both, other->mean_x, box->mean_x);
-  *low = SEL(both, VMIN(*low, place[1].low), *low);
-  *high = SEL(both, VMAX(*high, place[1].high), *high);
-  box->half_x = SEL(both, VMAX(box->half_x, place[1].half_x), box->half_x);
+  out->other_x = SEL(both, out->other_x, out->mean_x);
+  out->low = SEL(both, VMIN(out->low, place[1].low), out->low);
+  out->high = SEL(both, VMAX(out->high, place[1].high), out->high);
+  out->half_x = SEL(both, VMAX(out->half_x, place[1].half_x), out->half_x);
   // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
-  box->half_x = SEL(box->half_x > R(1.5), (F)EVERYWHERE, box->half_x);
+  out->half_x = SEL(out->half_x > R(1.5), (F)NO_BOUND, out->half_x);
 #elif WRAPS
   const real widest = min(R(0.25) * period, R(0.5) * period - SIM_SLOT_ROW);
-  box->half_x = SEL(box->half_x > widest, (F)EVERYWHERE, box->half_x);
+  out->half_x = SEL(out->half_x > widest, (F)NO_BOUND, out->half_x);
 #endif
 }
 

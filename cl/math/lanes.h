@@ -1,7 +1,7 @@
 // lanes.h - one source for CPU vectors and GPU work-items.
 // V lanes per vector, NR vectors per work-item, LS work-items per tile: V * NR * LS = 256 rays.
 // F is a vector of V reals, I the integer vector of the same width. Masks are 1 in scalars and -1 in
-// vectors, so they are used only through SEL, ANY, AND and OR.
+// vectors, so they are used only through SEL, ANY, AND, OR and NOT.
 #ifndef SIMULI_CL_MATH_LANES_H
 #define SIMULI_CL_MATH_LANES_H
 
@@ -84,6 +84,7 @@ FN real hsum16(F v) { return hsum8(v.lo + v.hi); }
 #endif
 #endif
 
+#define NOT(c) ((c) == 0)
 #define VMIN(a, b) SEL((a) < (b), (a), (b))
 #define VMAX(a, b) SEL((a) > (b), (a), (b))
 

@@ -6,9 +6,7 @@
 #ifndef SIMULI_CL_MATH_UNSCENTED_H
 #define SIMULI_CL_MATH_UNSCENTED_H
 #include "math/gaussian.h"
-#include "math/sensor.h"
-
-#define SHUTTER_ITERATIONS 3
+#include "math/shutter.h"
 
 #define PROJECTION_UNSCENTED 0
 #define PROJECTION_LINEARIZED 1
@@ -17,38 +15,20 @@
 #define PROJECTION PROJECTION_UNSCENTED
 #endif
 
+// Nearer than this (rad) to the axis that azimuths go round, particles are all round.
+#define POLE_MARGIN R(0.05)
+
 typedef struct {
   F mean_x, mean_y;  // pixels or rad
   F half_x, half_y;
-  I valid;           // every projected point has an image
+  I valid;           // every projected point has an image at a time of its own
 } Box;
 
-/// x by the way round that is nearest to `anchor`, for sensors whose x goes round.
-FN F unrolled(__global const real* sensor, F x, F anchor) {
-#if WRAPS
-  return anchor + wrap_lanes(x - anchor, sensor[SIM_S_PERIOD]);
-#else
-  return x;
-#endif
-}
-
-/// Image of the world point o_ref + p at its own time: t <- time(project(p, pose(t))), from the time of
-/// (anchor, y), x being unrolled near the anchor.
-FN void project_at_own_time(__global const real* sensor, const F* p, F anchor, F t, F* x, F* y, I* valid) {
-  F q[3];
-#if MOVING
-  for (int k = 0; k < SHUTTER_ITERATIONS; ++k) {
-    I seen = *valid;
-    sensor_from_world_point(sensor, p, t, q);
-    project_point(sensor, q, x, y, &seen);
-    *x = unrolled(sensor, *x, anchor);
-    t = time_of(sensor, *x, *y);
-  }
-#endif
-  sensor_from_world_point(sensor, p, t, q);
-  project_point(sensor, q, x, y, valid);
-  *x = unrolled(sensor, *x, anchor);
-}
+/// What a sensor sees of a particle, px or rad: x within half_x of either place, y in [low, high].
+typedef struct {
+  F mean_x, other_x, half_x;  // other_x differs from mean_x only where x goes round
+  F low, high;
+} Bounds;
 
 /// offset + rotation (z * filtered scale): the point z standard deviations off the centre.
 FN void point_at(const Gaussian* g, F z0, F z1, F z2, F* p) {
@@ -60,10 +40,12 @@ FN void point_at(const Gaussian* g, F z0, F z1, F z2, F* p) {
 }
 
 /// The box about the particle's place near `anchor`, the iteration starting at time t.
-/// reach: the radius in standard deviations at which alpha falls to the cut.
-FN void projected_box(__global const real* sensor, const Gaussian* g, F reach, F anchor, F t, Box* box) {
+/// reach: the radius in standard deviations at which alpha falls to the cut. Lanes that are not visible are
+/// not valid either.
+FN void projected_box(
+    __global const real* sensor, const Gaussian* g, F reach, I visible, F anchor, F t, Box* box) {
   F x0, y0;
-  I valid = (F)R(0.0) == (F)R(0.0);
+  I valid = visible;
   project_at_own_time(sensor, g->offset, anchor, t, &x0, &y0, &valid);
   const F t0 = time_of(sensor, x0, y0);
   F mean_x = (F)R(0.0), mean_y = (F)R(0.0), var_x = (F)R(0.0), var_y = (F)R(0.0);
@@ -130,6 +112,128 @@ FN void projected_box(__global const real* sensor, const Gaussian* g, F reach, F
   box->half_x = reach * sqrt(var_x);
   box->half_y = reach * sqrt(var_y);
   box->valid = valid;
+}
+
+#if SENSOR == SENSOR_LIDAR && MOVING
+/// Raises x and y to how far the image of o_ref + p moves from time t to t + dt.
+FN void drift(__global const real* sensor, const F* p, F t, F dt, F* x, F* y) {
+  F q[3], x0, y0, x1, y1;
+  I seen = t == t;
+  sensor_from_world_point(sensor, p, t, q);
+  project_point(sensor, q, &x0, &y0, &seen);
+  sensor_from_world_point(sensor, p, t + dt, q);
+  project_point(sensor, q, &x1, &y1, &seen);
+  *x = VMAX(*x, fabs(wrap_lanes(x1 - x0, TWO_PI_R)));
+  *y = VMAX(*y, fabs(y1 - y0));
+}
+#endif
+
+/// Bounds by the projected points, of a particle `radius` large at `centre` in the frame of the sensor
+/// half-way. False in lanes where they are no measure of it: some point without an image or without a time of
+/// its own, a sensor that moves too fast for just one place, or a particle around the sensor or its axis.
+FN I unscented_bounds(const FrameParams* frame,
+                      __global const real* sensor,
+                      const Gaussian* g,
+                      const F* centre,
+                      F reach,
+                      F radius,
+                      I visible,
+                      Bounds* out) {
+  Box box;
+#if SENSOR == SENSOR_CAMERA
+  F anchor = (F)R(0.0);
+#if WRAPS
+  F anchor_y;
+  I has_image = visible;
+  project_point(sensor, centre, &anchor, &anchor_y, &has_image);
+#endif
+  projected_box(sensor, g, reach, visible, anchor, (F)R(0.5), &box);
+  I known = box.valid;
+#if MOVING
+  known = AND(known, shutter_rate(sensor, centre, g->range, radius) < SHUTTER_RATE_MAX);
+#endif
+  out->mean_x = box.mean_x;
+  out->other_x = box.mean_x;
+  out->half_x = box.half_x;
+#if WRAPS
+  const real period = sensor[SIM_S_PERIOD];
+  out->other_x += SEL(box.mean_x < R(0.5) * period, (F)period, (F)-period);
+  // About a pole of the picture a particle is a band of all columns.
+  const F flat = sqrt(centre[0] * centre[0] + centre[2] * centre[2]);
+  known = AND(known, flat > fma(fabs(centre[1]), (F)POLE_MARGIN, radius));
+#if MOVING
+  // Columns that are exposed at different times: the two ends of the picture don't see the same place.
+  const I joined = AND(box.mean_x - box.half_x > R(0.0), box.mean_x + box.half_x < period);
+  known = AND(known, OR(joined, (F)sensor[SIM_S_TIME_X] == R(0.0)));
+#endif
+  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
+  const real widest = min(R(0.25) * period, R(0.5) * period - SIM_SLOT_ROW);
+  out->half_x = SEL(box.half_x > widest, (F)NO_BOUND, box.half_x);
+#endif
+  out->low = box.mean_y - box.half_y;
+  out->high = box.mean_y + box.half_y;
+  return known;
+#else
+  F middle_x, middle_y;
+  I has_image = visible;
+  project_point(sensor, centre, &middle_x, &middle_y, &has_image);
+  middle_x = SEL(middle_x < R(0.0), middle_x + TWO_PI_R, middle_x);
+  const F around_back = SEL(middle_x < PI_R, (F)TWO_PI_R, (F)-TWO_PI_R);
+  projected_box(sensor, g, reach, visible, middle_x, time_of(sensor, middle_x, middle_y), &box);
+  const F level[3] = {centre[0], centre[1], centre[2] - sensor[SIM_S_HEIGHT_REF]};
+  const F flat = sqrt(level[0] * level[0] + level[1] * level[1]);
+  const F distance = sqrt(flat * flat + level[2] * level[2]);
+  const F lever = sensor[SIM_S_LEVER] / VMAX(distance - sensor[SIM_S_LEVER], (F)R(1e-3));
+  const F swept_first = (F)sensor[SIM_S_TILE_X0];
+  const F swept_last = (F)(sensor[SIM_S_TILE_X0] + (real)frame->tiles_x / sensor[SIM_S_TILE_SCALE]);
+  const F other_x = middle_x + around_back;
+  // Of what the sensor passes over or below, the azimuth changes too fast for a box.
+  const real passed = R(0.5) * sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
+                                    sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
+                                    sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
+  I known = AND(distance > radius, flat > fma(fabs(level[2]), (F)POLE_MARGIN, radius) + passed);
+  F drift_x = (F)R(0.0), drift_y = (F)R(0.0);
+#if MOVING
+  known = AND(known, shutter_rate(sensor, level, distance, radius) < SHUTTER_RATE_MAX);
+  if (sensor[SIM_S_TIME_SPREAD] > R(0.0)) {
+    const F t0 = time_of(sensor, box.mean_x, box.mean_y);
+    const F dt = (F)sensor[SIM_S_TIME_SPREAD];
+    drift(sensor, g->offset, t0, dt, &drift_x, &drift_y);
+    drift(sensor, g->offset, t0, -dt, &drift_x, &drift_y);
+    // The spin angle that drifts tells another time itself: dt / (1 - rate of drift over rate of spin).
+    const F farther = dt / (R(1.0) - VMIN(drift_x * sensor[SIM_S_INV_SPAN] / dt, (F)R(0.75)));
+    drift(sensor, g->offset, t0, farther, &drift_x, &drift_y);
+    drift(sensor, g->offset, t0, -farther, &drift_x, &drift_y);
+  }
+#endif
+  Box other = box;
+  other.mean_x = other_x;
+#if MOVING
+  // The second place is seldom swept: look only where it may be, motion during the sweep included.
+  const F slack = R(2.0) * box.half_x + lever + drift_x + sensor[SIM_S_ANGLE] + R(0.01) +
+                  fabs(sensor[SIM_S_CENTRE_STEP]) / VMAX(flat, (F)R(1e-3)) +
+                  fabs(sensor[SIM_S_CENTRE_STEP + 1]) / VMAX(flat, (F)R(1e-3));
+  const I near = AND(visible, AND(other_x + slack >= swept_first, other_x - slack <= swept_last));
+  if (ANY(near)) {
+    projected_box(sensor, g, reach, near, other_x, time_of(sensor, other_x, middle_y), &other);
+  }
+  known = AND(known, AND(box.valid, OR(other.valid, NOT(near))));
+#else
+  other.mean_x = box.mean_x + around_back;
+#endif
+  const F wider = lever + drift_x;
+  const I both = AND(other.mean_x + other.half_x + wider >= swept_first,
+                     other.mean_x - other.half_x - wider <= swept_last);
+  const F low = box.mean_y - box.half_y, high = box.mean_y + box.half_y;
+  out->low = SEL(both, VMIN(low, other.mean_y - other.half_y), low) - lever - drift_y;
+  out->high = SEL(both, VMAX(high, other.mean_y + other.half_y), high) + lever + drift_y;
+  out->mean_x = box.mean_x;
+  out->other_x = SEL(both, other.mean_x, box.mean_x);
+  out->half_x = SEL(both, VMAX(box.half_x, other.half_x), box.half_x) + wider;
+  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
+  out->half_x = SEL(out->half_x > R(1.5), (F)NO_BOUND, out->half_x);
+  return known;
+#endif
 }
 
 #endif

@@ -97,6 +97,7 @@ typedef int sim_i32;
 #define SIM_S_PERIOD 60        // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
 #define SIM_S_TIME_SPREAD 61   // rays fire at most this share of the frame before or after what x tells
 #define SIM_S_ROW_SPREAD 62    // LiDAR: rad, rays' elevations are at most this off their row's
+#define SIM_S_TIME_STEP 63     // share of the frame from one row or column to the next that is later
 #define SIM_S_LENS 64          // camera: SIM_LENS_REALS constants of the lens
 #define SIM_S_LENS_CONE 96     // camera: rad, half angle of the cone about the axis where the slopes hold
 #define SIM_S_LENS_SLOPE_X 97  // largest px per rad there, along x and y

@@ -6,10 +6,10 @@ namespace {
 
 constexpr std::size_t kLocalSize = 32;
 
-/// Only the forward projection asks for the extent: other kernels are one program for both.
+/// Only the forward projection asks for these: other kernels are one program for all.
 BuildOptions forward_options(const Variant& variant) {
   BuildOptions options = variant.options();
-  return options.define("EXTENT", variant.extent);
+  return options.define("EXTENT", variant.extent).define("SHUTTER_ITERATIONS", variant.shutter_iterations);
 }
 
 BuildOptions backward_options(const Variant& variant) {

@@ -44,22 +44,25 @@ bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
   return true;
 }
 
-/// A convex cone must be that of all rays (picture_rad); a wider one may reach as far as the lens does, half
-/// a radian more at most, since what leaves it has no bound but the picture.
+/// The cone holds all rays (picture_rad), and as far as the lens reaches some more: what moves or is wide
+/// leaves the picture. If that is less than half of space, it is convex, and must be.
 LensSlopes lens_slopes(const Camera& camera, double picture_rad) {
   constexpr double kStep = 0.25 * kPi / 180.0;
   constexpr double kBetweenSamples = 1.02;  // the slopes are smooth: less than this between neighbours
+  constexpr double kConvexMargin = 0.15, kMargin = 0.5;
   const bool convex = picture_rad <= 0.5 * kPi;
-  const double farthest = convex ? picture_rad : std::min(picture_rad + 0.5, kPi - kStep);
+  const double farthest = convex ? std::min(picture_rad + kConvexMargin, 0.5 * kPi)
+                                 : std::min(picture_rad + kMargin, kPi - kStep);
   LensSlopes slopes{0.0, 0.0, 0.0};
   while (slopes.cone_rad < farthest) {
-    const double angle = std::min(slopes.cone_rad + kStep, farthest);
+    const double stop = slopes.cone_rad < picture_rad ? picture_rad : farthest;
+    const double angle = std::min(slopes.cone_rad + kStep, stop);
     LensSlopes wider = slopes;
     if (!add_slopes(camera, angle, wider)) break;
     slopes = wider;
     slopes.cone_rad = angle;
   }
-  if (convex && slopes.cone_rad < farthest) return {picture_rad};
+  if (convex && slopes.cone_rad < picture_rad) return {picture_rad};
   slopes.x *= kBetweenSamples;
   slopes.y *= kBetweenSamples;
   return slopes;
@@ -124,6 +127,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   c[SIM_S_TIME_C] = camera.exposure_fraction({0.0, 0.0});
   c[SIM_S_TIME_X] = camera.exposure_fraction({1.0, 0.0}) - c[SIM_S_TIME_C];
   c[SIM_S_TIME_Y] = camera.exposure_fraction({0.0, 1.0}) - c[SIM_S_TIME_C];
+  c[SIM_S_TIME_STEP] = std::abs(c[SIM_S_TIME_X]) + std::abs(c[SIM_S_TIME_Y]);
   c[SIM_S_KAPPA] = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
   c[SIM_S_T_MIN] = 0.01;
   c[SIM_S_T_MAX] = 1e6;
@@ -300,6 +304,7 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
   c[SIM_S_AZIMUTH_CUT] = azimuth_cut(lidar);
   c[SIM_S_SPIN] = lidar.spin_sign();
   c[SIM_S_INV_SPAN] = 1.0 / lidar.azimuth_span;
+  c[SIM_S_TIME_STEP] = 1.0 / lidar.columns;
   c[SIM_S_TIME_SPREAD] = time_spread(lidar, rays, angles);
   c[SIM_S_ROW_SPREAD] = row_spread(lidar, rays);
   c[SIM_S_KAPPA] = ray_slots::beam_variance(lidar.beam_divergence, lidar.divergence_variance);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <fmt/format.h>
 #include <numbers>
 #include <utility>
 
@@ -48,7 +49,30 @@ float RayResults::expected_distance(std::size_t ray) const {
 
 namespace {
 
+void validate(const RenderOptions& options) {
+  const auto need = [](bool holds, const char* field, double found, const char* allowed) {
+    if (holds) return;
+    throw Error(ErrorKind::kUsage, fmt::format("render.{}: found {}, allowed {}", field, found, allowed));
+  };
+  const RenderOptions& o = options;
+  need(o.shutter_iterations >= 1 && o.shutter_iterations <= 64,
+       "shutter_iterations",
+       o.shutter_iterations,
+       "1 to 64");
+  need(o.alpha_cut >= 1e-6 && o.alpha_cut <= 0.5, "alpha_cut", o.alpha_cut, "1e-6 to 0.5");
+  need(o.transmittance_cut >= 0.0 && o.transmittance_cut <= 0.5,
+       "transmittance_cut",
+       o.transmittance_cut,
+       "0 to 0.5");
+  need(o.camera_filter_px2 >= 0.0 && o.camera_filter_px2 <= 100.0,
+       "camera_filter_px2",
+       o.camera_filter_px2,
+       "0 to 100");
+  need(o.max_instances >= 1, "max_instances", static_cast<double>(o.max_instances), "1 or more");
+}
+
 RenderOptions resolve(const Device& device, RenderOptions options) {
+  validate(options);
   if (options.shape.lanes == 0) options.shape = LaneShape::of(device, options.precision);
   const LaneShape& s = options.shape;
   if (s.lanes * s.vectors * s.work_items != SIM_TILE_RAYS) {
@@ -113,6 +137,7 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
   variant.precision = options_.precision;
   variant.projection = options_.projection;
   variant.extent = options_.extent;
+  variant.shutter_iterations = options_.shutter_iterations;
   variant.shape = options_.shape;
   current_ = &stages(variant);
   rays_ = &rays;

@@ -32,6 +32,7 @@ struct Variant {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
   Extent extent = Extent::kUnscented;
+  int shutter_iterations = 4;
   LaneShape shape;
 
   [[nodiscard]] BuildOptions options() const;

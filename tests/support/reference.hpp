@@ -19,7 +19,7 @@ struct Options {
   double alpha_cut = 1.0 / 255.0;    // contributions below it are left out
   double transmittance_cut = 1e-4;   // a ray ends when its transmittance is below it
   double filter_variance_px2 = 0.3;  // camera footprint filter
-  int shutter_iterations = 3;        // updates of a sigma point's time when the sensor moves
+  int shutter_iterations = 4;        // looks for a sigma point's own time when the sensor moves
   bool ignore_box = false;           // the response is not clipped to the unscented box
   bool per_ray_order = false;        // order by tau of each ray instead of by particle range
 };
@@ -69,7 +69,7 @@ struct Ray {
 /// One particle as the sensor sees it: everything that render() needs and what led to it.
 struct Footprint {
   bool visible = false;   // false: no ray sees it (opacity <= alpha_cut, or behind the camera)
-  bool fallback = false;  // the box is the conservative one, not the unscented one
+  bool fallback = false;  // the box is everything: the unscented one is no measure
   Eigen::Vector3d feature = Eigen::Vector3d::Zero();
   double opacity = 0.0;                                      // sigma
   double range = 0.0;                                        // m, from the sensor centre at mid frame

@@ -105,7 +105,7 @@ TEST(LidarFootprint, WidensByTheLeverArm) {
   EXPECT_NEAR(f.half_width.y() - plain.half_width.y(), lever / (range - lever), 1e-5);
 }
 
-TEST(LidarFootprint, IsARingAroundTheSensorAndAtThePoles) {
+TEST(LidarFootprint, IsEverythingAroundTheSensorAndAtThePoles) {
   const Lidar lidar = test::small_lidar(8, 90);
   const Footprint around = lidar_footprint(small_at({0.5, 0.2, 0.0}, 0.5), lidar);
   EXPECT_TRUE(around.fallback);
@@ -114,9 +114,7 @@ TEST(LidarFootprint, IsARingAroundTheSensorAndAtThePoles) {
   const Footprint above = lidar_footprint(small_at({0.1, 0.1, 10.0}, 0.05), lidar);
   EXPECT_TRUE(above.fallback);
   EXPECT_GE(above.half_width.x(), kPi);
-  const double radius = std::sqrt(2.0 * std::log(255.0 * 0.5)) * 0.05;
-  EXPECT_NEAR(above.half_width.y(), std::asin(radius / std::sqrt(100.02)), 1e-6);
-  EXPECT_NEAR(above.mean.y(), std::atan2(10.0, 0.1 * std::sqrt(2.0)), 1e-6);
+  EXPECT_GE(above.half_width.y(), kPi);
   EXPECT_FALSE(lidar_footprint(small_at({5.0, 0.0, 0.0}, 0.05), lidar).fallback);
 }
 

@@ -15,8 +15,12 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kCameraNear_m = 0.01;    // z_min
-constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis is a ring
-constexpr double kWidestBox_rad = 1.5;    // half-width above which a box is the whole turn
+constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis is all round
+constexpr double kSettled = 1.0 / 32.0;   // of a row or column, between the time looked at and that seen
+constexpr double kRateMax = 0.75;         // of that time: beyond it there may be several, or none
+constexpr double kNoBound = 1e9;
+constexpr double kWidestBox_rad = 1.5;   // half-width above which a box is the whole turn
+constexpr double kAllRound_rad = 100.0;  // half-width of that
 constexpr double kMinLeverRange_m = 1e-3;
 
 /// The point between the rows' origins to which LiDAR azimuth and elevation refer, in the LiDAR frame.
@@ -63,21 +67,66 @@ double time_of(const Sensor& sensor, const Vector2d& xy) {
   return std::clamp(xy.x() / sensor.lidar.azimuth_span, 0.0, 1.0);
 }
 
-/// The same at the time at which the sensor sees the point, starting from time u. A point without a
-/// projection at any step of the iteration has none.
+/// Share of the frame from one row or column to the next that is later.
+double time_step(const Sensor& sensor) {
+  if (sensor.kind == SetKind::kLidar) return 1.0 / sensor.lidar.columns;
+  switch (sensor.camera.shutter) {
+    case ShutterKind::kGlobal:
+      return 0.0;
+    case ShutterKind::kTopToBottom:
+    case ShutterKind::kBottomToTop:
+      return 1.0 / sensor.camera.height;
+    default:
+      return 1.0 / sensor.camera.width;
+  }
+}
+
+/// The same at the time at which the sensor sees the point, starting from time u. A point for which no such
+/// time is found has no projection.
 bool project_at_own_time(const Sensor& sensor,
                          const Vector3d& p_scene,
                          const Options& options,
                          double anchor,
                          double u,
                          Vector2d& xy) {
-  if (sensor.moves()) {
-    for (int i = 0; i < options.shutter_iterations; ++i) {
-      if (!project_at(sensor, p_scene, u, anchor, xy)) return false;
-      u = time_of(sensor, xy);
-    }
+  if (!sensor.moves()) return project_at(sensor, p_scene, u, anchor, xy);
+  double last_u = u;
+  double last_gap = 0.0;
+  for (int i = 0; i < options.shutter_iterations; ++i) {
+    const bool seen = project_at(sensor, p_scene, u, anchor, xy);
+    const double gap = time_of(sensor, xy) - u;
+    if (std::abs(gap) <= kSettled * time_step(sensor)) return seen;
+    // The secant of gap(u), and in its place the plain step where it leads off or is not known yet.
+    const double slope = u != last_u ? (gap - last_gap) / (u - last_u) : 0.0;
+    const double step = slope > -2.0 && slope < -0.125 ? -gap / slope : gap;
+    last_u = u;
+    last_gap = gap;
+    u = std::clamp(u + step, 0.0, 1.0);
   }
-  return project_at(sensor, p_scene, u, anchor, xy);
+  return false;
+}
+
+/// Bound on how fast the time at which the ray through a point fires changes while the sensor moves, for all
+/// points within `radius` of p_mid (sensor frame half-way, of a LiDAR from its reference origin).
+double shutter_rate(const Sensor& sensor, const Vector3d& p_mid, double radius) {
+  const Pose& start = sensor.scene_from_sensor_start;
+  const Pose& end = sensor.scene_from_sensor_end;
+  const double angle = start.rotation.angularDistance(end.rotation);
+  const double step = (end.translation - start.translation).norm();
+  const double range = p_mid.norm();
+  const double ball = radius + 0.5 * step;
+  if (sensor.kind == SetKind::kLidar) {
+    const double flat = p_mid.head<2>().norm() - ball - 0.5 * angle * range;
+    if (flat <= 1e-3 * range) return kNoBound;
+    return (angle * (range + ball) + step) / flat / sensor.lidar.azimuth_span;
+  }
+  const double per_px = time_step(sensor);
+  if (per_px == 0.0) return 0.0;
+  if (range - ball <= 1e-3 * range) return kNoBound;
+  const double turn = angle + step / (range - ball);
+  const double cosine = p_mid.z() / range - ball / std::sqrt(range * range - ball * ball) - 0.5 * angle;
+  if (cosine <= 0.1) return kNoBound;
+  return per_px * sensor.camera.focal_px() / (cosine * cosine) * turn;
 }
 
 /// The sigma points' mean and covariance about the particle's place near `anchor`.
@@ -126,30 +175,22 @@ void camera_fallback(const Sensor& sensor, const Vector3d& mean, bool any_valid,
   f.fallback = true;
   const double radius = f.extent * f.filtered_scale.maxCoeff();
   // Other lenses than the pinhole may see behind the camera.
-  const bool reaches = sensor.camera.lens.kind() != LensKind::kPinhole ||
+  const bool reaches = sensor.camera.lens.kind() != LensKind::kPinhole || sensor.moves() ||
                        in_sensor(sensor, mean, 0.5).z() + radius > kCameraNear_m;
   f.visible = any_valid || reaches;
   f.mean = {0.5 * sensor.camera.width, 0.5 * sensor.camera.height};
   f.half_width = f.mean;
 }
 
-/// The ring of all azimuths for a particle around the sensor or about its spin axis; false for others.
-/// Returns the elevation interval in `low` and `high`.
-bool lidar_ring(const Sensor& sensor, const Vector3d& p_mid, const Footprint& f, double& low, double& high) {
+/// Whether a particle is around the sensor, about its spin axis, or passed too fast for one place.
+bool lidar_around(const Sensor& sensor, const Vector3d& p_mid, const Footprint& f) {
   const double radius = f.extent * f.filtered_scale.maxCoeff();
-  const double distance = p_mid.norm();
-  const double from_axis = std::hypot(p_mid.x(), p_mid.y());
-  const bool around = distance <= radius;
   const Vector3d step_m =
       sensor.scene_from_sensor_end.translation - sensor.scene_from_sensor_start.translation;
   const double passed_m = 0.5 * step_m.norm();
-  const bool at_pole = from_axis <= radius + kPoleMargin_rad * std::abs(p_mid.z()) + passed_m;
-  if (!around && !at_pole) return false;
-  const double elevation = std::atan2(p_mid.z(), from_axis);
-  const double half = around ? 4.0 : std::asin(std::min(1.0, radius / distance));
-  low = elevation - half;
-  high = elevation + half;
-  return true;
+  const double from_axis = std::hypot(p_mid.x(), p_mid.y());
+  return p_mid.norm() <= radius || from_axis <= radius + kPoleMargin_rad * std::abs(p_mid.z()) + passed_m ||
+         (sensor.moves() && shutter_rate(sensor, p_mid, radius) >= kRateMax);
 }
 
 /// Smallest and largest spin angle of all rays.
@@ -224,18 +265,14 @@ void lidar_footprint(const Sensor& sensor, const Options& options, const Vector3
     high = std::max(high, two.mean.y() + half_two.y());
     half_x = std::max(half_x, half_two.x());
   }
-  f.fallback = lidar_ring(sensor, p_mid, f, low, high);
-  if (f.fallback && sensor.moves()) {  // a ring is met throughout the sweep
-    const Vector3d first_p = in_sensor(sensor, mean, 0.0);
-    const Vector3d last_p = in_sensor(sensor, mean, 1.0);
-    const auto elevation = [](const Vector3d& p) { return std::atan2(p.z(), std::hypot(p.x(), p.y())); };
-    const double change = std::max(std::abs(elevation(first_p) - elevation(p_mid)),
-                                   std::abs(elevation(last_p) - elevation(p_mid)));
-    low -= change;
-    high += change;
-  }
   half_x += widening + drifted.x();
-  if (f.fallback || half_x > kWidestBox_rad) half_x = 100.0;  // all round
+  if (half_x > kWidestBox_rad) half_x = kAllRound_rad;
+  f.fallback = lidar_around(sensor, p_mid, f) || !one.all_valid || !two.all_valid;
+  if (f.fallback) {
+    half_x = kAllRound_rad;
+    low = -kAllRound_rad;
+    high = kAllRound_rad;
+  }
   f.covariance = one.covariance;
   f.mean = {one.mean.x(), 0.5 * (low + high)};
   f.other_x = both ? two.mean.x() : one.mean.x();
@@ -274,7 +311,10 @@ Footprint footprint_of(const Particles& particles,
     return f;
   }
   const SigmaResult sigma = sigma_at(sensor, options, mean, f, 0.0, 0.5);
-  if (!sigma.all_valid) {
+  const double radius = f.extent * f.filtered_scale.maxCoeff();
+  const bool too_fast =
+      sensor.moves() && shutter_rate(sensor, in_sensor(sensor, mean, 0.5), radius) >= kRateMax;
+  if (!sigma.all_valid || too_fast) {
     camera_fallback(sensor, mean, sigma.any_valid, f);
     return f;
   }

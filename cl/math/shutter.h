@@ -1,0 +1,112 @@
+// shutter.h - the time at which a moving sensor sees a point: the fixed point t = time_of(project(p, pose(t)))
+// of METHOD section 3, and a bound on how fast its right side changes.
+#ifndef SIMULI_CL_MATH_SHUTTER_H
+#define SIMULI_CL_MATH_SHUTTER_H
+#include "math/sensor.h"
+
+#ifndef SHUTTER_ITERATIONS
+#define SHUTTER_ITERATIONS 4
+#endif
+// Settled: this share of a row or column between the time that was looked at and the time that was seen.
+#define SHUTTER_SETTLED R(0.03125)
+// While the rate is below it there is exactly one solution, and images are within 3 SHUTTER_SETTLED of it.
+#define SHUTTER_RATE_MAX R(0.75)
+#define NO_BOUND R(1e9)  // px, rad, or a rate
+
+/// x by the way round that is nearest to `anchor`, for sensors whose x goes round.
+FN F unrolled(__global const real* sensor, F x, F anchor) {
+#if WRAPS
+  return anchor + wrap_lanes(x - anchor, sensor[SIM_S_PERIOD]);
+#else
+  return x;
+#endif
+}
+
+/// Image of the world point o_ref + p at its own time, x being unrolled near the anchor; the search starts at
+/// time t. `valid` is cleared in lanes where the point has no image, or no time was found in
+/// SHUTTER_ITERATIONS looks. A lane that has settled stays as it is: results don't depend on the neighbours.
+FN void project_at_own_time(__global const real* sensor, const F* p, F anchor, F t, F* x, F* y, I* valid) {
+  F q[3];
+#if MOVING
+  const real tolerance = SHUTTER_SETTLED * sensor[SIM_S_TIME_STEP];
+  F last_t = t, last_gap = (F)R(0.0);
+  I seen, settled;
+  for (int k = 0; k < SHUTTER_ITERATIONS; ++k) {
+    seen = *valid;
+    sensor_from_world_point(sensor, p, t, q);
+    project_point(sensor, q, x, y, &seen);
+    *x = unrolled(sensor, *x, anchor);
+    const F gap = time_of(sensor, *x, *y) - t;
+    settled = fabs(gap) <= tolerance;
+    if (!ANY(AND(*valid, NOT(settled)))) break;
+    // The first step is the iteration's own, later ones are its secants; they must not lead off where the
+    // rate is too high for that.
+    const F dt = t - last_t;
+    const F slope = (gap - last_gap) / SEL(dt != R(0.0), dt, (F)R(1.0));
+    const I steady = AND(dt != R(0.0), AND(slope > R(-2.0), slope < R(-0.125)));
+    F next = t + SEL(steady, -gap / SEL(steady, slope, (F)R(1.0)), gap);
+    next = VMAX(VMIN(next, (F)R(1.0)), (F)R(0.0));
+    last_t = t;
+    last_gap = gap;
+    t = SEL(settled, t, next);
+  }
+  *valid = AND(seen, settled);
+#else
+  sensor_from_world_point(sensor, p, t, q);
+  project_point(sensor, q, x, y, valid);
+  *x = unrolled(sensor, *x, anchor);
+#endif
+}
+
+#if MOVING
+/// Bound on |d time_of / dt| of every point within `radius` of one that is at `centre`, `range` away, in the
+/// frame of the sensor half-way (of a LiDAR from its reference height); times being shares of the frame.
+/// NO_BOUND or more where the points come too near or leave the cone in which the lens's slopes are known.
+FN F shutter_rate(__global const real* sensor, const F* centre, F range, F radius) {
+  const real angle = sensor[SIM_S_ANGLE];
+  const real step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
+                         sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
+                         sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
+  const F ball = radius + R(0.5) * step;  // where the points may be, as seen from the centre half-way
+#if SENSOR == SENSOR_CAMERA
+  const F nearest = range - ball;
+  const I apart = nearest > R(1e-3) * range;
+  // rad per frame by which the direction to a point changes.
+  const F turn = angle + step / SEL(apart, nearest, (F)R(1.0));
+#endif
+#if WRAPS
+#if SENSOR == SENSOR_CAMERA
+  const F a = centre[2], b = centre[0];
+  const real by_azimuth = fabs(sensor[SIM_S_TIME_X]) * sensor[SIM_S_FX];
+  const F by_elevation = fabs(sensor[SIM_S_TIME_Y]) * sensor[SIM_S_FY] * SEL(apart, turn, (F)NO_BOUND);
+#else
+  const F a = centre[0], b = centre[1];
+  const real by_azimuth = sensor[SIM_S_INV_SPAN];
+  const F by_elevation = (F)R(0.0);
+#endif
+  // Azimuth changes as by the same motion at the least distance from the axis.
+  const F flat = sqrt(fma(a, a, b * b)) - ball - R(0.5) * angle * range;
+  const I aside = flat > R(1e-3) * range;
+  const F around = (angle * (range + ball) + step) / SEL(aside, flat, (F)R(1.0));
+  return fma((F)by_azimuth, SEL(aside, around, (F)NO_BOUND), by_elevation);
+#else
+  // The least cosine off the axis that any of the points has during the frame.
+  const F tangent2 = fma(range, range, -(ball * ball));
+  const F off = ball / sqrt(SEL(apart, tangent2, (F)R(1.0))) + R(0.5) * angle;
+  const F cosine = centre[2] / range - off;
+#if LENS == SIM_LENS_PINHOLE
+  const I known = AND(apart, cosine > R(0.1));
+  const F scale = R(1.0) / SEL(known, cosine * cosine, (F)R(1.0));
+  const F slope = scale * (fabs(sensor[SIM_S_TIME_X]) * sensor[SIM_S_FX] +
+                           fabs(sensor[SIM_S_TIME_Y]) * sensor[SIM_S_FY]);
+#else
+  const I known = AND(apart, cosine >= cos(sensor[SIM_S_LENS_CONE]));
+  const F slope = (F)(fabs(sensor[SIM_S_TIME_X]) * sensor[SIM_S_LENS_SLOPE_X] +
+                      fabs(sensor[SIM_S_TIME_Y]) * sensor[SIM_S_LENS_SLOPE_Y]);
+#endif
+  return SEL(slope > R(0.0), SEL(known, slope * turn, (F)NO_BOUND), (F)R(0.0));
+#endif
+}
+#endif
+
+#endif
