@@ -136,7 +136,7 @@ Vector3d crossing_m(const Camera& camera, ShutterKind shutter) {
 void expect_found_at(double speed, const RenderOptions& options, double lost) {
   for (const ShutterKind shutter : kRolling) {
     const Camera camera = test::small_camera(60, 44);
-    const Shot shot = camera_shot(shutter, -speed * crossing_m(camera, shutter), Vector3d::Zero());
+    const Shot shot = camera_shot(shutter, speed * crossing_m(camera, shutter), Vector3d::Zero());
     const auto particles = on_rays(shot, 12, 0.5 * kDistance_m, kDistance_m, kSmallest_m, nullptr);
     const Comparison c = compare(shot, particles, options, lost);
     SCOPED_TRACE("speed " + std::to_string(speed) + ", shutter " + std::to_string(static_cast<int>(shutter)));

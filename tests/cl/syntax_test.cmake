@@ -20,9 +20,26 @@ set(variants
     "-DSENSOR=0 -DMOVING=1 -DORIGINS=1 -DSH_DEGREE=0 -DMEDIAN=0 -DV=1 -DNR=4 -DLS=64"
     "-DSENSOR=1 -DMOVING=0 -DORIGINS=1 -DSH_DEGREE=1 -DMEDIAN=1 -DV=1 -DNR=4 -DLS=64 -DSIMULI_REAL_DOUBLE=1"
     "-DSENSOR=1 -DMOVING=1 -DORIGINS=1 -DSH_DEGREE=2 -DMEDIAN=1 -DV=16 -DNR=16 -DLS=1 -DSIMULI_REAL_DOUBLE=1")
+# The projection alone: every lens, extent and projection, the sensor moving as that uses the most.
+set(lane_shapes "-DV=16" "-DV=1" "-DV=8 -DSIMULI_REAL_DOUBLE=1")
+set(project_variants
+    "-DSENSOR=1 -DMOVING=1 -DSH_DEGREE=0 -DV=16 -DEXTENT=1"
+    "-DSENSOR=1 -DMOVING=1 -DSH_DEGREE=0 -DV=1 -DPROJECTION=1 -DSHUTTER_ITERATIONS=8"
+    "-DSENSOR=1 -DMOVING=0 -DSH_DEGREE=0 -DV=16 -DPROJECTION=2")
+foreach(lens RANGE 8)  # SIM_LENS_.. of shared/layout.h
+  math(EXPR shape "${lens} % 3")
+  list(GET lane_shapes ${shape} lanes)
+  foreach(option "EXTENT=1" "PROJECTION=0" "PROJECTION=1")
+    list(APPEND project_variants "-DSENSOR=0 -DMOVING=1 -DSH_DEGREE=0 ${lanes} -DLENS=${lens} -D${option}")
+  endforeach()
+endforeach()
 set(failed 0)
 foreach(kernel IN LISTS kernels)
-  foreach(variant IN LISTS variants)
+  set(all_variants "${variants}")
+  if(kernel MATCHES "/project.cl$")
+    list(APPEND all_variants ${project_variants})
+  endif()
+  foreach(variant IN LISTS all_variants)
     separate_arguments(defines UNIX_COMMAND "${variant} -DCLAMPED_CHANNELS=1 -DRADIX_BITS=4 -DNEIGHBOURS=50")
     execute_process(COMMAND ${CLANG} ${flags} ${defines} ${kernel} RESULT_VARIABLE code ERROR_VARIABLE log)
     if(NOT code EQUAL 0)
