@@ -2,8 +2,10 @@
 set(SIMULI_CL_FILES
   shared/layout.h
   math/camera.h
+  math/color_grid.h
   math/lanes.h
   math/elementary.h
+  math/environment.h
   math/extent.h
   math/gaussian.h
   math/response.h
@@ -14,8 +16,13 @@ set(SIMULI_CL_FILES
   kernels/adam.cl
   kernels/anchor.cl
   kernels/bin.cl
+  kernels/color_grid.cl
+  kernels/color_grid_bwd.cl
+  kernels/environment.cl
+  kernels/environment_bwd.cl
   kernels/loss_image.cl
   kernels/loss_lidar.cl
+  kernels/loss_ssim.cl
   kernels/project.cl
   kernels/project_bwd.cl
   kernels/rays.cl

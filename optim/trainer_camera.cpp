@@ -14,7 +14,7 @@ void Trainer::step_camera(double progress) {
   const auto truth = truth_.image(index);
   renderer_.render(camera_.particles, rays, view_of(log_, scene_, frame));
   const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
-  const ImageLoss loss = renderer_.image_loss(truth->truth, 1.0 / values, options_.colour_squared / values);
+  const ImageLoss loss = renderer_.image_loss(truth->truth, {1.0 / values, options_.colour_squared / values, 0.0});
   need_finite(loss.absolute + loss.squared, frame.file);
   renderer_.backward(camera_.particles, camera_.grads);
   camera_.adam.run(camera_.particles,

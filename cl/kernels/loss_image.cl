@@ -6,13 +6,13 @@
 /// absolute_scale |d| + squared_scale d^2: of what a static scene can't foretell (leaves, cars that pass) the
 /// first learns the median, the second the mean.
 /// A pixel whose truth is negative is not known and has no part in it.
-/// in  out[6][slots]; truth[3][slots]; world_ray[3][slots]: a zero direction marks slots without a pixel
+/// in  picture[3][slots]; truth[3][slots]; world_ray[3][slots]: a zero direction marks slots without a pixel
 /// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
 __kernel void loss_image(const FrameParams frame,
                          const real absolute_scale,
                          const real squared_scale,
                          __global const real* world_ray,
-                         __global const real* out,
+                         __global const real* picture,
                          __global const real* truth,
                          __global real* grad_out,
                          __global real* sums) {
@@ -24,7 +24,7 @@ __kernel void loss_image(const FrameParams frame,
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
     const I real_pixel = AND(is_ray(x, y, z), LDV(truth + i) >= R(0.0));
     for (int c = 0; c < 3; ++c) {
-      const F difference = SEL(real_pixel, LDV(out + c * s + i) - LDV(truth + c * s + i), (F)R(0.0));
+      const F difference = SEL(real_pixel, LDV(picture + c * s + i) - LDV(truth + c * s + i), (F)R(0.0));
       absolute += fabs(difference);
       squared = fma(difference, difference, squared);
       F sign = SEL(difference > R(0.0), (F)R(1.0), (F)R(0.0));

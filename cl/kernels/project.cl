@@ -73,7 +73,13 @@ __kernel void project(const FrameParams frame,
   const F logit = LDV(params + SIM_OPACITY * frame.stride + i);
   // ln(sigma / cut), where a logit of -80 is as good as -infinity.
   const F bounded = VMAX(VMIN(logit, (F)R(80.0)), (F)R(-80.0));
+#if COMPENSATION
+  Compensation kept;
+  compensation(&g, &kept);
+  const F qmax = R(2.0) * (kept.log_share - log(R(1.0) + exp_lanes(-bounded)) - log(sensor[SIM_S_ALPHA_CUT]));
+#else
   const F qmax = R(-2.0) * (log(R(1.0) + exp_lanes(-bounded)) + log(sensor[SIM_S_ALPHA_CUT]));
+#endif
   const F reach = sqrt(VMAX(qmax, (F)R(0.0)));
   const F radius = reach * VMAX(g.filtered[0], VMAX(g.filtered[1], g.filtered[2]));
   F centre[3];

@@ -70,7 +70,7 @@ __kernel void project_bwd(const FrameParams frame,
   }
 
   // M = diag(1/s^) R^T; s^ = sqrt(s^2 + kappa range^2).
-  F gr[9];
+  F gr[9], g_log_scale[3];
   for (int k = 0; k < 3; ++k) {
     const F inv = R(1.0) / g.filtered[k];
     F along = (F)R(0.0);
@@ -79,10 +79,20 @@ __kernel void project_bwd(const FrameParams frame,
       gr[3 * c + k] = gm[3 * k + c] * inv;
     }
     const F g_filtered = -along * inv;
-    const F g_log_scale = g_filtered * g.scale[k] * g.scale[k] * inv;
-    STV(param_grads + (SIM_LOG_SCALE + k) * stride + i, SEL(live, g_log_scale, (F)R(0.0)));
+    g_log_scale[k] = g_filtered * g.scale[k] * g.scale[k] * inv;
     const F by_range = g_filtered * inv * sensor[SIM_S_KAPPA];
     for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
+  }
+
+#if COMPENSATION
+  // The gradient by ln alpha is that by the share's logarithm as well.
+  Compensation kept;
+  compensation(&g, &kept);
+  compensation_gradient(
+      &g, &kept, LDV(summed + SIM_G_OPACITY * V), sensor[SIM_S_KAPPA], gr, g_log_scale, g_mean);
+#endif
+  for (int k = 0; k < 3; ++k) {
+    STV(param_grads + (SIM_LOG_SCALE + k) * stride + i, SEL(live, g_log_scale[k], (F)R(0.0)));
   }
 
   // R(q), then the normalisation of q.

@@ -4,6 +4,11 @@
 #include "math/elementary.h"
 #include "shared/layout.h"
 
+// Build: COMPENSATION = 1 scales opacities by what the footprint filter widens.
+#ifndef COMPENSATION
+#define COMPENSATION 0
+#endif
+
 /// What blending needs of a particle, before the features.
 typedef struct {
   F offset[3];      // mu - o_ref, m
@@ -47,6 +52,76 @@ FN void load_gaussian(__global const real* params,
   g->rotation[7] = R(2.0) * (y * z + w * x);
   g->rotation[8] = R(1.0) - R(2.0) * (x * x + y * y);
 }
+
+#if COMPENSATION
+/// sqrt(|S_perp| / |S^_perp|), the share of its opacity that a particle keeps when the footprint filter widens
+/// it (METHOD section 8), seen along its direction n; in scales over the largest widened one, so that products
+/// of four stay in range.
+typedef struct {
+  F n[3];           // offset / range
+  F e[3];           // R^T n
+  F scale2[3];      // s^2 over the largest s^^2
+  F filtered2[3];   // s^^2 over the same
+  F inv_largest2;   // 1 / m^2
+  F inv_area;       // 1 / A(s)
+  F inv_wide;       // 1 / A(s^)
+  F log_share;      // ln of the share
+} Compensation;
+
+FN void compensation(const Gaussian* g, Compensation* c) {
+  const F largest = VMAX(g->filtered[0], VMAX(g->filtered[1], g->filtered[2]));
+  const F inv = R(1.0) / largest;
+  c->inv_largest2 = inv * inv;
+  for (int k = 0; k < 3; ++k) {
+    const F s = g->scale[k] * inv, wide = g->filtered[k] * inv;
+    c->scale2[k] = s * s;
+    c->filtered2[k] = wide * wide;
+    c->n[k] = g->offset[k] / g->range;
+  }
+  F area = (F)R(0.0), wide = (F)R(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    c->e[k] = g->rotation[k] * c->n[0] + g->rotation[3 + k] * c->n[1] + g->rotation[6 + k] * c->n[2];
+    const F e2 = c->e[k] * c->e[k];
+    area = fma(e2, c->scale2[i] * c->scale2[j], area);
+    wide = fma(e2, c->filtered2[i] * c->filtered2[j], wide);
+  }
+  c->inv_area = R(1.0) / area;
+  c->inv_wide = R(1.0) / wide;
+  c->log_share = R(0.5) * log(area * c->inv_wide);
+}
+
+/// Adds to the gradients of R (row-major), ln s and the mean what `by_share` = dL/d(ln share) gives them.
+FN void compensation_gradient(const Gaussian* g,
+                              const Compensation* c,
+                              F by_share,
+                              real kappa,
+                              F* g_rotation,
+                              F* g_log_scale,
+                              F* g_mean) {
+  F by_wide = (F)R(0.0);  // sum of d(ln A(s^)) / d(s^^2)
+  F by_n[3] = {(F)R(0.0), (F)R(0.0), (F)R(0.0)};
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const F e2_i = c->e[i] * c->e[i], e2_j = c->e[j] * c->e[j];
+    const F narrow = fma(e2_i, c->scale2[j], e2_j * c->scale2[i]) * c->inv_area;
+    const F wide = fma(e2_i, c->filtered2[j], e2_j * c->filtered2[i]) * c->inv_wide;
+    by_wide += wide;
+    g_log_scale[k] = fma(by_share * c->scale2[k], narrow - wide, g_log_scale[k]);
+    const F by_e = by_share * c->e[k] *
+                   (c->scale2[i] * c->scale2[j] * c->inv_area - c->filtered2[i] * c->filtered2[j] * c->inv_wide);
+    for (int r = 0; r < 3; ++r) {
+      g_rotation[3 * r + k] = fma(by_e, c->n[r], g_rotation[3 * r + k]);
+      by_n[r] = fma(by_e, g->rotation[3 * r + k], by_n[r]);
+    }
+  }
+  const F radial = by_n[0] * c->n[0] + by_n[1] * c->n[1] + by_n[2] * c->n[2];
+  const F by_range2 = -kappa * by_share * by_wide * c->inv_largest2;  // times offset
+  for (int r = 0; r < 3; ++r) {
+    g_mean[r] += (by_n[r] - radial * c->n[r]) / g->range + by_range2 * g->offset[r];
+  }
+}
+#endif
 
 /// The blending matrix: M = diag(1/s^) R^T, o_g = -M offset, r = |o_g|, and A = G D H M / r with H the
 /// Householder reflection that takes o_g to (0, 0, -+r), D the sign that makes it (0, 0, -r), and G the turn

@@ -1,6 +1,7 @@
 // Launcher of "kernels/adam.cl".
 #include <cmath>
 
+#include "host/base/error.hpp"
 #include "host/render/stages.hpp"
 
 namespace simuli {
@@ -20,12 +21,15 @@ BuildOptions adam_options(const Device& device, Precision precision) {
 }  // namespace
 
 AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
-    : lanes_(LaneShape::of(device, particles.params.precision()).lanes),
-      rate_(device, "Adam rates", particles.params.precision()),
-      first_(device, "Adam first moment", particles.params.precision(), particles.params.count()),
-      second_(device, "Adam second moment", particles.params.precision(), particles.params.count()),
+    : AdamStage(device, particles.params.precision(), particles.params.count()) {}
+
+AdamStage::AdamStage(const Device& device, Precision precision, std::size_t parameters)
+    : lanes_(LaneShape::of(device, precision).lanes),
+      rate_(device, "Adam rates", precision),
+      first_(device, "Adam first moment", precision, parameters),
+      second_(device, "Adam second moment", precision, parameters),
       rejected_(device, "Adam rejected", std::vector<std::uint32_t>{0}),
-      adam_(Program(device, "kernels/adam.cl", adam_options(device, particles.params.precision())), "adam") {
+      adam_(Program(device, "kernels/adam.cl", adam_options(device, precision)), "adam") {
   first_.fill(0.0);
   second_.fill(0.0);
 }
@@ -35,14 +39,36 @@ void AdamStage::run(ParticleBuffers& particles,
                     const Buffer<std::uint32_t>& keys,
                     const std::vector<double>& rate) {
   ++iteration_;
+  const Matrix all{particles.count, particles.stride, 0, false};
+  launch(all, keys, rate, iteration_, grads, particles.params);
+}
+
+void AdamStage::run_dense(
+    RealBuffer& params, const RealBuffer& grads, std::size_t first, double rate, std::uint64_t step) {
+  const std::size_t count = grads.count();
+  if (count % 16 != 0 || first + count > params.count() || params.count() != first_.count()) {
+    throw Error(ErrorKind::kInternal, "Adam: gradients for other parameters");
+  }
+  const auto columns = static_cast<std::uint32_t>(count);
+  launch({columns, columns, static_cast<std::uint32_t>(first), true}, rejected_, {rate}, step, grads, params);
+}
+
+void AdamStage::launch(const Matrix& matrix,
+                       const Buffer<std::uint32_t>& keys,
+                       const std::vector<double>& rate,
+                       std::uint64_t step,
+                       const RealBuffer& grads,
+                       RealBuffer& params) {
   rate_.assign(rate);
-  const auto t = static_cast<double>(iteration_);
-  const std::size_t items = particles.stride / static_cast<std::size_t>(lanes_);
+  const auto t = static_cast<double>(step);
+  const std::size_t items = matrix.stride / static_cast<std::size_t>(lanes_);
   adam_.launch(round_up(items, kLocalSize),
                kLocalSize,
-               particles.count,
-               particles.stride,
+               matrix.columns,
+               matrix.stride,
                static_cast<std::uint32_t>(rate.size()),
+               matrix.dense ? 1U : 0U,
+               matrix.first,
                keys,
                rate_,
                kBeta1,
@@ -53,7 +79,7 @@ void AdamStage::run(ParticleBuffers& particles,
                grads,
                first_,
                second_,
-               particles.params,
+               params,
                rejected_);
 }
 

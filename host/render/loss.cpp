@@ -1,5 +1,5 @@
 // Launcher of "kernels/loss_image.cl" and "kernels/loss_lidar.cl".
-#include "host/render/stages.hpp"
+#include "host/render/picture_stages.hpp"
 
 namespace simuli {
 namespace {
@@ -14,10 +14,15 @@ constexpr std::size_t kGradRows = 5;
 }  // namespace
 
 LossStage::LossStage(const Device& device, Precision precision)
-    : sums_(device, "loss sums", precision),
+    : device_(device),
+      sums_(device, "loss sums", precision),
       scale_(device, "loss scale", precision),
       image_(Program(device, "kernels/loss_image.cl", loss_options(device, precision)), "loss_image"),
       lidar_(Program(device, "kernels/loss_lidar.cl", loss_options(device, precision)), "loss_lidar") {}
+
+LossStage::LossStage(LossStage&&) noexcept = default;
+LossStage& LossStage::operator=(LossStage&&) noexcept = default;
+LossStage::~LossStage() = default;
 
 std::vector<double> LossStage::sums(std::size_t columns) const {
   const std::vector<double> parts = sums_.download_double();
@@ -28,15 +33,21 @@ std::vector<double> LossStage::sums(std::size_t columns) const {
 
 ImageLoss LossStage::run_image(const shared::FrameParams& frame,
                                FrameBuffers& b,
+                               const RealBuffer& picture,
                                const RealBuffer& truth,
-                               double absolute_scale,
-                               double squared_scale) {
+                               const ImageLossScale& scale) {
   const std::size_t tiles = std::size_t{frame.tiles_x} * frame.tiles_y;
   b.grad_out.reserve(kGradRows * frame.slots);
   sums_.reserve(2 * tiles);
-  image_.launch(tiles, 1, frame, absolute_scale, squared_scale, b.world_ray, b.out, truth, b.grad_out, sums_);
+  image_.launch(
+      tiles, 1, frame, scale.absolute, scale.squared, b.world_ray, picture, truth, b.grad_out, sums_);
   const std::vector<double> total = sums(2);
-  return {total[0], total[1]};
+  ImageLoss loss{total[0], total[1], 0.0};
+  if (scale.dissimilarity > 0.0) {
+    if (!ssim_) ssim_ = std::make_unique<SsimStage>(device_, picture.precision());
+    loss.dissimilarity = ssim_->run(frame, b.world_ray, picture, truth, scale.dissimilarity, b.grad_out);
+  }
+  return loss;
 }
 
 LidarLoss LossStage::run_lidar(const shared::FrameParams& frame,

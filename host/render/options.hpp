@@ -35,14 +35,16 @@ struct RenderOptions {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
   Extent extent = Extent::kUnscented;  // kExact: projection has no effect
-  int shutter_iterations = 4;       // looks for a sigma point's own time, 1 to 64; extents are bounds where
-                                    // it isn't found
-  double alpha_cut = 1.0 / 255.0;   // contributions below this are not made
-  double transmittance_cut = 1e-4;  // a ray is done below this
-  double camera_filter_px2 = 0.3;   // variance of the pixel footprint, px^2
-  bool median_distance = true;      // write the median distance as well (LiDAR)
-  int lidar_rows_per_tile = 8;      // 1, 2, 4, 8 or 16 beams; the tile is 256 / that many firings wide
-  LaneShape shape{0, 0, 0};         // 0: LaneShape::of(device)
+  int shutter_iterations = 4;        // looks for a sigma point's own time, 1 to 64; extents are bounds where
+                                     // it isn't found
+  double alpha_cut = 1.0 / 255.0;    // contributions below this are not made
+  double transmittance_cut = 1e-4;   // a ray is done below this
+  double camera_filter_px2 = 0.3;    // variance of the pixel footprint, px^2
+  bool camera_compensation = false;  // particles widened by the footprint lose opacity in proportion
+  bool lidar_compensation = false;   // the same for beams: blends thin things with what is behind
+  bool median_distance = true;       // write the median distance as well (LiDAR)
+  int lidar_rows_per_tile = 8;       // 1, 2, 4, 8 or 16 beams; the tile is 256 / that many firings wide
+  LaneShape shape{0, 0, 0};          // 0: LaneShape::of(device)
   std::size_t max_instances = std::size_t{1} << 28U;  // a frame that needs more is refused
 };
 

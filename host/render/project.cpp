@@ -9,13 +9,16 @@ constexpr std::size_t kLocalSize = 32;
 /// Only the forward projection asks for these: other kernels are one program for all.
 BuildOptions forward_options(const Variant& variant) {
   BuildOptions options = variant.options();
-  return options.define("EXTENT", variant.extent).define("SHUTTER_ITERATIONS", variant.shutter_iterations);
+  return options.define("EXTENT", variant.extent)
+      .define("SHUTTER_ITERATIONS", variant.shutter_iterations)
+      .define("COMPENSATION", variant.compensation);
 }
 
 BuildOptions backward_options(const Variant& variant) {
   BuildOptions options = variant.options();
   // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
-  return options.define("CLAMPED_CHANNELS", variant.sensor == SensorType::kCamera ? 3 : 1);
+  return options.define("CLAMPED_CHANNELS", variant.sensor == SensorType::kCamera ? 3 : 1)
+      .define("COMPENSATION", variant.compensation);
 }
 
 }  // namespace

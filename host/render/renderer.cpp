@@ -114,7 +114,8 @@ Renderer::Renderer(const Device& device, const RenderOptions& options)
       sort_(device),
       bin_(device),
       loss_(device, options.precision),
-      buffers_(device, options.precision) {}
+      buffers_(device, options.precision),
+      picture_(device, "graded picture", options.precision) {}
 
 Renderer::Stages& Renderer::stages(const Variant& variant) {
   auto& entry = stages_[variant];
@@ -122,11 +123,15 @@ Renderer::Stages& Renderer::stages(const Variant& variant) {
   return *entry;
 }
 
-void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, const View& view) {
+void Renderer::render(const ParticleBuffers& particles,
+                      const SensorRays& rays,
+                      const View& view,
+                      const EnvironmentBuffers* environment) {
   const RayGrid& grid = rays.grid();
   bool moving = false;
+  const std::array<float, 3> behind = environment == nullptr ? view.background : std::array<float, 3>{};
   const auto constants = frame_constants(
-      grid, view.world_from_sensor_start, view.world_from_sensor_end, options_, view.background, moving);
+      grid, view.world_from_sensor_start, view.world_from_sensor_end, options_, behind, moving);
   Variant variant;
   variant.sensor = grid.type;
   variant.lens = grid.lens;
@@ -138,6 +143,8 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
   variant.projection = options_.projection;
   variant.extent = options_.extent;
   variant.shutter_iterations = options_.shutter_iterations;
+  variant.compensation =
+      grid.type == SensorType::kCamera ? options_.camera_compensation : options_.lidar_compensation;
   variant.shape = options_.shape;
   current_ = &stages(variant);
   rays_ = &rays;
@@ -153,12 +160,62 @@ void Renderer::render(const ParticleBuffers& particles, const SensorRays& rays, 
   current_->project.run(frame_, particles, rays.buffers(), buffers_);
   bin_.run(frame_, buffers_, sort_, scan_, options_.max_instances);
   current_->render.run(frame_, rays.buffers(), buffers_);
+  graded_ = false;
+  if (environment == nullptr) return;
+  if (!environment_)
+    environment_ = std::make_unique<EnvironmentStage>(device_, options_.precision, options_.shape.lanes);
+  environment_->run(frame_, *environment, buffers_);
+}
+
+ColorGridStage& Renderer::grid_stage(const ColorGridBuffers& grids) {
+  if (rays_ == nullptr || rays_->grid().type != SensorType::kCamera) {
+    throw Error(ErrorKind::kInternal, "grade: no picture has been rendered");
+  }
+  const std::array<int, 3> size{grids.size_x, grids.size_y, grids.size_z};
+  const auto found = grids_.find(size);
+  return found != grids_.end() ? found->second
+                               : grids_.emplace(size, ColorGridStage(device_, grids)).first->second;
+}
+
+void Renderer::grade(const ColorGridBuffers& grids, std::size_t index) {
+  const auto& c = rays_->grid().constants;
+  grid_stage(grids).run(frame_,
+                        static_cast<int>(c[SIM_S_WIDTH]),
+                        static_cast<int>(c[SIM_S_HEIGHT]),
+                        grids,
+                        index,
+                        buffers_.out,
+                        picture_);
+  graded_ = true;
+}
+
+void Renderer::grade_backward(const ColorGridBuffers& grids,
+                              std::size_t index,
+                              const ColorGridScale& scale,
+                              RealBuffer& grid_grads) {
+  const auto& c = rays_->grid().constants;
+  grid_stage(grids).run_backward(frame_,
+                                 static_cast<int>(c[SIM_S_WIDTH]),
+                                 static_cast<int>(c[SIM_S_HEIGHT]),
+                                 grids,
+                                 index,
+                                 scale,
+                                 buffers_,
+                                 grid_grads);
+}
+
+void Renderer::environment_backward(const EnvironmentBuffers& environment,
+                                    double tv_scale,
+                                    RealBuffer& texture_grads) {
+  if (!environment_) throw Error(ErrorKind::kInternal, "environment_backward: none has been rendered");
+  environment_->run_backward(frame_, environment, tv_scale, buffers_, sort_, scan_, texture_grads);
 }
 
 RayResults Renderer::results() const {
   if (rays_ == nullptr) throw Error(ErrorKind::kInternal, "results: nothing has been rendered");
   const RayGrid& grid = rays_->grid();
   const std::vector<float> out = buffers_.out.download_float();
+  const std::vector<float> picture = graded_ ? picture_.download_float() : std::vector<float>{};
   const std::size_t slots = grid.frame.slots;
   RayResults results;
   results.rays = grid.rays;
@@ -175,9 +232,10 @@ RayResults Renderer::results() const {
                         : row == SIM_O_TRANSMITTANCE ? 1.0F
                                                      : 0.0F;
     rows[row]->assign(grid.rays, empty);
+    const std::vector<float>& shown = graded_ && row < SIM_O_TRANSMITTANCE ? picture : out;
     for (std::size_t slot = 0; slot < slots; ++slot) {
       const std::int32_t ray = grid.ray_of_slot[slot];
-      if (ray >= 0) (*rows[row])[static_cast<std::size_t>(ray)] = out[row * slots + slot];
+      if (ray >= 0) (*rows[row])[static_cast<std::size_t>(ray)] = shown[row * slots + slot];
     }
   }
   return results;

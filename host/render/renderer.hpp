@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/render/stages.hpp"
+#include "host/render/picture_stages.hpp"
 #include "host/scene/pose.hpp"
 
 namespace simuli {
@@ -54,20 +54,35 @@ class Renderer {
  public:
   Renderer(const Device& device, const RenderOptions& options);
 
-  /// Forward pass: project, sort, bin, blend. Results stay on the device.
-  void render(const ParticleBuffers& particles, const SensorRays& rays, const View& view);
+  /// Forward pass: project, sort, bin, blend, over the environment when one is given (cameras; the view's
+  /// background is then seen by pixels without a ray alone). Results stay on the device.
+  void render(const ParticleBuffers& particles,
+              const SensorRays& rays,
+              const View& view,
+              const EnvironmentBuffers* environment = nullptr);
+  /// The camera's last render through grid `index`: what results() and image_loss() then see.
+  void grade(const ColorGridBuffers& grids, std::size_t index);
   /// Results of the last render, in ray order. Waits.
   [[nodiscard]] RayResults results() const;
 
   /// Losses of the last render; they leave dL/d(outputs) for backward(). truth in slot order.
-  ImageLoss image_loss(const RealBuffer& truth, double absolute_scale, double squared_scale) {
-    return loss_.run_image(frame_, buffers_, truth, absolute_scale, squared_scale);
+  ImageLoss image_loss(const RealBuffer& truth, const ImageLossScale& scale) {
+    return loss_.run_image(frame_, buffers_, graded_ ? picture_ : buffers_.out, truth, scale);
   }
   LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
     return loss_.run_lidar(frame_, buffers_, truth, scale);
   }
   /// dL/d(outputs)[5][slots] given directly: features, transmittance, sum of w tau.
   void set_output_gradients(const std::vector<double>& gradients);
+  /// dL/d(graded picture) -> dL/d(outputs) and grid_grads[reals] of grid `index`; before the other two.
+  void grade_backward(const ColorGridBuffers& grids,
+                      std::size_t index,
+                      const ColorGridScale& scale,
+                      RealBuffer& grid_grads);
+  /// dL/d(outputs) -> texture_grads[height][width][4], and tv_scale times that of the total variation.
+  void environment_backward(const EnvironmentBuffers& environment,
+                            double tv_scale,
+                            RealBuffer& texture_grads);
   /// dL/d(outputs) -> param_grads[param_rows][stride] of the particles last rendered.
   void backward(const ParticleBuffers& particles, RealBuffer& param_grads);
 
@@ -85,6 +100,7 @@ class Renderer {
     RenderStage render;
   };
   Stages& stages(const Variant& variant);
+  ColorGridStage& grid_stage(const ColorGridBuffers& grids);
 
   Device device_;
   RenderOptions options_;
@@ -93,11 +109,15 @@ class Renderer {
   SortStage sort_;
   BinStage bin_;
   LossStage loss_;
+  std::unique_ptr<EnvironmentStage> environment_;  // these two once asked for
+  std::map<std::array<int, 3>, ColorGridStage> grids_;
   FrameBuffers buffers_;
+  RealBuffer picture_;  // [3][slots], graded
   shared::FrameParams frame_{};
   const SensorRays* rays_ = nullptr;
   Stages* current_ = nullptr;
   bool median_ = false;
+  bool graded_ = false;
   std::array<float, 3> background_{};
 };
 

@@ -86,6 +86,43 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
   EXPECT_EQ(adam.rejected(), 3U * kSteps);
 }
 
+TEST_P(Adam, DenseStepsMoveTheirPartAlone) {
+  const Device device = Device::best();
+  if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
+  constexpr std::size_t kPart = 48, kParts = 3;
+  constexpr double kRate = 0.01;
+  test::Random random(2);
+  std::vector<double> start(kParts * kPart);
+  for (double& value : start) value = static_cast<double>(static_cast<float>(random.normal()));
+  RealBuffer params(device, "parameters", GetParam());
+  params.assign(std::span<const double>(start));
+  RealBuffer grads(device, "gradients", GetParam(), kPart);
+  AdamStage adam(device, GetParam(), start.size());
+  // The last part has three steps of its own, the first one; the middle one none.
+  Textbook last{{start.end() - kPart, start.end()}, {}, {}};
+  Textbook first{{start.begin(), start.begin() + kPart}, {}, {}};
+  const auto step = [&](Textbook& book, std::size_t at, std::uint64_t number) {
+    std::vector<double> g(kPart);
+    for (double& value : g) value = static_cast<double>(static_cast<float>(random.normal()));
+    grads.assign(std::span<const double>(g));
+    adam.run_dense(params, grads, at, kRate, number);
+    book.step(g, {kRate}, kPart);
+  };
+  step(last, 2 * kPart, 1);
+  step(last, 2 * kPart, 2);
+  step(first, 0, 1);
+  step(last, 2 * kPart, 3);
+  const std::vector<double> found = params.download_double();
+  const double rounding = 3.0 * (GetParam() == Precision::kDouble ? 1.2e-16 : 6e-8);
+  for (std::size_t i = 0; i < kPart; ++i) {
+    EXPECT_NEAR(found[i], first.params[i], rounding * (1.0 + std::abs(start[i])));
+    EXPECT_EQ(found[kPart + i], start[kPart + i]);
+    EXPECT_NEAR(found[2 * kPart + i], last.params[i], rounding * (1.0 + std::abs(start[2 * kPart + i])));
+    EXPECT_GT(std::abs(found[2 * kPart + i] - start[2 * kPart + i]), 1e-4);
+  }
+  EXPECT_EQ(adam.rejected(), 0U);
+}
+
 INSTANTIATE_TEST_SUITE_P(All,
                          Adam,
                          testing::Values(Precision::kFloat, Precision::kDouble),

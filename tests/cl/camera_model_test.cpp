@@ -364,7 +364,7 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
   }
   RealBuffer buffer(device, "truth", Precision::kFloat);
   buffer.assign(std::span<const float>(rays.to_slots(truth, 3)));
-  EXPECT_EQ(renderer.image_loss(buffer, 1.0, 0.0).absolute, 0.0);
+  EXPECT_EQ(renderer.image_loss(buffer, {1.0, 0.0, 0.0}).absolute, 0.0);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // Analytic gradients against central differences, judged parameter group by parameter group.
 #include <array>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -66,5 +67,30 @@ class GradientCheck {
   };
   std::vector<Entry> entries_;
 };
+
+inline constexpr double kQuotientStep = 1e-4;
+
+/// Difference quotients of `loss` in entries of `values` against `gradient`: the largest error, and that of a
+/// gradient 1 % off, both over the largest quotient.
+struct Quotients {
+  double error = 0.0;
+  double error_if_scaled = 0.0;
+};
+inline Quotients compare_quotients(const std::vector<double>& gradient,
+                                   const std::vector<std::size_t>& entries,
+                                   const std::function<double(std::size_t, double)>& loss) {
+  Quotients out;
+  double largest = 0.0;
+  for (const std::size_t i : entries) {
+    const auto central = [&](double h) { return (loss(i, h) - loss(i, -h)) / (2.0 * h); };
+    const double quotient = (4.0 * central(0.5 * kQuotientStep) - central(kQuotientStep)) / 3.0;
+    largest = std::max(largest, std::abs(quotient));
+    out.error = std::max(out.error, std::abs(quotient - gradient[i]));
+    out.error_if_scaled = std::max(out.error_if_scaled, std::abs(quotient - 1.01 * gradient[i]));
+  }
+  out.error /= largest;
+  out.error_if_scaled /= largest;
+  return out;
+}
 
 }  // namespace simuli::test

@@ -111,16 +111,37 @@ GaussianSet well_placed_set(const SceneCase& scene, int count) {
   return set;
 }
 
-class Gradient : public testing::TestWithParam<SceneCase> {};
+/// A scene, with opacities that the footprint filter takes from or not.
+struct GradientCase {
+  SceneCase scene;
+  bool compensated = false;
+};
+
+class Gradient : public testing::TestWithParam<GradientCase> {
+ protected:
+  [[nodiscard]] static test::Shot shot() {
+    const SceneCase& scene = GetParam().scene;
+    test::Shot out =
+        scene.kind == SetKind::kCamera ? test::shot_of(scene, 24, 20) : test::shot_of(scene, 60, 12);
+    if (GetParam().compensated) {  // as wide at 6 m as the particles
+      out.lidar.beam_divergence = 0.1;
+      out.lidar.divergence_variance = 1.0;
+    }
+    return out;
+  }
+  [[nodiscard]] static RenderOptions options(Precision precision) {
+    RenderOptions out = smooth_options(precision);
+    out.camera_compensation = out.lidar_compensation = GetParam().compensated;
+    return out;
+  }
+};
 
 TEST_P(Gradient, MatchesDifferencesAndWrongOnesAreRejected) {
-  const SceneCase& scene = GetParam();
+  const SceneCase& scene = GetParam().scene;
   const Device device = Device::best();
   SIMULI_NEEDS_DOUBLE(device);
-  const bool camera = scene.kind == SetKind::kCamera;
   const GaussianSet set = well_placed_set(scene, 16);
-  const test::Shot shot = camera ? test::shot_of(scene, 24, 20) : test::shot_of(scene, 60, 12);
-  Problem problem(device, shot, set, smooth_options(Precision::kDouble));
+  Problem problem(device, shot(), set, options(Precision::kDouble));
   const std::vector<double> gradient = problem.gradient();
 
   GradientCheck check;
@@ -155,14 +176,12 @@ TEST_P(Gradient, MatchesDifferencesAndWrongOnesAreRejected) {
 }
 
 TEST_P(Gradient, FloatBuildAgreesWithTheDoubleBuild) {
-  const SceneCase& scene = GetParam();
+  const SceneCase& scene = GetParam().scene;
   const Device device = Device::best();
   SIMULI_NEEDS_DOUBLE(device);
-  const bool camera = scene.kind == SetKind::kCamera;
   const GaussianSet set = well_placed_set(scene, 16);
-  const test::Shot shot = camera ? test::shot_of(scene, 24, 20) : test::shot_of(scene, 60, 12);
-  Problem in_double(device, shot, set, smooth_options(Precision::kDouble));
-  Problem in_float(device, shot, set, smooth_options(Precision::kFloat));
+  Problem in_double(device, shot(), set, options(Precision::kDouble));
+  Problem in_float(device, shot(), set, options(Precision::kFloat));
   const std::vector<double> expected = in_double.gradient();
   const std::vector<double> found = in_float.gradient();
   ASSERT_EQ(found.size(), expected.size());
@@ -184,8 +203,15 @@ TEST_P(Gradient, FloatBuildAgreesWithTheDoubleBuild) {
 
 INSTANTIATE_TEST_SUITE_P(All,
                          Gradient,
-                         testing::Values(test::kCameraSh3, test::kCameraRolling, test::kLidarMoving),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+                         testing::Values(GradientCase{test::kCameraSh3},
+                                         GradientCase{test::kCameraRolling},
+                                         GradientCase{test::kLidarMoving},
+                                         GradientCase{test::kCameraRolling, true},
+                                         GradientCase{test::kLidarMoving, true}),
+                         [](const auto& instance) {
+                           return std::string(instance.param.scene.name) +
+                                  (instance.param.compensated ? "_compensated" : "");
+                         });
 
 /// A camera of 16 x 16 pixels that spans +-2 mrad about +x: what it sees hardly varies.
 test::Shot narrow_shot() {

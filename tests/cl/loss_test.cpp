@@ -73,7 +73,8 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
   RealBuffer truth(device_, "truth", GetParam());
   truth.assign(std::span<const double>(truth_values));
   constexpr double kScale = 0.37, kSquaredScale = 1.9;
-  const ImageLoss loss = stage.run_image(rendered.frame, rendered.buffers, truth, kScale, kSquaredScale);
+  const ImageLoss loss = stage.run_image(
+      rendered.frame, rendered.buffers, rendered.buffers.out, truth, {kScale, kSquaredScale, 0.0});
   const std::vector<double> grad = rendered.buffers.grad_out.download_double();
 
   double absolute = 0.0, squared = 0.0;
@@ -100,8 +101,8 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
     const auto at = [&](double step) {
       rendered.out[i] = before + step;
       rendered.upload();
-      const ImageLoss stepped =
-          stage.run_image(rendered.frame, rendered.buffers, truth, kScale, kSquaredScale);
+      const ImageLoss stepped = stage.run_image(
+          rendered.frame, rendered.buffers, rendered.buffers.out, truth, {kScale, kSquaredScale, 0.0});
       return kScale * stepped.absolute + kSquaredScale * stepped.squared;
     };
     EXPECT_NEAR((at(1e-4) - at(-1e-4)) / 2e-4, grad[i], kQuotientTolerance) << i;

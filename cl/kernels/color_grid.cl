@@ -1,0 +1,31 @@
+// color_grid.cl - a picture through its bilateral grid. Launcher: host/render/color_grid.cpp
+#include "math/color_grid.h"
+#include "shared/layout.h"
+
+/// One pixel per work-item: the affine transform of its place and luminance (METHOD section 9).
+/// in  grid[GRID_Y][GRID_X][GRID_Z][16], from `first` on; out[6][slots]
+/// out picture[3][slots]
+__kernel void color_grid(const FrameParams frame,
+                         const uint width,
+                         const uint height,
+                         const uint first,
+                         __global const real* grid,
+                         __global const real* out,
+                         __global real* picture) {
+  const uint i = get_global_id(0);
+  const uint s = frame.slots;
+  if (i >= s) return;
+  const uint tile = i / SIM_TILE_RAYS, inside = i % SIM_TILE_RAYS;
+  // Slots beyond the picture have no pixel; the nearest one's transform does them no harm.
+  const uint x = min(tile % frame.tiles_x * SIM_SLOT_ROW + inside % SIM_SLOT_ROW, width - 1);
+  const uint y = min(tile / frame.tiles_x * SIM_SLOT_ROWS + inside / SIM_SLOT_ROW, height - 1);
+  const real rgb[3] = {out[i], out[s + i], out[2 * s + i]};
+  real fx, fy;
+  const uint cx = grid_cell(x, width, GRID_X, &fx);
+  const uint cy = grid_cell(y, height, GRID_Y, &fy);
+  GridSlice slice;
+  grid_slice(grid + first, cx, cy, fx, fy, rgb, &slice);
+  real graded[3];
+  grid_apply(slice.transform, rgb, graded);
+  for (uint c = 0; c < 3; ++c) picture[c * s + i] = graded[c];
+}

@@ -1,0 +1,171 @@
+// loss_ssim.cl - structural similarity of a picture and its gradient. Launcher: host/render/loss_ssim.cpp
+#include "math/elementary.h"
+#include "shared/layout.h"
+
+// One channel at a time, 1 - SSIM summed over the known pixels (Wang et al. 2004, K1 = 0.01, K2 = 0.03,
+// values in [0, 1]). The 11 x 11 Gaussian window is separable. Only known pixels count in it, and it is
+// scaled to sum to 1 over them: borders and masked pixels need no rule of their own, and inside the picture
+// the values are those of optim/metrics.hpp.
+//
+// Planes hold the picture row by row, with a margin of zeros that windows may reach into; they stay zero, as
+// nothing writes them. A work-item takes V columns of one tile, 16 rows.
+#define RADIUS 5
+#define TAPS (2 * RADIUS + 1)
+#define MARGIN_X 16
+#define C1 R(1e-4)
+#define C2 R(9e-4)
+
+typedef struct {
+  uint slot;    // of the strip's first pixel; the next row's is SIM_SLOT_ROW further
+  uint pixel;   // of the same, in a plane
+  uint stride;  // from one row of a plane to the next
+  uint size;    // of a plane
+} Strip;
+
+/// False for work-items beyond the last strip.
+FN int find_strip(const FrameParams* frame, Strip* strip) {
+  const uint per_tile = SIM_SLOT_ROW / V;
+  const uint tile = get_global_id(0) / per_tile;
+  const uint column = get_global_id(0) % per_tile * V;
+  strip->stride = frame->tiles_x * SIM_SLOT_ROW + 2 * MARGIN_X;
+  strip->size = strip->stride * (frame->tiles_y * SIM_SLOT_ROWS + 2 * RADIUS);
+  strip->slot = tile * SIM_TILE_RAYS + column;
+  strip->pixel = (tile / frame->tiles_x * SIM_SLOT_ROWS + RADIUS) * strip->stride +
+                 tile % frame->tiles_x * SIM_SLOT_ROW + column + MARGIN_X;
+  return tile < frame->tiles_x * frame->tiles_y;
+}
+
+/// Window sum of a plane about V pixels, over pixels `step` apart.
+FN F window_sum(__global const real* centre, __global const real* window, uint step) {
+  __global const real* at = centre - RADIUS * step;
+  F sum = LDV(at) * window[0];
+  for (uint k = 1; k < TAPS; ++k) sum = fma(LDV(at + k * step), (F)window[k], sum);
+  return sum;
+}
+
+/// in  world_ray[3][slots], picture[3][slots], truth[3][slots] as loss_image
+/// out planes[3]: 1 where the pixel is known, else 0; times that, picture and truth of `channel`
+__kernel void ssim_planes(const FrameParams frame,
+                          const uint channel,
+                          __global const real* world_ray,
+                          __global const real* picture,
+                          __global const real* truth,
+                          __global real* planes) {
+  Strip strip;
+  if (!find_strip(&frame, &strip)) return;
+  const uint s = frame.slots;
+  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+    const uint i = strip.slot + row * SIM_SLOT_ROW;
+    __global real* pixel = planes + strip.pixel + row * strip.stride;
+    const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
+    const I known = AND(is_ray(x, y, z), LDV(truth + i) >= R(0.0));
+    STV(pixel, SEL(known, (F)R(1.0), (F)R(0.0)));
+    STV(pixel + strip.size, SEL(known, LDV(picture + channel * s + i), (F)R(0.0)));
+    STV(pixel + 2 * strip.size, SEL(known, LDV(truth + channel * s + i), (F)R(0.0)));
+  }
+}
+
+/// in  planes[3]; window[11]
+/// out moments[6]: window sums along the rows of known, x, y, x^2, y^2, x y
+__kernel void ssim_moments(const FrameParams frame,
+                           __global const real* window,
+                           __global const real* planes,
+                           __global real* moments) {
+  Strip strip;
+  if (!find_strip(&frame, &strip)) return;
+  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+    const uint pixel = strip.pixel + row * strip.stride;
+    F sum[6];
+    for (int m = 0; m < 6; ++m) sum[m] = (F)R(0.0);
+    for (uint k = 0; k < TAPS; ++k) {
+      __global const real* at = planes + pixel + k - RADIUS;
+      const F w = (F)window[k];
+      const F x = LDV(at + strip.size), y = LDV(at + 2 * strip.size);
+      const F wx = w * x, wy = w * y;
+      sum[0] = fma(LDV(at), w, sum[0]);
+      sum[1] += wx;
+      sum[2] += wy;
+      sum[3] = fma(wx, x, sum[3]);
+      sum[4] = fma(wy, y, sum[4]);
+      sum[5] = fma(wx, y, sum[5]);
+    }
+    for (int m = 0; m < 6; ++m) STV(moments + m * strip.size + pixel, sum[m]);
+  }
+}
+
+/// in  planes[3], moments[6]; scale: dL/d(1 - SSIM) of every pixel
+/// out slopes[3]: dL/d(window sum) of x, x^2 and x y, 0 where the pixel is not known;
+///     sums[3][strips]: of 1 - SSIM, this channel's
+__kernel void ssim_windows(const FrameParams frame,
+                           const uint channel,
+                           const real scale,
+                           __global const real* window,
+                           __global const real* planes,
+                           __global const real* moments,
+                           __global real* slopes,
+                           __global real* sums) {
+  Strip strip;
+  if (!find_strip(&frame, &strip)) return;
+  F total = (F)R(0.0);
+  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+    const uint pixel = strip.pixel + row * strip.stride;
+    const I known = LDV(planes + pixel) > R(0.5);
+    F m[6];
+    for (int k = 0; k < 6; ++k) m[k] = window_sum(moments + k * strip.size + pixel, window, strip.stride);
+    const F inv_weight = R(1.0) / SEL(known, m[0], (F)R(1.0));
+    for (int k = 1; k < 6; ++k) m[k] *= inv_weight;
+    const F mean_product = m[1] * m[2];
+    const F mean_squares = fma(m[1], m[1], m[2] * m[2]);
+    const F a1 = fma(mean_product, (F)R(2.0), (F)C1);
+    const F a2 = fma(m[5] - mean_product, (F)R(2.0), (F)C2);
+    const F inv_b1 = R(1.0) / (mean_squares + C1);
+    const F inv_b2 = R(1.0) / (m[3] + m[4] - mean_squares + C2);
+    const F inv_b = inv_b1 * inv_b2;
+    const F ssim = a1 * a2 * inv_b;
+    total += SEL(known, R(1.0) - ssim, (F)R(0.0));
+    const F by = SEL(known, -scale * inv_weight, (F)R(0.0));
+    const F by_mean = R(2.0) * (m[2] * (a2 - a1) * inv_b - m[1] * ssim * (inv_b1 - inv_b2));
+    STV(slopes + pixel, by * by_mean);
+    STV(slopes + strip.size + pixel, -by * ssim * inv_b2);
+    STV(slopes + 2 * strip.size + pixel, by * R(2.0) * a1 * inv_b);
+  }
+  const uint strips = frame.slots / (SIM_SLOT_ROWS * V);
+  sums[channel * strips + get_global_id(0)] = HSUM(total);
+}
+
+/// slopes[3] -> slope_rows[3]: window sums along the rows.
+__kernel void ssim_slope_rows(const FrameParams frame,
+                              __global const real* window,
+                              __global const real* slopes,
+                              __global real* slope_rows) {
+  Strip strip;
+  if (!find_strip(&frame, &strip)) return;
+  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+    const uint pixel = strip.pixel + row * strip.stride;
+    for (int k = 0; k < 3; ++k) {
+      const uint at = k * strip.size + pixel;
+      STV(slope_rows + at, window_sum(slopes + at, window, 1));
+    }
+  }
+}
+
+/// in  planes[3], slope_rows[3]
+/// out grad_picture[3][slots]: this term's gradient is added to `channel`
+__kernel void ssim_gradient(const FrameParams frame,
+                            const uint channel,
+                            __global const real* window,
+                            __global const real* planes,
+                            __global const real* slope_rows,
+                            __global real* grad_picture) {
+  Strip strip;
+  if (!find_strip(&frame, &strip)) return;
+  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+    const uint pixel = strip.pixel + row * strip.stride;
+    F g[3];
+    for (int k = 0; k < 3; ++k) g[k] = window_sum(slope_rows + k * strip.size + pixel, window, strip.stride);
+    const F x = LDV(planes + strip.size + pixel), y = LDV(planes + 2 * strip.size + pixel);
+    const F gradient = fma(x, R(2.0) * g[1], fma(y, g[2], g[0]));
+    __global real* slot = grad_picture + channel * frame.slots + strip.slot + row * SIM_SLOT_ROW;
+    STV(slot, fma(LDV(planes + pixel), gradient, LDV(slot)));
+  }
+}

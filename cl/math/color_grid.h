@@ -1,0 +1,78 @@
+// color_grid.h - slicing a bilateral grid of affine colour transforms: forward and backward share it.
+// Build: GRID_X, GRID_Y, GRID_Z >= 2 vertices. A vertex is 16 reals: 3 rows of 4, the last column added; 4
+// unused.
+#ifndef SIMULI_CL_MATH_COLOR_GRID_H
+#define SIMULI_CL_MATH_COLOR_GRID_H
+#include "math/lanes.h"
+
+#define GRID_VERTEX 16
+#define GRID_MATRIX 12
+typedef REAL_VECTOR(16) Vertex;
+
+// Vertices stand y, x, z: those of one column follow each other.
+#define GRID_AT(x, y, z) ((((y)*GRID_X + (x)) * GRID_Z) + (z))
+
+/// Cell of pixel `i` of `size` along an axis of `vertices`, and its place there: in integers, so that all
+/// passes agree to the bit. The first and the last vertex stand on the picture's borders.
+FN uint grid_cell(uint i, uint size, uint vertices, real* fraction) {
+  const uint scaled = (2 * i + 1) * (vertices - 1);
+  const uint cell = min(scaled / (2 * size), vertices - 2);
+  *fraction = (real)(scaled - cell * 2 * size) / (real)(2 * size);
+  return cell;
+}
+
+/// First pixel of a cell; that of the next one ends it. `cell` == vertices - 1 gives the size.
+FN uint grid_cell_begin(uint cell, uint size, uint vertices) {
+  if (cell >= vertices - 1) return size;
+  const uint edge = 2 * cell * size;
+  const uint step = vertices - 1;
+  return edge <= step ? 0 : (edge - step + 2 * step - 1) / (2 * step);
+}
+
+/// The transform at a pixel, and what else its gradient needs.
+typedef struct {
+  uint corner[4];  // vertex (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1) at the lower z
+  real weight[4];
+  real fz;  // weight of z + 1
+  uint z;
+  real z_slope;  // d(place along z)/d(luminance): 0 where the luminance is beyond [0, 1]
+  Vertex transform;
+  Vertex along_z;  // its derivative by the place along z
+} GridSlice;
+
+#define LUMINANCE_R R(0.299)
+#define LUMINANCE_G R(0.587)
+#define LUMINANCE_B R(0.114)
+
+FN void grid_slice(
+    __global const real* grid, uint cx, uint cy, real fx, real fy, const real* rgb, GridSlice* s) {
+  const real luminance = fma(LUMINANCE_R, rgb[0], fma(LUMINANCE_G, rgb[1], LUMINANCE_B * rgb[2]));
+  const int inside = luminance > R(0.0) && luminance < R(1.0);
+  const real place = (inside ? luminance : (luminance > R(0.5) ? R(1.0) : R(0.0))) * (real)(GRID_Z - 1);
+  s->z_slope = inside ? (real)(GRID_Z - 1) : R(0.0);
+  s->z = min((uint)place, (uint)(GRID_Z - 2));
+  s->fz = place - (real)s->z;
+  s->corner[0] = GRID_AT(cx, cy, s->z);
+  s->corner[1] = GRID_AT(cx + 1, cy, s->z);
+  s->corner[2] = GRID_AT(cx, cy + 1, s->z);
+  s->corner[3] = GRID_AT(cx + 1, cy + 1, s->z);
+  s->weight[0] = (R(1.0) - fx) * (R(1.0) - fy);
+  s->weight[1] = fx * (R(1.0) - fy);
+  s->weight[2] = (R(1.0) - fx) * fy;
+  s->weight[3] = fx * fy;
+  Vertex low = (Vertex)(R(0.0)), high = (Vertex)(R(0.0));
+  for (int k = 0; k < 4; ++k) {
+    low += s->weight[k] * vload16(s->corner[k], grid);
+    high += s->weight[k] * vload16(s->corner[k] + 1, grid);
+  }
+  s->along_z = high - low;
+  s->transform = low + s->fz * s->along_z;
+}
+
+FN void grid_apply(Vertex m, const real* rgb, real* out) {
+  out[0] = m.s0 * rgb[0] + m.s1 * rgb[1] + m.s2 * rgb[2] + m.s3;
+  out[1] = m.s4 * rgb[0] + m.s5 * rgb[1] + m.s6 * rgb[2] + m.s7;
+  out[2] = m.s8 * rgb[0] + m.s9 * rgb[1] + m.sa * rgb[2] + m.sb;
+}
+
+#endif
