@@ -26,6 +26,7 @@ set(SIMULI_CL_FILES
   kernels/project.cl
   kernels/project_bwd.cl
   kernels/rays.cl
+  kernels/regularize.cl
   kernels/render.cl
   kernels/render_bwd.cl
   kernels/scan.cl

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "io/appearance_file.hpp"
 #include "io/file.hpp"
 #include "io/json_reader.hpp"
 #include "io/log_json.hpp"
@@ -71,6 +72,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     contents.lidar_set = root.object("lidar_set", read_set);
     scene.scene.camera_background = contents.camera_set.background;
     scene.scene.lidar_background = contents.lidar_set.background;
+    read_appearance(root, scene.scene);
     read_sensors(root, scene.cameras, scene.lidars);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
   });
@@ -85,6 +87,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
             {"origin_m", {origin.x(), origin.y(), origin.z()}},
             {"camera_set", set_to_json(scene.scene.camera, scene.scene.camera_background)},
             {"lidar_set", set_to_json(scene.scene.lidar, scene.scene.lidar_background)}};
+  add_appearance(root, scene.scene);
   add_sensors(root, scene.cameras, scene.lidars);
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
   try {
@@ -129,6 +132,7 @@ SceneFile read_scene(const fs::path& folder) {
   Scene& scene = contents.scene.scene;
   scene.camera = read_set_file(folder / kCameraName, SetKind::kCamera, contents.camera_set);
   scene.lidar = read_set_file(folder / kLidarName, SetKind::kLidar, contents.lidar_set);
+  read_appearance_files(folder, scene);
   return std::move(contents.scene);
 }
 
@@ -145,6 +149,7 @@ void write_scene(const fs::path& folder, const SceneFile& scene) {
   if (error) throw_input_error(folder.string(), "folder", error.message(), "a folder that can be written");
   write_gaussians_ply(folder / kCameraName, scene.scene.camera);
   write_gaussians_ply(folder / kLidarName, scene.scene.lidar);
+  write_appearance(folder, scene.scene);
   write_file_atomically(file, text);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// A scene folder: camera.ply, lidar.ply (io/ply.hpp) and scene.json, which names their counts.
+// A scene folder: camera.ply, lidar.ply (io/ply.hpp), what its pictures have beside particles
+// (io/appearance_file.hpp), and scene.json, which names their counts.
 #include <filesystem>
 #include <vector>
 

@@ -142,8 +142,8 @@ const StreetSolid* meet_slices(const StreetWorld& world,
 
 }  // namespace
 
-Street::Street(std::uint64_t seed, bool moving_car)
-    : world_(std::make_shared<const StreetWorld>(build_street_world(seed, moving_car))) {}
+Street::Street(std::uint64_t seed, bool moving_car, bool thin_poles)
+    : world_(std::make_shared<const StreetWorld>(build_street_world(seed, moving_car, thin_poles))) {}
 
 Vector3d Street::car_position(double time_s) {
   return {kCarStart_m + kCarSpeed_m_per_s * time_s, kCarLane_m, 0.0};

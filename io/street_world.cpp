@@ -161,6 +161,17 @@ void add_signs(std::vector<StreetSolid>& to) {
   }
 }
 
+void add_thin_poles(std::vector<StreetSolid>& to, std::uint64_t seed) {
+  Dice dice(~seed);  // the rest of the street has its own numbers
+  for (const double side : {-1.0, 1.0}) {
+    for (double x = kStreetStart_m; x < kStreetEnd_m; x += 3.0) {
+      const Eigen::Vector3d foot(x + dice.between(-0.5, 0.5), side * 5.7, kKerbHeight_m);
+      to.push_back(
+          pole(StreetMaterial::kMetal, foot, 2.5, dice.between(0.008, 0.02), {0.50, 0.51, 0.52}, 0.45));
+    }
+  }
+}
+
 void sort_into_slices(StreetWorld& world) {
   double end_m = kStreetEnd_m;
   for (const StreetSolid& solid : world.solids) end_m = std::max(end_m, solid.high.x());
@@ -178,7 +189,7 @@ void sort_into_slices(StreetWorld& world) {
 
 }  // namespace
 
-StreetWorld build_street_world(std::uint64_t seed, bool moving_car) {
+StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_poles) {
   StreetWorld world;
   world.seed = seed;
   Dice dice(seed);
@@ -194,6 +205,7 @@ StreetWorld build_street_world(std::uint64_t seed, bool moving_car) {
     add_furniture(world.solids, dice, side);
   }
   add_signs(world.solids);
+  if (thin_poles) add_thin_poles(world.solids, seed);
   // Houses across both ends: no ray leaves the street at eye height.
   for (const double x : {kStreetStart_m - 4.0, kStreetEnd_m}) {
     world.solids.push_back(

@@ -67,7 +67,7 @@ inline constexpr double kFacadeLine_m = 9.0;
 inline constexpr double kCarLane_m = 1.75;   // the moving car's y; the rig drives at -1.75
 inline constexpr double kCarStart_m = 14.0;  // the moving car's x at time 0
 
-[[nodiscard]] StreetWorld build_street_world(std::uint64_t seed, bool moving_car);
+[[nodiscard]] StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_poles);
 /// Colour and reflectance of `solid` at `point` (in the solid's frame, on the surface with that normal).
 [[nodiscard]] StreetSurface street_surface(const StreetSolid& solid,
                                            const Eigen::Vector3d& point,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/render/look.hpp"
 #include "optim/frames.hpp"
 
 namespace simuli {
@@ -44,16 +45,12 @@ double median(std::vector<double> values) {
 }
 
 /// Median seconds of a render whose results stay on the device.
-double time_render(Renderer& renderer,
-                   const ParticleBuffers& particles,
-                   const SensorRays& rays,
-                   const View& view,
-                   int repeats) {
+double time_render(Renderer& renderer, const std::function<void()>& render, int repeats) {
   std::vector<double> seconds;
   for (int i = 0; i <= repeats; ++i) {
     renderer.device().finish();
     const auto begin = std::chrono::steady_clock::now();
-    renderer.render(particles, rays, view);
+    render();
     renderer.device().finish();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     if (i > 0) seconds.push_back(elapsed.count());  // the first compiles and allocates
@@ -109,29 +106,38 @@ struct Evaluation {
 void Evaluation::images(const std::vector<std::size_t>& frames) {
   const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options().precision);
   std::map<std::string, std::unique_ptr<SensorRays>> rays_of;
-  Mean psnr, ssim_mean;
+  SceneLook look(renderer.device(), scene, renderer.options().precision);
+  SceneLook ungraded(renderer.device(), scene, renderer.options().precision, false);
+  Mean psnr, ssim_mean, psnr_ungraded;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const ImageFrame& frame = log.images[frames[k]];
     const Camera model = scaled_camera(log.camera(frame.camera).model, options.image_scale);
     auto& rays = rays_of[frame.camera];
     if (!rays) rays = std::make_unique<SensorRays>(renderer.device(), model, renderer.options());
     const View view = view_of(log, scene, frame);
+    const double time_s = 0.5 * (frame.time_start_s + frame.time_end_s);
+    const auto render = [&] { look.render(renderer, particles, *rays, view, frame.camera, time_s); };
     if (k == 0) {
-      const double seconds = time_render(renderer, particles, *rays, view, options.timed_renders);
+      const double seconds = time_render(renderer, render, options.timed_renders);
       report.camera_mp_per_s = static_cast<double>(rays->grid().rays) / seconds / 1e6;
       report.image_width = model.width;
       report.image_height = model.height;
     }
-    renderer.render(particles, *rays, view);
+    render();
     const Image rendered = picture_of(renderer.results(), model);
     const Image truth = load_image(log, frame, model);
     psnr.add(psnr_db(rendered, truth));
     ssim_mean.add(ssim(rendered, truth));
+    if (!scene.color_grids.empty()) {
+      ungraded.render(renderer, particles, *rays, view, frame.camera, time_s);
+      psnr_ungraded.add(psnr_db(picture_of(renderer.results(), model), truth));
+    }
     step();
   }
   report.images = frames.size();
   report.psnr_db = psnr.value();
   report.ssim = ssim_mean.value();
+  report.psnr_ungraded_db = psnr_ungraded.value();
 }
 
 void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
@@ -144,7 +150,8 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
     const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
     if (k == 0) {
       const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
-      const double seconds = time_render(renderer, particles, rays, view, options.timed_renders);
+      const auto render = [&] { renderer.render(particles, rays, view); };
+      const double seconds = time_render(renderer, render, options.timed_renders);
       report.lidar_mr_per_s = static_cast<double>(rays.grid().rays) / seconds / 1e6;
     }
     const SweepMetrics m = compare_sweep(compare_rays(pair, lidar, view));
@@ -212,7 +219,8 @@ EvalReport evaluate(const Device& device,
   }
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EvalReport report;
-  report.psnr_db = report.ssim = report.camera_mp_per_s = report.lidar_mr_per_s = kNaN;
+  report.psnr_db = report.ssim = report.psnr_ungraded_db = report.camera_mp_per_s = report.lidar_mr_per_s =
+      kNaN;
   report.lidar = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
   report.distance_expected_median_m = kNaN;
   report.device = device.info().label();

@@ -25,6 +25,7 @@ struct EvalReport {
   std::size_t sweeps = 0;
   double psnr_db = 0.0;
   double ssim = 0.0;
+  double psnr_ungraded_db = 0.0;            // without colour grids; NaN when the scene has none
   SweepMetrics lidar;                       // distance: median, the mean where no median exists
   double distance_expected_median_m = 0.0;  // the same median error with expected distances alone
   std::size_t sweeps_without_chamfer = 0;

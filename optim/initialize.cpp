@@ -13,6 +13,7 @@
 #include "io/image.hpp"
 #include "optim/frames.hpp"
 #include "optim/initialize_depth.hpp"
+#include "optim/initialize_environment.hpp"
 #include "optim/initialize_moving.hpp"
 #include "optim/initialize_points.hpp"
 #include "optim/initialize_views.hpp"
@@ -30,6 +31,7 @@ constexpr double kShellScale = 0.8;         // standard deviation over the spaci
 constexpr float kShellOpacityLogit = 3.0F;  // 0.95
 constexpr double kShellExtents = 3.0;       // the shell stands at three times the farthest point ...
 constexpr double kShellNearest_m = 200.0;   // ... but never nearer than this
+constexpr double kInfinitelyFar_m = 1e9;    // a drive moves no direction there
 
 void check(const InitOptions& o) {
   const auto need = [](bool holds, const char* field, double found, const char* allowed) {
@@ -50,6 +52,11 @@ void check(const InitOptions& o) {
   for (const double scale : {o.camera_scale, o.lidar_scale}) {
     need(scale > 0.0 && scale <= 10.0, "scale over spacing", scale, "above 0, at most 10");
   }
+  const int width = o.environment_width;
+  need(width == 0 || (width >= 8 && width <= 7200 && width % 2 == 0),
+       "environment_width",
+       width,
+       "0, or even and 8 to 7200");
   need(o.sweep_cell_px >= 1 && o.sweep_cell_px <= 64, "sweep_cell_px", o.sweep_cell_px, "1 to 64");
 }
 
@@ -335,14 +342,19 @@ SceneInit initialize_scene(const Log& log,
   }
   const double extent_m = farthest_m(points, log.world_from_rig, scene.origin);
   FarShell shell(options.shell_spacing_deg, std::max(kShellNearest_m, kShellExtents * extent_m));
+  const bool has_environment = options.environment_width > 0;
+  FarShell sky(has_environment ? 360.0 / options.environment_width : options.shell_spacing_deg,
+               kInfinitelyFar_m);
   std::vector<PointLook> looks(points.size());
   for (const ImageFrame* frame : images) {
     const auto [image, view] = load_view(log, *frame, scene.origin, options.image_scale);
     // Two samples per shell cell and axis, so that no cell between two samples stays empty.
-    const double sample_px = 0.5 * shell.spacing_rad() / view.pixel_size_at_1m();
+    const double finest_rad = std::min(shell.spacing_rad(), sky.spacing_rad());
+    const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
     const Coverage coverage = look_at_points(view, image, points, options.voxel_m, cell_px, looks);
     if (options.max_shell > 0) shell.add(view, image, coverage);
+    if (has_environment) sky.add(view, image, coverage);
     step();
   }
   report.images = images.size();
@@ -368,6 +380,7 @@ SceneInit initialize_scene(const Log& log,
     for (std::size_t c = 0; c < 3; ++c)
       scene.camera_background[c] = sum[static_cast<Eigen::Index>(c)] / count;
   }
+  if (has_environment) scene.environment = environment_of(sky.patches(), options.environment_width);
   report.shell_particles = shell_kept.size();
   report.camera_particles = points.size() + shell_kept.size();
   report.shell_distance_m = shell.distance_m();

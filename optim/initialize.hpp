@@ -20,6 +20,7 @@ struct InitOptions {
   std::size_t max_camera = 1'000'000;  // particles on LiDAR points; the shell comes on top
   std::size_t max_lidar = 1'000'000;   // particles
   std::size_t max_shell = 100'000;     // particles; 0: no shell
+  int environment_width = 0;           // texels around, even; 0: no environment
   double shell_spacing_deg = 0.5;      // angle between shell particles, seen from the scene origin
   double camera_scale = 0.5;           // standard deviation of a particle over the distance to its neighbours
   double lidar_scale = 0.7;

@@ -31,7 +31,26 @@ TrainOptions checked(const TrainOptions& o) {
       need(rate >= 0.0 && std::isfinite(rate), "learning rate", rate, "finite, 0 or more");
     }
   }
-  for (const double weight : {o.weights.distance, o.weights.intensity, o.weights.drop}) {
+  const LookOptions& l = o.look;
+  need(l.final_share > 0.0 && l.final_share <= 1.0, "look.final_share", l.final_share, "above 0, at most 1");
+  for (const double rate : {l.environment_rate, l.grid_rate}) {
+    need(rate >= 0.0 && std::isfinite(rate), "learning rate", rate, "finite, 0 or more");
+  }
+  for (const double weight : {o.weights.distance,
+                              o.weights.intensity,
+                              o.weights.drop,
+                              o.image.absolute,
+                              o.image.squared,
+                              o.image.dissimilarity,
+                              l.environment_variation,
+                              l.grid_variation,
+                              l.grid_drift,
+                              o.camera_particles.scale,
+                              o.camera_particles.opacity,
+                              o.camera_particles.entropy,
+                              o.lidar_particles.scale,
+                              o.lidar_particles.opacity,
+                              o.lidar_particles.entropy}) {
     need(weight >= 0.0 && std::isfinite(weight), "loss weight", weight, "finite, 0 or more");
   }
   return o;

@@ -17,6 +17,32 @@ struct LidarWeights {
   double drop = 0.05;      // cross entropy, all rays
 };
 
+/// Weights of a picture's losses (METHOD section 10), each a mean over its values: of |d|, of d^2, of 1 -
+/// SSIM.
+struct ImageWeights {
+  double absolute = 1.0;
+  double squared = 10.0;
+  double dissimilarity = 0.0;
+};
+
+/// Environment and colour grids of the camera set.
+struct LookOptions {
+  bool color_grids = false;        // a bilateral grid for each training picture
+  double environment_rate = 1e-2;  // of Adam, per step, at the start
+  double grid_rate = 2e-3;
+  double final_share = 0.1;            // of the rates, at the end
+  double environment_variation = 1.0;  // weight of the mean squared difference of neighbouring texels
+  double grid_variation = 10.0;        // of that of neighbouring vertices
+  double grid_drift = 0.001;           // of the mean squared difference to the identity
+};
+
+/// Weights of terms that hold for every particle, each a mean over the set.
+struct ParticleWeights {
+  double scale = 0.0;  // of the sum of its standard deviations, m
+  double opacity = 0.0;
+  double entropy = 0.0;  // of its opacity
+};
+
 struct TrainOptions {
   int iterations = 1500;     // one image each
   int lidar_every = 3;       // iterations per sweep: returns start where they belong, colours do not
@@ -24,8 +50,9 @@ struct TrainOptions {
   double image_scale = 0.5;  // (0, 1]
   int held_out_every = 5;    // frames for which is_held_out() says yes are not read; 0: all are trained on
   std::uint64_t seed = 1;
-  double colour_squared =
-      10.0;  // weight of the mean squared colour error; that of the mean absolute one is 1
+  ImageWeights image;
+  LookOptions look;
+  ParticleWeights camera_particles, lidar_particles;
   LearningRates camera{.final_share = 0.3};
   /// Returns are where they are: nearly fixed. Drops differ from sweep to sweep: fast rates learn them by
   /// heart.

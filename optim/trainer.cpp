@@ -42,6 +42,8 @@ Trainer::Trainer(
       truth_(device, log, scene_, options_, renderer_.options(), std::move(moving)),
       camera_(device, scene_.camera),
       lidar_(device, scene_.lidar),
+      look_(device, log, scene_, options_),
+      regularize_(device, Precision::kFloat),
       images_(select_frames(log.images, options.held_out_every, false), options.seed, kImageStream),
       sweeps_(select_frames(log.sweeps, options.held_out_every, false), options.seed, kSweepStream) {
   if (images_.empty() && sweeps_.empty()) {
@@ -53,6 +55,12 @@ Trainer::Trainer(
 void Trainer::need_finite(double loss, const std::string& file) {
   if (std::isfinite(loss)) return;
   throw Error(ErrorKind::kNumeric, fmt::format("train: loss of {}: found {}", file, loss));
+}
+
+void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
+  const double count = std::max(1.0, static_cast<double>(set.particles.count));
+  const RegularizeScale scale{w.scale / count, w.opacity / count, w.entropy / count};
+  if (!scale.is_zero()) regularize_.run(set.particles, scale, set.grads);
 }
 
 void Trainer::step() {
@@ -83,7 +91,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   report.sweeps = sweeps_.size();
   report.camera_particles = scene_.camera.size();
   report.lidar_particles = scene_.lidar.size();
-  report.rejected_gradients = camera_.adam.rejected() + lidar_.adam.rejected();
+  report.rejected_gradients = camera_.adam.rejected() + lidar_.adam.rejected() + look_.rejected();
   report.seconds = elapsed_s();
   return report;
 }
@@ -92,6 +100,7 @@ Scene Trainer::scene() const {
   Scene out = scene_;
   out.camera = camera_.particles.download();
   out.lidar = lidar_.particles.download();
+  look_.store(out);
   return out;
 }
 

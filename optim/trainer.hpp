@@ -6,12 +6,14 @@
 #include <functional>
 #include <string>
 
+#include "host/render/regularize.hpp"
 #include "host/render/renderer.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log.hpp"
 #include "optim/moving_space.hpp"
 #include "optim/schedule.hpp"
 #include "optim/train_options.hpp"
+#include "optim/trained_look.hpp"
 #include "optim/trained_set.hpp"
 #include "optim/truth.hpp"
 
@@ -75,6 +77,7 @@ class Trainer {
  private:
   /// Error{kNumeric} naming the frame's file unless the loss is a finite number.
   static void need_finite(double loss, const std::string& file);
+  void regularize(TrainedSet& set, const ParticleWeights& weights);
   void step_camera(double progress);  // trainer_camera.cpp
   void step_lidar(double progress);   // trainer_lidar.cpp
 
@@ -85,6 +88,8 @@ class Trainer {
   Renderer renderer_;
   TruthCache truth_;
   TrainedSet camera_, lidar_;
+  TrainedLook look_;
+  RegularizeStage regularize_;
   FrameOrder images_, sweeps_;
   RunningMean square_, distance_, right_;
   TrainStatus status_;

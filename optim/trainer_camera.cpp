@@ -12,11 +12,16 @@ void Trainer::step_camera(double progress) {
   const ImageFrame& frame = log_.images[index];
   const SensorRays& rays = truth_.camera_rays(frame.camera);
   const auto truth = truth_.image(index);
-  renderer_.render(camera_.particles, rays, view_of(log_, scene_, frame));
+  renderer_.render(camera_.particles, rays, view_of(log_, scene_, frame), look_.environment());
+  look_.grade(renderer_, index);
   const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
-  const ImageLoss loss = renderer_.image_loss(truth->truth, {1.0 / values, options_.colour_squared / values, 0.0});
-  need_finite(loss.absolute + loss.squared, frame.file);
+  const ImageWeights& w = options_.image;
+  const ImageLoss loss =
+      renderer_.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
+  need_finite(loss.absolute + loss.squared + loss.dissimilarity, frame.file);
+  look_.step(renderer_, index, static_cast<std::uint64_t>(status_.iteration), progress);
   renderer_.backward(camera_.particles, camera_.grads);
+  regularize(camera_, options_.camera_particles);
   camera_.adam.run(camera_.particles,
                    camera_.grads,
                    renderer_.buffers().keys,

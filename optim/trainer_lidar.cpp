@@ -19,6 +19,7 @@ void Trainer::step_lidar(double progress) {
       renderer_.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
   need_finite(loss.distance_m + loss.intensity + loss.entropy, frame.file);
   renderer_.backward(lidar_.particles, lidar_.grads);
+  regularize(lidar_, options_.lidar_particles);
   lidar_.adam.run(lidar_.particles,
                   lidar_.grads,
                   renderer_.buffers().keys,

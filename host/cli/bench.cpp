@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/figure10.hpp"
 #include "bench/figure11.hpp"
 #include "bench/sensor_errors.hpp"
 #include "bench/stages.hpp"
@@ -24,6 +25,7 @@ struct BenchCommand {
   int iterations = 0;  // 0: each bench's own number
   bench::StagesOptions stage_options;
   bench::Table8Options table8;
+  bench::Figure10Options figure10;
   bench::Figure11Options figure11;
 };
 
@@ -33,8 +35,9 @@ void run_bench(BenchCommand command, const Globals& globals) {
   if (asked != 1) {
     throw Error(
         ErrorKind::kUsage,
-        fmt::format("bench: found {} tables, allowed one of --stages, --extremes, --table 8, --figure 11",
-                    asked));
+        fmt::format(
+            "bench: found {} tables, allowed one of --stages, --extremes, --table 8, --figure 10 or 11",
+            asked));
   }
   if (!command.table8.log.empty() && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 8, allowed with it");
@@ -44,13 +47,15 @@ void run_bench(BenchCommand command, const Globals& globals) {
       throw Error(ErrorKind::kUsage,
                   "bench: --iterations: found without a training, allowed with --table, --figure");
     }
-    command.table8.iterations = command.figure11.iterations = command.iterations;
+    command.table8.iterations = command.figure10.iterations = command.figure11.iterations =
+        command.iterations;
   }
   const auto note = [](const std::string& line) { std::cerr << line << '\n'; };
   std::vector<bench::Row> rows;
   std::vector<std::string> broken;
   if (command.stages) rows = bench::run_stages(globals.device, command.stage_options, note);
   if (command.table == 8) rows = bench::run_table8(globals.device, command.table8, note);
+  if (command.figure == 10) rows = bench::run_figure10(globals.device, command.figure10, note);
   if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
   if (command.extremes) {
     bench::ExtremesReport report = bench::run_extremes(globals.device, note);
@@ -74,8 +79,11 @@ void add_bench(CLI::App& app, const Globals& globals) {
       "--extremes", options->extremes, "float against double at the ends of range, size and position");
   command->add_option("--table", options->table, "8: unscented, linearised and Monte Carlo projection")
       ->check(CLI::IsMember({8}));
-  command->add_option("--figure", options->figure, "11: motion during a frame, modelled and ignored")
-      ->check(CLI::IsMember({11}));
+  command
+      ->add_option("--figure",
+                   options->figure,
+                   "10: thin poles and the footprint filter; 11: motion during a frame, modelled and ignored")
+      ->check(CLI::IsMember({10, 11}));
   command->add_option("--log", options->table8.log, "table 8: a log folder instead of the embedded street");
   command->add_option("--iterations", options->iterations, "of each training of a table or figure")
       ->check(CLI::Range(1, 1'000'000));

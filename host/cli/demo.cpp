@@ -11,6 +11,7 @@
 #include "host/cli/file_progress.hpp"
 #include "host/cli/pictures.hpp"
 #include "host/cli/training.hpp"
+#include "host/render/look.hpp"
 #include "io/file.hpp"
 #include "io/scene_folder.hpp"
 #include "io/street.hpp"
@@ -33,7 +34,13 @@ void write_camera_pair(Renderer& renderer, const Log& log, const Scene& scene, c
   const Camera& camera = log.camera(frame.camera).model;
   const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options().precision);
   const SensorRays rays(renderer.device(), camera, renderer.options());
-  renderer.render(particles, rays, view_of(log, scene, frame));
+  SceneLook(renderer.device(), scene, renderer.options().precision)
+      .render(renderer,
+              particles,
+              rays,
+              view_of(log, scene, frame),
+              frame.camera,
+              0.5 * (frame.time_start_s + frame.time_end_s));
   write_image(
       file, joined(picture_of(renderer.results(), camera), load_image(log, frame, camera), Layout::kBeside));
 }

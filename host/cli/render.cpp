@@ -14,6 +14,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/file_progress.hpp"
 #include "host/cli/pictures.hpp"
+#include "host/render/look.hpp"
 #include "io/file.hpp"
 #include "io/scene_folder.hpp"
 #include "optim/frames.hpp"
@@ -230,6 +231,7 @@ void render(const RenderCommand& command, const Globals& globals) {
   Renderer renderer(device, RenderOptions{});
   const ParticleBuffers particles(
       device, sensor.is_camera ? scene.camera : scene.lidar, renderer.options().precision);
+  SceneLook look(device, scene, renderer.options().precision);
   std::unique_ptr<SensorRays> rays;
   LidarRays lidar_rays;
   double lidar_duration_s = -1.0;
@@ -248,7 +250,7 @@ void render(const RenderCommand& command, const Globals& globals) {
       const fs::path stem = folder / fmt::format("{}_{:06d}", command.sensor, i);
       if (sensor.is_camera) {
         if (!rays) rays = std::make_unique<SensorRays>(device, sensor.camera, renderer.options());
-        renderer.render(particles, *rays, view);
+        look.render(renderer, particles, *rays, view, command.sensor, 0.5 * (span.start_s + span.end_s));
         write_image(stem.string() + ".png", picture_of(renderer.results(), sensor.camera));
       } else {
         if (duration_s != lidar_duration_s) {  // the beams' firing times are shares of it

@@ -88,6 +88,7 @@ void print_eval(const EvalReport& r, bool json) {
     // A value that is not a number (no such frame in the log) is null.
     const nlohmann::ordered_json out = {{"psnr_db", r.psnr_db},
                                         {"ssim", r.ssim},
+                                        {"psnr_ungraded_db", r.psnr_ungraded_db},
                                         {"distance_median_m", l.distance_median_m},
                                         {"distance_expected_median_m", r.distance_expected_median_m},
                                         {"medl2_m2", l.medl2_m2},
@@ -119,6 +120,7 @@ void print_eval(const EvalReport& r, bool json) {
                            r.sweeps,
                            r.device);
   line("PSNR", number(r.psnr_db, 2), "dB");
+  if (std::isfinite(r.psnr_ungraded_db)) line("  without colour grids", number(r.psnr_ungraded_db, 2), "dB");
   line("SSIM", number(r.ssim, 4), "");
   line("distance error, median", number(l.distance_median_m * 100.0, 2), "cm");
   line("  of expected distances", number(r.distance_expected_median_m * 100.0, 2), "cm");

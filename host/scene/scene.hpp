@@ -3,16 +3,20 @@
 #include <array>
 #include <string>
 
+#include "host/scene/appearance.hpp"
 #include "host/scene/gaussians.hpp"
 
 namespace simuli {
 
-/// A trained scene: two particle sets that share nothing but the origin.
+/// A trained scene: two particle sets that share nothing but the origin, and what the camera's pictures have
+/// beside particles.
 struct Scene {
   std::string name;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // world, m; particle means are offsets from it
   GaussianSet camera{SetKind::kCamera, 0, 0};
   GaussianSet lidar{SetKind::kLidar, 0, 0};
+  EnvironmentMap environment;  // of the camera set; empty: camera_background in all directions
+  ColorGrids color_grids;      // of the camera set; empty: colours as they are
   /// Seen where transmittance is left: colour in [0,1] for the camera set; intensity, hit logit and
   /// drop logit for the LiDAR set (a ray through empty space returns nothing).
   std::array<float, 3> camera_background{0.0F, 0.0F, 0.0F};

@@ -190,9 +190,9 @@ INSTANTIATE_TEST_SUITE_P(All,
                                          std::pair{Precision::kFloat, 1},
                                          std::pair{Precision::kDouble, 0}),
                          [](const auto& instance) {
-                           const auto& [precision, lanes] = instance.param;
-                           return std::string(precision == Precision::kFloat ? "in_float" : "in_double") +
-                                  (lanes == 1 ? "_gpu_shape" : "");
+                           return std::string(instance.param.first == Precision::kFloat ? "in_float"
+                                                                                        : "in_double") +
+                                  (instance.param.second == 1 ? "_gpu_shape" : "");
                          });
 
 }  // namespace

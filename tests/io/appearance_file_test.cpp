@@ -1,0 +1,92 @@
+#include "io/appearance_file.hpp"
+
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "io/file.hpp"
+#include "io/image.hpp"
+#include "io/scene_folder.hpp"
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+using test::expect_input_error;
+using test::Scratch;
+
+/// Eleven grids: more than one row of their picture.
+SceneFile scene_with_appearance() {
+  SceneFile file;
+  file.scene.name = "street";
+  file.scene.environment = {6, 3, {}};
+  for (int i = 0; i < 54; ++i) file.scene.environment.texels.push_back(0.1F * static_cast<float>(i) - 1.0F);
+  std::vector<ColorGrids::Frame> frames;
+  for (int i = 0; i < 11; ++i) frames.push_back({i % 2 == 0 ? "front" : "left", 0.1 * i});
+  file.scene.color_grids = ColorGrids::identity(3, 4, 2, frames);
+  float value = 0.0F;
+  for (float& v : file.scene.color_grids.values) v = value += 1e-3F;
+  return file;
+}
+
+TEST(AppearanceFile, RoundTripKeepsEveryBit) {
+  const Scratch scratch;
+  const SceneFile written = scene_with_appearance();
+  write_scene(scratch / "scene", written);
+  const Scene read = read_scene(scratch / "scene").scene;
+  EXPECT_EQ(read.environment.width, 6);
+  EXPECT_EQ(read.environment.height, 3);
+  EXPECT_EQ(read.environment.texels, written.scene.environment.texels);
+  EXPECT_EQ(read.color_grids.frames, written.scene.color_grids.frames);
+  EXPECT_EQ(read.color_grids.size_y, 4);
+  EXPECT_EQ(read.color_grids.values, written.scene.color_grids.values);
+}
+
+TEST(AppearanceFile, AnAbsentOneLeavesNothingBehind) {
+  const Scratch scratch;
+  SceneFile file = scene_with_appearance();
+  write_scene(scratch / "scene", file);
+  file.scene.environment = {};
+  file.scene.color_grids = {};
+  write_scene(scratch / "scene", file);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "scene" / "environment.exr"));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "scene" / "color_grids.exr"));
+  const Scene read = read_scene(scratch / "scene").scene;
+  EXPECT_TRUE(read.environment.empty());
+  EXPECT_TRUE(read.color_grids.empty());
+}
+
+TEST(AppearanceFile, RefusesWhatDoesNotFit) {
+  const Scratch scratch;
+  const std::filesystem::path folder = scratch / "scene";
+  write_scene(folder, scene_with_appearance());
+  const Image environment = read_image(folder / "environment.exr");
+  write_image(folder / "environment.exr", Image(6, 4, 3));
+  expect_input_error([&] { (void)read_scene(folder); }, {"6 x 4", "6 x 3"});
+  Image broken = environment;
+  broken.data[5] = std::numeric_limits<float>::quiet_NaN();
+  write_image(folder / "environment.exr", broken);
+  expect_input_error([&] { (void)read_scene(folder); }, {"environment.exr", "finite"});
+  write_image(folder / "environment.exr", environment);
+  std::filesystem::remove(folder / "color_grids.exr");
+  expect_input_error([&] { (void)read_scene(folder); }, {"color_grids.exr"});
+
+  write_scene(folder, scene_with_appearance());
+  const std::string text = read_file(folder / "scene.json");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    write_file_atomically(folder / "scene.json", changed.replace(at, from.size(), to));
+  };
+  with("\"width_px\": 6", "\"width_px\": 1");
+  expect_input_error([&] { (void)read_scene(folder); }, {"environment.width_px", "1"});
+  with("\"camera\": \"left\"", "\"camera\": 7");
+  expect_input_error([&] { (void)read_scene(folder); }, {"color_grids.frames[1].camera"});
+
+  SceneFile infinite = scene_with_appearance();
+  infinite.scene.color_grids.values[7] = std::numeric_limits<float>::infinity();
+  expect_input_error([&] { write_scene(scratch / "other", infinite); }, {"color_grids.exr", "finite"});
+}
+
+}  // namespace
+}  // namespace simuli
