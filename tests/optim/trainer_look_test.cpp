@@ -108,10 +108,12 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   EXPECT_LT(gain(1), gain(0) - 0.05);
   EXPECT_LT(gain(3), gain(2) - 0.05);
   // The held-out picture (a bright one, number 4) is compared with and without its neighbours' grids.
-  const EvalReport report = evaluate(Device::best(), log, graded, {.timed_renders = 1});
+  EvalOptions once;
+  once.timed_renders = 1;
+  const EvalReport report = evaluate(Device::best(), log, graded, once);
   EXPECT_TRUE(std::isfinite(report.psnr_ungraded_db));
   EXPECT_NE(report.psnr_ungraded_db, report.psnr_db);
-  EXPECT_TRUE(std::isnan(evaluate(Device::best(), log, plain, {.timed_renders = 1}).psnr_ungraded_db));
+  EXPECT_TRUE(std::isnan(evaluate(Device::best(), log, plain, once).psnr_ungraded_db));
 }
 
 TEST_F(TrainerLook, TermsOfParticlesPullAsTheySay) {
