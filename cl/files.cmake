@@ -8,6 +8,7 @@ set(SIMULI_CL_FILES
   math/environment.h
   math/extent.h
   math/gaussian.h
+  math/random.h
   math/response.h
   math/sensor.h
   math/sh.h
@@ -18,11 +19,13 @@ set(SIMULI_CL_FILES
   kernels/bin.cl
   kernels/color_grid.cl
   kernels/color_grid_bwd.cl
+  kernels/densify.cl
   kernels/environment.cl
   kernels/environment_bwd.cl
   kernels/loss_image.cl
   kernels/loss_lidar.cl
   kernels/loss_ssim.cl
+  kernels/pose_bwd.cl
   kernels/project.cl
   kernels/project_bwd.cl
   kernels/rays.cl

@@ -16,12 +16,22 @@ FN ulong gradient_slot(const FrameParams* frame,
   return (ulong)emission[particle] + row * (count + SIM_HIGH(f.others)) + column;
 }
 
+/// sum += A^T v, A the record's matrix, whose first row ends in 0.
+FN void add_transposed(const real* record, const F* v, F* sum) {
+  sum[0] = fma(v[0], (F)record[0], fma(v[1], (F)record[2], fma(v[2], (F)record[5], sum[0])));
+  sum[1] = fma(v[0], (F)record[1], fma(v[1], (F)record[3], fma(v[2], (F)record[6], sum[1])));
+  sum[2] = fma(v[1], (F)record[4], fma(v[2], (F)record[7], sum[2]));
+}
+
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
 /// what has been summed so far. No atomics: an instance's sums go to its own slot (emission order).
+/// Build: ERRORS = 1 to blend the rays' errors as well, RAY_GRADIENTS = 1 for those of the rays.
 /// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance)
 ///     footprints[N], emission[N]
 /// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3).
 ///     Every slot of every instance is written.
+///     ERRORS: instance_error[K]: sum over its rays of weight x ray_error[slots]
+///     RAY_GRADIENTS: ray_grads[3|6][slots]: dL/d(direction); with ORIGINS also dL/d(origin)
 __kernel void render_bwd(const FrameParams frame,
                          __global const real* sensor,
                          __global const real* world_ray,
@@ -33,7 +43,10 @@ __kernel void render_bwd(const FrameParams frame,
                          __global const uint* emission,
                          __global const real* out,
                          __global const real* grad_out,
-                         __global real* grads) {
+                         __global real* grads,
+                         __global const real* ray_error,
+                         __global real* instance_error,
+                         __global real* ray_grads) {
   const uint tile = get_group_id(0);
   const uint lid = get_local_id(0);
   const uint base = tile * SIM_TILE_RAYS;
@@ -48,11 +61,23 @@ __kernel void render_bwd(const FrameParams frame,
   F transmittance[NR];
   F behind[NR];  // g . (what is still to come): features, distance and the last transmittance
   F g0[NR], g1[NR], g2[NR], gd[NR];
+#if ERRORS
+  F error[NR];
+#endif
+#if RAY_GRADIENTS
+  F ray_gradient[NR][3 + 3 * ORIGINS];
+#endif
   int alive = 0;
   for (int j = 0; j < NR; ++j) {
     const uint slot = base + VECTOR_SLOT(j, lid);
     ray[j] = load_ray(world_ray, ray_u, frame.slots, slot);
     transmittance[j] = (F)R(1.0);
+#if ERRORS
+    error[j] = LDV(ray_error + slot);
+#endif
+#if RAY_GRADIENTS
+    for (int k = 0; k < 3 + 3 * ORIGINS; ++k) ray_gradient[j][k] = (F)R(0.0);
+#endif
     g0[j] = LDV(grad_out + slot);
     g1[j] = LDV(grad_out + frame.slots + slot);
     g2[j] = LDV(grad_out + 2 * frame.slots + slot);
@@ -70,7 +95,7 @@ __kernel void render_bwd(const FrameParams frame,
   const uint end = first[tile + 1];
   uint i = first[tile];
 #if LS > 1
-  __local real reduced[LS * SIM_GRAD];
+  __local real reduced[LS * (SIM_GRAD + 1)];
   __local int group_alive;
   for (; i < end; ++i) {
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -91,6 +116,7 @@ __kernel void render_bwd(const FrameParams frame,
     const real box_mean = nearest_box_mean(record, tx, sensor);
     F sum[SIM_GRAD];
     for (int k = 0; k < SIM_GRAD; ++k) sum[k] = (F)R(0.0);
+    F blended_error = (F)R(0.0);
 
     const int j_last = J_LAST(packed);
     for (int j = J_FIRST(packed); j <= j_last; ++j) {
@@ -106,6 +132,9 @@ __kernel void render_bwd(const FrameParams frame,
       const F inv_n = SEL(inside, response.inv_n, (F)R(0.0));
       const F q = SEL(inside, response.q, (F)R(0.0));
       const F left = transmittance[j] - weight;
+#if ERRORS
+      blended_error = fma(weight, error[j], blended_error);
+#endif
 
       F value = g0[j] * record[SIM_R_FEATURE];
       value = fma(g1[j], (F)record[SIM_R_FEATURE + 1], value);
@@ -162,6 +191,13 @@ __kernel void render_bwd(const FrameParams frame,
         sum[SIM_G_ORIGIN + k] += origin[k];
       }
 
+#if RAY_GRADIENTS
+      add_transposed(record, da, ray_gradient[j]);
+#if ORIGINS
+      add_transposed(record, origin, ray_gradient[j] + 3);
+#endif
+#endif
+
       transmittance[j] = left;
       const I done = AND(left < t_cut, inside);
       if (ANY(done)) {
@@ -171,23 +207,36 @@ __kernel void render_bwd(const FrameParams frame,
       }
     }
 
-    __global real* target = grads + SIM_GRAD * gradient_slot(&frame, footprints, emission, particle, tx, ty);
+    const ulong slot = gradient_slot(&frame, footprints, emission, particle, tx, ty);
+    __global real* target = grads + SIM_GRAD * slot;
 #if LS > 1
-    for (int k = 0; k < SIM_GRAD; ++k) reduced[lid * SIM_GRAD + k] = HSUM(sum[k]);
+    for (int k = 0; k < SIM_GRAD; ++k) reduced[lid * (SIM_GRAD + 1) + k] = HSUM(sum[k]);
+    reduced[lid * (SIM_GRAD + 1) + SIM_GRAD] = HSUM(blended_error);
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (int k = (int)lid; k < SIM_GRAD; k += LS) {
+    for (int k = (int)lid; k < SIM_GRAD + ERRORS; k += LS) {
       real total = R(0.0);
-      for (int w = 0; w < LS; ++w) total += reduced[w * SIM_GRAD + k];
-      target[k] = total;
+      for (int w = 0; w < LS; ++w) total += reduced[w * (SIM_GRAD + 1) + k];
+      if (k < SIM_GRAD) target[k] = total;
+      else instance_error[slot] = total;
     }
 #else
     for (int k = 0; k < SIM_GRAD; ++k) target[k] = HSUM(sum[k]);
+    if (ERRORS) instance_error[slot] = HSUM(blended_error);
 #endif
   }
+#if RAY_GRADIENTS
+  for (int j = 0; j < NR; ++j) {
+    for (int k = 0; k < 3 + 3 * ORIGINS; ++k) {
+      STV(ray_grads + k * frame.slots + base + VECTOR_SLOT(j, lid), ray_gradient[j][k]);
+    }
+  }
+#endif
   // Behind the last contributor nothing was added: those slots are zero, not what the last frame left.
   for (i += lid; i < end; i += LS) {
     const uint particle = payload[i] & SIM_PARTICLE_MASK;
-    __global real* target = grads + SIM_GRAD * gradient_slot(&frame, footprints, emission, particle, tx, ty);
+    const ulong slot = gradient_slot(&frame, footprints, emission, particle, tx, ty);
+    __global real* target = grads + SIM_GRAD * slot;
     for (int k = 0; k < SIM_GRAD; ++k) target[k] = R(0.0);
+    if (ERRORS) instance_error[slot] = R(0.0);
   }
 }

@@ -88,6 +88,9 @@ FrameBuffers::FrameBuffers(const Device& device, Precision precision)
       out(device, "ray outputs", precision),
       grad_out(device, "ray gradients", precision),
       grads(device, "instance gradients", precision),
+      ray_error(device, "ray errors", precision),
+      instance_error(device, "instance errors", precision),
+      ray_grads(device, "ray gradients", precision),
       counts(device, "counts"),
       key_scratch(device, "sort keys"),
       value_scratch(device, "sort values") {}

@@ -4,14 +4,28 @@
 namespace simuli {
 
 RenderStage::RenderStage(const Device& device, const Variant& variant)
-    : work_items_(static_cast<std::size_t>(variant.shape.work_items)),
-      render_(Program(device, "kernels/render.cl", variant.options()), "render"),
-      render_bwd_(Program(device, "kernels/render_bwd.cl", variant.options()), "render_bwd") {}
+    : device_(device),
+      variant_(variant),
+      render_(Program(device, "kernels/render.cl", variant.options()), "render") {}
+
+RenderStage::Backward& RenderStage::backward(const BackwardExtras& extras) {
+  std::optional<Backward>& kernel = backward_[extras.errors ? 1 : 0][extras.ray_gradients ? 1 : 0];
+  if (!kernel) {
+    BuildOptions options = variant_.options();
+    kernel.emplace(
+        Program(device_,
+                "kernels/render_bwd.cl",
+                options.define("ERRORS", extras.errors).define("RAY_GRADIENTS", extras.ray_gradients)),
+        "render_bwd");
+  }
+  return *kernel;
+}
 
 void RenderStage::run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& b) {
+  const auto work_items = static_cast<std::size_t>(variant_.shape.work_items);
   b.out.reserve(std::size_t{SIM_OUTPUTS} * frame.slots);
-  render_.launch(std::size_t{frame.tiles_x} * frame.tiles_y * work_items_,
-                 work_items_,
+  render_.launch(std::size_t{frame.tiles_x} * frame.tiles_y * work_items,
+                 work_items,
                  frame,
                  b.sensor,
                  b.world_ray,
@@ -22,22 +36,31 @@ void RenderStage::run(const shared::FrameParams& frame, const RayBuffers& rays, 
                  b.out);
 }
 
-void RenderStage::run_backward(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& b) {
+void RenderStage::run_backward(const shared::FrameParams& frame,
+                               const RayBuffers& rays,
+                               FrameBuffers& b,
+                               const BackwardExtras& extras) {
+  const auto work_items = static_cast<std::size_t>(variant_.shape.work_items);
+  if (extras.errors) b.instance_error.reserve(b.instances);
+  if (extras.ray_gradients) b.ray_grads.reserve((variant_.origins ? 6U : 3U) * std::size_t{frame.slots});
   b.grads.reserve(std::size_t{b.instances} * SIM_GRAD);
-  render_bwd_.launch(std::size_t{frame.tiles_x} * frame.tiles_y * work_items_,
-                     work_items_,
-                     frame,
-                     b.sensor,
-                     b.world_ray,
-                     rays.u,
-                     b.first,
-                     b.payload,
-                     b.records,
-                     b.footprints,
-                     b.emission,
-                     b.out,
-                     b.grad_out,
-                     b.grads);
+  backward(extras).launch(std::size_t{frame.tiles_x} * frame.tiles_y * work_items,
+                          work_items,
+                          frame,
+                          b.sensor,
+                          b.world_ray,
+                          rays.u,
+                          b.first,
+                          b.payload,
+                          b.records,
+                          b.footprints,
+                          b.emission,
+                          b.out,
+                          b.grad_out,
+                          b.grads,
+                          b.ray_error,
+                          b.instance_error,
+                          b.ray_grads);
 }
 
 }  // namespace simuli

@@ -248,13 +248,20 @@ void Renderer::set_output_gradients(const std::vector<double>& gradients) {
   buffers_.grad_out.assign(gradients);
 }
 
-void Renderer::backward(const ParticleBuffers& particles, RealBuffer& param_grads) {
+void Renderer::backward(const ParticleBuffers& particles,
+                        RealBuffer& param_grads,
+                        const BackwardExtras& extras) {
   if (current_ == nullptr || particles.count != frame_.particles) {
     throw Error(ErrorKind::kInternal, "backward: other particles than those last rendered");
   }
   param_grads.reserve(particles.params.count());
-  current_->render.run_backward(frame_, rays_->buffers(), buffers_);
+  current_->render.run_backward(frame_, rays_->buffers(), buffers_, extras);
   current_->project.run_backward(frame_, particles, buffers_, param_grads);
+}
+
+PoseGradient Renderer::pose_gradient(const RealBuffer& param_grads) {
+  if (!current_->pose) current_->pose.emplace(device_, current_->own);
+  return current_->pose->run(frame_, rays_->buffers(), buffers_, param_grads);
 }
 
 }  // namespace simuli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/render/picture_stages.hpp"
+#include "host/render/pose_gradient.hpp"
 #include "host/scene/pose.hpp"
 
 namespace simuli {
@@ -83,10 +84,14 @@ class Renderer {
   void environment_backward(const EnvironmentBuffers& environment,
                             double tv_scale,
                             RealBuffer& texture_grads);
-  /// dL/d(outputs) -> param_grads[param_rows][stride] of the particles last rendered.
-  void backward(const ParticleBuffers& particles, RealBuffer& param_grads);
+  /// dL/d(outputs) -> param_grads[param_rows][stride] of the particles last rendered, and the extras.
+  void backward(const ParticleBuffers& particles, RealBuffer& param_grads, const BackwardExtras& extras = {});
+  /// After backward with ray gradients: dL/d(pose) of the sensor last rendered, from those and param_grads.
+  /// Waits.
+  [[nodiscard]] PoseGradient pose_gradient(const RealBuffer& param_grads);
 
   [[nodiscard]] const FrameBuffers& buffers() const { return buffers_; }
+  [[nodiscard]] FrameBuffers& buffers() { return buffers_; }
   [[nodiscard]] const shared::FrameParams& frame() const { return frame_; }
   [[nodiscard]] const RenderOptions& options() const { return options_; }
   [[nodiscard]] const Device& device() const { return device_; }
@@ -94,10 +99,12 @@ class Renderer {
  private:
   struct Stages {
     Stages(const Device& device, const Variant& variant)
-        : rays(device, variant), project(device, variant), render(device, variant) {}
+        : rays(device, variant), project(device, variant), render(device, variant), own(variant) {}
     RaysStage rays;
     ProjectStage project;
     RenderStage render;
+    std::optional<PoseStage> pose;  // when asked for
+    Variant own;
   };
   Stages& stages(const Variant& variant);
   ColorGridStage& grid_stage(const ColorGridBuffers& grids);

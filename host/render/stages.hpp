@@ -3,6 +3,7 @@
 // kernel file. N particles, M of them visible, K tile instances, S ray slots.
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cl/shared/layout.h"
@@ -84,6 +85,8 @@ struct FrameBuffers {
   RealBuffer out;                           // [6][S]
   RealBuffer grad_out;                      // [5][S]
   RealBuffer grads;                         // [K][16]
+  RealBuffer ray_error, instance_error;     // [S], [K]: backward with errors
+  RealBuffer ray_grads;                     // [3|6][S]: backward with ray gradients
   Buffer<std::uint32_t> counts;             // scratch of the counting passes
   Buffer<std::uint32_t> key_scratch, value_scratch;
   std::uint32_t visible = 0;    // M
@@ -221,15 +224,25 @@ class BinStage {
       tile_ranges_;
 };
 
+/// What a backward pass may give beside the gradients of particles.
+struct BackwardExtras {
+  bool errors = false;         // ray_error -> instance_error, weighted by blending
+  bool ray_gradients = false;  // dL/d(direction), and with origins dL/d(origin), of every ray -> ray_grads
+};
+
 class RenderStage {
  public:
   RenderStage(const Device& device, const Variant& variant);
   void run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers);  // K -> S
   /// out, grad_out -> grads. S -> K.
-  void run_backward(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers);
+  void run_backward(const shared::FrameParams& frame,
+                    const RayBuffers& rays,
+                    FrameBuffers& buffers,
+                    const BackwardExtras& extras);
 
  private:
-  std::size_t work_items_;
+  Device device_;
+  Variant variant_;
   Kernel<shared::FrameParams,
          BufRealConst,
          BufRealConst,
@@ -239,19 +252,23 @@ class RenderStage {
          BufRealConst,
          BufReal>
       render_;
-  Kernel<shared::FrameParams,
-         BufRealConst,
-         BufRealConst,
-         BufRealConst,
-         Buf<const std::uint32_t>,
-         Buf<const std::uint32_t>,
-         BufRealConst,
-         Buf<const shared::Footprint>,
-         Buf<const std::uint32_t>,
-         BufRealConst,
-         BufRealConst,
-         BufReal>
-      render_bwd_;
+  using Backward = Kernel<shared::FrameParams,
+                          BufRealConst,
+                          BufRealConst,
+                          BufRealConst,
+                          Buf<const std::uint32_t>,
+                          Buf<const std::uint32_t>,
+                          BufRealConst,
+                          Buf<const shared::Footprint>,
+                          Buf<const std::uint32_t>,
+                          BufRealConst,
+                          BufRealConst,
+                          BufReal,
+                          BufRealConst,
+                          BufReal,
+                          BufReal>;
+  Backward& backward(const BackwardExtras& extras);
+  std::optional<Backward> backward_[2][2];  // [errors][ray_gradients], made when asked for
 };
 
 /// Sums of a picture's loss, over all known pixels and channels.
@@ -341,6 +358,11 @@ class AdamStage {
       RealBuffer& params, const RealBuffer& grads, std::size_t first, double rate, std::uint64_t step);
   /// Gradient entries so far that were not finite and moved nothing. Waits.
   [[nodiscard]] std::uint32_t rejected() const { return rejected_.read_back(); }
+  [[nodiscard]] Buffer<std::uint32_t>& rejections() { return rejected_; }
+  [[nodiscard]] std::uint64_t& iteration() { return iteration_; }  // steps done
+  /// The moments [param_rows][stride], for whoever renumbers or stores them.
+  [[nodiscard]] RealBuffer& first_moment() { return first_; }
+  [[nodiscard]] RealBuffer& second_moment() { return second_; }
 
  private:
   struct Matrix {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/runtime/cl_error.hpp"
+#include "host/runtime/device_state.hpp"
 
 namespace simuli::detail {
 namespace {
@@ -16,6 +17,16 @@ constexpr std::size_t kMaxFillPatternBytes = 128;
 constexpr std::size_t kFillChunkBytes = std::size_t{1} << 20U;
 
 }  // namespace
+
+MemoryLease::MemoryLease(const Device& device, std::size_t bytes) : device_(device), bytes_(bytes) {
+  MemoryUse& use = device.state().memory;
+  use.now += bytes;
+  use.peak = std::max(use.peak, use.now);
+}
+
+MemoryLease::~MemoryLease() {
+  if (device_) device_->state().memory.now -= bytes_;
+}
 
 Memory::Memory(const Device& device, std::string name, std::size_t element_bytes)
     : device_(device), name_(std::move(name)), element_bytes_(element_bytes) {
@@ -39,6 +50,7 @@ void Memory::allocate(std::size_t count) {
       [&] { return fmt::format("allocating buffer {} of {} bytes", name_, bytes); },
       [&] { buffer_ = cl::Buffer(device_.context(), CL_MEM_READ_WRITE, bytes); });
   capacity_ = count;
+  lease_ = MemoryLease(device_, bytes);
 }
 
 void Memory::reserve(std::size_t count) {
@@ -47,6 +59,7 @@ void Memory::reserve(std::size_t count) {
     count_ = 0;
     capacity_ = 0;
     buffer_ = cl::Buffer();
+    lease_ = {};
     try {
       allocate(count);
     } catch (const Error&) {
@@ -55,6 +68,23 @@ void Memory::reserve(std::size_t count) {
     }
   }
   count_ = count;
+}
+
+void Memory::extend(std::size_t count) {
+  if (count <= capacity_) {
+    count_ = count;
+    return;
+  }
+  Memory larger(device_, name_, element_bytes_);
+  larger.reserve(count);
+  const std::size_t bytes = count_ * element_bytes_;
+  if (bytes > 0) {
+    cl_call(
+        ErrorKind::kDevice,
+        [&] { return fmt::format("copying {} bytes of buffer {}", bytes, name_); },
+        [&] { device_.queue().enqueueCopyBuffer(buffer_, larger.buffer_, 0, 0, bytes); });
+  }
+  *this = std::move(larger);
 }
 
 void Memory::need_range(const char* what, std::size_t first, std::size_t count) const {

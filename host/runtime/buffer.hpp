@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -13,6 +14,29 @@
 namespace simuli {
 namespace detail {
 
+/// Counts bytes as used on a device for as long as it lives.
+class MemoryLease {
+ public:
+  MemoryLease() = default;
+  MemoryLease(const Device& device, std::size_t bytes);
+  MemoryLease(MemoryLease&& other) noexcept { swap(other); }
+  MemoryLease& operator=(MemoryLease&& other) noexcept {
+    MemoryLease(std::move(other)).swap(*this);
+    return *this;
+  }
+  MemoryLease(const MemoryLease&) = delete;
+  MemoryLease& operator=(const MemoryLease&) = delete;
+  ~MemoryLease();
+
+ private:
+  void swap(MemoryLease& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(bytes_, other.bytes_);
+  }
+  std::optional<Device> device_;
+  std::size_t bytes_ = 0;
+};
+
 /// The untyped part of Buffer<T>: `count` elements of `element_bytes` in one cl::Buffer. Never empty on
 /// the device: a count of 0 has a minimal allocation, so that it can be a kernel argument.
 class Memory {
@@ -20,6 +44,7 @@ class Memory {
   Memory(const Device& device, std::string name, std::size_t element_bytes);
 
   void reserve(std::size_t count);
+  void extend(std::size_t count);
   void write(std::size_t first, const void* source, std::size_t count);
   void read(std::size_t first, void* target, std::size_t count) const;
   void fill(const void* element);
@@ -41,6 +66,7 @@ class Memory {
   std::size_t count_ = 0;
   std::size_t capacity_ = 0;
   cl::Buffer buffer_;
+  MemoryLease lease_;
 };
 
 }  // namespace detail
@@ -74,6 +100,8 @@ class Buffer {
   /// Makes count() exactly `count`. Allocates only when that exceeds capacity(), the content being lost
   /// then; never shrinks.
   void reserve(std::size_t count) { memory_.reserve(count); }
+  /// Makes count() exactly `count` and keeps the content; what is new is undefined.
+  void extend(std::size_t count) { memory_.extend(count); }
   /// reserve(values.size()) and upload(values).
   void assign(std::span<const T> values) {
     reserve(values.size());

@@ -52,6 +52,12 @@ namespace detail {
 struct DeviceState;
 }
 
+/// Bytes of the Buffers on a device: now, and the most there ever were at once.
+struct MemoryUse {
+  std::uint64_t now = 0;
+  std::uint64_t peak = 0;
+};
+
 /// One OpenCL device with its context and in-order queue. A handle: copies refer to the same device,
 /// and Buffers, Programs and Kernels keep it alive. A Device and what was made on it are used by one
 /// thread at a time.
@@ -74,6 +80,9 @@ class Device {
   [[nodiscard]] const DeviceInfo& info() const;
   [[nodiscard]] const Quirks& quirks() const;
   [[nodiscard]] Profile& profile() const;
+  [[nodiscard]] const MemoryUse& memory() const;
+  /// Makes the peak what is used now.
+  void reset_memory_peak() const;
 
   /// Waits until everything queued so far has run. Error{kDevice} when some of it failed.
   void finish() const;

@@ -17,6 +17,7 @@ struct DeviceState {
   cl::Context context;
   cl::CommandQueue queue;
   Profile profile{false};
+  MemoryUse memory;
   // Programs built so far, by their full key (options and expanded source).
   std::map<std::string, std::shared_ptr<const ProgramState>> programs;
 };

@@ -1,0 +1,283 @@
+// densify.cl - error-driven relocation and growth of a particle set. Launcher: host/render/densify.cpp
+// METHOD section 11, after Kheradmand et al., "3D Gaussian splatting as Markov chain Monte Carlo" (2024), with
+// sources drawn by reconstruction error instead of opacity.
+#include "math/elementary.h"
+#include "math/random.h"
+
+#define DEAD_SIGMA R(0.005)
+#define MAX_COPIES 51u  // the correction of opacity and scale is not followed beyond
+
+FN real sigma_of(real logit) { return R(1.0) / (R(1.0) + exp(-logit)); }
+
+/// Error of each pixel: mean absolute difference of its channels, 0 where the truth is not known (below 0).
+/// in  picture[3][slots], truth[3][slots]; world_ray: a zero direction marks slots without a pixel
+__kernel void pixel_error(const uint slots,
+                          __global const real* world_ray,
+                          __global const real* picture,
+                          __global const real* truth,
+                          __global real* error) {
+  const uint i = get_global_id(0);
+  if (i >= slots) return;
+  const int known = (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
+                    truth[i] >= R(0.0);
+  real sum = R(0.0);
+  for (uint c = 0; c < 3; ++c) sum += fabs(picture[c * slots + i] - truth[c * slots + i]);
+  error[i] = known && sum < R(1e30) ? sum * R(0.333333333333333333) : R(0.0);
+}
+
+/// Error of each LiDAR ray, in the proportions of the loss: distance (at most 1 m: what is further off is simply
+/// wrong), intensity, and the probability given to the wrong one of hit and drop.
+/// in  weight[3]; out[6][slots] of render; truth[2][slots] (range 0: no return, below 0: not known), world_ray
+__kernel void beam_error(const uint slots,
+                         __global const real* weight,
+                         __global const real* world_ray,
+                         __global const real* out,
+                         __global const real* truth,
+                         __global real* error) {
+  const uint i = get_global_id(0);
+  if (i >= slots) return;
+  const real range = truth[i];
+  const int fired = (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
+                    range >= R(0.0);
+  const int returned = range > R(0.0);
+  const real drop = sigma_of(out[2 * slots + i] - out[slots + i]);
+  real sum = weight[2] * (returned ? drop : R(1.0) - drop);
+  if (returned) {
+    const real opacity = R(1.0) - out[SIM_O_TRANSMITTANCE * slots + i];
+    const real off = fabs(out[SIM_O_DISTANCE * slots + i] / opacity - range);
+    sum += weight[0] * (off < R(1.0) ? off : R(1.0));  // without opacity: not a number, and 1
+    sum += weight[1] * fabs(out[i] - truth[slots + i]);
+  }
+  error[i] = fired && sum < R(1e30) ? sum : R(0.0);
+}
+
+/// Adds the errors of a particle's instances, which render_bwd has weighted by blending, in emission order.
+__kernel void accumulate_error(const uint n,
+                               __global const uint* keys,
+                               __global const Footprint* footprints,
+                               __global const uint* emission,
+                               __global const real* instance_error,
+                               __global real* accumulated) {
+  const uint i = get_global_id(0);
+  if (i >= n || keys[i] == 0xffffffffu) return;
+  const uint count = footprints[i].tiles;
+  const __global real* slot = instance_error + emission[i];
+  real sum = accumulated[i];
+  for (uint k = 0; k < count; ++k) sum += slot[k];
+  accumulated[i] = sum;
+}
+
+/// The error that stands for a particle in the draw; below 0 for a dead one: nearly transparent, or with a
+/// parameter that is not a number.
+FN real live_error(__global const real* params, uint stride, uint rows, uint i, real accumulated) {
+  int sound = sigma_of(params[SIM_OPACITY * stride + i]) >= DEAD_SIGMA;
+  for (uint row = 0; row < rows; ++row) sound = sound && fabs(params[row * stride + i]) < R(1e30);
+  if (!sound) return R(-1.0);
+  return accumulated > R(0.0) && accumulated < R(1e30) ? accumulated : R(0.0);
+}
+
+/// out dead[chunks]: dead particles of each chunk; sums[chunks]: errors of its live ones
+__kernel void weigh_particles(const uint n,
+                              const uint chunk,
+                              const uint rows,
+                              const uint stride,
+                              __global const real* params,
+                              __global const real* accumulated,
+                              __global uint* dead,
+                              __global real* sums) {
+  const uint begin = get_global_id(0) * chunk;
+  const uint end = min(begin + chunk, n);
+  uint count = 0;
+  real sum = R(0.0);
+  for (uint i = begin; i < end; ++i) {
+    const real error = live_error(params, stride, rows, i, accumulated[i]);
+    count += error < R(0.0);
+    sum += error > R(0.0) ? error : R(0.0);
+  }
+  dead[get_global_id(0)] = count;
+  sums[get_global_id(0)] = sum;
+}
+
+/// in  dead_before[chunks]: exclusive prefix sum; scale: so that weights add up to less than 2^32
+/// out targets[dead]: the dead in order; share[n]: whole-number weights of the draw
+__kernel void list_dead(const uint n,
+                        const uint chunk,
+                        const uint rows,
+                        const uint stride,
+                        __global const real* params,
+                        __global const real* accumulated,
+                        __global const uint* dead_before,
+                        const real scale,
+                        __global uint* targets,
+                        __global uint* share) {
+  const uint begin = get_global_id(0) * chunk;
+  const uint end = min(begin + chunk, n);
+  uint place = dead_before[get_global_id(0)];
+  for (uint i = begin; i < end; ++i) {
+    const real error = live_error(params, stride, rows, i, accumulated[i]);
+    if (error < R(0.0)) targets[place++] = i;
+    share[i] = error > R(0.0) ? (uint)(error * scale) : 0;
+  }
+}
+
+/// Draws the source of each target, with probability share / total, by bisection of the running sum.
+/// in  running[n]: exclusive prefix sum of the shares, which add up to total > 0
+///     targets[listed], then come particles first_new, first_new + 1, ...
+/// out source[count]; copies[n], zero before: how often each was drawn (whole numbers: order does not matter)
+__kernel void draw_sources(const uint count,
+                           const uint listed,
+                           const uint first_new,
+                           const uint n,
+                           const uint total,
+                           const uint seed_low,
+                           const uint seed_high,
+                           const uint iteration,
+                           const uint set,
+                           __global const uint* running,
+                           __global uint* targets,
+                           __global uint* source,
+                           __global uint* copies) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  if (i >= listed) targets[i] = first_new + i - listed;
+  const Random4 random = philox(seed_low, seed_high, targets[i], iteration, RANDOM_SOURCE, set);
+  const uint place = mul_hi(random.word[0], total);  // in [0, total)
+  uint low = 0, high = n - 1;  // the last whose running sum is not above place
+  while (low < high) {
+    const uint middle = low + (high - low + 1) / 2;
+    if (running[middle] <= place) low = middle;
+    else high = middle - 1;
+  }
+  source[i] = low;
+  atomic_inc(copies + low);
+}
+
+/// Opacity and scale of each of `count` particles in one place that together look like one of sigma: equal
+/// transmittance at the centre, equal integral across (equation 9 of the paper; its double sum is a single one by
+/// the hockey-stick identity).
+FN void share_out(real sigma, uint count, real* each, real* scale) {
+  const real copies = (real)min(count, MAX_COPIES);
+  *each = R(1.0) - exp(log(R(1.0) - sigma) / copies);
+  real sum = R(0.0), term = R(-1.0);
+  for (real k = R(1.0); k <= copies; k += R(1.0)) {
+    term *= -*each * (copies - k + R(1.0)) / k;
+    sum += term / sqrt(k);
+  }
+  *scale = sigma / sum;
+}
+
+/// Sources' parameters with the shared opacity and scale go to the targets, and then, in a second launch whose
+/// targets are the sources themselves, to those.
+/// in  copies[n] of draw_sources; a source's other copies are read by number from `source` (second launch: none)
+__kernel void copy_particles(const uint count,
+                             const uint rows,
+                             const uint stride,
+                             const uint in_place,
+                             __global const uint* targets,
+                             __global const uint* source,
+                             __global const uint* copies,
+                             __global real* params) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const uint from = in_place ? i : source[i];
+  const uint to = in_place ? i : targets[i];
+  const uint drawn = copies[from];
+  if (drawn == 0) return;
+  const real sigma = sigma_of(params[SIM_OPACITY * stride + from]);
+  real each, scale;
+  share_out(sigma < R(0.9999) ? sigma : R(0.9999), drawn + 1, &each, &scale);
+  each = each > DEAD_SIGMA ? each : DEAD_SIGMA;
+  for (uint row = 0; row < rows; ++row) {
+    real value = params[row * stride + from];
+    if (row == SIM_OPACITY) value = log(each / (R(1.0) - each));
+    if (row >= SIM_LOG_SCALE && row < SIM_ROTATION) value += log(scale);
+    params[row * stride + to] = value;
+  }
+}
+
+/// Zeroes the rows of the targets and of all that were drawn: their optimiser starts anew.
+__kernel void clear_moments(const uint count,
+                            const uint n,
+                            const uint rows,
+                            const uint stride,
+                            __global const uint* targets,
+                            __global const uint* copies,
+                            __global real* moments) {
+  const uint i = get_global_id(0);
+  if (i < count) {
+    for (uint row = 0; row < rows; ++row) moments[row * stride + targets[i]] = R(0.0);
+  }
+  if (i < n && copies[i] > 0) {
+    for (uint row = 0; row < rows; ++row) moments[row * stride + i] = R(0.0);
+  }
+}
+
+/// Targets take over the `width` words of their source (words[n][width]: anchors).
+__kernel void copy_words(const uint count,
+                         const uint width,
+                         __global const uint* targets,
+                         __global const uint* source,
+                         __global uint* words) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  for (uint k = 0; k < width; ++k) words[(ulong)targets[i] * width + k] = words[(ulong)source[i] * width + k];
+}
+
+/// Rows of `stride` copied to rows of new_stride; what is new is padding (as ParticleBuffers::upload) or 0.
+__kernel void widen_rows(const uint rows,
+                         const uint n,
+                         const uint stride,
+                         const uint new_stride,
+                         const uint is_params,
+                         __global const real* from,
+                         __global real* to) {
+  const uint i = get_global_id(0);
+  if (i >= new_stride) return;
+  for (uint row = 0; row < rows; ++row) {
+    real value = R(0.0);
+    if (is_params && row == SIM_ROTATION) value = R(1.0);
+    if (is_params && row == SIM_OPACITY) value = R(-80.0);
+    if (i < n) value = from[row * stride + i];
+    to[row * new_stride + i] = value;
+  }
+}
+
+/// Moves the means of nearly transparent particles at random: by strength x gate(sigma) x covariance x normal
+/// numbers, gate = logistic(100 (0.005 - sigma)), strength in 1/m (noise times learning rate).
+/// in  keys[n]: particles that the frame culled stay
+__kernel void jitter_means(const uint n,
+                           const uint stride,
+                           const real strength,
+                           const uint seed_low,
+                           const uint seed_high,
+                           const uint iteration,
+                           const uint set,
+                           __global const uint* keys,
+                           __global real* params) {
+  const uint i = get_global_id(0);
+  if (i >= n || keys[i] == 0xffffffffu) return;
+  const real sigma = sigma_of(params[SIM_OPACITY * stride + i]);
+  const real gate = sigma_of(R(100.0) * (DEAD_SIGMA - sigma));
+  if (!(gate > R(1e-6))) return;
+  real normal[3], along[3], q[4], length2 = R(0.0);
+  normals_of(philox(seed_low, seed_high, i, iteration, RANDOM_NOISE, set), normal);
+  for (int k = 0; k < 4; ++k) {
+    q[k] = params[(SIM_ROTATION + k) * stride + i];
+    length2 += q[k] * q[k];
+  }
+  if (!(length2 > R(0.0))) return;
+  for (int k = 0; k < 4; ++k) q[k] /= sqrt(length2);
+  const real w = q[0], x = q[1], y = q[2], z = q[3];
+  const real rotation[9] = {R(1.0) - R(2.0) * (y * y + z * z), R(2.0) * (x * y - w * z), R(2.0) * (x * z + w * y),
+                            R(2.0) * (x * y + w * z), R(1.0) - R(2.0) * (x * x + z * z), R(2.0) * (y * z - w * x),
+                            R(2.0) * (x * z - w * y), R(2.0) * (y * z + w * x), R(1.0) - R(2.0) * (x * x + y * y)};
+  for (int k = 0; k < 3; ++k) {
+    const real s = exp(params[(SIM_LOG_SCALE + k) * stride + i]);
+    along[k] = s * s * (rotation[k] * normal[0] + rotation[3 + k] * normal[1] + rotation[6 + k] * normal[2]);
+  }
+  for (int c = 0; c < 3; ++c) {
+    const real step = rotation[3 * c] * along[0] + rotation[3 * c + 1] * along[1] + rotation[3 * c + 2] * along[2];
+    const real moved = fma(strength * gate, step, params[(SIM_MEAN + c) * stride + i]);
+    if (fabs(moved) < R(1e30)) params[(SIM_MEAN + c) * stride + i] = moved;
+  }
+}
