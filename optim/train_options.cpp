@@ -53,6 +53,21 @@ TrainOptions checked(const TrainOptions& o) {
                               o.lidar_particles.entropy}) {
     need(weight >= 0.0 && std::isfinite(weight), "loss weight", weight, "finite, 0 or more");
   }
+  const AnchorOptions& a = o.anchor;
+  need(a.weight >= 0.0 && std::isfinite(a.weight), "anchor.weight", a.weight, "finite, 0 or more");
+  need(a.neighbours >= 1 && a.neighbours <= 256, "anchor.neighbours", a.neighbours, "1 to 256");
+  need(a.every >= 1, "anchor.every", a.every, "1 or more");
+  need(a.choose_every >= 1, "anchor.choose_every", a.choose_every, "1 or more");
+  need(a.reach_m > 0.0, "anchor.reach_m", a.reach_m, "above 0");
+  const DensifyOptions& d = o.densify;
+  need(d.every >= 0, "densify.every", d.every, "0 (never) or more");
+  need(d.first >= 1, "densify.first", d.first, "1 or more");
+  need(d.last_share >= 0.0 && d.last_share <= 1.0, "densify.last_share", d.last_share, "0 to 1");
+  need(d.growth >= 0.0 && d.growth <= 1.0, "densify.growth", d.growth, "0 to 1");
+  need(d.noise >= 0.0 && std::isfinite(d.noise), "densify.noise", d.noise, "finite, 0 or more");
+  for (const double rate : {o.poses.translation_m, o.poses.rotation_rad}) {
+    need(rate >= 0.0 && std::isfinite(rate), "poses rate", rate, "finite, 0 or more");
+  }
   return o;
 }
 

@@ -5,6 +5,7 @@
 
 #include "host/render/options.hpp"
 #include "optim/schedule.hpp"
+#include "optim/structure_options.hpp"
 
 namespace simuli {
 
@@ -58,10 +59,14 @@ struct TrainOptions {
   /// heart.
   LearningRates lidar{.mean_m = 2e-3, .mean_final_m = 2e-5, .opacity = 5e-2, .sh = 5e-3, .sh_rest = 2.5e-4};
   LidarWeights weights;
+  AnchorOptions anchor;
+  DensifyOptions densify;
   /// Leave what moved out of the losses. The background gets clean; unmasked, it takes on a smear of what
   /// moved, which is closer to the recorded pictures than nothing.
   bool mask_moving = false;
   RenderOptions render;  // in float; the median distance has no gradient and is never written
+  PoseOptions poses;
+  std::size_t memory_bytes = 0;  // of the device, that the training may need; 0: all it has
   std::size_t cache_bytes = std::size_t{2} << 30U;  // of frames kept on the device, images and sweeps each
 };
 

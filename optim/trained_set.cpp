@@ -5,7 +5,15 @@ namespace simuli {
 TrainedSet::TrainedSet(const Device& device, const GaussianSet& set)
     : particles(device, set, Precision::kFloat),
       grads(device, "gradients", Precision::kFloat, particles.params.count()),
+      error(device, "reconstruction errors", Precision::kFloat, particles.count),
       adam(device, particles) {
+  grads.fill(0.0);
+  error.fill(0.0);
+}
+
+void TrainedSet::fit_gradients() {
+  if (grads.count() == particles.params.count()) return;
+  grads.reserve(particles.params.count());
   grads.fill(0.0);  // padding behind the last particle gets no gradient from any kernel
 }
 

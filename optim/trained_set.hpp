@@ -3,11 +3,17 @@
 
 namespace simuli {
 
+/// Numbers of the sets, for random numbers and names of states.
+enum SetNumber : std::uint32_t { kCameraSet = 0, kLidarSet = 1 };
+
 /// A particle set in training: parameters, their gradients, and the optimiser's state.
 struct TrainedSet {
   TrainedSet(const Device& device, const GaussianSet& set);
+  /// Makes the gradients fit the particles after those have grown.
+  void fit_gradients();
   ParticleBuffers particles;
   RealBuffer grads;  // [param_rows][stride]
+  RealBuffer error;  // [N] reconstruction error since the last relocation
   AdamStage adam;
 };
 

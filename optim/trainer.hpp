@@ -3,15 +3,21 @@
 // set.
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
+#include "host/render/anchor.hpp"
+#include "host/render/densify.hpp"
 #include "host/render/regularize.hpp"
 #include "host/render/renderer.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log.hpp"
 #include "optim/moving_space.hpp"
 #include "optim/schedule.hpp"
+#include "optim/sensor_offsets.hpp"
+#include "optim/state.hpp"
 #include "optim/train_options.hpp"
 #include "optim/trained_look.hpp"
 #include "optim/trained_set.hpp"
@@ -34,6 +40,8 @@ struct TrainStatus {
   double psnr_db = 0.0;
   double distance_m = 0.0;     // mean |d^ - d| over returned rays, expected distance
   double drop_accuracy = 0.0;  // share of rays
+  std::uint32_t camera_particles = 0;
+  std::uint32_t lidar_particles = 0;
 };
 
 struct TrainReport {
@@ -42,7 +50,14 @@ struct TrainReport {
   std::size_t sweeps = 0;
   Eigen::Index camera_particles = 0;
   Eigen::Index lidar_particles = 0;
+  std::uint64_t relocated = 0;  // dead particles of both sets, put where the error is
+  std::uint64_t grown = 0;      // particles of both sets that came new
+  double anchor_m = 0.0;        // mean distance of anchored camera particles seen last
+  double anchor_seconds = 0.0;
+  double densify_seconds = 0.0;
   std::uint32_t rejected_gradients = 0;  // entries that were not finite and moved nothing; 0 in good order
+  std::uint64_t unsound_particles = 0;   // not finite at the end: nobody sees them, the scene leaves them out
+  std::uint32_t unsound_losses = 0;      // of frames, not finite
   bool stopped_early = false;            // max_seconds ran out first
   double seconds = 0.0;
 };
@@ -61,25 +76,44 @@ class Trainer {
           MovingSpace moving = {});
 
   /// One iteration: a step on the camera set, and on the LiDAR set when it is its turn; each only when it has
-  /// frames and particles. Error{kInput} when a frame can't be
-  /// read, Error{kNumeric} when a loss is not a finite number.
+  /// frames and particles. Error{kInput} when a frame can't be read. What is not a finite number moves
+  /// nothing and is counted (TrainReport): training goes on.
   void step();
   /// All iterations that are left; `on_step` is called after each.
   TrainReport run(const std::function<void(const TrainStatus&)>& on_step = {});
 
+  /// Stores all that decides how this training goes on; atomic. `settings`: a line for each thing that must
+  /// be the same for it to be the same training.
+  void save(const std::filesystem::path& file, const std::string& settings);
+  /// Goes on where a trainer of the same log, start and options was saved: with the same bits, on the same
+  /// device and build. Error{kInput} when the file is of another training, or not as it was written.
+  void resume(const std::filesystem::path& file, const std::string& settings);
+
   [[nodiscard]] const TrainStatus& status() const { return status_; }
-  /// The scene as trained so far.
+  /// What has been learned of where sensors sit; empty unless options.poses ask for it.
+  [[nodiscard]] const SensorOffsets& sensor_offsets() const { return offsets_; }
+  /// The scene as trained so far, without particles that are not finite.
   [[nodiscard]] Scene scene() const;
 
   Trainer(const Trainer&) = delete;
   Trainer& operator=(const Trainer&) = delete;
 
  private:
-  /// Error{kNumeric} naming the frame's file unless the loss is a finite number.
-  static void need_finite(double loss, const std::string& file);
   void regularize(TrainedSet& set, const ParticleWeights& weights);
+  /// Whether the loss of a frame is a finite number; counts it when it is not.
+  bool is_sound(double loss);
+  StateList state(const std::string& settings);
   void step_camera(double progress);  // trainer_camera.cpp
   void step_lidar(double progress);   // trainer_lidar.cpp
+  // trainer_structure.cpp
+  template <class Frame>
+  [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
+  void step_pose(const std::string& sensor, const RealBuffer& grads, double progress);
+  [[nodiscard]] bool collects_errors() const;
+  void find_anchors();
+  void add_anchor_gradient();
+  void jitter(TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress);
+  void densify();
 
   const Log& log_;
   Scene scene_;
@@ -91,8 +125,14 @@ class Trainer {
   TrainedLook look_;
   RegularizeStage regularize_;
   FrameOrder images_, sweeps_;
+  SensorOffsets offsets_;  // of the sensors whose poses are learned
   RunningMean square_, distance_, right_;
   TrainStatus status_;
+  std::optional<AnchorStage> anchor_;    // when camera particles are anchored
+  std::optional<DensifyStage> densify_;  // when particles are relocated
+  std::uint64_t relocated_ = 0, grown_ = 0;
+  double anchor_seconds_ = 0.0, densify_seconds_ = 0.0;
+  std::uint32_t unsound_losses_ = 0;
 };
 
 }  // namespace simuli

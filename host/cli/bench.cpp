@@ -9,7 +9,9 @@
 #include "bench/figure11.hpp"
 #include "bench/sensor_errors.hpp"
 #include "bench/stages.hpp"
+#include "bench/table5.hpp"
 #include "bench/table8.hpp"
+#include "bench/training.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
 
@@ -20,40 +22,45 @@ namespace {
 struct BenchCommand {
   bool stages = false;
   bool extremes = false;
+  bool training = false;
   int table = 0;       // 0: none
   int figure = 0;      // 0: none
+  std::string log;     // of tables; empty: the embedded street
   int iterations = 0;  // 0: each bench's own number
   bench::StagesOptions stage_options;
+  bench::Table5Options table5;
   bench::Table8Options table8;
   bench::Figure10Options figure10;
   bench::Figure11Options figure11;
 };
 
 void run_bench(BenchCommand command, const Globals& globals) {
-  const int asked = (command.stages ? 1 : 0) + (command.extremes ? 1 : 0) + (command.table != 0 ? 1 : 0) +
-                    (command.figure != 0 ? 1 : 0);
+  const int asked = (command.stages ? 1 : 0) + (command.extremes ? 1 : 0) + (command.training ? 1 : 0) +
+                    (command.table != 0 ? 1 : 0) + (command.figure != 0 ? 1 : 0);
   if (asked != 1) {
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format(
-            "bench: found {} tables, allowed one of --stages, --extremes, --table 8, --figure 10 or 11",
-            asked));
+    throw Error(ErrorKind::kUsage,
+                fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
+                            "--table 5|8, --figure 10|11",
+                            asked));
   }
-  if (!command.table8.log.empty() && command.table != 8) {
-    throw Error(ErrorKind::kUsage, "bench: --log: found without --table 8, allowed with it");
+  if (!command.log.empty() && command.table == 0) {
+    throw Error(ErrorKind::kUsage, "bench: --log: found without --table, allowed with it");
   }
+  command.table5.log = command.table8.log = command.log;
   if (command.iterations > 0) {
     if (command.table == 0 && command.figure == 0) {
       throw Error(ErrorKind::kUsage,
                   "bench: --iterations: found without a training, allowed with --table, --figure");
     }
-    command.table8.iterations = command.figure10.iterations = command.figure11.iterations =
-        command.iterations;
+    command.table5.iterations = command.table8.iterations = command.figure10.iterations =
+        command.figure11.iterations = command.iterations;
   }
   const auto note = [](const std::string& line) { std::cerr << line << '\n'; };
   std::vector<bench::Row> rows;
   std::vector<std::string> broken;
   if (command.stages) rows = bench::run_stages(globals.device, command.stage_options, note);
+  if (command.training) rows = bench::run_training(globals.device, {}, note);
+  if (command.table == 5) rows = bench::run_table5(globals.device, command.table5, note);
   if (command.table == 8) rows = bench::run_table8(globals.device, command.table8, note);
   if (command.figure == 10) rows = bench::run_figure10(globals.device, command.figure10, note);
   if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
@@ -77,14 +84,20 @@ void add_bench(CLI::App& app, const Globals& globals) {
       "--stages", options->stages, "each stage of a camera and a LiDAR frame, forward and backward");
   command->add_flag(
       "--extremes", options->extremes, "float against double at the ends of range, size and position");
-  command->add_option("--table", options->table, "8: unscented, linearised and Monte Carlo projection")
-      ->check(CLI::IsMember({8}));
+  command->add_flag("--training",
+                    options->training,
+                    "an iteration of training by stage, anchoring, memory; 50 k, 200 k and 1 M particles");
+  command
+      ->add_option("--table",
+                   options->table,
+                   "5: factorised sets against one; 8: unscented, linearised and Monte Carlo projection")
+      ->check(CLI::IsMember({5, 8}));
   command
       ->add_option("--figure",
                    options->figure,
                    "10: thin poles and the footprint filter; 11: motion during a frame, modelled and ignored")
       ->check(CLI::IsMember({10, 11}));
-  command->add_option("--log", options->table8.log, "table 8: a log folder instead of the embedded street");
+  command->add_option("--log", options->log, "tables: a log folder instead of the embedded street");
   command->add_option("--iterations", options->iterations, "of each training of a table or figure")
       ->check(CLI::Range(1, 1'000'000));
   command->add_option("--particles", options->stage_options.particles, "Gaussians of the synthetic street")

@@ -13,9 +13,24 @@ struct EvalCommand {
   EvalOptions options;
 };
 
+/// The log with its sensors where the scene has them: training may have learned better.
+Log mounted(Log log, const SceneFile& scene) {
+  for (LogCamera& camera : log.cameras) {
+    for (const LogCamera& known : scene.cameras) {
+      if (known.model.name == camera.model.name) camera.rig_from_camera = known.rig_from_camera;
+    }
+  }
+  for (LogLidar& lidar : log.lidars) {
+    for (const LogLidar& known : scene.lidars) {
+      if (known.model.name == lidar.model.name) lidar.rig_from_lidar = known.rig_from_lidar;
+    }
+  }
+  return log;
+}
+
 void eval(const EvalCommand& command, const Globals& globals) {
   const SceneFile file = read_scene(command.scene);
-  const Log log = read_log(command.log);
+  const Log log = mounted(read_log(command.log), file);
   const Device device = Device::best(globals.device);
   print_eval(evaluate_scene(device, log, file.scene, command.options, globals), globals.json);
 }

@@ -18,6 +18,7 @@ struct TrainCommand {
   std::vector<std::string> settings;
   InitOptions init;
   TrainOptions train;
+  Checkpoints checkpoints;
 };
 
 void print_report(const TrainedScene& trained, const TrainCommand& command, bool json) {
@@ -35,7 +36,14 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
                                         {"train_psnr_db", r.last.psnr_db},
                                         {"train_distance_m", r.last.distance_m},
                                         {"train_drop_accuracy", r.last.drop_accuracy},
+                                        {"relocated", r.relocated},
+                                        {"grown", r.grown},
+                                        {"anchor_m", r.anchor_m},
+                                        {"anchor_seconds", r.anchor_seconds},
+                                        {"densify_seconds", r.densify_seconds},
                                         {"rejected_gradients", r.rejected_gradients},
+                                        {"unsound_particles", r.unsound_particles},
+                                        {"unsound_losses", r.unsound_losses},
                                         {"init_seconds", trained.init.seconds},
                                         {"seconds", r.seconds}};
     std::cout << out.dump(2) << '\n';
@@ -52,6 +60,14 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
                            r.camera_particles,
                            trained.init.shell_particles,
                            r.lidar_particles)
+            << fmt::format(
+                   "  {} relocated, {} new; anchors {:.1f} cm away; share of the time: anchoring {:.1f} %, "
+                   "densification {:.1f} %\n",
+                   r.relocated,
+                   r.grown,
+                   100.0 * r.anchor_m,
+                   100.0 * r.anchor_seconds / r.seconds,
+                   100.0 * r.densify_seconds / r.seconds)
             << fmt::format(
                    "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
                    "camera set, {} that no image saw\n",
@@ -73,8 +89,15 @@ void train(TrainCommand command, const Globals& globals) {
                              device.info().label(),
                              fmt::join(list_settings(command.init, command.train), " "));
   }
-  const TrainedScene trained = train_scene(device, log, command.init, command.train, globals);
+  std::filesystem::path& checkpoint = command.checkpoints.file;
+  checkpoint = std::filesystem::path(command.output).lexically_normal();
+  if (!checkpoint.has_filename()) checkpoint = checkpoint.parent_path();
+  checkpoint += ".checkpoint";
+  const TrainedScene trained =
+      train_scene(device, log, command.init, command.train, globals, command.checkpoints);
   write_scene(command.output, trained.file);
+  std::error_code ignored;  // nobody needs it any more, and the scene is there
+  std::filesystem::remove(checkpoint, ignored);
   print_report(trained, command, globals.json);
 }
 
@@ -93,6 +116,10 @@ void add_train(CLI::App& app, const Globals& globals) {
   add("--scale", command->train.image_scale, "size of the training pictures over the recorded");
   add("--held-out", command->train.held_out_every, "keep every N-th frame for evaluation; 0: none");
   add("--seed", command->train.seed, "of the frames' order and of thinning");
+  add("--checkpoint-every",
+      command->checkpoints.every,
+      "iterations between states in OUTPUT.checkpoint; 0: none");
+  sub->add_flag("--resume", command->checkpoints.resume, "go on from OUTPUT.checkpoint, if it is there");
   sub->add_option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
   sub->callback([command, &globals] { train(*command, globals); });
 }

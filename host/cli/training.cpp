@@ -2,30 +2,38 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "host/base/progress.hpp"
 #include "host/cli/file_progress.hpp"
+#include "host/cli/train_settings.hpp"
 
 namespace simuli::cli {
 namespace {
 
-std::string status_text(const TrainStatus& s, const TrainReport& counts) {
+std::string status_text(const TrainStatus& s) {
   std::string text;
   if (std::isfinite(s.psnr_db)) text += fmt::format("PSNR {:.2f} dB  ", s.psnr_db);
   if (std::isfinite(s.distance_m)) {
     text += fmt::format("distance {:.1f} cm  drop {:.1f} %  ", 100.0 * s.distance_m, 100.0 * s.drop_accuracy);
   }
   return text + fmt::format("{:.0f}k + {:.0f}k particles",
-                            static_cast<double>(counts.camera_particles) / 1e3,
-                            static_cast<double>(counts.lidar_particles) / 1e3);
+                            static_cast<double>(s.camera_particles) / 1e3,
+                            static_cast<double>(s.lidar_particles) / 1e3);
 }
 
 void warn(const TrainReport& report, const TrainOptions& options) {
   if (report.rejected_gradients > 0) {
     std::cerr << fmt::format("simuli: warning: {} gradient entries were not finite and moved nothing\n",
                              report.rejected_gradients);
+  }
+  if (report.unsound_particles > 0 || report.unsound_losses > 0) {
+    std::cerr << fmt::format(
+        "simuli: warning: {} particles (left out) and the losses of {} frames were not finite\n",
+        report.unsound_particles,
+        report.unsound_losses);
   }
   if (report.stopped_early) {
     std::cerr << fmt::format(
@@ -47,7 +55,8 @@ TrainedScene train_scene(const Device& device,
                          const Log& log,
                          const InitOptions& init,
                          const TrainOptions& options,
-                         const Globals& globals) {
+                         const Globals& globals,
+                         const Checkpoints& checkpoints) {
   FileProgress reading("initialise", globals);
   SceneInit start = initialize_scene(log, init, reading.callback());
   reading.finish();
@@ -57,17 +66,42 @@ TrainedScene train_scene(const Device& device,
   out.file.lidars = log.lidars;
   out.file.world_from_rig = log.world_from_rig;
 
-  TrainReport counts;
-  counts.camera_particles = start.scene.camera.size();
-  counts.lidar_particles = start.scene.lidar.size();
   Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
+  // Saved states are of this very training: the start is made again from the same log and settings.
+  const std::string settings =
+      fmt::format("iterations={}\nscale={}\nheld_out={}\nseed={}\nimages={}\nsweeps={}\n{}\n",
+                  options.iterations,
+                  options.image_scale,
+                  options.held_out_every,
+                  options.seed,
+                  log.images.size(),
+                  log.sweeps.size(),
+                  fmt::join(list_settings(init, options), "\n"));
+  if (checkpoints.resume) {
+    if (std::filesystem::exists(checkpoints.file)) {
+      trainer.resume(checkpoints.file, settings);
+    } else {
+      std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
+    }
+  }
   Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals.json));
   out.training = trainer.run([&](const TrainStatus& status) {
-    progress.update(static_cast<std::uint64_t>(status.iteration), status_text(status, counts));
+    progress.update(static_cast<std::uint64_t>(status.iteration), status_text(status));
+    if (checkpoints.every > 0 && status.iteration % checkpoints.every == 0) {
+      trainer.save(checkpoints.file, settings);
+    }
   });
-  progress.finish(status_text(out.training.last, counts));
+  progress.finish(status_text(out.training.last));
   warn(out.training, options);
   out.file.scene = trainer.scene();
+  for (const auto& [name, offset] : trainer.sensor_offsets()) {
+    for (LogCamera& camera : out.file.cameras) {
+      if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);
+    }
+    for (LogLidar& lidar : out.file.lidars) {
+      if (lidar.model.name == name) lidar.rig_from_lidar = moved_by(offset, lidar.rig_from_lidar);
+    }
+  }
   return out;
 }
 

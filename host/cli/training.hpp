@@ -15,13 +15,21 @@ struct TrainedScene {
   InitReport init;
   TrainReport training;
 };
+/// Where a training is stored meanwhile, and whether it goes on from there.
+struct Checkpoints {
+  std::filesystem::path file;
+  int every = 0;        // iterations; 0: never
+  bool resume = false;  // from the file, if there is one
+};
+
 /// Initialises a scene from the log and trains it, with progress on stderr. A warning line tells of
 /// rejected gradients and of an early stop.
 [[nodiscard]] TrainedScene train_scene(const Device& device,
                                        const Log& log,
                                        const InitOptions& init,
                                        const TrainOptions& options,
-                                       const Globals& globals);
+                                       const Globals& globals,
+                                       const Checkpoints& checkpoints = {});
 
 /// The same for evaluate().
 [[nodiscard]] EvalReport evaluate_scene(const Device& device,

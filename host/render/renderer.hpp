@@ -2,6 +2,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/render/picture_stages.hpp"
@@ -68,7 +69,7 @@ class Renderer {
 
   /// Losses of the last render; they leave dL/d(outputs) for backward(). truth in slot order.
   ImageLoss image_loss(const RealBuffer& truth, const ImageLossScale& scale) {
-    return loss_.run_image(frame_, buffers_, graded_ ? picture_ : buffers_.out, truth, scale);
+    return loss_.run_image(frame_, buffers_, picture(), truth, scale);
   }
   LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
     return loss_.run_lidar(frame_, buffers_, truth, scale);
@@ -90,6 +91,8 @@ class Renderer {
   /// Waits.
   [[nodiscard]] PoseGradient pose_gradient(const RealBuffer& param_grads);
 
+  /// [3][slots] of the last render, graded if it was.
+  [[nodiscard]] const RealBuffer& picture() const { return graded_ ? picture_ : buffers_.out; }
   [[nodiscard]] const FrameBuffers& buffers() const { return buffers_; }
   [[nodiscard]] FrameBuffers& buffers() { return buffers_; }
   [[nodiscard]] const shared::FrameParams& frame() const { return frame_; }

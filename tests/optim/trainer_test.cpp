@@ -118,6 +118,82 @@ TEST_F(TrainerTest, MaskedFramesTeachNothing) {
   EXPECT_NE(unmasked.status().psnr_db, masked.status().psnr_db);
 }
 
+TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
+  TrainOptions o = options(60);
+  o.densify.every = o.densify.first = 10;
+  Scene start = initial_scene();
+  for (Eigen::Index i = 0; i < start.camera.size(); i += 20) start.camera.opacity_logit()(i) = -7.0F;  // dead
+  const Eigen::Index count = start.camera.size() + start.lidar.size();
+  // Room for two times 5 %, and then no more.
+  o.densify.cap = static_cast<std::size_t>(1.08 * static_cast<double>(count));
+  const auto run = [&](TrainReport& report) {
+    Trainer trainer(Device::best(), log_, start, o);
+    report = trainer.run();
+    return trainer.scene();
+  };
+  TrainReport report;
+  const Scene a = run(report);
+  EXPECT_GE(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 20));
+  EXPECT_LE(static_cast<std::size_t>(a.camera.size() + a.lidar.size()), o.densify.cap);
+  EXPECT_GT(static_cast<double>(a.camera.size() + a.lidar.size()), 1.07 * static_cast<double>(count));
+  EXPECT_EQ(a.camera.size() + a.lidar.size(), count + static_cast<Eigen::Index>(report.grown));
+  EXPECT_GT(a.camera.size(), start.camera.size());
+  EXPECT_GT(a.lidar.size(), start.lidar.size());
+  EXPECT_TRUE(a.camera.params.allFinite());
+  EXPECT_TRUE(a.lidar.params.allFinite());
+  EXPECT_EQ(report.unsound_particles, 0U);
+  const Scene b = run(report);
+  EXPECT_EQ(a.camera.params, b.camera.params);
+  EXPECT_EQ(a.lidar.params, b.lidar.params);
+}
+
+TEST_F(TrainerTest, AnchorsHoldTheCameraSetNearTheLidarSet) {
+  const auto anchor_distance = [&](double weight) {
+    TrainOptions o = options(60);
+    o.anchor.weight = weight;
+    o.anchor.every = 25;
+    TrainReport report;
+    (void)train(o, &report);
+    return report.anchor_m;
+  };
+  const double pulled = anchor_distance(10.0);
+  const double hardly = anchor_distance(1e-9);  // measured, but too weak to be felt
+  EXPECT_GT(pulled, 0.0);
+  EXPECT_LT(pulled, 0.7 * hardly) << hardly;
+  EXPECT_EQ(anchor_distance(0.0), 0.0);  // not even measured
+}
+
+TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
+  Scene scene = initial_scene();
+  const float kNaN = std::numeric_limits<float>::quiet_NaN();
+  for (Eigen::Index i = 0; i < scene.camera.size(); i += 50) scene.camera.sh(0)(i, 1) = kNaN;
+  for (Eigen::Index i = 1; i < scene.lidar.size(); i += 50) scene.lidar.mean()(i, 0) = kNaN;
+  for (Eigen::Index i = 2; i < scene.lidar.size(); i += 50) scene.lidar.opacity_logit()(i) = kNaN;
+  for (const bool relocate : {false, true}) {
+    TrainOptions o = options(30);
+    o.densify.every = relocate ? 10 : 0;
+    o.densify.first = 10;
+    o.densify.growth = 0.0;
+    Trainer trainer(Device::best(), log_, scene, o);
+    const TrainReport report = trainer.run();
+    EXPECT_EQ(report.last.iteration, 30);
+    EXPECT_EQ(report.unsound_losses, 0U);
+    EXPECT_TRUE(std::isfinite(report.last.psnr_db));
+    EXPECT_TRUE(std::isfinite(report.last.distance_m));
+    const Scene after = trainer.scene();
+    EXPECT_TRUE(after.lidar.params.allFinite());
+    EXPECT_TRUE(after.camera.params.allFinite());
+    const auto lost = static_cast<std::uint64_t>(scene.camera.size() + scene.lidar.size() -
+                                                 after.camera.size() - after.lidar.size());
+    EXPECT_EQ(report.unsound_particles, lost);
+    if (relocate) {
+      EXPECT_EQ(lost, 0U);
+    } else {
+      EXPECT_GE(lost, static_cast<std::uint64_t>(scene.camera.size() / 50 + 2 * (scene.lidar.size() / 50)));
+    }
+  }
+}
+
 TEST_F(TrainerTest, SetsWithoutParticlesAreLeftAlone) {
   Scene scene = initial_scene();
   scene.camera = GaussianSet(SetKind::kCamera, 0, 0);
@@ -149,6 +225,10 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
   expect_refused([](TrainOptions& o) { o.camera.mean_m = 0.0; });
   expect_refused([&](TrainOptions& o) { o.lidar.sh = kNaN; });
   expect_refused([](TrainOptions& o) { o.weights.drop = -1.0; });
+  expect_refused([](TrainOptions& o) { o.anchor.neighbours = 0; });
+  expect_refused([&](TrainOptions& o) { o.anchor.weight = kNaN; });
+  expect_refused([](TrainOptions& o) { o.densify.every = -1; });
+  expect_refused([](TrainOptions& o) { o.densify.growth = 1.5; });
 }
 
 TEST_F(TrainerTest, LogWithoutTrainingFramesIsAnInputError) {

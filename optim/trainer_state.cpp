@@ -1,0 +1,51 @@
+// Checkpoints: the trainer's state by name.
+#include "optim/state.hpp"
+#include "optim/trainer.hpp"
+
+namespace simuli {
+namespace {
+
+void add_set(StateList& list, const std::string& name, TrainedSet& set) {
+  list.add(name + "/count", set.particles.count);
+  list.add(name + "/stride", set.particles.stride);
+  list.add(name + "/parameters", set.particles.params);
+  list.add(name + "/first_moment", set.adam.first_moment());
+  list.add(name + "/second_moment", set.adam.second_moment());
+  list.add(name + "/steps", set.adam.iteration());
+  list.add(name + "/rejections", set.adam.rejections());
+  list.add(name + "/errors", set.error);
+}
+
+}  // namespace
+
+StateList Trainer::state(const std::string& settings) {
+  StateList list;
+  list.add_fixed("settings", settings);
+  list.add("status", status_);
+  list.add("mean/squared_error", square_);
+  list.add("mean/distance", distance_);
+  list.add("mean/right_drops", right_);
+  list.add("relocated", relocated_);
+  list.add("grown", grown_);
+  list.add("unsound_losses", unsound_losses_);
+  add_set(list, "camera", camera_);
+  add_set(list, "lidar", lidar_);
+  if (anchor_) {
+    list.add("anchor/candidates", anchor_->candidates());
+    list.add("anchor/nearest", anchor_->nearest());
+  }
+  for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
+  return list;
+}
+
+void Trainer::save(const std::filesystem::path& file, const std::string& settings) {
+  state(settings).write(file);
+}
+
+void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {
+  state(settings).read(file);
+  camera_.fit_gradients();
+  lidar_.fit_gradients();
+}
+
+}  // namespace simuli

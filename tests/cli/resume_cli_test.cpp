@@ -1,0 +1,110 @@
+// Trainings that are killed, and go on.
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <map>
+#include <random>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+#include "tests/cli/cli_fixture.hpp"
+
+namespace {
+
+using namespace simuli::test;
+using Clock = std::chrono::steady_clock;
+
+class ResumeCli : public Cli {
+ protected:
+  void make_log() const {
+    ASSERT_EQ(run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
+                  "--no-moving-car")
+                  .exit_code,
+              0);
+  }
+  /// The files of a scene, by name.
+  std::map<std::string, std::string> content(const std::string& scene) const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder_ / scene)) {
+      std::ifstream in(entry.path(), std::ios::binary);
+      files[entry.path().filename()] = {std::istreambuf_iterator<char>(in), {}};
+    }
+    return files;
+  }
+  /// Runs "simuli ARGUMENTS" and kills it after a while; true when it was still running.
+  bool run_and_kill(const std::string& arguments, std::chrono::milliseconds after) const {
+    const std::string command = fmt::format(
+        "cd '{}' && exec '{}' {} >out.txt 2>err.txt </dev/null", folder_.string(), SIMULI_PROGRAM, arguments);
+    const pid_t child = fork();
+    if (child == 0) {
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    std::this_thread::sleep_for(after);
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+  }
+};
+
+const std::string kTraining =
+    "--iterations 60 --checkpoint-every 3 --set init.voxel_m=0.3 --set lidar_every=2 --set densify.every=10 "
+    "--set densify.first=10 --set anchor.every=20 --set poses.camera=true";
+
+TEST_F(ResumeCli, KilledTrainingsGiveTheSameScene) {
+  make_log();
+  const Clock::time_point begin = Clock::now();
+  const Outcome whole = run("train s.log -o whole.scene " + kTraining);
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const auto duration = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
+  EXPECT_FALSE(fs::exists(folder_ / "whole.scene.checkpoint"));  // not needed any more
+
+  std::mt19937 random(5);
+  constexpr int kKills = 6;
+  int killed = 0;
+  for (int i = 0; i < kKills; ++i) {
+    // From before the first iteration to well into the training.
+    const auto after = duration * (20 + random() % 60) / 100;
+    killed += run_and_kill("train s.log -o killed.scene --resume " + kTraining, after) ? 1 : 0;
+    if (fs::exists(folder_ / "killed.scene")) break;  // it was done first
+  }
+  EXPECT_GE(killed, 1);
+  const Outcome last = run("train s.log -o killed.scene --resume " + kTraining);
+  ASSERT_EQ(last.exit_code, 0) << last.err;
+  EXPECT_EQ(content("killed.scene"), content("whole.scene"));
+  EXPECT_FALSE(fs::exists(folder_ / "killed.scene.checkpoint"));
+}
+
+TEST_F(ResumeCli, AnotherTrainingsCheckpointIsRefused) {
+  make_log();
+  ASSERT_EQ(run("train s.log -o a.scene --iterations 2 --set init.voxel_m=0.3").exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "a.scene.checkpoint"));
+  // Killed at its end: the last state stays.
+  for (int i = 0; i < 20 && !fs::exists(folder_ / "b.scene.checkpoint"); ++i) {
+    run_and_kill("train s.log -o b.scene --iterations 100000 --checkpoint-every 1 --set init.voxel_m=0.3",
+                 std::chrono::seconds(2));
+  }
+  ASSERT_TRUE(fs::exists(folder_ / "b.scene.checkpoint"));
+  const std::string resume = "train s.log -o b.scene --resume --iterations 100000 ";
+  expect_failure(resume + "--set init.voxel_m=0.31", kInput, "init.voxel_m=0.3,");
+  expect_failure(resume + "--set init.voxel_m=0.3 --seed 2", kInput, "seed=1");
+  std::ofstream(folder_ / "b.scene.checkpoint") << "no state";
+  expect_failure(resume + "--set init.voxel_m=0.3", kInput, "b.scene.checkpoint");
+  const Outcome fresh = run("train s.log -o c.scene --resume --iterations 1 --set init.voxel_m=0.3");
+  EXPECT_EQ(fresh.exit_code, 0);
+  EXPECT_NE(fresh.err.find("from the start"), std::string::npos) << fresh.err;
+}
+
+TEST_F(ResumeCli, TrainingsThatDoNotFitAreRefusedWithNumbers) {
+  make_log();
+  constexpr int kDevice = 4;
+  expect_failure("train s.log -o a.scene --iterations 2 --set memory_bytes=1000000",
+                 kDevice,
+                 "allowed 0.001 GB by memory_bytes");
+  EXPECT_FALSE(fs::exists(folder_ / "a.scene"));
+}
+
+}  // namespace
