@@ -33,9 +33,10 @@ Log record(const Figure11Options& options, const fs::path& folder) {
   street.frames = options.frames;
   street.speed_m_per_s = options.speed_m_per_s;
   street.rolling_shutter = true;
+  street.moving_car = false;  // the scene is static
   Log log = street_log(street);
   log.world_from_rig = turning(log.world_from_rig, options.turn_deg_per_s * std::numbers::pi / 180.0);
-  const Street world(street.seed, false);  // the scene is static
+  const Street world(street.seed, std::nullopt);
   fs::create_directories(folder / "images");
   fs::create_directories(folder / "sweeps");
   for (const ImageFrame& f : log.images) {

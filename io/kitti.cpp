@@ -191,6 +191,14 @@ Log import_kitti(const KittiOptions& options,
   const auto seconds = [&](std::int64_t ns) { return static_cast<double>(ns - log.start_ns) * 1e-9; };
   log.world_from_rig = from_oxts ? read_oxts(drive, frames, calibration.velo_from_imu, log.start_ns)
                                  : read_pose_file(options.poses, times.forward_ns, log.start_ns);
+  if (!options.tracking.empty()) {
+    SweepTimes sweeps{{}, {}, log.world_from_rig};
+    for (std::size_t i = 0; i < frames; ++i) {
+      sweeps.start_s.push_back(seconds(times.start_ns[i]));
+      sweeps.end_s.push_back(seconds(times.end_ns[i]));
+    }
+    log.actors = read_tracking(options.tracking, calibration.rect00_from_velo, sweeps);
+  }
   KittiReport counts;
   log.cameras = {{calibration.camera, calibration.cam02_from_velo.inverse()}};
   log.lidars = {{fit_lidar(files, frames, counts), Pose{}}};  // the rig's frame is the velodyne's

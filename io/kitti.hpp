@@ -14,6 +14,8 @@ struct KittiOptions {
   /// JSON with "frames": [{"index", "world_from_velo" 4x4 at "t_sweep_forward", ...}]; empty: poses from
   /// oxts, interpolated by timestamp.
   std::filesystem::path poses;
+  /// Label file of the KITTI tracking benchmark whose frames are the drive's; empty: no actors.
+  std::filesystem::path tracking;
   std::filesystem::path output;
 };
 

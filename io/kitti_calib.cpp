@@ -86,9 +86,11 @@ Calibration read_calibration(const fs::path& date_folder, bool with_imu) {
   // P_rect_02 = K [1 | t]: image_02's centre stands t off the rectified frame of camera 0.
   const Eigen::Vector3d baseline((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);
   Eigen::Matrix<double, 3, 4> rect_from_cam00;
-  rect_from_cam00 << cameras.rotation("R_rect_00"), baseline;
+  rect_from_cam00 << cameras.rotation("R_rect_00"), Eigen::Vector3d::Zero();
   const Pose cam00_from_velo = CalibrationFile(date_folder / "calib_velo_to_cam.txt").transform();
-  calibration.cam02_from_velo = Pose::from_matrix(rect_from_cam00) * cam00_from_velo;
+  calibration.rect00_from_velo = Pose::from_matrix(rect_from_cam00) * cam00_from_velo;
+  calibration.cam02_from_velo = calibration.rect00_from_velo;
+  calibration.cam02_from_velo.translation += baseline;
   if (with_imu) {
     calibration.velo_from_imu = CalibrationFile(date_folder / "calib_imu_to_velo.txt").transform();
   }

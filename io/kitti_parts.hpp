@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "host/scene/actor.hpp"
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
 #include "host/sensors/lidar.hpp"
@@ -21,6 +23,9 @@ namespace simuli::kitti {
 [[nodiscard]] std::vector<std::int64_t> read_timestamps_ns(const std::filesystem::path& file);
 /// "key: value" lines. Error{kInput} for a line without a key and for a key that stands twice.
 [[nodiscard]] std::map<std::string, std::string> read_key_lines(const std::filesystem::path& file);
+/// Lines that are not blank with their numbers from 1, without their line end (either kind).
+[[nodiscard]] std::vector<std::pair<std::size_t, std::string>> numbered_lines(
+    const std::filesystem::path& file);
 /// Exactly `count` finite numbers parted by blanks; Error{kInput} naming file and field otherwise.
 [[nodiscard]] std::vector<double> parse_numbers(const std::string& text,
                                                 std::size_t count,
@@ -33,6 +38,7 @@ struct Calibration {
   Camera camera;         // image_02 as rectified: an ideal pinhole with a global shutter
   Pose cam02_from_velo;  // with the baseline of P_rect_02
   Pose velo_from_imu;
+  Pose rect00_from_velo;  // the rectified frame of camera 0, in which boxes are labelled
 };
 
 /// From the folder of the date: calib_cam_to_cam.txt, calib_velo_to_cam.txt, and calib_imu_to_velo.txt when
@@ -66,6 +72,22 @@ struct GeodeticPose {
 [[nodiscard]] Trajectory read_pose_file(const std::filesystem::path& file,
                                         const std::vector<std::int64_t>& forward_ns,
                                         std::int64_t start_ns);
+
+// ---- boxes (kitti_tracking.cpp) ----
+
+/// Start and end of each sweep, s, and where the velodyne was.
+struct SweepTimes {
+  std::vector<double> start_s, end_s;
+  Trajectory world_from_velo;
+};
+
+/// The labelled objects of frames [0, sweeps), "DontCare" excepted, in the order of their track ids and named
+/// "car_3". A box is where the laser met it: its pose counts for the time at which the spin passed its
+/// middle. Frames beyond are left out. Error{kInput} with file and line for anything but the 17 columns of a
+/// label.
+[[nodiscard]] std::vector<Actor> read_tracking(const std::filesystem::path& file,
+                                               const Pose& rect00_from_velo,
+                                               const SweepTimes& sweeps);
 
 // ---- sweeps (kitti_sweep.cpp) ----
 

@@ -17,18 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestText_bytes = std::size_t{64} << 20U;
 
-/// Lines without their line end (either kind); empty lines are left out.
-std::vector<std::pair<std::size_t, std::string>> numbered_lines(const fs::path& file) {
-  std::istringstream in(read_file(file, kLargestText_bytes));
-  std::vector<std::pair<std::size_t, std::string>> lines;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.find_first_not_of(" \t") != std::string::npos) lines.emplace_back(number, line);
-  }
-  return lines;
-}
-
 /// A field of digits alone.
 bool parse_digits(std::string_view text, int& value) {
   for (const char c : text) {
@@ -69,6 +57,17 @@ bool parse_timestamp(std::string_view text, std::int64_t& ns) {
 }
 
 }  // namespace
+
+std::vector<std::pair<std::size_t, std::string>> numbered_lines(const fs::path& file) {
+  std::istringstream in(read_file(file, kLargestText_bytes));
+  std::vector<std::pair<std::size_t, std::string>> lines;
+  std::string line;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.find_first_not_of(" \t") != std::string::npos) lines.emplace_back(number, line);
+  }
+  return lines;
+}
 
 std::vector<std::int64_t> read_timestamps_ns(const fs::path& file) {
   std::vector<std::int64_t> times_ns;

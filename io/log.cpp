@@ -119,6 +119,7 @@ void read_root(JsonObject& root, Log& log) {
     }
     return frame;
   });
+  if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
   require_time_order(log.images, root.file(), "images");
   require_time_order(log.sweeps, root.file(), "sweeps");
 }
@@ -153,6 +154,7 @@ void write_log(const Log& log) {
   for (const SweepFrame& frame : log.sweeps) {
     root["sweeps"].push_back(frame_to_json(frame, "lidar", frame.lidar, log.start_ns));
   }
+  if (!log.actors.empty()) root["actors"] = to_json(log.actors, log.start_ns);
   std::string text;
   try {
     text = root.dump(1) + '\n';

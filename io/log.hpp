@@ -1,10 +1,11 @@
 #pragma once
-// A log folder: log.json (sensors, trajectory, frames; units in the key names), images/, sweeps/.
+// A log folder: log.json (sensors, trajectory, frames, actors; units in the key names), images/, sweeps/.
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "host/scene/actor.hpp"
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
 #include "host/sensors/lidar.hpp"
@@ -47,6 +48,7 @@ struct Log {
   Trajectory world_from_rig;
   std::vector<ImageFrame> images;  // by time
   std::vector<SweepFrame> sweeps;  // by time
+  std::vector<Actor> actors;       // boxes of what moves, with their tracks
 
   [[nodiscard]] const LogCamera& camera(const std::string& camera_name) const;  // Error{kInput}
   [[nodiscard]] const LogLidar& lidar(const std::string& lidar_name) const;     // Error{kInput}

@@ -153,6 +153,54 @@ Trajectory trajectory_from_json(JsonObject& parent, const std::string& key, std:
                       [&] { return Trajectory(std::move(poses)); });
 }
 
+Json to_json(const std::vector<Actor>& actors, std::int64_t start_ns) {
+  Json out = Json::array();
+  for (const Actor& actor : actors) {
+    validate(actor, "actors to write");
+    Json track = Json::array();
+    for (const KeyPose& key : actor.track) {
+      Json entry{{"time_ns", to_ns(key.time_s, start_ns, actor.name)}};
+      entry.update(to_json(key.world_from_actor));
+      if (!(key.shift_m.isZero(0.0) && key.turn_rad.isZero(0.0))) {
+        entry["shift_m"] = array_of(key.shift_m);
+        entry["turn_rad"] = array_of(key.turn_rad);
+      }
+      track.push_back(std::move(entry));
+    }
+    out.push_back({{"name", actor.name},
+                   {"kind", actor.kind},
+                   {"length_m", actor.size_m.x()},
+                   {"width_m", actor.size_m.y()},
+                   {"height_m", actor.size_m.z()},
+                   {"track", std::move(track)}});
+  }
+  return out;
+}
+
+std::vector<Actor> actors_from_json(JsonObject& parent, const std::string& key, std::int64_t start_ns) {
+  std::set<std::string> names;
+  return parent.objects(key, [&](JsonObject& object) {
+    Actor actor;
+    actor.name = object.text("name");
+    actor.kind = object.text("kind");
+    actor.size_m = {object.number("length_m"), object.number("width_m"), object.number("height_m")};
+    actor.track = object.objects("track", [&](JsonObject& entry) {
+      KeyPose pose;
+      pose.time_s = read_time_s(entry, "time_ns", start_ns);
+      pose.world_from_actor = pose_from_json(entry);
+      if (entry.has("shift_m")) pose.shift_m = entry.vector<3>("shift_m");
+      if (entry.has("turn_rad")) pose.turn_rad = entry.vector<3>("turn_rad");
+      return pose;
+    });
+    validate(actor, object.file());
+    if (!names.insert(actor.name).second) {
+      throw_input_error(
+          object.file(), object.field("name"), '"' + actor.name + "\" twice", "one name per actor");
+    }
+    return actor;
+  });
+}
+
 std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field) {
   if (!(std::abs(time_s) <= kLongestLog_s)) {
     throw_input_error("log", field, fmt::format("{} s", time_s), "at most 120 years from the log's start");

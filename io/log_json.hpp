@@ -36,6 +36,14 @@ void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vect
                                               const std::string& key,
                                               std::int64_t start_ns);
 
+/// [{"name", "kind", "length_m", "width_m", "height_m", "track": [{"time_ns", "position_m", "rotation_wxyz"},
+/// ...]}, ...], times as those of a trajectory; key poses that training moved add "shift_m" and "turn_rad".
+/// Names are unique.
+[[nodiscard]] Json to_json(const std::vector<Actor>& actors, std::int64_t start_ns);
+[[nodiscard]] std::vector<Actor> actors_from_json(JsonObject& parent,
+                                                  const std::string& key,
+                                                  std::int64_t start_ns);
+
 /// Seconds since start_ns <-> nanoseconds on disk. Error{kInput} naming `field` beyond 120 years.
 [[nodiscard]] std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field);
 [[nodiscard]] double read_time_s(JsonObject& object, const std::string& key, std::int64_t start_ns);

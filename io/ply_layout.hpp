@@ -14,6 +14,9 @@ namespace simuli {
                                  : "simuli channels red green blue";
 }
 
+/// Property of a set that has actors: GaussianSet::actor.
+inline constexpr const char* kPlyActor = "actor";
+
 /// Property names of a set in the standard order (without normals) with their columns in
 /// GaussianSet::params. f_rest is channel-major: all higher coefficients of the first channel come first.
 [[nodiscard]] inline std::vector<std::pair<std::string, int>> ply_gaussian_columns(int sh_degree) {

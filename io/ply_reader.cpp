@@ -19,11 +19,13 @@ namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{16} << 30U;
 
-/// One column of GaussianSet::params and the property that fills it.
+/// One column of GaussianSet::params (kActorColumn: GaussianSet::actor) and the property that fills it.
 struct Source {
   std::size_t property;
   int column;
 };
+
+constexpr int kActorColumn = -2;
 
 [[noreturn]] void refuse_value(const std::string& file,
                                const std::string& property,
@@ -65,6 +67,8 @@ std::vector<Source> find_sources(const PlyHeader& header, int sh_degree, const s
     if (property < 0) throw_input_error(file, "property " + name, "none", "one scalar property of that name");
     sources.push_back({static_cast<std::size_t>(property), column});
   }
+  const int actor = header.find(kPlyActor);
+  if (actor >= 0) sources.push_back({static_cast<std::size_t>(actor), kActorColumn});
   return sources;
 }
 
@@ -107,6 +111,22 @@ float to_float(double value, const std::string& file, const std::string& propert
   return static_cast<float>(value);
 }
 
+void store(double value,
+           int column,
+           const std::string& file,
+           const std::string& property,
+           std::uint64_t vertex,
+           GaussianSet& set) {
+  if (column != kActorColumn) {
+    set.params(static_cast<Eigen::Index>(vertex), column) = to_float(value, file, property, vertex);
+    return;
+  }
+  if (!(value >= 0.0 && value <= std::numeric_limits<std::uint32_t>::max() && value == std::floor(value))) {
+    refuse_value(file, property, vertex, fmt::format("{}", value), "a whole number, 0 or more");
+  }
+  set.actor[vertex] = static_cast<std::uint32_t>(value);
+}
+
 void read_binary(const std::string& bytes,
                  const PlyHeader& header,
                  const std::vector<Source>& sources,
@@ -118,8 +138,8 @@ void read_binary(const std::string& bytes,
     const char* vertex = bytes.data() + header.body + v * header.vertex_bytes;
     for (const Source& source : sources) {
       const PlyProperty& property = header.properties[source.property];
-      const double value = decode(property.type, vertex + property.offset, swap);
-      set.params(static_cast<Eigen::Index>(v), source.column) = to_float(value, file, property.name, v);
+      store(
+          decode(property.type, vertex + property.offset, swap), source.column, file, property.name, v, set);
     }
   }
 }
@@ -174,8 +194,7 @@ void read_ascii(const std::string& bytes,
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const std::string& name = header.properties[i].name;
       const double value = values.next(name, v);
-      if (columns[i] == kUnused) continue;
-      set.params(static_cast<Eigen::Index>(v), columns[i]) = to_float(value, file, name, v);
+      if (columns[i] != kUnused) store(value, columns[i], file, name, v, set);
     }
   }
   if (!header.other_elements && !values.at_end()) {
@@ -196,6 +215,7 @@ GaussianSet read_gaussians_ply(const std::filesystem::path& file, SetKind kind) 
   const int sh_degree = find_sh_degree(header, name);
   const std::vector<Source> sources = find_sources(header, sh_degree, name);
   GaussianSet set(kind, sh_degree, static_cast<Eigen::Index>(header.vertices));
+  if (header.find(kPlyActor) >= 0) set.actor.resize(header.vertices);
   if (header.format == PlyFormat::kAscii) {
     read_ascii(bytes, header, sources, name, set);
   } else {

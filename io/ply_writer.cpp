@@ -13,18 +13,23 @@
 namespace simuli {
 namespace {
 
-void append_little_endian(std::string& to, float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
+void append_little_endian(std::string& to, std::uint32_t bits) {
   for (unsigned shift = 0; shift < 32; shift += 8) to.push_back(static_cast<char>((bits >> shift) & 0xffU));
+}
+
+void append_little_endian(std::string& to, float value) {
+  append_little_endian(to, std::bit_cast<std::uint32_t>(value));
 }
 
 std::string header(Eigen::Index count,
                    const std::vector<std::string>& properties,
-                   const std::string& comment) {
+                   const std::string& comment,
+                   bool with_actors = false) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   if (!comment.empty()) text += "comment " + comment + '\n';
   text += fmt::format("element vertex {}\n", count);
   for (const std::string& name : properties) text += "property float " + name + '\n';
+  if (with_actors) text += fmt::format("property uint {}\n", kPlyActor);
   return text + "end_header\n";
 }
 
@@ -61,6 +66,12 @@ void validate(const GaussianSet& set, const std::string& file) {
                       fmt::format("{} columns at SH degree {}", set.params.cols(), set.sh_degree),
                       "SH degree 0 to 3 and the columns that belong to it");
   }
+  if (!set.actor.empty() && static_cast<Eigen::Index>(set.actor.size()) != set.size()) {
+    throw_input_error(file,
+                      "actor",
+                      fmt::format("{} of {} particles", set.actor.size(), set.size()),
+                      "one per particle, or none");
+  }
   for (const auto& [name, column] : ply_gaussian_columns(set.sh_degree)) {
     for (Eigen::Index v = 0; v < set.size(); ++v) {
       if (std::isfinite(set.params(v, column))) continue;
@@ -81,13 +92,14 @@ void write_gaussians_ply(const std::filesystem::path& file, const GaussianSet& s
     names.push_back(name);
     if (name == "z") names.insert(names.end(), {"nx", "ny", "nz"});
   }
-  const std::string head = header(set.size(), names, ply_channels_comment(set.kind));
+  const std::string head = header(set.size(), names, ply_channels_comment(set.kind), !set.actor.empty());
   write_rows(file, head, set.size(), [&](std::string& to, Eigen::Index v) {
     for (const auto& [name, column] : columns) {
       append_little_endian(to, set.params(v, column));
       if (column != kMeanRow + 2) continue;
       for (int i = 0; i < 3; ++i) append_little_endian(to, 0.0F);  // normals: other tools expect them
     }
+    if (!set.actor.empty()) append_little_endian(to, set.actor[static_cast<std::size_t>(v)]);
   });
 }
 

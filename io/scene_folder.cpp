@@ -74,6 +74,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     scene.scene.lidar_background = contents.lidar_set.background;
     read_appearance(root, scene.scene);
     read_sensors(root, scene.cameras, scene.lidars);
+    if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
   });
   return contents;
@@ -90,6 +91,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
   add_appearance(root, scene.scene);
   add_sensors(root, scene.cameras, scene.lidars);
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
+  if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);
   try {
     return root.dump(1) + '\n';
   } catch (const Json::exception& error) {
@@ -115,6 +117,17 @@ GaussianSet read_set_file(const fs::path& file, SetKind kind, const SetEntry& en
   return set;
 }
 
+/// Every particle's actor is one of the scene's.
+void check_actors(const GaussianSet& set, const Scene& scene, const fs::path& file) {
+  for (std::size_t v = 0; v < set.actor.size(); ++v) {
+    if (set.actor[v] <= scene.actors.size()) continue;
+    throw_input_error(file.string(),
+                      fmt::format("vertex {}: actor", v),
+                      fmt::format("{}", set.actor[v]),
+                      fmt::format("0 to {}, the number of actors", scene.actors.size()));
+  }
+}
+
 void check_kinds(const Scene& scene, const fs::path& folder) {
   if (scene.camera.kind != SetKind::kCamera) {
     throw_input_error((folder / kCameraName).string(), "kind", "a LiDAR set", "a camera set");
@@ -133,6 +146,8 @@ SceneFile read_scene(const fs::path& folder) {
   scene.camera = read_set_file(folder / kCameraName, SetKind::kCamera, contents.camera_set);
   scene.lidar = read_set_file(folder / kLidarName, SetKind::kLidar, contents.lidar_set);
   read_appearance_files(folder, scene);
+  check_actors(scene.camera, scene, folder / kCameraName);
+  check_actors(scene.lidar, scene, folder / kLidarName);
   return std::move(contents.scene);
 }
 
@@ -142,6 +157,8 @@ void write_scene(const fs::path& folder, const SceneFile& scene) {
   const std::string text = to_text(scene, file.string());
   validate(scene.scene.camera, (folder / kCameraName).string());
   validate(scene.scene.lidar, (folder / kLidarName).string());
+  check_actors(scene.scene.camera, scene.scene, folder / kCameraName);
+  check_actors(scene.scene.lidar, scene.scene, folder / kLidarName);
   (void)parse_scene(text, file.string());  // NaN, double names, impossible sensors: refused here
   std::error_code error;
   fs::create_directories(folder, error);

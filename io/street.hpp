@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "io/image.hpp"
 #include "io/log.hpp"
@@ -32,12 +33,26 @@ struct StreetReturn {
   double intensity = 0.0;  // [0,1]
 };
 
+/// How the street's moving car drives: straight ahead in its lane.
+struct StreetCar {
+  double start_m = 14.0;  // x of its middle at time 0
+  double lane_m = 1.75;   // y; the rig drives at -1.75
+  double speed_m_per_s = 4.0;
+  /// Centre of its footprint on the road, world, m.
+  [[nodiscard]] Eigen::Vector3d position(double time_s) const {
+    return {start_m + speed_m_per_s * time_s, lane_m, 0.0};
+  }
+  /// The car as an actor, with a key pose every 0.1 s. The box fits tightly.
+  [[nodiscard]] Actor actor(double start_s, double end_s) const;
+};
+
 class Street {
  public:
-  /// The street as embedded; seed varies textures and furniture. With moving_car, one car drives ahead in
-  /// the left lane at kCarSpeed_m_per_s. With thin_poles, poles of 1.6 to 4 cm across line both pavements;
-  /// all else stays where it is.
-  explicit Street(std::uint64_t seed = 1, bool moving_car = true, bool thin_poles = false);
+  /// The street as embedded; seed varies textures and furniture. At most one car moves. With thin_poles, poles
+  /// of 1.6 to 4 cm across line both pavements; all else stays where it is.
+  explicit Street(std::uint64_t seed = 1,
+                  const std::optional<StreetCar>& car = StreetCar{},
+                  bool thin_poles = false);
   /// First hit of the ray from origin (world, m) along the unit direction at time_s, up to max_range.
   /// Non-finite rays hit nothing.
   [[nodiscard]] StreetHit trace(const Eigen::Vector3d& origin,
@@ -51,15 +66,12 @@ class Street {
                                           double time_s,
                                           double range_min,
                                           double range_max) const;
-  /// Centre of the moving car's footprint on the road, world, m. Where it would be, if there is none.
-  [[nodiscard]] static Eigen::Vector3d car_position(double time_s);
-
-  static constexpr double kCarSpeed_m_per_s = 4.0;
   static constexpr double kLength_m = 260.0;      // the rig may drive from x = 0 to here
   static constexpr double kMinimumEnergy = 4e-6;  // 1/m^2; bare asphalt goes silent beyond about 40 m
 
  private:
   std::shared_ptr<const StreetWorld> world_;
+  std::optional<StreetCar> car_;
 };
 
 struct StreetOptions {
@@ -76,9 +88,9 @@ struct StreetOptions {
 };
 
 /// Renders the street into a log folder (complete or not at all): camera "front", lidar "top", both at
-/// 10 Hz, trajectory at 100 Hz. Sweep i spans [0.1 i, 0.1 (i + 1)] s and image i is exposed about its middle.
-/// `progress(done, total)` is called after every frame. Error{kInput} names an option outside its range, or
-/// an output folder that already exists.
+/// 10 Hz, trajectory at 100 Hz, the moving car an actor with its true track. Sweep i spans [0.1 i, 0.1 (i +
+/// 1)] s and image i is exposed about its middle. `progress(done, total)` is called after every frame.
+/// Error{kInput} names an option outside its range, or an output folder that already exists.
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress = {});
 

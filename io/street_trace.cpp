@@ -142,12 +142,24 @@ const StreetSolid* meet_slices(const StreetWorld& world,
 
 }  // namespace
 
-Street::Street(std::uint64_t seed, bool moving_car, bool thin_poles)
-    : world_(std::make_shared<const StreetWorld>(build_street_world(seed, moving_car, thin_poles))) {}
-
-Vector3d Street::car_position(double time_s) {
-  return {kCarStart_m + kCarSpeed_m_per_s * time_s, kCarLane_m, 0.0};
+Actor StreetCar::actor(double start_s, double end_s) const {
+  constexpr double kKeyPeriod_s = 0.1;
+  Actor car;
+  car.name = "car";
+  car.kind = "car";
+  car.size_m = {2.0 * kCarHalfLength_m, 2.0 * kCarHalfWidth_m, kCarHeight_m};
+  const int keys = static_cast<int>(std::ceil((end_s - start_s) / kKeyPeriod_s - 1e-9));
+  for (int i = 0; i <= keys; ++i) {
+    const double time_s = start_s + i * kKeyPeriod_s;
+    const Vector3d middle = position(time_s) + Vector3d(0.0, 0.0, 0.5 * kCarHeight_m);
+    car.track.push_back({time_s, {Eigen::Quaterniond::Identity(), middle}});
+  }
+  return car;
 }
+
+Street::Street(std::uint64_t seed, const std::optional<StreetCar>& car, bool thin_poles)
+    : world_(std::make_shared<const StreetWorld>(build_street_world(seed, car.has_value(), thin_poles))),
+      car_(car) {}
 
 StreetHit Street::trace(const Vector3d& origin,
                         const Vector3d& direction,
@@ -163,7 +175,7 @@ StreetHit Street::trace(const Vector3d& origin,
     if (meet(solid, origin, direction, inverse, nearest)) met = &solid;
   }
   Vector3d solid_from_world = Vector3d::Zero();  // translation
-  const Vector3d car_from_world = -car_position(time_s);
+  const Vector3d car_from_world = car_ ? Vector3d(-car_->position(time_s)) : Vector3d::Zero();
   for (const StreetSolid& solid : world_->car) {
     if (meet(solid, origin + car_from_world, direction, inverse, nearest)) {
       met = &solid;

@@ -89,8 +89,8 @@ void add_car(std::vector<StreetSolid>& to, const Eigen::Vector3d& at, const Eige
     solid.centre = at;
     to.push_back(solid);
   };
-  part(StreetMaterial::kCarBody, -2.1, 2.1, 0.88, 0.26, 0.92);
-  part(StreetMaterial::kCarCabin, -1.55, 0.95, 0.76, 0.92, 1.48);
+  part(StreetMaterial::kCarBody, -kCarHalfLength_m, kCarHalfLength_m, kCarHalfWidth_m, 0.26, 0.92);
+  part(StreetMaterial::kCarCabin, -1.55, 0.95, 0.76, 0.92, kCarHeight_m);
   part(StreetMaterial::kTyre, -1.62, -0.98, 0.86, 0.0, 0.26);
   part(StreetMaterial::kTyre, 0.98, 1.62, 0.86, 0.0, 0.26);
 }

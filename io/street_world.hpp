@@ -64,8 +64,9 @@ inline constexpr double kRoadHalfWidth_m = 5.5;  // two driving lanes and two pa
 inline constexpr double kLaneEdge_m = 3.5;       // edge line between driving and parking lane
 inline constexpr double kKerbHeight_m = 0.15;
 inline constexpr double kFacadeLine_m = 9.0;
-inline constexpr double kCarLane_m = 1.75;   // the moving car's y; the rig drives at -1.75
-inline constexpr double kCarStart_m = 14.0;  // the moving car's x at time 0
+inline constexpr double kCarHalfLength_m = 2.1;
+inline constexpr double kCarHalfWidth_m = 0.88;
+inline constexpr double kCarHeight_m = 1.48;
 
 [[nodiscard]] StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_poles);
 /// Colour and reflectance of `solid` at `point` (in the solid's frame, on the surface with that normal).

@@ -46,6 +46,9 @@ void add_import(CLI::App& app, const Globals& globals) {
   kitti->add_option("-o,--output", options->output, "log folder to write")->required();
   kitti->add_option(
       "--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
+  kitti->add_option("--tracking",
+                    options->tracking,
+                    "label file of the tracking benchmark with this drive's boxes: actors");
   kitti->callback([options, &globals] { import_kitti_drive(*options, globals); });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 namespace simuli {
 
@@ -22,6 +23,9 @@ struct GaussianSet {
   SetKind kind = SetKind::kCamera;
   int sh_degree = 0;
   Eigen::MatrixXf params;  // [N, param_rows(sh_degree)]
+  /// [N] whose particle it is: 0 of the background, i + 1 of Scene::actors[i], in whose frame its parameters
+  /// are. Empty: all are of the background.
+  std::vector<std::uint32_t> actor;
 
   GaussianSet() = default;
   GaussianSet(SetKind set_kind, int degree, Eigen::Index count)

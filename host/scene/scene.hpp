@@ -2,7 +2,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <string>
+#include <vector>
 
+#include "host/scene/actor.hpp"
 #include "host/scene/appearance.hpp"
 #include "host/scene/gaussians.hpp"
 
@@ -17,6 +19,7 @@ struct Scene {
   GaussianSet lidar{SetKind::kLidar, 0, 0};
   EnvironmentMap environment;  // of the camera set; empty: camera_background in all directions
   ColorGrids color_grids;      // of the camera set; empty: colours as they are
+  std::vector<Actor> actors;
   /// Seen where transmittance is left: colour in [0,1] for the camera set; intensity, hit logit and
   /// drop logit for the LiDAR set (a ray through empty space returns nothing).
   std::array<float, 3> camera_background{0.0F, 0.0F, 0.0F};

@@ -63,8 +63,8 @@ TEST(Street, CarMovesAtItsSpeed) {
   const Street street;
   constexpr double kRear_m = 2.1;  // from the car's middle to its bumper
   for (const double time_s : {0.0, 0.5, 1.234, 2.0}) {
-    const double x = Street::car_position(time_s).x();
-    EXPECT_NEAR(x, Street::car_position(0.0).x() + Street::kCarSpeed_m_per_s * time_s, kExact_m);
+    const double x = StreetCar{}.position(time_s).x();
+    EXPECT_NEAR(x, StreetCar{}.position(0.0).x() + StreetCar{}.speed_m_per_s * time_s, kExact_m);
     const StreetHit rear = street.trace({0.0, 1.75, 0.6}, Vector3d::UnitX(), time_s, kFarAway_m);
     ASSERT_TRUE(rear.hit);
     EXPECT_TRUE(rear.on_car);
@@ -74,7 +74,7 @@ TEST(Street, CarMovesAtItsSpeed) {
 }
 
 TEST(Street, CarCanBeLeftOut) {
-  const Street street(1, false);
+  const Street street(1, std::nullopt);
   const StreetHit hit = street.trace({0.0, 1.75, 0.6}, Vector3d::UnitX(), 0.0, kFarAway_m);
   ASSERT_TRUE(hit.hit);  // the houses across the end
   EXPECT_FALSE(hit.on_car);
@@ -101,7 +101,7 @@ TEST(Street, ThinPolesStandBeforeWhatIsThereAnyway) {
 TEST(Street, CarPaintTravelsWithTheCar) {
   const Street street;
   const auto side = [&](double time_s) {
-    const Vector3d origin = Street::car_position(time_s) + Vector3d(-1.7, -1.2, 0.7);
+    const Vector3d origin = StreetCar{}.position(time_s) + Vector3d(-1.7, -1.2, 0.7);
     return street.trace(origin, Vector3d::UnitY(), time_s, kFarAway_m);
   };
   ASSERT_TRUE(side(0.0).on_car);
@@ -111,7 +111,7 @@ TEST(Street, CarPaintTravelsWithTheCar) {
 TEST(Street, LidarIsBlindToGlassAndToFaintReturns) {
   const Street street;
   // The rear window of the moving car is glass, its tail is painted.
-  const Vector3d behind = Street::car_position(0.0) - Vector3d(6.0, 0.0, 0.0);
+  const Vector3d behind = StreetCar{}.position(0.0) - Vector3d(6.0, 0.0, 0.0);
   const Vector3d window = behind + Vector3d(0.0, 0.0, 1.2);
   ASSERT_TRUE(street.trace(window, Vector3d::UnitX(), 0.0, 100.0).on_car);
   EXPECT_EQ(street.lidar_return(window, Vector3d::UnitX(), 0.0, 0.9, 100.0).range, 0.0);
@@ -198,13 +198,13 @@ TEST(Street, PictureShowsTheMovingCarWhereItIs) {
   const LogCamera& camera = log.cameras.front();
   const double time_s = 0.05;
   const Pose world_from_camera = log.world_from_rig.at(time_s) * camera.rig_from_camera;
-  const Vector3d tail = Street::car_position(time_s) + Vector3d(-2.1, 0.4, 0.7);
+  const Vector3d tail = StreetCar{}.position(time_s) + Vector3d(-2.1, 0.4, 0.7);
   Eigen::Vector2d pixel;
   ASSERT_TRUE(camera.model.project(world_from_camera.inverse() * tail, pixel));
   const auto x = static_cast<int>(pixel.x());
   const auto y = static_cast<int>(pixel.y());
-  const Image with = render_street(Street(1, true), camera, log.world_from_rig, time_s, time_s);
-  const Image without = render_street(Street(1, false), camera, log.world_from_rig, time_s, time_s);
+  const Image with = render_street(Street(1), camera, log.world_from_rig, time_s, time_s);
+  const Image without = render_street(Street(1, std::nullopt), camera, log.world_from_rig, time_s, time_s);
   EXPECT_GT(with.at(x, y, 0), with.at(x, y, 2) + 0.3F);        // yellow paint
   EXPECT_LT(without.at(x, y, 0), without.at(x, y, 2) + 0.1F);  // grey road
 }
