@@ -1,7 +1,9 @@
 # Every file of device code, relative to cl/: these are embedded in the library. One line each.
 set(SIMULI_CL_FILES
   shared/layout.h
+  math/actor.h
   math/camera.h
+  math/carry.h
   math/color_grid.h
   math/lanes.h
   math/elementary.h
@@ -14,6 +16,7 @@ set(SIMULI_CL_FILES
   math/sh.h
   math/shutter.h
   math/unscented.h
+  kernels/actor.cl
   kernels/adam.cl
   kernels/anchor.cl
   kernels/bin.cl

@@ -20,13 +20,14 @@ namespace simuli {
 /// Error{kInput} when the file's size is not the log camera's.
 [[nodiscard]] Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled);
 
-/// Poses of a sensor at the start and the end of a frame, relative to the scene origin.
+/// Poses of a sensor and of the scene's actors at the start and the end of a frame, relative to the scene
+/// origin, before the background of that set.
 [[nodiscard]] View view_at(const Trajectory& world_from_rig,
                            const Pose& rig_from_sensor,
                            double time_start_s,
                            double time_end_s,
-                           const Eigen::Vector3d& scene_origin,
-                           const std::array<float, 3>& background);
+                           const Scene& scene,
+                           SetKind kind);
 [[nodiscard]] View view_of(const Log& log, const Scene& scene, const ImageFrame& frame);
 [[nodiscard]] View view_of(const Log& log, const Scene& scene, const SweepFrame& frame);
 

@@ -52,24 +52,28 @@ FN void join_columns(Footprint* f) {
 }
 
 /// V particles per work-item: visibility, box, features, record.
-/// in  params[rows][stride]; row_lut[4096], row_elevation[2][rows], lowest and highest of
+/// in  params[rows][stride]; actor_of[stride], actors[1 + A][SIM_ACTOR_REALS] with ACTORS;
+///     row_lut[4096], row_elevation[2][rows], lowest and highest of
 ///     each row's rays: LiDAR only
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
-///     0xffffffff for a culled particle. Parameters that are not numbers, or too far out, cull it.
+///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
                       __global const real* params,
+                      __global const uint* actor_of,
+                      __global const real* actors,
                       __global const real* sensor,
                       __global const int* row_lut,
                       __global const real* row_elevation,
                       __global real* records,
                       __global Footprint* footprints,
-                      __global uint* keys) {
+                      __global uint* keys,
+                      __global real* motions) {
   const uint i = get_global_id(0) * V;
   if (i >= frame.particles) return;
   const uint lanes = min((uint)V, frame.particles - i);
 
   Gaussian g;
-  load_gaussian(params, frame.stride, i, sensor, &g);
+  load_gaussian(params, actor_of, actors, frame.stride, i, sensor, &g);
   const F logit = LDV(params + SIM_OPACITY * frame.stride + i);
   // ln(sigma / cut), where a logit of -80 is as good as -infinity.
   const F bounded = VMAX(VMIN(logit, (F)R(80.0)), (F)R(-80.0));
@@ -88,19 +92,23 @@ __kernel void project(const FrameParams frame,
   // Positive guards: NaN anywhere makes them false. Beyond these bounds exp, squares and inverses leave the
   // range of floats.
   I visible = AND(qmax > R(0.0), AND(fabs(logit) < R(1e35), radius < R(1e18)));
+#if ACTORS
+  if (g.actor.any) visible = AND(visible, g.actor.there);
+#endif
+  const F travel = carried(&g, radius);
   visible = AND(visible, AND(g.inv_norm > R(1e-18), g.inv_norm < R(1e18)));
   for (int k = 0; k < 3; ++k) {
     visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame.stride + i)) < R(80.0));
   }
   const F far = sensor[SIM_S_T_MAX] + origin_reach(&frame, sensor);
-  visible = AND(visible, AND(g.range - radius < far, g.range > R(1e-6)));
+  visible = AND(visible, AND(g.range - radius - R(0.5) * travel < far, g.range > R(1e-6)));
 #if SENSOR == SENSOR_CAMERA
   // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
   // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
   const F step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
                       sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
                       sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
-  const F ball = radius + R(0.5) * step;
+  const F ball = radius + R(0.5) * (step + travel);
   const F tangent2 = fma(g.range, g.range, -(ball * ball));
   const F tangent = sqrt(VMAX(tangent2, (F)R(0.0)));
   const F limit = fma(tangent, (F)sensor[SIM_S_COS_FOV], ball * -sensor[SIM_S_SIN_FOV]);
@@ -130,6 +138,12 @@ __kernel void project(const FrameParams frame,
   }
 #endif
 
+#if ACTOR_MOTION
+  // The record holds for the time at which the middle of the box is seen.
+  const F own_time = time_of(sensor, box.mean_x, R(0.5) * (box.low + box.high));
+  F velocity[3];
+  place_at(&g, own_time, velocity);
+#endif
   BlendMatrix b;
   blend_matrix(&g, &b);
   visible = AND(visible, AND(b.radius2 > R(1e-30), b.radius2 < R(1e30)));
@@ -142,7 +156,16 @@ __kernel void project(const FrameParams frame,
   STV(out + SIM_R_QMAX * V, qmax);
   STV(out + SIM_R_BOX_MEAN * V, box.mean_x);
   STV(out + SIM_R_BOX_OTHER * V, box.other_x);
-  STV(out + SIM_R_BOX_HALF * V, box.half_x);
+  F half_x = box.half_x;
+#if ACTOR_MOTION
+  real motion[SIM_MOTION * V];
+  if (g.actor.any) {
+    half_x = SEL(g.actor.on, -VMAX(half_x, (F)R(1e-30)), half_x);
+    for (int k = 0; k < 3; ++k) STV(motion + (SIM_M_VELOCITY + k) * V, velocity[k]);
+    STV(motion + SIM_M_TIME * V, own_time);
+  }
+#endif
+  STV(out + SIM_R_BOX_HALF * V, half_x);
 
   // Tiles and rows, lane by lane: integers from here on.
   real low_y[V], high_y[V], seen[V], range[V];
@@ -167,7 +190,7 @@ __kernel void project(const FrameParams frame,
       const int row_last = beams_above(row_lut, row_elevation + rows, sensor, rows, low_y[lane], 1) - 1;
 #endif
       if (row_first <= row_last) {
-        const real half_width = out[SIM_R_BOX_HALF * V + lane];
+        const real half_width = fabs(out[SIM_R_BOX_HALF * V + lane]);
         f.columns = tile_columns(&frame, sensor, out[SIM_R_BOX_MEAN * V + lane], half_width);
 #if WRAPS
         f.others = tile_columns(&frame, sensor, out[SIM_R_BOX_OTHER * V + lane], half_width);
@@ -188,7 +211,14 @@ __kernel void project(const FrameParams frame,
   // Features only now: most particles outside the field of view never read their SH.
   const F inv_range = R(1.0) / g.range;
   F basis[SH_COEFFICIENTS];
-  sh_basis(g.offset[0] * inv_range, g.offset[1] * inv_range, g.offset[2] * inv_range, basis);
+  F towards[3] = {g.offset[0] * inv_range, g.offset[1] * inv_range, g.offset[2] * inv_range};
+#if ACTORS
+  if (g.actor.any) {
+    const F direction[3] = {towards[0], towards[1], towards[2]};
+    rotate_back_lanes(g.actor.rotation, direction, towards);
+  }
+#endif
+  sh_basis(towards[0], towards[1], towards[2], basis);
   I usable = (F)R(0.0) == (F)R(0.0);
   for (int channel = 0; channel < 3; ++channel) {
     F sum = (F)R(0.0);
@@ -212,5 +242,9 @@ __kernel void project(const FrameParams frame,
     }
     __global real* record = records + (ulong)(i + lane) * SIM_RECORD;
     for (int k = 0; k < SIM_RECORD; ++k) record[k] = out[k * V + lane];
+#if ACTOR_MOTION
+    if (!g.actor.any) continue;
+    for (int k = 0; k < SIM_MOTION; ++k) motions[(ulong)(i + lane) * SIM_MOTION + k] = motion[k * V + lane];
+#endif
   }
 }

@@ -7,16 +7,21 @@
 /// in  params[rows][stride]; keys[N], footprints[N], emission[N], records[N][16] of project and bin;
 ///     grads[K][16] of render_bwd
 /// out param_grads[rows][stride]: dL/dparam of the particles that were not culled; what stands at the others is
-///     not defined
+///     not defined. pose_grads[6][stride], with ACTORS: of particles of actors, dL/d(shift, turn) of the actor
+///     at the record's time. What the particle's velocity owes to them is left out.
 __kernel void project_bwd(const FrameParams frame,
                           __global const real* params,
+                          __global const uint* actor_of,
+                          __global const real* actors,
                           __global const real* sensor,
                           __global const uint* keys,
                           __global const Footprint* footprints,
                           __global const uint* emission,
                           __global const real* records,
+                          __global const real* motions,
                           __global const real* grads,
-                          __global real* param_grads) {
+                          __global real* param_grads,
+                          __global real* pose_grads) {
   const uint i = get_global_id(0) * V;
   const uint stride = frame.stride;
   if (i >= frame.particles) return;
@@ -48,7 +53,18 @@ __kernel void project_bwd(const FrameParams frame,
   if (!any_seen) return;
 
   Gaussian g;
-  load_gaussian(params, stride, i, sensor, &g);
+  load_gaussian(params, actor_of, actors, stride, i, sensor, &g);
+  // The footprint filter is that of half-way.
+  const F half_way[3] = {g.offset[0], g.offset[1], g.offset[2]};
+#if ACTOR_MOTION
+  real time[V];
+  for (uint lane = 0; lane < V; ++lane) {
+    time[lane] = g.actor.any && seen[lane] > R(0.5) ? motions[(ulong)(i + lane) * SIM_MOTION + SIM_M_TIME] : R(0.5);
+  }
+  const F own_time = LDV(time);
+  F velocity[3];
+  place_at(&g, own_time, velocity);
+#endif
   BlendMatrix b;
   blend_matrix(&g, &b);
   const I live = LDV(seen) > R(0.5);
@@ -81,7 +97,7 @@ __kernel void project_bwd(const FrameParams frame,
     const F g_filtered = -along * inv;
     g_log_scale[k] = g_filtered * g.scale[k] * g.scale[k] * inv;
     const F by_range = g_filtered * inv * sensor[SIM_S_KAPPA];
-    for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
+    for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, half_way[c], g_mean[c]);
   }
 
 #if COMPENSATION
@@ -94,6 +110,29 @@ __kernel void project_bwd(const FrameParams frame,
   for (int k = 0; k < 3; ++k) {
     STV(param_grads + (SIM_LOG_SCALE + k) * stride + i, SEL(live, g_log_scale[k], (F)R(0.0)));
   }
+#if ACTORS
+  F g_turn[3];
+  if (g.actor.any) {
+    // A turn of the actor turns the particle's axes ...
+    for (int k = 0; k < 3; ++k) g_turn[k] = (F)R(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const F r[3] = {g.rotation[axis], g.rotation[3 + axis], g.rotation[6 + axis]};
+      const F gradient[3] = {gr[axis], gr[3 + axis], gr[6 + axis]};
+      F torque[3];
+      cross_lanes(r, gradient, torque);
+      for (int k = 0; k < 3; ++k) g_turn[k] += torque[k];
+    }
+    // ... and R = R_actor R(q).
+    F back[9];
+    for (int axis = 0; axis < 3; ++axis) {
+      const F gradient[3] = {gr[axis], gr[3 + axis], gr[6 + axis]};
+      F own[3];
+      rotate_back_lanes(g.actor.rotation, gradient, own);
+      for (int k = 0; k < 3; ++k) back[3 * k + axis] = own[k];
+    }
+    for (int k = 0; k < 9; ++k) gr[k] = back[k];
+  }
+#endif
 
   // R(q), then the normalisation of q.
   const F w = g.quaternion[0], x = g.quaternion[1], y = g.quaternion[2], z = g.quaternion[3];
@@ -122,7 +161,14 @@ __kernel void project_bwd(const FrameParams frame,
   const F dx = g.offset[0] * inv_range, dy = g.offset[1] * inv_range, dz = g.offset[2] * inv_range;
   F basis[SH_COEFFICIENTS];
   F weight[SH_COEFFICIENTS];
-  sh_basis(dx, dy, dz, basis);
+  F towards[3] = {dx, dy, dz};
+#if ACTORS
+  if (g.actor.any) {
+    const F direction[3] = {dx, dy, dz};
+    rotate_back_lanes(g.actor.rotation, direction, towards);
+  }
+#endif
+  sh_basis(towards[0], towards[1], towards[2], basis);
   for (int k = 0; k < SH_COEFFICIENTS; ++k) weight[k] = (F)R(0.0);
   for (int channel = 0; channel < 3; ++channel) {
     F gf = SEL(live, LDV(summed + (SIM_G_FEATURE + channel) * V), (F)R(0.0));
@@ -135,11 +181,38 @@ __kernel void project_bwd(const FrameParams frame,
   }
 #if SH_DEGREE > 0
   F gd[3];
-  sh_gradient(dx, dy, dz, weight, gd);
+  sh_gradient(towards[0], towards[1], towards[2], weight, gd);
+#if ACTORS
+  if (g.actor.any) {
+    const F direction[3] = {dx, dy, dz};
+    const F own[3] = {gd[0], gd[1], gd[2]};
+    rotate_lanes(g.actor.rotation, own, gd);
+    F torque[3];
+    cross_lanes(gd, direction, torque);  // the direction turns the other way in the actor's frame
+    for (int k = 0; k < 3; ++k) g_turn[k] += torque[k];
+  }
+#endif
   const F out = gd[0] * dx + gd[1] * dy + gd[2] * dz;
   g_mean[0] = fma(fma(-out, dx, gd[0]), inv_range, g_mean[0]);
   g_mean[1] = fma(fma(-out, dy, gd[1]), inv_range, g_mean[1]);
   g_mean[2] = fma(fma(-out, dz, gd[2]), inv_range, g_mean[2]);
+#endif
+#if ACTORS
+  if (g.actor.any) {
+    F arm[3], torque[3];
+    for (int k = 0; k < 3; ++k) arm[k] = g.offset[k] - g.actor.centre[k];
+#if ACTOR_MOTION
+    for (int k = 0; k < 3; ++k) arm[k] -= g.actor.step[k] * (own_time - R(0.5));
+#endif
+    cross_lanes(arm, g_mean, torque);
+    const I counts = AND(live, g.actor.on);
+    for (int k = 0; k < 3; ++k) {
+      STV(pose_grads + (SIM_P_SHIFT + k) * stride + i, SEL(counts, g_mean[k], (F)R(0.0)));
+      STV(pose_grads + (SIM_P_TURN + k) * stride + i, SEL(counts, g_turn[k] + torque[k], (F)R(0.0)));
+    }
+    const F in_scene[3] = {g_mean[0], g_mean[1], g_mean[2]};
+    rotate_back_lanes(g.actor.rotation, in_scene, g_mean);
+  }
 #endif
   for (int c = 0; c < 3; ++c) {
     STV(param_grads + (SIM_MEAN + c) * stride + i, SEL(live, g_mean[c], (F)R(0.0)));

@@ -1,9 +1,11 @@
 // rays.cl - rays of one frame in the world, from the sensor's own rays. Launcher: host/render/rays.cpp
+#include "math/actor.h"
 #include "math/sensor.h"
 
 /// Turns each slot's sensor-frame ray to the world at its own time. V slots per work-item.
 /// in  sensor_ray[3|7][slots]: unit direction; with ORIGINS also origin (m) and time share of the frame
-/// out world_ray[3|6][slots]: unit direction; with ORIGINS also origin minus o_ref, m
+/// out world_ray[3|6|7][slots]: unit direction; with ORIGINS also origin minus o_ref, m; with ACTOR_MOTION also
+///     the time share
 /// Slots without a ray have a zero direction and keep it: nothing they meet can count.
 __kernel void rays(const FrameParams frame,
                    __global const real* sensor,
@@ -31,5 +33,8 @@ __kernel void rays(const FrameParams frame,
 #endif
     STV(world_ray + (3 + k) * s + i, world[k]);
   }
+#if ACTOR_MOTION
+  STV(world_ray + 6 * s + i, t);
+#endif
 #endif
 }

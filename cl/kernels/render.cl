@@ -2,7 +2,8 @@
 #include "math/response.h"
 
 /// One work-group of LS work-items per tile; each holds NR vectors of V rays in registers or L1.
-/// in  world_ray[3|6][slots], ray_u[slots]; first[tiles+1]; payload[K] by tile, nearest first; records[N][16]
+/// in  world_ray[3|6|7][slots], ray_u[slots]; first[tiles+1]; payload[K] by tile, nearest first; records[N][16];
+///     motions[N][4] of particles that move, with ACTOR_MOTION
 /// out out[6][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
 ///     0 where transmittance never falls to 1/2). Slots without a ray get the background.
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
@@ -14,6 +15,7 @@ __kernel void render(const FrameParams frame,
                      __global const uint* first,
                      __global const uint* payload,
                      __global const real* records,
+                     __global const real* motions,
                      __global real* out) {
   const uint tile = get_group_id(0);
   const uint lid = get_local_id(0);
@@ -72,12 +74,24 @@ __kernel void render(const FrameParams frame,
       real record[SIM_RECORD];
       for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
 #endif
+#if ACTOR_MOTION
+      real motion[SIM_MOTION];
+      const int moves = take_motion(record, motions, packed & SIM_PARTICLE_MASK, motion);
+#endif
       const real box_mean = nearest_box_mean(record, tx, sensor);
       const int j_last = J_LAST(packed);
       for (int j = J_FIRST(packed); j <= j_last; ++j) {
         if (J_OUTSIDE(j, lid, packed)) continue;
+        const RayLanes* seen = &ray[j];
+#if ACTOR_MOTION
+        RayLanes followed;
+        if (moves) {
+          followed = follow(&ray[j], motion);
+          seen = &followed;
+        }
+#endif
         Response response;
-        respond(record, box_mean, &ray[j], t_min, t_max, &response);
+        respond(record, box_mean, seen, t_min, t_max, &response);
         if (!ANY(response.inside)) continue;
         const F raw = raw_alpha(record, response.q, log_cut);
         const F alpha = SEL(response.inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));

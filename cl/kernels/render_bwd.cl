@@ -39,6 +39,7 @@ __kernel void render_bwd(const FrameParams frame,
                          __global const uint* first,
                          __global const uint* payload,
                          __global const real* records,
+                         __global const real* motions,
                          __global const Footprint* footprints,
                          __global const uint* emission,
                          __global const real* out,
@@ -113,6 +114,10 @@ __kernel void render_bwd(const FrameParams frame,
     const __global real* source = records + (ulong)particle * SIM_RECORD;
     real record[SIM_RECORD];
     for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+#if ACTOR_MOTION
+    real motion[SIM_MOTION];
+    const int moves = take_motion(record, motions, particle, motion);
+#endif
     const real box_mean = nearest_box_mean(record, tx, sensor);
     F sum[SIM_GRAD];
     for (int k = 0; k < SIM_GRAD; ++k) sum[k] = (F)R(0.0);
@@ -121,8 +126,16 @@ __kernel void render_bwd(const FrameParams frame,
     const int j_last = J_LAST(packed);
     for (int j = J_FIRST(packed); j <= j_last; ++j) {
       if (J_OUTSIDE(j, lid, packed)) continue;
+      const RayLanes* seen = &ray[j];
+#if ACTOR_MOTION
+      RayLanes followed;
+      if (moves) {
+        followed = follow(&ray[j], motion);
+        seen = &followed;
+      }
+#endif
       Response response;
-      respond(record, box_mean, &ray[j], t_min, t_max, &response);
+      respond(record, box_mean, seen, t_min, t_max, &response);
       const I inside = response.inside;
       if (!ANY(inside)) continue;
       const F raw = raw_alpha(record, response.q, log_cut);
@@ -183,9 +196,9 @@ __kernel void render_bwd(const FrameParams frame,
 #endif
       for (int k = 0; k < 3; ++k) {
         for (int c = 0; c < 3; ++c) {
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], ray[j].d[c], sum[SIM_G_MATRIX + 3 * k + c]);
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen->d[c], sum[SIM_G_MATRIX + 3 * k + c]);
 #if ORIGINS
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], ray[j].o[c], sum[SIM_G_MATRIX + 3 * k + c]);
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen->o[c], sum[SIM_G_MATRIX + 3 * k + c]);
 #endif
         }
         sum[SIM_G_ORIGIN + k] += origin[k];

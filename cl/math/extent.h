@@ -43,10 +43,21 @@ FN void seen_ellipsoid(
   F sine, cosine;
   sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
 #endif
+#if ACTOR_MOTION
+  F carry[9];
+  if (g->actor.any) actor_turn(&g->actor, t, carry);
+#endif
   F trace = (F)R(0.0);
   for (int k = 0; k < 3; ++k) {
     const F length = reach * g->filtered[k];
-    const F v[3] = {g->rotation[k] * length, g->rotation[3 + k] * length, g->rotation[6 + k] * length};
+    F v[3] = {g->rotation[k] * length, g->rotation[3 + k] * length, g->rotation[6 + k] * length};
+#if ACTOR_MOTION
+    if (g->actor.any) {
+      F carried_v[3];
+      rotate_lanes(carry, v, carried_v);
+      for (int j = 0; j < 3; ++j) v[j] = SEL(g->actor.on, carried_v[j], v[j]);
+    }
+#endif
     F turned[3];
 #if MOVING
     rotate(sensor + SIM_S_ROT_START, v, turned);
@@ -57,7 +68,7 @@ FN void seen_ellipsoid(
     for (int j = 0; j < 3; ++j) e->a[j][k] = turned[j];
     trace += length * length;
   }
-  sensor_from_world_point(sensor, g->offset, t, e->p);
+  sensor_from_particle_point(sensor, g, g->offset, t, e->p);
   F shift = (F)sensor[SIM_S_LEVER];
 #if MOVING
   // A turn by d moves a point by at most d times its distance.
@@ -66,7 +77,7 @@ FN void seen_ellipsoid(
   const real step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
                          sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
                          sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
-  shift += dt * (step + sensor[SIM_S_ANGLE] * (distance + radius));
+  shift += dt * (step + carried(g, radius) + sensor[SIM_S_ANGLE] * (distance + radius));
 #endif
   e->p[2] -= sensor[SIM_S_HEIGHT_REF];
   const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; c may be any

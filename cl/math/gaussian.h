@@ -1,6 +1,7 @@
 // gaussian.h - one particle's parameters on lanes and the matrix that both project and its gradient use.
 #ifndef SIMULI_CL_MATH_GAUSSIAN_H
 #define SIMULI_CL_MATH_GAUSSIAN_H
+#include "math/actor.h"
 #include "math/elementary.h"
 #include "shared/layout.h"
 
@@ -18,10 +19,16 @@ typedef struct {
   F rotation[9];    // R, row-major: columns are the particle's axes in the world
   F quaternion[4];  // normalised
   F inv_norm;       // 1 / |raw quaternion|
+#if ACTORS
+  ActorLanes actor;
+#endif
 } Gaussian;
 
-/// Loads particles i .. i+V-1 (METHOD section 8: the footprint filter widens all axes alike).
+/// Loads particles i .. i+V-1 (METHOD section 8: the footprint filter widens all axes alike), those of actors
+/// where they are half-way through the frame.
 FN void load_gaussian(__global const real* params,
+                          __global const uint* actor_of,
+                          __global const real* actors,
                           uint stride,
                           uint i,
                           __global const real* sensor,
@@ -30,6 +37,17 @@ FN void load_gaussian(__global const real* params,
   for (int k = 0; k < 3; ++k) {
     g->offset[k] = LDV(row + (SIM_MEAN + k) * stride) - sensor[SIM_S_CENTRE_REF + k];
   }
+#if ACTORS
+  load_actors(actor_of, actors, i, &g->actor);
+  if (g->actor.any) {
+    F mean[3], turned[3];
+    for (int k = 0; k < 3; ++k) mean[k] = LDV(row + (SIM_MEAN + k) * stride);
+    rotate_lanes(g->actor.rotation, mean, turned);
+    for (int k = 0; k < 3; ++k) {
+      g->offset[k] = SEL(g->actor.on, g->actor.centre[k] + turned[k], g->offset[k]);
+    }
+  }
+#endif
   const F range2 = g->offset[0] * g->offset[0] + g->offset[1] * g->offset[1] + g->offset[2] * g->offset[2];
   g->range = sqrt(range2);
   const F widen = range2 * sensor[SIM_S_KAPPA];
@@ -51,6 +69,13 @@ FN void load_gaussian(__global const real* params,
   g->rotation[6] = R(2.0) * (x * z - w * y);
   g->rotation[7] = R(2.0) * (y * z + w * x);
   g->rotation[8] = R(1.0) - R(2.0) * (x * x + y * y);
+#if ACTORS
+  if (g->actor.any) {
+    F own[9];
+    for (int k = 0; k < 9; ++k) own[k] = g->rotation[k];
+    multiply_lanes(g->actor.rotation, own, g->rotation);
+  }
+#endif
 }
 
 #if COMPENSATION
@@ -119,6 +144,34 @@ FN void compensation_gradient(const Gaussian* g,
   const F by_range2 = -kappa * by_share * by_wide * c->inv_largest2;  // times offset
   for (int r = 0; r < 3; ++r) {
     g_mean[r] += (by_n[r] - radial * c->n[r]) / g->range + by_range2 * g->offset[r];
+  }
+}
+#endif
+
+#if ACTOR_MOTION
+/// Takes particles with a moving actor from half-way through the frame to time t: offset, range, rotation, and
+/// the actor's rotation. velocity: m per frame, 0 for those at rest. The footprint filter stays that of
+/// half-way.
+FN void place_at(Gaussian* g, F t, F* velocity) {
+  for (int k = 0; k < 3; ++k) velocity[k] = (F)R(0.0);
+  if (!g->actor.any) return;
+  F turn[9], turned[9], moved[3];
+  actor_turn(&g->actor, t, turn);
+  actor_carry(&g->actor, turn, t, g->offset, moved);
+  for (int k = 0; k < 3; ++k) g->offset[k] = moved[k];
+  const F range = sqrt(moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2]);
+  g->range = SEL(g->actor.on, range, g->range);
+  multiply_lanes(turn, g->rotation, turned);
+  for (int k = 0; k < 9; ++k) g->rotation[k] = SEL(g->actor.on, turned[k], g->rotation[k]);
+  multiply_lanes(turn, g->actor.rotation, turned);
+  for (int k = 0; k < 9; ++k) g->actor.rotation[k] = SEL(g->actor.on, turned[k], g->actor.rotation[k]);
+  F arm[3], spun[3];
+  for (int k = 0; k < 3; ++k) {
+    arm[k] = moved[k] - g->actor.centre[k] - g->actor.step[k] * (t - R(0.5));
+  }
+  cross_lanes(g->actor.axis, arm, spun);
+  for (int k = 0; k < 3; ++k) {
+    velocity[k] = SEL(g->actor.on, fma(g->actor.angle, spun[k], g->actor.step[k]), (F)R(0.0));
   }
 }
 #endif

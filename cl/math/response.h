@@ -3,6 +3,7 @@
 // Build: ORIGINS = 1 when rays have origins of their own (shutter, spin, lever arms).
 #ifndef SIMULI_CL_MATH_RESPONSE_H
 #define SIMULI_CL_MATH_RESPONSE_H
+#include "math/actor.h"
 #include "math/elementary.h"
 #include "shared/layout.h"
 
@@ -14,6 +15,9 @@ typedef struct {
   F d[3];  // unit direction; zero: no ray, or one that is done
 #if ORIGINS
   F o[3];  // origin - o_ref, m
+#endif
+#if ACTOR_MOTION
+  F t;     // share of the frame
 #endif
   F u;     // place along the tile's x axis: px, or unrolled spin angle in rad
 } RayLanes;
@@ -101,8 +105,31 @@ FN RayLanes load_ray(__global const real* world_ray, __global const real* ray_u,
 #if ORIGINS
   for (int k = 0; k < 3; ++k) ray.o[k] = LDV(world_ray + (3 + k) * slots + slot);
 #endif
+#if ACTOR_MOTION
+  ray.t = LDV(world_ray + 6 * slots + slot);
+#endif
   ray.u = LDV(ray_u + slot);
   return ray;
 }
+
+#if ACTOR_MOTION
+/// Whether the record's particle moves during the frame; if so, fetches its motion. The record's box is one
+/// to compare with afterwards.
+FN int take_motion(real* record, __global const real* motions, uint particle, real* motion) {
+  if (!(record[SIM_R_BOX_HALF] < R(0.0))) return 0;
+  record[SIM_R_BOX_HALF] = -record[SIM_R_BOX_HALF];
+  for (int k = 0; k < SIM_MOTION; ++k) motion[k] = motions[(ulong)particle * SIM_MOTION + k];
+  return 1;
+}
+
+/// The ray as the particle at its record's time would see it: what the particle moves until the ray's own time,
+/// the ray moves the other way. Exact but for the turn of the particle's actor in between.
+FN RayLanes follow(const RayLanes* ray, const real* motion) {
+  RayLanes seen = *ray;
+  const F dt = ray->t - motion[SIM_M_TIME];
+  for (int k = 0; k < 3; ++k) seen.o[k] = fma(dt, (F)-motion[SIM_M_VELOCITY + k], ray->o[k]);
+  return seen;
+}
+#endif
 
 #endif

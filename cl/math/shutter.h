@@ -2,7 +2,7 @@
 // of METHOD section 3, and a bound on how fast its right side changes.
 #ifndef SIMULI_CL_MATH_SHUTTER_H
 #define SIMULI_CL_MATH_SHUTTER_H
-#include "math/sensor.h"
+#include "math/carry.h"
 
 #ifndef SHUTTER_ITERATIONS
 #define SHUTTER_ITERATIONS 4
@@ -22,10 +22,17 @@ FN F unrolled(__global const real* sensor, F x, F anchor) {
 #endif
 }
 
-/// Image of the world point o_ref + p at its own time, x being unrolled near the anchor; the search starts at
+/// Image at its own time of the point of particle g that is at o_ref + p half-way, x being unrolled near the anchor; the search starts at
 /// time t. `valid` is cleared in lanes where the point has no image, or no time was found in
 /// SHUTTER_ITERATIONS looks. A lane that has settled stays as it is: results don't depend on the neighbours.
-FN void project_at_own_time(__global const real* sensor, const F* p, F anchor, F t, F* x, F* y, I* valid) {
+FN void project_at_own_time(__global const real* sensor,
+                            const Gaussian* g,
+                            const F* p,
+                            F anchor,
+                            F t,
+                            F* x,
+                            F* y,
+                            I* valid) {
   F q[3];
 #if MOVING
   const real tolerance = SHUTTER_SETTLED * sensor[SIM_S_TIME_STEP];
@@ -33,7 +40,7 @@ FN void project_at_own_time(__global const real* sensor, const F* p, F anchor, F
   I seen, settled;
   for (int k = 0; k < SHUTTER_ITERATIONS; ++k) {
     seen = *valid;
-    sensor_from_world_point(sensor, p, t, q);
+    sensor_from_particle_point(sensor, g, p, t, q);
     project_point(sensor, q, x, y, &seen);
     *x = unrolled(sensor, *x, anchor);
     const F gap = time_of(sensor, *x, *y) - t;
@@ -52,21 +59,23 @@ FN void project_at_own_time(__global const real* sensor, const F* p, F anchor, F
   }
   *valid = AND(seen, settled);
 #else
-  sensor_from_world_point(sensor, p, t, q);
+  sensor_from_particle_point(sensor, g, p, t, q);
   project_point(sensor, q, x, y, valid);
   *x = unrolled(sensor, *x, anchor);
 #endif
 }
 
 #if MOVING
-/// Bound on |d time_of / dt| of every point within `radius` of one that is at `centre`, `range` away, in the
-/// frame of the sensor half-way (of a LiDAR from its reference height); times being shares of the frame.
-/// NO_BOUND or more where the points come too near or leave the cone in which the lens's slopes are known.
-FN F shutter_rate(__global const real* sensor, const F* centre, F range, F radius) {
+/// Bound on |d time_of / dt| of every point of particle g within `radius` of its centre, which is at `centre`,
+/// `range` away, in the frame of the sensor half-way (of a LiDAR from its reference height); times being shares
+/// of the frame. NO_BOUND or more where the points come too near or leave the cone in which the lens's slopes
+/// are known.
+FN F shutter_rate(__global const real* sensor, const Gaussian* g, const F* centre, F range, F radius) {
   const real angle = sensor[SIM_S_ANGLE];
-  const real step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
-                         sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
-                         sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
+  const F step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
+                      sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
+                      sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]) +
+                 carried(g, radius);
   const F ball = radius + R(0.5) * step;  // where the points may be, as seen from the centre half-way
 #if SENSOR == SENSOR_CAMERA
   const F nearest = range - ball;

@@ -46,7 +46,7 @@ FN void projected_box(
     __global const real* sensor, const Gaussian* g, F reach, I visible, F anchor, F t, Box* box) {
   F x0, y0;
   I valid = visible;
-  project_at_own_time(sensor, g->offset, anchor, t, &x0, &y0, &valid);
+  project_at_own_time(sensor, g, g->offset, anchor, t, &x0, &y0, &valid);
   const F t0 = time_of(sensor, x0, y0);
   F mean_x = (F)R(0.0), mean_y = (F)R(0.0), var_x = (F)R(0.0), var_y = (F)R(0.0);
 #if PROJECTION == PROJECTION_MONTE_CARLO
@@ -54,7 +54,7 @@ FN void projected_box(
   for (int k = 0; k < SIM_MONTE_CARLO; ++k, sample += 3) {
     F p[3], x, y;
     point_at(g, (F)sample[0], (F)sample[1], (F)sample[2], p);
-    project_at_own_time(sensor, p, x0, t0, &x, &y, &valid);
+    project_at_own_time(sensor, g, p, x0, t0, &x, &y, &valid);
     mean_x += x - x0;
     mean_y += y - y0;
     var_x = fma(x - x0, x - x0, var_x);
@@ -83,7 +83,7 @@ FN void projected_box(
                (F)(axis == 1 ? z : R(0.0)),
                (F)(axis == 2 ? z : R(0.0)),
                p);
-      project_at_own_time(sensor, p, x0, t0, &x, &y, &valid);
+      project_at_own_time(sensor, g, p, x0, t0, &x, &y, &valid);
       dx[end] = x - x0;
       dy[end] = y - y0;
     }
@@ -115,13 +115,13 @@ FN void projected_box(
 }
 
 #if SENSOR == SENSOR_LIDAR && MOVING
-/// Raises x and y to how far the image of o_ref + p moves from time t to t + dt.
-FN void drift(__global const real* sensor, const F* p, F t, F dt, F* x, F* y) {
+/// Raises x and y to how far the image of the centre moves from time t to t + dt.
+FN void drift(__global const real* sensor, const Gaussian* g, F t, F dt, F* x, F* y) {
   F q[3], x0, y0, x1, y1;
   I seen = t == t;
-  sensor_from_world_point(sensor, p, t, q);
+  sensor_from_particle_point(sensor, g, g->offset, t, q);
   project_point(sensor, q, &x0, &y0, &seen);
-  sensor_from_world_point(sensor, p, t + dt, q);
+  sensor_from_particle_point(sensor, g, g->offset, t + dt, q);
   project_point(sensor, q, &x1, &y1, &seen);
   *x = VMAX(*x, fabs(wrap_lanes(x1 - x0, TWO_PI_R)));
   *y = VMAX(*y, fabs(y1 - y0));
@@ -150,7 +150,7 @@ FN I unscented_bounds(const FrameParams* frame,
   projected_box(sensor, g, reach, visible, anchor, (F)R(0.5), &box);
   I known = box.valid;
 #if MOVING
-  known = AND(known, shutter_rate(sensor, centre, g->range, radius) < SHUTTER_RATE_MAX);
+  known = AND(known, shutter_rate(sensor, g, centre, g->range, radius) < SHUTTER_RATE_MAX);
 #endif
   out->mean_x = box.mean_x;
   out->other_x = box.mean_x;
@@ -191,19 +191,20 @@ FN I unscented_bounds(const FrameParams* frame,
   const real passed = R(0.5) * sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
                                     sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
                                     sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
-  I known = AND(distance > radius, flat > fma(fabs(level[2]), (F)POLE_MARGIN, radius) + passed);
+  const F travel = carried(g, radius);
+  I known = AND(distance > radius + R(0.5) * travel, flat > fma(fabs(level[2]), (F)POLE_MARGIN, radius) + passed + R(0.5) * travel);
   F drift_x = (F)R(0.0), drift_y = (F)R(0.0);
 #if MOVING
-  known = AND(known, shutter_rate(sensor, level, distance, radius) < SHUTTER_RATE_MAX);
+  known = AND(known, shutter_rate(sensor, g, level, distance, radius) < SHUTTER_RATE_MAX);
   if (sensor[SIM_S_TIME_SPREAD] > R(0.0)) {
     const F t0 = time_of(sensor, box.mean_x, box.mean_y);
     const F dt = (F)sensor[SIM_S_TIME_SPREAD];
-    drift(sensor, g->offset, t0, dt, &drift_x, &drift_y);
-    drift(sensor, g->offset, t0, -dt, &drift_x, &drift_y);
+    drift(sensor, g, t0, dt, &drift_x, &drift_y);
+    drift(sensor, g, t0, -dt, &drift_x, &drift_y);
     // The spin angle that drifts tells another time itself: dt / (1 - rate of drift over rate of spin).
     const F farther = dt / (R(1.0) - VMIN(drift_x * sensor[SIM_S_INV_SPAN] / dt, (F)R(0.75)));
-    drift(sensor, g->offset, t0, farther, &drift_x, &drift_y);
-    drift(sensor, g->offset, t0, -farther, &drift_x, &drift_y);
+    drift(sensor, g, t0, farther, &drift_x, &drift_y);
+    drift(sensor, g, t0, -farther, &drift_x, &drift_y);
   }
 #endif
   Box other = box;
@@ -211,7 +212,7 @@ FN I unscented_bounds(const FrameParams* frame,
 #if MOVING
   // The second place is seldom swept: look only where it may be, motion during the sweep included.
   const F slack = R(2.0) * box.half_x + lever + drift_x + sensor[SIM_S_ANGLE] + R(0.01) +
-                  fabs(sensor[SIM_S_CENTRE_STEP]) / VMAX(flat, (F)R(1e-3)) +
+                  (fabs(sensor[SIM_S_CENTRE_STEP]) + travel) / VMAX(flat, (F)R(1e-3)) +
                   fabs(sensor[SIM_S_CENTRE_STEP + 1]) / VMAX(flat, (F)R(1e-3));
   const I near = AND(visible, AND(other_x + slack >= swept_first, other_x - slack <= swept_last));
   if (ANY(near)) {

@@ -128,6 +128,27 @@ typedef int sim_i32;
 #define SIM_L_BETA 18         // EUCM
 #define SIM_LENS_REALS 32
 
+// One row per actor behind a row for the background, in reals: scene_from_actor half-way through the frame and
+// how it changes from start to end.
+#define SIM_A_CENTRE 0     // minus o_ref, m
+#define SIM_A_STEP 3       // centre at the end minus centre at the start
+#define SIM_A_ROTATION 6   // row-major 3x3
+#define SIM_A_AXIS 15      // of the turn from start to end, scene axes
+#define SIM_A_ANGLE 18     // rad, of that turn
+#define SIM_A_THERE 19     // 1, or 0: not in this frame
+#define SIM_ACTOR_REALS 20
+
+// Motion record of a particle whose actor moves during the frame: its velocity (m per frame) at the time at
+// which the blending record holds. Such particles have a negative SIM_R_BOX_HALF.
+#define SIM_M_VELOCITY 0
+#define SIM_M_TIME 3  // share of the frame
+#define SIM_MOTION 4
+
+// Rows of the gradient by the pose of a particle's actor.
+#define SIM_P_SHIFT 0  // scene axes
+#define SIM_P_TURN 3   // rotation vector about the actor's origin, scene axes
+#define SIM_POSE_GRAD 6
+
 // Integers of one frame, passed by value.
 typedef struct {
   sim_u32 particles;      // N

@@ -1,5 +1,7 @@
 // The device memory of a frame and what kernels are specialised for.
+#include <algorithm>
 #include <fmt/format.h>
+#include <numeric>
 
 #include "host/base/error.hpp"
 #include "host/render/stages.hpp"
@@ -13,6 +15,8 @@ LaneShape LaneShape::of(const Device& device, Precision precision) {
 
 BuildOptions Variant::options() const {
   BuildOptions options;
+  // Only where there are any: programs of scenes without actors are the same as ever.
+  if (actors) options.define("ACTORS", true).define("ACTOR_MOTION", actor_motion);
   return options.real(precision)
       .define("SENSOR", sensor)
       .define("LENS", lens)
@@ -37,7 +41,11 @@ RayBuffers::RayBuffers(const Device& device, const RayGrid& grid, Precision prec
 }
 
 ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision)
-    : kind(set.kind), params(device, "particles", precision) {
+    : kind(set.kind),
+      params(device, "particles", precision),
+      actor_of(device, "actors of particles"),
+      actor_list(device, "particles of actors"),
+      actor_first(device, "actors in the list") {
   upload(set);
 }
 
@@ -61,6 +69,32 @@ void ParticleBuffers::upload(const GaussianSet& set) {
     std::fill(target + count, target + stride, filler);
   }
   params.assign(padded);
+  upload_actors(set.actor);
+}
+
+void ParticleBuffers::upload_actors(const std::vector<std::uint32_t>& actor) {
+  actors = actor.empty() ? 0 : *std::max_element(actor.begin(), actor.end());
+  if (!actor.empty() && actor.size() != count) {
+    throw Error(ErrorKind::kInternal, "particles: one actor per particle is needed, or none at all");
+  }
+  std::vector<std::uint32_t> of, first, list;
+  if (actors > 0) {
+    of = actor;
+    of.resize(stride, 0);
+    first.assign(std::size_t{actors} + 1, 0);
+    for (const std::uint32_t a : actor) {
+      if (a > 0) ++first[a];
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    list.resize(first.back());
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (actor[i] > 0) list[next[actor[i] - 1]++] = i;
+    }
+  }
+  actor_of.assign(of);
+  actor_list.assign(list);
+  actor_first.assign(first);
 }
 
 GaussianSet ParticleBuffers::download() const {
@@ -70,13 +104,19 @@ GaussianSet ParticleBuffers::download() const {
     const float* source = padded.data() + static_cast<std::size_t>(row) * stride;
     std::copy(source, source + count, set.params.col(row).data());
   }
+  if (actors > 0) {
+    set.actor = actor_of.download();
+    set.actor.resize(count);
+  }
   return set;
 }
 
 FrameBuffers::FrameBuffers(const Device& device, Precision precision)
     : sensor(device, "sensor constants", precision, SIM_SENSOR_REALS),
+      actors(device, "actor poses", precision),
       world_ray(device, "world rays", precision),
       records(device, "records", precision),
+      motions(device, "particle motions", precision),
       footprints(device, "footprints"),
       keys(device, "range keys"),
       order(device, "visible particles"),
@@ -91,6 +131,7 @@ FrameBuffers::FrameBuffers(const Device& device, Precision precision)
       ray_error(device, "ray errors", precision),
       instance_error(device, "instance errors", precision),
       ray_grads(device, "ray gradients", precision),
+      pose_grads(device, "pose gradients", precision),
       counts(device, "counts"),
       key_scratch(device, "sort keys"),
       value_scratch(device, "sort values") {}

@@ -25,6 +25,8 @@ BuildOptions backward_options(const Variant& variant) {
 
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.shape.lanes),
+      actors_(variant.actors),
+      actor_motion_(variant.actor_motion),
       project_(Program(device, "kernels/project.cl", forward_options(variant)), "project"),
       project_bwd_(Program(device, "kernels/project_bwd.cl", backward_options(variant)), "project_bwd") {}
 
@@ -35,37 +37,46 @@ void ProjectStage::run(const shared::FrameParams& frame,
   buffers.records.reserve(std::size_t{frame.particles} * SIM_RECORD);
   buffers.footprints.reserve(frame.particles);
   buffers.keys.reserve(frame.particles);
+  if (actor_motion_) buffers.motions.reserve(std::size_t{frame.particles} * SIM_MOTION);
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
   project_.launch(round_up(items, kLocalSize),
                   kLocalSize,
                   frame,
                   particles.params,
+                  particles.actor_of,
+                  buffers.actors,
                   buffers.sensor,
                   rays.row_lut,
                   rays.row_elevation,
                   buffers.records,
                   buffers.footprints,
-                  buffers.keys);
+                  buffers.keys,
+                  buffers.motions);
 }
 
 void ProjectStage::run_backward(const shared::FrameParams& frame,
                                 const ParticleBuffers& particles,
                                 FrameBuffers& buffers,
                                 RealBuffer& param_grads) {
+  if (actors_) buffers.pose_grads.reserve(std::size_t{SIM_POSE_GRAD} * frame.stride);
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
   project_bwd_.launch(round_up(items, kLocalSize),
                       kLocalSize,
                       frame,
                       particles.params,
+                      particles.actor_of,
+                      buffers.actors,
                       buffers.sensor,
                       buffers.keys,
                       buffers.footprints,
                       buffers.emission,
                       buffers.records,
+                      buffers.motions,
                       buffers.grads,
-                      param_grads);
+                      param_grads,
+                      buffers.pose_grads);
 }
 
 }  // namespace simuli

@@ -5,7 +5,9 @@ namespace simuli {
 
 RaysStage::RaysStage(const Device& device, const Variant& variant)
     : lanes_(variant.shape.lanes),
-      rows_(variant.origins ? 6 : 3),
+      rows_(variant.actor_motion ? 7
+            : variant.origins    ? 6
+                                 : 3),
       rays_(Program(device, "kernels/rays.cl", variant.options()), "rays") {}
 
 void RaysStage::run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers) {

@@ -33,6 +33,7 @@ void RenderStage::run(const shared::FrameParams& frame, const RayBuffers& rays, 
                  b.first,
                  b.payload,
                  b.records,
+                 b.motions,
                  b.out);
 }
 
@@ -53,6 +54,7 @@ void RenderStage::run_backward(const shared::FrameParams& frame,
                           b.first,
                           b.payload,
                           b.records,
+                          b.motions,
                           b.footprints,
                           b.emission,
                           b.out,

@@ -115,6 +115,7 @@ Renderer::Renderer(const Device& device, const RenderOptions& options)
       bin_(device),
       loss_(device, options.precision),
       buffers_(device, options.precision),
+      actors_(device, options.precision),
       picture_(device, "graded picture", options.precision) {}
 
 Renderer::Stages& Renderer::stages(const Variant& variant) {
@@ -132,7 +133,18 @@ void Renderer::render(const ParticleBuffers& particles,
   const std::array<float, 3> behind = environment == nullptr ? view.background : std::array<float, 3>{};
   const auto constants = frame_constants(
       grid, view.world_from_sensor_start, view.world_from_sensor_end, options_, behind, moving);
+  actor_motion_ = false;
+  if (particles.actors > 0) {
+    if (particles.actors > view.actors.size()) {
+      throw Error(ErrorKind::kInternal, "render: the view has fewer actors than the particles");
+    }
+    const Eigen::Vector3d centre_ref(constants.data() + SIM_S_CENTRE_REF);
+    buffers_.actors.assign(actor_constants(view.actors, centre_ref, actor_motion_));
+  }
+  moving = moving || actor_motion_;
   Variant variant;
+  variant.actors = particles.actors > 0;
+  variant.actor_motion = actor_motion_;
   variant.sensor = grid.type;
   variant.lens = grid.lens;
   variant.moving = moving;

@@ -5,8 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "host/render/actor.hpp"
 #include "host/render/picture_stages.hpp"
 #include "host/render/pose_gradient.hpp"
+#include "host/scene/actor.hpp"
 #include "host/scene/pose.hpp"
 
 namespace simuli {
@@ -34,6 +36,7 @@ struct View {
   Pose world_from_sensor_start;
   Pose world_from_sensor_end;
   std::array<float, 3> background{0.0F, 0.0F, 0.0F};
+  std::vector<ActorView> actors{};  // of the scene, in its order (actors_during)
 };
 
 /// What every ray saw, in ray order (pixels or beams row-major).
@@ -91,6 +94,15 @@ class Renderer {
   /// Waits.
   [[nodiscard]] PoseGradient pose_gradient(const RealBuffer& param_grads);
 
+  /// dL/d(poses of the actors) of the last backward(), in the order of View::actors. Waits.
+  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles) {
+    return actors_.pose_gradients(particles, buffers_, actor_motion_);
+  }
+  /// Puts particles of actors back into their boxes; `actors` of the scene, in its order.
+  void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m) {
+    actors_.confine(particles, actors, margin_m);
+  }
+
   /// [3][slots] of the last render, graded if it was.
   [[nodiscard]] const RealBuffer& picture() const { return graded_ ? picture_ : buffers_.out; }
   [[nodiscard]] const FrameBuffers& buffers() const { return buffers_; }
@@ -122,12 +134,14 @@ class Renderer {
   std::unique_ptr<EnvironmentStage> environment_;  // these two once asked for
   std::map<std::array<int, 3>, ColorGridStage> grids_;
   FrameBuffers buffers_;
+  ActorStage actors_;
   RealBuffer picture_;  // [3][slots], graded
   shared::FrameParams frame_{};
   const SensorRays* rays_ = nullptr;
   Stages* current_ = nullptr;
   bool median_ = false;
   bool graded_ = false;
+  bool actor_motion_ = false;
   std::array<float, 3> background_{};
 };
 

@@ -29,6 +29,8 @@ struct Variant {
   LensKind lens = LensKind::kPinhole;  // of a camera
   bool moving = false;                 // the pose changes during the frame
   bool origins = false;                // rays have origins of their own: moving, or lever arms
+  bool actors = false;                 // particles belong to actors
+  bool actor_motion = false;           // actors move during the frame: then `moving` and `origins`, too
   int sh_degree = 0;
   bool median = false;
   Precision precision = Precision::kFloat;
@@ -68,14 +70,24 @@ struct ParticleBuffers {
   std::uint32_t count = 0;
   std::uint32_t stride = 0;
   RealBuffer params;  // [param_rows][stride]
+  /// GaussianSet::actor. All empty without actors.
+  std::uint32_t actors = 0;           // the largest number in actor_of
+  Buffer<std::uint32_t> actor_of;     // [stride]
+  Buffer<std::uint32_t> actor_list;   // particles of actors, those of an actor consecutive
+  Buffer<std::uint32_t> actor_first;  // [actors + 1], of each in the list
+
+ private:
+  void upload_actors(const std::vector<std::uint32_t>& actor);
 };
 
 /// Everything a frame writes; grows, never shrinks.
 struct FrameBuffers {
   FrameBuffers(const Device& device, Precision precision);
   RealBuffer sensor;                        // [SIM_SENSOR_REALS]
-  RealBuffer world_ray;                     // [3|6][S]
+  RealBuffer actors;                        // [1 + A][SIM_ACTOR_REALS]
+  RealBuffer world_ray;                     // [3|6|7][S]
   RealBuffer records;                       // [N][16]
+  RealBuffer motions;                       // [N][4], of particles whose actor moves
   Buffer<shared::Footprint> footprints;     // [N]
   Buffer<std::uint32_t> keys;               // [N]
   Buffer<std::uint32_t> order, order_keys;  // [M], by range
@@ -87,6 +99,7 @@ struct FrameBuffers {
   RealBuffer grads;                         // [K][16]
   RealBuffer ray_error, instance_error;     // [S], [K]: backward with errors
   RealBuffer ray_grads;                     // [3|6][S]: backward with ray gradients
+  RealBuffer pose_grads;                    // [6][stride], of particles of actors
   Buffer<std::uint32_t> counts;             // scratch of the counting passes
   Buffer<std::uint32_t> key_scratch, value_scratch;
   std::uint32_t visible = 0;    // M
@@ -119,16 +132,22 @@ class ProjectStage {
 
  private:
   int lanes_;
+  bool actors_, actor_motion_;
   Kernel<shared::FrameParams,
+         BufRealConst,
+         Buf<const std::uint32_t>,
          BufRealConst,
          BufRealConst,
          Buf<const std::int32_t>,
          BufRealConst,
          BufReal,
          Buf<shared::Footprint>,
-         Buf<std::uint32_t>>
+         Buf<std::uint32_t>,
+         BufReal>
       project_;
   Kernel<shared::FrameParams,
+         BufRealConst,
+         Buf<const std::uint32_t>,
          BufRealConst,
          BufRealConst,
          Buf<const std::uint32_t>,
@@ -136,6 +155,8 @@ class ProjectStage {
          Buf<const std::uint32_t>,
          BufRealConst,
          BufRealConst,
+         BufRealConst,
+         BufReal,
          BufReal>
       project_bwd_;
 };
@@ -250,6 +271,7 @@ class RenderStage {
          Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
          BufRealConst,
+         BufRealConst,
          BufReal>
       render_;
   using Backward = Kernel<shared::FrameParams,
@@ -258,6 +280,7 @@ class RenderStage {
                           BufRealConst,
                           Buf<const std::uint32_t>,
                           Buf<const std::uint32_t>,
+                          BufRealConst,
                           BufRealConst,
                           Buf<const shared::Footprint>,
                           Buf<const std::uint32_t>,

@@ -1,0 +1,120 @@
+// actor.h - where the actors are that V particles belong to (METHOD section 2).
+// Build: ACTORS = 1 when particles may belong to actors, ACTOR_MOTION = 1 when actors move during the frame.
+#ifndef SIMULI_CL_MATH_ACTOR_H
+#define SIMULI_CL_MATH_ACTOR_H
+#include "math/elementary.h"
+#include "shared/layout.h"
+
+#ifndef ACTORS
+#define ACTORS 0
+#endif
+#ifndef ACTOR_MOTION
+#define ACTOR_MOTION 0
+#endif
+
+#if ACTORS
+/// scene_from_actor at one time of the frame. Lanes of the background have rotation 1 and don't move.
+typedef struct {
+  int any;        // some lane is of an actor; else nothing below is set
+  I on;           // lanes that are
+  I there;        // lanes whose actor is in the frame, and those of the background
+  F centre[3];    // of the actor, minus o_ref, m
+  F rotation[9];  // row-major
+#if ACTOR_MOTION
+  F step[3];      // centre at the end minus centre at the start
+  F axis[3];      // of the turn from start to end, scene axes
+  F angle;        // rad, of that turn
+#endif
+} ActorLanes;
+
+/// Those of particles i .. i+V-1, half-way through the frame.
+/// in actor_of[stride]: 0 or 1 + the actor; actors[1 + A][SIM_ACTOR_REALS]
+FN void load_actors(__global const uint* actor_of, __global const real* actors, uint i, ActorLanes* a) {
+  uint ids = 0;
+  for (uint lane = 0; lane < V; ++lane) ids |= actor_of[i + lane];
+  a->any = ids != 0;
+  if (!a->any) return;
+  real row[SIM_ACTOR_REALS * V], on[V];
+  for (uint lane = 0; lane < V; ++lane) {
+    const uint id = actor_of[i + lane];
+    on[lane] = id != 0 ? R(1.0) : R(0.0);
+    const __global real* source = actors + (ulong)id * SIM_ACTOR_REALS;
+    for (uint k = 0; k < SIM_ACTOR_REALS; ++k) row[k * V + lane] = source[k];
+  }
+  a->on = LDV(on) > R(0.5);
+  a->there = LDV(row + SIM_A_THERE * V) > R(0.5);
+  for (int k = 0; k < 3; ++k) a->centre[k] = LDV(row + (SIM_A_CENTRE + k) * V);
+  for (int k = 0; k < 9; ++k) a->rotation[k] = LDV(row + (SIM_A_ROTATION + k) * V);
+#if ACTOR_MOTION
+  for (int k = 0; k < 3; ++k) a->step[k] = LDV(row + (SIM_A_STEP + k) * V);
+  for (int k = 0; k < 3; ++k) a->axis[k] = LDV(row + (SIM_A_AXIS + k) * V);
+  a->angle = LDV(row + SIM_A_ANGLE * V);
+#endif
+}
+
+/// out = R v, or R^T v, R row-major 3x3 on lanes.
+FN void rotate_lanes(const F* r, const F* v, F* out) {
+  for (int k = 0; k < 3; ++k) out[k] = r[3 * k] * v[0] + r[3 * k + 1] * v[1] + r[3 * k + 2] * v[2];
+}
+FN void rotate_back_lanes(const F* r, const F* v, F* out) {
+  for (int k = 0; k < 3; ++k) out[k] = r[k] * v[0] + r[3 + k] * v[1] + r[6 + k] * v[2];
+}
+
+/// out = A B, 3x3 row-major on lanes.
+FN void multiply_lanes(const F* a, const F* b, F* out) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      out[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+    }
+  }
+}
+
+FN void cross_lanes(const F* a, const F* b, F* out) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+#if ACTOR_MOTION
+/// The actors' turn from half-way to time t, row-major (Rodrigues).
+FN void actor_turn(const ActorLanes* a, F t, F* m) {
+  F sine, cosine;
+  sincos_lanes(a->angle * (t - R(0.5)), &sine, &cosine);
+  const F rest = R(1.0) - cosine;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) m[3 * i + j] = rest * a->axis[i] * a->axis[j];
+    m[4 * i] += cosine;
+  }
+  const F x = a->axis[0] * sine, y = a->axis[1] * sine, z = a->axis[2] * sine;
+  m[1] -= z;
+  m[2] += y;
+  m[3] += z;
+  m[5] -= x;
+  m[6] -= y;
+  m[7] += x;
+}
+
+/// Where the point o_ref + p of half-way is at time t, minus o_ref; `turn` of actor_turn for that time.
+FN void actor_carry(const ActorLanes* a, const F* turn, F t, const F* p, F* out) {
+  const F arm[3] = {p[0] - a->centre[0], p[1] - a->centre[1], p[2] - a->centre[2]};
+  F turned[3];
+  rotate_lanes(turn, arm, turned);
+  for (int k = 0; k < 3; ++k) {
+    out[k] = SEL(a->on, a->centre[k] + a->step[k] * (t - R(0.5)) + turned[k], p[k]);
+  }
+}
+
+/// The farthest that points within `radius` of o_ref + p get during the frame, m; 0 at rest.
+FN F actor_travel(const ActorLanes* a, const F* p, F radius) {
+  F arm2 = (F)R(0.0), step2 = (F)R(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const F arm = p[k] - a->centre[k];
+    arm2 = fma(arm, arm, arm2);
+    step2 = fma(a->step[k], a->step[k], step2);
+  }
+  return SEL(a->on, sqrt(step2) + a->angle * (sqrt(arm2) + radius), (F)R(0.0));
+}
+#endif
+#endif
+
+#endif

@@ -1,0 +1,29 @@
+// carry.h - points of particles that ride on an actor, in the sensor's frame at a time of the frame.
+#ifndef SIMULI_CL_MATH_CARRY_H
+#define SIMULI_CL_MATH_CARRY_H
+#include "math/gaussian.h"
+#include "math/sensor.h"
+
+/// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p half-way through the frame.
+FN void sensor_from_particle_point(__global const real* sensor, const Gaussian* g, const F* p, F t, F* out) {
+#if ACTOR_MOTION
+  if (g->actor.any) {
+    F turn[9], moved[3];
+    actor_turn(&g->actor, t, turn);
+    actor_carry(&g->actor, turn, t, p, moved);
+    sensor_from_world_point(sensor, moved, t, out);
+    return;
+  }
+#endif
+  sensor_from_world_point(sensor, p, t, out);
+}
+
+/// Bound on how far points within `radius` of the particle's centre are carried during the frame, m.
+FN F carried(const Gaussian* g, F radius) {
+#if ACTOR_MOTION
+  if (g->actor.any) return actor_travel(&g->actor, g->offset, radius);
+#endif
+  return (F)R(0.0);
+}
+
+#endif
