@@ -11,7 +11,9 @@
 
 #include "host/base/error.hpp"
 #include "host/render/look.hpp"
+#include "optim/evaluate_actors.hpp"
 #include "optim/frames.hpp"
+#include "optim/initialize_actors.hpp"
 
 namespace simuli {
 namespace {
@@ -98,7 +100,12 @@ struct Evaluation {
   Renderer& renderer;
   const std::function<void()>& step;
   EvalReport& report;
+  std::vector<Actor> actors;  // of the log, as recorded
 
+  [[nodiscard]] ActorBoxes boxes(View view, double time_start_s, double time_end_s) const {
+    view.actors = actors_during(actors, time_start_s, time_end_s, scene.origin);
+    return {actors, view};
+  }
   void images(const std::vector<std::size_t>& frames);
   void sweeps(const std::vector<std::size_t>& frames);
 };
@@ -109,6 +116,7 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
   SceneLook look(renderer.device(), scene, renderer.options().precision);
   SceneLook ungraded(renderer.device(), scene, renderer.options().precision, false);
   Mean psnr, ssim_mean, psnr_ungraded;
+  double actor_square = 0.0;  // sum over pixels and channels
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const ImageFrame& frame = log.images[frames[k]];
     const Camera model = scaled_camera(log.camera(frame.camera).model, options.image_scale);
@@ -127,6 +135,17 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
     const Image rendered = picture_of(renderer.results(), model);
     const Image truth = load_image(log, frame, model);
     psnr.add(psnr_db(rendered, truth));
+    if (!actors.empty()) {
+      const std::vector<bool> on = pixels_on_actors(boxes(view, frame.time_start_s, frame.time_end_s), model);
+      for (std::size_t i = 0; i < on.size(); ++i) {
+        if (!on[i]) continue;
+        ++report.actor_pixels;
+        for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
+          const double apart = static_cast<double>(rendered.data[c]) - static_cast<double>(truth.data[c]);
+          actor_square += apart * apart;
+        }
+      }
+    }
     ssim_mean.add(ssim(rendered, truth));
     if (!scene.color_grids.empty()) {
       ungraded.render(renderer, particles, *rays, view, frame.camera, time_s);
@@ -138,10 +157,15 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
   report.psnr_db = psnr.value();
   report.ssim = ssim_mean.value();
   report.psnr_ungraded_db = psnr_ungraded.value();
+  if (report.actor_pixels > 0) {
+    report.actor_psnr_db =
+        -10.0 * std::log10(actor_square / (3.0 * static_cast<double>(report.actor_pixels)));
+  }
 }
 
 void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
   const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
+  std::vector<double> actor_errors;
   Mean distance, medl2, rel, intensity, drop, chamfer2, chamfer, expected;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const SweepFrame& frame = log.sweeps[frames[k]];
@@ -153,6 +177,14 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
       const auto render = [&] { renderer.render(particles, rays, view); };
       const double seconds = time_render(renderer, render, options.timed_renders);
       report.lidar_mr_per_s = static_cast<double>(rays.grid().rays) / seconds / 1e6;
+    }
+    if (!actors.empty()) {
+      const std::vector<bool> on = returns_on_actors(
+          boxes(view, frame.time_start_s, frame.time_end_s), lidar, pair.recorded.rays, pair.recorded.range);
+      for (std::size_t i = 0; i < on.size(); ++i) {
+        if (!on[i]) continue;
+        actor_errors.push_back(std::abs(best_distance(pair.simulated, i) - pair.recorded.range[i]));
+      }
     }
     const SweepMetrics m = compare_sweep(compare_rays(pair, lidar, view));
     distance.add(m.distance_median_m);
@@ -174,6 +206,8 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
                   chamfer2.value(),
                   chamfer.value()};
   report.distance_expected_median_m = expected.value();
+  report.actor_returns = actor_errors.size();
+  if (!actor_errors.empty()) report.actor_distance_median_m = median(std::move(actor_errors));
   report.sweeps_without_chamfer = chamfer.left_out();
   report.sweeps_without_distance = distance.left_out();
 }
@@ -222,7 +256,7 @@ EvalReport evaluate(const Device& device,
   report.psnr_db = report.ssim = report.psnr_ungraded_db = report.camera_mp_per_s = report.lidar_mr_per_s =
       kNaN;
   report.lidar = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
-  report.distance_expected_median_m = kNaN;
+  report.distance_expected_median_m = report.actor_psnr_db = report.actor_distance_median_m = kNaN;
   report.device = device.info().label();
   Renderer renderer(device, options.render);
   std::size_t done = 0;
@@ -230,7 +264,8 @@ EvalReport evaluate(const Device& device,
     ++done;
     if (progress) progress(done, images.size() + sweeps.size());
   };
-  Evaluation evaluation{log, scene, options, renderer, step, report};
+  Evaluation evaluation{
+      log, scene, options, renderer, step, report, moving_actors(log.actors, options.actor_min_travel_m)};
   if (!images.empty()) evaluation.images(images);
   if (!sweeps.empty()) evaluation.sweeps(sweeps);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

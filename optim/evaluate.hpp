@@ -12,10 +12,11 @@
 namespace simuli {
 
 struct EvalOptions {
-  double image_scale = 1.0;  // (0, 1]: pictures are compared at this size
-  int held_out_every = 5;    // as in training; 0: nothing was held out, all frames are compared
-  int timed_renders = 5;     // of each sensor, behind a first one that warms up; at least 1
-  RenderOptions render;      // e.g. another projection than the default one
+  double image_scale = 1.0;         // (0, 1]: pictures are compared at this size
+  int held_out_every = 5;           // as in training; 0: nothing was held out, all frames are compared
+  int timed_renders = 5;            // of each sensor, behind a first one that warms up; at least 1
+  double actor_min_travel_m = 1.0;  // actors of the log that get at least that far count as such
+  RenderOptions render;             // e.g. another projection than the default one
 };
 
 /// Means over frames. NaN where the log has no such frame; a sweep whose value is NaN (nothing predicted,
@@ -28,6 +29,12 @@ struct EvalReport {
   double psnr_ungraded_db = 0.0;            // without colour grids; NaN when the scene has none
   SweepMetrics lidar;                       // distance: median, the mean where no median exists
   double distance_expected_median_m = 0.0;  // the same median error with expected distances alone
+  /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
+  /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside.
+  double actor_psnr_db = 0.0;
+  double actor_distance_median_m = 0.0;
+  std::size_t actor_pixels = 0;
+  std::size_t actor_returns = 0;
   std::size_t sweeps_without_chamfer = 0;
   std::size_t sweeps_without_distance = 0;
   double camera_mp_per_s = 0.0;  // 1e6 pixels per second: median of the timed renders of one frame,

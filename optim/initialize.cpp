@@ -12,26 +12,20 @@
 #include "host/base/error.hpp"
 #include "io/image.hpp"
 #include "optim/frames.hpp"
+#include "optim/initialize_actors.hpp"
 #include "optim/initialize_depth.hpp"
 #include "optim/initialize_environment.hpp"
 #include "optim/initialize_moving.hpp"
 #include "optim/initialize_points.hpp"
+#include "optim/initialize_sets.hpp"
 #include "optim/initialize_views.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it either way
-/// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
-constexpr float kHitLogit = 1.5F;
-constexpr double kFlatRatio = 0.2;  // thickness of a particle on a plane over its width
-constexpr double kThinnest_m = 0.01;
-constexpr double kShellFlatRatio = 0.1;
-constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells
-constexpr float kShellOpacityLogit = 3.0F;  // 0.95
-constexpr double kShellExtents = 3.0;       // the shell stands at three times the farthest point ...
-constexpr double kShellNearest_m = 200.0;   // ... but never nearer than this
-constexpr double kInfinitelyFar_m = 1e9;    // a drive moves no direction there
+constexpr double kShellExtents = 3.0;      // the shell stands at three times the farthest point ...
+constexpr double kShellNearest_m = 200.0;  // ... but never nearer than this
+constexpr double kInfinitelyFar_m = 1e9;   // a drive moves no direction there
 
 void check(const InitOptions& o) {
   const auto need = [](bool holds, const char* field, double found, const char* allowed) {
@@ -57,6 +51,8 @@ void check(const InitOptions& o) {
        "environment_width",
        width,
        "0, or even and 8 to 7200");
+  need(o.actor_min_travel_m >= 0.0, "actor_min_travel_m", o.actor_min_travel_m, "0 or more");
+  need(o.actor_margin_m >= 0.0, "actor_margin_m", o.actor_margin_m, "0 or more");
   need(o.sweep_cell_px >= 1 && o.sweep_cell_px <= 64, "sweep_cell_px", o.sweep_cell_px, "1 to 64");
 }
 
@@ -88,7 +84,8 @@ PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vect
           shifted(log.world_from_rig.at(frame.time_end_s) * lidar.rig_from_lidar, origin)};
 }
 
-void add_points(const PosedSweep& posed, VoxelGrid& grid) {
+/// Returns in an actor's box go to the actor, all others to the grid.
+void add_points(const PosedSweep& posed, VoxelGrid& grid, ActorPoints& actors) {
   const Sweep& sweep = posed.sweep;
   const auto columns = static_cast<std::size_t>(sweep.rays.columns);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
@@ -99,7 +96,10 @@ void add_points(const PosedSweep& posed, VoxelGrid& grid) {
     const Eigen::Vector3d p_lidar =
         posed.lidar.origin(static_cast<int>(i / columns), azimuth) +
         static_cast<double>(sweep.range[i]) * Lidar::direction(azimuth, sweep.rays.elevation[i]);
-    grid.add(scene_from_lidar * p_lidar, sweep.intensity[i]);
+    const Eigen::Vector3d p_scene = scene_from_lidar * p_lidar;
+    if (!actors.add(p_scene, sweep.rays.time_fraction[i], sweep.intensity[i])) {
+      grid.add(p_scene, sweep.intensity[i]);
+    }
   }
 }
 
@@ -116,82 +116,7 @@ std::pair<Image, ImageView> load_view(const Log& log,
                     shifted(log.world_from_rig.at(frame.time_end_s) * camera.rig_from_camera, origin))};
 }
 
-void set_shape(GaussianSet& set,
-               Eigen::Index row,
-               const Eigen::Vector3f& mean,
-               const Eigen::Quaternionf& scene_from_local,
-               const Eigen::Vector3d& scale_m) {
-  const Eigen::Quaternionf& q = scene_from_local;
-  set.mean().row(row) = mean.transpose();
-  set.log_scale().row(row) = scale_m.array().log().matrix().cast<float>().transpose();
-  set.rotation().row(row) << q.w(), q.x(), q.y(), q.z();
-  set.opacity_logit()(row) = kOpacityLogit;
-}
-
-/// A particle on point `i`, flat on planes: `per_spacing` times the distance to its neighbours, which counts
-/// as `width_m` at least.
-void set_on_point(GaussianSet& set,
-                  const PointSet& points,
-                  std::size_t i,
-                  const LocalShape& shape,
-                  double width_m,
-                  double per_spacing,
-                  const InitOptions& options) {
-  const double scale_m = std::clamp(
-      per_spacing * std::max<double>(shape.spacing_m, width_m), options.min_scale_m, options.max_scale_m);
-  const double thickness_m =
-      shape.planar ? std::min(scale_m, std::max(kFlatRatio * scale_m, kThinnest_m)) : scale_m;
-  const auto row = static_cast<Eigen::Index>(i);
-  set_shape(set, row, points.position.col(row), shape.scene_from_local, {scale_m, scale_m, thickness_m});
-}
-
-GaussianSet lidar_set(const PointSet& points, const InitOptions& options) {
-  GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
-  const std::vector<LocalShape> shapes = local_shapes(points);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], 0.0, options.lidar_scale, options);
-    set.sh(0).row(static_cast<Eigen::Index>(i)) << (points.intensity[i] - 0.5F) / kSh0, kHitLogit / kSh0,
-        -kHitLogit / kSh0;
-  }
-  return set;
-}
-
-/// Particles on the points, coloured by `looks`, and behind them the shell patches at `indices`.
-GaussianSet camera_set(const PointSet& points,
-                       const std::vector<PointLook>& looks,
-                       const FarShell& shell,
-                       const std::vector<FarShell::Patch>& patches,
-                       const std::vector<std::uint32_t>& kept,
-                       const InitOptions& options) {
-  const std::size_t count = points.size() + kept.size();
-  GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(count));
-  const auto set_colour = [&](std::size_t row, const Eigen::Vector3f& colour) {
-    set.sh(0).row(static_cast<Eigen::Index>(row)) = ((colour.array() - 0.5F) / kSh0).matrix().transpose();
-  };
-  const std::vector<LocalShape> shapes = local_shapes(points);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, options.camera_scale, options);
-    set_colour(i, looks[i].colour);
-  }
-  if (kept.empty()) return set;
-  // Fewer patches than cells: each covers the area of those that were left out.
-  const double widened = std::sqrt(static_cast<double>(patches.size()) / static_cast<double>(kept.size()));
-  // Wide and opaque: nothing is behind the shell, and gaps in it would show wherever no picture was trained
-  // on.
-  const double scale_m = kShellScale * widened * shell.spacing_rad() * shell.distance_m();
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    const FarShell::Patch& patch = patches[kept[k]];
-    const std::size_t row = points.size() + k;
-    set_shape(set,
-              static_cast<Eigen::Index>(row),
-              patch.direction * static_cast<float>(shell.distance_m()),
-              Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), patch.direction),
-              {scale_m, scale_m, kShellFlatRatio * scale_m});
-    set.opacity_logit()(static_cast<Eigen::Index>(row)) = kShellOpacityLogit;
-    set_colour(row, patch.colour);
-  }
-  return set;
-}
+double middle_s(const ImageFrame& frame) { return 0.5 * (frame.time_start_s + frame.time_end_s); }
 
 PointSet keep_static(const PointSet& points, const std::vector<bool>& moved) {
   std::vector<std::uint32_t> kept;
@@ -228,6 +153,7 @@ std::size_t add_picture_depths(const Log& log,
                                const std::vector<const ImageFrame*>& images,
                                const Eigen::Vector3d& origin,
                                const InitOptions& options,
+                               const ActorPoints& actors,
                                const std::function<void()>& step,
                                PointSet& points) {
   constexpr std::size_t kReach = 2;  // pictures before and after
@@ -246,9 +172,10 @@ std::size_t add_picture_depths(const Log& log,
     for (std::size_t k = 0; k < frames.size(); ++k) {
       for (; next < frames.size() && next <= k + kReach; ++next) {
         const auto [image, view] = load_view(log, *frames[next], origin, options.image_scale);
-        std::vector<PointLook> unused(points.size());
+        const PointSet placed = actors.placed(points, middle_s(*frames[next]));
+        std::vector<PointLook> unused(placed.size());
         Coverage coverage =
-            look_at_points(view, image, points, options.voxel_m, options.sweep_cell_px, unused);
+            look_at_points(view, image, placed, options.voxel_m, options.sweep_cell_px, unused);
         window.push_back({sweep_picture(view, image), std::move(coverage)});
       }
       for (; first + kReach < k; ++first) window.pop_front();
@@ -308,14 +235,20 @@ SceneInit initialize_scene(const Log& log,
   scene.name = log.name;
   scene.origin = scene_origin(log.world_from_rig);
 
+  if (options.actors) scene.actors = moving_actors(log.actors, options.actor_min_travel_m);
+  ActorPoints actors(
+      scene.actors, {options.actor_voxel_m, options.actor_margin_m, options.mirror_actors}, scene.origin);
   VoxelGrid grid(options.voxel_m);
   for (const SweepFrame* frame : sweeps) {
-    add_points(load_sweep(log, *frame, scene.origin), grid);
+    actors.start_sweep(frame->time_start_s, frame->time_end_s);
+    add_points(load_sweep(log, *frame, scene.origin), grid, actors);
     step();
   }
+  actors.finish();
   PointSet points = grid.averages();
   report.sweeps = sweeps.size();
   report.points = grid.points();
+  report.actor_points = actors.count();
   report.voxels = points.size();
   if (options.drop_moving) {
     std::vector<PointVotes> votes(points.size());
@@ -333,37 +266,49 @@ SceneInit initialize_scene(const Log& log,
 
   const auto lidar_kept = thin(points.size(), options.max_lidar, options.seed);
   scene.lidar = lidar_set(points.subset(lidar_kept), options);
-  report.lidar_particles = lidar_kept.size();
+  for (std::size_t i = 0; i < scene.actors.size(); ++i) {
+    append(scene.lidar, lidar_set(actors.points()[i], options), static_cast<std::uint32_t>(i + 1));
+  }
+  report.lidar_particles = static_cast<std::size_t>(scene.lidar.size());
   report.lidar_thinned = points.size() - lidar_kept.size();
 
   const std::size_t static_points = points.size();
   if (options.sweep_depth) {
-    report.depth_points = add_picture_depths(log, images, scene.origin, options, step, points);
+    report.depth_points = add_picture_depths(log, images, scene.origin, options, actors, step, points);
   }
   const double extent_m = farthest_m(points, log.world_from_rig, scene.origin);
   FarShell shell(options.shell_spacing_deg, std::max(kShellNearest_m, kShellExtents * extent_m));
   const bool has_environment = options.environment_width > 0;
   FarShell sky(has_environment ? 360.0 / options.environment_width : options.shell_spacing_deg,
                kInfinitelyFar_m);
-  std::vector<PointLook> looks(points.size());
+  std::vector<PointLook> looks(points.size() + actors.count());
   for (const ImageFrame* frame : images) {
     const auto [image, view] = load_view(log, *frame, scene.origin, options.image_scale);
     // Two samples per shell cell and axis, so that no cell between two samples stays empty.
     const double finest_rad = std::min(shell.spacing_rad(), sky.spacing_rad());
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
-    const Coverage coverage = look_at_points(view, image, points, options.voxel_m, cell_px, looks);
+    const PointSet placed = actors.placed(points, middle_s(*frame));
+    const Coverage coverage = look_at_points(view, image, placed, options.voxel_m, cell_px, looks);
     if (options.max_shell > 0) shell.add(view, image, coverage);
     if (has_environment) sky.add(view, image, coverage);
     step();
   }
   report.images = images.size();
+  auto actor_looks = actors.split(looks, points.size());
+  looks.resize(points.size());
   report.unseen_points = keep_seen(points, looks, options.max_camera, options.seed);
   report.camera_thinned = static_points + report.depth_points - report.unseen_points - points.size();
 
   const std::vector<FarShell::Patch> patches = shell.patches();
   const auto shell_kept = thin(patches.size(), options.max_shell, options.seed);
-  scene.camera = camera_set(points, looks, shell, patches, shell_kept, options);
+  scene.camera = camera_set(points, looks, options);
+  append(scene.camera, shell_set(shell, patches, shell_kept, options), 0);
+  for (std::size_t i = 0; i < scene.actors.size(); ++i) {
+    PointSet seen = actors.points()[i];
+    (void)keep_seen(seen, actor_looks[i], options.max_camera, options.seed);
+    append(scene.camera, camera_set(seen, actor_looks[i], options), static_cast<std::uint32_t>(i + 1));
+  }
   if (!patches.empty()) {
     // What the set lets through is the sky, as far as is known: the mean of the upper half of the shell.
     std::vector<float> heights;
@@ -382,7 +327,7 @@ SceneInit initialize_scene(const Log& log,
   }
   if (has_environment) scene.environment = environment_of(sky.patches(), options.environment_width);
   report.shell_particles = shell_kept.size();
-  report.camera_particles = points.size() + shell_kept.size();
+  report.camera_particles = static_cast<std::size_t>(scene.camera.size());
   report.shell_distance_m = shell.distance_m();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;

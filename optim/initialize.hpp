@@ -26,10 +26,15 @@ struct InitOptions {
   double lidar_scale = 0.7;
   double min_scale_m = 0.03;  // limits of a particle's standard deviation
   double max_scale_m = 0.5;
-  bool sweep_depth = true;  // place camera particles also where only pictures tell the depth
-  int sweep_cell_px = 4;    // between them, in the training picture
-  bool drop_moving = true;  // leave out points that other sweeps look through (initialize_moving.hpp)
-  std::uint64_t seed = 1;   // which points go when there are more than max_*
+  bool sweep_depth = true;          // place camera particles also where only pictures tell the depth
+  int sweep_cell_px = 4;            // between them, in the training picture
+  bool drop_moving = true;          // leave out points that other sweeps look through (initialize_moving.hpp)
+  bool actors = true;               // give the log's actors particles of their own; false: all is background
+  double actor_min_travel_m = 1.0;  // to those that get at least that far
+  double actor_voxel_m = 0.05;
+  double actor_margin_m = 0.1;  // by which boxes reach farther than labelled, but for the road below
+  bool mirror_actors = false;   // vehicles: also the mirror image of each point
+  std::uint64_t seed = 1;       // which points go when there are more than max_*
 };
 
 /// What the initialisation did, so that nothing is dropped without a number.
@@ -38,6 +43,7 @@ struct InitReport {
   std::size_t images = 0;         // read
   std::size_t points = 0;         // returns in those sweeps
   std::size_t voxels = 0;         // occupied
+  std::size_t actor_points = 0;   // voxels of actors
   std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
   std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
   std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
@@ -57,10 +63,10 @@ struct SceneInit {
 };
 
 /// Reads the training sweeps and images of `log`, one at a time, and builds both particle sets of the
-/// static background (sweeps are read twice to drop what moved). The same log and options give the same bits.
-/// The scene's origin is the mean position of the trajectory in whole metres. `progress(done, total)` is
-/// called after each file. Throws Error{kUsage} for options outside their range, Error{kInput} when no frame
-/// is left for training or a file can't be read.
+/// static background and of the actors (sweeps are read twice to drop what moved). The same log and options
+/// give the same bits. The scene's origin is the mean position of the trajectory in whole metres.
+/// `progress(done, total)` is called after each file. Throws Error{kUsage} for options outside their range,
+/// Error{kInput} when no frame is left for training or a file can't be read.
 [[nodiscard]] SceneInit initialize_scene(const Log& log,
                                          const InitOptions& options,
                                          const std::function<void(std::size_t, std::size_t)>& progress = {});

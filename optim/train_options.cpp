@@ -68,6 +68,17 @@ TrainOptions checked(const TrainOptions& o) {
   for (const double rate : {o.poses.translation_m, o.poses.rotation_rad}) {
     need(rate >= 0.0 && std::isfinite(rate), "poses rate", rate, "finite, 0 or more");
   }
+  for (const double rate : {o.actor_poses.shift_m, o.actor_poses.turn_rad}) {
+    need(rate >= 0.0 && std::isfinite(rate), "actor pose rate", rate, "finite, 0 or more");
+  }
+  need(o.actor_poses.final_share > 0.0 && o.actor_poses.final_share <= 1.0,
+       "actor pose final_share",
+       o.actor_poses.final_share,
+       "above 0, at most 1");
+  need(o.actor_margin_m >= 0.0 && std::isfinite(o.actor_margin_m),
+       "actor_margin_m",
+       o.actor_margin_m,
+       "finite, 0 or more");
   return o;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "host/render/options.hpp"
+#include "optim/actor_poses.hpp"
 #include "optim/schedule.hpp"
 #include "optim/structure_options.hpp"
 
@@ -61,6 +62,8 @@ struct TrainOptions {
   LidarWeights weights;
   AnchorOptions anchor;
   DensifyOptions densify;
+  PoseRates actor_poses;        // 0 as they are: tracks stay as recorded
+  double actor_margin_m = 0.1;  // particles of actors stay in their boxes, this much wider
   /// Leave what moved out of the losses. The background gets clean; unmasked, it takes on a smear of what
   /// moved, which is closer to the recorded pictures than nothing.
   bool mask_moving = false;

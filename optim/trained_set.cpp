@@ -2,11 +2,12 @@
 
 namespace simuli {
 
-TrainedSet::TrainedSet(const Device& device, const GaussianSet& set)
+TrainedSet::TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates)
     : particles(device, set, Precision::kFloat),
       grads(device, "gradients", Precision::kFloat, particles.params.count()),
       error(device, "reconstruction errors", Precision::kFloat, particles.count),
-      adam(device, particles) {
+      adam(device, particles),
+      poses(pose_rates) {
   grads.fill(0.0);
   error.fill(0.0);
 }

@@ -58,8 +58,8 @@ Trainer::Trainer(
       device_(device),
       renderer_(device, training_options(options_.render)),
       truth_(device, log, scene_, options_, renderer_.options(), std::move(moving)),
-      camera_(device, scene_.camera),
-      lidar_(device, scene_.lidar),
+      camera_(device, scene_.camera, options_.actor_poses),
+      lidar_(device, scene_.lidar, options_.actor_poses),
       look_(device, log, scene_, options_),
       regularize_(device, Precision::kFloat),
       images_(select_frames(log.images, options.held_out_every, false), options.seed, kImageStream),
@@ -92,6 +92,13 @@ void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
   const double count = std::max(1.0, static_cast<double>(set.particles.count));
   const RegularizeScale scale{w.scale / count, w.opacity / count, w.entropy / count};
   if (!scale.is_zero()) regularize_.run(set.particles, scale, set.grads);
+}
+
+void Trainer::step_actors(TrainedSet& set, double time_start_s, double time_end_s, double progress) {
+  if (set.particles.actors == 0) return;
+  renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
+  if (!set.poses.learns()) return;
+  set.poses.step(scene_.actors, renderer_.pose_gradients(set.particles), time_start_s, time_end_s, progress);
 }
 
 void Trainer::step() {

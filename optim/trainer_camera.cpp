@@ -34,6 +34,7 @@ void Trainer::step_camera(double progress) {
                    renderer_.buffers().keys,
                    row_rates(options_.camera, camera_.particles.sh_degree, progress));
   jitter(camera_, kCameraSet, options_.camera, progress);
+  step_actors(camera_, frame.time_start_s, frame.time_end_s, progress);
   if (!is_sound(loss.absolute + loss.squared + loss.dissimilarity)) return;
   square_.add(loss.squared / values);
   status_.psnr_db = -10.0 * std::log10(square_.value());

@@ -32,6 +32,7 @@ void Trainer::step_lidar(double progress) {
                   renderer_.buffers().keys,
                   row_rates(options_.lidar, lidar_.particles.sh_degree, progress));
   jitter(lidar_, kLidarSet, options_.lidar, progress);
+  step_actors(lidar_, frame.time_start_s, frame.time_end_s, progress);
   if (!is_sound(loss.distance_m + loss.intensity + loss.entropy)) return;
   distance_.add(loss.distance_m / returned);
   right_.add(1.0 - loss.wrong / rays);

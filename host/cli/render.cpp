@@ -12,6 +12,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/edits.hpp"
 #include "host/cli/file_progress.hpp"
 #include "host/cli/pictures.hpp"
 #include "host/render/look.hpp"
@@ -34,6 +35,8 @@ struct RenderCommand {
   std::string frames;        // a:b
   double duration_s = -1.0;  // of one frame; below 0: as the sensor says
   double lane_shift_m = 0.0;
+  double speed = 1.0;  // of the rig over the recorded
+  Edits edits;
   double scale = 1.0;
   std::string output;
 };
@@ -154,6 +157,23 @@ std::vector<Span> select_spans(std::vector<Span> all, const std::string& frames)
   return {first, first + static_cast<std::ptrdiff_t>(b - a) + 1};
 }
 
+/// The same path `rate` times as fast from its start on.
+Trajectory driven(const Trajectory& path, double rate) {
+  std::vector<TimedPose> poses = path.poses();
+  const double start_s = path.start_s();
+  for (TimedPose& pose : poses) pose.time_s = start_s + (pose.time_s - start_s) / rate;
+  return Trajectory(std::move(poses));
+}
+
+/// Frames that end before the path does.
+std::vector<Span> spans_within(const std::vector<Span>& spans, const Trajectory& path) {
+  std::vector<Span> within;
+  for (const Span& span : spans) {
+    if (span.end_s <= path.end_s() + Trajectory::kExtrapolation_s) within.push_back(span);
+  }
+  return within;
+}
+
 struct Plan {
   Trajectory world_from_rig;
   std::vector<Span> spans;
@@ -185,6 +205,10 @@ Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand&
       throw_input_error(
           command.trajectory, "frames of " + command.sensor, "none", "at least one, or --times");
     }
+  }
+  if (command.speed != 1.0) {
+    plan.world_from_rig = driven(plan.world_from_rig, command.speed);
+    recorded = spans_within(recorded, plan.world_from_rig);
   }
   plan.spans = times.empty() ? select_spans(std::move(recorded), command.frames)
                              : spans_at(times, duration_of(sensor, command));
@@ -219,7 +243,8 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
 }
 
 void render(const RenderCommand& command, const Globals& globals) {
-  const SceneFile file = read_scene(command.scene);
+  SceneFile file = read_scene(command.scene);
+  apply(command.edits, file.scene);
   const Sensor sensor = find_sensor(file, command);
   const Plan plan = make_plan(file, sensor, command);
   warn_of_rounding(plan, sensor);
@@ -245,8 +270,8 @@ void render(const RenderCommand& command, const Globals& globals) {
                                 rig_from_sensor,
                                 span.start_s,
                                 span.end_s,
-                                scene.origin,
-                                sensor.is_camera ? scene.camera_background : scene.lidar_background);
+                                scene,
+                                sensor.is_camera ? SetKind::kCamera : SetKind::kLidar);
       const fs::path stem = folder / fmt::format("{}_{:06d}", command.sensor, i);
       if (sensor.is_camera) {
         if (!rays) rays = std::make_unique<SensorRays>(device, sensor.camera, renderer.options());
@@ -294,6 +319,9 @@ void add_render(CLI::App& app, const Globals& globals) {
          "--duration", command->duration_s, "of one frame, s; default: 0.1 for LiDARs, 0 for cameras")
       ->check(CLI::NonNegativeNumber);
   sub->add_option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
+  sub->add_option("--speed", command->speed, "drive the path this many times as fast as recorded")
+      ->check(CLI::Range(0.01, 100.0));
+  add_edit_options(*sub, command->edits);
   sub->add_option("--scale", command->scale, "size of the pictures over the camera's own");
   sub->callback([command, &globals] { render(*command, globals); });
 }

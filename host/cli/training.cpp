@@ -131,6 +131,10 @@ void print_eval(const EvalReport& r, bool json) {
                                         {"raydrop_accuracy", l.raydrop_accuracy},
                                         {"chamfer_m2", l.chamfer_m2},
                                         {"chamfer_m", l.chamfer_m},
+                                        {"actor_psnr_db", r.actor_psnr_db},
+                                        {"actor_pixels", r.actor_pixels},
+                                        {"actor_distance_median_m", r.actor_distance_median_m},
+                                        {"actor_returns", r.actor_returns},
                                         {"camera_mp_per_s", r.camera_mp_per_s},
                                         {"lidar_mr_per_s", r.lidar_mr_per_s},
                                         {"images", r.images},
@@ -164,6 +168,10 @@ void print_eval(const EvalReport& r, bool json) {
   line("ray drop, right decisions", number(l.raydrop_accuracy * 100.0, 2), "% of rays");
   line("Chamfer, squared", number(l.chamfer_m2, 4), "m^2");
   line("Chamfer, mean of both ways", number(l.chamfer_m, 4), "m");
+  if (r.actor_pixels + r.actor_returns > 0) {
+    line("PSNR inside actors' boxes", number(r.actor_psnr_db, 2), "dB");
+    line("distance error there, median", number(r.actor_distance_median_m * 100.0, 2), "cm");
+  }
   line("camera speed", number(r.camera_mp_per_s, 2), "MP/s");
   line("LiDAR speed", number(r.lidar_mr_per_s, 2), "MR/s");
   if (r.sweeps_without_distance + r.sweeps_without_chamfer > 0) {

@@ -1,0 +1,25 @@
+#pragma once
+// Edits of a scene's actors on the command line.
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+
+namespace simuli::cli {
+
+/// As given; applied in this order, whatever the order on the command line.
+struct Edits {
+  std::vector<std::string> add;        // SCENE:ACTOR[:NAME]
+  std::vector<std::string> duplicate;  // ACTOR:NAME
+  std::vector<std::string> track;      // ACTOR:LOG[:ACTOR]
+  std::vector<std::string> retime;     // ACTOR:RATE[:DELAY_S]
+  std::vector<std::string> move;       // ACTOR:FORWARD_M,LEFT_M,UP_M
+  std::vector<std::string> remove;     // ACTOR
+};
+
+void add_edit_options(CLI::App& sub, Edits& edits);
+/// Error{kUsage} for an edit that says nothing, Error{kInput} for a scene or log that can't be read.
+void apply(const Edits& edits, Scene& scene);
+
+}  // namespace simuli::cli

@@ -1,0 +1,126 @@
+#include "host/scene/edit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+/// Rows of a set's particles of that number (GaussianSet::actor).
+std::vector<Eigen::Index> rows_of(const GaussianSet& set, std::uint32_t number) {
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < set.actor.size(); ++i) {
+    if (set.actor[i] == number) rows.push_back(static_cast<Eigen::Index>(i));
+  }
+  return rows;
+}
+
+void remove_particles(GaussianSet& set, std::uint32_t number) {
+  Eigen::Index kept = 0;
+  for (Eigen::Index i = 0; i < set.size() && !set.actor.empty(); ++i) {
+    const std::uint32_t actor = set.actor[static_cast<std::size_t>(i)];
+    if (actor == number) continue;
+    set.params.row(kept) = set.params.row(i).eval();
+    set.actor[static_cast<std::size_t>(kept)] = actor > number ? actor - 1 : actor;
+    ++kept;
+  }
+  if (set.actor.empty()) return;
+  set.params.conservativeResize(kept, Eigen::NoChange);
+  set.actor.resize(static_cast<std::size_t>(kept));
+  if (std::all_of(set.actor.begin(), set.actor.end(), [](std::uint32_t a) { return a == 0; })) {
+    set.actor.clear();
+  }
+}
+
+/// Appends the particles of `from` with number `number` as those of `as`.
+void copy_particles(const GaussianSet& from, std::uint32_t number, GaussianSet& to, std::uint32_t as) {
+  const std::vector<Eigen::Index> rows = rows_of(from, number);
+  if (rows.empty()) return;
+  if (to.actor.empty()) to.actor.assign(static_cast<std::size_t>(to.size()), 0);
+  const Eigen::Index shared = std::min(from.params.cols(), to.params.cols());
+  const Eigen::Index first = to.size();
+  Eigen::MatrixXf copies = Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(rows.size()), to.params.cols());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    copies.row(static_cast<Eigen::Index>(k)).head(shared) = from.params.row(rows[k]).head(shared);
+  }
+  to.params.conservativeResize(first + copies.rows(), Eigen::NoChange);
+  to.params.bottomRows(copies.rows()) = copies;
+  to.actor.resize(static_cast<std::size_t>(to.size()), as);
+}
+
+std::uint32_t number_of(const std::vector<Actor>& actors, const std::string& name) {
+  return static_cast<std::uint32_t>(find_actor(actors, name) + 1);
+}
+
+void need_new_name(const Scene& scene, const std::string& name) {
+  const bool is_taken = std::any_of(
+      scene.actors.begin(), scene.actors.end(), [&](const Actor& actor) { return actor.name == name; });
+  if (!is_taken && !name.empty()) return;
+  throw Error(ErrorKind::kUsage, fmt::format("actor: found the name \"{}\", allowed one that is new", name));
+}
+
+}  // namespace
+
+void remove_actor(Scene& scene, const std::string& name) {
+  const std::uint32_t number = number_of(scene.actors, name);
+  remove_particles(scene.camera, number);
+  remove_particles(scene.lidar, number);
+  scene.actors.erase(scene.actors.begin() + (number - 1));
+}
+
+void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m) {
+  for (KeyPose& key : scene.actors[find_actor(scene.actors, name)].track) {
+    key.world_from_actor.translation += key.corrected().rotation * by_m;
+  }
+}
+
+void retime_actor(Scene& scene, const std::string& name, double rate, double delay_s) {
+  if (!(rate > 0.0 && std::isfinite(rate) && std::isfinite(delay_s))) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("retime {}: found {} times as fast, {} s later, allowed above 0 and finite",
+                            name,
+                            rate,
+                            delay_s));
+  }
+  std::vector<KeyPose>& track = scene.actors[find_actor(scene.actors, name)].track;
+  const double start_s = track.front().time_s;
+  for (KeyPose& key : track) key.time_s = start_s + delay_s + (key.time_s - start_s) / rate;
+}
+
+void retrack_actor(Scene& scene, const std::string& name, std::vector<KeyPose> track) {
+  Actor& actor = scene.actors[find_actor(scene.actors, name)];
+  Actor moved = actor;
+  moved.track = std::move(track);
+  validate(moved, "track");
+  actor = std::move(moved);
+}
+
+void duplicate_actor(Scene& scene, const std::string& name, const std::string& copy_name) {
+  const std::uint32_t number = number_of(scene.actors, name);
+  need_new_name(scene, copy_name);
+  Actor copy = scene.actors[number - 1];
+  copy.name = copy_name;
+  scene.actors.push_back(std::move(copy));
+  const auto as = static_cast<std::uint32_t>(scene.actors.size());
+  for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    const GaussianSet from = *set;
+    copy_particles(from, number, *set, as);
+  }
+}
+
+void add_actor(Scene& scene, const Scene& other, const std::string& name, const std::string& new_name) {
+  const std::uint32_t number = number_of(other.actors, name);
+  need_new_name(scene, new_name);
+  Actor actor = other.actors[number - 1];
+  actor.name = new_name;
+  scene.actors.push_back(std::move(actor));
+  const auto as = static_cast<std::uint32_t>(scene.actors.size());
+  copy_particles(other.camera, number, scene.camera, as);
+  copy_particles(other.lidar, number, scene.lidar, as);
+}
+
+}  // namespace simuli
