@@ -29,7 +29,8 @@ BENCHMARK(BM_RayGridCamera)->Arg(640)->Arg(1920)->Unit(benchmark::kMillisecond);
 void BM_RayGridLidar(benchmark::State& state) {
   const Lidar lidar = builtin_lidar("generic64");
   const LidarRays rays = nominal_rays(lidar, 0.1);
-  for (auto _ : state) benchmark::DoNotOptimize(make_ray_grid(lidar, rays, RenderOptions{}));
+  const Device device = Device::best();
+  for (auto _ : state) benchmark::DoNotOptimize(make_ray_grid(device, lidar, rays, RenderOptions{}));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(lidar.ray_count()));
 }
 BENCHMARK(BM_RayGridLidar)->Unit(benchmark::kMillisecond);

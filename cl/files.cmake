@@ -25,6 +25,7 @@ set(SIMULI_CL_FILES
   kernels/densify.cl
   kernels/environment.cl
   kernels/environment_bwd.cl
+  kernels/lidar_tiling.cl
   kernels/loss_image.cl
   kernels/loss_lidar.cl
   kernels/loss_ssim.cl

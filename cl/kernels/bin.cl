@@ -45,11 +45,12 @@ __kernel void instance_count(__global const uint* order,
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   ulong count = 0;
-  for (uint i = first; i < last; ++i) count += footprints[order[i]].tiles;
+  for (uint i = first; i < last; ++i) count += SIM_TILES(footprints[order[i]]);
   counts[get_global_id(0)] = (uint)min(count, (ulong)0xffffffffu);
 }
 
 /// Writes the instances of each particle, nearest particle first.
+/// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
 /// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28;
 ///     emission[N]: a particle's first instance, the index of its first gradient slot
 __kernel void instance_emit(const FrameParams frame,
@@ -57,6 +58,7 @@ __kernel void instance_emit(const FrameParams frame,
                             const uint m,
                             const uint chunk,
                             __global const Footprint* footprints,
+                            __global const uint* tile_rows,
                             __global const uint* offsets,
                             __global uint* tile,
                             __global uint* payload,
@@ -69,12 +71,11 @@ __kernel void instance_emit(const FrameParams frame,
     const Footprint f = footprints[particle];
     emission[particle] = place;
     const uint row_first = SIM_LOW(f.rows), row_last = SIM_HIGH(f.rows);
-    const uint ty0 = row_first / frame.rows_per_tile;
-    const uint ty1 = row_last / frame.rows_per_tile;
-    for (uint ty = ty0; ty <= ty1; ++ty) {
-      const uint top = ty * frame.rows_per_tile;
+    const uint ty0 = SIM_LOW(f.tile_rows), ty1 = ty0 + SIM_HIGH(f.tile_rows);
+    for (uint ty = ty0; ty < ty1; ++ty) {
+      const uint top = tile_rows[ty];
       const uint row0 = max(row_first, top) - top;
-      const uint row1 = min(row_last, top + frame.rows_per_tile - 1) - top;
+      const uint row1 = min(row_last + 1, tile_rows[ty + 1]) - 1 - top;
       const uint packed = particle | row0 * frame.row_slots << SIM_PARTICLE_BITS |
                           ((row1 + 1) * frame.row_slots - 1) << (SIM_PARTICLE_BITS + 4);
       for (int part = 0; part < 2; ++part) {

@@ -19,8 +19,8 @@ __kernel void loss_image(const FrameParams frame,
   const uint tile = get_global_id(0);
   const uint s = frame.slots;
   F absolute = (F)R(0.0), squared = (F)R(0.0);
-  for (uint j = 0; j < SIM_TILE_RAYS; j += V) {
-    const uint i = tile * SIM_TILE_RAYS + j;
+  for (uint j = 0; j < frame.tile_rays; j += V) {
+    const uint i = tile * frame.tile_rays + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
     const I real_pixel = AND(is_ray(x, y, z), LDV(truth + i) >= R(0.0));
     for (int c = 0; c < 3; ++c) {

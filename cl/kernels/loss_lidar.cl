@@ -22,8 +22,8 @@ __kernel void loss_lidar(const FrameParams frame,
   const uint tile = get_global_id(0);
   const uint s = frame.slots;
   F sum_distance = (F)R(0.0), sum_intensity = (F)R(0.0), sum_entropy = (F)R(0.0), sum_wrong = (F)R(0.0);
-  for (uint j = 0; j < SIM_TILE_RAYS; j += V) {
-    const uint i = tile * SIM_TILE_RAYS + j;
+  for (uint j = 0; j < frame.tile_rays; j += V) {
+    const uint i = tile * frame.tile_rays + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
     const F range = LDV(truth + i);
     const I fired = AND(is_ray(x, y, z), range >= R(0.0));

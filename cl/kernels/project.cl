@@ -18,9 +18,12 @@ FN int beams_above(__global const int* row_lut,
   return row;
 }
 
+// What rounding in float may move a place x by, at most: the box itself decides per ray.
+#define BIN_MARGIN R(5e-6)
+
 /// Tile columns that [mean - half, mean + half] touches: first | count << 16, 0 for none. For cameras those of
 /// pixels whose centres lie inside.
-FN uint tile_columns(const FrameParams* frame, __global const real* sensor, real mean, real half_width) {
+FN uint tile_columns(__global const real* sensor, __global const uint* column_of_bin, real mean, real half_width) {
 #if SENSOR == SENSOR_CAMERA
   const real low = max(ceil(mean - half_width - R(0.5)), R(0.0));
   const real high = min(floor(mean + half_width - R(0.5)), sensor[SIM_S_WIDTH] - R(1.0));
@@ -28,12 +31,11 @@ FN uint tile_columns(const FrameParams* frame, __global const real* sensor, real
   const uint first = (uint)low / SIM_SLOT_ROW;
   return first | ((uint)high / SIM_SLOT_ROW - first + 1) << 16;
 #else
-  // The margin covers the rounding of the boundaries on the host; the box itself decides per ray.
-  const real scale = sensor[SIM_S_TILE_SCALE], x0 = sensor[SIM_S_TILE_X0];
-  const real low = max(floor((mean - half_width - x0) * scale - R(1e-3)), R(0.0));
-  const real high = min(floor((mean + half_width - x0) * scale + R(1e-3)), (real)frame->tiles_x - R(1.0));
+  const real low = max(mean - half_width - BIN_MARGIN, sensor[SIM_S_TILE_X0]);
+  const real high = min(mean + half_width + BIN_MARGIN, sensor[SIM_S_TILE_X1]);
   if (!(low <= high)) return 0;
-  return (uint)low | ((uint)high - (uint)low + 1) << 16;
+  const uint first = column_of_bin[bin_of(sensor, low)];
+  return first | (column_of_bin[bin_of(sensor, high)] - first + 1) << 16;
 #endif
 }
 
@@ -52,9 +54,9 @@ FN void join_columns(Footprint* f) {
 }
 
 /// V particles per work-item: visibility, box, features, record.
-/// in  params[rows][stride]; actor_of[stride], actors[1 + A][SIM_ACTOR_REALS] with ACTORS;
-///     row_lut[4096], row_elevation[2][rows], lowest and highest of
-///     each row's rays: LiDAR only
+/// in  params[rows][stride]; actor_of[stride], actors[1 + A][SIM_ACTOR_REALS] with ACTORS; LiDAR only:
+///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
+///     column_of_bin[bins of x]
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
 ///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
@@ -64,6 +66,8 @@ __kernel void project(const FrameParams frame,
                       __global const real* sensor,
                       __global const int* row_lut,
                       __global const real* row_elevation,
+                      __global const uint* tile_row_of_row,
+                      __global const uint* column_of_bin,
                       __global real* records,
                       __global Footprint* footprints,
                       __global uint* keys,
@@ -191,20 +195,24 @@ __kernel void project(const FrameParams frame,
 #endif
       if (row_first <= row_last) {
         const real half_width = fabs(out[SIM_R_BOX_HALF * V + lane]);
-        f.columns = tile_columns(&frame, sensor, out[SIM_R_BOX_MEAN * V + lane], half_width);
+        f.columns = tile_columns(sensor, column_of_bin, out[SIM_R_BOX_MEAN * V + lane], half_width);
 #if WRAPS
-        f.others = tile_columns(&frame, sensor, out[SIM_R_BOX_OTHER * V + lane], half_width);
+        f.others = tile_columns(sensor, column_of_bin, out[SIM_R_BOX_OTHER * V + lane], half_width);
         join_columns(&f);
 #endif
         f.rows = (uint)row_first | (uint)row_last << 16;
-        f.tiles = (SIM_HIGH(f.columns) + SIM_HIGH(f.others)) *
-                  ((uint)row_last / frame.rows_per_tile - (uint)row_first / frame.rows_per_tile + 1);
+#if SENSOR == SENSOR_CAMERA
+        const uint ty0 = (uint)row_first / SIM_SLOT_ROWS, ty1 = (uint)row_last / SIM_SLOT_ROWS;
+#else
+        const uint ty0 = tile_row_of_row[row_first], ty1 = tile_row_of_row[row_last];
+#endif
+        f.tile_rows = ty0 | (ty1 - ty0 + 1) << 16;
       }
-      if (f.tiles > 0) key = as_uint((float)range[lane]);
+      if (SIM_TILES(f) > 0) key = as_uint((float)range[lane]);
     }
     keys[i + lane] = key;
     footprints[i + lane] = f;
-    drawn |= f.tiles > 0 ? 1u << lane : 0u;
+    drawn |= key != 0xffffffffu ? 1u << lane : 0u;
   }
   if (drawn == 0) return;
 

@@ -37,7 +37,7 @@ __kernel void project_bwd(const FrameParams frame,
     seen[lane] = R(0.0);
     for (int c = 0; c < 3; ++c) feature[c * V + lane] = R(0.0);
     if (lane < lanes && keys[i + lane] != 0xffffffffu) {
-      const uint count = footprints[i + lane].tiles;
+      const uint count = SIM_TILES(footprints[i + lane]);
       const __global real* slot = grads + (ulong)emission[i + lane] * SIM_GRAD;
       for (uint k = 0; k < count; ++k) sum += vload16(k, slot);
       for (int c = 0; c < 3; ++c) {

@@ -2,8 +2,8 @@
 #include "math/response.h"
 
 /// One work-group of LS work-items per tile; each holds NR vectors of V rays in registers or L1.
-/// in  world_ray[3|6|7][slots], ray_u[slots]; first[tiles+1]; payload[K] by tile, nearest first; records[N][16];
-///     motions[N][4] of particles that move, with ACTOR_MOTION
+/// in  world_ray[3|6|7][slots], ray_u[slots], of every slot a place in its tile; first[tiles+1]; payload[K] by
+///     tile, nearest first; records[N][16]; motions[N][4] of particles that move, with ACTOR_MOTION
 /// out out[6][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
 ///     0 where transmittance never falls to 1/2). Slots without a ray get the background.
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
@@ -19,8 +19,8 @@ __kernel void render(const FrameParams frame,
                      __global real* out) {
   const uint tile = get_group_id(0);
   const uint lid = get_local_id(0);
-  const uint base = tile * SIM_TILE_RAYS;
-  const uint tx = tile % frame.tiles_x;
+  const uint base = tile * TILE_RAYS;
+  const real tile_u = ray_u[base];
   const real t_min = sensor[SIM_S_T_MIN];
   const real t_max = sensor[SIM_S_T_MAX];
   const real t_cut = sensor[SIM_S_TRANSMITTANCE_CUT];
@@ -78,7 +78,7 @@ __kernel void render(const FrameParams frame,
       real motion[SIM_MOTION];
       const int moves = take_motion(record, motions, packed & SIM_PARTICLE_MASK, motion);
 #endif
-      const real box_mean = nearest_box_mean(record, tx, sensor);
+      const real box_mean = nearest_box_mean(record, tile_u);
       const int j_last = J_LAST(packed);
       for (int j = J_FIRST(packed); j <= j_last; ++j) {
         if (J_OUTSIDE(j, lid, packed)) continue;

@@ -2,17 +2,16 @@
 #include "math/response.h"
 
 /// Index of the slot of (particle, tile): a particle's slots are contiguous, tile row by tile row.
-FN ulong gradient_slot(const FrameParams* frame,
-                           __global const Footprint* footprints,
-                           __global const uint* emission,
-                           uint particle,
-                           uint tx,
-                           uint ty) {
+FN ulong gradient_slot(__global const Footprint* footprints,
+                       __global const uint* emission,
+                       uint particle,
+                       uint tx,
+                       uint ty) {
   const Footprint f = footprints[particle];
   const uint count = SIM_HIGH(f.columns);
   uint column = tx - SIM_LOW(f.columns);  // beyond count when tx lies before it, too
   if (column >= count) column = count + tx - SIM_LOW(f.others);
-  const uint row = ty - SIM_LOW(f.rows) / frame->rows_per_tile;
+  const uint row = ty - SIM_LOW(f.tile_rows);
   return (ulong)emission[particle] + row * (count + SIM_HIGH(f.others)) + column;
 }
 
@@ -50,7 +49,8 @@ __kernel void render_bwd(const FrameParams frame,
                          __global real* ray_grads) {
   const uint tile = get_group_id(0);
   const uint lid = get_local_id(0);
-  const uint base = tile * SIM_TILE_RAYS;
+  const uint base = tile * TILE_RAYS;
+  const real tile_u = ray_u[base];
   const uint tx = tile % frame.tiles_x;
   const uint ty = tile / frame.tiles_x;
   const real t_min = sensor[SIM_S_T_MIN];
@@ -118,7 +118,7 @@ __kernel void render_bwd(const FrameParams frame,
     real motion[SIM_MOTION];
     const int moves = take_motion(record, motions, particle, motion);
 #endif
-    const real box_mean = nearest_box_mean(record, tx, sensor);
+    const real box_mean = nearest_box_mean(record, tile_u);
     F sum[SIM_GRAD];
     for (int k = 0; k < SIM_GRAD; ++k) sum[k] = (F)R(0.0);
     F blended_error = (F)R(0.0);
@@ -220,7 +220,7 @@ __kernel void render_bwd(const FrameParams frame,
       }
     }
 
-    const ulong slot = gradient_slot(&frame, footprints, emission, particle, tx, ty);
+    const ulong slot = gradient_slot(footprints, emission, particle, tx, ty);
     __global real* target = grads + SIM_GRAD * slot;
 #if LS > 1
     for (int k = 0; k < SIM_GRAD; ++k) reduced[lid * (SIM_GRAD + 1) + k] = HSUM(sum[k]);
@@ -247,7 +247,7 @@ __kernel void render_bwd(const FrameParams frame,
   // Behind the last contributor nothing was added: those slots are zero, not what the last frame left.
   for (i += lid; i < end; i += LS) {
     const uint particle = payload[i] & SIM_PARTICLE_MASK;
-    const ulong slot = gradient_slot(&frame, footprints, emission, particle, tx, ty);
+    const ulong slot = gradient_slot(footprints, emission, particle, tx, ty);
     __global real* target = grads + SIM_GRAD * slot;
     for (int k = 0; k < SIM_GRAD; ++k) target[k] = R(0.0);
     if (ERRORS) instance_error[slot] = R(0.0);

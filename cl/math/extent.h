@@ -309,7 +309,7 @@ FN void times_within(const FrameParams* frame,
   *last = sensor[SIM_S_TIME_C] + VMAX(tx0, tx1) + VMAX(ty0, ty1);
 #else
   const F x0 = (F)sensor[SIM_S_TILE_X0];
-  const F x1 = (F)(sensor[SIM_S_TILE_X0] + (real)frame->tiles_x / sensor[SIM_S_TILE_SCALE]);
+  const F x1 = (F)sensor[SIM_S_TILE_X1];
   const F from = whole ? x0 : VMIN(VMAX(extent->mean_x - extent->half_x, x0), x1);
   const F to = whole ? x1 : VMIN(VMAX(extent->mean_x + extent->half_x, x0), x1);
   const real spread = sensor[SIM_S_TIME_SPREAD] + R(2e-6);  // below 1e-6 the host counts it as none
@@ -352,7 +352,7 @@ FN void exact_bounds(const FrameParams* frame,
   // In [0, period] there is at most this second place, half a turn being the widest that is no full one.
   place[1].mean_x += SEL(whole.mean_x < R(0.5) * period, (F)period, (F)-period);
   const F swept_first = (F)sensor[SIM_S_TILE_X0];
-  const F swept_last = (F)(sensor[SIM_S_TILE_X0] + (real)frame->tiles_x / sensor[SIM_S_TILE_SCALE]);
+  const F swept_last = (F)sensor[SIM_S_TILE_X1];
   const I both =
       AND(place[1].mean_x + place[1].half_x >= swept_first, place[1].mean_x - place[1].half_x <= swept_last);
 #endif

@@ -72,12 +72,13 @@ FN F raw_alpha(const real* record, F q, real log_cut) {
   return exp_lanes(fma(record[SIM_R_QMAX] - q, (F)R(0.5), (F)log_cut));
 }
 
-/// Of a record's two places along x the one nearer to the middle of tile column tx.
-FN real nearest_box_mean(const real* record, uint tx, __global const real* sensor) {
-  const real middle = sensor[SIM_S_TILE_X0] + ((real)tx + R(0.5)) / sensor[SIM_S_TILE_SCALE];
+/// Of a record's two places along x the one nearer to u, any place in the tile.
+FN real nearest_box_mean(const real* record, real u) {
   const real one = record[SIM_R_BOX_MEAN], other = record[SIM_R_BOX_OTHER];
-  return fabs(other - middle) < fabs(one - middle) ? other : one;
+  return fabs(other - u) < fabs(one - u) ? other : one;
 }
+
+#define TILE_RAYS (V * NR * LS)
 
 // Slots of vector j of this work-item, from the tile's first slot, and its slot row.
 #define VECTOR_SLOT(j, lid) (((j) * LS + (lid)) * V)

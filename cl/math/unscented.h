@@ -185,7 +185,7 @@ FN I unscented_bounds(const FrameParams* frame,
   const F distance = sqrt(flat * flat + level[2] * level[2]);
   const F lever = sensor[SIM_S_LEVER] / VMAX(distance - sensor[SIM_S_LEVER], (F)R(1e-3));
   const F swept_first = (F)sensor[SIM_S_TILE_X0];
-  const F swept_last = (F)(sensor[SIM_S_TILE_X0] + (real)frame->tiles_x / sensor[SIM_S_TILE_SCALE]);
+  const F swept_last = (F)sensor[SIM_S_TILE_X1];
   const F other_x = middle_x + around_back;
   // Of what the sensor passes over or below, the azimuth changes too fast for a box.
   const real passed = R(0.5) * sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +

@@ -15,8 +15,9 @@ typedef int sim_i32;
 #define SIM_CHECK_SIZE(type, bytes) typedef char type##_size_check[sizeof(type) == (bytes) ? 1 : -1]
 #endif
 
-// A tile holds 256 rays: 16 slot rows of 16 slots. A slot row is the finest unit that a particle's
-// footprint selects; for a camera it is one row of 16 pixels, for a LiDAR 16 neighbouring firings of a beam.
+// A tile holds FrameParams.tile_rays slots, 32 to 256, in slot rows of 16. A slot row is the finest unit that a
+// particle's footprint selects; for a camera it is one row of 16 pixels, for a LiDAR up to 16 neighbouring
+// firings of one beam.
 #define SIM_TILE_RAYS 256
 #define SIM_SLOT_ROW 16
 #define SIM_SLOT_ROWS 16
@@ -92,8 +93,8 @@ typedef int sim_i32;
 #define SIM_S_LEVER 55         // m, reach of the beams' origins about the reference
 #define SIM_S_LUT_FIRST 56     // elevation of the look-up table's first bin
 #define SIM_S_LUT_SCALE 57     // bins per rad
-#define SIM_S_TILE_X0 58       // tile x of u: (u - x0) * scale
-#define SIM_S_TILE_SCALE 59    // tiles per unit of u
+#define SIM_S_TILE_X0 58       // LiDAR: where the first tile starts, rad of x
+#define SIM_S_TILE_SCALE 59    // LiDAR: bins per rad; a table tells the tile column of each
 #define SIM_S_PERIOD 60        // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
 #define SIM_S_TIME_SPREAD 61   // rays fire at most this share of the frame before or after what x tells
 #define SIM_S_ROW_SPREAD 62    // LiDAR: rad, rays' elevations are at most this off their row's
@@ -102,7 +103,9 @@ typedef int sim_i32;
 #define SIM_S_LENS_CONE 96     // camera: rad, half angle of the cone about the axis where the slopes hold
 #define SIM_S_LENS_SLOPE_X 97  // largest px per rad there, along x and y
 #define SIM_S_LENS_SLOPE_Y 98
-#define SIM_SENSOR_REALS 100
+#define SIM_S_TILE_BINS 99     // LiDAR: entries of column_of_bin
+#define SIM_S_TILE_X1 100      // LiDAR: where the last tile ends, rad of x
+#define SIM_SENSOR_REALS 104
 #define SIM_MONTE_CARLO 200    // Monte Carlo projection: as many standard normal triples follow the constants
 
 // The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...
@@ -156,9 +159,9 @@ typedef struct {
   sim_u32 tiles_x;
   sim_u32 tiles_y;
   sim_u32 rows;           // sensor rows: pixel rows or beams
-  sim_u32 rows_per_tile;  // sensor rows in one tile row
+  sim_u32 tile_rays;      // slots of a tile: V * NR * LS of the blending kernels
   sim_u32 row_slots;      // slot rows per sensor row: 1 for cameras
-  sim_u32 slots;          // tiles_x * tiles_y * SIM_TILE_RAYS
+  sim_u32 slots;          // tiles_x * tiles_y * tile_rays
 } FrameParams;
 SIM_CHECK_SIZE(FrameParams, 32);
 
@@ -168,11 +171,13 @@ typedef struct {
   sim_u32 columns;  // first tile column | tile columns << 16
   sim_u32 others;   // the same of the second interval; 0: none
   sim_u32 rows;     // first sensor row | last sensor row << 16
-  sim_u32 tiles;    // tiles in all
+  sim_u32 tile_rows;  // first tile row | tile rows << 16
 } Footprint;
 SIM_CHECK_SIZE(Footprint, 16);
 #define SIM_LOW(packed) ((packed) & 0xffffu)
 #define SIM_HIGH(packed) ((packed) >> 16)
+#define SIM_TILES(footprint) \
+  ((SIM_HIGH((footprint).columns) + SIM_HIGH((footprint).others)) * SIM_HIGH((footprint).tile_rows))
 
 #ifdef __cplusplus
 }  // namespace simuli::shared

@@ -23,6 +23,7 @@ BinStage::BinStage(const Device& device)
       tile_ranges_(Program(device, "kernels/bin.cl"), "tile_ranges") {}
 
 void BinStage::run(const shared::FrameParams& frame,
+                   const Buffer<std::uint32_t>& tile_rows,
                    FrameBuffers& b,
                    SortStage& sort,
                    ScanStage& scan,
@@ -70,6 +71,7 @@ void BinStage::run(const shared::FrameParams& frame,
                           b.visible,
                           visible.chunk,
                           b.footprints,
+                          tile_rows,
                           b.counts,
                           b.tile,
                           b.payload,

@@ -13,6 +13,11 @@ LaneShape LaneShape::of(const Device& device, Precision precision) {
   return precision == Precision::kFloat ? LaneShape{16, 16, 1} : LaneShape{8, 32, 1};
 }
 
+LaneShape LaneShape::for_tile(int tile_rays) const {
+  const int items = std::min(work_items, tile_rays / lanes);
+  return {lanes, tile_rays / lanes / items, items};
+}
+
 BuildOptions Variant::options() const {
   BuildOptions options;
   // Only where there are any: programs of scenes without actors are the same as ever.
@@ -25,16 +30,17 @@ BuildOptions Variant::options() const {
       .define("SH_DEGREE", sh_degree)
       .define("MEDIAN", median)
       .define("PROJECTION", projection)
-      .define("V", shape.lanes)
-      .define("NR", shape.vectors)
-      .define("LS", shape.work_items);
+      .define("V", shape.lanes);
 }
 
 RayBuffers::RayBuffers(const Device& device, const RayGrid& grid, Precision precision)
     : sensor_ray(device, "sensor rays", precision),
       u(device, "ray places", precision),
       row_lut(device, "beam table", grid.row_lut),
-      row_elevation(device, "beam elevations", precision) {
+      row_elevation(device, "beam elevations", precision),
+      tile_rows(device, "first rows of tiles", grid.tile_rows),
+      tile_row_of_row(device, "tile rows of rows", grid.tile_row_of_row),
+      column_of_bin(device, "tile columns of places", grid.column_of_bin) {
   sensor_ray.assign(grid.sensor_ray);
   u.assign(grid.u);
   row_elevation.assign(grid.row_elevation);

@@ -14,6 +14,8 @@ struct LaneShape {
   int work_items = 1;
   /// CPUs: one work-item per tile, explicit vectors. GPUs: 64 scalar work-items of 4 rays.
   [[nodiscard]] static LaneShape of(const Device& device, Precision precision);
+  /// The same for tiles of fewer rays, a power of two.
+  [[nodiscard]] LaneShape for_tile(int tile_rays) const;
   auto operator<=>(const LaneShape&) const = default;
 };
 
@@ -30,6 +32,13 @@ enum class Extent : int {
   kExact = 1,      // all with an alpha of at least alpha_cut: closed-form bounds, nothing is lost
 };
 
+/// The tiles of a LiDAR: what procedure 1 of the paper is asked for. Both 0: what `simuli tile --tune` has
+/// found for the sensor on the device, if it has; else 0 is as suits most.
+struct LidarTiles {
+  int elevation = 0;  // tiles from top to bottom; more where a tile could not hold its beams
+  int rays = 0;       // of one tile, at most: 16 to 256
+};
+
 /// Every approximation of a frame, named, with its default (speed against accuracy).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
@@ -43,7 +52,7 @@ struct RenderOptions {
   bool camera_compensation = false;  // particles widened by the footprint lose opacity in proportion
   bool lidar_compensation = false;   // the same for beams: blends thin things with what is behind
   bool median_distance = true;       // write the median distance as well (LiDAR)
-  int lidar_rows_per_tile = 8;       // 1, 2, 4, 8 or 16 beams; the tile is 256 / that many firings wide
+  LidarTiles lidar_tiles;
   LaneShape shape{0, 0, 0};          // 0: LaneShape::of(device)
   std::size_t max_instances = std::size_t{1} << 28U;  // a frame that needs more is refused
 };

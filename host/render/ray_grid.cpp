@@ -4,10 +4,10 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
-#include <numeric>
 
 #include "host/base/error.hpp"
 #include "host/render/ray_slots.hpp"
+#include "host/render/tile_choice.hpp"
 
 namespace simuli {
 namespace {
@@ -80,9 +80,11 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   frame.tiles_x = static_cast<std::uint32_t>((camera.width + SIM_SLOT_ROW - 1) / SIM_SLOT_ROW);
   frame.tiles_y = static_cast<std::uint32_t>((camera.height + SIM_SLOT_ROWS - 1) / SIM_SLOT_ROWS);
   frame.rows = static_cast<std::uint32_t>(camera.height);
-  frame.rows_per_tile = SIM_SLOT_ROWS;
+  frame.tile_rays = SIM_TILE_RAYS;
   frame.row_slots = 1;
   ray_slots::allocate(grid);
+  for (std::uint32_t row = 0; row < frame.rows; row += SIM_SLOT_ROWS) grid.tile_rows.push_back(row);
+  grid.tile_rows.push_back(frame.rows);
   double lowest_cosine = 1.0;  // of the cone about the optical axis that holds all rays
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -93,6 +95,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const std::size_t ray =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
+      grid.u[slot] = static_cast<float>(pixel.x());
       const Eigen::Vector3d direction = camera.unproject(pixel);
       if (direction.isZero(0.0)) {
         ++grid.without_ray;
@@ -101,7 +104,6 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
       lowest_cosine = std::min(lowest_cosine, direction.z());
       ray_slots::set_ray(
           grid, slot, ray, direction, Eigen::Vector3d::Zero(), camera.exposure_fraction(pixel));
-      grid.u[slot] = static_cast<float>(pixel.x());
     }
   }
   if (grid.without_ray == grid.rays) {
@@ -131,7 +133,6 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   c[SIM_S_KAPPA] = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
   c[SIM_S_T_MIN] = 0.01;
   c[SIM_S_T_MAX] = 1e6;
-  c[SIM_S_TILE_SCALE] = 1.0 / SIM_SLOT_ROW;
   c[SIM_S_PERIOD] = wraps ? camera.width : 0.0;
   return grid;
 }
@@ -154,34 +155,6 @@ std::vector<double> spin_angles(const Lidar& lidar, const LidarRays& rays) {
     angles[i] = by_time + std::remainder(turned - by_time, 2.0 * kPi);
   }
   return angles;
-}
-
-/// Uniform tile columns over all spin angles.
-struct SpinTiles {
-  double first = 0.0;  // rad
-  double width = 0.0;  // rad
-  std::size_t count = 0;
-  [[nodiscard]] std::size_t of(double angle) const {
-    const double place = (angle - first) / width;
-    return std::min(static_cast<std::size_t>(std::max(place, 0.0)), count - 1);
-  }
-};
-
-SpinTiles spin_tiles(const std::vector<double>& angles, std::size_t count) {
-  const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
-  // A hair more than the rays, so that the last one is inside.
-  return {*low, (*high - *low + 1e-6) / static_cast<double>(count), count};
-}
-
-/// Largest number of rays of one beam in one tile column.
-std::size_t fullest(const std::vector<double>& angles, std::size_t columns, const SpinTiles& tiles) {
-  std::size_t most = 0;
-  std::vector<std::size_t> count(tiles.count);
-  for (std::size_t i = 0; i < angles.size(); ++i) {
-    if (i % columns == 0) std::fill(count.begin(), count.end(), std::size_t{0});
-    most = std::max(most, ++count[tiles.of(angles[i])]);
-  }
-  return most;
 }
 
 /// How far the rays' times are from what their spin angles tell, as a share of the frame.
@@ -222,7 +195,10 @@ void set_origins(RayGrid& grid, const Lidar& lidar) {
 
 }  // namespace
 
-RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOptions& options) {
+RayGrid make_ray_grid(const Device& device,
+                      const Lidar& lidar,
+                      const LidarRays& rays,
+                      const RenderOptions& options) {
   const std::size_t count = lidar.rows.size() * static_cast<std::size_t>(rays.columns);
   if (rays.rows != lidar.row_count() || rays.columns < 1 || rays.azimuth.size() != count ||
       rays.elevation.size() != count || rays.time_fraction.size() != count) {
@@ -246,61 +222,30 @@ RayGrid make_ray_grid(const Lidar& lidar, const LidarRays& rays, const RenderOpt
   RayGrid grid;
   grid.type = SensorType::kLidar;
   grid.rays = count;
-  auto& frame = grid.frame;
-  frame.rows = static_cast<std::uint32_t>(rays.rows);
-  const std::size_t width = ray_slots::set_rows_per_tile(grid, options);
-  const auto per_tile = static_cast<int>(frame.rows_per_tile);
-  frame.tiles_y = (frame.rows + frame.rows_per_tile - 1) / frame.rows_per_tile;
-
-  // As few tile columns as hold every beam's rays; jitter of measured rays costs a few more.
   const std::vector<double> angles = spin_angles(lidar, rays);
-  const auto columns = static_cast<std::size_t>(rays.columns);
-  // At least 8: in wider tiles the two places of a particle at the cut could not be told apart.
-  std::size_t count_x = std::max<std::size_t>(8, (columns + width - 1) / width);
-  const std::size_t most_tiles = 4 * count_x + 64;
-  while (count_x <= most_tiles && fullest(angles, columns, spin_tiles(angles, count_x)) > width) ++count_x;
-  if (count_x > most_tiles) {
-    throw_input_error("lidar " + lidar.name,
-                      "ray azimuths",
-                      fmt::format("more than {} rays of one beam in 1/{} of the sweep", width, most_tiles),
-                      "rays spread along the sweep");
-  }
-  const SpinTiles tiles = spin_tiles(angles, count_x);
-  frame.tiles_x = static_cast<std::uint32_t>(tiles.count);
-  ray_slots::allocate(grid);
-
-  auto& c = grid.constants;
-  c[SIM_S_TILE_X0] = tiles.first;
-  c[SIM_S_TILE_SCALE] = 1.0 / tiles.width;
-  c[SIM_S_PERIOD] = 2.0 * kPi;
   std::vector<double> elevations;
   for (const LidarRow& row : lidar.rows) elevations.push_back(row.elevation);
+  const LidarTiling tiling =
+      tile_rows_of_rays(device,
+                        lidar.name,
+                        {elevations.begin(), elevations.end()},
+                        {angles.begin(), angles.end()},
+                        resolved_tiles(device, {lidar.name, lidar.rows.size(), count}, options.lidar_tiles));
+  ray_slots::set_tiles(grid, tiling);
   ray_slots::fill_elevation_table(grid, elevations, elevations);
   set_origins(grid, lidar);
-
-  std::vector<std::size_t> order(columns);
-  std::vector<std::size_t> used(tiles.count);
-  for (int r = 0; r < rays.rows; ++r) {
-    const std::size_t base = static_cast<std::size_t>(r) * columns;
-    std::iota(order.begin(), order.end(), base);
-    std::stable_sort(
-        order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return angles[a] < angles[b]; });
-    std::fill(used.begin(), used.end(), std::size_t{0});
-    for (const std::size_t ray : order) {
-      const std::size_t tx = tiles.of(angles[ray]);
-      const std::size_t tile = static_cast<std::size_t>(r / per_tile) * tiles.count + tx;
-      const std::size_t slot =
-          tile * SIM_TILE_RAYS + static_cast<std::size_t>(r % per_tile) * width + used[tx]++;
-      const double azimuth = static_cast<double>(rays.azimuth[ray]);
-      ray_slots::set_ray(grid,
-                         slot,
-                         ray,
-                         Lidar::direction(azimuth, static_cast<double>(rays.elevation[ray])),
-                         lidar.origin(r, azimuth),
-                         static_cast<double>(rays.time_fraction[ray]));
-      grid.u[slot] = static_cast<float>(angles[ray]);
-    }
+  for (std::size_t ray = 0; ray < count; ++ray) {
+    const std::size_t slot = tiling.slot_of_ray[ray];
+    const double azimuth = static_cast<double>(rays.azimuth[ray]);
+    ray_slots::set_ray(grid,
+                       slot,
+                       ray,
+                       Lidar::direction(azimuth, static_cast<double>(rays.elevation[ray])),
+                       lidar.origin(static_cast<int>(ray / static_cast<std::size_t>(rays.columns)), azimuth),
+                       static_cast<double>(rays.time_fraction[ray]));
+    grid.u[slot] = static_cast<float>(angles[ray]);
   }
+  auto& c = grid.constants;
   c[SIM_S_AZIMUTH_CUT] = azimuth_cut(lidar);
   c[SIM_S_SPIN] = lidar.spin_sign();
   c[SIM_S_INV_SPAN] = 1.0 / lidar.azimuth_span;

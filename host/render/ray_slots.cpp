@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 
 #include "host/base/error.hpp"
 
@@ -14,7 +15,7 @@ constexpr int kLutBins = 4096;
 }  // namespace
 
 void allocate(RayGrid& grid) {
-  const std::size_t slots = std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * SIM_TILE_RAYS;
+  const std::size_t slots = std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * grid.frame.tile_rays;
   if (slots > std::size_t{1} << 30U) {
     throw Error(ErrorKind::kInput, fmt::format("sensor: found {} ray slots, allowed 2^30", slots));
   }
@@ -22,6 +23,29 @@ void allocate(RayGrid& grid) {
   grid.ray_of_slot.assign(slots, -1);
   grid.sensor_ray.assign(7 * slots, 0.0F);
   grid.u.assign(slots, 0.0F);
+}
+
+void set_tiles(RayGrid& grid, const LidarTiling& tiling) {
+  auto& frame = grid.frame;
+  frame.tiles_x = tiling.columns;
+  frame.tiles_y = static_cast<std::uint32_t>(tiling.tile_rows.size() - 1);
+  frame.rows = static_cast<std::uint32_t>(tiling.rows());
+  frame.tile_rays = tiling.tile_rays;
+  frame.row_slots = tiling.row_slots;
+  grid.tile_rows = tiling.tile_rows;
+  grid.tile_row_of_row = tiling.tile_row_of_row;
+  grid.column_of_bin = tiling.column_of_bin;
+  allocate(grid);
+  for (std::size_t slot = 0; slot < grid.u.size(); ++slot) {
+    const std::size_t column = slot / frame.tile_rays % frame.tiles_x;
+    grid.u[slot] = static_cast<float>((tiling.column_begin(column) + tiling.column_begin(column + 1)) / 2.0);
+  }
+  auto& c = grid.constants;
+  c[SIM_S_TILE_X0] = static_cast<double>(tiling.first);
+  c[SIM_S_TILE_X1] = tiling.column_begin(tiling.columns);
+  c[SIM_S_TILE_SCALE] = static_cast<double>(tiling.scale);
+  c[SIM_S_TILE_BINS] = static_cast<double>(tiling.column_of_bin.size());
+  c[SIM_S_PERIOD] = 2.0 * std::numbers::pi;
 }
 
 void set_ray(RayGrid& grid,
@@ -57,16 +81,6 @@ void fill_elevation_table(RayGrid& grid,
         std::partition_point(lowest.begin(), lowest.end(), [&](double e) { return e >= edge; });
     grid.row_lut[static_cast<std::size_t>(b)] = static_cast<std::int32_t>(above - lowest.begin());
   }
-}
-
-std::size_t set_rows_per_tile(RayGrid& grid, const RenderOptions& options) {
-  const int per_tile = options.lidar_rows_per_tile;
-  if (per_tile < 1 || per_tile > 16 || (per_tile & (per_tile - 1)) != 0) {
-    throw_input_error("options", "lidar_rows_per_tile", std::to_string(per_tile), "1, 2, 4, 8 or 16");
-  }
-  grid.frame.rows_per_tile = static_cast<std::uint32_t>(per_tile);
-  grid.frame.row_slots = static_cast<std::uint32_t>(SIM_SLOT_ROWS / per_tile);
-  return std::size_t{grid.frame.row_slots} * SIM_SLOT_ROW;
 }
 
 double beam_variance(double beam_divergence, double divergence_variance) {

@@ -4,12 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "host/render/lidar_tiles.hpp"
 #include "host/render/ray_grid.hpp"
 
 namespace simuli::ray_slots {
 
 /// Sizes the grid's slot arrays for its tiles, all without a ray. Error{kInput} above 2^30 slots.
 void allocate(RayGrid& grid);
+
+/// Takes a LiDAR's tiles over: frame, tables, constants of x, and slots without a ray.
+void set_tiles(RayGrid& grid, const LidarTiling& tiling);
 
 /// Puts a ray of the sensor frame into a slot. `time`: its share of the frame.
 void set_ray(RayGrid& grid,
@@ -24,10 +28,6 @@ void set_ray(RayGrid& grid,
 void fill_elevation_table(RayGrid& grid,
                           const std::vector<double>& lowest,
                           const std::vector<double>& highest);
-
-/// Sets rows_per_tile and row_slots of a LiDAR's frame and returns the slots of one row in one tile.
-/// Error{kInput} for a number that the tile can't be cut into.
-[[nodiscard]] std::size_t set_rows_per_tile(RayGrid& grid, const RenderOptions& options);
 
 /// The footprint's variance per squared metre of range, from a full angle and k of METHOD section 8.
 [[nodiscard]] double beam_variance(double beam_divergence, double divergence_variance);

@@ -13,9 +13,8 @@ RaysStage::RaysStage(const Device& device, const Variant& variant)
 void RaysStage::run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers) {
   buffers.world_ray.reserve(rows_ * frame.slots);
   const std::size_t items = frame.slots / static_cast<std::size_t>(lanes_);
-  // Slots come in tiles of 256, so that any of these local sizes divides the work.
   rays_.launch(items,
-               std::size_t{SIM_TILE_RAYS} / static_cast<std::size_t>(lanes_),
+               frame.tile_rays / static_cast<std::size_t>(lanes_),
                frame,
                buffers.sensor,
                rays.sensor_ray,

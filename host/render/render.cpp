@@ -3,15 +3,24 @@
 
 namespace simuli {
 
+namespace {
+
+BuildOptions tile_options(const Variant& variant) {
+  BuildOptions options = variant.options();
+  return options.define("NR", variant.shape.vectors).define("LS", variant.shape.work_items);
+}
+
+}  // namespace
+
 RenderStage::RenderStage(const Device& device, const Variant& variant)
     : device_(device),
       variant_(variant),
-      render_(Program(device, "kernels/render.cl", variant.options()), "render") {}
+      render_(Program(device, "kernels/render.cl", tile_options(variant)), "render") {}
 
 RenderStage::Backward& RenderStage::backward(const BackwardExtras& extras) {
   std::optional<Backward>& kernel = backward_[extras.errors ? 1 : 0][extras.ray_gradients ? 1 : 0];
   if (!kernel) {
-    BuildOptions options = variant_.options();
+    BuildOptions options = tile_options(variant_);
     kernel.emplace(
         Program(device_,
                 "kernels/render_bwd.cl",

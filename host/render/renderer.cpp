@@ -18,9 +18,9 @@ SensorRays::SensorRays(const Device& device,
                        const Lidar& lidar,
                        const LidarRays& rays,
                        const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(lidar, rays, options), options) {}
+    : SensorRays(device, make_ray_grid(device, lidar, rays, options), options) {}
 SensorRays::SensorRays(const Device& device, const RayList& list, const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(list, options), options) {}
+    : SensorRays(device, make_ray_grid(device, list, options), options) {}
 
 std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {
   if (values.size() != channels * grid_.rays) {
@@ -77,6 +77,11 @@ RenderOptions resolve(const Device& device, RenderOptions options) {
   const LaneShape& s = options.shape;
   if (s.lanes * s.vectors * s.work_items != SIM_TILE_RAYS) {
     throw Error(ErrorKind::kInternal, "lane shape: lanes x vectors x work-items is not 256");
+  }
+  const std::size_t most = device.info().max_work_group_size;
+  if (static_cast<std::size_t>(s.work_items) > most) {
+    throw Error(ErrorKind::kDevice,
+                fmt::format("lane shape: found {} work-items, the device allows {}", s.work_items, most));
   }
   return options;
 }
@@ -157,7 +162,7 @@ void Renderer::render(const ParticleBuffers& particles,
   variant.shutter_iterations = options_.shutter_iterations;
   variant.compensation =
       grid.type == SensorType::kCamera ? options_.camera_compensation : options_.lidar_compensation;
-  variant.shape = options_.shape;
+  variant.shape = options_.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
   current_ = &stages(variant);
   rays_ = &rays;
   background_ = view.background;
@@ -170,7 +175,7 @@ void Renderer::render(const ParticleBuffers& particles,
   buffers_.sensor.assign(sensor);
   current_->rays.run(frame_, rays.buffers(), buffers_);
   current_->project.run(frame_, particles, rays.buffers(), buffers_);
-  bin_.run(frame_, buffers_, sort_, scan_, options_.max_instances);
+  bin_.run(frame_, rays.buffers().tile_rows, buffers_, sort_, scan_, options_.max_instances);
   current_->render.run(frame_, rays.buffers(), buffers_);
   graded_ = false;
   if (environment == nullptr) return;

@@ -57,7 +57,10 @@ struct RayBuffers {
   RealBuffer sensor_ray;  // [7][S]
   RealBuffer u;           // [S]
   Buffer<std::int32_t> row_lut;
-  RealBuffer row_elevation;  // [2][rows]
+  RealBuffer row_elevation;               // [2][rows]
+  Buffer<std::uint32_t> tile_rows;        // [tiles_y + 1]
+  Buffer<std::uint32_t> tile_row_of_row;  // [rows]
+  Buffer<std::uint32_t> column_of_bin;    // [bins]
 };
 
 /// Particles of one set on the device, each parameter a row of `stride` reals.
@@ -140,6 +143,8 @@ class ProjectStage {
          BufRealConst,
          Buf<const std::int32_t>,
          BufRealConst,
+         Buf<const std::uint32_t>,
+         Buf<const std::uint32_t>,
          BufReal,
          Buf<shared::Footprint>,
          Buf<std::uint32_t>,
@@ -207,9 +212,11 @@ class SortStage {
 class BinStage {
  public:
   explicit BinStage(const Device& device);
-  /// keys, footprints -> order, emission, tile, payload, first; fills visible and instances. N -> M -> K.
+  /// keys, footprints, tile_rows (RayBuffers) -> order, emission, tile, payload, first; fills visible and
+  /// instances. N -> M -> K.
   /// Error{kDevice} with numbers when the frame needs more than max_instances.
   void run(const shared::FrameParams& frame,
+           const Buffer<std::uint32_t>& tile_rows,
            FrameBuffers& buffers,
            SortStage& sort,
            ScanStage& scan,
@@ -236,6 +243,7 @@ class BinStage {
          std::uint32_t,
          std::uint32_t,
          Buf<const shared::Footprint>,
+         Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
          Buf<std::uint32_t>,
          Buf<std::uint32_t>,

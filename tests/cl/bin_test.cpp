@@ -68,7 +68,10 @@ struct BinStages {
 };
 
 /// Random rectangles; a third is culled, some have a second interval of tile columns.
-void random_footprints(const shared::FrameParams& frame, FrameBuffers& buffers, std::uint64_t seed) {
+void random_footprints(const shared::FrameParams& frame,
+                       const std::vector<std::uint32_t>& tile_rows,
+                       FrameBuffers& buffers,
+                       std::uint64_t seed) {
   test::Random random(seed);
   std::vector<shared::Footprint> footprints(frame.particles);
   std::vector<std::uint32_t> keys(frame.particles, kCulled);
@@ -84,8 +87,11 @@ void random_footprints(const shared::FrameParams& frame, FrameBuffers& buffers, 
     const std::uint32_t row_first = below(frame.rows);
     const std::uint32_t row_last = row_first + below(frame.rows - row_first);
     f.rows = row_first | row_last << 16U;
-    f.tiles = (SIM_HIGH(f.columns) + SIM_HIGH(f.others)) *
-              (row_last / frame.rows_per_tile - row_first / frame.rows_per_tile + 1);
+    const auto tile_row = [&](std::uint32_t row) {
+      return static_cast<std::uint32_t>(std::upper_bound(tile_rows.begin(), tile_rows.end(), row) -
+                                        tile_rows.begin() - 1);
+    };
+    f.tile_rows = tile_row(row_first) | (tile_row(row_last) - tile_row(row_first) + 1) << 16U;
     if (i % 3 == 1) continue;
     const float range = static_cast<float>(std::floor(random.uniform(1.0, 40.0)) / 4.0);  // with ties
     std::memcpy(&keys[i], &range, sizeof(range));
@@ -105,7 +111,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
                                        .tiles_x = 7,
                                        .tiles_y = 3,
                                        .rows = 20,
-                                       .rows_per_tile = 8,
+                                       .tile_rays = SIM_TILE_RAYS,
                                        .row_slots = 2,
                                        .slots = 0};
   constexpr shared::FrameParams kPicture{.particles = 0,
@@ -113,7 +119,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
                                          .tiles_x = 5,
                                          .tiles_y = 4,
                                          .rows = 50,
-                                         .rows_per_tile = 16,
+                                         .tile_rays = SIM_TILE_RAYS,
                                          .row_slots = 1,
                                          .slots = 0};
   constexpr shared::FrameParams kOneTile{.particles = 0,
@@ -121,15 +127,18 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
                                          .tiles_x = 1,
                                          .tiles_y = 1,
                                          .rows = 1,
-                                         .rows_per_tile = 16,
+                                         .tile_rays = SIM_TILE_RAYS,
                                          .row_slots = 1,
                                          .slots = 0};
-  for (shared::FrameParams frame : {kSweep, kPicture, kOneTile}) {
+  const std::vector<std::pair<shared::FrameParams, std::vector<std::uint32_t>>> cases{
+      {kSweep, {0, 5, 13, 20}}, {kPicture, {0, 16, 32, 48, 50}}, {kOneTile, {0, 1}}};
+  for (auto [frame, tile_rows] : cases) {
+    const Buffer<std::uint32_t> device_tile_rows(device, "first rows of tiles", tile_rows);
     for (const std::uint32_t n : {1000U, 1U, 2U, 0U, 17U, 333U}) {  // shrinking: stale content would show
       SCOPED_TRACE(std::to_string(n) + " particles, " + std::to_string(frame.tiles_x) + " tile columns");
       frame.particles = n;
-      random_footprints(frame, buffers, n + frame.tiles_x);
-      stages.bin.run(frame, buffers, stages.sort, stages.scan, std::size_t{1} << 20U);
+      random_footprints(frame, tile_rows, buffers, n + frame.tiles_x);
+      stages.bin.run(frame, device_tile_rows, buffers, stages.sort, stages.scan, std::size_t{1} << 20U);
       const auto lists = checked_lists(frame, buffers);
       const auto footprints = buffers.footprints.download();
       const auto keys = buffers.keys.download();
@@ -141,8 +150,8 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
         const shared::Footprint& f = footprints[particle];
         std::uint32_t own = 0;
         for (std::uint32_t ty = 0; ty < frame.tiles_y; ++ty) {
-          const std::uint32_t top = ty * frame.rows_per_tile;
-          const std::uint32_t bottom = top + frame.rows_per_tile - 1;
+          const std::uint32_t top = tile_rows[ty];
+          const std::uint32_t bottom = tile_rows[ty + 1] - 1;
           const std::uint32_t row_first = SIM_LOW(f.rows), row_last = SIM_HIGH(f.rows);
           if (row_last < top || row_first > bottom) continue;
           const std::uint32_t columns = SIM_HIGH(f.columns), others = SIM_HIGH(f.others);
@@ -176,15 +185,17 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
                                   .tiles_x = 4,
                                   .tiles_y = 2,
                                   .rows = 32,
-                                  .rows_per_tile = 16,
+                                  .tile_rays = SIM_TILE_RAYS,
                                   .row_slots = 1,
                                   .slots = 0};
-  buffers.footprints.assign(std::vector<shared::Footprint>(9, {4U << 16U, 0, 31U << 16U, 8}));  // all 8 tiles
+  buffers.footprints.assign(
+      std::vector<shared::Footprint>(9, {4U << 16U, 0, 31U << 16U, 2U << 16U}));  // all 8 tiles
+  const Buffer<std::uint32_t> tile_rows(device, "first rows of tiles", std::vector<std::uint32_t>{0, 16, 32});
   buffers.keys.assign(std::vector<std::uint32_t>(9, 5));
-  stages.bin.run(frame, buffers, stages.sort, stages.scan, 72);
+  stages.bin.run(frame, tile_rows, buffers, stages.sort, stages.scan, 72);
   EXPECT_EQ(buffers.instances, 72U);
   try {
-    stages.bin.run(frame, buffers, stages.sort, stages.scan, 71);
+    stages.bin.run(frame, tile_rows, buffers, stages.sort, stages.scan, 71);
     FAIL() << "72 instances were taken where 71 are allowed";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kDevice);
@@ -246,9 +257,9 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
       // Boxes are wider than what is seen, and by their margins not alike.
       if (!(alpha_of(f, set.mean().row(particle).transpose().cast<double>(), ray) >= alpha_cut)) continue;
       ++needed;
-      const auto found = lists.find({slot / SIM_TILE_RAYS, particle});
+      const auto found = lists.find({slot / rays.grid().frame.tile_rays, particle});
       ASSERT_NE(found, lists.end()) << "ray " << ray_of_slot[slot] << " particle " << particle;
-      const std::uint32_t slot_row = slot % SIM_TILE_RAYS / SIM_SLOT_ROW;
+      const std::uint32_t slot_row = slot % rays.grid().frame.tile_rays / SIM_SLOT_ROW;
       ASSERT_LE(found->second.first_slot_row, slot_row)
           << "ray " << ray_of_slot[slot] << " particle " << particle;
       ASSERT_GE(found->second.last_slot_row, slot_row)

@@ -241,7 +241,7 @@ TEST(ExactExtent, BoundsPinholeSilhouettesTightly) {
     }
     if (!in_picture || x.low < 0 || x.high > 400 || y.low < 0 || y.high > 400) continue;
     const auto& footprint = boxes.footprints[static_cast<std::size_t>(i)];
-    if (footprint.tiles == 0) {  // between the pixels' centres
+    if (SIM_TILES(footprint) == 0) {  // between the pixels' centres
       EXPECT_LT(std::min(x.width(), y.width()), 1.0) << "particle " << i;
       continue;
     }
@@ -283,7 +283,7 @@ TEST(ExactExtent, BoundsLidarSilhouettesTightly) {
       y.add(std::atan2(p.z(), std::hypot(p.x(), p.y())));
     }
     if (!aside || y.low < rows.back().elevation || y.high > rows.front().elevation) continue;
-    if (footprint.tiles == 0) {
+    if (SIM_TILES(footprint) == 0) {
       EXPECT_LT(y.width(), rows[0].elevation - rows[1].elevation) << "particle " << i;
       continue;
     }

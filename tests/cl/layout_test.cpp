@@ -25,14 +25,14 @@ __kernel void probe(__global uint* at) {
   at[3] = OFFSET(frame, tiles_x);
   at[4] = OFFSET(frame, tiles_y);
   at[5] = OFFSET(frame, rows);
-  at[6] = OFFSET(frame, rows_per_tile);
+  at[6] = OFFSET(frame, tile_rays);
   at[7] = OFFSET(frame, row_slots);
   at[8] = OFFSET(frame, slots);
   at[9] = sizeof(Footprint);
   at[10] = OFFSET(footprint, columns);
   at[11] = OFFSET(footprint, others);
   at[12] = OFFSET(footprint, rows);
-  at[13] = OFFSET(footprint, tiles);
+  at[13] = OFFSET(footprint, tile_rows);
 }
 )";
 
@@ -45,14 +45,14 @@ Offsets host_offsets() {
           offsetof(FrameParams, tiles_x),
           offsetof(FrameParams, tiles_y),
           offsetof(FrameParams, rows),
-          offsetof(FrameParams, rows_per_tile),
+          offsetof(FrameParams, tile_rays),
           offsetof(FrameParams, row_slots),
           offsetof(FrameParams, slots),
           sizeof(Footprint),
           offsetof(Footprint, columns),
           offsetof(Footprint, others),
           offsetof(Footprint, rows),
-          offsetof(Footprint, tiles)};
+          offsetof(Footprint, tile_rows)};
 }
 
 Offsets device_offsets(const std::string& layout) {

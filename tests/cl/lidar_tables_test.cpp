@@ -18,10 +18,11 @@ constexpr double kPi = std::numbers::pi;
 constexpr float kHit = 0.3F;
 
 TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
+  const Device device = Device::best();
   for (const std::string& name : builtin_lidar_names()) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     const LidarRays rays = nominal_rays(sensor.model, 1.0 / sensor.facts.mode.spin_hz);
-    const RayGrid grid = make_ray_grid(sensor.model, rays, {});
+    const RayGrid grid = make_ray_grid(device, sensor.model, rays, {});
     ASSERT_EQ(grid.rays, sensor.model.ray_count()) << name;
     std::vector<int> seen(grid.rays, 0);
     const double first = grid.constants[SIM_S_TILE_X0];
@@ -30,9 +31,9 @@ TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
       const std::int32_t ray = grid.ray_of_slot[slot];
       if (ray < 0) continue;
       ++seen[static_cast<std::size_t>(ray)];
-      const std::size_t tile = slot / SIM_TILE_RAYS;
-      const std::size_t row = tile / grid.frame.tiles_x * grid.frame.rows_per_tile +
-                              slot % SIM_TILE_RAYS / SIM_SLOT_ROW / grid.frame.row_slots;
+      const std::size_t tile = slot / grid.frame.tile_rays;
+      const std::size_t row = grid.tile_rows[tile / grid.frame.tiles_x] +
+                              slot % grid.frame.tile_rays / SIM_SLOT_ROW / grid.frame.row_slots;
       ASSERT_EQ(row, static_cast<std::size_t>(ray) / static_cast<std::size_t>(rays.columns)) << name;
       const double place = (static_cast<double>(grid.u[slot]) - first) / width;
       constexpr double kFloat = 1e-3;  // of a tile

@@ -22,6 +22,7 @@ constexpr double kQuotientTolerance = 1e-6;
 struct Rendered {
   explicit Rendered(const Device& device, Precision precision) : buffers(device, precision) {
     frame.tiles_x = kTiles;
+    frame.tile_rays = SIM_TILE_RAYS;
     frame.tiles_y = 1;
     frame.slots = kSlots;
     test::Random random(17);

@@ -19,7 +19,7 @@ constexpr double kPi = std::numbers::pi;
 /// Every ray has exactly one slot, empty slots carry nothing, directions have unit length.
 void expect_complete(const RayGrid& grid) {
   const std::size_t slots = grid.frame.slots;
-  ASSERT_EQ(slots, std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * SIM_TILE_RAYS);
+  ASSERT_EQ(slots, std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * grid.frame.tile_rays);
   ASSERT_EQ(grid.ray_of_slot.size(), slots);
   ASSERT_EQ(grid.u.size(), slots);
   ASSERT_EQ(grid.sensor_ray.size(), 7 * slots);
@@ -43,8 +43,8 @@ void expect_complete(const RayGrid& grid) {
   ASSERT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
 }
 
-/// The slots of a sweep lie in their beam's slot rows and in the tile column of their spin angle, which is that
-/// of their azimuth in the turn of their time.
+/// The slots of a sweep lie in their beam's slot rows and in the tile column of their spin angle, which is
+/// that of their azimuth in the turn of their time.
 void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
   const auto& frame = grid.frame;
   const double first = grid.constants[SIM_S_TILE_X0];
@@ -53,10 +53,10 @@ void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
     const std::int32_t ray = grid.ray_of_slot[slot];
     if (ray < 0) continue;
-    const std::size_t tile = slot / SIM_TILE_RAYS;
+    const std::size_t tile = slot / frame.tile_rays;
     const auto row = static_cast<std::size_t>(ray) / static_cast<std::size_t>(rays.columns);
-    const std::size_t slot_row = slot % SIM_TILE_RAYS / SIM_SLOT_ROW;
-    ASSERT_EQ(tile / frame.tiles_x * frame.rows_per_tile + slot_row / frame.row_slots, row) << "ray " << ray;
+    const std::size_t slot_row = slot % frame.tile_rays / SIM_SLOT_ROW;
+    ASSERT_EQ(grid.tile_rows[tile / frame.tiles_x] + slot_row / frame.row_slots, row) << "ray " << ray;
     constexpr double kFloat_rad = 1e-6;
     const double u = static_cast<double>(grid.u[slot]);
     const double left = first + static_cast<double>(tile % frame.tiles_x) * width;
@@ -105,17 +105,17 @@ TEST(RayGrid, PicturesOfAnySizeAreComplete) {
 }
 
 TEST(RayGrid, SweepsAreCompleteInEveryTileHeight) {
-  for (const int rows_per_tile : {1, 2, 4, 8, 16}) {
+  for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {4, 128}, {3, 32}, {64, 16}}) {
     RenderOptions options;
-    options.lidar_rows_per_tile = rows_per_tile;
+    options.lidar_tiles = tiles;
     for (const auto& [rows, columns] : {std::pair(1, 1), {1, 500}, {20, 150}, {33, 7}, {64, 257}}) {
       const Lidar lidar = test::small_lidar(rows, columns);
       const LidarRays nominal = nominal_rays(lidar, 0.1);
-      const RayGrid grid = make_ray_grid(lidar, nominal, options);
+      const RayGrid grid = make_ray_grid(Device::best(), lidar, nominal, options);
       expect_complete(grid);
       expect_lidar_places(grid, nominal);
       const LidarRays measured = jittered(lidar, 2.0, 3);
-      const RayGrid uneven = make_ray_grid(lidar, measured, options);
+      const RayGrid uneven = make_ray_grid(Device::best(), lidar, measured, options);
       expect_complete(uneven);
       expect_lidar_places(uneven, measured);
     }
@@ -127,7 +127,7 @@ TEST(RayGrid, BuiltInLidarsAreComplete) {
     SCOPED_TRACE(name);
     const Lidar lidar = builtin_lidar(name);
     const LidarRays rays = nominal_rays(lidar, 0.1);
-    const RayGrid grid = make_ray_grid(lidar, rays, {});
+    const RayGrid grid = make_ray_grid(Device::best(), lidar, rays, {});
     expect_complete(grid);
     expect_lidar_places(grid, rays);
   }
@@ -138,7 +138,7 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   lidar.azimuth_first = -0.4;
   lidar.azimuth_span = 0.8;
   const LidarRays narrow = nominal_rays(lidar, 0.1);
-  const RayGrid grid = make_ray_grid(lidar, narrow, {});
+  const RayGrid grid = make_ray_grid(Device::best(), lidar, narrow, {});
   expect_complete(grid);
   expect_lidar_places(grid, narrow);
 
@@ -149,10 +149,10 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   for (float& a : turned.azimuth) {
     if (a < 0.0F) a = static_cast<float>(static_cast<double>(a) + 2.0 * kPi);
   }
-  const RayGrid from_zero = make_ray_grid(full, turned, {});
+  const RayGrid from_zero = make_ray_grid(Device::best(), full, turned, {});
   expect_complete(from_zero);
   expect_lidar_places(from_zero, turned);
-  EXPECT_EQ(from_zero.frame.tiles_x, make_ray_grid(full, centred, {}).frame.tiles_x);
+  EXPECT_EQ(from_zero.frame.tiles_x, make_ray_grid(Device::best(), full, centred, {}).frame.tiles_x);
 }
 
 std::string refusal(const std::function<void()>& f) {
@@ -172,7 +172,8 @@ TEST(RayGrid, WrongRaysAreRefused) {
   const auto refused = [&](const std::function<void(LidarRays&)>& spoil, const std::string& part) {
     LidarRays rays = good;
     spoil(rays);
-    const std::string message = refusal([&] { static_cast<void>(make_ray_grid(lidar, rays, {})); });
+    const std::string message =
+        refusal([&] { static_cast<void>(make_ray_grid(Device::best(), lidar, rays, {})); });
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -186,17 +187,20 @@ TEST(RayGrid, WrongRaysAreRefused) {
   refused([](LidarRays& r) { r.elevation[8] = kNan; }, "ray 8");
   refused([](LidarRays& r) { r.time_fraction[9] = std::numeric_limits<float>::infinity(); }, "ray 9");
   RenderOptions options;
-  for (const int rows : {0, 3, 32, -8}) {
-    options.lidar_rows_per_tile = rows;
-    EXPECT_NE(
-        refusal([&] { static_cast<void>(make_ray_grid(lidar, good, options)); }).find("lidar_rows_per_tile"),
-        std::string::npos);
+  for (const LidarTiles tiles : {LidarTiles{-1, 256}, {4097, 256}, {8, -1}, {8, 15}, {8, 257}}) {
+    options.lidar_tiles = tiles;
+    EXPECT_NE(refusal([&] {
+                static_cast<void>(make_ray_grid(Device::best(), lidar, good, options));
+              }).find("lidar_tiles"),
+              std::string::npos);
   }
   // More rays of one beam in one direction than any tile holds.
   const Lidar dense = test::small_lidar(4, 3000);
   LidarRays bundled = nominal_rays(dense, 0.1);
   std::fill(bundled.azimuth.begin(), bundled.azimuth.end(), 0.5F);
-  EXPECT_NE(refusal([&] { static_cast<void>(make_ray_grid(dense, bundled, {})); }).find("ray azimuths"),
+  EXPECT_NE(refusal([&] {
+              static_cast<void>(make_ray_grid(Device::best(), dense, bundled, {}));
+            }).find("ray azimuths"),
             std::string::npos);
 }
 
@@ -228,9 +232,10 @@ void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::
 /// A ray or two of every tile, never neighbours.
 std::vector<std::size_t> sample_of_tiles(const RayGrid& grid) {
   std::vector<std::size_t> sampled;
-  for (std::size_t tile = 0; tile < grid.ray_of_slot.size() / SIM_TILE_RAYS; ++tile) {
+  const std::size_t tile_rays = grid.frame.tile_rays;
+  for (std::size_t tile = 0; tile < grid.ray_of_slot.size() / tile_rays; ++tile) {
     for (const std::size_t slot : {std::size_t{0}, std::size_t{100}, std::size_t{251}}) {
-      const std::int32_t ray = grid.ray_of_slot[tile * SIM_TILE_RAYS + slot];
+      const std::int32_t ray = grid.ray_of_slot[tile * tile_rays + slot];
       if (ray >= 0) sampled.push_back(static_cast<std::size_t>(ray));
     }
   }
@@ -246,7 +251,8 @@ TEST(SmallParticles, AreSeenInEveryTileOfASweepAndAtItsSeam) {
   test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   for (const double jitter : {0.0, 0.4}) {
     if (jitter > 0.0) shot.rays = jittered(shot.lidar, jitter, 5);
-    std::vector<std::size_t> sampled = sample_of_tiles(make_ray_grid(shot.lidar, shot.rays, {}));
+    std::vector<std::size_t> sampled =
+        sample_of_tiles(make_ray_grid(Device::best(), shot.lidar, shot.rays, {}));
     // Both sides of the seam at +-pi, which is also the sweep's cut: first and last firings of each beam.
     std::size_t low = 0, high = 0;
     for (std::size_t row = 0; row < 20; ++row) {

@@ -1,0 +1,194 @@
+// lidar_tiling.cl - a LiDAR's rays -> tiles of few rays each (procedure 1). Launcher:
+// host/render/lidar_tiling.cpp Runs once per sensor. A value's bin is floor((value - first) * scale), of
+// `bins`; rows go from top to bottom, bins and elevation tiles from the lowest value up, tile rows from top
+// to bottom again. Integers decide: the same rays give the same tiles on every device that rounds (value -
+// first) * scale alike.
+#include "math/lanes.h"
+#include "shared/layout.h"
+
+FN uint tiling_bin(float value, float first, float scale, uint bins) {
+  const float bin = (value - first) * scale;
+  return (uint)max(min(bin, (float)bins - 1.0f), 0.0f);
+}
+
+/// in  values[n], each standing for `weight` rays; group_of_bin[bins]
+/// out counts[groups]: rays of each group added
+__kernel void tiling_histogram(__global const float* values,
+                               const uint n,
+                               const uint weight,
+                               const float first,
+                               const float scale,
+                               const uint bins,
+                               __global const uint* group_of_bin,
+                               __global uint* counts) {
+  const uint i = get_global_id(0);
+  if (i < n) atomic_add(counts + group_of_bin[tiling_bin(values[i], first, scale, bins)], weight);
+}
+
+/// Cuts bins into groups of equally many rays: after the bin in which the cumulative share of the rays, times
+/// `wanted`, reaches another integer. Several integers in one bin make one boundary. One work-item.
+/// in  before[bins]: rays of all lower bins; widest: bins of a group, at most
+/// out group_of_bin[bins], from 0 without a gap; groups[1]: their number
+__kernel void tiling_boundaries(__global const uint* before,
+                                const uint rays,
+                                const uint bins,
+                                const uint wanted,
+                                const uint widest,
+                                __global uint* group_of_bin,
+                                __global uint* groups) {
+  uint group = 0, start = 0;
+  ulong next = 1;
+  for (uint i = 0; i < bins; ++i) {
+    group_of_bin[i] = group;
+    const uint after = i + 1 < bins ? before[i + 1] : rays;
+    const ulong reached = (ulong)after * wanted;
+    const int full = reached >= next * rays && after < rays;
+    if (full) next = reached / rays + 1;
+    if ((full || i + 1 - start >= widest) && i + 1 < bins) {
+      ++group;
+      start = i + 1;
+    }
+  }
+  groups[0] = group + 1;
+}
+
+/// in  row_elevation[rows]
+/// out group_of_row[rows]
+__kernel void tiling_row_groups(__global const float* row_elevation,
+                                const uint rows,
+                                const float first,
+                                const float scale,
+                                const uint bins,
+                                __global const uint* group_of_bin,
+                                __global uint* group_of_row) {
+  const uint row = get_global_id(0);
+  if (row < rows) group_of_row[row] = group_of_bin[tiling_bin(row_elevation[row], first, scale, bins)];
+}
+
+/// Sort keys that put the highest elevation first.
+__kernel void tiling_keys(__global const float* elevation,
+                          const uint n,
+                          __global uint* keys,
+                          __global uint* order) {
+  const uint i = get_global_id(0);
+  if (i >= n) return;
+  const uint bits = as_uint(elevation[i]);
+  keys[i] = bits >> 31 ? bits : 0x7fffffffu - bits;
+  order[i] = i;
+}
+
+/// Rays without rows, from top to bottom, cut into rows: at the boundaries of elevation groups, and wherever
+/// a tile column of the row holds `width` rays. One work-item. in  order[n]: rays by falling elevation;
+/// column_of_bin of x; group_of_bin of elevations out row_starts[rows + 1]: into `order`; group_of_row[rows];
+/// rows[1], most_rows + 1 where they are more scratch used[2][columns]
+__kernel void tiling_list_rows(__global const uint* order,
+                               const uint n,
+                               __global const float* x,
+                               const float x_first,
+                               const float x_scale,
+                               const uint x_bins,
+                               __global const uint* column_of_bin,
+                               const uint columns,
+                               __global const float* elevation,
+                               const float first,
+                               const float scale,
+                               const uint bins,
+                               __global const uint* group_of_bin,
+                               const uint width,
+                               const uint most_rows,
+                               __global uint* used,
+                               __global uint* row_starts,
+                               __global uint* group_of_row,
+                               __global uint* rows) {
+  for (uint c = 0; c < 2 * columns; ++c) used[c] = 0;
+  uint row = 0, group = 0;
+  for (uint i = 0; i < n; ++i) {
+    const uint ray = order[i];
+    const uint own = group_of_bin[tiling_bin(elevation[ray], first, scale, bins)];
+    const uint c = column_of_bin[tiling_bin(x[ray], x_first, x_scale, x_bins)];
+    // used[columns + c] tells the row, from 1, that used[c] counts.
+    const uint full = used[columns + c] == row && used[c] == width;
+    if (i == 0 || own != group || full) {
+      if (row == most_rows) {
+        rows[0] = most_rows + 1;
+        return;
+      }
+      row_starts[row] = i;
+      group_of_row[row] = group = own;
+      ++row;
+    }
+    used[c] = used[columns + c] == row ? used[c] + 1 : 1;
+    used[columns + c] = row;
+  }
+  row_starts[row] = n;
+  rows[0] = row;
+}
+
+/// Tile rows: the rows of each elevation group, a group of more than `most` in even parts. One work-item.
+/// in  group_of_row[rows]
+/// out tile_rows[tile rows + 1]: first row of each; tile_row_of_row[rows]; found[3]: tile rows, most and
+/// fewest
+///     rows of one
+__kernel void tiling_tile_rows(__global const uint* group_of_row,
+                               const uint rows,
+                               const uint most,
+                               __global uint* tile_rows,
+                               __global uint* tile_row_of_row,
+                               __global uint* found) {
+  uint tiles = 0, largest = 0, smallest = rows;
+  for (uint start = 0; start < rows;) {
+    uint end = start + 1;
+    while (end < rows && group_of_row[end] == group_of_row[start]) ++end;
+    const uint parts = (end - start + most - 1) / most;
+    for (uint part = 0; part < parts; ++part) {
+      const uint from = start + (end - start) * part / parts;
+      const uint to = start + (end - start) * (part + 1) / parts;
+      for (uint row = from; row < to; ++row) tile_row_of_row[row] = tiles;
+      tile_rows[tiles++] = from;
+      largest = max(largest, to - from);
+      smallest = min(smallest, to - from);
+    }
+    start = end;
+  }
+  tile_rows[tiles] = rows;
+  found[0] = tiles;
+  found[1] = largest;
+  found[2] = smallest;
+}
+
+/// Every ray's slot: its tile, the slots of its row there, and its turn among the row's rays in that tile.
+/// One work-item per row. in  x[n]; order[n]: rays by row; row_starts[rows + 1]: into `order`; width: slots
+/// of a row in a tile out slot_of_ray[n]; used[rows][columns]: rays of each row in each tile; fullest[rows],
+/// of that row. Where
+///     it exceeds `width` slots are not to be used
+__kernel void tiling_slots(__global const float* x,
+                           __global const uint* order,
+                           __global const uint* row_starts,
+                           const uint rows,
+                           const float first,
+                           const float scale,
+                           const uint bins,
+                           __global const uint* column_of_bin,
+                           const uint columns,
+                           __global const uint* tile_rows,
+                           __global const uint* tile_row_of_row,
+                           const uint width,
+                           const uint tile_rays,
+                           __global uint* used,
+                           __global uint* slot_of_ray,
+                           __global uint* fullest) {
+  const uint row = get_global_id(0);
+  if (row >= rows) return;
+  __global uint* own = used + (ulong)row * columns;
+  for (uint c = 0; c < columns; ++c) own[c] = 0;
+  const uint ty = tile_row_of_row[row];
+  const uint base = (row - tile_rows[ty]) * width;
+  uint most = 0;
+  for (uint i = row_starts[row]; i < row_starts[row + 1]; ++i) {
+    const uint ray = order[i];
+    const uint c = column_of_bin[tiling_bin(x[ray], first, scale, bins)];
+    slot_of_ray[ray] = (ty * columns + c) * tile_rays + base + own[c];
+    most = max(most, ++own[c]);
+  }
+  fullest[row] = most;
+}

@@ -1,0 +1,291 @@
+// Procedure 1 on the device, for every table and request: what holds of all tilings, whatever the sensor.
+#include "host/render/lidar_tiles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <iostream>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/render/tile_choice.hpp"
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kFloat_rad = 2e-6;  // places of up to 7 rad in float, scaled and floored
+
+struct Facts {
+  std::uint32_t fullest = 0;       // rays of a tile
+  std::uint32_t most_rows = 0;     // of a tile row
+  std::uint32_t fewest_inner = 0;  // of a tile row that is neither the first nor the last
+  std::uint32_t most_inner = 0;
+};
+
+/// Every ray has its own slot, in the tile of its row and place and in its row's slot rows; no tile exceeds
+/// what was asked for or what it has slots for. row_of_ray[rays].
+void expect_sound(const LidarTiling& tiling,
+                  const std::vector<std::uint32_t>& row_of_ray,
+                  const std::vector<float>& x,
+                  const LidarTiles& wanted,
+                  Facts& facts) {
+  ASSERT_EQ(tiling.slot_of_ray.size(), x.size());
+  ASSERT_TRUE(tiling.tile_rays == 32 || tiling.tile_rays == 64 || tiling.tile_rays == 128 ||
+              tiling.tile_rays == 256);
+  ASSERT_GE(tiling.row_slots, 1U);
+  ASSERT_EQ(tiling.tile_rows.front(), 0U);
+  ASSERT_EQ(tiling.tile_rows.back(), tiling.rows());
+  std::vector<bool> taken(tiling.tiles() * tiling.tile_rays, false);
+  std::vector<std::uint32_t> rays(tiling.tiles(), 0);
+  for (std::size_t ray = 0; ray < x.size(); ++ray) {
+    const std::uint32_t slot = tiling.slot_of_ray[ray];
+    ASSERT_LT(slot, taken.size());
+    ASSERT_FALSE(taken[slot]) << "ray " << ray;
+    taken[slot] = true;
+    const std::uint32_t tile = slot / tiling.tile_rays;
+    ++rays[tile];
+    const std::uint32_t slot_row = slot % tiling.tile_rays / SIM_SLOT_ROW;
+    ASSERT_EQ(tiling.tile_rows[tile / tiling.columns] + slot_row / tiling.row_slots, row_of_ray[ray]);
+    const double place = static_cast<double>(x[ray]);
+    ASSERT_GE(place, tiling.column_begin(tile % tiling.columns) - kFloat_rad) << "ray " << ray;
+    ASSERT_LE(place, tiling.column_begin(tile % tiling.columns + 1) + kFloat_rad) << "ray " << ray;
+  }
+  facts = {*std::max_element(rays.begin(), rays.end()), 0, static_cast<std::uint32_t>(tiling.rows()), 0};
+  for (std::size_t ty = 0; ty + 1 < tiling.tile_rows.size(); ++ty) {
+    const std::uint32_t rows = tiling.tile_rows[ty + 1] - tiling.tile_rows[ty];
+    ASSERT_GE(rows, 1U);
+    ASSERT_LE(rows * tiling.row_slots * SIM_SLOT_ROW, tiling.tile_rays);
+    for (std::uint32_t row = tiling.tile_rows[ty]; row < tiling.tile_rows[ty + 1]; ++row)
+      ASSERT_EQ(tiling.tile_row_of_row[row], ty);
+    facts.most_rows = std::max(facts.most_rows, rows);
+    if (ty == 0 || ty + 2 == tiling.tile_rows.size()) continue;
+    facts.fewest_inner = std::min(facts.fewest_inner, rows);
+    facts.most_inner = std::max(facts.most_inner, rows);
+  }
+  ASSERT_LE(facts.fullest, static_cast<std::uint32_t>(wanted.rays == 0 ? SIM_TILE_RAYS : wanted.rays));
+  ASSERT_LE(tiling.columns, 65535U);
+}
+
+/// Elevations and places as a ray grid asks for them, from azimuths that grow along the spin.
+struct Rays {
+  std::vector<float> elevation;  // of rows
+  std::vector<float> x;
+  std::vector<std::uint32_t> row_of_ray;
+};
+
+Rays rays_of(const Lidar& lidar) {
+  Rays rays;
+  for (int row = 0; row < lidar.row_count(); ++row) {
+    rays.elevation.push_back(static_cast<float>(lidar.rows[static_cast<std::size_t>(row)].elevation));
+    for (int column = 0; column < lidar.columns; ++column) {
+      const double turned = lidar.spin_sign() * (lidar.azimuth(row, column) - lidar.azimuth_first);
+      rays.x.push_back(static_cast<float>(turned));
+      rays.row_of_ray.push_back(static_cast<std::uint32_t>(row));
+    }
+  }
+  return rays;
+}
+
+/// No boundary splits beams of one elevation unless it has to, and k of n boundaries leave k / n of the beams
+/// above, to within one beam and those of its elevation.
+void expect_equal_counts(const LidarTiling& tiling, const std::vector<float>& elevation, int wanted) {
+  const std::size_t tiles = tiling.tile_rows.size() - 1;
+  if (tiles != static_cast<std::size_t>(wanted)) return;  // beams collapsed, or a tile had to be cut
+  const double rows = static_cast<double>(tiling.rows());
+  for (std::size_t k = 1; k < tiles; ++k) {
+    const std::uint32_t row = tiling.tile_rows[k];
+    ASSERT_GT(elevation[row - 1], elevation[row]);
+    const auto same = std::count(elevation.begin(), elevation.end(), elevation[row]) +
+                      std::count(elevation.begin(), elevation.end(), elevation[row - 1]);
+    ASSERT_NEAR(row, rows * static_cast<double>(k) / static_cast<double>(tiles), static_cast<double>(same));
+  }
+}
+
+TEST(LidarTiling, EveryTableInEveryGridOfTiles) {
+  const Device device = Device::best();
+  std::uint32_t widest = 0;
+  std::string widest_of;
+  std::size_t tilings = 0;
+  for (const std::string& name : builtin_lidar_names()) {
+    const Rays rays = rays_of(builtin_lidar(name));
+    for (const int elevation : {1, 4, 8, 16, 32, 64}) {
+      for (const int most : {32, 64, 128, 256}) {
+        const LidarTiles wanted{elevation, most};
+        SCOPED_TRACE(name + ", " + std::to_string(elevation) + " x " + std::to_string(most));
+        const LidarTiling tiling = tile_rows_of_rays(device, name, rays.elevation, rays.x, wanted);
+        Facts facts;
+        expect_sound(tiling, rays.row_of_ray, rays.x, wanted, facts);
+        if (HasFatalFailure()) return;
+        expect_equal_counts(tiling, rays.elevation, elevation);
+        if (HasFatalFailure()) return;
+        ++tilings;
+        // As many beams as asked for, in tiles that can hold them.
+        if (rays.elevation.size() >= 16 && elevation >= 4 && facts.most_inner > 0) {
+          const std::uint32_t apart = facts.most_inner - facts.fewest_inner;
+          if (apart > widest) widest = apart, widest_of = name + " in " + std::to_string(elevation);
+        }
+      }
+    }
+  }
+  std::cout << tilings << " tilings; fullest less emptiest interior tile: " << widest << " beams at most ("
+            << widest_of << ")\n";
+  EXPECT_LE(widest, 8U);
+}
+
+TEST(LidarTiling, OddSensors) {
+  const Device device = Device::best();
+  const auto check = [&](const std::vector<float>& elevation, std::uint32_t columns, double span) {
+    for (const LidarTiles wanted : {LidarTiles{}, {1, 256}, {7, 64}, {4096, 16}}) {
+      Rays rays;
+      rays.elevation = elevation;
+      for (std::uint32_t row = 0; row < elevation.size(); ++row) {
+        for (std::uint32_t column = 0; column < columns; ++column) {
+          rays.x.push_back(static_cast<float>(span * column / columns));
+          rays.row_of_ray.push_back(row);
+        }
+      }
+      SCOPED_TRACE(std::to_string(elevation.size()) + " beams of " + std::to_string(columns) + ", " +
+                   std::to_string(wanted.elevation) + " x " + std::to_string(wanted.rays));
+      Facts facts;
+      const LidarTiling tiling = tile_rows_of_rays(device, "odd", rays.elevation, rays.x, wanted);
+      expect_sound(tiling, rays.row_of_ray, rays.x, wanted, facts);
+    }
+  };
+  check({0.1F}, 1, 0.0);                                        // one ray
+  check({-0.3F}, 1800, 6.28);                                   // one beam
+  check({0.2F, 0.1F}, 3, 0.5);                                  // fewer beams than tiles
+  check(std::vector<float>(40, 0.0F), 100, 6.28);               // all of one elevation
+  check({0.2F, 0.2F, 0.2F, 0.1F, 0.1F, -0.4F}, 500, 0.8);       // some of one elevation
+  check({1.0F, 0.9999F, 0.9998F, 0.9997F, -1.0F}, 2000, 3.14);  // four in a bin or two, one apart
+}
+
+TEST(LidarTiling, RaysTooUnevenAreRefused) {
+  const Device device = Device::best();
+  const std::vector<float> bundled(4000, 0.5F);
+  EXPECT_THROW((void)tile_rows_of_rays(device, "bundled", {0.1F, 0.0F}, bundled, {}), Error);
+}
+
+TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
+  const Device device = Device::best();
+  test::Random random(7);
+  for (const std::size_t count : {1U, 40U, 20000U}) {
+    std::vector<float> elevation, x;
+    for (std::size_t i = 0; i < count; ++i) {  // dense in the middle of both axes
+      elevation.push_back(static_cast<float>(0.1 * random.normal()));
+      x.push_back(static_cast<float>(1.5 + 0.2 * random.normal()));
+    }
+    for (const LidarTiles wanted : {LidarTiles{}, {1, 256}, {16, 128}, {64, 32}}) {
+      SCOPED_TRACE(std::to_string(count) + " rays, " + std::to_string(wanted.elevation) + " x " +
+                   std::to_string(wanted.rays));
+      const LidarTiling tiling = tile_ray_list(device, "list", elevation, x, wanted);
+      std::vector<std::uint32_t> row_of_ray(count);
+      for (std::uint32_t row = 0; row < tiling.rows(); ++row) {
+        for (std::uint32_t i = tiling.row_starts[row]; i < tiling.row_starts[row + 1]; ++i)
+          row_of_ray[tiling.order[i]] = row;
+      }
+      Facts facts;
+      expect_sound(tiling, row_of_ray, x, wanted, facts);
+      if (HasFatalFailure()) return;
+      for (std::size_t i = 1; i < count; ++i)
+        ASSERT_GE(elevation[tiling.order[i - 1]], elevation[tiling.order[i]]);
+      if (count < 20000 || wanted.elevation == 1) continue;
+      // Equal shares in azimuth too: uniform columns would hold most rays in the middle third.
+      std::vector<std::size_t> per_column(tiling.columns, 0);
+      for (const std::uint32_t slot : tiling.slot_of_ray)
+        ++per_column[slot / tiling.tile_rays % tiling.columns];
+      const std::size_t even = count / tiling.columns;
+      EXPECT_LT(*std::max_element(per_column.begin(), per_column.end()), 2 * even + 64);
+    }
+  }
+}
+
+TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
+  const Device device = Device::best();
+  Lidar lidar = test::small_lidar(16, 90);
+  lidar.name = "tuned";
+  const TileChoiceKey key{lidar.name, 16, 16 * 90};
+  const auto tile_rows = [&](const LidarTiles& tiles) {
+    RenderOptions options;
+    options.lidar_tiles = tiles;
+    return make_ray_grid(device, lidar, nominal_rays(lidar, 0.1), options).frame.tiles_y;
+  };
+  store_tiles(device, key, {8, 64});
+  ASSERT_TRUE(stored_tiles(device, key).has_value());
+  EXPECT_EQ(stored_tiles(device, key)->rays, 64);
+  EXPECT_EQ(tile_rows({}), 8U);
+  EXPECT_EQ(tile_rows({4, 0}), 4U);
+  store_tiles(device, key, {16, 32});
+  EXPECT_EQ(tile_rows({}), 16U);
+  EXPECT_FALSE(stored_tiles(device, {"tuned", 17, 16 * 90}).has_value());
+  EXPECT_FALSE(stored_tiles(device, {"never tuned", 16, 16 * 90}).has_value());
+}
+
+/// Whether particle p is in the list of `tile`, with a slot row range that holds `slot_row`.
+class Lists {
+ public:
+  explicit Lists(const Renderer& renderer)
+      : first_(renderer.buffers().first.download()), payload_(renderer.buffers().payload.download()) {}
+  [[nodiscard]] bool hold(std::uint32_t tile, std::uint32_t particle, std::uint32_t slot_row) const {
+    for (std::uint32_t i = first_[tile]; i < first_[tile + 1]; ++i) {
+      if ((payload_[i] & SIM_PARTICLE_MASK) != particle) continue;
+      return (payload_[i] >> SIM_PARTICLE_BITS & 15U) <= slot_row &&
+             payload_[i] >> (SIM_PARTICLE_BITS + 4) >= slot_row;
+    }
+    return false;
+  }
+
+ private:
+  std::vector<std::uint32_t> first_, payload_;
+};
+
+TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
+  const Device device = Device::best();
+  for (const std::string& name : builtin_lidar_names()) {
+    const Lidar lidar = builtin_lidar(name);
+    const LidarRays nominal = nominal_rays(lidar, 0.1);
+    std::vector<std::uint32_t> chosen;
+    std::vector<test::SingleParticle> particles;
+    for (int row = 0; row < lidar.row_count(); row += std::max(1, lidar.row_count() / 16)) {
+      for (const int column : {0, (lidar.columns / 3 + 41 * row) % lidar.columns, lidar.columns - 1}) {
+        const double azimuth = lidar.azimuth(row, column);
+        for (const double size : {0.001, 0.1, 1.0, 8.0}) {
+          test::SingleParticle particle;
+          particle.mean = Eigen::Vector3d(
+              lidar.origin(row, azimuth) +
+              15.0 * Lidar::direction(azimuth, lidar.rows[static_cast<std::size_t>(row)].elevation));
+          particle.scale = Eigen::Vector3d::Constant(size);
+          particles.push_back(particle);
+          chosen.push_back(static_cast<std::uint32_t>(row * lidar.columns + column));
+        }
+      }
+    }
+    const ParticleBuffers set(device, test::set_of(SetKind::kLidar, particles), Precision::kFloat);
+    for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {8, 32}, {64, 64}, {32, 128}}) {
+      RenderOptions options;
+      options.lidar_tiles = tiles;
+      Renderer renderer(device, options);
+      const SensorRays rays(device, lidar, nominal, options);
+      renderer.render(set, rays, {});
+      const Lists lists(renderer);
+      const auto& grid = rays.grid();
+      std::vector<std::uint32_t> slot_of_ray(grid.rays);
+      for (std::uint32_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+        if (grid.ray_of_slot[slot] >= 0) slot_of_ray[static_cast<std::size_t>(grid.ray_of_slot[slot])] = slot;
+      }
+      std::size_t missed = 0;
+      for (std::uint32_t i = 0; i < chosen.size(); ++i) {
+        const std::uint32_t slot = slot_of_ray[chosen[i]];
+        missed +=
+            lists.hold(slot / grid.frame.tile_rays, i, slot % grid.frame.tile_rays / SIM_SLOT_ROW) ? 0U : 1U;
+      }
+      EXPECT_EQ(missed, 0U) << name << ", " << tiles.elevation << " x " << tiles.rays << ", of "
+                            << chosen.size();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace simuli
