@@ -32,6 +32,7 @@ set(SIMULI_CL_FILES
   kernels/pose_bwd.cl
   kernels/project.cl
   kernels/project_bwd.cl
+  kernels/ray_mask.cl
   kernels/rays.cl
   kernels/regularize.cl
   kernels/render.cl

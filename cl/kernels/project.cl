@@ -34,10 +34,31 @@ FN uint tile_columns(__global const real* sensor, __global const uint* column_of
   const real low = max(mean - half_width - BIN_MARGIN, sensor[SIM_S_TILE_X0]);
   const real high = min(mean + half_width + BIN_MARGIN, sensor[SIM_S_TILE_X1]);
   if (!(low <= high)) return 0;
-  const uint first = column_of_bin[bin_of(sensor, low)];
-  return first | (column_of_bin[bin_of(sensor, high)] - first + 1) << 16;
+  const real x0 = sensor[SIM_S_TILE_X0], scale = sensor[SIM_S_TILE_SCALE], bins = sensor[SIM_S_TILE_BINS];
+  const uint first = column_of_bin[cell_of(low, x0, scale, bins)];
+  return first | (column_of_bin[cell_of(high, x0, scale, bins)] - first + 1) << 16;
 #endif
 }
+
+#if CULLING
+/// Occupied cells of the ray mask among its rows [top, bottom] that [mean - half, mean + half] touches.
+FN uint occupied_cells(__global const real* sensor,
+                       __global const uint* areas,
+                       real mean,
+                       real half_width,
+                       uint top,
+                       uint bottom) {
+  const real x0 = sensor[SIM_S_TILE_X0], scale = sensor[SIM_S_MASK_SCALE], columns = sensor[SIM_S_MASK_COLUMNS];
+  const real low = max(mean - half_width - BIN_MARGIN, x0);
+  const real high = min(mean + half_width + BIN_MARGIN, sensor[SIM_S_TILE_X1]);
+  if (!(low <= high)) return 0;
+  const uint stride = (uint)columns + 1;
+  const uint left = cell_of(low, x0, scale, columns), right = cell_of(high, x0, scale, columns) + 1;
+  __global const uint* above = areas + top * stride;
+  __global const uint* below = areas + (bottom + 1) * stride;
+  return (below[right] - above[right]) - (below[left] - above[left]);
+}
+#endif
 
 /// Makes two intervals that touch or overlap one, so that no tile is counted twice.
 FN void join_columns(Footprint* f) {
@@ -56,7 +77,7 @@ FN void join_columns(Footprint* f) {
 /// V particles per work-item: visibility, box, features, record.
 /// in  params[rows][stride]; actor_of[stride], actors[1 + A][SIM_ACTOR_REALS] with ACTORS; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
-///     column_of_bin[bins of x]
+///     column_of_bin[bins of x]; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
 ///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
@@ -68,6 +89,8 @@ __kernel void project(const FrameParams frame,
                       __global const real* row_elevation,
                       __global const uint* tile_row_of_row,
                       __global const uint* column_of_bin,
+                      __global const uint* mask_row_of_row,
+                      __global const uint* areas,
                       __global real* records,
                       __global Footprint* footprints,
                       __global uint* keys,
@@ -207,6 +230,14 @@ __kernel void project(const FrameParams frame,
         const uint ty0 = tile_row_of_row[row_first], ty1 = tile_row_of_row[row_last];
 #endif
         f.tile_rows = ty0 | (ty1 - ty0 + 1) << 16;
+#if CULLING
+        // Both intervals may hold the same cells: only whether there are any counts.
+        const uint top = mask_row_of_row[row_first], bottom = mask_row_of_row[row_last];
+        if (occupied_cells(sensor, areas, out[SIM_R_BOX_MEAN * V + lane], half_width, top, bottom) == 0 &&
+            occupied_cells(sensor, areas, out[SIM_R_BOX_OTHER * V + lane], half_width, top, bottom) == 0) {
+          f.tile_rows = 0;
+        }
+#endif
       }
       if (SIM_TILES(f) > 0) key = as_uint((float)range[lane]);
     }

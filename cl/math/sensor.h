@@ -125,10 +125,9 @@ FN F time_of(__global const real* sensor, F x, F y) {
 }
 
 #if SENSOR == SENSOR_LIDAR
-/// The bin of the place x within the sweep: the same floor as of the rays in lidar_tiling.cl.
-FN uint bin_of(__global const real* sensor, real x) {
-  const real bin = (x - sensor[SIM_S_TILE_X0]) * sensor[SIM_S_TILE_SCALE];
-  return (uint)max(min(bin, sensor[SIM_S_TILE_BINS] - R(1.0)), R(0.0));
+/// Of `count` cells that start at `first`, `scale` to the rad, the one that holds x, or the one nearest to it.
+FN uint cell_of(real x, real first, real scale, real count) {
+  return (uint)max(min((x - first) * scale, count - R(1.0)), R(0.0));
 }
 #endif
 

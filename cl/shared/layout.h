@@ -105,6 +105,8 @@ typedef int sim_i32;
 #define SIM_S_LENS_SLOPE_Y 98
 #define SIM_S_TILE_BINS 99     // LiDAR: entries of column_of_bin
 #define SIM_S_TILE_X1 100      // LiDAR: where the last tile ends, rad of x
+#define SIM_S_MASK_SCALE 101   // LiDAR: columns of the ray mask per rad of x, and their number
+#define SIM_S_MASK_COLUMNS 102
 #define SIM_SENSOR_REALS 104
 #define SIM_MONTE_CARLO 200    // Monte Carlo projection: as many standard normal triples follow the constants
 

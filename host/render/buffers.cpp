@@ -40,7 +40,9 @@ RayBuffers::RayBuffers(const Device& device, const RayGrid& grid, Precision prec
       row_elevation(device, "beam elevations", precision),
       tile_rows(device, "first rows of tiles", grid.tile_rows),
       tile_row_of_row(device, "tile rows of rows", grid.tile_row_of_row),
-      column_of_bin(device, "tile columns of places", grid.column_of_bin) {
+      column_of_bin(device, "tile columns of places", grid.column_of_bin),
+      mask_row_of_row(device, "mask rows of rows"),
+      areas(device, "ray mask") {
   sensor_ray.assign(grid.sensor_ray);
   u.assign(grid.u);
   row_elevation.assign(grid.row_elevation);

@@ -39,6 +39,21 @@ struct LidarTiles {
   int rays = 0;       // of one tile, at most: 16 to 256
 };
 
+/// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile instances
+/// (METHOD section 6). Pictures are the same bits either way.
+enum class Culling : int {
+  kOff = 0,
+  kAuto = 1,    // where the ray mask has a cell without a ray
+  kAlways = 2,  // even where every query must find one: for measuring
+};
+
+/// The grid that a LiDAR's rays are marked in, over the sweep and over its beams.
+struct RayMaskSize {
+  int columns = 1600;
+  int rows = 8;
+  bool equalized = true;  // rows of equally many beams, else of equal intervals of elevation
+};
+
 /// Every approximation of a frame, named, with its default (speed against accuracy).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
@@ -53,7 +68,9 @@ struct RenderOptions {
   bool lidar_compensation = false;   // the same for beams: blends thin things with what is behind
   bool median_distance = true;       // write the median distance as well (LiDAR)
   LidarTiles lidar_tiles;
-  LaneShape shape{0, 0, 0};          // 0: LaneShape::of(device)
+  Culling culling = Culling::kAuto;
+  RayMaskSize ray_mask;
+  LaneShape shape{0, 0, 0};                           // 0: LaneShape::of(device)
   std::size_t max_instances = std::size_t{1} << 28U;  // a frame that needs more is refused
 };
 

@@ -11,7 +11,8 @@ BuildOptions forward_options(const Variant& variant) {
   BuildOptions options = variant.options();
   return options.define("EXTENT", variant.extent)
       .define("SHUTTER_ITERATIONS", variant.shutter_iterations)
-      .define("COMPENSATION", variant.compensation);
+      .define("COMPENSATION", variant.compensation)
+      .define("CULLING", variant.culling);
 }
 
 BuildOptions backward_options(const Variant& variant) {
@@ -51,6 +52,8 @@ void ProjectStage::run(const shared::FrameParams& frame,
                   rays.row_elevation,
                   rays.tile_row_of_row,
                   rays.column_of_bin,
+                  rays.mask_row_of_row,
+                  rays.areas,
                   buffers.records,
                   buffers.footprints,
                   buffers.keys,

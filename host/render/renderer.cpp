@@ -7,11 +7,19 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/render/ray_mask.hpp"
 
 namespace simuli {
 
 SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
-    : grid_(std::move(grid)), buffers_(device, grid_, options.precision) {}
+    : device_(device),
+      precision_(options.precision),
+      marks_(grid.type == SensorType::kLidar && options.culling != Culling::kOff),
+      mask_size_(options.ray_mask),
+      grid_(std::move(grid)),
+      buffers_(device, grid_, options.precision) {
+  mark_rays();
+}
 SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
     : SensorRays(device, make_ray_grid(camera, options), options) {}
 SensorRays::SensorRays(const Device& device,
@@ -21,6 +29,25 @@ SensorRays::SensorRays(const Device& device,
     : SensorRays(device, make_ray_grid(device, lidar, rays, options), options) {}
 SensorRays::SensorRays(const Device& device, const RayList& list, const RenderOptions& options)
     : SensorRays(device, make_ray_grid(device, list, options), options) {}
+
+void SensorRays::mark_rays() {
+  if (marks_) can_cull_ = RayMaskStage(device_, precision_).run(grid_, mask_size_, buffers_);
+}
+
+void SensorRays::request(const std::vector<bool>& requested) {
+  if (requested.size() != grid_.rays) {
+    throw Error(ErrorKind::kInternal, "request: one flag per ray is needed");
+  }
+  std::vector<float> sensor_ray = grid_.sensor_ray;
+  const std::size_t slots = grid_.frame.slots;
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    const std::int32_t ray = grid_.ray_of_slot[slot];
+    if (ray >= 0 && requested[static_cast<std::size_t>(ray)]) continue;
+    for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
+  }
+  buffers_.sensor_ray.assign(sensor_ray);
+  mark_rays();
+}
 
 std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {
   if (values.size() != channels * grid_.rays) {
@@ -162,6 +189,8 @@ void Renderer::render(const ParticleBuffers& particles,
   variant.shutter_iterations = options_.shutter_iterations;
   variant.compensation =
       grid.type == SensorType::kCamera ? options_.camera_compensation : options_.lidar_compensation;
+  variant.culling = rays.marked() && (options_.culling == Culling::kAlways ||
+                                      (options_.culling == Culling::kAuto && rays.can_cull()));
   variant.shape = options_.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
   current_ = &stages(variant);
   rays_ = &rays;

@@ -20,15 +20,28 @@ class SensorRays {
   SensorRays(const Device& device, const Lidar& lidar, const LidarRays& rays, const RenderOptions& options);
   SensorRays(const Device& device, const RayList& list, const RenderOptions& options);
 
+  /// From now on only the rays with requested[ray] are rendered; the others are slots without a ray, and
+  /// their results the background. requested[rays]; a LiDAR's ray mask is rebuilt. Waits.
+  void request(const std::vector<bool>& requested);
+
   [[nodiscard]] const RayGrid& grid() const { return grid_; }
+  /// Whether there is a ray mask, and whether it has a cell without a ray.
+  [[nodiscard]] bool marked() const { return marks_; }
+  [[nodiscard]] bool can_cull() const { return can_cull_; }
   [[nodiscard]] const RayBuffers& buffers() const { return buffers_; }
   /// values[channels][rays] in ray order -> [channels][slots] in slot order; slots without a ray get 0.
   [[nodiscard]] std::vector<float> to_slots(const std::vector<float>& values, std::size_t channels) const;
 
  private:
   SensorRays(const Device& device, RayGrid grid, const RenderOptions& options);
+  void mark_rays();
+  Device device_;
+  Precision precision_;
+  bool marks_;  // a LiDAR's that culls
+  RayMaskSize mask_size_;
   RayGrid grid_;
   RayBuffers buffers_;
+  bool can_cull_ = false;
 };
 
 /// One view of a sensor. Poses are world_from_sensor with world relative to the scene origin.

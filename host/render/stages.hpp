@@ -38,6 +38,7 @@ struct Variant {
   Extent extent = Extent::kUnscented;
   int shutter_iterations = 4;
   bool compensation = false;
+  bool culling = false;  // by the ray mask
   LaneShape shape;
 
   [[nodiscard]] BuildOptions options() const;
@@ -61,6 +62,8 @@ struct RayBuffers {
   Buffer<std::uint32_t> tile_rows;        // [tiles_y + 1]
   Buffer<std::uint32_t> tile_row_of_row;  // [rows]
   Buffer<std::uint32_t> column_of_bin;    // [bins]
+  Buffer<std::uint32_t> mask_row_of_row;  // [rows] of the ray mask
+  Buffer<std::uint32_t> areas;            // [mask rows + 1][mask columns + 1] occupied cells above and left
 };
 
 /// Particles of one set on the device, each parameter a row of `stride` reals.
@@ -143,6 +146,8 @@ class ProjectStage {
          BufRealConst,
          Buf<const std::int32_t>,
          BufRealConst,
+         Buf<const std::uint32_t>,
+         Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
          BufReal,

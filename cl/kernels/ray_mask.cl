@@ -1,0 +1,53 @@
+// ray_mask.cl - where a LiDAR's requested rays are: occupied cells of (x, rows) and their summed-area table
+// (procedure 2). Launcher: host/render/ray_mask.cpp
+// Rebuilt whenever other rays are requested. Rays and particles find their cells by the same functions.
+#include "math/sensor.h"
+
+/// One work-item per slot.
+/// in  sensor_ray[7][slots], u[slots]; tile_rows[tiles_y + 1]; mask_row_of_row[rows]
+/// out cells[mask rows][columns]: 1 where at least one ray is, else left as it is
+__kernel void ray_mask_cells(const FrameParams frame,
+                             __global const real* sensor_ray,
+                             __global const real* u,
+                             __global const uint* tile_rows,
+                             __global const uint* mask_row_of_row,
+                             const real first,
+                             const real scale,
+                             const uint columns,
+                             __global uint* cells) {
+  const uint slot = get_global_id(0);
+  const uint s = frame.slots;
+  if (slot >= s || !is_ray(sensor_ray[slot], sensor_ray[s + slot], sensor_ray[2 * s + slot])) return;
+  const uint tile = slot / frame.tile_rays;
+  const uint row =
+      tile_rows[tile / frame.tiles_x] + slot % frame.tile_rays / SIM_SLOT_ROW / frame.row_slots;
+  const uint column = cell_of(u[slot], first, scale, (real)columns);
+  atomic_or(cells + mask_row_of_row[row] * columns + column, 1u);
+}
+
+/// One work-item per row of areas.
+/// out areas[rows + 1][columns + 1]: sums along each row, the first row and column 0
+__kernel void ray_mask_row_sums(__global const uint* cells,
+                                const uint rows,
+                                const uint columns,
+                                __global uint* areas) {
+  const uint y = get_global_id(0);
+  if (y > rows) return;
+  __global uint* row = areas + (ulong)y * (columns + 1);
+  uint sum = 0;
+  row[0] = 0;
+  for (uint x = 0; x < columns; ++x) {
+    sum += y == 0 ? 0 : cells[(ulong)(y - 1) * columns + x];
+    row[x + 1] = sum;
+  }
+}
+
+/// One work-item per column of areas: adds up the rows, so that areas[y][x] counts the occupied cells of all
+/// rows < y and columns < x.
+__kernel void ray_mask_column_sums(const uint rows, const uint columns, __global uint* areas) {
+  const uint x = get_global_id(0);
+  if (x > columns) return;
+  for (uint y = 1; y <= rows; ++y) {
+    areas[(ulong)y * (columns + 1) + x] += areas[(ulong)(y - 1) * (columns + 1) + x];
+  }
+}

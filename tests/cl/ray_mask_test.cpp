@@ -1,0 +1,295 @@
+// Ray-based culling: the mask against a count of the rays, and sweeps that are the same bits with and
+// without.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <gtest/gtest.h>
+#include <iostream>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Which rays are asked for.
+struct Request {
+  const char* name;
+  std::function<bool(std::size_t ray, std::size_t rays, std::size_t columns)> wants;
+};
+
+const std::vector<Request>& requests() {
+  static const std::vector<Request> kRequests{
+      {"all", [](std::size_t, std::size_t, std::size_t) { return true; }},
+      {"1 in 16", [](std::size_t ray, std::size_t, std::size_t) { return ray % 16 == 5; }},
+      {"every 16th firing",
+       [](std::size_t ray, std::size_t, std::size_t columns) { return ray % columns % 16 == 0; }},
+      {"every 16th beam",
+       [](std::size_t ray, std::size_t, std::size_t columns) { return ray / columns % 16 == 3; }},
+      {"an eighth of the sweep",
+       [](std::size_t ray, std::size_t, std::size_t columns) { return ray % columns < columns / 8; }},
+      {"one ray", [](std::size_t ray, std::size_t rays, std::size_t) { return ray == rays / 2; }},
+      {"none", [](std::size_t, std::size_t, std::size_t) { return false; }},
+  };
+  return kRequests;
+}
+
+std::vector<bool> flags_of(const Request& request, std::size_t rays, std::size_t columns) {
+  std::vector<bool> flags(rays);
+  for (std::size_t ray = 0; ray < rays; ++ray) flags[ray] = request.wants(ray, rays, columns);
+  return flags;
+}
+
+TEST(RayMask, AreasCountOccupiedCells) {
+  const Device device = Device::best();
+  const Lidar lidar = test::small_lidar(20, 150);
+  for (const RayMaskSize size :
+       {RayMaskSize{}, {1600, 8, false}, {7, 3, true}, {1, 1, true}, {333, 20, true}}) {
+    RenderOptions options;
+    options.ray_mask = size;
+    SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
+    for (const Request& request : requests()) {
+      SCOPED_TRACE(std::string(request.name) + ", " + std::to_string(size.columns));
+      rays.request(flags_of(request, 3000, 150));
+      const auto columns = static_cast<std::size_t>(size.columns), rows = static_cast<std::size_t>(size.rows);
+      const double first = rays.grid().constants[SIM_S_TILE_X0];
+      const double width = (rays.grid().constants[SIM_S_TILE_X1] - first) / size.columns;
+      const auto mask_row_of_row = rays.buffers().mask_row_of_row.download();
+      // Where each requested ray is; one within rounding of an edge may be in either cell.
+      constexpr double kFloat_rad = 2e-6;
+      std::vector<int> certain(rows * columns, 0), possible(rows * columns, 0);
+      const auto cell = [&](double u, std::size_t row) {
+        const double place = std::clamp((u - first) / width, 0.0, static_cast<double>(columns - 1));
+        return mask_row_of_row[row] * columns + static_cast<std::size_t>(place);
+      };
+      const auto& grid = rays.grid();
+      for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+        const std::int32_t ray = grid.ray_of_slot[slot];
+        if (ray < 0 || !request.wants(static_cast<std::size_t>(ray), 3000, 150)) continue;
+        const double u = static_cast<double>(grid.u[slot]);
+        const auto row = static_cast<std::size_t>(ray) / 150;
+        const std::size_t low = cell(u - kFloat_rad, row), high = cell(u + kFloat_rad, row);
+        possible[low] = possible[high] = 1;
+        if (low == high) certain[low] = 1;
+      }
+      const auto areas = rays.buffers().areas.download();
+      ASSERT_EQ(areas.size(), (rows + 1) * (columns + 1));
+      for (std::size_t y = 0; y < rows; ++y) {
+        for (std::size_t x = 0; x < columns; ++x) {
+          const std::uint32_t* corner = areas.data() + y * (columns + 1) + x;
+          const auto here =
+              static_cast<int>(corner[columns + 2] - corner[columns + 1] - corner[1] + corner[0]);
+          ASSERT_GE(here, certain[y * columns + x]) << x << ", " << y;
+          ASSERT_LE(here, possible[y * columns + x]) << x << ", " << y;
+        }
+      }
+      EXPECT_EQ(rays.can_cull(), areas.back() < rows * columns);
+    }
+  }
+}
+
+TEST(RayMask, RowsHoldEqualNumbersOfBeamsOrEqualElevations) {
+  const Device device = Device::best();
+  Lidar lidar = test::small_lidar(16, 40);
+  for (std::size_t r = 0; r < 12; ++r) lidar.rows[r].elevation = 0.1 - 0.001 * static_cast<double>(r);
+  RenderOptions options;
+  options.ray_mask = {100, 4, true};
+  const LidarRays nominal = nominal_rays(lidar, 0.1);
+  const auto equal = SensorRays(device, lidar, nominal, options).buffers().mask_row_of_row.download();
+  for (std::size_t row = 0; row < 16; ++row) EXPECT_EQ(equal[row], row / 4);
+  options.ray_mask.equalized = false;
+  const auto uniform = SensorRays(device, lidar, nominal, options).buffers().mask_row_of_row.download();
+  for (std::size_t row = 0; row < 12; ++row) EXPECT_EQ(uniform[row], 0U);
+  EXPECT_EQ(uniform[15], 3U);
+  for (const RayMaskSize size :
+       {RayMaskSize{0, 8, true}, {65537, 8, true}, {100, 0, true}, {100, 4097, true}}) {
+    options.ray_mask = size;
+    EXPECT_THROW((void)SensorRays(device, lidar, nominal, options), Error);
+  }
+}
+
+/// Particles of all sizes around the sensor, with some on the seam, at the poles and around the sensor.
+GaussianSet crowd(std::uint64_t seed, int degree) {
+  test::SetRecipe recipe;
+  recipe.kind = SetKind::kLidar;
+  recipe.sh_degree = degree;
+  recipe.count = 500;
+  recipe.low = {-25, -25, -4};
+  recipe.high = {25, 25, 5};
+  recipe.scale_min = 0.005;
+  recipe.scale_max = 0.6;
+  GaussianSet set = test::random_set(recipe, seed);
+  test::Random random(seed + 1);
+  for (Eigen::Index i = 0; i < 60; ++i) {
+    const float range = static_cast<float>(random.uniform(1.0, 20.0));
+    const float aside = static_cast<float>(random.uniform(-0.1, 0.1));
+    const float sign = i % 2 == 0 ? 1.0F : -1.0F;
+    if (i < 20) set.mean().row(i) << sign * range, aside, aside;  // ahead and astern: the cuts of the tables
+    if (i >= 20 && i < 40) set.mean().row(i) << aside, aside, sign * range;  // above and below
+    if (i >= 40) set.mean().row(i) << aside, aside, aside;                   // around
+  }
+  return set;
+}
+
+struct Sweep {
+  std::vector<std::uint32_t> bits;  // of all outputs of all rays
+  std::size_t visible = 0;
+};
+
+Sweep sweep_of(Renderer& renderer,
+               const ParticleBuffers& particles,
+               const SensorRays& rays,
+               const View& view) {
+  renderer.render(particles, rays, view);
+  const RayResults results = renderer.results();
+  Sweep sweep;
+  for (const auto* values : {&results.feature[0],
+                             &results.feature[1],
+                             &results.feature[2],
+                             &results.transmittance,
+                             &results.distance,
+                             &results.median}) {
+    const std::size_t begin = sweep.bits.size();
+    sweep.bits.resize(begin + values->size());
+    std::memcpy(sweep.bits.data() + begin, values->data(), values->size() * sizeof(float));
+  }
+  sweep.visible = renderer.buffers().visible;
+  return sweep;
+}
+
+/// Sweeps with and without culling, and how many of the visible particles it dropped.
+class Comparison {
+ public:
+  explicit Comparison(const RenderOptions& options)
+      : off_(with(options, Culling::kOff)),
+        always_(with(options, Culling::kAlways)),
+        without_culling_(device_, off_),
+        with_culling_(device_, always_) {}
+
+  /// Asserts that both give the same bits.
+  void expect_same(const Lidar& lidar,
+                   const View& view,
+                   std::uint64_t seed,
+                   const std::vector<Request>& requested) {
+    const ParticleBuffers particles(device_, crowd(seed, 0), Precision::kFloat);
+    SensorRays rays(device_, lidar, nominal_rays(lidar, 0.1), always_);
+    const auto columns = static_cast<std::size_t>(lidar.columns);
+    for (const Request& request : requested) {
+      const std::string name = request.name;
+      if (name != "all") rays.request(flags_of(request, lidar.ray_count(), columns));
+      const Sweep expected = sweep_of(without_culling_, particles, rays, view);
+      const Sweep culled = sweep_of(with_culling_, particles, rays, view);
+      ASSERT_EQ(culled.bits, expected.bits) << lidar.name << ", " << name;
+      ASSERT_LE(culled.visible, expected.visible);
+      if (name == "none") {
+        ASSERT_EQ(culled.visible, 0U) << lidar.name;
+      }
+      kept += culled.visible;
+      dropped += expected.visible - culled.visible;
+    }
+  }
+
+  std::size_t kept = 0, dropped = 0;
+
+ private:
+  static RenderOptions with(RenderOptions options, Culling culling) {
+    options.culling = culling;
+    return options;
+  }
+  Device device_ = Device::best();
+  RenderOptions off_, always_;
+  Renderer without_culling_, with_culling_;
+};
+
+View drive() {
+  View view;
+  view.world_from_sensor_end.translation = {3.0, -0.5, 0.05};
+  view.world_from_sensor_end.rotation =
+      Eigen::AngleAxisd(kPi / 15.0, Eigen::Vector3d(0.05, 0.1, 1.0).normalized());
+  return view;
+}
+
+TEST(RayMask, CullingChangesNoBitOfAnySensorsSweep) {
+  Comparison comparison({});
+  const std::vector<Request> few{requests()[0], requests()[1], requests()[4]};
+  std::uint64_t seed = 1;
+  for (const std::string& name : builtin_lidar_names()) {
+    for (const View& view : {View{}, drive()}) {
+      comparison.expect_same(builtin_lidar(name), view, seed++, few);
+      if (HasFatalFailure()) return;
+    }
+  }
+  std::cout << comparison.dropped << " of " << comparison.kept + comparison.dropped
+            << " visible particles dropped\n";
+  EXPECT_GT(comparison.dropped, comparison.kept / 4);  // or nothing was tested
+}
+
+TEST(RayMask, NorInOtherShapesExtentsSpansAndScenes) {
+  RenderOptions gpu, exact;
+  gpu.shape = test::kGpuShape;
+  exact.extent = Extent::kExact;
+  for (const RenderOptions& options : {RenderOptions{}, gpu, exact}) {
+    Comparison comparison(options);
+    for (const double span : {2.0 * kPi, 5.0, 0.7}) {
+      Lidar lidar = test::small_lidar(20, 300);
+      lidar.azimuth_span = span;
+      for (std::size_t r = 0; r < lidar.rows.size(); ++r)
+        lidar.rows[r].azimuth_offset = r % 3 == 0 ? 0.05 : -0.02;
+      for (const View& view : {View{}, drive()}) {
+        for (std::uint64_t seed = 100; seed < 105; ++seed) {
+          comparison.expect_same(lidar, view, seed, requests());
+          if (HasFatalFailure()) return;
+        }
+      }
+    }
+    EXPECT_GT(comparison.dropped, comparison.kept / 4);
+  }
+}
+
+TEST(RayMask, AFullMaskIsNotAsked) {
+  const Device device = Device::best();
+  RenderOptions options;
+  const Lidar lidar = builtin_lidar("generic64");
+  SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
+  EXPECT_TRUE(rays.marked());
+  EXPECT_FALSE(rays.can_cull());
+  rays.request(flags_of(requests()[1], lidar.ray_count(), static_cast<std::size_t>(lidar.columns)));
+  EXPECT_TRUE(rays.can_cull());
+  rays.request(std::vector<bool>(lidar.ray_count(), true));
+  EXPECT_FALSE(rays.can_cull());
+  options.culling = Culling::kOff;
+  EXPECT_FALSE(SensorRays(device, lidar, nominal_rays(lidar, 0.1), options).marked());
+}
+
+TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
+  const Device device = Device::best();
+  const test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
+  Renderer renderer(device, {});
+  const ParticleBuffers particles(device, crowd(3, 1), Precision::kFloat);
+  SensorRays rays = shot.on(device, {});
+  renderer.render(particles, rays, shot.view);
+  const RayResults full = renderer.results();
+  for (const Request& request : requests()) {
+    rays.request(flags_of(request, 3000, 150));
+    renderer.render(particles, rays, shot.view);
+    const RayResults part = renderer.results();
+    for (std::size_t ray = 0; ray < 3000; ++ray) {
+      const bool wanted = request.wants(ray, 3000, 150);
+      ASSERT_EQ(part.transmittance[ray], wanted ? full.transmittance[ray] : 1.0F)
+          << request.name << " " << ray;
+      ASSERT_EQ(part.distance[ray], wanted ? full.distance[ray] : 0.0F) << request.name << " " << ray;
+      ASSERT_EQ(part.feature[1][ray], wanted ? full.feature[1][ray] : shot.view.background[1]) << ray;
+    }
+  }
+  EXPECT_THROW(rays.request(std::vector<bool>(10, true)), Error);
+}
+
+}  // namespace
+}  // namespace simuli
