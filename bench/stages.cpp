@@ -74,10 +74,7 @@ class Case {
       renderer_.backward(particles_, param_grads_);
       renderer_.device().finish();
     }
-    for (const ProfileRow& row : profile.rows()) {
-      const auto stage = stage_of_kernel().find(row.kernel);
-      if (stage != stage_of_kernel().end()) sample.stage_ms[stage->second] += row.total_ms;
-    }
+    sample.stage_ms = stage_times(profile);
     return sample;
   }
 
@@ -105,6 +102,15 @@ class Case {
 };
 
 }  // namespace
+
+std::map<std::string, double> stage_times(Profile& profile) {
+  std::map<std::string, double> times;
+  for (const ProfileRow& row : profile.rows()) {
+    const auto stage = stage_of_kernel().find(row.kernel);
+    if (stage != stage_of_kernel().end()) times[stage->second] += row.total_ms;
+  }
+  return times;
+}
 
 std::vector<Row> run_stages(const std::string& device_request,
                             const StagesOptions& options,

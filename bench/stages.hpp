@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "host/runtime/device.hpp"
 
 namespace simuli::bench {
+
+/// ms of device time of each stage in a profile: rays, project, sort, bin, blend and their backward passes.
+[[nodiscard]] std::map<std::string, double> stage_times(Profile& profile);
 
 struct StagesOptions {
   std::int64_t particles = 200'000;

@@ -10,6 +10,8 @@
 #include "bench/sensor_errors.hpp"
 #include "bench/stages.hpp"
 #include "bench/table5.hpp"
+#include "bench/table6.hpp"
+#include "bench/table7.hpp"
 #include "bench/table8.hpp"
 #include "bench/training.hpp"
 #include "host/base/error.hpp"
@@ -23,6 +25,7 @@ struct BenchCommand {
   bool stages = false;
   bool extremes = false;
   bool training = false;
+  bool lidar_rates = false;
   int table = 0;       // 0: none
   int figure = 0;      // 0: none
   std::string log;     // of tables; empty: the embedded street
@@ -36,21 +39,22 @@ struct BenchCommand {
 
 void run_bench(BenchCommand command, const Globals& globals) {
   const int asked = (command.stages ? 1 : 0) + (command.extremes ? 1 : 0) + (command.training ? 1 : 0) +
-                    (command.table != 0 ? 1 : 0) + (command.figure != 0 ? 1 : 0);
+                    (command.lidar_rates ? 1 : 0) + (command.table != 0 ? 1 : 0) +
+                    (command.figure != 0 ? 1 : 0);
   if (asked != 1) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
-                            "--table 5|8, --figure 10|11",
+                            "--lidar-rates, --table 5|6|7|8, --figure 10|11",
                             asked));
   }
-  if (!command.log.empty() && command.table == 0) {
-    throw Error(ErrorKind::kUsage, "bench: --log: found without --table, allowed with it");
+  if (!command.log.empty() && command.table != 5 && command.table != 8) {
+    throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
   }
   command.table5.log = command.table8.log = command.log;
   if (command.iterations > 0) {
-    if (command.table == 0 && command.figure == 0) {
+    if (command.table != 5 && command.table != 8 && command.figure == 0) {
       throw Error(ErrorKind::kUsage,
-                  "bench: --iterations: found without a training, allowed with --table, --figure");
+                  "bench: --iterations: found without a training, allowed with --table 5|8, --figure");
     }
     command.table5.iterations = command.table8.iterations = command.figure10.iterations =
         command.figure11.iterations = command.iterations;
@@ -61,6 +65,9 @@ void run_bench(BenchCommand command, const Globals& globals) {
   if (command.stages) rows = bench::run_stages(globals.device, command.stage_options, note);
   if (command.training) rows = bench::run_training(globals.device, {}, note);
   if (command.table == 5) rows = bench::run_table5(globals.device, command.table5, note);
+  if (command.lidar_rates) rows = bench::run_lidar_rates(globals.device, note);
+  if (command.table == 6) rows = bench::run_table6(globals.device, command.stage_options.particles, note);
+  if (command.table == 7) rows = bench::run_table7(globals.device, command.stage_options.particles, note);
   if (command.table == 8) rows = bench::run_table8(globals.device, command.table8, note);
   if (command.figure == 10) rows = bench::run_figure10(globals.device, command.figure10, note);
   if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
@@ -87,17 +94,21 @@ void add_bench(CLI::App& app, const Globals& globals) {
   command->add_flag("--training",
                     options->training,
                     "an iteration of training by stage, anchoring, memory; 50 k, 200 k and 1 M particles");
+  command->add_flag("--lidar-rates",
+                    options->lidar_rates,
+                    "rays per second of three LiDARs, as they were tiled and as they are");
   command
       ->add_option("--table",
                    options->table,
-                   "5: factorised sets against one; 8: unscented, linearised and Monte Carlo projection")
-      ->check(CLI::IsMember({5, 8}));
+                   "5: factorised sets against one; 6: LiDAR tiles; 7: ray-based culling; 8: unscented, "
+                   "linearised and Monte Carlo projection")
+      ->check(CLI::IsMember({5, 6, 7, 8}));
   command
       ->add_option("--figure",
                    options->figure,
                    "10: thin poles and the footprint filter; 11: motion during a frame, modelled and ignored")
       ->check(CLI::IsMember({10, 11}));
-  command->add_option("--log", options->log, "tables: a log folder instead of the embedded street");
+  command->add_option("--log", options->log, "tables 5 and 8: a log folder instead of the embedded street");
   command->add_option("--iterations", options->iterations, "of each training of a table or figure")
       ->check(CLI::Range(1, 1'000'000));
   command->add_option("--particles", options->stage_options.particles, "Gaussians of the synthetic street")

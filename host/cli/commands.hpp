@@ -23,6 +23,7 @@ void add_import(CLI::App& app, const Globals& globals);
 void add_info(CLI::App& app, const Globals& globals);
 void add_render(CLI::App& app, const Globals& globals);
 void add_synth(CLI::App& app, const Globals& globals);
+void add_tile(CLI::App& app, const Globals& globals);
 void add_train(CLI::App& app, const Globals& globals);
 
 }  // namespace simuli::cli

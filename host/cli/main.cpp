@@ -50,6 +50,7 @@ int run(int argc, char** argv) {
   simuli::cli::add_info(app, globals);
   simuli::cli::add_render(app, globals);
   simuli::cli::add_synth(app, globals);
+  simuli::cli::add_tile(app, globals);
   simuli::cli::add_train(app, globals);
 
   const auto begin = std::chrono::steady_clock::now();

@@ -18,7 +18,8 @@ constexpr std::array<std::array<float, 3>, 6> kRangeColours = {{{1.00F, 0.97F, 0
                                                                 {0.27F, 0.25F, 0.66F},
                                                                 {0.12F, 0.45F, 0.60F}}};
 
-/// `place` in [0, 1] of the colour scale.
+}  // namespace
+
 std::array<float, 3> colour_at(double place) {
   const double step = std::clamp(place, 0.0, 1.0) * (kRangeColours.size() - 1);
   const std::size_t low = std::min(static_cast<std::size_t>(step), kRangeColours.size() - 2);
@@ -29,8 +30,6 @@ std::array<float, 3> colour_at(double place) {
   }
   return out;
 }
-
-}  // namespace
 
 LidarPicture lidar_picture(const RayResults& results) {
   LidarPicture out;

@@ -1,5 +1,6 @@
 #pragma once
 // What renders look like on disk: pictures of ranges, point clouds of returned rays.
+#include <array>
 #include <vector>
 
 #include "host/render/renderer.hpp"
@@ -17,6 +18,9 @@ struct LidarPicture {
 };
 /// A ray returns when dropping it is at most as likely as not.
 [[nodiscard]] LidarPicture lidar_picture(const RayResults& results);
+
+/// `place` in [0, 1] of a scale of colours from pale and warm to dark and cold.
+[[nodiscard]] std::array<float, 3> colour_at(double place);
 
 /// Ranges as colours: warm near, cold far, on a logarithmic scale from range_min to range_max; black: no
 /// return. Beams from top to bottom, each kBeam_px tall; firings from left to right as seen from the sensor.
