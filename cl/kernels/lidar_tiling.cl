@@ -192,3 +192,22 @@ __kernel void tiling_slots(__global const float* x,
   }
   fullest[row] = most;
 }
+
+/// One work-item per tile row.
+/// in  used[rows][columns] of tiling_slots; tile_rows[tiles + 1]
+/// out fullest[tiles]: rays of the fullest tile of each tile row
+__kernel void tiling_fullest_tiles(__global const uint* used,
+                                   __global const uint* tile_rows,
+                                   const uint tiles,
+                                   const uint columns,
+                                   __global uint* fullest) {
+  const uint ty = get_global_id(0);
+  if (ty >= tiles) return;
+  uint most = 0;
+  for (uint c = 0; c < columns; ++c) {
+    uint rays = 0;
+    for (uint row = tile_rows[ty]; row < tile_rows[ty + 1]; ++row) rays += used[(ulong)row * columns + c];
+    most = max(most, rays);
+  }
+  fullest[ty] = most;
+}

@@ -17,7 +17,8 @@ __kernel void ray_mask_cells(const FrameParams frame,
                              __global uint* cells) {
   const uint slot = get_global_id(0);
   const uint s = frame.slots;
-  if (slot >= s || !is_ray(sensor_ray[slot], sensor_ray[s + slot], sensor_ray[2 * s + slot])) return;
+  if (slot >= s) return;
+  if (sensor_ray[slot] == R(0.0) && sensor_ray[s + slot] == R(0.0) && sensor_ray[2 * s + slot] == R(0.0)) return;
   const uint tile = slot / frame.tile_rays;
   const uint row =
       tile_rows[tile / frame.tiles_x] + slot % frame.tile_rays / SIM_SLOT_ROW / frame.row_slots;

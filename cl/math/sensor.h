@@ -124,11 +124,9 @@ FN F time_of(__global const real* sensor, F x, F y) {
   return VMAX(t, (F)R(0.0));
 }
 
-#if SENSOR == SENSOR_LIDAR
 /// Of `count` cells that start at `first`, `scale` to the rad, the one that holds x, or the one nearest to it.
 FN uint cell_of(real x, real first, real scale, real count) {
   return (uint)max(min((x - first) * scale, count - R(1.0)), R(0.0));
 }
-#endif
 
 #endif

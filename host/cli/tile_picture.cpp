@@ -163,11 +163,16 @@ Image tile_picture(const RayGrid& grid, const std::string& title) {
   Canvas canvas(kWidth, kTop + kPanels * (kPanel + kGap), kPaper);
   canvas.text(kLeft, 10, title, kInk);
   Axes axes{kTop, columns[from], columns[from + shown], bottom, top};
-  draw_axes(canvas, axes, fmt::format("BEAM PATTERN, {} OF {} TILE COLUMNS", shown, grid.frame.tiles_x));
+  draw_axes(
+      canvas,
+      axes,
+      fmt::format("BEAM PATTERN, {} OF {} TILE COLUMNS: ELEVATION (DEGREES)", shown, grid.frame.tiles_x));
   draw_rays(canvas, axes, dots, kRay);
 
   axes.top += kPanel + kGap;
-  draw_axes(canvas, axes, fmt::format("TILES: {} X {}", grid.frame.tiles_y, grid.frame.tiles_x));
+  draw_axes(canvas,
+            axes,
+            fmt::format("{} X {} TILES: ELEVATION (DEGREES)", grid.frame.tiles_y, grid.frame.tiles_x));
   draw_rays(canvas, axes, dots, kPale);
   for (std::size_t tx = from; tx <= from + shown; ++tx)
     canvas.fill(axes.x(columns[tx]) - 1, axes.top, axes.x(columns[tx]) + 1, axes.top + kPanel, kEdge);
@@ -177,7 +182,7 @@ Image tile_picture(const RayGrid& grid, const std::string& title) {
   axes.top += kPanel + kGap;
   axes.x0 = columns.front();
   axes.x1 = columns.back();
-  draw_axes(canvas, axes, "RAYS PER TILE");
+  draw_axes(canvas, axes, "RAYS PER TILE: ELEVATION (DEGREES)");
   draw_counts(canvas, axes, grid, columns, rows);
   return canvas.image();
 }

@@ -74,8 +74,7 @@ LidarTiling tile_rows_of_rays(const Device& device,
 
   out.tile_rays = std::clamp(std::bit_ceil(std::max(most_rays, tile_rows * SIM_SLOT_ROW)), 32U, 256U);
   out.row_slots = out.tile_rays / SIM_SLOT_ROW / tile_rows;
-  // Of one row in one tile.
-  const std::uint32_t most = std::min(out.row_slots * SIM_SLOT_ROW, most_rays / tile_rows);
+  const std::uint32_t width = out.row_slots * SIM_SLOT_ROW;  // most of one row in one tile
 
   const Buffer<float> places(device, "ray places", x);
   const Uints order(device, "rays by row", LidarTilingStage::iota(rows * row_rays));
@@ -85,12 +84,13 @@ LidarTiling tile_rows_of_rays(const Device& device,
   // N_theta = H_max / M rounded up, but H_max of what the cut has left of the fullest elevation tile; jitter
   // of measured rays costs a few more.
   const std::uint32_t tile_rays = std::min(group_rays, tile_rows * row_rays);
-  out.columns = std::max({kFewestColumns, divided_up(tile_rays, most_rays), divided_up(row_rays, most)});
+  out.columns = std::max({kFewestColumns, divided_up(tile_rays, most_rays), divided_up(row_rays, width)});
   const std::uint32_t most_columns = std::min(4 * out.columns + 64, kMostIndex);
   for (; out.columns <= most_columns; ++out.columns) {
     const TileBins columns = bins_over(x, out.columns);
     const Uints column_of_bin(device, "columns of bins", LidarTilingStage::iota(out.columns));
-    if (tiler.place(places, order, row_starts, columns, column_of_bin, out) > most) continue;
+    const auto fullest = tiler.place(places, order, row_starts, columns, column_of_bin, out);
+    if (fullest.row > width || fullest.tile > most_rays) continue;
     out.first = columns.first;
     out.scale = columns.scale;
     out.column_of_bin = LidarTilingStage::iota(out.columns);
@@ -99,7 +99,10 @@ LidarTiling tile_rows_of_rays(const Device& device,
   }
   throw_input_error("lidar " + sensor,
                     "ray azimuths",
-                    fmt::format("more than {} rays of one beam in 1/{} of the sweep", most, most_columns),
+                    fmt::format("more than {} rays of one beam, or {} of a tile, in 1/{} of the sweep",
+                                width,
+                                most_rays,
+                                most_columns),
                     "rays spread along the sweep");
 }
 

@@ -16,6 +16,11 @@ std::vector<std::uint32_t> front(const Uints& buffer, std::size_t count) {
   return values;
 }
 
+std::uint32_t most(const Uints& buffer) {
+  const std::vector<std::uint32_t> all = buffer.download();
+  return *std::max_element(all.begin(), all.end());
+}
+
 }  // namespace
 
 LidarTilingStage::LidarTilingStage(const Device& device)
@@ -29,6 +34,7 @@ LidarTilingStage::LidarTilingStage(const Device& device)
       list_rows_(program_, "tiling_list_rows"),
       tile_rows_(program_, "tiling_tile_rows"),
       slots_(program_, "tiling_slots"),
+      fullest_tiles_(program_, "tiling_fullest_tiles"),
       found_(device, "tile rows found", 3) {}
 
 Uints LidarTilingStage::groups_of(const Buffer<float>& values,
@@ -57,8 +63,7 @@ std::uint32_t LidarTilingStage::fullest_group(const Buffer<float>& values,
   Uints counts(device_, "rays of groups", groups);
   counts.fill(0);
   count(values, static_cast<std::uint32_t>(values.count()), weight, bins, group_of_bin, counts);
-  const std::vector<std::uint32_t> all = counts.download();
-  return *std::max_element(all.begin(), all.end());
+  return most(counts);
 }
 
 Uints LidarTilingStage::groups_of_rows(const Buffer<float>& elevation,
@@ -91,14 +96,14 @@ std::uint32_t LidarTilingStage::cut(const Uints& group_of_row,
   return found[1];
 }
 
-std::uint32_t LidarTilingStage::place(const Buffer<float>& x,
-                                      const Uints& order,
-                                      const Uints& row_starts,
-                                      const TileBins& bins,
-                                      const Uints& column_of_bin,
-                                      LidarTiling& out) {
-  const auto rows = static_cast<std::uint32_t>(out.rows());
-  used_.reserve(std::size_t{rows} * out.columns);
+LidarTilingStage::Fullest LidarTilingStage::place(const Buffer<float>& x,
+                                                  const Uints& order,
+                                                  const Uints& row_starts,
+                                                  const TileBins& bins,
+                                                  const Uints& column_of_bin,
+                                                  const LidarTiling& tiling) {
+  const auto rows = static_cast<std::uint32_t>(tiling.rows());
+  used_.reserve(std::size_t{rows} * tiling.columns);
   slot_of_ray_.reserve(x.count());
   fullest_.reserve(rows);
   slots_.launch(rows,
@@ -111,16 +116,20 @@ std::uint32_t LidarTilingStage::place(const Buffer<float>& x,
                 bins.scale,
                 bins.count,
                 column_of_bin,
-                out.columns,
+                tiling.columns,
                 first_rows_,
                 tile_row_of_row_,
-                out.row_slots * SIM_SLOT_ROW,
-                out.tile_rays,
+                tiling.row_slots * SIM_SLOT_ROW,
+                tiling.tile_rays,
                 used_,
                 slot_of_ray_,
                 fullest_);
-  const std::vector<std::uint32_t> all = fullest_.download();
-  return *std::max_element(all.begin(), all.end());
+  Fullest fullest{most(fullest_), 0};
+  const auto tiles = static_cast<std::uint32_t>(tiling.tile_rows.size() - 1);
+  fullest_.reserve(tiles);
+  fullest_tiles_.launch(tiles, 1, used_, first_rows_, tiles, tiling.columns, fullest_);
+  fullest.tile = most(fullest_);
+  return fullest;
 }
 
 bool LidarTilingStage::list_rows(const Buffer<float>& elevation,
@@ -140,9 +149,9 @@ bool LidarTilingStage::list_rows(const Buffer<float>& elevation,
   order.reserve(n);
   keys_.launch(round_up(n, 64), 64, elevation, n, keys, order);
   SortStage(device_).run(keys, order, key_scratch, scratch, n, 32, scan_);
-  const std::uint32_t most = std::min(n, std::uint32_t{LidarTiling::kMostIndex});
-  row_starts.reserve(std::size_t{most} + 1);
-  group_of_row.reserve(most);
+  const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiling::kMostIndex});
+  row_starts.reserve(std::size_t{most_rows} + 1);
+  group_of_row.reserve(most_rows);
   used_.reserve(std::size_t{2} * columns);
   list_rows_.launch(1,
                     1,
@@ -160,13 +169,13 @@ bool LidarTilingStage::list_rows(const Buffer<float>& elevation,
                     bins.count,
                     group_of_bin,
                     width,
-                    most,
+                    most_rows,
                     used_,
                     row_starts,
                     group_of_row,
                     found_);
   const std::uint32_t rows = found_.read_back();
-  if (rows > most) return false;
+  if (rows > most_rows) return false;
   row_starts.reserve(std::size_t{rows} + 1);
   group_of_row.reserve(rows);
   return true;

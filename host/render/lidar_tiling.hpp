@@ -40,13 +40,18 @@ class LidarTilingStage {
   Uints groups_of_rows(const Buffer<float>& elevation, const TileBins& bins, const Uints& group_of_bin);
   /// Cuts rows into tile rows of at most `most`; returns the most and leaves the tables on the device.
   std::uint32_t cut(const Uints& group_of_row, std::uint32_t rows, std::uint32_t most, LidarTiling& out);
-  /// Fills slot_of_ray; returns the rays of the fullest cell.
-  std::uint32_t place(const Buffer<float>& x,
-                      const Uints& order,
-                      const Uints& row_starts,
-                      const TileBins& bins,
-                      const Uints& column_of_bin,
-                      LidarTiling& out);
+  /// Most rays of one row in one tile, and of one tile.
+  struct Fullest {
+    std::uint32_t row = 0;
+    std::uint32_t tile = 0;
+  };
+  /// Works out slot_of_ray().
+  Fullest place(const Buffer<float>& x,
+                const Uints& order,
+                const Uints& row_starts,
+                const TileBins& bins,
+                const Uints& column_of_bin,
+                const LidarTiling& tiling);
   /// Rows of a list; nothing when they would be more than a footprint can name.
   bool list_rows(const Buffer<float>& elevation,
                  const TileBins& bins,
@@ -115,6 +120,7 @@ class LidarTilingStage {
          Out,
          Out>
       slots_;
+  Kernel<In, In, std::uint32_t, std::uint32_t, Out> fullest_tiles_;
   Uints found_;
   Uints first_rows_{device_, "first rows"}, tile_row_of_row_{device_, "tile rows of rows"};
   Uints used_{device_, "rays of cells"}, fullest_{device_, "fullest cells"};

@@ -23,7 +23,7 @@ set(variants
 # The projection alone: every lens, extent and projection, the sensor moving as that uses the most.
 set(lane_shapes "-DV=16" "-DV=1" "-DV=8 -DSIMULI_REAL_DOUBLE=1")
 set(project_variants
-    "-DSENSOR=1 -DMOVING=1 -DSH_DEGREE=0 -DV=16 -DEXTENT=1"
+    "-DSENSOR=1 -DMOVING=1 -DSH_DEGREE=0 -DV=16 -DEXTENT=1 -DCULLING=1"
     "-DSENSOR=1 -DMOVING=1 -DSH_DEGREE=0 -DV=1 -DPROJECTION=1 -DSHUTTER_ITERATIONS=8"
     "-DSENSOR=1 -DMOVING=0 -DSH_DEGREE=0 -DV=16 -DPROJECTION=2")
 foreach(lens RANGE 8)  # SIM_LENS_.. of shared/layout.h
