@@ -1,5 +1,7 @@
 #include "io/lidar_file.hpp"
 
+#include <limits>
+
 #include "host/base/error.hpp"
 #include "io/file.hpp"
 
@@ -132,16 +134,23 @@ Json to_json(const Lidar& model) {
                     {"time_offset_s", row.time_offset},
                     {"radial_offset_m", row.radial_offset}});
   }
-  return {{"name", model.name},
-          {"columns", model.columns},
-          {"azimuth_first_rad", model.azimuth_first},
-          {"azimuth_span_rad", model.azimuth_span},
-          {"spin", to_string(model.spin)},
-          {"range_min_m", model.range_min},
-          {"range_max_m", model.range_max},
-          {"beam_divergence_rad", model.beam_divergence},
-          {"divergence_variance", model.divergence_variance},
-          {"rows", rows}};
+  Json json{{"name", model.name},
+            {"columns", model.columns},
+            {"azimuth_first_rad", model.azimuth_first},
+            {"azimuth_span_rad", model.azimuth_span},
+            {"spin", to_string(model.spin)},
+            {"range_min_m", model.range_min},
+            {"range_max_m", model.range_max},
+            {"beam_divergence_rad", model.beam_divergence},
+            {"divergence_variance", model.divergence_variance},
+            {"rows", rows}};
+  if (model.blind.empty()) return json;
+  Json& arcs = json["blind_arcs"] = Json::array();
+  for (const BlindArc& arc : model.blind) {
+    arcs.push_back(
+        {{"row", arc.row}, {"azimuth_first_rad", arc.azimuth_first}, {"azimuth_last_rad", arc.azimuth_last}});
+  }
+  return json;
 }
 
 Lidar lidar_model_from_json(JsonObject& object) {
@@ -163,6 +172,13 @@ Lidar lidar_model_from_json(JsonObject& object) {
                     row.number("time_offset_s"),
                     row.has("radial_offset_m") ? row.number("radial_offset_m") : 0.0};
   });
+  if (object.has("blind_arcs")) {
+    model.blind = object.objects("blind_arcs", [](JsonObject& arc) {
+      return BlindArc{static_cast<int>(arc.integer("row", 0, std::numeric_limits<int>::max())),
+                      arc.number("azimuth_first_rad"),
+                      arc.number("azimuth_last_rad")};
+    });
+  }
   validate(model, object.file());
   return model;
 }

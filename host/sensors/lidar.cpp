@@ -1,5 +1,6 @@
 #include "host/sensors/lidar.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -32,6 +33,28 @@ Eigen::Vector3d Lidar::origin(int row, double azimuth) const {
           beam.radial_offset * sine + beam.horizontal_offset * cosine,
           beam.vertical_offset};
 }
+
+namespace {
+
+/// refuse(field, found, allowed) does not return.
+template <class Refuse>
+void validate_blind_arcs(const Lidar& lidar, const Refuse& refuse) {
+  for (std::size_t i = 0; i < lidar.blind.size(); ++i) {
+    const BlindArc& arc = lidar.blind[i];
+    const std::string name = fmt::format("blind_arcs[{}].", i);
+    if (arc.row < 0 || arc.row >= lidar.row_count()) refuse(name + "row", arc.row, "a row of the sensor");
+    const BlindArc* last = i > 0 && lidar.blind[i - 1].row == arc.row ? &lidar.blind[i - 1] : nullptr;
+    if (i > 0 && arc.row < lidar.blind[i - 1].row) refuse(name + "row", arc.row, "rows in order");
+    if (!(arc.azimuth_first >= (last != nullptr ? last->azimuth_last : 0.0))) {
+      refuse(name + "azimuth_first_rad", arc.azimuth_first, "0 or more and behind the row's arc before");
+    }
+    if (!(arc.azimuth_last >= arc.azimuth_first && arc.azimuth_last <= 2.0 * std::numbers::pi)) {
+      refuse(name + "azimuth_last_rad", arc.azimuth_last, "azimuth_first_rad to 2 pi");
+    }
+  }
+}
+
+}  // namespace
 
 void validate(const Lidar& lidar, const std::string& file) {
   const std::string prefix = "lidar " + lidar.name + ": ";
@@ -79,6 +102,7 @@ void validate(const Lidar& lidar, const std::string& file) {
   if (!(lidar.divergence_variance >= 0.0 && lidar.divergence_variance <= 10.0)) {
     refuse("divergence_variance", lidar.divergence_variance, "0 to 10");
   }
+  validate_blind_arcs(lidar, refuse);
 }
 
 LidarRays nominal_rays(const Lidar& lidar, double sweep_duration_s) {
@@ -96,6 +120,18 @@ LidarRays nominal_rays(const Lidar& lidar, double sweep_duration_s) {
     }
   }
   return rays;
+}
+
+bool is_blind(const Lidar& lidar, int row, double azimuth) {
+  const double turn = azimuth - 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi));
+  // The last arc that begins at or before the ray is the only one that can hold it.
+  const auto behind = std::upper_bound(
+      lidar.blind.begin(), lidar.blind.end(), turn, [row](double angle, const BlindArc& arc) {
+        return arc.row > row || (arc.row == row && arc.azimuth_first > angle);
+      });
+  if (behind == lidar.blind.begin()) return false;
+  const BlindArc& arc = *std::prev(behind);
+  return arc.row == row && turn <= arc.azimuth_last;
 }
 
 }  // namespace simuli

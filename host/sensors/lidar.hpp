@@ -21,6 +21,14 @@ struct LidarRow {
   double radial_offset = 0.0;      // m, away from the spin axis
 };
 
+/// Azimuths [first, last] of a row, in the sensor frame, in which its beam meets the vehicle it is mounted
+/// on: nothing ever returns from there.
+struct BlindArc {
+  int row = 0;
+  double azimuth_first = 0.0;  // rad, 0 to 2 pi
+  double azimuth_last = 0.0;   // rad, azimuth_first to 2 pi
+};
+
 struct Lidar {
   std::string name;
   std::vector<LidarRow> rows;  // top to bottom: elevation never rising
@@ -32,6 +40,7 @@ struct Lidar {
   double range_max = 0.0;             // m
   double beam_divergence = 0.0;       // rad, full angle; 0: an ideal ray
   double divergence_variance = 0.25;  // k of METHOD section 8: 0.25 for 1/e^2, 0.72 FWHM, 1 sigma
+  std::vector<BlindArc> blind;        // by row, then by azimuth, apart from each other; of a mounted sensor
 
   [[nodiscard]] int row_count() const { return static_cast<int>(rows.size()); }
   [[nodiscard]] std::size_t ray_count() const { return rows.size() * static_cast<std::size_t>(columns); }
@@ -65,5 +74,8 @@ struct LidarRays {
 };
 
 [[nodiscard]] LidarRays nominal_rays(const Lidar& lidar, double sweep_duration_s);
+
+/// Whether a ray of `row` at `azimuth` (rad, any turn) lies in a blind arc.
+[[nodiscard]] bool is_blind(const Lidar& lidar, int row, double azimuth);
 
 }  // namespace simuli

@@ -125,6 +125,29 @@ TEST(Lidar, ValidateNamesTheFieldThatIsWrong) {
   refused("range_max_m", [](Lidar& l) { l.range_max = std::numeric_limits<double>::infinity(); });
   refused("beam_divergence_rad", [](Lidar& l) { l.beam_divergence = kNan; });
   refused("divergence_variance", [](Lidar& l) { l.divergence_variance = -0.1; });
+  refused("blind_arcs[0].row", [](Lidar& l) { l.blind = {{2, 0.0, 1.0}}; });
+  refused("blind_arcs[1].row", [](Lidar& l) { l.blind = {{1, 0.0, 1.0}, {0, 0.0, 1.0}}; });
+  refused("blind_arcs[0].azimuth_first_rad", [](Lidar& l) { l.blind = {{0, -0.1, 1.0}}; });
+  refused("blind_arcs[1].azimuth_first_rad", [](Lidar& l) { l.blind = {{0, 0.0, 1.0}, {0, 0.5, 2.0}}; });
+  refused("blind_arcs[0].azimuth_last_rad", [](Lidar& l) { l.blind = {{0, 0.0, 6.3}}; });
+  refused("blind_arcs[0].azimuth_last_rad", [](Lidar& l) { l.blind = {{0, 0.0, kNan}}; });
+}
+
+TEST(Lidar, BlindArcsHoldTheirRaysOnAnyTurn) {
+  Lidar lidar = two_rows(SpinDirection::kClockwise);
+  EXPECT_FALSE(is_blind(lidar, 0, 1.0));
+  lidar.blind = {{0, 0.5, 1.0}, {0, 6.0, 2.0 * kPi}, {1, 0.0, 0.25}};
+  for (const double turn : {-2.0 * kPi, 0.0, 4.0 * kPi}) {
+    EXPECT_FALSE(is_blind(lidar, 0, turn + 0.49));
+    EXPECT_TRUE(is_blind(lidar, 0, turn + 0.51));
+    EXPECT_TRUE(is_blind(lidar, 0, turn + 0.99));
+    EXPECT_FALSE(is_blind(lidar, 0, turn + 1.01));
+    EXPECT_FALSE(is_blind(lidar, 0, turn + 0.1));  // row 1's arc
+    EXPECT_TRUE(is_blind(lidar, 1, turn + 0.1));
+    EXPECT_FALSE(is_blind(lidar, 1, turn + 0.75));
+    EXPECT_TRUE(is_blind(lidar, 0, turn - 0.1));  // the last arc ends at the full turn
+    EXPECT_FALSE(is_blind(lidar, 1, turn - 0.1));
+  }
 }
 
 TEST(Lidar, KittiTableCrossesTheSpinAxisWhereItWasFitted) {
