@@ -10,6 +10,7 @@
 #include "io/file.hpp"
 #include "io/image.hpp"
 #include "io/kitti_parts.hpp"
+#include "io/lidar_file.hpp"
 
 namespace simuli {
 namespace {
@@ -98,9 +99,29 @@ BeamPoints read_beams(const fs::path& file, const Lidar& lidar, std::size_t& poi
   return sort_into_beams(read, lidar);
 }
 
-/// The built-in model with the firings per turn of this log and range limits that hold its points.
-Lidar fit_lidar(const DriveFiles& files, std::size_t frames, KittiReport& report) {
-  Lidar lidar = builtin_lidar("kitti_hdl64e");
+/// The beam table to read the sweeps with. Files are cut where a point's own azimuth is pi, whichever beam it
+/// came from: a beam that looks further round fires there later, which the log's grid tells as a time offset.
+Lidar read_beam_table(const fs::path& file, double sweep_duration_s) {
+  if (file.empty()) return builtin_lidar("kitti_hdl64e");
+  const LidarFile read = read_lidar_file(file);
+  const auto* const table = std::get_if<Lidar>(&read.model);
+  if (table == nullptr || table->spin != SpinDirection::kClockwise) {
+    throw_input_error(file.string(),
+                      table == nullptr ? "kind" : "spin",
+                      table == nullptr ? "ray_list" : "counter_clockwise",
+                      table == nullptr ? "lidar" : "clockwise, as KITTI's sensor turns");
+  }
+  Lidar lidar = *table;
+  for (LidarRow& row : lidar.rows) {
+    row.time_offset += row.azimuth_offset / (2.0 * std::numbers::pi) * sweep_duration_s;
+    row.azimuth_offset = 0.0;
+  }
+  lidar.azimuth_span = 2.0 * std::numbers::pi;
+  return lidar;
+}
+
+/// The model with the firings per turn of this log and range limits that hold its points.
+Lidar fit_lidar(const DriveFiles& files, std::size_t frames, Lidar lidar, KittiReport& report) {
   lidar.name = "velodyne";
   const int nominal = lidar.columns;
   double most_in_a_row = 0.0;
@@ -182,15 +203,20 @@ Log import_kitti(const KittiOptions& options,
   const DriveFiles files{drive};
   const std::size_t frames = count_frames(files);
   const DriveTimes times = read_times(drive, frames);
-  const bool from_oxts = options.poses.empty();
+  const bool from_oxts = options.poses.empty() && !options.without_poses;
   const Calibration calibration = read_calibration(drive.parent_path(), from_oxts);
 
   Log log;
   log.name = drive.filename().string();
   log.start_ns = std::min(times.start_ns[0], times.image_ns[0]);
   const auto seconds = [&](std::int64_t ns) { return static_cast<double>(ns - log.start_ns) * 1e-9; };
-  log.world_from_rig = from_oxts ? read_oxts(drive, frames, calibration.velo_from_imu, log.start_ns)
-                                 : read_pose_file(options.poses, times.forward_ns, log.start_ns);
+  if (options.without_poses) {
+    log.world_from_rig = Trajectory({{0.0, Pose{}}, {seconds(times.end_ns[frames - 1]), Pose{}}});
+  } else if (from_oxts) {
+    log.world_from_rig = read_oxts(drive, frames, calibration.velo_from_imu, log.start_ns);
+  } else {
+    log.world_from_rig = read_pose_file(options.poses, times.forward_ns, log.start_ns);
+  }
   if (!options.tracking.empty()) {
     SweepTimes sweeps{{}, {}, log.world_from_rig};
     for (std::size_t i = 0; i < frames; ++i) {
@@ -199,9 +225,11 @@ Log import_kitti(const KittiOptions& options,
     }
     log.actors = read_tracking(options.tracking, calibration.rect00_from_velo, sweeps);
   }
+  const double sweep_duration_s =
+      static_cast<double>(times.end_ns[frames - 1] - times.start_ns[0]) * 1e-9 / static_cast<double>(frames);
   KittiReport counts;
   log.cameras = {{calibration.camera, calibration.cam02_from_velo.inverse()}};
-  log.lidars = {{fit_lidar(files, frames, counts), Pose{}}};  // the rig's frame is the velodyne's
+  log.lidars = {{fit_lidar(files, frames, read_beam_table(options.lidar, sweep_duration_s), counts), Pose{}}};  // the rig's frame is the velodyne's
 
   Log imported;
   write_folder_atomically(options.output, [&](const fs::path& folder) {
@@ -214,7 +242,7 @@ Log import_kitti(const KittiOptions& options,
       const std::string sweep_file = fmt::format("sweeps/{:010}.exr", i);
       copy_image(files.image(i), folder / image_file, calibration.camera);
       std::size_t points = 0;
-      const Sweep sweep = make_sweep(read_beams(files.sweep(i), lidar, points), lidar);
+      const Sweep sweep = make_sweep(read_beams(files.sweep(i), lidar, points), lidar, sweep_duration_s);
       write_sweep(folder / sweep_file, sweep);
       add_to_report(sweep, lidar, counts);
       const double image_s = seconds(times.image_ns[i]);

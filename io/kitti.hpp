@@ -16,6 +16,10 @@ struct KittiOptions {
   std::filesystem::path poses;
   /// Label file of the KITTI tracking benchmark whose frames are the drive's; empty: no actors.
   std::filesystem::path tracking;
+  /// The rig rests where it is: for logs whose path is found later (`simuli align`).
+  bool without_poses = false;
+  /// Beam table to read the sweeps with, of a sensor that turns clockwise; empty: the built-in kitti_hdl64e.
+  std::filesystem::path lidar;
   std::filesystem::path output;
 };
 

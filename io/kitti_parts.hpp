@@ -119,7 +119,8 @@ struct BeamPoints {
 [[nodiscard]] std::vector<int> assign_columns(const std::vector<double>& azimuths_rad, int columns);
 
 /// The full firing grid: measured rays as measured from their beam's origin, all others with the azimuth
-/// between their neighbours, the beam's elevation, range 0.
-[[nodiscard]] Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar);
+/// between their neighbours, the beam's elevation, range 0. The rows' time offsets count where the duration
+/// is given.
+[[nodiscard]] Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar, double sweep_duration_s = 0.0);
 
 }  // namespace simuli::kitti

@@ -25,9 +25,18 @@ constexpr double kNearest_m = 0.1;
 
 double azimuth_of(const Eigen::Vector3d& p) { return std::atan2(p.y(), p.x()); }
 
-/// Elevation of a point seen from where the beam crosses the spin axis.
+/// Azimuth of the row's ray through p: it passes the spin axis horizontal_offset to the left.
+double beam_azimuth(const LidarRow& row, const Eigen::Vector3d& p) {
+  const double axis_distance = std::hypot(p.x(), p.y());
+  if (row.horizontal_offset == 0.0 || !(axis_distance > 0.0)) return azimuth_of(p);
+  return azimuth_of(p) - std::asin(std::clamp(row.horizontal_offset / axis_distance, -1.0, 1.0));
+}
+
+/// Elevation of a point seen from where the beam passes the spin axis.
 double elevation_from(const LidarRow& row, const Eigen::Vector3d& p) {
-  return std::atan2(p.z() - row.vertical_offset, std::hypot(p.x(), p.y()));
+  const double side = row.horizontal_offset;
+  const double along = std::sqrt(std::max(0.0, p.head<2>().squaredNorm() - side * side));
+  return std::atan2(p.z() - row.vertical_offset, along);
 }
 
 /// A beam as a line in the plane of spin axis and point.
@@ -131,9 +140,10 @@ BeamPoints sort_into_beams(const std::vector<Point>& points, const Lidar& lidar)
       beams.rows[static_cast<std::size_t>(row_of[i])].push_back(points[i]);
     }
   }
-  for (std::vector<Point>& row : beams.rows) {
-    std::stable_sort(row.begin(), row.end(), [](const Point& a, const Point& b) {
-      return azimuth_of(a.position) > azimuth_of(b.position);
+  for (std::size_t r = 0; r < beams.rows.size(); ++r) {
+    const LidarRow& row = lidar.rows[r];
+    std::stable_sort(beams.rows[r].begin(), beams.rows[r].end(), [&row](const Point& a, const Point& b) {
+      return beam_azimuth(row, a.position) > beam_azimuth(row, b.position);
     });
   }
   return beams;
@@ -144,9 +154,11 @@ double estimate_columns(const BeamPoints& beams, const Lidar& lidar) {
   const double nominal_step = lidar.azimuth_span / lidar.columns;
   double sum = 0.0;
   std::size_t count = 0;
-  for (const std::vector<Point>& row : beams.rows) {
+  for (std::size_t r = 0; r < beams.rows.size(); ++r) {
+    const std::vector<Point>& row = beams.rows[r];
     for (std::size_t i = 1; i < row.size(); ++i) {
-      const double step = azimuth_of(row[i - 1].position) - azimuth_of(row[i].position);
+      const double step =
+          beam_azimuth(lidar.rows[r], row[i - 1].position) - beam_azimuth(lidar.rows[r], row[i].position);
       // The encoder rounds to 0.09 degree: single firings are 0.54 or 1.08 of the mean step apart. Longer
       // steps hold firings without a return, shorter ones are echoes of one firing's neighbours.
       if (!(step > 0.4 * nominal_step && step < 1.5 * nominal_step)) continue;
@@ -193,9 +205,9 @@ std::vector<int> assign_columns(const std::vector<double>& azimuths_rad, int col
   return out;
 }
 
-Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar) {
+Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar, double sweep_duration_s) {
   Sweep sweep;
-  sweep.rays = nominal_rays(lidar, 0.0);
+  sweep.rays = nominal_rays(lidar, sweep_duration_s);
   sweep.range.assign(lidar.ray_count(), 0.0F);
   sweep.intensity.assign(lidar.ray_count(), 0.0F);
   const auto columns = static_cast<std::size_t>(lidar.columns);
@@ -205,13 +217,14 @@ Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar) {
     const LidarRow& row = lidar.rows[r];
     std::vector<double> azimuths;
     azimuths.reserve(points.size());
-    for (const Point& point : points) azimuths.push_back(azimuth_of(point.position));
+    for (const Point& point : points) azimuths.push_back(beam_azimuth(row, point.position));
     const std::vector<int> column_of = assign_columns(azimuths, lidar.columns);
 
+    const double late = sweep_duration_s > 0.0 ? row.time_offset / sweep_duration_s : 0.0;
     const auto put_direction = [&](int column, double azimuth) {
       const std::size_t ray = r * columns + static_cast<std::size_t>(column);
       sweep.rays.azimuth[ray] = static_cast<float>(azimuth);
-      sweep.rays.time_fraction[ray] = static_cast<float>((kPi - azimuth) / (2.0 * kPi));
+      sweep.rays.time_fraction[ray] = static_cast<float>((kPi - azimuth) / (2.0 * kPi) + late);
     };
     // The sweep's own ends, half a step outside the first and the last column, close the outer gaps.
     double before_column = -0.5;
@@ -231,7 +244,7 @@ Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar) {
       const std::size_t ray = r * columns + static_cast<std::size_t>(column_of[i]);
       put_direction(column_of[i], azimuths[i]);
       sweep.rays.elevation[ray] = static_cast<float>(elevation_from(row, p));
-      sweep.range[ray] = static_cast<float>((p - Eigen::Vector3d(0.0, 0.0, row.vertical_offset)).norm());
+      sweep.range[ray] = static_cast<float>((p - lidar.origin(static_cast<int>(r), azimuths[i])).norm());
       sweep.intensity[ray] = static_cast<float>(points[i].reflectance);
     }
   }

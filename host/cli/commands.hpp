@@ -15,10 +15,12 @@ struct Globals {
   bool verbose = false;              // tell times on stderr
 };
 
+void add_align(CLI::App& app, const Globals& globals);
 void add_bench(CLI::App& app, const Globals& globals);
 void add_demo(CLI::App& app, const Globals& globals);
 void add_devices(CLI::App& app, const Globals& globals);
 void add_eval(CLI::App& app, const Globals& globals);
+void add_fit(CLI::App& app, const Globals& globals);
 void add_import(CLI::App& app, const Globals& globals);
 void add_info(CLI::App& app, const Globals& globals);
 void add_render(CLI::App& app, const Globals& globals);

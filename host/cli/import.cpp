@@ -49,6 +49,9 @@ void add_import(CLI::App& app, const Globals& globals) {
   kitti->add_option("--tracking",
                     options->tracking,
                     "label file of the tracking benchmark with this drive's boxes: actors");
+  kitti->add_flag("--no-poses", options->without_poses, "a rig at rest; simuli align finds the path")
+      ->excludes("--poses");
+  kitti->add_option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
   kitti->callback([options, &globals] { import_kitti_drive(*options, globals); });
 }
 

@@ -42,10 +42,12 @@ int run(int argc, char** argv) {
   app.fallthrough();  // global options may stand behind the command's name
   simuli::cli::Globals globals;
   add_globals(app, globals);
+  simuli::cli::add_align(app, globals);
   simuli::cli::add_bench(app, globals);
   simuli::cli::add_demo(app, globals);
   simuli::cli::add_devices(app, globals);
   simuli::cli::add_eval(app, globals);
+  simuli::cli::add_fit(app, globals);
   simuli::cli::add_import(app, globals);
   simuli::cli::add_info(app, globals);
   simuli::cli::add_render(app, globals);

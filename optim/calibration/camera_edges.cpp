@@ -1,0 +1,196 @@
+#include "optim/calibration/camera_edges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace simuli::calibration {
+namespace {
+
+constexpr double kLeastJump_m = 0.5;
+constexpr double kLeastJump = 0.08;  // of the foreground's range
+/// The foreground's next return lies this near, or the foreground is a single stray point.
+constexpr double kSameSurface = 0.03;  // of the range
+
+class SweepGrid {
+ public:
+  SweepGrid(const Sweep& sweep, const LogLidar& lidar, double time_start_s, double time_end_s)
+      : sweep_(sweep), lidar_(lidar), start_s_(time_start_s), span_s_(time_end_s - time_start_s) {}
+
+  [[nodiscard]] std::size_t index(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(sweep_.rays.columns) +
+           static_cast<std::size_t>(column);
+  }
+  [[nodiscard]] double range(int row, int column) const {
+    const bool inside = row >= 0 && row < sweep_.rays.rows && column >= 0 && column < sweep_.rays.columns;
+    return inside ? static_cast<double>(sweep_.range[index(row, column)]) : 0.0;
+  }
+  [[nodiscard]] double azimuth(int row, int column) const {
+    return static_cast<double>(sweep_.rays.azimuth[index(row, column)]);
+  }
+  [[nodiscard]] double elevation(int row, int column) const {
+    return static_cast<double>(sweep_.rays.elevation[index(row, column)]);
+  }
+  /// The rim half-way from (row, column) to angles (azimuth, elevation), at the range of the former.
+  [[nodiscard]] DepthEdge rim(int row, int column, double azimuth_out, double elevation_out) const {
+    const double r = range(row, column);
+    const double turn = 0.5 * std::remainder(azimuth_out - azimuth(row, column), 2.0 * std::numbers::pi);
+    const double lift = 0.5 * (elevation_out - elevation(row, column));
+    const Eigen::Vector3d inside = Lidar::direction(azimuth(row, column), elevation(row, column));
+    const Eigen::Vector3d middle = Lidar::direction(azimuth(row, column) + turn, elevation(row, column) + lift);
+    DepthEdge edge;
+    edge.p_rig = lidar_.rig_from_lidar * (lidar_.model.origin(row, azimuth(row, column)) + r * middle);
+    edge.across = lidar_.rig_from_lidar.rotation * (middle - inside).normalized();
+    edge.half_width = r * (middle - inside).norm();
+    edge.time_s = start_s_ + static_cast<double>(sweep_.rays.time_fraction[index(row, column)]) * span_s_;
+    return edge;
+  }
+
+ private:
+  const Sweep& sweep_;
+  const LogLidar& lidar_;
+  double start_s_;
+  double span_s_;
+};
+
+bool is_rim(double foreground, double next, double background, double farthest_m) {
+  if (!(foreground > 0.0 && foreground <= farthest_m && next > 0.0 && background > 0.0)) return false;
+  return background - foreground >= std::max(kLeastJump_m, kLeastJump * foreground) &&
+         std::abs(next - foreground) <= kSameSurface * foreground;
+}
+
+}  // namespace
+
+std::vector<DepthEdge> depth_edges(const Sweep& sweep,
+                                   const LogLidar& lidar,
+                                   double time_start_s,
+                                   double time_end_s,
+                                   double farthest_m) {
+  const SweepGrid grid(sweep, lidar, time_start_s, time_end_s);
+  const Lidar& model = lidar.model;
+  const double step = model.azimuth_span / model.columns;
+  std::vector<DepthEdge> edges;
+  for (int row = 0; row < sweep.rays.rows; ++row) {
+    for (int column = 0; column < sweep.rays.columns; ++column) {
+      const double range = grid.range(row, column);
+      if (!(range > 0.0)) continue;
+      for (const int side : {-1, 1}) {
+        if (!is_rim(range, grid.range(row, column - side), grid.range(row, column + side), farthest_m)) continue;
+        edges.push_back(
+            grid.rim(row, column, grid.azimuth(row, column + side), grid.elevation(row, column)));
+      }
+      for (const int side : {-1, 1}) {
+        // The neighbour above or below in space: rows need not fire at the same azimuth.
+        const auto beside = [&](int other) {
+          if (other < 0 || other >= sweep.rays.rows) return -1;
+          const double apart = model.rows[static_cast<std::size_t>(row)].azimuth_offset -
+                               model.rows[static_cast<std::size_t>(other)].azimuth_offset;
+          return column + static_cast<int>(std::lround(model.spin_sign() * apart / step));
+        };
+        const int out = beside(row + side);
+        if (!is_rim(range, grid.range(row - side, beside(row - side)), grid.range(row + side, out), farthest_m)) {
+          continue;
+        }
+        edges.push_back(grid.rim(row, column, grid.azimuth(row, column), grid.elevation(row + side, out)));
+      }
+    }
+  }
+  return edges;
+}
+
+EdgeImage::EdgeImage(const Image& image, double sigma_px) : width_(image.width), height_(image.height) {
+  const auto pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  std::vector<float> plain(pixels);
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+      if (image.channels < 3) {
+        plain[i] = image.at(x, y, 0);
+      } else {
+        plain[i] = 0.299F * image.at(x, y, 0) + 0.587F * image.at(x, y, 1) + 0.114F * image.at(x, y, 2);
+      }
+    }
+  }
+  const int reach = static_cast<int>(std::ceil(3.0 * sigma_px));
+  std::vector<float> weight;
+  float sum = 0.0F;
+  for (int k = -reach; k <= reach; ++k) {
+    weight.push_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma_px * sigma_px))));
+    sum += weight.back();
+  }
+  for (float& w : weight) w /= sum;
+  const auto blur = [&](const std::vector<float>& from, int step_x, int step_y) {
+    std::vector<float> to(pixels, 0.0F);
+    for (int y = 0; y < height_; ++y) {
+      for (int x = 0; x < width_; ++x) {
+        float value = 0.0F;
+        for (int k = -reach; k <= reach; ++k) {
+          const auto px = static_cast<std::size_t>(std::clamp(x + k * step_x, 0, width_ - 1));
+          const auto py = static_cast<std::size_t>(std::clamp(y + k * step_y, 0, height_ - 1));
+          value += weight[static_cast<std::size_t>(k + reach)] * from[py * static_cast<std::size_t>(width_) + px];
+        }
+        to[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] = value;
+      }
+    }
+    return to;
+  };
+  luminance_ = blur(blur(plain, 1, 0), 0, 1);
+}
+
+Eigen::Vector2d EdgeImage::gradient(const Eigen::Vector2d& pixel) const {
+  // Central differences at the four pixels around, bilinear in between. Pixel centres are at halves.
+  const double x = pixel.x() - 0.5;
+  const double y = pixel.y() - 0.5;
+  const int x0 = static_cast<int>(std::floor(x));
+  const int y0 = static_cast<int>(std::floor(y));
+  if (x0 < 1 || y0 < 1 || x0 + 2 >= width_ || y0 + 2 >= height_) return Eigen::Vector2d::Zero();
+  const auto at = [&](int px, int py) {
+    return static_cast<double>(
+        luminance_[static_cast<std::size_t>(py) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(px)]);
+  };
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (int j = 0; j < 2; ++j) {
+    for (int i = 0; i < 2; ++i) {
+      const double share = (i == 0 ? 1.0 - (x - x0) : x - x0) * (j == 0 ? 1.0 - (y - y0) : y - y0);
+      const int px = x0 + i;
+      const int py = y0 + j;
+      sum += share * 0.5 * Eigen::Vector2d(at(px + 1, py) - at(px - 1, py), at(px, py + 1) - at(px, py - 1));
+    }
+  }
+  return sum;
+}
+
+bool EdgeImage::find(const Eigen::Vector2d& pixel,
+                     const Eigen::Vector2d& direction,
+                     double reach_px,
+                     double least_strength,
+                     Edge& edge) const {
+  constexpr double kStep_px = 0.5;
+  constexpr double kAcross = 0.5;  // cosine between the edge's normal and the direction
+  const int steps = static_cast<int>(std::ceil(reach_px / kStep_px));
+  const auto along = [&](int i) { return std::abs(gradient(pixel + i * kStep_px * direction).dot(direction)); };
+  double best = 0.0;
+  double best_place = 0.0;
+  double before = along(-steps - 1);
+  double here = along(-steps);
+  for (int i = -steps; i <= steps; ++i) {
+    const double after = along(i + 1);
+    const double weight = std::exp(-0.5 * std::pow(2.0 * i * kStep_px / reach_px, 2.0));
+    if (here >= least_strength && here >= before && here > after && here * weight > best) {
+      best = here * weight;
+      const double bend = before - 2.0 * here + after;  // the peak of the parabola through the three
+      best_place = (i + (bend < 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0)) * kStep_px;
+    }
+    before = here;
+    here = after;
+  }
+  if (!(best > 0.0)) return false;
+  edge.pixel = pixel + best_place * direction;
+  const Eigen::Vector2d slope = gradient(edge.pixel);
+  edge.strength = slope.norm();
+  if (!(edge.strength > 0.0)) return false;
+  edge.normal = slope / edge.strength;
+  return std::abs(edge.normal.dot(direction)) >= kAcross;
+}
+
+}  // namespace simuli::calibration

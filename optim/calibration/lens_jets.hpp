@@ -1,0 +1,83 @@
+#pragma once
+// cl/math/camera.h compiled for automatic derivatives: the text that the device and the host run is the one
+// that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this; the
+// vocabulary ends with the file.
+#include <ceres/jet.h>
+
+#include <Eigen/Core>
+#include <array>
+
+#include "cl/shared/layout.h"
+#include "host/sensors/lens.hpp"
+
+namespace simuli::calibration::lens_jets {
+
+inline constexpr int kDerivatives = 20;  // 12 lens parameters, fx fy cx cy, a point
+using F = ceres::Jet<double, kDerivatives>;
+using real = F;
+using I = int;
+inline F atan2_lanes(const F& y, const F& x) { return ceres::atan2(y, x); }
+
+#define FN inline
+#define R(x) x
+#define REALS const F*
+#define SEL(c, a, b) ((c) ? (a) : (b))
+#define AND(a, b) ((a) && (b))
+#define ANY(c) (c)
+#define VMIN(a, b) SEL((a) < (b), (a), (b))
+#define VMAX(a, b) SEL((a) > (b), (a), (b))
+
+// camera.h guards itself; host/sensors/lens_forward.hpp must not have been included before.
+#include "cl/math/camera.h"
+
+#undef FN
+#undef R
+#undef REALS
+#undef SEL
+#undef AND
+#undef ANY
+#undef VMIN
+#undef VMAX
+#undef CAMERA_NEAR
+#undef PINHOLE_COS2_MIN
+#undef FTHETA_MAX_ITERATIONS
+
+using Constants = std::array<F, SIM_LENS_REALS>;
+
+/// Image of a point in front of a lens of `kind`; false where it has none.
+inline bool project(LensKind kind, const Constants& lens, const F& x, const F& y, const F& z, F& u, F& v) {
+  const F* const k = lens.data();
+  int valid = 1;
+  switch (kind) {
+    case LensKind::kPinhole:
+      pinhole_image(x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kOpencvPinhole:
+      opencv_pinhole_image(k, x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kOpencvFisheye:
+      opencv_fisheye_image(k, x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kFtheta:
+      ftheta_image(k, x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kFthetaInverse:
+      ftheta_inverse_image(k, x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kMei:
+      mei_image(k, x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kEquirectangular:
+      equirectangular_image(x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kDoubleSphere:
+      double_sphere_image(k, x, y, z, &u, &v, &valid);
+      break;
+    case LensKind::kEucm:
+      eucm_image(k, x, y, z, &u, &v, &valid);
+      break;
+  }
+  return valid != 0;
+}
+
+}  // namespace simuli::calibration::lens_jets

@@ -1,0 +1,145 @@
+// Mountings and clocks won back from the analytic street.
+#include "optim/calibration/camera_pose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "host/base/error.hpp"
+#include "tests/optim/calibration/street_drive.hpp"
+
+namespace simuli::calibration {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+struct Recording {
+  std::vector<CameraView> views;
+  std::vector<DepthEdge> edges;
+};
+
+/// Pictures and depth edges of a drive; the pictures' recorded times are early by clock_error_s.
+Recording record(const test::StreetDrive& drive, double clock_error_s) {
+  Recording out;
+  const Log& log = drive.log;
+  for (std::size_t i = 0; i < log.images.size(); ++i) {
+    const ImageFrame& frame = log.images[i];
+    out.views.push_back(
+        {EdgeImage(render_street(
+                       drive.street, log.cameras[0], log.world_from_rig, frame.time_start_s, frame.time_end_s),
+                   1.0),
+         frame.time_start_s - clock_error_s,
+         frame.time_end_s - clock_error_s});
+    const SweepFrame& sweep = log.sweeps[i];
+    const std::vector<DepthEdge> found =
+        depth_edges(drive.sweep(i), log.lidars[0], sweep.time_start_s, sweep.time_end_s);
+    out.edges.insert(out.edges.end(), found.begin(), found.end());
+  }
+  std::stable_sort(out.edges.begin(), out.edges.end(), [](const DepthEdge& a, const DepthEdge& b) {
+    return a.time_s < b.time_s;
+  });
+  return out;
+}
+
+/// 5 cm and 1 degree off.
+LogCamera misplaced(const LogCamera& camera) {
+  LogCamera out = camera;
+  const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -1.0, 0.7).normalized();
+  out.rig_from_camera = camera.rig_from_camera *
+                        Pose{Eigen::Quaterniond(Eigen::AngleAxisd(kDegree, axis)),
+                             0.05 * Eigen::Vector3d(0.6, 0.5, -0.62).normalized()};
+  return out;
+}
+
+TEST(CameraPose, IsWonBackWithTheClock) {
+  const test::StreetDrive drive(24, 7.0, 0.6, 480);
+  const LogCamera& truth = drive.log.cameras[0];
+  const Recording recording = record(drive, 0.02);
+  const CameraPoseReport report =
+      find_camera_pose(recording.views, misplaced(truth), drive.log.world_from_rig, recording.edges);
+  const Pose off = truth.rig_from_camera.inverse() * report.rig_from_camera;
+  RecordProperty("off_mm", std::to_string(1e3 * off.translation.norm()));
+  EXPECT_LT(off.translation.norm(), 0.005) << off.translation.transpose();
+  EXPECT_LT(off.rotation.angularDistance(Eigen::Quaterniond::Identity()), 0.05 * kDegree);
+  EXPECT_TRUE(report.time_known);
+  EXPECT_NEAR(report.time_offset_s, 0.02, 0.001);
+  EXPECT_LT(report.after_px, report.before_px);
+  EXPECT_LT(report.translation_sigma_m.maxCoeff(), 0.005);
+  EXPECT_NEAR(report.rotation_change_rad, kDegree, 0.05 * kDegree);
+}
+
+TEST(CameraPose, AtConstantSpeedTheClockIsNotTold) {
+  // Straight ahead at one speed: 20 ms late is 16 cm further ahead, and nothing tells which.
+  test::StreetDrive drive(8, 8.0, 0.0);
+  drive.log.world_from_rig =
+      Trajectory({{-0.3, {Eigen::Quaterniond::Identity(), {2.0, -1.75, 0.0}}},
+                  {1.2, {Eigen::Quaterniond::Identity(), {14.0, -1.75, 0.0}}}});
+  const Recording recording = record(drive, 0.0);
+  const CameraPoseReport report =
+      find_camera_pose(recording.views, drive.log.cameras[0], drive.log.world_from_rig, recording.edges);
+  EXPECT_FALSE(report.time_known);
+  EXPECT_EQ(report.time_offset_s, 0.0);
+  ASSERT_FALSE(report.notes.empty());
+  EXPECT_NE(report.notes.front().find("constant speed"), std::string::npos) << report.notes.front();
+  // The mounting is still found.
+  EXPECT_LT(report.translation_change_m.norm(), 0.02);
+}
+
+TEST(CameraPose, ABlankWallIsRefused) {
+  const test::StreetDrive drive(3, 8.0, 0.3);
+  Recording recording = record(drive, 0.0);
+  for (CameraView& view : recording.views) view.edges = EdgeImage(Image(320, 180, 3), 1.0);
+  try {
+    (void)find_camera_pose(recording.views, drive.log.cameras[0], drive.log.world_from_rig, recording.edges);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNumeric);
+    EXPECT_NE(std::string(error.what()).find("not determined, found 0 depth edges"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(DepthEdges, LieOnTheRimsOfAPole) {
+  // One row of rays from -10 to 10 degrees; a pole 4 m away before a wall at 10 m.
+  LogLidar lidar;
+  lidar.model.name = "fan";
+  lidar.model.rows = {LidarRow{}};
+  lidar.model.columns = 81;
+  lidar.model.azimuth_first = -10.0 * kDegree;
+  lidar.model.azimuth_span = 20.25 * kDegree;
+  lidar.model.range_max = 50.0;
+  Sweep sweep;
+  sweep.rays = nominal_rays(lidar.model, 0.1);
+  for (int c = 0; c < 81; ++c) {
+    const bool on_pole = c >= 38 && c <= 44;
+    sweep.range.push_back(on_pole ? 4.0F : 10.0F);
+    sweep.intensity.push_back(0.5F);
+  }
+  const std::vector<DepthEdge> edges = depth_edges(sweep, lidar, 0.0, 0.1);
+  ASSERT_EQ(edges.size(), 2U);
+  for (const DepthEdge& edge : edges) {
+    const double azimuth = std::atan2(edge.p_rig.y(), edge.p_rig.x()) / kDegree;
+    EXPECT_NEAR(edge.p_rig.norm(), 4.0, 1e-6);
+    EXPECT_NEAR(std::abs(azimuth - 0.25), 0.875, 1e-6);  // half a step outside columns 38 and 44
+    EXPECT_GT(edge.across.y() * (azimuth - 0.25), 0.0);    // outwards
+    EXPECT_NEAR(edge.half_width, 4.0 * 0.125 * kDegree, 1e-6);
+  }
+}
+
+TEST(EdgeImage, FindsAStepToATenthOfAPixel) {
+  // A step at x = 20.3, blurred by the pixels' own area.
+  Image image(64, 32, 1);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 64; ++x) image.at(x, y, 0) = static_cast<float>(std::clamp(x + 1 - 20.3, 0.0, 1.0));
+  }
+  const EdgeImage edges(image, 1.0);
+  EdgeImage::Edge edge;
+  ASSERT_TRUE(edges.find({23.0, 15.5}, Eigen::Vector2d::UnitX(), 6.0, 0.02, edge));
+  EXPECT_NEAR(edge.pixel.x(), 20.3, 0.1);
+  EXPECT_NEAR(edge.normal.x(), 1.0, 1e-6);
+  EXPECT_FALSE(edges.find({40.0, 15.5}, Eigen::Vector2d::UnitX(), 6.0, 0.02, edge));
+  EXPECT_FALSE(edges.find({20.3, 15.5}, Eigen::Vector2d::UnitY(), 6.0, 0.02, edge));
+}
+
+}  // namespace
+}  // namespace simuli::calibration
