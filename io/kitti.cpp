@@ -229,7 +229,8 @@ Log import_kitti(const KittiOptions& options,
       static_cast<double>(times.end_ns[frames - 1] - times.start_ns[0]) * 1e-9 / static_cast<double>(frames);
   KittiReport counts;
   log.cameras = {{calibration.camera, calibration.cam02_from_velo.inverse()}};
-  log.lidars = {{fit_lidar(files, frames, read_beam_table(options.lidar, sweep_duration_s), counts), Pose{}}};  // the rig's frame is the velodyne's
+  log.lidars = {{fit_lidar(files, frames, read_beam_table(options.lidar, sweep_duration_s), counts),
+                 Pose{}}};  // the rig's frame is the velodyne's
 
   Log imported;
   write_folder_atomically(options.output, [&](const fs::path& folder) {

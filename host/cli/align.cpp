@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
@@ -68,7 +69,8 @@ const char* spin_name(SpinDirection spin) {
 Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json to_json(const calib::Fit& fit) {
-  return {{"median_m", fit.median_m}, {"planar_share", fit.planar_share}, {"outlier_share", fit.outlier_share}};
+  return {
+      {"median_m", fit.median_m}, {"planar_share", fit.planar_share}, {"outlier_share", fit.outlier_share}};
 }
 
 Json to_json(const calib::AlignReport& r) {
@@ -122,16 +124,19 @@ std::string fit_line(const char* name, const calib::Fit& fit) {
 }
 
 std::string text_of(const calib::AlignReport& r) {
-  std::string text = fmt::format("path: {} sweeps, {} returns, {:.2f} m, {:.1f} s\n", r.sweeps, r.returns, r.length_m, r.seconds);
+  std::string text = fmt::format(
+      "path: {} sweeps, {} returns, {:.2f} m, {:.1f} s\n", r.sweeps, r.returns, r.length_m, r.seconds);
   text += "  poses              median      on planes  beyond 10 cm\n";
-  text += fit_line("recorded", r.recorded) + fit_line("odometry", r.odometry) + fit_line("refined", r.refined);
-  text += fmt::format("  {} planes, {} distances; standard deviation of a point {:.2f} cm, of a sweep's motion {:.2f} mm "
-                      "and {:.4f} deg\n",
-                      r.refinement.planes,
-                      r.refinement.residuals,
-                      100.0 * r.refinement.sigma_m,
-                      1e3 * r.refinement.step_sigma_m,
-                      r.refinement.step_sigma_rad / kDegree);
+  text +=
+      fit_line("recorded", r.recorded) + fit_line("odometry", r.odometry) + fit_line("refined", r.refined);
+  text += fmt::format(
+      "  {} planes, {} distances; standard deviation of a point {:.2f} cm, of a sweep's motion {:.2f} mm "
+      "and {:.4f} deg\n",
+      r.refinement.planes,
+      r.refinement.residuals,
+      100.0 * r.refinement.sigma_m,
+      1e3 * r.refinement.step_sigma_m,
+      r.refinement.step_sigma_rad / kDegree);
   if (r.spin.spin) {
     text += fmt::format("spin: {}, surfaces {:.2f} cm if clockwise, {:.2f} cm if not\n",
                         spin_name(*r.spin.spin),
@@ -149,19 +154,23 @@ std::string text_of(const CameraResult& result) {
   const auto row = [](const char* name, const Eigen::Vector3d& v, const char* unit) {
     return fmt::format("  {:<22} {:>9.4f} {:>9.4f} {:>9.4f} {}\n", name, v.x(), v.y(), v.z(), unit);
   };
-  std::string text = fmt::format("camera {}: {} depth edges in view, {} on an edge of the picture, {:.1f} % outliers\n",
-                                 result.name,
-                                 r.edges,
-                                 r.matched,
-                                 100.0 * r.outlier_share);
-  text += fmt::format("  median distance        {:.2f} px before, {:.2f} px after\n", r.before_px, r.after_px);
+  std::string text =
+      fmt::format("camera {}: {} depth edges in view, {} on an edge of the picture, {:.1f} % outliers\n",
+                  result.name,
+                  r.edges,
+                  r.matched,
+                  100.0 * r.outlier_share);
+  text +=
+      fmt::format("  median distance        {:.2f} px before, {:.2f} px after\n", r.before_px, r.after_px);
   text += row("moved by (camera axes)", r.translation_change_m, "m");
   text += row("standard deviations", r.translation_sigma_m, "m");
   text += fmt::format("  {:<22} {:>9.4f} deg\n", "turned by", r.rotation_change_rad / kDegree);
   text += row("standard deviations", r.rotation_sigma_rad / kDegree, "deg");
   if (r.time_known) {
-    text += fmt::format(
-        "  {:<22} {:>9.3f} ms, standard deviation {:.3f} ms\n", "clock: add to times", 1e3 * r.time_offset_s, 1e3 * r.time_sigma_s);
+    text += fmt::format("  {:<22} {:>9.3f} ms, standard deviation {:.3f} ms\n",
+                        "clock: add to times",
+                        1e3 * r.time_offset_s,
+                        1e3 * r.time_sigma_s);
   }
   for (const std::string& note : r.notes) text += "  " + note + "\n";
   return text;
@@ -192,6 +201,9 @@ void align(const AlignCommand& command, const Globals& globals) {
     throw Error(ErrorKind::kUsage, "--apply-cameras: found no --camera or no --output, allowed with both");
   }
   for (const std::string& name : command.cameras) (void)log.camera(name);
+  if (std::filesystem::exists(command.output)) {  // known now, not after minutes of work
+    throw_input_error(command.output, "folder", "one that exists", "a new name");
+  }
   StageProgress progress(globals);
   std::optional<calib::AlignReport> report;
   Trajectory path = log.world_from_rig;
@@ -208,9 +220,10 @@ void align(const AlignCommand& command, const Globals& globals) {
     const std::string lidar = command.align.lidar.empty() ? log.lidars.at(0).model.name : command.align.lidar;
     CameraResult& result = cameras.emplace_back(CameraResult{name, {}, {}});
     try {
-      result.report = calib::find_camera_pose(log, name, lidar, path, 60, {}, [&](std::size_t done, std::size_t total) {
-        progress.update("camera " + name, done, total);
-      });
+      result.report =
+          calib::find_camera_pose(log, name, lidar, path, 60, {}, [&](std::size_t done, std::size_t total) {
+            progress.update("camera " + name, done, total);
+          });
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kNumeric || command.apply_cameras) throw;
       result.reason = error.what();
@@ -233,8 +246,9 @@ void align(const AlignCommand& command, const Globals& globals) {
   if (report) std::cout << text_of(*report);
   for (const CameraResult& result : cameras) std::cout << text_of(result);
   if (!command.output.empty()) {
-    std::cout << fmt::format(
-        "log {} written{}\n", command.output, !cameras.empty() && !command.apply_cameras ? ", cameras as they were" : "");
+    std::cout << fmt::format("log {} written{}\n",
+                             command.output,
+                             !cameras.empty() && !command.apply_cameras ? ", cameras as they were" : "");
   }
 }
 
@@ -242,11 +256,13 @@ void align(const AlignCommand& command, const Globals& globals) {
 
 void add_align(CLI::App& app, const Globals& globals) {
   const auto command = std::make_shared<AlignCommand>();
-  CLI::App* sub = app.add_subcommand("align", "find a log's path from its LiDAR alone, and its cameras' places");
+  CLI::App* sub =
+      app.add_subcommand("align", "find a log's path from its LiDAR alone, and its cameras' places");
   sub->add_option("LOG", command->log, "log folder")->required();
   sub->add_option("-o,--output", command->output, "log folder to write; default: report only");
   sub->add_option("--lidar", command->align.lidar, "name of the LiDAR; default: the log's first");
-  sub->add_flag("--prior", command->align.use_prior, "believe the log's own poses (GNSS/IMU) as far as follows");
+  sub->add_flag(
+      "--prior", command->align.use_prior, "believe the log's own poses (GNSS/IMU) as far as follows");
   sub->add_option("--prior-position", command->align.prior_sigma_m, "their standard deviation, m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

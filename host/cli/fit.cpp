@@ -48,7 +48,8 @@ std::vector<fs::path> sweep_files(const fs::path& folder) {
     if (entry.path().extension() == ".bin") files.push_back(entry.path());
   }
   if (status) throw_input_error(folder.string(), "folder", status.message(), "a readable folder");
-  if (files.empty()) throw_input_error(folder.string(), "sweeps", "none", "files NAME.bin of float32 x y z reflectance");
+  if (files.empty())
+    throw_input_error(folder.string(), "sweeps", "none", "files NAME.bin of float32 x y z reflectance");
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -85,7 +86,9 @@ calib::SpinReport spin_of(const std::vector<fs::path>& files, double period_s) {
 }
 
 std::string row_line(std::size_t i, const calib::BeamEstimate& b) {
-  const auto known = [](bool is_known, const std::string& text) { return is_known ? text : std::string("-"); };
+  const auto known = [](bool is_known, const std::string& text) {
+    return is_known ? text : std::string("-");
+  };
   return fmt::format("{:>4} {:>9.4f} {:>7.4f} {:>9.1f} {:>6.2f} {:>9} {:>9} {:>8} {:>8.3f}\n",
                      i,
                      b.row.elevation / kDegree,
@@ -104,8 +107,8 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
   const std::size_t count = std::min(files.size(), std::max<std::size_t>(1, command.most_sweeps));
   for (std::size_t i = 0; i < count; ++i) sweeps.push_back(read_raw(files[i * files.size() / count]));
   const calib::BeamTable table = calib::find_beams(sweeps);
-  const calib::SpinReport spin =
-      files.size() >= 2 ? spin_of(files, 1.0 / command.spin_hz) : calib::SpinReport{{}, 0, 0, "one sweep alone"};
+  const calib::SpinReport spin = files.size() >= 2 ? spin_of(files, 1.0 / command.spin_hz)
+                                                   : calib::SpinReport{{}, 0, 0, "one sweep alone"};
   LidarFile file{calib::lidar_of(table, command.name, spin.spin.value_or(SpinDirection::kClockwise)), {}};
   file.facts.note = fmt::format("fitted to {} sweeps of bare points{}",
                                 count,
@@ -139,11 +142,13 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
             << " row  elevation  sigma  vertical  sigma horizontal  azimuth   points residual\n"
                "           deg    deg        mm     mm        mm      deg              mrad\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i) std::cout << row_line(i, table.rows[i]);
-  std::cout << fmt::format("{:.1f} firings per turn, a step of {:.4f} deg; encoder of {} ticks; {:.1f} % of firings returned nothing\n",
-                           table.columns,
-                           table.columns > 0.0 ? 360.0 / table.columns : 0.0,
-                           table.encoder_ticks,
-                           100.0 * (1.0 - table.returned_share));
+  std::cout << fmt::format(
+      "{:.1f} firings per turn, a step of {:.4f} deg; encoder of {} ticks; {:.1f} % of firings returned "
+      "nothing\n",
+      table.columns,
+      table.columns > 0.0 ? 360.0 / table.columns : 0.0,
+      table.encoder_ticks,
+      100.0 * (1.0 - table.returned_share));
   if (spin.spin) {
     std::cout << fmt::format("spin: {}, surfaces {:.2f} cm thick if clockwise, {:.2f} cm if not\n",
                              *spin.spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise",
@@ -160,7 +165,8 @@ Camera camera_by_name(const LensCommand& command) {
   std::error_code ignored;
   if (!fs::is_regular_file(fs::path(command.target) / "log.json", ignored)) {
     if (!command.sensor.empty()) {
-      throw_input_error(command.target, "folder", "no log.json", "a log, with the name of its camera behind it");
+      throw_input_error(
+          command.target, "folder", "no log.json", "a log, with the name of its camera behind it");
     }
     return builtin_camera(command.target);
   }
@@ -206,15 +212,17 @@ void fit_lens(const LensCommand& command, const Globals& globals) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::cout << fmt::format("  {} {:.10g}\n", names[i], fit.camera.lens.parameters()[i]);
   }
-  std::cout << fmt::format("  {} rays fitted, {} others checked: RMS {:.4f} px, largest {:.4f} px at ({:.1f}, {:.1f})\n",
-                           fit.samples,
-                           fit.checked,
-                           fit.rms_px,
-                           fit.largest_px,
-                           fit.largest_at.x(),
-                           fit.largest_at.y());
+  std::cout << fmt::format(
+      "  {} rays fitted, {} others checked: RMS {:.4f} px, largest {:.4f} px at ({:.1f}, {:.1f})\n",
+      fit.samples,
+      fit.checked,
+      fit.rms_px,
+      fit.largest_px,
+      fit.largest_at.x(),
+      fit.largest_at.y());
   if (fit.uncovered_share > 0.0) {
-    std::cout << fmt::format("  {:.2f} % of the picture has no image in this model\n", 100.0 * fit.uncovered_share);
+    std::cout << fmt::format("  {:.2f} % of the picture has no image in this model\n",
+                             100.0 * fit.uncovered_share);
   }
   if (!command.output.empty()) std::cout << fmt::format("camera {} written\n", command.output);
 }
@@ -240,7 +248,8 @@ void add_fit(CLI::App& app, const Globals& globals) {
   CLI::App* model = fit->add_subcommand("lens", "a camera in terms of another lens model");
   model->add_option("TARGET", lens->target, "built-in camera, or a log")->required();
   model->add_option("SENSOR", lens->sensor, "camera of that log");
-  model->add_option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...")->required();
+  model->add_option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...")
+      ->required();
   model->add_option("-o,--output", lens->output, "JSON file to write");
   model->callback([lens, &globals] { fit_lens(*lens, globals); });
 }

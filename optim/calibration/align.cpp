@@ -38,7 +38,8 @@ AlignReport align_log(const Log& log,
       if (progress) progress(stage, done, total);
     };
   };
-  if (log.lidars.empty()) throw_input_error((log.folder / "log.json").string(), "lidars", "none", "at least one");
+  if (log.lidars.empty())
+    throw_input_error((log.folder / "log.json").string(), "lidars", "none", "at least one");
   const LogLidar& lidar = options.lidar.empty() ? log.lidars.front() : log.lidar(options.lidar);
 
   AlignReport report;

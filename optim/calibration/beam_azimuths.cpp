@@ -78,7 +78,8 @@ int find_ticks(const BeamPoints& points, const std::vector<std::size_t>& fullest
   const auto best = std::max_element(strongest.begin(), strongest.end());
   if (!(*best >= kCoherent)) return 0;
   // A grid of n ticks is one of 2 n, 3 n, ... as well.
-  const auto first = std::find_if(strongest.begin(), strongest.end(), [&](double v) { return v >= 0.95 * *best; });
+  const auto first =
+      std::find_if(strongest.begin(), strongest.end(), [&](double v) { return v >= 0.95 * *best; });
   return static_cast<int>(first - strongest.begin());
 }
 
@@ -101,11 +102,8 @@ bool find_side(const SweepsOfRow& sweeps, int ticks, double& side) {
 }
 
 /// What is known of each tick: 1 fired, -1 passed over between two firings, 0 unknown; about the mean.
-std::vector<double> firing_pattern(const std::vector<BeamPoint>& sweep,
-                                   double side,
-                                   double phase,
-                                   int ticks,
-                                   int longest_step) {
+std::vector<double> firing_pattern(
+    const std::vector<BeamPoint>& sweep, double side, double phase, int ticks, int longest_step) {
   std::vector<double> pattern(static_cast<std::size_t>(ticks), 0.0);
   std::vector<long> fired;
   for (const BeamPoint& p : sweep) {
@@ -183,28 +181,69 @@ double mean_single_step(const std::vector<double>& steps, double usual) {
   return count >= 1000.0 ? sum / count : 0.0;
 }
 
-void find_columns(const BeamPoints& points, BeamTable& table) {
+/// From steps between neighbouring returns of single beams. Two firings of which the first returned nothing
+/// may look like one, so this is a start only.
+double columns_by_steps(const BeamPoints& points, const BeamTable& table) {
   std::vector<double> steps;
   for (std::size_t r = 0; r < points.size(); ++r) {
+    const double side = table.rows[r].row.horizontal_offset;
     for (const auto& sweep : points[r]) {
       for (std::size_t i = 1; i < sweep.size(); ++i) {
-        const double side = table.rows[r].row.horizontal_offset;
         steps.push_back(beam_azimuth(sweep[i], side) - beam_azimuth(sweep[i - 1], side));
       }
     }
   }
-  if (steps.empty()) return;
+  if (steps.empty()) return 0.0;
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   const double step = mean_single_step(steps, *middle);
-  if (!(step > 0.0)) {
+  return step > 0.0 ? kTurn / step : 0.0;
+}
+
+/// From the ticks at which any of the beams fired, all of them laid over one another; 0 where too few are
+/// known.
+double columns_by_firings(const BeamPoints& points, const BeamTable& table) {
+  constexpr double kCut_rad = 0.5;  // about the cut, beams show ticks of two turns
+  constexpr double kOfMost = 0.15;
+  const int ticks = table.encoder_ticks;
+  std::size_t known = 0;
+  for (const BeamEstimate& beam : table.rows) known += beam.azimuth_offset_known ? 1U : 0U;
+  if (known < 4) return 0.0;
+  double fired = 0.0;
+  double looked_at = 0.0;
+  for (std::size_t s = 0; s < points.front().size(); ++s) {
+    std::vector<int> beams(static_cast<std::size_t>(ticks), 0);
+    for (std::size_t r = 0; r < points.size(); ++r) {
+      if (!table.rows[r].azimuth_offset_known) continue;
+      const LidarRow& row = table.rows[r].row;
+      for (const BeamPoint& p : points[r][s]) {
+        const long tick =
+            std::lround((beam_azimuth(p, row.horizontal_offset) - row.azimuth_offset) / kTurn * ticks);
+        ++beams[static_cast<std::size_t>((tick % ticks + ticks) % ticks)];
+      }
+    }
+    const int most = *std::max_element(beams.begin(), beams.end());
+    for (int k = 0; k < ticks; ++k) {
+      const double azimuth = std::remainder(k * kTurn / ticks, kTurn);
+      if (std::abs(azimuth) > std::numbers::pi - kCut_rad) continue;
+      looked_at += 1.0;
+      fired += beams[static_cast<std::size_t>(k)] > std::max(1.0, kOfMost * most) ? 1.0 : 0.0;
+    }
+  }
+  return fired / looked_at * ticks;
+}
+
+void set_columns(const BeamPoints& points, BeamTable& table) {
+  const double by_firings = table.encoder_ticks > 0 ? columns_by_firings(points, table) : 0.0;
+  if (by_firings > 0.0) table.columns = by_firings;
+  if (!(table.columns > 0.0)) {
     table.notes.push_back("firings per turn: not determined, too few neighbouring returns");
     return;
   }
-  table.columns = kTurn / step;
   std::size_t sweeps = 0;
   for (std::size_t s = 0; s < points.front().size(); ++s) {
-    sweeps += std::any_of(points.begin(), points.end(), [&](const auto& row) { return !row[s].empty(); }) ? 1U : 0U;
+    sweeps +=
+        std::any_of(points.begin(), points.end(), [&](const auto& row) { return !row[s].empty(); }) ? 1U : 0U;
   }
   std::size_t placed = 0;
   for (const BeamEstimate& beam : table.rows) placed += beam.points;
@@ -241,10 +280,11 @@ void find_azimuth_offsets(const BeamPoints& points, std::size_t base, BeamTable&
     }
   }
   if (unknown == 0) return;
-  table.notes.push_back(fmt::format(
-      "azimuth offset of {} of {} rows: not determined, when they fired leaves no pattern that stands out; set to 0",
-      unknown,
-      rows));
+  table.notes.push_back(
+      fmt::format("azimuth offset of {} of {} rows: not determined, when they fired leaves no pattern that "
+                  "stands out; set to 0",
+                  unknown,
+                  rows));
 }
 
 }  // namespace
@@ -258,8 +298,10 @@ void find_azimuths(const BeamPoints& points, BeamTable& table) {
   table.encoder_ticks = find_ticks(points, fullest);
   if (table.encoder_ticks == 0) {
     table.notes.push_back(
-        "horizontal and azimuth offsets: not determined, azimuths lie on no grid of 300 to 8000 ticks; set to 0");
-    find_columns(points, table);
+        "horizontal and azimuth offsets: not determined, azimuths lie on no grid of 300 to 8000 ticks; set "
+        "to 0");
+    table.columns = columns_by_steps(points, table);
+    set_columns(points, table);
     return;
   }
   std::size_t unknown = 0;
@@ -271,15 +313,16 @@ void find_azimuths(const BeamPoints& points, BeamTable& table) {
     unknown += beam.horizontal_offset_known ? 0U : 1U;
   }
   if (unknown > 0) {
-    table.notes.push_back(
-        fmt::format("horizontal offset of {} of {} rows: not determined, their azimuths fit the grid of {} ticks "
-                    "equally well with any; set to 0",
-                    unknown,
-                    points.size(),
-                    table.encoder_ticks));
+    table.notes.push_back(fmt::format(
+        "horizontal offset of {} of {} rows: not determined, their azimuths fit the grid of {} ticks "
+        "equally well with any; set to 0",
+        unknown,
+        points.size(),
+        table.encoder_ticks));
   }
-  find_columns(points, table);
+  table.columns = columns_by_steps(points, table);
   find_azimuth_offsets(points, fullest.front(), table);
+  set_columns(points, table);
 }
 
 }  // namespace simuli::calibration

@@ -8,7 +8,7 @@ namespace simuli::calibration {
 
 /// A point as its beam sees it.
 struct BeamPoint {
-  double azimuth = 0.0;  // rad, of the point about the spin axis
+  double azimuth = 0.0;   // rad, of the point about the spin axis
   double distance = 0.0;  // m, from the spin axis
   double height = 0.0;    // m
 };

@@ -1,9 +1,8 @@
 #include "optim/calibration/beams.hpp"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <array>
+#include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -114,7 +113,8 @@ std::vector<Line> find_lines(std::vector<Voter> voters) {
     voters.erase(kept, voters.end());
     lines.push_back(line);
   }
-  std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.elevation > b.elevation; });
+  std::sort(
+      lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.elevation > b.elevation; });
   return lines;
 }
 
@@ -167,8 +167,8 @@ void fit_beam(const std::vector<std::vector<BeamPoint>>& sweeps, BeamEstimate& b
   auto* const loss = new ceres::CauchyLoss(2.0);
   for (const BeamPoint& p : points) {
     const double along = std::sqrt(std::max(0.0, p.distance * p.distance - side * side));
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ConeError, 1, 1, 1>(
-                                 new ConeError{along, p.height, std::hypot(p.distance, p.height), kSigma_rad}),
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ConeError, 1, 1, 1>(new ConeError{
+                                 along, p.height, std::hypot(p.distance, p.height), kSigma_rad}),
                              loss,
                              &elevation,
                              &height);
@@ -181,14 +181,16 @@ void fit_beam(const std::vector<std::vector<BeamPoint>>& sweeps, BeamEstimate& b
   std::vector<double> errors;
   const Line line{elevation, height};
   for (const BeamPoint& p : points) {
-    errors.push_back(std::abs(line.error(std::sqrt(std::max(0.0, p.distance * p.distance - side * side)), p.height)));
+    errors.push_back(
+        std::abs(line.error(std::sqrt(std::max(0.0, p.distance * p.distance - side * side)), p.height)));
   }
   beam.residual = errors.empty() ? 0.0 : 1.4826 * median(errors);
 
   ceres::Covariance::Options how;
   how.algorithm_type = ceres::DENSE_SVD;
   ceres::Covariance covariance(how);
-  const std::vector<std::pair<const double*, const double*>> blocks{{&elevation, &elevation}, {&height, &height}};
+  const std::vector<std::pair<const double*, const double*>> blocks{{&elevation, &elevation},
+                                                                    {&height, &height}};
   double elevation_variance = 0.0;
   double height_variance = 0.0;
   const bool determined = summary.IsSolutionUsable() && covariance.Compute(blocks, &problem) &&
@@ -227,11 +229,12 @@ void borrow_offsets(const BeamPoints& points, BeamTable& table) {
     beam.row.vertical_offset = offset_m;
   }
   if (unknown > 0) {
-    table.notes.push_back(fmt::format(
-        "vertical offset of {} of {} rows: not determined, their returns are all about as far away; taken from "
-        "the rows beside them",
-        unknown,
-        table.rows.size()));
+    table.notes.push_back(
+        fmt::format("vertical offset of {} of {} rows: not determined, their returns are all about as far "
+                    "away; taken from "
+                    "the rows beside them",
+                    unknown,
+                    table.rows.size()));
   }
 }
 
@@ -304,10 +307,11 @@ BeamTable find_beams(const std::vector<RawSweep>& sweeps) {
   BeamPoints points = sort_points(sweeps, table);
   const double unplaced = static_cast<double>(table.unplaced) / static_cast<double>(table.points);
   if (!(unplaced <= kMostUnplaced)) {
-    refuse(fmt::format("found {:.1f} % of the points on no beam, allowed {:.0f} %: no spinning sensor with an "
-                       "upright axis, or its motion is compensated already",
-                       100.0 * unplaced,
-                       100.0 * kMostUnplaced));
+    refuse(
+        fmt::format("found {:.1f} % of the points on no beam, allowed {:.0f} %: no spinning sensor with an "
+                    "upright axis, or its motion is compensated already",
+                    100.0 * unplaced,
+                    100.0 * kMostUnplaced));
   }
   find_azimuths(points, table);
   for (std::size_t r = 0; r < table.rows.size(); ++r) fit_beam(points[r], table.rows[r]);

@@ -1,10 +1,11 @@
 #pragma once
 // The beam table of a spinning LiDAR from sweeps that list bare points: no rings, no order, no calibration.
 //
-// A beam sweeps a cone (exactly: a hyperboloid) about the spin axis: all of its points lie on one line in the plane of
-// distance from the axis and height. The lines are found by voting, then fitted. An encoder quantises the
-// azimuths: seen along a beam that passes beside the axis the grid blurs, unless the offset is allowed for;
-// and since all beams fire together, which encoder ticks a beam fired at gives its azimuth offset.
+// A beam sweeps a cone (exactly: a hyperboloid) about the spin axis: all of its points lie on one line in the
+// plane of distance from the axis and height. The lines are found by voting, then fitted. An encoder
+// quantises the azimuths: seen along a beam that passes beside the axis the grid blurs, unless the offset is
+// allowed for; and since all beams fire together, which encoder ticks a beam fired at gives its azimuth
+// offset.
 #include <Eigen/Core>
 #include <cstddef>
 #include <string>
@@ -32,9 +33,9 @@ struct BeamTable {
   double columns = 0.0;            // firings per turn, mean; 0: too few points to tell
   int encoder_ticks = 0;           // per turn; 0: azimuths lie on no grid
   std::size_t points = 0;
-  std::size_t unplaced = 0;      // on no beam
-  double returned_share = 0.0;   // of all firings
-  double range_max = 0.0;        // m, farthest point
+  std::size_t unplaced = 0;        // on no beam
+  double returned_share = 0.0;     // of all firings
+  double range_max = 0.0;          // m, farthest point
   std::vector<std::string> notes;  // what the sweeps do not determine, and why
 };
 
@@ -43,7 +44,8 @@ inline constexpr double kWorstOffset_m = 5e-3;
 /// Throws Error{kNumeric} when the points lie on no beams.
 [[nodiscard]] BeamTable find_beams(const std::vector<RawSweep>& sweeps);
 
-/// A model of full turns that start where the azimuth is pi: columns rounded, azimuth offsets about their mean.
+/// A model of full turns that start where the azimuth is pi: columns rounded, azimuth offsets about their
+/// mean.
 [[nodiscard]] Lidar lidar_of(const BeamTable& table, const std::string& name, SpinDirection spin);
 
 }  // namespace simuli::calibration

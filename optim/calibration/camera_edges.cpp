@@ -31,13 +31,17 @@ class SweepGrid {
   [[nodiscard]] double elevation(int row, int column) const {
     return static_cast<double>(sweep_.rays.elevation[index(row, column)]);
   }
-  /// The rim half-way from (row, column) to angles (azimuth, elevation), at the range of the former.
-  [[nodiscard]] DepthEdge rim(int row, int column, double azimuth_out, double elevation_out) const {
-    const double r = range(row, column);
+  /// The rim half-way from (row, column) to angles (azimuth, elevation). The surface goes on to it as flat as
+  /// from its last return, `before`: along a wall seen at a slant ranges grow by decimetres from ray to ray.
+  [[nodiscard]] DepthEdge rim(
+      int row, int column, double before, double azimuth_out, double elevation_out) const {
+    const double last = range(row, column);
+    const double r = 1.0 / (1.5 / last - 0.5 / before);  // planes are linear in 1 / range over small angles
     const double turn = 0.5 * std::remainder(azimuth_out - azimuth(row, column), 2.0 * std::numbers::pi);
     const double lift = 0.5 * (elevation_out - elevation(row, column));
     const Eigen::Vector3d inside = Lidar::direction(azimuth(row, column), elevation(row, column));
-    const Eigen::Vector3d middle = Lidar::direction(azimuth(row, column) + turn, elevation(row, column) + lift);
+    const Eigen::Vector3d middle =
+        Lidar::direction(azimuth(row, column) + turn, elevation(row, column) + lift);
     DepthEdge edge;
     edge.p_rig = lidar_.rig_from_lidar * (lidar_.model.origin(row, azimuth(row, column)) + r * middle);
     edge.across = lidar_.rig_from_lidar.rotation * (middle - inside).normalized();
@@ -61,11 +65,8 @@ bool is_rim(double foreground, double next, double background, double farthest_m
 
 }  // namespace
 
-std::vector<DepthEdge> depth_edges(const Sweep& sweep,
-                                   const LogLidar& lidar,
-                                   double time_start_s,
-                                   double time_end_s,
-                                   double farthest_m) {
+std::vector<DepthEdge> depth_edges(
+    const Sweep& sweep, const LogLidar& lidar, double time_start_s, double time_end_s, double farthest_m) {
   const SweepGrid grid(sweep, lidar, time_start_s, time_end_s);
   const Lidar& model = lidar.model;
   const double step = model.azimuth_span / model.columns;
@@ -75,9 +76,10 @@ std::vector<DepthEdge> depth_edges(const Sweep& sweep,
       const double range = grid.range(row, column);
       if (!(range > 0.0)) continue;
       for (const int side : {-1, 1}) {
-        if (!is_rim(range, grid.range(row, column - side), grid.range(row, column + side), farthest_m)) continue;
+        const double before = grid.range(row, column - side);
+        if (!is_rim(range, before, grid.range(row, column + side), farthest_m)) continue;
         edges.push_back(
-            grid.rim(row, column, grid.azimuth(row, column + side), grid.elevation(row, column)));
+            grid.rim(row, column, before, grid.azimuth(row, column + side), grid.elevation(row, column)));
       }
       for (const int side : {-1, 1}) {
         // The neighbour above or below in space: rows need not fire at the same azimuth.
@@ -88,10 +90,10 @@ std::vector<DepthEdge> depth_edges(const Sweep& sweep,
           return column + static_cast<int>(std::lround(model.spin_sign() * apart / step));
         };
         const int out = beside(row + side);
-        if (!is_rim(range, grid.range(row - side, beside(row - side)), grid.range(row + side, out), farthest_m)) {
-          continue;
-        }
-        edges.push_back(grid.rim(row, column, grid.azimuth(row, column), grid.elevation(row + side, out)));
+        const double before = grid.range(row - side, beside(row - side));
+        if (!is_rim(range, before, grid.range(row + side, out), farthest_m)) continue;
+        edges.push_back(
+            grid.rim(row, column, before, grid.azimuth(row, column), grid.elevation(row + side, out)));
       }
     }
   }
@@ -103,7 +105,8 @@ EdgeImage::EdgeImage(const Image& image, double sigma_px) : width_(image.width),
   std::vector<float> plain(pixels);
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
       if (image.channels < 3) {
         plain[i] = image.at(x, y, 0);
       } else {
@@ -127,9 +130,11 @@ EdgeImage::EdgeImage(const Image& image, double sigma_px) : width_(image.width),
         for (int k = -reach; k <= reach; ++k) {
           const auto px = static_cast<std::size_t>(std::clamp(x + k * step_x, 0, width_ - 1));
           const auto py = static_cast<std::size_t>(std::clamp(y + k * step_y, 0, height_ - 1));
-          value += weight[static_cast<std::size_t>(k + reach)] * from[py * static_cast<std::size_t>(width_) + px];
+          value +=
+              weight[static_cast<std::size_t>(k + reach)] * from[py * static_cast<std::size_t>(width_) + px];
         }
-        to[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] = value;
+        to[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] =
+            value;
       }
     }
     return to;
@@ -145,8 +150,8 @@ Eigen::Vector2d EdgeImage::gradient(const Eigen::Vector2d& pixel) const {
   const int y0 = static_cast<int>(std::floor(y));
   if (x0 < 1 || y0 < 1 || x0 + 2 >= width_ || y0 + 2 >= height_) return Eigen::Vector2d::Zero();
   const auto at = [&](int px, int py) {
-    return static_cast<double>(
-        luminance_[static_cast<std::size_t>(py) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(px)]);
+    return static_cast<double>(luminance_[static_cast<std::size_t>(py) * static_cast<std::size_t>(width_) +
+                                          static_cast<std::size_t>(px)]);
   };
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int j = 0; j < 2; ++j) {
@@ -168,7 +173,9 @@ bool EdgeImage::find(const Eigen::Vector2d& pixel,
   constexpr double kStep_px = 0.5;
   constexpr double kAcross = 0.5;  // cosine between the edge's normal and the direction
   const int steps = static_cast<int>(std::ceil(reach_px / kStep_px));
-  const auto along = [&](int i) { return std::abs(gradient(pixel + i * kStep_px * direction).dot(direction)); };
+  const auto along = [&](int i) {
+    return std::abs(gradient(pixel + i * kStep_px * direction).dot(direction));
+  };
   double best = 0.0;
   double best_place = 0.0;
   double before = along(-steps - 1);

@@ -11,7 +11,7 @@ namespace simuli::calibration {
 /// A point on the rim of a foreground surface. The rim lies anywhere within `half_width` of it along
 /// `across`, between two neighbouring firings of which one hits the foreground.
 struct DepthEdge {
-  Eigen::Vector3d p_rig = Eigen::Vector3d::Zero();   // m, at time_s
+  Eigen::Vector3d p_rig = Eigen::Vector3d::Zero();    // m, at time_s
   Eigen::Vector3d across = Eigen::Vector3d::UnitY();  // unit, rig; from the foreground outwards
   double half_width = 0.0;                            // m
   double time_s = 0.0;
@@ -36,8 +36,8 @@ class EdgeImage {
     Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  // unit, towards the brighter side
     double strength = 0.0;                              // luminance per pixel
   };
-  /// The strongest edge within reach_px of `pixel` along the unit `direction`, those near by favoured, that runs
-  /// across the direction; false where no edge reaches least_strength.
+  /// The strongest edge within reach_px of `pixel` along the unit `direction`, those near by favoured, that
+  /// runs across the direction; false where no edge reaches least_strength.
   [[nodiscard]] bool find(const Eigen::Vector2d& pixel,
                           const Eigen::Vector2d& direction,
                           double reach_px,

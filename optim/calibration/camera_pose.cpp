@@ -1,8 +1,7 @@
 #include "optim/calibration/camera_pose.hpp"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
+#include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -56,6 +55,12 @@ std::vector<std::pair<std::size_t, std::size_t>> edges_of_views(const std::vecto
   return ranges;
 }
 
+/// The path's pose at a time that a clock on trial may have put outside of it.
+Pose pose_near(const Trajectory& path, double time_s) {
+  constexpr double kMargin_s = 0.9 * Trajectory::kExtrapolation_s;
+  return path.at(std::clamp(time_s, path.start_s() - kMargin_s, path.end_s() + kMargin_s));
+}
+
 /// Looks for one depth edge in one picture.
 Match find_match(const CameraView& view,
                  const LogCamera& camera,
@@ -76,7 +81,7 @@ Match find_match(const CameraView& view,
   // A rolling shutter's rows are exposed when they are: twice is enough for 20 ms and any road.
   for (int k = 0; k < 2; ++k) {
     time_s = view.exposure_start_s + fraction * (view.exposure_end_s - view.exposure_start_s);
-    camera_from_world = (path.at(time_s + state.time_offset_s) * rig_from_camera).inverse();
+    camera_from_world = (pose_near(path, time_s + state.time_offset_s) * rig_from_camera).inverse();
     if (!model.project(camera_from_world * p_world, pixel)) return match;
     fraction = std::clamp(model.exposure_fraction(pixel), 0.0, 1.0);
   }
@@ -108,8 +113,10 @@ Match find_match(const CameraView& view,
 
 double distance_px(const PointOnLine& line, const State& state) {
   double error = 0.0;
-  const bool seen = line(
-      state.rig_from_camera.rotation.data(), state.rig_from_camera.translation.data(), &state.time_offset_s, &error);
+  const bool seen = line(state.rig_from_camera.rotation.data(),
+                         state.rig_from_camera.translation.data(),
+                         &state.time_offset_s,
+                         &error);
   return seen ? std::abs(error) * line.sigma_px : INFINITY;
 }
 
@@ -123,7 +130,8 @@ double median(std::vector<double> values) {
 /// A problem in the mounting and the clock, around what was given.
 class PoseProblem {
  public:
-  PoseProblem(const std::vector<Match>& matches, const State& given, double loss, bool with_time, State& state)
+  PoseProblem(
+      const std::vector<Match>& matches, const State& given, double loss, bool with_time, State& state)
       : state_(state) {
     double* const rotation = state.rig_from_camera.rotation.data();
     double* const translation = state.rig_from_camera.translation.data();
@@ -241,13 +249,14 @@ CameraPoseReport find_camera_pose(const std::vector<CameraView>& views,
     const auto found = static_cast<std::size_t>(
         std::count_if(matches.begin(), matches.end(), [](const Match& m) { return m.found; }));
     if (found < kFewestMatches) {
-      throw Error(ErrorKind::kNumeric,
-                  fmt::format("mounting of camera {}: not determined, found {} depth edges that lie on edges of "
-                              "{} pictures, allowed at least {} (a blank wall has none)",
-                              camera.model.name,
-                              found,
-                              views.size(),
-                              kFewestMatches));
+      throw Error(
+          ErrorKind::kNumeric,
+          fmt::format("mounting of camera {}: not determined, found {} depth edges that lie on edges of "
+                      "{} pictures, allowed at least {} (a blank wall has none)",
+                      camera.model.name,
+                      found,
+                      views.size(),
+                      kFewestMatches));
     }
   };
 
@@ -299,20 +308,22 @@ CameraPoseReport find_camera_pose(const std::vector<CameraView>& views,
   // Ceres turns quaternions by half-angles about the axes of the rig.
   report.rotation_sigma_rad = 2.0 * sigma_along_axes(covariance.block<3, 3>(0, 0));
   report.translation_sigma_m = sigma_along_axes(covariance.block<3, 3>(3, 3));
-  const auto refuse = [&](const char* what, const Vector3d& sigma, double worst, double unit, const char* name) {
-    if (sigma.maxCoeff() <= worst) return;
-    Eigen::Index axis = 0;
-    (void)sigma.maxCoeff(&axis);
-    throw Error(ErrorKind::kNumeric,
-                fmt::format("mounting of camera {}: its {} the camera's {} is not determined: standard deviation "
-                            "found {:.3g} {}, allowed {:.3g}",
-                            camera.model.name,
-                            what,
-                            "xyz"[axis],
-                            sigma[axis] * unit,
-                            name,
-                            worst * unit));
-  };
+  const auto refuse =
+      [&](const char* what, const Vector3d& sigma, double worst, double unit, const char* name) {
+        if (sigma.maxCoeff() <= worst) return;
+        Eigen::Index axis = 0;
+        (void)sigma.maxCoeff(&axis);
+        throw Error(
+            ErrorKind::kNumeric,
+            fmt::format("mounting of camera {}: its {} the camera's {} is not determined: standard deviation "
+                        "found {:.3g} {}, allowed {:.3g}",
+                        camera.model.name,
+                        what,
+                        "xyz"[axis],
+                        sigma[axis] * unit,
+                        name,
+                        worst * unit));
+      };
   refuse("place along", report.translation_sigma_m, kWorstTranslation_m, 1.0, "m");
   refuse("turn about", report.rotation_sigma_rad, kWorstRotation_rad, 1.0 / kDegree, "deg");
 
@@ -352,7 +363,8 @@ CameraPoseReport find_camera_pose(const Log& log,
   const std::size_t count = std::min(frames.size(), most_views);
   for (std::size_t i = 0; i < count; ++i) {
     const ImageFrame& frame = *frames[i * frames.size() / count];
-    views.push_back({EdgeImage(read_image(log.folder / frame.file), kSmooth_px), frame.time_start_s, frame.time_end_s});
+    views.push_back(
+        {EdgeImage(read_image(log.folder / frame.file), kSmooth_px), frame.time_start_s, frame.time_end_s});
   }
   const LogLidar& sensor = log.lidar(lidar);
   std::vector<DepthEdge> edges;

@@ -20,8 +20,8 @@ struct CameraView {
 };
 
 struct CameraPoseOptions {
-  double widest_search = 0.06;  // of the focal length: 3.4 degrees
-  int rounds = 14;              // of finding edges and solving
+  double widest_search = 0.06;   // of the focal length: 3.4 degrees
+  int rounds = 14;               // of finding edges and solving
   double least_strength = 0.01;  // luminance per pixel
   double sweeps_about_s = 0.16;  // edges of sweeps this near in time to a picture are looked for in it
 };
@@ -36,17 +36,18 @@ struct CameraPoseReport {
   Eigen::Vector3d translation_change_m = Eigen::Vector3d::Zero();  // camera frame, from the value given
   double rotation_change_rad = 0.0;
   bool time_known = false;
-  std::size_t edges = 0;        // depth edges in view
-  std::size_t matched = 0;      // of them, found in the pictures at the end
-  double outlier_share = 0.0;   // of the matched, farther than 3 sigma
-  double before_px = 0.0;       // median distance of matched edges, with the values given ...
-  double after_px = 0.0;        // ... and with those found
+  std::size_t edges = 0;           // depth edges in view
+  std::size_t matched = 0;         // of them, found in the pictures at the end
+  double outlier_share = 0.0;      // of the matched, farther than 3 sigma
+  double before_px = 0.0;          // median distance of matched edges, with the values given ...
+  double after_px = 0.0;           // ... and with those found
   std::vector<std::string> notes;  // what is not determined, and why
 };
 
-/// edges: of all sweeps, by time. Throws Error{kNumeric} with the reason where the data cannot tell the mounting:
-/// too few edges in view (a blank wall), or a direction in which the edges do not hold the camera. A clock
-/// that cannot be told apart from the mounting (a straight drive at constant speed) stays as it is, noted.
+/// edges: of all sweeps, by time. Throws Error{kNumeric} with the reason where the data cannot tell the
+/// mounting: too few edges in view (a blank wall), or a direction in which the edges do not hold the camera.
+/// A clock that cannot be told apart from the mounting (a straight drive at constant speed) stays as it is,
+/// noted.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const std::vector<CameraView>& views,
     const LogCamera& camera,

@@ -1,5 +1,7 @@
 #pragma once
 // The distance of a depth edge from an edge of a picture, for Ceres.
+#include "host/sensors/camera.hpp"
+#include "host/sensors/trajectory.hpp"
 #include "optim/calibration/lens_jets.hpp"
 #include "optim/calibration/residuals.hpp"
 
@@ -15,13 +17,8 @@ inline bool pixel_of(const Camera& camera,
   for (std::size_t i = 0; i < lens.size(); ++i) lens[i] = F(camera.lens.constants()[i]);
   F u(0.0);
   F v(0.0);
-  const bool valid = lens_jets::project(camera.lens.kind(),
-                                        lens,
-                                        F(p_camera.x(), 0),
-                                        F(p_camera.y(), 1),
-                                        F(p_camera.z(), 2),
-                                        u,
-                                        v);
+  const bool valid = lens_jets::project(
+      camera.lens.kind(), lens, F(p_camera.x(), 0), F(p_camera.y(), 1), F(p_camera.z(), 2), u, v);
   if (!valid) return false;
   pixel = {camera.fx * u.a + camera.cx, camera.fy * v.a + camera.cy};
   slope.row(0) = camera.fx * u.v.head<3>().transpose();
@@ -51,8 +48,8 @@ inline bool pixel_of(const Camera& camera, const double* p_camera, double* pixel
 }
 
 /// Signed distance, over sigma_px, of a world point's pixel from a line in the picture. The camera is
-/// mounted by (rotation, translation) = rig_from_camera; the rig is at share u of the way from pose 0 to pose 1
-/// at the pixel's recorded time, and time_offset later (or earlier) when the clock is off.
+/// mounted by (rotation, translation) = rig_from_camera; the rig is at share u of the way from pose 0 to pose
+/// 1 at the pixel's recorded time, and time_offset later (or earlier) when the clock is off.
 struct PointOnLine {
   const Camera* camera;
   Eigen::Vector3d p_world;

@@ -1,8 +1,7 @@
 #include "optim/calibration/lens_fit.hpp"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
+#include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -33,7 +32,8 @@ lens_jets::Constants constants_of(LensKind kind, const std::vector<F>& lens) {
   lens_jets::Constants k;
   k.fill(F(0.0));
   const auto put = [&](int at, int first, int last) {
-    for (int i = first; i < last; ++i) k[static_cast<std::size_t>(at + i - first)] = lens[static_cast<std::size_t>(i)];
+    for (int i = first; i < last; ++i)
+      k[static_cast<std::size_t>(at + i - first)] = lens[static_cast<std::size_t>(i)];
   };
   constexpr double kFar = 1e9;
   switch (kind) {
@@ -178,7 +178,10 @@ std::vector<int> held(LensKind kind, bool rational) {
 }
 
 /// Solves from `parameters`; returns the mean squared error in px^2.
-double solve(LensKind kind, const std::vector<Sample>& samples, bool rational, std::vector<double>& parameters) {
+double solve(LensKind kind,
+             const std::vector<Sample>& samples,
+             bool rational,
+             std::vector<double>& parameters) {
   ceres::Problem problem;
   double* const block = parameters.data();
   for (const Sample& sample : samples) problem.AddResidualBlock(new SamePixel(kind, sample), nullptr, block);
@@ -214,7 +217,10 @@ double solve(LensKind kind, const std::vector<Sample>& samples, bool rational, s
   return 2.0 * summary.final_cost / static_cast<double>(samples.size());
 }
 
-Camera camera_of(const Camera& source, LensKind kind, const std::vector<double>& parameters, double widest_rad) {
+Camera camera_of(const Camera& source,
+                 LensKind kind,
+                 const std::vector<double>& parameters,
+                 double widest_rad) {
   Camera out = source;
   out.fx = parameters[0];
   out.fy = parameters[1];
@@ -232,16 +238,18 @@ LensFit fit_lens(const Camera& source, LensKind kind) {
   constexpr int kSide = 48;
   constexpr double kGoodEnough_px = 0.01;
   if (kind == LensKind::kEquirectangular) {
-    throw Error(ErrorKind::kUsage, "model: found equirectangular, which has no parameter to fit, allowed any other");
+    throw Error(ErrorKind::kUsage,
+                "model: found equirectangular, which has no parameter to fit, allowed any other");
   }
   const std::vector<Sample> samples = sample_rays(source, kSide, 0.0, widest_angle(kind));
   if (samples.size() < 100) {
-    throw Error(ErrorKind::kNumeric,
-                fmt::format("fit of a {} lens to camera {}: found {} pixels with a ray that it can have, allowed "
-                            "at least 100",
-                            to_string(kind),
-                            source.name,
-                            samples.size()));
+    throw Error(
+        ErrorKind::kNumeric,
+        fmt::format("fit of a {} lens to camera {}: found {} pixels with a ray that it can have, allowed "
+                    "at least 100",
+                    to_string(kind),
+                    source.name,
+                    samples.size()));
   }
   std::vector<double> parameters = first_guess(source, kind);
   const double error = solve(kind, samples, false, parameters);
@@ -273,15 +281,18 @@ LensFit fit_lens(const Camera& source, LensKind kind) {
     fit.largest_at = check.pixel;
   }
   if (fit.checked > 0) fit.rms_px = std::sqrt(square / static_cast<double>(fit.checked));
-  fit.uncovered_share = static_cast<double>(uncovered) / static_cast<double>(std::max<std::size_t>(1, checks.size()));
+  fit.uncovered_share =
+      static_cast<double>(uncovered) / static_cast<double>(std::max<std::size_t>(1, checks.size()));
   return fit;
 }
 
-Eigen::Matrix<double, 2, Eigen::Dynamic> pixel_derivatives(const Camera& camera, const Eigen::Vector3d& direction) {
+Eigen::Matrix<double, 2, Eigen::Dynamic> pixel_derivatives(const Camera& camera,
+                                                           const Eigen::Vector3d& direction) {
   const LensKind kind = camera.lens.kind();
   const int count = lens_parameters(kind);
   std::vector<double> parameters{camera.fx, camera.fy, camera.cx, camera.cy};
-  parameters.insert(parameters.end(), camera.lens.parameters().begin(), camera.lens.parameters().begin() + count);
+  parameters.insert(
+      parameters.end(), camera.lens.parameters().begin(), camera.lens.parameters().begin() + count);
   const Eigen::Matrix<F, 2, 1> pixel = pixel_jets(kind, parameters.data(), direction);
   Eigen::Matrix<double, 2, Eigen::Dynamic> out(2, kFocal + count);
   for (int i = 0; i < 2; ++i) out.row(i) = pixel[i].v.head(kFocal + count).transpose();

@@ -9,10 +9,10 @@
 namespace simuli::calibration {
 
 struct LensFit {
-  Camera camera;              // same name, size and shutter
-  std::size_t samples = 0;    // rays that the fit used
-  std::size_t checked = 0;    // other rays, on which the errors below were measured
-  double rms_px = 0.0;        // distance between the two models' pixels
+  Camera camera;            // same name, size and shutter
+  std::size_t samples = 0;  // rays that the fit used
+  std::size_t checked = 0;  // other rays, on which the errors below were measured
+  double rms_px = 0.0;      // distance between the two models' pixels
   double largest_px = 0.0;
   Eigen::Vector2d largest_at = Eigen::Vector2d::Zero();  // pixel of the source
   double uncovered_share = 0.0;  // of the source's pixels with a ray, that the fitted model has no image for

@@ -2,10 +2,9 @@
 // cl/math/camera.h compiled for automatic derivatives: the text that the device and the host run is the one
 // that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this; the
 // vocabulary ends with the file.
-#include <ceres/jet.h>
-
 #include <Eigen/Core>
 #include <array>
+#include <ceres/jet.h>
 
 #include "cl/shared/layout.h"
 #include "host/sensors/lens.hpp"

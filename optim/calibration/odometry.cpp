@@ -1,9 +1,8 @@
 #include "optim/calibration/odometry.hpp"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -59,8 +58,11 @@ struct Registration {
 
 /// Every `stride`-th return that has a plane within gate_m, at most kPerPlane of each plane so that near
 /// surfaces do not outvote far ones.
-std::vector<Match> match(
-    const Returns& returns, std::size_t stride, const PlaneMap& map, const Registration& guess, double gate_m) {
+std::vector<Match> match(const Returns& returns,
+                         std::size_t stride,
+                         const PlaneMap& map,
+                         const Registration& guess,
+                         double gate_m) {
   constexpr int kPerPlane = 4;
   std::vector<int> plane_of(returns.size() / stride, -1);
   parallel_ranges(plane_of.size(), [&](std::size_t begin, std::size_t end) {
@@ -82,7 +84,8 @@ std::vector<Match> match(
 }
 
 /// One Gauss-Newton round on fixed matches; returns the larger of the moves (m, and rad x 10 m).
-double solve(const Returns& returns, const PlaneMap& map, double loss_m, const TimedPose& before, Registration& r) {
+double solve(
+    const Returns& returns, const PlaneMap& map, double loss_m, const TimedPose& before, Registration& r) {
   PoseBlock start(r.start.pose);
   PoseBlock end(r.end.pose);
   ceres::Problem problem;
@@ -171,8 +174,9 @@ void add_to_map(
 TimedPose continued(const TimedPose& from, const TimedPose& to, double time_s) {
   const double ratio = (time_s - to.time_s) / (to.time_s - from.time_s);
   const Pose step = from.pose.inverse() * to.pose;
-  return {time_s,
-          to.pose * Pose{Eigen::Quaterniond::Identity().slerp(ratio, step.rotation), ratio * step.translation}};
+  return {
+      time_s,
+      to.pose * Pose{Eigen::Quaterniond::Identity().slerp(ratio, step.rotation), ratio * step.translation}};
 }
 
 /// The first sweep's motion, found by trying forward speeds: which of them lets the second fit the first?
@@ -197,12 +201,13 @@ TimedPose first_motion(const std::vector<Returns>& sweeps,
     if (r.score > best.score) best = r;
   }
   if (best.matches.size() < kFewestMatches) {
-    throw Error(ErrorKind::kNumeric,
-                fmt::format("sweep 1: found {} of its points on surfaces of sweep 0 at any speed up to {} m/s, "
-                            "allowed at least {}",
-                            best.matches.size(),
-                            options.fastest_m_per_s,
-                            kFewestMatches));
+    throw Error(
+        ErrorKind::kNumeric,
+        fmt::format("sweep 1: found {} of its points on surfaces of sweep 0 at any speed up to {} m/s, "
+                    "allowed at least {}",
+                    best.matches.size(),
+                    options.fastest_m_per_s,
+                    kFewestMatches));
   }
   TimedPose end{knots_s[1], {}};
   for (int round = 0; round < 3; ++round) {
@@ -223,7 +228,8 @@ void require_constraint(const Returns& returns,
     throw Error(ErrorKind::kNumeric, fmt::format("{} {}: {}", unit, number, why));
   };
   if (r.matches.size() < kFewestMatches) {
-    refuse(fmt::format("found {} points on known surfaces, allowed at least {}", r.matches.size(), kFewestMatches));
+    refuse(fmt::format(
+        "found {} points on known surfaces, allowed at least {}", r.matches.size(), kFewestMatches));
   }
   std::vector<Vector3d> p_rig;
   std::vector<Vector3d> normal_rig;
@@ -232,19 +238,23 @@ void require_constraint(const Returns& returns,
     normal_rig.push_back(r.start.pose.rotation.conjugate() * map.plane(m.plane).normal);
   }
   const Constraint c = constraint_of(p_rig, normal_rig);
-  const auto text = [](const Vector3d& v) { return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x(), v.y(), v.z()); };
+  const auto text = [](const Vector3d& v) {
+    return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x(), v.y(), v.z());
+  };
   if (!(c.least_shift >= kLeastShare)) {
-    refuse(fmt::format("its surfaces do not determine the motion along {} of the rig: they face that way by "
-                       "{:.4f} (mean square cosine), allowed at least {}",
-                       text(c.shift_direction),
-                       c.least_shift,
-                       kLeastShare));
+    refuse(
+        fmt::format("its surfaces do not determine the motion along {} of the rig: they face that way by "
+                    "{:.4f} (mean square cosine), allowed at least {}",
+                    text(c.shift_direction),
+                    c.least_shift,
+                    kLeastShare));
   }
   if (!(c.least_turn >= kLeastShare)) {
-    refuse(fmt::format("its surfaces do not determine the turn about {} of the rig: {:.4f}, allowed at least {}",
-                       text(c.turn_axis),
-                       c.least_turn,
-                       kLeastShare));
+    refuse(
+        fmt::format("its surfaces do not determine the turn about {} of the rig: {:.4f}, allowed at least {}",
+                    text(c.turn_axis),
+                    c.least_turn,
+                    kLeastShare));
   }
 }
 
@@ -264,7 +274,8 @@ std::vector<double> knot_times(const std::vector<Returns>& sweeps) {
     }
     knots.push_back(sweep.time_start_s);
     const bool last = i + 1 == sweeps.size();
-    if (last || sweeps[i + 1].time_start_s - sweep.time_end_s > kPause * span_s) knots.push_back(sweep.time_end_s);
+    if (last || sweeps[i + 1].time_start_s - sweep.time_end_s > kPause * span_s)
+      knots.push_back(sweep.time_end_s);
   }
   return knots;
 }
@@ -299,7 +310,8 @@ Constraint constraint_of(const std::vector<Vector3d>& p_rig, const std::vector<V
   out.least_shift = shifts.eigenvalues()[0];
   out.shift_direction = shifts.eigenvectors().col(0);
   // What turns alone tell, once every shift has been allowed for.
-  const Matrix3d left = turn - mixed * shift.completeOrthogonalDecomposition().pseudoInverse() * mixed.transpose();
+  const Matrix3d left =
+      turn - mixed * shift.completeOrthogonalDecomposition().pseudoInverse() * mixed.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> turns(left);
   out.least_turn = turns.eigenvalues()[0];
   out.turn_axis = turns.eigenvectors().col(0);
@@ -314,8 +326,9 @@ std::vector<TimedPose> find_path(const std::vector<Returns>& sweeps,
   }
   for (std::size_t i = 0; i < sweeps.size(); ++i) {
     if (sweeps[i].size() >= kFewestReturns) continue;
-    throw Error(ErrorKind::kNumeric,
-                fmt::format("sweep {}: found {} returns, allowed at least {}", i, sweeps[i].size(), kFewestReturns));
+    throw Error(
+        ErrorKind::kNumeric,
+        fmt::format("sweep {}: found {} returns, allowed at least {}", i, sweeps[i].size(), kFewestReturns));
   }
   const std::vector<double> knots_s = knot_times(sweeps);
   std::vector<TimedPose> path{{knots_s[0], Pose{}}, first_motion(sweeps, knots_s, options)};
@@ -368,10 +381,9 @@ Fit fit_of(const std::vector<Returns>& sweeps, const std::vector<TimedPose>& pat
   if (distances.empty()) return fit;
   const auto count = static_cast<double>(distances.size());
   fit.planar_share = count / static_cast<double>(points);
-  fit.outlier_share =
-      static_cast<double>(std::count_if(
-          distances.begin(), distances.end(), [](double d) { return d > Fit::kOutlier_m; })) /
-      count;
+  fit.outlier_share = static_cast<double>(std::count_if(
+                          distances.begin(), distances.end(), [](double d) { return d > Fit::kOutlier_m; })) /
+                      count;
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   fit.median_m = *middle;

@@ -31,8 +31,8 @@ std::uint64_t voxel_key(const Eigen::Vector3d& p, double size_m) {
 void PlaneMap::add(const Eigen::Vector3d& p_world) {
   for (std::size_t level = 0; level < kSizes_m.size(); ++level) {
     const double size_m = kSizes_m[level];
-    const auto [place, is_new] =
-        cell_of_voxel_[level].try_emplace(voxel_key(p_world, size_m), static_cast<std::uint32_t>(cells_.size()));
+    const auto [place, is_new] = cell_of_voxel_[level].try_emplace(voxel_key(p_world, size_m),
+                                                                   static_cast<std::uint32_t>(cells_.size()));
     if (is_new) {
       cells_.emplace_back();
       cells_.back().corner = (p_world / size_m).array().floor() * size_m;

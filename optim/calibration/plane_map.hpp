@@ -30,7 +30,9 @@ class PlaneMap {
   void update();
   /// Number of the plane in whose voxel p lies; -1 where there is none. Numbers stay when points are added.
   [[nodiscard]] int find(const Eigen::Vector3d& p_world) const;
-  [[nodiscard]] const Plane& plane(int number) const { return cells_[static_cast<std::size_t>(number)].plane; }
+  [[nodiscard]] const Plane& plane(int number) const {
+    return cells_[static_cast<std::size_t>(number)].plane;
+  }
   [[nodiscard]] std::size_t cells() const { return cells_.size(); }
 
  private:

@@ -1,11 +1,10 @@
 #include "optim/calibration/refine.hpp"
 
-#include <ceres/ceres.h>
-#include <ceres/crs_matrix.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <ceres/ceres.h>
+#include <ceres/crs_matrix.h>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -140,11 +139,12 @@ class JointProblem {
     for (std::size_t i = 0; i < path.size(); ++i) path[i].pose = blocks_[i].pose();
   }
 
-  /// Fills in sigma_m and the standard deviations of a step, of the first kMostKnots knots: the inverse of the
-  /// information that is left for poses when every plane has been allowed for.
+  /// Fills in sigma_m and the standard deviations of a step, of the first kMostKnots knots: the inverse of
+  /// the information that is left for poses when every plane has been allowed for.
   void measure(RefineReport& report) {
     constexpr std::size_t kMostKnots = 120;
-    const auto knots = static_cast<Eigen::Index>(std::min(blocks_.size(), kMostKnots)) - 1;  // the first is fixed
+    const auto knots =
+        static_cast<Eigen::Index>(std::min(blocks_.size(), kMostKnots)) - 1;  // the first is fixed
     ceres::Problem::EvaluateOptions what;
     for (Eigen::Index i = 1; i <= knots; ++i) {
       PoseBlock& block = blocks_[static_cast<std::size_t>(i)];
@@ -184,7 +184,8 @@ class JointProblem {
           } else if (i >= size && j >= size) {
             planes[static_cast<std::size_t>((i - size) / 3)]((i - size) % 3, (j - size) % 3) += value;
           } else if (i >= size) {
-            const auto place = mixed[static_cast<std::size_t>((i - size) / 3)].try_emplace(j, Vector3d::Zero()).first;
+            const auto place =
+                mixed[static_cast<std::size_t>((i - size) / 3)].try_emplace(j, Vector3d::Zero()).first;
             place->second[(i - size) % 3] += value;
           }
         }
@@ -203,10 +204,9 @@ class JointProblem {
     for (Eigen::Index k = 1; k < knots; ++k) {
       const Eigen::Index here = 6 * k;
       const Eigen::Index before = here - 6;
-      const Eigen::Matrix<double, 6, 6> step = covariance.block<6, 6>(here, here) +
-                                               covariance.block<6, 6>(before, before) -
-                                               covariance.block<6, 6>(here, before) -
-                                               covariance.block<6, 6>(before, here);
+      const Eigen::Matrix<double, 6, 6> step =
+          covariance.block<6, 6>(here, here) + covariance.block<6, 6>(before, before) -
+          covariance.block<6, 6>(here, before) - covariance.block<6, 6>(before, here);
       turn += 4.0 * step.topLeftCorner<3, 3>().trace();  // Ceres turns by half-angles
       shift += step.bottomRightCorner<3, 3>().trace();
     }
@@ -250,8 +250,9 @@ RefineReport refine_path(const std::vector<Returns>& sweeps,
   for (int round = 0; round < options.rounds; ++round) {
     std::vector<FreePlane> planes = find_planes(sweeps, path, options.points_per_sweep);
     if (planes.empty()) {
-      throw Error(ErrorKind::kNumeric,
-                  fmt::format("joint refinement of the path: found no plane that {} sweeps see", kFewestSweeps));
+      throw Error(
+          ErrorKind::kNumeric,
+          fmt::format("joint refinement of the path: found no plane that {} sweeps see", kFewestSweeps));
     }
     report.planes = planes.size();
     report.residuals = 0;

@@ -18,7 +18,7 @@ struct PathPrior {
 
 struct RefineOptions {
   std::size_t points_per_sweep = 12000;  // looked up
-  int rounds = 2;  // of finding planes and solving for them and all poses
+  int rounds = 2;                        // of finding planes and solving for them and all poses
 };
 
 struct RefineReport {

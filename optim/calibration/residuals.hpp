@@ -1,11 +1,10 @@
 #pragma once
 // Residuals for Ceres, written once for doubles and Jets (automatic derivatives). Rotations are quaternions
 // (w, x, y, z). Included by the sources of this folder and their tests alone.
-#include <ceres/autodiff_cost_function.h>
-#include <ceres/rotation.h>
-
 #include <Eigen/Core>
 #include <array>
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/rotation.h>
 
 #include "host/scene/pose.hpp"
 
@@ -63,8 +62,11 @@ struct PointOnPlane {
   double sigma_m;
 
   template <class T>
-  bool operator()(const T* rotation_0, const T* translation_0, const T* rotation_1, const T* translation_1, T* out)
-      const {
+  bool operator()(const T* rotation_0,
+                  const T* translation_0,
+                  const T* rotation_1,
+                  const T* translation_1,
+                  T* out) const {
     T p[3];
     moved_point(rotation_0, translation_0, rotation_1, translation_1, u, p_rig, p);
     out[0] = ((p[0] - centre.x()) * normal.x() + (p[1] - centre.y()) * normal.y() +

@@ -7,11 +7,8 @@ constexpr double kNearest_m = 2.0;  // nearer is the vehicle itself
 
 }  // namespace
 
-Returns returns_of(const Sweep& sweep,
-                   const LogLidar& lidar,
-                   double time_start_s,
-                   double time_end_s,
-                   bool reversed) {
+Returns returns_of(
+    const Sweep& sweep, const LogLidar& lidar, double time_start_s, double time_end_s, bool reversed) {
   const std::size_t columns = static_cast<std::size_t>(sweep.rays.columns);
   Returns out;
   out.time_start_s = time_start_s;

@@ -19,13 +19,10 @@ struct Returns {
   [[nodiscard]] std::size_t size() const { return p_rig.size(); }
 };
 
-/// The returns of a sweep in firing grid order, without those of the vehicle itself (nearer than 2 m). With `reversed` the sensor is taken to spin the other way:
-/// a ray at share f of the sweep fires at 1 - f.
+/// The returns of a sweep in firing grid order, without those of the vehicle itself (nearer than 2 m). With
+/// `reversed` the sensor is taken to spin the other way: a ray at share f of the sweep fires at 1 - f.
 [[nodiscard]] Returns returns_of(const Log& log, const SweepFrame& frame, bool reversed = false);
-[[nodiscard]] Returns returns_of(const Sweep& sweep,
-                                 const LogLidar& lidar,
-                                 double time_start_s,
-                                 double time_end_s,
-                                 bool reversed = false);
+[[nodiscard]] Returns returns_of(
+    const Sweep& sweep, const LogLidar& lidar, double time_start_s, double time_end_s, bool reversed = false);
 
 }  // namespace simuli::calibration

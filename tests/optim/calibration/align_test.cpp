@@ -67,7 +67,8 @@ TEST_F(StreetLog, OneSweepIsNoPath) {
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("found 1, allowed at least 2"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("found 1, allowed at least 2"), std::string::npos)
+        << error.what();
   }
 }
 

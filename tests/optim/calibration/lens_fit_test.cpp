@@ -1,7 +1,6 @@
 #include "optim/calibration/lens_fit.hpp"
 
 #include <gtest/gtest.h>
-
 #include <random>
 
 #include "host/base/error.hpp"
@@ -22,7 +21,8 @@ Camera some_camera(LensKind kind) {
   Camera camera{"some", 640, 480, 300.0, 310.0, 322.0, 239.0, ShutterKind::kGlobal, {}};
   switch (kind) {
     case LensKind::kOpencvPinhole:
-      camera.lens = Lens(kind, {-0.2, 0.05, 1e-3, -5e-4, -0.01, 0.02, 0.01, 0.002, 1e-3, 2e-4, -1e-3, 1e-4, 1.2});
+      camera.lens =
+          Lens(kind, {-0.2, 0.05, 1e-3, -5e-4, -0.01, 0.02, 0.01, 0.002, 1e-3, 2e-4, -1e-3, 1e-4, 1.2});
       break;
     case LensKind::kOpencvFisheye:
       camera.lens = Lens(kind, {0.02, -0.01, 0.003, -5e-4, 1.5});

@@ -1,16 +1,15 @@
 // Paths found in the analytic street, whose truth is known, and in recorded sweeps.
 #include "optim/calibration/odometry.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <random>
 
 #include "host/base/error.hpp"
-#include "io/json_reader.hpp"
 #include "io/file.hpp"
+#include "io/json_reader.hpp"
 #include "io/kitti_parts.hpp"
 #include "optim/calibration/refine.hpp"
 #include "optim/calibration/spin.hpp"
@@ -88,9 +87,11 @@ TEST_F(StreetPath, IsFoundWithoutAnyPose) {
 
 TEST_F(StreetPath, FollowsAPriorAsFarAsItIsBelieved) {
   // A prior 0.5 m aside and 1 degree turned, everywhere: only it tells where the world is.
-  const Pose world_from_truth{Eigen::Quaterniond(Eigen::AngleAxisd(kDegree, Eigen::Vector3d::UnitZ())), {0.0, 0.5, 0.0}};
+  const Pose world_from_truth{Eigen::Quaterniond(Eigen::AngleAxisd(kDegree, Eigen::Vector3d::UnitZ())),
+                              {0.0, 0.5, 0.0}};
   std::vector<TimedPose> poses;
-  for (const TimedPose& p : drive_->log.world_from_rig.poses()) poses.push_back({p.time_s, world_from_truth * p.pose});
+  for (const TimedPose& p : drive_->log.world_from_rig.poses())
+    poses.push_back({p.time_s, world_from_truth * p.pose});
   const PathPrior prior{Trajectory(poses), 0.02, 0.1 * kDegree};
   std::vector<TimedPose> path;
   for (const double t : knot_times(*sweeps_)) path.push_back({t, drive_->log.world_from_rig.at(t)});
@@ -122,7 +123,8 @@ TEST(Spin, IsNotToldByARestingRig) {
   EXPECT_NE(report.reason.find("hardly moves"), std::string::npos) << report.reason;
 }
 
-/// Sweeps of a rig that drives 0.8 m a sweep along x between walls; `wall(direction)` is the distance along a ray.
+/// Sweeps of a rig that drives 0.8 m a sweep along x between walls; `wall(direction)` is the distance along a
+/// ray.
 template <class Wall>
 std::vector<Returns> made_up_sweeps(const Wall& range) {
   std::mt19937_64 dice(5);
@@ -209,9 +211,9 @@ TEST(Odometry, Kitti) {
   std::vector<Returns> sweeps;
   std::vector<Pose> truth;
   std::vector<double> forward_s;
-  read_json_text(read_file(root / "poses_0013.json"), "poses_0013.json", [&](JsonObject& file) {
-    file.ignore_other_keys();
-    return file.objects("frames", [&](JsonObject& frame) {
+  read_json_text(read_file(root / "poses_0013.json"), "poses_0013.json", [&](JsonObject& json) {
+    json.ignore_other_keys();
+    return json.objects("frames", [&](JsonObject& frame) {
       frame.ignore_other_keys();
       if (sweeps.size() == kSweeps) return 0;
       Returns& sweep = sweeps.emplace_back();
@@ -221,11 +223,13 @@ TEST(Odometry, Kitti) {
       Eigen::Matrix<double, 3, 4> m;
       const Json& rows = frame.get("world_from_velo");
       for (int i = 0; i < 12; ++i) {
-        m(i / 4, i % 4) = rows[static_cast<std::size_t>(i / 4)][static_cast<std::size_t>(i % 4)].get<double>();
+        m(i / 4, i % 4) =
+            rows[static_cast<std::size_t>(i / 4)][static_cast<std::size_t>(i % 4)].get<double>();
       }
       truth.push_back(Pose::from_matrix(m));
       const auto index = static_cast<int>(frame.integer("index"));
-      const std::string file = fmt::format("2011_09_26/2011_09_26_drive_0013_sync/velodyne_points/data/{:010}.bin", index);
+      const std::string file =
+          fmt::format("2011_09_26/2011_09_26_drive_0013_sync/velodyne_points/data/{:010}.bin", index);
       for (const kitti::Point& point : kitti::read_points(root / file)) {
         const Eigen::Vector3d& p = point.position;
         if (!(p.norm() >= 2.0)) continue;
@@ -242,7 +246,8 @@ TEST(Odometry, Kitti) {
   EXPECT_LT(fit_of(sweeps, path).median_m, 0.015);
   const Trajectory found(path);
   double metres = 0.0;
-  for (std::size_t i = 1; i < kSweeps; ++i) metres += (truth[i].translation - truth[i - 1].translation).norm();
+  for (std::size_t i = 1; i < kSweeps; ++i)
+    metres += (truth[i].translation - truth[i - 1].translation).norm();
   const Pose real = truth.front().inverse() * truth.back();
   const Pose ours = found.at(forward_s.front()).inverse() * found.at(forward_s.back());
   const Pose off = real.inverse() * ours;

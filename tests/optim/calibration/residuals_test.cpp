@@ -3,7 +3,6 @@
 
 #include <ceres/numeric_diff_cost_function.h>
 #include <gtest/gtest.h>
-
 #include <numbers>
 #include <random>
 
@@ -22,7 +21,9 @@ Pose random_pose(std::mt19937_64& dice, double turn_rad, double reach_m) {
 }
 
 /// Largest difference of two Jacobians over the largest entry.
-double difference(const ceres::CostFunction& a, const ceres::CostFunction& b, const std::vector<double*>& blocks) {
+double difference(const ceres::CostFunction& a,
+                  const ceres::CostFunction& b,
+                  const std::vector<double*>& blocks) {
   const auto jacobian = [&](const ceres::CostFunction& cost) {
     std::vector<double> residuals(static_cast<std::size_t>(cost.num_residuals()));
     std::vector<std::vector<double>> parts;
@@ -64,7 +65,8 @@ class Derivatives : public testing::TestWithParam<int> {
 };
 
 TEST_P(Derivatives, OfAPointOnAPlane) {
-  const PointOnPlane residual{{7.0, -3.0, 1.0}, 0.3, {1.0, 2.0, 3.0}, Eigen::Vector3d(1, 2, -2).normalized(), 0.02};
+  const PointOnPlane residual{
+      {7.0, -3.0, 1.0}, 0.3, {1.0, 2.0, 3.0}, Eigen::Vector3d(1, 2, -2).normalized(), 0.02};
   const ceres::AutoDiffCostFunction<PointOnPlane, 1, 4, 3, 4, 3> automatic(new PointOnPlane(residual));
   const ceres::NumericDiffCostFunction<PointOnPlane, ceres::CENTRAL, 1, 4, 3, 4, 3> numeric(
       new PointOnPlane(residual));
@@ -83,7 +85,8 @@ TEST_P(Derivatives, OfAPointOnAFreePlane) {
       {7.0, -3.0, 1.0}, 0.8, {1.0, 2.0, 3.0}, normal, first, normal.cross(first), 0.02};
   std::array<double, 3> plane{0.1, -0.05, 0.2};
   blocks_.push_back(plane.data());
-  const ceres::AutoDiffCostFunction<PointOnFreePlane, 1, 4, 3, 4, 3, 3> automatic(new PointOnFreePlane(residual));
+  const ceres::AutoDiffCostFunction<PointOnFreePlane, 1, 4, 3, 4, 3, 3> automatic(
+      new PointOnFreePlane(residual));
   const ceres::NumericDiffCostFunction<PointOnFreePlane, ceres::CENTRAL, 1, 4, 3, 4, 3, 3> numeric(
       new PointOnFreePlane(residual));
   EXPECT_LT(difference(automatic, numeric, blocks_), kDerivative);
@@ -118,7 +121,8 @@ TEST_P(Derivatives, OfAPointOnALineInEveryLens) {
                                Eigen::Vector2d(0.6, 0.8),
                                0.5};
     const ceres::AutoDiffCostFunction<PointOnLine, 1, 4, 3, 1> automatic(new PointOnLine(residual));
-    const ceres::NumericDiffCostFunction<PointOnLine, ceres::CENTRAL, 1, 4, 3, 1> numeric(new PointOnLine(residual));
+    const ceres::NumericDiffCostFunction<PointOnLine, ceres::CENTRAL, 1, 4, 3, 1> numeric(
+        new PointOnLine(residual));
     const std::vector<double*> blocks{mounting.rotation.data(), mounting.translation.data(), &clock};
     EXPECT_LT(difference(automatic, numeric, blocks), kDerivative) << name;
     // The distance itself, by the road that rendering takes.

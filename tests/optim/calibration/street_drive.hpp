@@ -18,7 +18,8 @@ inline Pose drive_pose(double time_s, double speed_m_per_s, double swing) {
   const double heading = std::atan(0.4 * 0.3 * std::cos(0.3 * x));
   const double pitch = 0.008 * std::sin(0.9 * x);
   const double roll = 0.008 * std::sin(0.6 * x + 1.0);
-  return {Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+  return {Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
+              Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
               Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()),
           {x, y, 0.0}};
 }
