@@ -56,13 +56,15 @@ class UnifiedTrainer {
         truth_(device, log, scene_, options_, renderer_.options(), {}),
         camera_(device, scene_.camera),
         lidar_(device, scene_.lidar),
+        look_(device, log, scene_, options_),
         keys_(device, "keys of both", scene_.camera.size()),
         images_(select_frames(log.images, options.held_out_every, false), options.seed, 1),
         sweeps_(select_frames(log.sweeps, options.held_out_every, false), options.seed, 2) {}
 
   void step(int iteration) {
     const double progress = static_cast<double>(iteration) / options_.iterations;
-    camera_gradients(images_.at(static_cast<std::uint64_t>(iteration)));
+    camera_gradients(
+        images_.at(static_cast<std::uint64_t>(iteration)), static_cast<std::uint64_t>(iteration), progress);
     std::vector<std::uint32_t> keys = renderer_.buffers().keys.download();
     std::vector<float> grads = camera_.grads.download_float();
     const std::size_t stride = camera_.particles.stride;
@@ -99,16 +101,24 @@ class UnifiedTrainer {
     Scene out = scene_;
     out.camera = camera_.particles.download();
     out.lidar = lidar_.particles.download();
+    look_.store(out);
     return out;
   }
 
  private:
-  void camera_gradients(std::size_t index) {
+  void camera_gradients(std::size_t index, std::uint64_t iteration, double progress) {
     const ImageFrame& frame = log_.images[index];
     const auto truth = truth_.image(index);
-    renderer_.render(camera_.particles, truth_.camera_rays(frame.camera), view_of(log_, scene_, frame));
+    renderer_.render(camera_.particles,
+                     truth_.camera_rays(frame.camera),
+                     view_of(log_, scene_, frame),
+                     look_.environment());
+    look_.grade(renderer_, index);
     const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
-    (void)renderer_.image_loss(truth->truth, 1.0 / values, options_.colour_squared / values);
+    const ImageWeights& w = options_.image;
+    (void)renderer_.image_loss(truth->truth,
+                               {w.absolute / values, w.squared / values, w.dissimilarity / values});
+    look_.step(renderer_, index, iteration, progress);
     renderer_.backward(camera_.particles, camera_.grads);
   }
   void lidar_gradients(std::size_t index) {
@@ -128,6 +138,7 @@ class UnifiedTrainer {
   Renderer renderer_;
   TruthCache truth_;
   SensorSide camera_, lidar_;
+  TrainedLook look_;
   Buffer<std::uint32_t> keys_;
   FrameOrder images_, sweeps_;
 };

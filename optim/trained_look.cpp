@@ -91,4 +91,15 @@ void TrainedLook::store(Scene& scene) const {
   grids_->buffers.download(scene.color_grids);
 }
 
+void TrainedLook::add_state(StateList& list) {
+  const auto add = [&list](const std::string& name, RealBuffer& values, AdamStage& adam) {
+    list.add(name, values);
+    list.add(name + "/first_moment", adam.first_moment());
+    list.add(name + "/second_moment", adam.second_moment());
+    list.add(name + "/rejections", adam.rejections());
+  };
+  if (environment_) add("environment", environment_->buffers.texture, environment_->adam);
+  if (grids_) add("color_grids", grids_->buffers.grid, grids_->adam);
+}
+
 }  // namespace simuli

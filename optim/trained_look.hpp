@@ -7,6 +7,7 @@
 #include "host/render/renderer.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log.hpp"
+#include "optim/state.hpp"
 #include "optim/train_options.hpp"
 
 namespace simuli {
@@ -25,6 +26,8 @@ class TrainedLook {
   /// Gradient entries that were not finite. Waits.
   [[nodiscard]] std::uint32_t rejected() const;
   void store(Scene& scene) const;
+  /// What a checkpoint holds of it.
+  void add_state(StateList& list);
 
  private:
   struct Environment {

@@ -99,12 +99,12 @@ class Trainer {
   Trainer& operator=(const Trainer&) = delete;
 
  private:
-  void regularize(TrainedSet& set, const ParticleWeights& weights);
   /// Whether the loss of a frame is a finite number; counts it when it is not.
   bool is_sound(double loss);
   StateList state(const std::string& settings);
   /// What the frame says of the actors: their poses, behind the particles' own step.
   void step_actors(TrainedSet& set, double time_start_s, double time_end_s, double progress);
+  void regularize(TrainedSet& set, const ParticleWeights& weights);
   void step_camera(double progress);  // trainer_camera.cpp
   void step_lidar(double progress);   // trainer_lidar.cpp
   // trainer_structure.cpp

@@ -27,8 +27,8 @@ void Trainer::step_camera(double progress) {
       camera_.particles, camera_.grads, {.errors = errors, .ray_gradients = offsets_.contains(frame.camera)});
   if (errors) densify_->accumulate(renderer_.frame(), renderer_.buffers(), camera_.error);
   step_pose(frame.camera, camera_.grads, progress);
-  add_anchor_gradient();
   regularize(camera_, options_.camera_particles);
+  add_anchor_gradient();
   camera_.adam.run(camera_.particles,
                    camera_.grads,
                    renderer_.buffers().keys,

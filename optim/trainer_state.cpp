@@ -34,6 +34,7 @@ StateList Trainer::state(const std::string& settings) {
     list.add("anchor/candidates", anchor_->candidates());
     list.add("anchor/nearest", anchor_->nearest());
   }
+  look_.add_state(list);
   for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
   return list;
 }

@@ -86,7 +86,7 @@ void validate(const RenderOptions& options) {
        "shutter_iterations",
        o.shutter_iterations,
        "1 to 64");
-  need(o.alpha_cut >= 1e-6 && o.alpha_cut <= 0.5, "alpha_cut", o.alpha_cut, "1e-6 to 0.5");
+  need(o.alpha_cut >= 1e-30 && o.alpha_cut <= 0.5, "alpha_cut", o.alpha_cut, "1e-30 to 0.5");
   need(o.transmittance_cut >= 0.0 && o.transmittance_cut <= 0.5,
        "transmittance_cut",
        o.transmittance_cut,

@@ -8,6 +8,7 @@
 #include "host/render/actor.hpp"
 #include "host/render/picture_stages.hpp"
 #include "host/render/pose_gradient.hpp"
+#include "host/render/stages.hpp"
 #include "host/scene/actor.hpp"
 #include "host/scene/pose.hpp"
 
@@ -90,6 +91,8 @@ class Renderer {
   LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
     return loss_.run_lidar(frame_, buffers_, truth, scale);
   }
+  /// [3][slots] in slot order: the picture of the last render, graded when it has been.
+  [[nodiscard]] const RealBuffer& picture() const { return graded_ ? picture_ : buffers_.out; }
   /// dL/d(outputs)[5][slots] given directly: features, transmittance, sum of w tau.
   void set_output_gradients(const std::vector<double>& gradients);
   /// dL/d(graded picture) -> dL/d(outputs) and grid_grads[reals] of grid `index`; before the other two.
@@ -116,8 +119,6 @@ class Renderer {
     actors_.confine(particles, actors, margin_m);
   }
 
-  /// [3][slots] of the last render, graded if it was.
-  [[nodiscard]] const RealBuffer& picture() const { return graded_ ? picture_ : buffers_.out; }
   [[nodiscard]] const FrameBuffers& buffers() const { return buffers_; }
   [[nodiscard]] FrameBuffers& buffers() { return buffers_; }
   [[nodiscard]] const shared::FrameParams& frame() const { return frame_; }
