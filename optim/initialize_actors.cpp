@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <string_view>
 #include <utility>
 
@@ -13,6 +15,40 @@ namespace {
 constexpr double kRoad_m = 0.1;
 /// Kinds whose left and right are alike.
 constexpr std::array<std::string_view, 4> kVehicles{"car", "van", "truck", "bus"};
+
+/// Gives unseen points the look of the nearest seen one within two voxels of their mirror image.
+void mirror_looks(const PointSet& points, double voxel_m, std::vector<PointLook>& looks) {
+  const double cell_m = 2.0 * voxel_m;
+  using Cell = std::array<int, 3>;
+  const auto cell_of = [&](const Eigen::Vector3d& p) {
+    const Eigen::Vector3i c = (p / cell_m).array().floor().cast<int>();
+    return Cell{c.x(), c.y(), c.z()};
+  };
+  const auto position = [&](std::size_t i) -> Eigen::Vector3d {
+    return points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
+  };
+  std::map<Cell, std::vector<std::size_t>> seen;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    if (std::isfinite(looks[i].range_m)) seen[cell_of(position(i))].push_back(i);
+  }
+  const std::vector<PointLook> first = looks;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    if (std::isfinite(first[i].range_m)) continue;
+    const Eigen::Vector3d image = position(i).cwiseProduct(Eigen::Vector3d(1.0, -1.0, 1.0));
+    const Cell middle = cell_of(image);
+    double nearest_m = cell_m;
+    for (int k = 0; k < 27; ++k) {
+      const auto cell = seen.find({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1});
+      if (cell == seen.end()) continue;
+      for (const std::size_t other : cell->second) {
+        const double apart_m = (position(other) - image).norm();
+        if (!(apart_m < nearest_m)) continue;
+        nearest_m = apart_m;
+        looks[i] = first[other];
+      }
+    }
+  }
+}
 
 }  // namespace
 
@@ -96,6 +132,7 @@ std::vector<std::vector<PointLook>> ActorPoints::split(const std::vector<PointLo
     const auto end = at + static_cast<std::ptrdiff_t>(points.size());
     out.emplace_back(at, end);
     at = end;
+    if (mirrors(actors_[out.size() - 1])) mirror_looks(points, options_.voxel_m, out.back());
   }
   return out;
 }

@@ -40,7 +40,8 @@ class ActorPoints {
   /// `background` and behind it all actors' points (those of actors[0] first) as they stand in the scene at
   /// time_s. Where an actor is not there, its points are where no picture sees them.
   [[nodiscard]] PointSet placed(const PointSet& background, double time_s) const;
-  /// Looks behind those of `background_count` points, parted by actor.
+  /// Looks behind those of `background_count` points, parted by actor. With `mirror`, a point of a vehicle that
+  /// no picture saw takes the look of the point nearest to its mirror image.
   [[nodiscard]] std::vector<std::vector<PointLook>> split(const std::vector<PointLook>& looks,
                                                           std::size_t background_count) const;
 

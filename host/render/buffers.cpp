@@ -80,6 +80,12 @@ void ParticleBuffers::upload(const GaussianSet& set) {
   upload_actors(set.actor);
 }
 
+void ParticleBuffers::refresh_actors() {
+  std::vector<std::uint32_t> actor = actor_of.download();
+  actor.resize(actor.empty() ? 0 : count);
+  upload_actors(actor);
+}
+
 void ParticleBuffers::upload_actors(const std::vector<std::uint32_t>& actor) {
   actors = actor.empty() ? 0 : *std::max_element(actor.begin(), actor.end());
   if (!actor.empty() && actor.size() != count) {

@@ -81,6 +81,8 @@ struct ParticleBuffers {
   Buffer<std::uint32_t> actor_of;     // [stride]
   Buffer<std::uint32_t> actor_list;   // particles of actors, those of an actor consecutive
   Buffer<std::uint32_t> actor_first;  // [actors + 1], of each in the list
+  /// After actor_of changed on the device (particles relocated or added): the other members again. Waits.
+  void refresh_actors();
 
  private:
   void upload_actors(const std::vector<std::uint32_t>& actor);

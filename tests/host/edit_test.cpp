@@ -1,0 +1,104 @@
+#include "host/scene/edit.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/host/expect_error.hpp"
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kExact = 1e-12;
+
+/// Two cars; particle i of a set has i in its first parameter.
+Scene two_cars() {
+  Scene scene;
+  Actor car;
+  car.name = "first";
+  car.kind = "car";
+  car.size_m = {4.0, 1.8, 1.5};
+  const Eigen::Quaterniond left(Eigen::AngleAxisd(std::acos(0.0), Vector3d::UnitZ()));
+  car.track = {{1.0, {left, {10, 0, 0}}}, {2.0, {left, {10, 8, 0}}}};
+  scene.actors.push_back(car);
+  car.name = "second";
+  scene.actors.push_back(car);
+  scene.camera = GaussianSet(SetKind::kCamera, 1, 5);
+  scene.lidar = GaussianSet(SetKind::kLidar, 0, 3);
+  for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    for (Eigen::Index i = 0; i < set->size(); ++i) set->params(i, 0) = static_cast<float>(i);
+  }
+  scene.camera.actor = {0, 1, 2, 1, 0};
+  scene.lidar.actor = {2, 0, 2};
+  return scene;
+}
+
+TEST(Edit, RemovesAnActorWithItsParticles) {
+  Scene scene = two_cars();
+  remove_actor(scene, "first");
+  ASSERT_EQ(scene.actors.size(), 1U);
+  EXPECT_EQ(scene.actors[0].name, "second");
+  EXPECT_EQ(scene.camera.actor, (std::vector<std::uint32_t>{0, 1, 0}));
+  EXPECT_EQ(scene.camera.params.col(0), Eigen::Vector3f(0, 2, 4));
+  EXPECT_EQ(scene.lidar.actor, (std::vector<std::uint32_t>{1, 0, 1}));
+  remove_actor(scene, "second");
+  EXPECT_TRUE(scene.camera.actor.empty());
+  EXPECT_EQ(scene.camera.size(), 2);
+  EXPECT_EQ(scene.lidar.size(), 1);
+}
+
+TEST(Edit, MovesInTheActorsOwnFrame) {
+  Scene scene = two_cars();
+  move_actor(scene, "second", {1.0, 2.0, 0.5});
+  EXPECT_TRUE(scene.actors[1].at(1.5).translation.isApprox(Vector3d(8.0, 5.0, 0.5), kExact));
+  EXPECT_TRUE(scene.actors[0].at(1.5).translation.isApprox(Vector3d(10.0, 4.0, 0.0), kExact));
+}
+
+TEST(Edit, RetimesFromTheStartOfTheTrack) {
+  Scene scene = two_cars();
+  retime_actor(scene, "first", 2.0, 0.25);
+  EXPECT_TRUE(scene.actors[0].at(1.5).translation.isApprox(Vector3d(10.0, 4.0, 0.0), kExact));
+  EXPECT_FALSE(scene.actors[0].is_there(1.1));
+  expect_error(ErrorKind::kUsage, "found 0 times", [&] { retime_actor(scene, "first", 0.0, 0.0); });
+}
+
+TEST(Edit, SendsAnActorElsewhere) {
+  Scene scene = two_cars();
+  retrack_actor(scene, "first", {{0.0, {Eigen::Quaterniond::Identity(), {1, 2, 3}}}});
+  EXPECT_TRUE(scene.actors[0].at(0.0).translation.isApprox(Vector3d(1, 2, 3), kExact));
+  expect_error(ErrorKind::kInput, "track", [&] { retrack_actor(scene, "first", {}); });
+  EXPECT_EQ(scene.actors[0].track.size(), 1U);
+}
+
+TEST(Edit, DuplicatesWithParticles) {
+  Scene scene = two_cars();
+  duplicate_actor(scene, "first", "third");
+  ASSERT_EQ(scene.actors.size(), 3U);
+  EXPECT_EQ(scene.camera.actor, (std::vector<std::uint32_t>{0, 1, 2, 1, 0, 3, 3}));
+  EXPECT_EQ(scene.camera.params(5, 0), 1.0F);
+  EXPECT_EQ(scene.camera.params(6, 0), 3.0F);
+  EXPECT_EQ(scene.lidar.size(), 3);
+  expect_error(ErrorKind::kUsage, "\"second\"", [&] { duplicate_actor(scene, "first", "second"); });
+  expect_error(ErrorKind::kUsage, "allowed first, second, third", [&] { remove_actor(scene, "bus"); });
+}
+
+TEST(Edit, AddsAnActorOfAnotherScene) {
+  Scene scene;
+  scene.camera = GaussianSet(SetKind::kCamera, 0, 2);  // without the bands of degree 1
+  scene.lidar = GaussianSet(SetKind::kLidar, 1, 1);    // with bands that the other does not have
+  Scene other = two_cars();
+  other.camera.params.row(2).setConstant(7.0F);
+  add_actor(scene, other, "second", "guest");
+  ASSERT_EQ(scene.actors.size(), 1U);
+  EXPECT_EQ(scene.actors[0].name, "guest");
+  EXPECT_EQ(scene.camera.actor, (std::vector<std::uint32_t>{0, 0, 1}));
+  EXPECT_EQ(scene.camera.params.cols(), param_rows(0));
+  EXPECT_TRUE((scene.camera.params.row(2).array() == 7.0F).all());
+  EXPECT_EQ(scene.lidar.actor, (std::vector<std::uint32_t>{0, 1, 1}));
+  EXPECT_EQ(scene.lidar.params(2, 0), 2.0F);
+  EXPECT_TRUE((scene.lidar.params.rightCols(9).array() == 0.0F).all());
+}
+
+}  // namespace
+}  // namespace simuli

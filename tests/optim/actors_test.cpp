@@ -1,0 +1,173 @@
+// Actors in initialisation, training and evaluation, on a small street with its moving car.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "io/street.hpp"
+#include "optim/actor_poses.hpp"
+#include "optim/evaluate.hpp"
+#include "optim/initialize.hpp"
+#include "optim/initialize_actors.hpp"
+#include "optim/trainer.hpp"
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+
+class StreetWithCar : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "simuli_car_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    StreetOptions options;
+    options.output = folder_ / "street.log";
+    options.frames = 10;
+    options.image_width = 96;
+    options.image_height = 54;
+    options.lidar_columns = 450;
+    log_ = synth_street(options);
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+
+  static InitOptions small(bool actors) {
+    InitOptions options;
+    options.voxel_m = 0.15;
+    options.sweep_depth = false;
+    options.camera_sh_degree = 0;
+    options.lidar_sh_degree = 0;
+    options.actors = actors;
+    return options;
+  }
+
+  inline static std::filesystem::path folder_;
+  inline static Log log_;
+};
+
+TEST_F(StreetWithCar, ParticlesOfTheCarAreInItsFrame) {
+  const SceneInit start = initialize_scene(log_, small(true));
+  ASSERT_EQ(start.scene.actors.size(), 1U);
+  EXPECT_GT(start.report.actor_points, 300U);
+  const Vector3d half = 0.5 * start.scene.actors[0].size_m + Vector3d::Constant(0.1 + 1e-6);
+  for (const GaussianSet* set : {&start.scene.camera, &start.scene.lidar}) {
+    ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
+    std::size_t of_car = 0;
+    for (Eigen::Index i = 0; i < set->size(); ++i) {
+      if (set->actor[static_cast<std::size_t>(i)] == 0) continue;
+      ++of_car;
+      ASSERT_TRUE((set->mean().row(i).transpose().cast<double>().array().abs() <= half.array()).all());
+    }
+    EXPECT_GT(of_car, 100U);
+  }
+  // The background has nothing where the car was half-way, but what is on the road below it.
+  const Pose world_from_car = start.scene.actors[0].at(0.5);
+  const GaussianSet& lidar = start.scene.lidar;
+  for (Eigen::Index i = 0; i < lidar.size(); ++i) {
+    if (lidar.actor[static_cast<std::size_t>(i)] != 0) continue;
+    const Vector3d p = world_from_car.inverse() *
+                       Vector3d(lidar.mean().row(i).transpose().cast<double>() + start.scene.origin);
+    const bool inside = std::abs(p.x()) < half.x() && std::abs(p.y()) < half.y() && std::abs(p.z()) < 0.5;
+    EXPECT_FALSE(inside) << p.transpose();
+  }
+  EXPECT_TRUE(initialize_scene(log_, small(false)).scene.actors.empty());
+}
+
+TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {
+  InitOptions options = small(true);
+  const auto of_car = [](const GaussianSet& set) {
+    return std::count(set.actor.begin(), set.actor.end(), 1U);
+  };
+  const SceneInit seen = initialize_scene(log_, options);
+  options.mirror_actors = true;
+  const SceneInit both = initialize_scene(log_, options);
+  EXPECT_GT(both.report.actor_points, seen.report.actor_points + seen.report.actor_points / 4);
+  EXPECT_GT(of_car(both.scene.camera), of_car(seen.scene.camera) * 5 / 4);
+  EXPECT_EQ(both.scene.camera.size() - of_car(both.scene.camera),
+            seen.scene.camera.size() - of_car(seen.scene.camera));
+}
+
+TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
+  const Device device = Device::best();
+  EvalReport reports[2];
+  for (const bool actors : {false, true}) {
+    TrainOptions options;
+    options.iterations = 60;
+    options.image_scale = 1.0;
+    Trainer trainer(device, log_, initialize_scene(log_, small(actors)).scene, options);
+    (void)trainer.run();
+    const Scene scene = trainer.scene();
+    if (actors) {
+      const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.actor_margin_m + 1e-5);
+      for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
+        if (scene.camera.actor[static_cast<std::size_t>(i)] == 0) continue;
+        const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>();
+        ASSERT_TRUE((p.array().abs() <= half.array()).all()) << p.transpose();
+      }
+    }
+    EvalOptions compare;
+    compare.timed_renders = 1;
+    reports[actors ? 1 : 0] = evaluate(device, log_, scene, compare);
+  }
+  EXPECT_GT(reports[0].actor_pixels, 50U);
+  EXPECT_EQ(reports[0].actor_pixels, reports[1].actor_pixels);
+  EXPECT_GT(reports[1].actor_psnr_db, reports[0].actor_psnr_db + 3.0);
+  EXPECT_LT(reports[1].actor_distance_median_m, 0.05);
+}
+
+TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
+  const Device device = Device::best();
+  TrainOptions options;
+  options.iterations = 4;
+  options.image_scale = 1.0;
+  Trainer kept(device, log_, initialize_scene(log_, small(true)).scene, options);
+  (void)kept.run();
+  for (const KeyPose& key : kept.scene().actors[0].track) EXPECT_TRUE(key.shift_m.isZero(0.0));
+  options.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  Trainer learned(device, log_, initialize_scene(log_, small(true)).scene, options);
+  Trainer again(device, log_, initialize_scene(log_, small(true)).scene, options);
+  (void)learned.run();
+  (void)again.run();
+  double moved = 0.0;
+  for (std::size_t k = 0; k < learned.scene().actors[0].track.size(); ++k) {
+    const KeyPose& key = learned.scene().actors[0].track[k];
+    moved += key.shift_m.norm();
+    EXPECT_EQ(key.shift_m, again.scene().actors[0].track[k].shift_m);
+  }
+  EXPECT_GT(moved, 0.01);
+}
+
+TEST(ActorPoses, WalkDownASlopeToTheTruth) {
+  Actor actor;
+  actor.name = "car";
+  for (int k = 0; k < 4; ++k) actor.track.push_back({0.1 * k, {Eigen::Quaterniond::Identity(), {k, 0, 0}}});
+  actor.track[1].shift_m = {0.2, -0.1, 0.0};
+  actor.track[2].turn_rad = {0.0, 0.0, 0.05};
+  std::vector<Actor> actors{actor};
+  Actor truth = actor;
+  for (KeyPose& key : truth.track) key.shift_m = key.turn_rad = Vector3d::Zero();
+  ActorPoses poses({.shift_m = 0.01, .turn_rad = 0.003, .final_share = 0.01});
+  constexpr int kSteps = 600;
+  for (int i = 0; i < kSteps; ++i) {
+    const double start_s = 0.05 * (i % 6), end_s = start_s + 0.05;
+    // The loss is half the squared distance of each pose from the truth.
+    ActorPoseGradient g;
+    const auto error = [&](double time_s, Vector3d& shift, Vector3d& turn) {
+      const Pose found = actors[0].at(time_s), expected = truth.at(time_s);
+      shift = found.translation - expected.translation;
+      const Eigen::AngleAxisd apart(found.rotation * expected.rotation.conjugate());
+      turn = apart.angle() * apart.axis();
+    };
+    error(start_s, g.shift_start, g.turn_start);
+    error(end_s, g.shift_end, g.turn_end);
+    poses.step(actors, {g}, start_s, end_s, static_cast<double>(i) / kSteps);
+  }
+  for (const KeyPose& key : actors[0].track) {
+    EXPECT_LT(key.shift_m.norm(), 5e-3);
+    EXPECT_LT(key.turn_rad.norm(), 2e-3);
+  }
+}
+
+}  // namespace
+}  // namespace simuli
