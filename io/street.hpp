@@ -82,6 +82,7 @@ struct StreetOptions {
   int image_height = 180;
   int lidar_columns = 900;
   bool moving_car = true;
+  StreetCar car{};               // how it drives
   bool rolling_shutter = false;  // 20 ms top to bottom instead of a global shutter
   std::uint64_t seed = 1;
   int threads = 0;  // 0: one per core; the result is the same for any number

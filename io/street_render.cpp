@@ -153,7 +153,7 @@ Log street_log(const StreetOptions& options) {
                           middle_s + half_exposure_s});
     log.sweeps.push_back({"top", fmt::format("sweeps/top_{:06d}.exr", i), start_s, (i + 1) * kFramePeriod_s});
   }
-  if (options.moving_car) log.actors.push_back(StreetCar{}.actor(0.0, options.frames * kFramePeriod_s));
+  if (options.moving_car) log.actors.push_back(options.car.actor(0.0, options.frames * kFramePeriod_s));
   return log;
 }
 
@@ -222,7 +222,7 @@ Sweep scan_street(const Street& street,
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress) {
   Log log = street_log(options);
-  const Street street(options.seed, options.moving_car ? std::optional(StreetCar{}) : std::nullopt);
+  const Street street(options.seed, options.moving_car ? std::optional(options.car) : std::nullopt);
   const LogCamera& camera = log.cameras.front();
   const LogLidar& lidar = log.lidars.front();
   const Trajectory& path = log.world_from_rig;

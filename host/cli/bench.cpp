@@ -1,10 +1,13 @@
 // simuli bench: the numbers the README claims, as commands.
+#include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "bench/actors.hpp"
 #include "bench/figure10.hpp"
 #include "bench/figure11.hpp"
 #include "bench/sensor_errors.hpp"
@@ -26,6 +29,7 @@ struct BenchCommand {
   bool extremes = false;
   bool training = false;
   bool lidar_rates = false;
+  bool actors = false;
   int table = 0;       // 0: none
   int figure = 0;      // 0: none
   std::string log;     // of tables; empty: the embedded street
@@ -35,29 +39,35 @@ struct BenchCommand {
   bench::Table8Options table8;
   bench::Figure10Options figure10;
   bench::Figure11Options figure11;
+  bench::ActorsOptions actor_options;
 };
 
 void run_bench(BenchCommand command, const Globals& globals) {
-  const int asked = (command.stages ? 1 : 0) + (command.extremes ? 1 : 0) + (command.training ? 1 : 0) +
-                    (command.lidar_rates ? 1 : 0) + (command.table != 0 ? 1 : 0) +
-                    (command.figure != 0 ? 1 : 0);
-  if (asked != 1) {
+  const std::array asked{command.stages,
+                         command.extremes,
+                         command.training,
+                         command.lidar_rates,
+                         command.actors,
+                         command.table != 0,
+                         command.figure != 0};
+  const auto count = std::count(asked.begin(), asked.end(), true);
+  if (count != 1) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
-                            "--lidar-rates, --table 5|6|7|8, --figure 10|11",
-                            asked));
+                            "--lidar-rates, --actors, --table 5|6|7|8, --figure 10|11",
+                            count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
   }
   command.table5.log = command.table8.log = command.log;
   if (command.iterations > 0) {
-    if (command.table != 5 && command.table != 8 && command.figure == 0) {
+    if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors) {
       throw Error(ErrorKind::kUsage,
-                  "bench: --iterations: found without a training, allowed with --table 5|8, --figure");
+                  "bench: --iterations: found without a training, allowed with --table 5|8, --figure, --actors");
     }
     command.table5.iterations = command.table8.iterations = command.figure10.iterations =
-        command.figure11.iterations = command.iterations;
+        command.figure11.iterations = command.actor_options.iterations = command.iterations;
   }
   const auto note = [](const std::string& line) { std::cerr << line << '\n'; };
   std::vector<bench::Row> rows;
@@ -71,6 +81,7 @@ void run_bench(BenchCommand command, const Globals& globals) {
   if (command.table == 8) rows = bench::run_table8(globals.device, command.table8, note);
   if (command.figure == 10) rows = bench::run_figure10(globals.device, command.figure10, note);
   if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
+  if (command.actors) rows = bench::run_actors(globals.device, command.actor_options, note);
   if (command.extremes) {
     bench::ExtremesReport report = bench::run_extremes(globals.device, note);
     rows = std::move(report.rows);
@@ -97,6 +108,9 @@ void add_bench(CLI::App& app, const Globals& globals) {
   command->add_flag("--lidar-rates",
                     options->lidar_rates,
                     "rays per second of three LiDARs, as they were tiled and as they are");
+  command->add_flag("--actors",
+                    options->actors,
+                    "the street's moving car: with actors, without, edited, with a noisy track");
   command
       ->add_option("--table",
                    options->table,
