@@ -237,7 +237,7 @@ void set_columns(const BeamPoints& points, BeamTable& table) {
   const double by_firings = table.encoder_ticks > 0 ? columns_by_firings(points, table) : 0.0;
   if (by_firings > 0.0) table.columns = by_firings;
   if (!(table.columns > 0.0)) {
-    table.notes.push_back("firings per turn: not determined, too few neighbouring returns");
+    table.notes.emplace_back("firings per turn: not determined, too few neighbouring returns");
     return;
   }
   std::size_t sweeps = 0;
@@ -297,7 +297,7 @@ void find_azimuths(const BeamPoints& points, BeamTable& table) {
   });
   table.encoder_ticks = find_ticks(points, fullest);
   if (table.encoder_ticks == 0) {
-    table.notes.push_back(
+    table.notes.emplace_back(
         "horizontal and azimuth offsets: not determined, azimuths lie on no grid of 300 to 8000 ticks; set "
         "to 0");
     table.columns = columns_by_steps(points, table);
