@@ -14,13 +14,13 @@ struct KittiOptions {
   /// JSON with "frames": [{"index", "world_from_velo" 4x4 at "t_sweep_forward", ...}]; empty: poses from
   /// oxts, interpolated by timestamp.
   std::filesystem::path poses;
+  std::filesystem::path output;
   /// Label file of the KITTI tracking benchmark whose frames are the drive's; empty: no actors.
-  std::filesystem::path tracking;
+  std::filesystem::path tracking = {};
   /// The rig rests where it is: for logs whose path is found later (`simuli align`).
   bool without_poses = false;
   /// Beam table to read the sweeps with, of a sensor that turns clockwise; empty: the built-in kitti_hdl64e.
-  std::filesystem::path lidar;
-  std::filesystem::path output;
+  std::filesystem::path lidar = {};
 };
 
 /// What became of the points; shares are of these counts.

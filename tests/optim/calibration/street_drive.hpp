@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "io/street.hpp"
@@ -25,7 +26,7 @@ inline Pose drive_pose(double time_s, double speed_m_per_s, double swing) {
 }
 
 struct StreetDrive {
-  Street street{1, false};
+  Street street{1, std::nullopt};
   Log log;  // sensors, frames and the true path; nothing on disk
 
   StreetDrive(int frames, double speed_m_per_s, double swing, int width = 320) {
