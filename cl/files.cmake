@@ -6,7 +6,9 @@ set(SIMULI_CL_FILES
   math/carry.h
   math/color_grid.h
   math/lanes.h
+  math/lens_extent.h
   math/elementary.h
+  math/ellipsoid.h
   math/environment.h
   math/extent.h
   math/gaussian.h

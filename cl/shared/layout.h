@@ -107,7 +107,9 @@ typedef int sim_i32;
 #define SIM_S_TILE_X1 100      // LiDAR: where the last tile ends, rad of x
 #define SIM_S_MASK_SCALE 101   // LiDAR: columns of the ray mask per rad of x, and their number
 #define SIM_S_MASK_COLUMNS 102
-#define SIM_SENSOR_REALS 104
+#define SIM_S_LENS_BEND_X 103  // largest second derivative there along any great circle, px per rad^2
+#define SIM_S_LENS_BEND_Y 104
+#define SIM_SENSOR_REALS 106
 #define SIM_MONTE_CARLO 200    // Monte Carlo projection: as many standard normal triples follow the constants
 
 // The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...

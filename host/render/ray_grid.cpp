@@ -17,29 +17,44 @@ constexpr double kPi = std::numbers::pi;
 /// How fast a lens's image moves at most, over a cone about its axis.
 struct LensSlopes {
   double cone_rad = 0.0;
-  double x = 1e9;  // px per rad; so much that any bound made of it is the whole picture
-  double y = 1e9;
+  // px per rad; so much that any bound made of it is the whole picture
+  Eigen::Array2d slope = Eigen::Array2d::Constant(1e9);
+  Eigen::Array2d bend = Eigen::Array2d::Constant(1e9);  // px per rad^2, along great circles
 };
 
-/// The largest |gradient| of the pixel's x and y over the directions at `angle` off axis, added to `slopes`;
-/// false when not all of them have an image.
+/// The largest first and second derivatives of the pixel's x and y over the directions at `angle` off axis,
+/// added to `slopes`; false when not all of them have an image.
 bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
   constexpr int kAround = 72;
-  constexpr double kStep = 1e-5;  // rad
-  const auto image = [&](double theta, double phi, Eigen::Vector2d& pixel) {
-    const double out = std::sin(theta);
-    return camera.project({out * std::cos(phi), out * std::sin(phi), std::cos(theta)}, pixel);
-  };
+  constexpr double kStep = 5e-4;  // rad
+  const double s = std::sin(kStep), c = std::cos(kStep), diagonal = std::sqrt(0.5);
   for (int k = 0; k < kAround; ++k) {
     const double phi = 2.0 * kPi * k / kAround;
-    const double turn = kStep / std::sin(angle);
-    Eigen::Vector2d here, inwards, around;
-    if (!(image(angle, phi, here) && image(angle - kStep, phi, inwards) &&
-          image(angle, phi + turn, around))) {
-      return false;
+    const Eigen::Vector3d outwards(std::cos(phi), std::sin(phi), 0.0);
+    const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d here = std::sin(angle) * outwards + std::cos(angle) * axis;
+    const Eigen::Vector3d u = std::cos(angle) * outwards - std::sin(angle) * axis;
+    const Eigen::Vector3d v = axis.cross(outwards);
+    Eigen::Vector2d middle;
+    if (!camera.project(here, middle)) return false;
+    // Derivatives at `here` along the great circle in the direction `along`.
+    Eigen::Array2d first[3], second[3];
+    const Eigen::Vector3d along[3] = {u, v, diagonal * (u + v)};
+    for (int i = 0; i < 3; ++i) {
+      Eigen::Vector2d ahead, behind;
+      if (!(camera.project(c * here + s * along[i], ahead) &&
+            camera.project(c * here - s * along[i], behind))) {
+        return false;
+      }
+      first[i] = (ahead - behind).array() / (2.0 * kStep);
+      second[i] = (ahead + behind - 2.0 * middle).array() / (kStep * kStep);
     }
-    slopes.x = std::max(slopes.x, std::hypot(here.x() - inwards.x(), around.x() - here.x()) / kStep);
-    slopes.y = std::max(slopes.y, std::hypot(here.y() - inwards.y(), around.y() - here.y()) / kStep);
+    slopes.slope = slopes.slope.max((first[0].square() + first[1].square()).sqrt());
+    // The larger eigenvalue of [[uu, uv], [uv, vv]] in magnitude; the diagonal tells the mixed derivative.
+    const Eigen::Array2d mixed = second[2] - 0.5 * (second[0] + second[1]);
+    const Eigen::Array2d apart = 0.5 * (second[0] - second[1]);
+    const Eigen::Array2d mean = 0.5 * (second[0] + second[1]).abs();
+    slopes.bend = slopes.bend.max(mean + (apart.square() + mixed.square()).sqrt());
   }
   return true;
 }
@@ -48,12 +63,12 @@ bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
 /// leaves the picture. If that is less than half of space, it is convex, and must be.
 LensSlopes lens_slopes(const Camera& camera, double picture_rad) {
   constexpr double kStep = 0.25 * kPi / 180.0;
-  constexpr double kBetweenSamples = 1.02;  // the slopes are smooth: less than this between neighbours
+  constexpr double kBetweenSamples = 1.02;  // the map is smooth: less than this between neighbours
   constexpr double kConvexMargin = 0.15, kMargin = 0.5;
   const bool convex = picture_rad <= 0.5 * kPi;
   const double farthest = convex ? std::min(picture_rad + kConvexMargin, 0.5 * kPi)
                                  : std::min(picture_rad + kMargin, kPi - kStep);
-  LensSlopes slopes{0.0, 0.0, 0.0};
+  LensSlopes slopes{0.0, Eigen::Array2d::Zero(), Eigen::Array2d::Zero()};
   while (slopes.cone_rad < farthest) {
     const double stop = slopes.cone_rad < picture_rad ? picture_rad : farthest;
     const double angle = std::min(slopes.cone_rad + kStep, stop);
@@ -63,8 +78,8 @@ LensSlopes lens_slopes(const Camera& camera, double picture_rad) {
     slopes.cone_rad = angle;
   }
   if (convex && slopes.cone_rad < picture_rad) return {picture_rad};
-  slopes.x *= kBetweenSamples;
-  slopes.y *= kBetweenSamples;
+  slopes.slope *= kBetweenSamples;
+  slopes.bend *= kBetweenSamples * kBetweenSamples;
   return slopes;
 }
 
@@ -123,8 +138,10 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   if (grid.lens != LensKind::kPinhole && !wraps) {
     const LensSlopes slopes = lens_slopes(camera, c[SIM_S_COS_FOV]);
     c[SIM_S_LENS_CONE] = slopes.cone_rad;
-    c[SIM_S_LENS_SLOPE_X] = slopes.x;
-    c[SIM_S_LENS_SLOPE_Y] = slopes.y;
+    c[SIM_S_LENS_SLOPE_X] = slopes.slope.x();
+    c[SIM_S_LENS_SLOPE_Y] = slopes.slope.y();
+    c[SIM_S_LENS_BEND_X] = slopes.bend.x();
+    c[SIM_S_LENS_BEND_Y] = slopes.bend.y();
   }
   c[SIM_S_TIME_C] = camera.exposure_fraction({0.0, 0.0});
   c[SIM_S_TIME_X] = camera.exposure_fraction({1.0, 0.0}) - c[SIM_S_TIME_C];

@@ -1,0 +1,152 @@
+// ellipsoid.h - the cutoff ellipsoid of a particle {x : (x - mu)^T S^-1 (x - mu) <= qmax}, outside of which no
+// ray gets alpha >= alpha_cut, as a sensor sees it: its axes in the sensor frame, the planes through the sensor
+// that touch it, its angles. Rays that start or fire elsewhere than in the pose looked from see a shifted
+// ellipsoid: it is blown up by how far it may be shifted. Nothing here is ever too small.
+#ifndef SIMULI_CL_MATH_ELLIPSOID_H
+#define SIMULI_CL_MATH_ELLIPSOID_H
+#include "math/unscented.h"
+
+/// The ellipsoid p + sum_k z_k a_k, |z| <= 1, in the sensor frame, its matrix B = sum_k a_k a_k^T taken to
+/// stretch * B + more * I, which contains it moved by anything up to `shift`.
+typedef struct {
+  F p[3];     // m; of a LiDAR from its reference height
+  F a[3][3];  // a[coordinate][k], m
+  F stretch, more;
+  F ball;  // m, radius of a ball that contains it
+} Ellipsoid;
+
+/// The ellipsoid as seen by every ray whose time is in [first, last].
+/// Minkowski sum with a ball: (1 + 1/c) B + (1 + c) m^2 I for any c > 0, here c = sqrt(tr B / 3) / m.
+FN void seen_ellipsoid(
+    __global const real* sensor, const Gaussian* g, F reach, F radius, F first, F last, Ellipsoid* e) {
+  const F t = R(0.5) * (first + last);
+#if MOVING
+  F sine, cosine;
+  sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
+#endif
+#if ACTOR_MOTION
+  F carry[9];
+  if (g->actor.any) actor_turn(&g->actor, t, carry);
+#endif
+  F trace = (F)R(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const F length = reach * g->filtered[k];
+    F v[3] = {g->rotation[k] * length, g->rotation[3 + k] * length, g->rotation[6 + k] * length};
+#if ACTOR_MOTION
+    if (g->actor.any) {
+      F carried_v[3];
+      rotate_lanes(carry, v, carried_v);
+      for (int j = 0; j < 3; ++j) v[j] = SEL(g->actor.on, carried_v[j], v[j]);
+    }
+#endif
+    F turned[3];
+#if MOVING
+    rotate(sensor + SIM_S_ROT_START, v, turned);
+    turn(sensor + SIM_S_AXIS, -sine, cosine, turned);
+#else
+    rotate(sensor + SIM_S_ROT_REF, v, turned);
+#endif
+    for (int j = 0; j < 3; ++j) e->a[j][k] = turned[j];
+    trace += length * length;
+  }
+  sensor_from_particle_point(sensor, g, g->offset, t, e->p);
+  F shift = (F)sensor[SIM_S_LEVER];
+#if MOVING
+  // A turn by d moves a point by at most d times its distance.
+  const F dt = R(0.5) * (last - first);
+  const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
+  const real step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
+                         sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
+                         sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
+  shift += dt * (step + carried(g, radius) + sensor[SIM_S_ANGLE] * (distance + radius));
+#endif
+  e->p[2] -= sensor[SIM_S_HEIGHT_REF];
+  const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; c may be any
+  e->stretch = R(1.0) + shift / mean;
+  e->more = shift * (shift + mean);
+  e->ball = radius + shift;
+}
+
+/// Slopes across / along of the two tangents from the origin to an ellipse whose centre is `far` along, with
+/// the second moments along, mixed, across: s^2 (far^2 - along) + 2 s mixed - across = 0. False where the
+/// origin is inside, or so near that tangents run off. low <= 0 <= high.
+FN I tangent_slopes(F far2, F along, F mixed, F across, F* low, F* high) {
+  const I outside = far2 - along > R(1e-4) * far2;
+  const F room = SEL(outside, far2 - along, (F)R(1.0));
+  // The two roots without cancellation: their product is -across / room.
+  const F sum = fabs(mixed) + sqrt(fma(mixed, mixed, across * room));
+  const F large = sum / room;
+  const F small = SEL(sum > R(0.0), across / SEL(sum > R(0.0), sum, (F)R(1.0)), (F)R(0.0));
+  *low = SEL(mixed > R(0.0), -large, -small);
+  *high = SEL(mixed > R(0.0), small, large);
+  return AND(outside, sum < R(1e18));  // else squares may have left the range of floats
+}
+
+/// Tangents to the ellipsoid's shadow on a plane, with the centre at (pu, pv) and the axes (au[k], av[k]).
+/// The slopes are those off the line of sight, positive from u towards v.
+FN I shadow_slopes(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* low, F* high) {
+  const F far2 = fma(pu, pu, pv * pv);
+  const F inv = SEL(far2 > R(0.0), R(1.0) / sqrt(SEL(far2 > R(0.0), far2, (F)R(1.0))), (F)R(0.0));
+  F along = (F)R(0.0), mixed = (F)R(0.0), across = (F)R(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const F l = fma(pu, au[k], pv * av[k]) * inv;
+    const F w = fma(pu, av[k], -(pv * au[k])) * inv;
+    along = fma(l, l, along);
+    mixed = fma(l, w, mixed);
+    across = fma(w, w, across);
+  }
+  return tangent_slopes(
+      far2, fma(e->stretch, along, e->more), e->stretch * mixed, fma(e->stretch, across, e->more), low, high);
+}
+
+/// Bounds of v / u over the part of the shadow where u > 0; +-NO_BOUND where there is none.
+FN void shadow_ratios(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* low, F* high) {
+  F slope[2];
+  const I outside = shadow_slopes(e, pu, pv, au, av, &slope[0], &slope[1]);
+  for (int end = 0; end < 2; ++end) {
+    const F ahead = fma(-pv, slope[end], pu);
+    const I bounded = AND(outside, ahead > R(1e-4) * (fabs(pu) + fabs(pv * slope[end])));
+    const F ratio = fma(pu, slope[end], pv) / SEL(bounded, ahead, (F)R(1.0));
+    if (end == 0) *low = SEL(bounded, ratio, (F)-NO_BOUND);
+    if (end == 1) *high = SEL(bounded, ratio, (F)NO_BOUND);
+  }
+}
+
+/// Azimuth atan2(b, a) and elevation atan2(c, hypot(a, b)) of the coordinates a, b, c: the interval
+/// azimuth + [from, to] and [low, high], rad.
+FN void spherical_extent(
+    const Ellipsoid* e, int a, int b, int c, F* azimuth, F* from, F* to, F* low, F* high) {
+  const F pa = e->p[a], pb = e->p[b], pc = e->p[c];
+  const F flat2 = fma(pa, pa, pb * pb);
+  const F flat = sqrt(flat2);
+  *azimuth = atan2_lanes(pb, pa);
+  F right, left;
+  const I aside = shadow_slopes(e, pa, pb, e->a[a], e->a[b], &right, &left);
+  *from = SEL(aside, atan2_lanes(right, (F)R(1.0)), (F)-NO_BOUND);
+  *to = SEL(aside, atan2_lanes(left, (F)R(1.0)), (F)NO_BOUND);
+
+  // In any case all points are within the ball, and no point of a cap is farther off in elevation than its
+  // angle.
+  const F elevation = atan2_lanes(pc, flat);
+  const F room = fma(pc, pc, flat2) - e->ball * e->ball;
+  const F cap = SEL(room > R(0.0), atan2_lanes(e->ball, sqrt(VMAX(room, (F)R(0.0)))), (F)R(4.0));
+  *low = elevation - cap;
+  *high = elevation + cap;
+
+  // Planes through the origin that contain the horizontal across the line of sight: c <= u a' for all points,
+  // a' their horizontal coordinate along it. The horizontal distance is in [a', a' / cos(azimuth off the
+  // line)]: c / distance is at most u where u >= 0, else u times the least cosine.
+  const F inv = R(1.0) / SEL(aside, flat, (F)R(1.0));
+  F along[3];
+  for (int k = 0; k < 3; ++k) along[k] = fma(pa, e->a[a][k], pb * e->a[b][k]) * inv;
+  F under, over;
+  shadow_ratios(e, flat, pc, along, e->a[c], &under, &over);
+  const F widest = VMAX(-right, left);
+  const F cosine = R(1.0) / sqrt(fma(widest, widest, (F)R(1.0)));
+  under = SEL(under > R(0.0), under * cosine, under);
+  over = SEL(over < R(0.0), over * cosine, over);
+  *low = SEL(aside, VMAX(*low, atan2_lanes(under, (F)R(1.0))), *low);
+  *high = SEL(aside, VMIN(*high, atan2_lanes(over, (F)R(1.0))), *high);
+}
+
+#endif
