@@ -1,6 +1,9 @@
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "host/cli/commands.hpp"
+#include "host/cli/settings.hpp"
 #include "host/cli/training.hpp"
 #include "io/scene_folder.hpp"
 
@@ -10,6 +13,7 @@ namespace {
 struct EvalCommand {
   std::string scene;
   std::string log;
+  std::vector<std::string> settings;
   EvalOptions options;
 };
 
@@ -22,13 +26,16 @@ Log mounted(Log log, const SceneFile& scene) {
   }
   for (LogLidar& lidar : log.lidars) {
     for (const LogLidar& known : scene.lidars) {
-      if (known.model.name == lidar.model.name) lidar.rig_from_lidar = known.rig_from_lidar;
+      if (known.model.name != lidar.model.name) continue;
+      lidar.rig_from_lidar = known.rig_from_lidar;
+      lidar.model.blind = known.model.blind;
     }
   }
   return log;
 }
 
-void eval(const EvalCommand& command, const Globals& globals) {
+void eval(EvalCommand command, const Globals& globals) {
+  apply_settings(command.settings, render_settings(command.options.render));
   const SceneFile file = read_scene(command.scene);
   const Log log = mounted(read_log(command.log), file);
   const Device device = Device::best(globals.device);
@@ -48,6 +55,7 @@ void add_eval(CLI::App& app, const Globals& globals) {
   add("--scale", command->options.image_scale, "size of the compared pictures over the recorded");
   add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
   add("--repeats", command->options.timed_renders, "timed renders of each sensor");
+  sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
   sub->callback([command, &globals] { eval(*command, globals); });
 }
 

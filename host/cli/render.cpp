@@ -16,6 +16,7 @@
 #include "host/cli/file_progress.hpp"
 #include "host/cli/pictures.hpp"
 #include "host/render/look.hpp"
+#include "host/cli/settings.hpp"
 #include "io/file.hpp"
 #include "io/scene_folder.hpp"
 #include "optim/frames.hpp"
@@ -39,6 +40,7 @@ struct RenderCommand {
   Edits edits;
   double scale = 1.0;
   std::string output;
+  std::vector<std::string> settings;
 };
 
 /// What is rendered: one of the two.
@@ -243,6 +245,8 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
 }
 
 void render(const RenderCommand& command, const Globals& globals) {
+  RenderOptions options;
+  apply_settings(command.settings, render_settings(options));
   SceneFile file = read_scene(command.scene);
   apply(command.edits, file.scene);
   const Sensor sensor = find_sensor(file, command);
@@ -253,7 +257,7 @@ void render(const RenderCommand& command, const Globals& globals) {
   const Scene& scene = file.scene;
 
   const Device device = Device::best(globals.device);
-  Renderer renderer(device, RenderOptions{});
+  Renderer renderer(device, options);
   const ParticleBuffers particles(
       device, sensor.is_camera ? scene.camera : scene.lidar, renderer.options().precision);
   SceneLook look(device, scene, renderer.options().precision);
@@ -323,6 +327,7 @@ void add_render(CLI::App& app, const Globals& globals) {
       ->check(CLI::Range(0.01, 100.0));
   add_edit_options(*sub, command->edits);
   sub->add_option("--scale", command->scale, "size of the pictures over the camera's own");
+  sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
   sub->callback([command, &globals] { render(*command, globals); });
 }
 

@@ -78,7 +78,7 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
 }
 
 void train(TrainCommand command, const Globals& globals) {
-  apply_settings(command.settings, command.init, command.train);
+  apply_settings(command.settings, train_settings(command.init, command.train));
   command.init.image_scale = command.train.image_scale;
   command.init.held_out_every = command.train.held_out_every;
   command.init.seed = command.train.seed;
@@ -87,7 +87,7 @@ void train(TrainCommand command, const Globals& globals) {
   if (globals.verbose) {
     std::cerr << fmt::format("simuli: {}; {}\n",
                              device.info().label(),
-                             fmt::join(list_settings(command.init, command.train), " "));
+                             fmt::join(list_settings(train_settings(command.init, command.train)), " "));
   }
   std::filesystem::path& checkpoint = command.checkpoints.file;
   checkpoint = std::filesystem::path(command.output).lexically_normal();

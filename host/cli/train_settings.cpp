@@ -1,26 +1,10 @@
 #include "host/cli/train_settings.hpp"
 
-#include <algorithm>
-#include <charconv>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <set>
-#include <type_traits>
-#include <variant>
-
-#include "host/base/error.hpp"
+#include <utility>
 
 namespace simuli::cli {
-namespace {
 
-using Target = std::variant<double*, int*, std::size_t*, bool*>;
-
-struct Setting {
-  std::string key;
-  Target target;
-};
-
-std::vector<Setting> settings_of(InitOptions& init, TrainOptions& train) {
+std::vector<Setting> train_settings(InitOptions& init, TrainOptions& train) {
   std::vector<Setting> all = {
       {"init.voxel_m", &init.voxel_m},
       {"init.camera_sh_degree", &init.camera_sh_degree},
@@ -99,74 +83,8 @@ std::vector<Setting> settings_of(InitOptions& init, TrainOptions& train) {
   };
   add_rates("camera", train.camera);
   add_rates("lidar", train.lidar);
+  for (Setting& setting : render_settings(train.render)) all.push_back(std::move(setting));
   return all;
-}
-
-/// True when the whole text is one number of that type.
-template <class T>
-bool parse(const std::string& text, T& value) {
-  if constexpr (std::is_same_v<T, bool>) {
-    value = text == "true";
-    return text == "true" || text == "false";
-  } else {
-    const char* end = text.data() + text.size();
-    const auto result = std::from_chars(text.data(), end, value);
-    return result.ec == std::errc{} && result.ptr == end;
-  }
-}
-
-template <class T>
-constexpr const char* kKind = "a number";
-template <>
-constexpr const char* kKind<int> = "an integer";
-template <>
-constexpr const char* kKind<std::size_t> = "an integer, 0 or more";
-template <>
-constexpr const char* kKind<bool> = "true or false";
-
-}  // namespace
-
-void apply_settings(const std::vector<std::string>& settings, InitOptions& init, TrainOptions& train) {
-  const std::vector<Setting> all = settings_of(init, train);
-  std::set<std::string> seen;
-  for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    const std::string key = setting.substr(0, equals);
-    const auto known = std::find_if(all.begin(), all.end(), [&](const Setting& s) { return s.key == key; });
-    if (known == all.end() || equals == std::string::npos) {
-      std::vector<std::string> keys;
-      for (const Setting& s : all) keys.push_back(s.key);
-      throw Error(
-          ErrorKind::kUsage,
-          fmt::format(
-              "--set: found \"{}\", allowed KEY=VALUE with the keys {}", setting, fmt::join(keys, ", ")));
-    }
-    if (!seen.insert(key).second) {
-      throw Error(ErrorKind::kUsage, fmt::format("--set: found {} twice, allowed once", key));
-    }
-    const std::string text = setting.substr(equals + 1);
-    std::visit(
-        [&](auto* target) {
-          using T = std::remove_pointer_t<decltype(target)>;
-          T value{};
-          if (!parse(text, value)) {
-            throw Error(ErrorKind::kUsage,
-                        fmt::format("--set {}: found \"{}\", allowed {}", key, text, kKind<T>));
-          }
-          *target = value;
-        },
-        known->target);
-  }
-}
-
-std::vector<std::string> list_settings(const InitOptions& init, const TrainOptions& train) {
-  InitOptions init_copy = init;
-  TrainOptions train_copy = train;
-  std::vector<std::string> lines;
-  for (const Setting& s : settings_of(init_copy, train_copy)) {
-    lines.push_back(std::visit([&](auto* value) { return fmt::format("{}={}", s.key, *value); }, s.target));
-  }
-  return lines;
 }
 
 }  // namespace simuli::cli

@@ -63,6 +63,7 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   std::string line;
   std::getline(cloud, line);
   EXPECT_EQ(line, "ply");
+  EXPECT_EQ(run("render s.scene --sensor top --times 0:0:1 --set render.extent=exact -o exact").exit_code, 0);
   const Outcome builtin = run("render s.scene --sensor generic64 --times 0.1:0.1:1 -o other --json");
   ASSERT_EQ(builtin.exit_code, 0) << builtin.err;
   EXPECT_EQ(nlohmann::json::parse(builtin.out).at("frames"), 1);
@@ -87,6 +88,13 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
   expect_failure("train s.log -o x --set init.voxel_m=0.2 --set init.voxel_m=0.3", kUsage, "twice");
   expect_failure("train s.log -o x --scale 0", kUsage, "image");
   expect_failure("train s.log -o x --iterations many", kUsage, "--iterations");
+  const std::string projections = "allowed unscented, linearized, monte_carlo";
+  expect_failure("train s.log -o x --set render.projection=exact", kUsage, projections);
+  expect_failure("train s.log -o x --set render.alpha_cut=2", kUsage, "render.alpha_cut: found 2");
+  expect_failure("train s.log -o x --set render.precision=double", kUsage, "allowed float");
+  expect_failure("eval x s.log --set render.extent=box", kUsage, "allowed unscented, exact");
+  expect_failure("eval x s.log --set init.voxel_m=1", kUsage, "render.transmittance_cut");  // lists the keys
+  expect_failure("render x --sensor top -o y --set render.extent", kUsage, "KEY=VALUE");
   EXPECT_FALSE(fs::exists(folder_ / "x"));
   expect_failure("eval nowhere.scene s.log", kInput, "nowhere.scene");
   expect_failure("render nowhere.scene --sensor top -o x", kInput, "nowhere.scene");
