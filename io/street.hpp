@@ -98,8 +98,9 @@ Log synth_street(const StreetOptions& options,
 /// The log that synth_street writes, without its pictures and sweeps. Same errors about options.
 [[nodiscard]] Log street_log(const StreetOptions& options);
 
-/// The picture a camera takes of the street: RGB in [0,1], mean of 2x2 rays per pixel, each pixel at its own
-/// time between time_start_s and time_end_s. For views that no log holds, too.
+/// The picture a camera takes of the street: RGB in [0,1], mean of 2x2 rays per pixel (of those that the lens
+/// has; black where it has none), each pixel at its own time between time_start_s and time_end_s. For views
+/// that no log holds, too.
 [[nodiscard]] Image render_street(const Street& street,
                                   const LogCamera& camera,
                                   const Trajectory& world_from_rig,

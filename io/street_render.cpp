@@ -172,14 +172,16 @@ Image render_street(const Street& street,
       const double time_s = time_start_s + fraction * (time_end_s - time_start_s);
       const Pose world_from_camera = world_from_rig.at(time_s) * camera.rig_from_camera;
       Vector3d sum = Vector3d::Zero();
+      int traced = 0;
       for (int sample = 0; sample < kSide * kSide; ++sample) {
         const double across = x + (sample % kSide + 0.5) / kSide;
         const double down = y + (sample / kSide + 0.5) / kSide;
-        const Vector3d direction =
-            (world_from_camera.rotation * model.unproject({across, down})).normalized();
-        sum += street.trace(world_from_camera.translation, direction, time_s, kSeeFar_m).colour;
+        const Vector3d direction = world_from_camera.rotation * model.unproject({across, down});
+        if (direction.isZero(0.0)) continue;  // outside the lens
+        sum += street.trace(world_from_camera.translation, direction.normalized(), time_s, kSeeFar_m).colour;
+        ++traced;
       }
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(sum[c] / (kSide * kSide));
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(sum[c] / std::max(traced, 1));
     }
   });
   return image;

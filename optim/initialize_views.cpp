@@ -179,6 +179,7 @@ void FarShell::add(const ImageView& view, const Image& image, const Coverage& co
       Eigen::Vector3d origin;
       Eigen::Vector3d direction;
       view.unproject(pixel, origin, direction);
+      if (direction.isZero(0.0)) continue;
       add(origin, direction, sample_bilinear(image, pixel));
     }
   }

@@ -22,13 +22,14 @@ class ImageView {
   /// Pixel and distance (m, along the ray) at which p_scene is seen, at the time at which the shutter reaches
   /// it. False when it lies behind the camera or outside the picture.
   [[nodiscard]] bool project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const;
-  /// Ray through `pixel` in the scene frame; the direction is a unit vector.
+  /// Ray through `pixel` in the scene frame; the direction is a unit vector, or zero where the lens has no
+  /// ray.
   void unproject(const Eigen::Vector2d& pixel, Eigen::Vector3d& origin, Eigen::Vector3d& direction) const;
   [[nodiscard]] const Camera& camera() const { return camera_; }
   /// The same exposure by another camera in its place, e.g. camera().resized(...).
   [[nodiscard]] ImageView with_camera(const Camera& camera) const { return {camera, start_, end_}; }
-  /// Side of a pixel in metres at 1 m distance.
-  [[nodiscard]] double pixel_size_at_1m() const { return 2.0 / (camera_.fx + camera_.fy); }
+  /// Side of a pixel at the optical axis, in metres at 1 m distance.
+  [[nodiscard]] double pixel_size_at_1m() const { return 1.0 / camera_.focal_px(); }
 
  private:
   [[nodiscard]] Pose scene_from_camera(const Eigen::Vector2d& pixel) const;
@@ -77,8 +78,8 @@ class FarShell {
  public:
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
   FarShell(double spacing_deg, double distance_m);
-  /// Adds the colours of all cells of `coverage` that are empty with their neighbours. The camera must stand
-  /// within the shell.
+  /// Adds the colours of all cells of `coverage` that are empty with their neighbours and have a ray at their
+  /// middle. The camera must stand within the shell.
   void add(const ImageView& view, const Image& image, const Coverage& coverage);
   /// One direction with a colour.
   void add(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const Eigen::Vector3f& colour);

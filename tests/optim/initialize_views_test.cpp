@@ -168,6 +168,42 @@ TEST(FarShell, AddsOnlyWhatNoPointExplains) {
   }
 }
 
+/// A fisheye of 60 degrees off axis in a picture whose corners it does not reach.
+Camera narrow_fisheye() {
+  Camera fisheye = camera();
+  fisheye.lens = Lens(LensKind::kOpencvFisheye, {0.0, 0.0, 0.0, 0.0, std::numbers::pi / 3});
+  fisheye.fx = fisheye.fy = 38.0;  // 40 px to the edge of the lens, 64 px to the corner
+  return fisheye;
+}
+
+TEST(FarShell, LeavesOutPixelsWithoutARay) {
+  const ImageView view(narrow_fisheye(), at(0, 0, 0), at(0, 0, 0));
+  const PointSet nothing = point_set({});
+  std::vector<PointLook> looks;
+  const Image image = plain(0, 0, 1);
+  FarShell shell(1.0, 500.0);
+  shell.add(view, image, look_at_points(view, image, nothing, 0.1, 2, looks));
+  const std::vector<FarShell::Patch> patches = shell.patches();
+  ASSERT_GT(patches.size(), 100U);
+  for (const FarShell::Patch& patch : patches) {
+    EXPECT_NEAR(patch.direction.norm(), 1.0F, 1e-5F);
+    EXPECT_GT(patch.direction.z(), 0.48F);  // 60 degrees off the axis and a cell
+  }
+}
+
+TEST(ImageView, PixelSizeIsThatOfTheLens) {
+  EXPECT_NEAR(ImageView(camera(), at(0, 0, 0), at(0, 0, 0)).pixel_size_at_1m(), 0.01, 1e-12);
+  Camera unified = camera();
+  // xi = 1: the picture is half as large as a pinhole's of the same fx.
+  unified.lens = Lens(LensKind::kMei, {0.0, 0.0, 0.0, 0.0, 1.0, 1.5});
+  const ImageView view(unified, at(0, 0, 0), at(0, 0, 0));
+  Eigen::Vector2d here, there;
+  double range_m = 0.0;
+  ASSERT_TRUE(view.project({0.0, 0.0, 1.0}, here, range_m));
+  ASSERT_TRUE(view.project({1e-4, 0.0, 1.0}, there, range_m));
+  EXPECT_NEAR((there - here).norm() * view.pixel_size_at_1m(), 1e-4, 1e-8);
+}
+
 TEST(FarShell, RefusesSizesThatAreNone) {
   EXPECT_THROW(FarShell(0.0, 500.0), Error);
   EXPECT_THROW(FarShell(1.0, 0.0), Error);
