@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <random>
 #include <utility>
 
+#include "bench/clipped.hpp"
 #include "io/street.hpp"
 #include "optim/frames.hpp"
 
@@ -14,25 +14,52 @@ namespace simuli::bench {
 namespace {
 
 struct Named {
-  Projection projection;
   const char* name;
+  Projection projection;
+  Extent extent;
 };
 // The yardstick first.
-constexpr std::array<Named, 3> kProjections{{{Projection::kMonteCarlo, "monte_carlo"},
-                                             {Projection::kUnscented, "unscented"},
-                                             {Projection::kLinearized, "linearized"}}};
+constexpr std::array<Named, 4> kColumns{{{"monte_carlo", Projection::kMonteCarlo, Extent::kUnscented},
+                                         {"unscented", Projection::kUnscented, Extent::kUnscented},
+                                         {"linearized", Projection::kLinearized, Extent::kUnscented},
+                                         {"exact", Projection::kUnscented, Extent::kExact}}};
+constexpr const Named& kUnscented = kColumns[1];
+constexpr const Named& kExact = kColumns[3];
 constexpr int kTimedSweeps = 7;
 
-RenderOptions render_with(Projection projection) {
+RenderOptions render_with(const Named& column) {
   RenderOptions options;
-  options.projection = projection;
+  options.projection = column.projection;
+  options.extent = column.extent;
   return options;
 }
 
+std::vector<std::size_t> held_out_sweeps(const Log& log) {
+  return select_frames(log.sweeps, EvalOptions{}.held_out_every, true);
+}
+
+/// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
+double clipped_percent(const Device& device, const Log& log, const Scene& scene, const Named& column) {
+  Renderer exact(device, render_with(kExact)), other(device, render_with(column));
+  const ParticleBuffers particles(device, scene.lidar, Precision::kFloat);
+  double whole = 0.0, found = 0.0;
+  const auto gathered = [&](Renderer& renderer, const SweepFrame& frame) {
+    double sum = 0.0;
+    const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
+    for (const float left : pair.simulated.transmittance) sum += 1.0 - static_cast<double>(left);
+    return sum;
+  };
+  for (const std::size_t index : held_out_sweeps(log)) {
+    whole += gathered(exact, log.sweeps[index]);
+    found += gathered(other, log.sweeps[index]);
+  }
+  return 100.0 * (1.0 - found / whole);
+}
+
 /// Device time of the projection of held-out sweeps.
-Spread projection_ms(const Device& profiled, const Log& log, const Scene& scene, Projection projection) {
-  const std::vector<std::size_t> frames = select_frames(log.sweeps, EvalOptions{}.held_out_every, true);
-  Renderer renderer(profiled, render_with(projection));
+Spread projection_ms(const Device& profiled, const Log& log, const Scene& scene, const Named& column) {
+  const std::vector<std::size_t> frames = held_out_sweeps(log);
+  Renderer renderer(profiled, render_with(column));
   const ParticleBuffers particles(profiled, scene.lidar, Precision::kFloat);
   std::vector<double> samples;
   for (int i = -1; i < kTimedSweeps; ++i) {
@@ -74,40 +101,64 @@ class Table {
     const Scene start = initialize_scene(log_, init).scene;
     note_(fmt::format("{}: {} particles", name, start.lidar.size()));
     Scene unscented;
-    SweepMetrics yardstick;
-    for (const Named& p : kProjections) {
-      TrainOptions train;
-      train.iterations = options_.iterations;
-      train.render = render_with(p.projection);
+    SweepMetrics of_monte_carlo, of_unscented;
+    TrainOptions train;
+    train.iterations = options_.iterations;
+    for (const Named& column : kColumns) {
+      train.render = render_with(column);
       Scene scene = trained(device_, log_, start, train);
-      add(fmt::format("{}/{}", name, p.name), scene, p.projection, yardstick, rows);
-      if (p.projection == Projection::kUnscented) unscented = std::move(scene);
+      const bool first = &column == &kColumns.front();
+      const SweepMetrics found = add(
+          fmt::format("{}/{}", name, column.name), scene, column, first ? nullptr : &of_monte_carlo, rows);
+      if (first) of_monte_carlo = found;
+      if (&column == &kUnscented) {
+        of_unscented = found;
+        unscented = std::move(scene);
+      }
     }
-    for (const Named& p : kProjections) {
-      add(fmt::format("{}_render/{}", name, p.name), unscented, p.projection, yardstick, rows);
+    // How far one column is from itself, trained with the sweeps in another order.
+    train.render = render_with(kUnscented);
+    for (train.seed = 2; train.seed <= 3; ++train.seed) {
+      const Scene scene = trained(device_, log_, start, train);
+      add(fmt::format("{}_again/seed_{}", name, train.seed), scene, kUnscented, &of_unscented, rows);
+    }
+    for (const Named& column : kColumns) {
+      const bool first = &column == &kColumns.front();
+      const SweepMetrics found = add(fmt::format("{}_render/{}", name, column.name),
+                                     unscented,
+                                     column,
+                                     first ? nullptr : &of_monte_carlo,
+                                     rows);
+      if (first) of_monte_carlo = found;
     }
   }
 
  private:
-  void add(const std::string& base,
-           const Scene& scene,
-           Projection projection,
-           SweepMetrics& yardstick,
-           std::vector<Row>& rows) {
+  /// Rows of one column, compared with `yardstick` where there is one.
+  SweepMetrics add(const std::string& base,
+                   const Scene& scene,
+                   const Named& column,
+                   const SweepMetrics* yardstick,
+                   std::vector<Row>& rows) {
     EvalOptions options;
-    options.render = render_with(projection);
+    options.render = render_with(column);
     options.timed_renders = 1;
     const SweepMetrics found = evaluate(device_, log_, scene, options).lidar;
-    if (projection == Projection::kMonteCarlo) yardstick = found;
-    double worst = 0.0;
     for (const Metric& m : kMetrics) {
       rows.push_back({fmt::format("{}/{}", base, m.name), found.*m.value, m.unit, 0.0});
-      worst = std::max(worst, std::abs(found.*m.value / (yardstick.*m.value) - 1.0));
     }
-    rows.push_back({base + "/worst_difference", 100.0 * worst, "%", 0.0});
-    const Spread ms = projection_ms(profiled_, log_, scene, projection);
+    if (yardstick != nullptr) {
+      double worst = 0.0;
+      for (const Metric& m : kMetrics) {
+        worst = std::max(worst, std::abs(found.*m.value / (yardstick->*m.value) - 1.0));
+      }
+      rows.push_back({base + "/worst_difference", 100.0 * worst, "%", 0.0});
+    }
+    rows.push_back({base + "/clipped", clipped_percent(device_, log_, scene, column), "%", 0.0});
+    const Spread ms = projection_ms(profiled_, log_, scene, column);
     rows.push_back({base + "/projection_ms", ms.median, "ms", ms.half_iqr});
     note_(base);
+    return found;
   }
 
   Device device_, profiled_;
@@ -115,73 +166,6 @@ class Table {
   Table8Options options_;
   Note note_;
 };
-
-/// A long particle of random direction, `size` of its range in length, somewhere about the sensor.
-GaussianSet long_particle(double size, std::mt19937_64& random) {
-  const auto in = [&random](double low, double high) {
-    return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
-  };
-  constexpr double kRange_m = 5.0;
-  GaussianSet set(SetKind::kLidar, 0, 1);
-  const Eigen::Vector3d mean = kRange_m * Lidar::direction(in(-3.0, 3.0), in(-0.3, 0.05));
-  set.mean().row(0) = mean.cast<float>().transpose();
-  const double length = std::log(size * kRange_m), width = std::log(0.2 * size * kRange_m);
-  set.log_scale().row(0) << static_cast<float>(length), static_cast<float>(width), static_cast<float>(width);
-  for (int k = 0; k < 4; ++k) set.rotation()(0, k) = static_cast<float>(in(-1.0, 1.0));
-  return set;  // logit 0: opacity 0.5
-}
-
-/// What a ray gathers of one particle that nothing clips, in double (METHOD section 7).
-double alpha_of(const GaussianSet& set,
-                const Eigen::Vector3d& origin,
-                const Eigen::Vector3d& direction,
-                double kappa) {
-  const Eigen::Vector3d mean = set.mean().row(0).transpose().cast<double>();
-  const Eigen::RowVector4d q = set.rotation().row(0).cast<double>();
-  const Eigen::Quaterniond turn = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized();
-  const Eigen::Array3d scale = set.log_scale().row(0).transpose().cast<double>().array().exp();
-  const Eigen::Array3d filtered = (scale.square() + kappa * mean.squaredNorm()).sqrt();
-  const Eigen::Vector3d o = (turn.conjugate() * (origin - mean)).array() / filtered;
-  const Eigen::Vector3d d = (turn.conjugate() * direction).array() / filtered;
-  if (!(o.dot(d) < 0.0)) return 0.0;  // behind
-  return 0.5 * std::exp(-0.5 * o.cross(d).squaredNorm() / d.squaredNorm());
-}
-
-/// Share of what rays gather of single long particles that each projection's box cuts off.
-void add_clipped(const Device& device, const Lidar& lidar, std::vector<Row>& rows) {
-  constexpr int kParticles = 40;
-  const LidarRays nominal = nominal_rays(lidar, 0.1);
-  for (const double size : {0.05, 0.1, 0.2, 0.3}) {
-    for (const Named& p : kProjections) {
-      const RenderOptions options = render_with(p.projection);
-      Renderer renderer(device, options);
-      const SensorRays rays(device, lidar, nominal, options);
-      const double kappa = rays.grid().constants[SIM_S_KAPPA];
-      std::mt19937_64 random(3);
-      double whole = 0.0, found = 0.0;
-      for (int k = 0; k < kParticles; ++k) {
-        const GaussianSet set = long_particle(size, random);
-        renderer.render(ParticleBuffers(device, set, options.precision), rays, View{});
-        const std::vector<float> left = renderer.results().transmittance;
-        for (std::size_t i = 0; i < left.size(); ++i) {
-          const auto azimuth = static_cast<double>(nominal.azimuth[i]);
-          const auto row = static_cast<int>(i / static_cast<std::size_t>(nominal.columns));
-          const double alpha = alpha_of(set,
-                                        lidar.origin(row, azimuth),
-                                        Lidar::direction(azimuth, static_cast<double>(nominal.elevation[i])),
-                                        kappa);
-          if (!(alpha >= options.alpha_cut)) continue;
-          whole += alpha;
-          found += 1.0 - static_cast<double>(left[i]);
-        }
-      }
-      rows.push_back({fmt::format("table8_clipped/{}/size_{:.0f}_percent", p.name, 100.0 * size),
-                      100.0 * (1.0 - found / whole),
-                      "%",
-                      0.0});
-    }
-  }
-}
 
 }  // namespace
 
@@ -208,7 +192,7 @@ std::vector<Row> run_table8(const std::string& device_request,
   Table table(device, profiled, log, options, note);
   table.run("table8", options.voxel_m, rows);
   table.run("table8_coarse", options.coarse_voxel_m, rows);
-  if (!log.lidars.empty()) add_clipped(device, log.lidars.front().model, rows);
+  if (!log.lidars.empty()) add_clipped(device, log.lidars.front().model, note, rows);
   return rows;
 }
 
