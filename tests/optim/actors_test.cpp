@@ -141,7 +141,7 @@ TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
 TEST(ActorPoses, WalkDownASlopeToTheTruth) {
   Actor actor;
   actor.name = "car";
-  for (int k = 0; k < 4; ++k) actor.track.push_back({0.1 * k, {Eigen::Quaterniond::Identity(), {k, 0, 0}}});
+  for (int k = 0; k < 4; ++k) actor.track.push_back({0.1 * k, {Eigen::Quaterniond::Identity(), {1.0 * k, 0, 0}}});
   actor.track[1].shift_m = {0.2, -0.1, 0.0};
   actor.track[2].turn_rad = {0.0, 0.0, 0.05};
   std::vector<Actor> actors{actor};
