@@ -58,7 +58,7 @@ Recording record(const Figure10Options& options, const fs::path& folder) {
   out.log.images.clear();
   out.log.lidars[0].model.beam_divergence = kDivergence_rad;
   out.log.lidars[0].model.divergence_variance = 0.25;  // all of the beam within two standard deviations
-  const Street with(street.seed, false, true), without(street.seed, false, false);
+  const Street with(street.seed, std::nullopt, true), without(street.seed, std::nullopt);
   fs::create_directories(folder / "sweeps");
   for (const SweepFrame& f : out.log.sweeps) {
     const Sweep sweep = scan_by_beams(with, out.log.lidars[0], out.log.world_from_rig, f);

@@ -9,6 +9,8 @@
 namespace simuli::bench {
 namespace {
 
+constexpr int kEnvironmentWidth = 256;  // texels: 1.4 degrees
+
 class Table {
  public:
   Table(const Device& device, const Log& log, const Table5Options& options, Note note)
@@ -18,7 +20,10 @@ class Table {
     InitOptions init;
     init.image_scale = train_.image_scale;
     if (options.log.empty()) init.voxel_m = 0.2;
+    bare_ = initialize_scene(log, init).scene;
+    init.environment_width = kEnvironmentWidth;
     start_ = initialize_scene(log, init).scene;
+    train_.look.color_grids = true;
   }
 
   void add_unified(double distance_weight) {
@@ -28,6 +33,7 @@ class Table {
   void add_factorised(const char* name, const TrainOptions& options) {
     add(name, trained(device_, log_, start_, options));
   }
+  void add_without_environment() { add("without_environment", trained(device_, log_, bare_, train_)); }
   [[nodiscard]] const TrainOptions& options() const { return train_; }
   [[nodiscard]] std::vector<Row> rows() && { return std::move(rows_); }
 
@@ -57,7 +63,7 @@ class Table {
   const Log& log_;
   Note note_;
   TrainOptions train_;
-  Scene start_;
+  Scene start_, bare_;  // with an environment, and without
   std::vector<Row> rows_;
 };
 
@@ -80,6 +86,10 @@ std::vector<Row> run_table5(const std::string& device_request,
   }
   Table table(device, log, options, note);
   for (const double weight : {0.0, 0.001, 0.01, 0.1}) table.add_unified(weight);
+  TrainOptions without_grid = table.options();
+  without_grid.look.color_grids = false;
+  table.add_factorised("without_grid", without_grid);
+  table.add_without_environment();
   TrainOptions without_anchor = table.options();
   without_anchor.anchor.weight = 0.0;
   table.add_factorised("without_anchor", without_anchor);

@@ -84,4 +84,13 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, int held_out_
   return found;
 }
 
+Log with_blind_arcs(Log log, int held_out_every) {
+  const auto found = find_blind_arcs(log, held_out_every);
+  for (std::size_t i = 0; i < log.lidars.size(); ++i) {
+    std::vector<BlindArc>& known = log.lidars[i].model.blind;
+    if (known.empty()) known = found[i];
+  }
+  return log;
+}
+
 }  // namespace simuli

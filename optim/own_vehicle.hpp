@@ -12,4 +12,7 @@ namespace simuli {
 /// Error{kInput} when a sweep can't be read.
 [[nodiscard]] std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, int held_out_every);
 
+/// The log with these arcs, in LiDARs that have none yet.
+[[nodiscard]] Log with_blind_arcs(Log log, int held_out_every);
+
 }  // namespace simuli

@@ -107,7 +107,11 @@ std::vector<Setting> render_settings(RenderOptions& options) {
       {"render.alpha_cut", &options.alpha_cut},
       {"render.transmittance_cut", &options.transmittance_cut},
       {"render.camera_filter_px2", &options.camera_filter_px2},
-      {"render.lidar_rows_per_tile", &options.lidar_rows_per_tile},
+      {"render.camera_compensation", &options.camera_compensation},
+      {"render.lidar_compensation", &options.lidar_compensation},
+      {"render.culling", choice_of(options.culling, {"off", "auto", "always"})},
+      {"render.lidar_tiles.elevation", &options.lidar_tiles.elevation},
+      {"render.lidar_tiles.rays", &options.lidar_tiles.rays},
       {"render.max_instances", &options.max_instances},
   };
 }

@@ -8,6 +8,7 @@
 #include "host/cli/train_settings.hpp"
 #include "host/cli/training.hpp"
 #include "io/scene_folder.hpp"
+#include "optim/own_vehicle.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -82,7 +83,8 @@ void train(TrainCommand command, const Globals& globals) {
   command.init.image_scale = command.train.image_scale;
   command.init.held_out_every = command.train.held_out_every;
   command.init.seed = command.train.seed;
-  const Log log = read_log(command.log);
+  Log log = read_log(command.log);
+  if (command.init.own_vehicle) log = with_blind_arcs(std::move(log), command.init.held_out_every);
   const Device device = Device::best(globals.device);
   if (globals.verbose) {
     std::cerr << fmt::format("simuli: {}; {}\n",

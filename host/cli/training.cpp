@@ -68,6 +68,8 @@ TrainedScene train_scene(const Device& device,
 
   Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
   // Saved states are of this very training: the start is made again from the same log and settings.
+  InitOptions own_init = init;
+  TrainOptions own_options = options;
   const std::string settings =
       fmt::format("iterations={}\nscale={}\nheld_out={}\nseed={}\nimages={}\nsweeps={}\n{}\n",
                   options.iterations,
@@ -76,7 +78,7 @@ TrainedScene train_scene(const Device& device,
                   options.seed,
                   log.images.size(),
                   log.sweeps.size(),
-                  fmt::join(list_settings(init, options), "\n"));
+                  fmt::join(list_settings(train_settings(own_init, own_options)), "\n"));
   if (checkpoints.resume) {
     if (std::filesystem::exists(checkpoints.file)) {
       trainer.resume(checkpoints.file, settings);

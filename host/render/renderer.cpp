@@ -26,7 +26,15 @@ SensorRays::SensorRays(const Device& device,
                        const Lidar& lidar,
                        const LidarRays& rays,
                        const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(device, lidar, rays, options), options) {}
+    : SensorRays(device, make_ray_grid(device, lidar, rays, options), options) {
+  if (lidar.blind.empty()) return;
+  blind_.resize(grid_.rays);
+  for (std::size_t i = 0; i < grid_.rays; ++i) {
+    const auto row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
+    blind_[i] = is_blind(lidar, row, static_cast<double>(rays.azimuth[i]));
+  }
+  request(std::vector<bool>(grid_.rays, true));
+}
 SensorRays::SensorRays(const Device& device, const RayList& list, const RenderOptions& options)
     : SensorRays(device, make_ray_grid(device, list, options), options) {}
 
@@ -41,8 +49,9 @@ void SensorRays::request(const std::vector<bool>& requested) {
   std::vector<float> sensor_ray = grid_.sensor_ray;
   const std::size_t slots = grid_.frame.slots;
   for (std::size_t slot = 0; slot < slots; ++slot) {
-    const std::int32_t ray = grid_.ray_of_slot[slot];
-    if (ray >= 0 && requested[static_cast<std::size_t>(ray)]) continue;
+    const std::int32_t of_slot = grid_.ray_of_slot[slot];
+    const auto ray = static_cast<std::size_t>(of_slot);
+    if (of_slot >= 0 && requested[ray] && (blind_.empty() || !blind_[ray])) continue;
     for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
   }
   buffers_.sensor_ray.assign(sensor_ray);

@@ -18,6 +18,7 @@ namespace simuli {
 class SensorRays {
  public:
   SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
+  /// Rays in the LiDAR's blind arcs are never rendered.
   SensorRays(const Device& device, const Lidar& lidar, const LidarRays& rays, const RenderOptions& options);
   SensorRays(const Device& device, const RayList& list, const RenderOptions& options);
 
@@ -40,6 +41,7 @@ class SensorRays {
   Precision precision_;
   bool marks_;  // a LiDAR's that culls
   RayMaskSize mask_size_;
+  std::vector<bool> blind_;  // [rays] of a LiDAR with blind arcs, else empty
   RayGrid grid_;
   RayBuffers buffers_;
   bool can_cull_ = false;

@@ -82,7 +82,7 @@ TEST(Street, CarCanBeLeftOut) {
 }
 
 TEST(Street, ThinPolesStandBeforeWhatIsThereAnyway) {
-  const Street without(1, false), with(1, false, true);
+  const Street without(1, std::nullopt), with(1, std::nullopt, true);
   std::size_t on_pole = 0;
   for (int i = 0; i < 20000; ++i) {  // along the pavement's edge, a row of rays across the street
     const Vector3d origin(0.005 * i, 0.0, 1.0);
