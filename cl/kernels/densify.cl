@@ -60,7 +60,7 @@ __kernel void accumulate_error(const uint n,
                                __global real* accumulated) {
   const uint i = get_global_id(0);
   if (i >= n || keys[i] == 0xffffffffu) return;
-  const uint count = footprints[i].tiles;
+  const uint count = SIM_TILES(footprints[i]);
   const __global real* slot = instance_error + emission[i];
   real sum = accumulated[i];
   for (uint k = 0; k < count; ++k) sum += slot[k];

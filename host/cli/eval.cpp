@@ -5,6 +5,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/settings.hpp"
 #include "host/cli/training.hpp"
+#include "host/render/validate.hpp"
 #include "io/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -36,6 +37,7 @@ Log mounted(Log log, const SceneFile& scene) {
 
 void eval(EvalCommand command, const Globals& globals) {
   apply_settings(command.settings, render_settings(command.options.render));
+  validate(command.options.render);
   const SceneFile file = read_scene(command.scene);
   const Log log = mounted(read_log(command.log), file);
   const Device device = Device::best(globals.device);

@@ -17,6 +17,7 @@
 #include "host/cli/pictures.hpp"
 #include "host/render/look.hpp"
 #include "host/cli/settings.hpp"
+#include "host/render/validate.hpp"
 #include "io/file.hpp"
 #include "io/scene_folder.hpp"
 #include "optim/frames.hpp"
@@ -247,6 +248,7 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
 void render(const RenderCommand& command, const Globals& globals) {
   RenderOptions options;
   apply_settings(command.settings, render_settings(options));
+  validate(options);
   SceneFile file = read_scene(command.scene);
   apply(command.edits, file.scene);
   const Sensor sensor = find_sensor(file, command);

@@ -7,6 +7,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/train_settings.hpp"
 #include "host/cli/training.hpp"
+#include "host/render/validate.hpp"
 #include "io/scene_folder.hpp"
 #include "optim/own_vehicle.hpp"
 
@@ -80,6 +81,7 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
 
 void train(TrainCommand command, const Globals& globals) {
   apply_settings(command.settings, train_settings(command.init, command.train));
+  validate(command.train.render);
   command.init.image_scale = command.train.image_scale;
   command.init.held_out_every = command.train.held_out_every;
   command.init.seed = command.train.seed;

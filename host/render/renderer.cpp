@@ -8,6 +8,7 @@
 
 #include "host/base/error.hpp"
 #include "host/render/ray_mask.hpp"
+#include "host/render/validate.hpp"
 
 namespace simuli {
 
@@ -83,8 +84,6 @@ float RayResults::expected_distance(std::size_t ray) const {
   return opacity > 0.0F ? distance[ray] / opacity : 0.0F;
 }
 
-namespace {
-
 void validate(const RenderOptions& options) {
   const auto need = [](bool holds, const char* field, double found, const char* allowed) {
     if (holds) return;
@@ -106,6 +105,8 @@ void validate(const RenderOptions& options) {
        "0 to 100");
   need(o.max_instances >= 1, "max_instances", static_cast<double>(o.max_instances), "1 or more");
 }
+
+namespace {
 
 RenderOptions resolve(const Device& device, RenderOptions options) {
   validate(options);
