@@ -84,8 +84,10 @@ TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {
   const SceneInit both = initialize_scene(log_, options);
   EXPECT_GT(both.report.actor_points, seen.report.actor_points + seen.report.actor_points / 4);
   EXPECT_GT(of_car(both.scene.camera), of_car(seen.scene.camera) * 5 / 4);
-  EXPECT_EQ(both.scene.camera.size() - of_car(both.scene.camera),
-            seen.scene.camera.size() - of_car(seen.scene.camera));
+  // The far side hides some of the background, too.
+  EXPECT_NEAR(static_cast<double>(both.scene.camera.size() - of_car(both.scene.camera)),
+              static_cast<double>(seen.scene.camera.size() - of_car(seen.scene.camera)),
+              0.01 * static_cast<double>(seen.scene.camera.size()));
 }
 
 TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
