@@ -1,5 +1,4 @@
-// color_grid_bwd.cl - gradients of a bilateral grid and of what it was given. Launcher:
-// host/render/color_grid.cpp
+// color_grid_bwd.cl - gradients of a bilateral grid and of its picture. Launcher: host/render/color_grid.cpp
 #include "math/color_grid.h"
 #include "shared/layout.h"
 

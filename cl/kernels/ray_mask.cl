@@ -1,5 +1,4 @@
-// ray_mask.cl - where a LiDAR's requested rays are: occupied cells of (x, rows) and their summed-area table
-// (procedure 2). Launcher: host/render/ray_mask.cpp
+// ray_mask.cl - cells with requested LiDAR rays, their areas (procedure 2). Launcher: host/render/ray_mask.cpp
 // Rebuilt whenever other rays are requested. Rays and particles find their cells by the same functions.
 #include "math/sensor.h"
 

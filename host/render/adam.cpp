@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
-#include "host/render/stages.hpp"
+#include "host/render/loss_stages.hpp"
 
 namespace simuli {
 namespace {

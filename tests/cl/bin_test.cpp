@@ -211,12 +211,13 @@ INSTANTIATE_TEST_SUITE_P(WorkItems,
                            return std::string(instance.param == 1 ? "cpu" : "gpu");
                          });
 
-/// What the particle takes of the ray's light, boxes apart.
+/// What the particle takes of the ray's light, boxes apart; nothing from behind the ray's origin.
 double alpha_of(const reference::Footprint& f, const Eigen::Vector3d& mean, const reference::Ray& ray) {
   const Eigen::Matrix3d unit_from_scene =
       f.filtered_scale.cwiseInverse().asDiagonal() * f.scene_from_particle.transpose();
   const Eigen::Vector3d o = unit_from_scene * (ray.origin - mean);
   const Eigen::Vector3d d = unit_from_scene * ray.direction;
+  if (!(o.dot(d) < 0.0)) return 0.0;
   return f.opacity * std::exp(-0.5 * o.cross(d).squaredNorm() / d.squaredNorm());
 }
 

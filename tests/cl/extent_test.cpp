@@ -195,6 +195,7 @@ struct Boxes {
     RenderOptions options;
     options.extent = Extent::kExact;
     options.camera_filter_px2 = 0.0;
+    options.culling = Culling::kOff;  // what lies between two columns has a box as well
     Renderer renderer(device, options);
     const SensorRays rays = shot.on(device, options);
     renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
