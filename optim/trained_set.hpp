@@ -1,5 +1,5 @@
 #pragma once
-#include "host/render/stages.hpp"
+#include "host/render/loss_stages.hpp"
 #include "optim/actor_poses.hpp"
 
 namespace simuli {

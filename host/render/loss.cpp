@@ -1,4 +1,5 @@
 // Launcher of "kernels/loss_image.cl" and "kernels/loss_lidar.cl".
+#include "host/render/loss_stages.hpp"
 #include "host/render/picture_stages.hpp"
 
 namespace simuli {

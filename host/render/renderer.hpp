@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "host/render/actor.hpp"
+#include "host/render/loss_stages.hpp"
 #include "host/render/picture_stages.hpp"
 #include "host/render/pose_gradient.hpp"
-#include "host/render/loss_stages.hpp"
 #include "host/render/stages.hpp"
 #include "host/scene/actor.hpp"
 #include "host/scene/pose.hpp"
