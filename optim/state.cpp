@@ -67,19 +67,26 @@ void StateList::add_fixed(const std::string& name, const std::string& text) {
       name,
       [text] { return bytes_of(std::vector<char>(text.begin(), text.end())); },
       [text, name](const std::string& file, std::span<const std::byte> bytes) {
-        const std::vector<char> saved = values_of<char>(file, name, bytes);
-        std::istringstream found_text(std::string(saved.begin(), saved.end())), allowed_text(text);
-        std::string found, allowed;
-        for (;;) {
-          const bool more_found = static_cast<bool>(std::getline(found_text, found));
-          const bool more_allowed = static_cast<bool>(std::getline(allowed_text, allowed));
-          if (!more_found && !more_allowed) return;
-          if (more_found != more_allowed || found != allowed) {
-            throw_input_error(
-                file, name, more_found ? found : "fewer lines", more_allowed ? allowed : "fewer lines");
-          }
-        }
+        need_text(file, name, bytes, text);
       });
+}
+
+void StateList::need_text(const std::string& file,
+                          const std::string& name,
+                          std::span<const std::byte> saved,
+                          const std::string& text) {
+  const std::vector<char> characters = values_of<char>(file, name, saved);
+  std::istringstream found_text(std::string(characters.begin(), characters.end())), allowed_text(text);
+  std::string found, allowed;
+  for (;;) {
+    const bool more_found = static_cast<bool>(std::getline(found_text, found));
+    const bool more_allowed = static_cast<bool>(std::getline(allowed_text, allowed));
+    if (!more_found && !more_allowed) return;
+    if (more_found != more_allowed || found != allowed) {
+      throw_input_error(
+          file, name, more_found ? found : "fewer lines", more_allowed ? allowed : "fewer lines");
+    }
+  }
 }
 
 void StateList::write(const std::filesystem::path& file) const {

@@ -40,13 +40,19 @@ class StateList {
           std::memcpy(&value, bytes.data(), sizeof(T));
         });
   }
-  /// Text that must be the same when loading: Error{kInput} with the first line that differs.
+  /// Text that must be the same when loading (need_text).
   void add_fixed(const std::string& name, const std::string& text);
 
   /// Atomic (io/state_file.hpp).
   void write(const std::filesystem::path& file) const;
   /// Error{kInput} when the file's blocks are not exactly those of the list, or one is not as it was written.
   void read(const std::filesystem::path& file) const;
+
+  /// Error{kInput} with the first line in which the text saved as `name` differs from `text`.
+  static void need_text(const std::string& file,
+                        const std::string& name,
+                        std::span<const std::byte> saved,
+                        const std::string& text);
 
  private:
   static void need_size(const std::string& file,

@@ -88,6 +88,9 @@ class Trainer {
   /// Goes on where a trainer of the same log, start and options was saved: with the same bits, on the same
   /// device and build. Error{kInput} when the file is of another training, or not as it was written.
   void resume(const std::filesystem::path& file, const std::string& settings);
+  /// Error{kInput} when the file is no checkpoint, or of other settings: what resume() would say, before the
+  /// start has been made.
+  static void need_settings(const std::filesystem::path& file, const std::string& settings);
 
   [[nodiscard]] const TrainStatus& status() const { return status_; }
   /// What has been learned of where sensors sit; empty unless options.poses ask for it.

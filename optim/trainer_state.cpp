@@ -1,9 +1,12 @@
 // Checkpoints: the trainer's state by name.
+#include "io/state_file.hpp"
 #include "optim/state.hpp"
 #include "optim/trainer.hpp"
 
 namespace simuli {
 namespace {
+
+constexpr const char* kSettings = "settings";
 
 void add_set(StateList& list, const std::string& name, TrainedSet& set) {
   list.add(name + "/count", set.particles.count);
@@ -20,7 +23,7 @@ void add_set(StateList& list, const std::string& name, TrainedSet& set) {
 
 StateList Trainer::state(const std::string& settings) {
   StateList list;
-  list.add_fixed("settings", settings);
+  list.add_fixed(kSettings, settings);
   list.add("status", status_);
   list.add("mean/squared_error", square_);
   list.add("mean/distance", distance_);
@@ -41,6 +44,10 @@ StateList Trainer::state(const std::string& settings) {
 
 void Trainer::save(const std::filesystem::path& file, const std::string& settings) {
   state(settings).write(file);
+}
+
+void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings) {
+  StateList::need_text(file.string(), kSettings, StateFile(file).block(kSettings), settings);
 }
 
 void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {

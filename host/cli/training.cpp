@@ -57,16 +57,6 @@ TrainedScene train_scene(const Device& device,
                          const TrainOptions& options,
                          const Globals& globals,
                          const Checkpoints& checkpoints) {
-  FileProgress reading("initialise", globals);
-  SceneInit start = initialize_scene(log, init, reading.callback());
-  reading.finish();
-  TrainedScene out;
-  out.init = start.report;
-  out.file.cameras = log.cameras;
-  out.file.lidars = log.lidars;
-  out.file.world_from_rig = log.world_from_rig;
-
-  Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
   // Saved states are of this very training: the start is made again from the same log and settings.
   InitOptions own_init = init;
   TrainOptions own_options = options;
@@ -79,13 +69,24 @@ TrainedScene train_scene(const Device& device,
                   log.images.size(),
                   log.sweeps.size(),
                   fmt::join(list_settings(train_settings(own_init, own_options)), "\n"));
-  if (checkpoints.resume) {
-    if (std::filesystem::exists(checkpoints.file)) {
-      trainer.resume(checkpoints.file, settings);
-    } else {
-      std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
-    }
+  const bool resumes = checkpoints.resume && std::filesystem::exists(checkpoints.file);
+  if (resumes) {
+    Trainer::need_settings(checkpoints.file, settings);
+  } else if (checkpoints.resume) {
+    std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
   }
+
+  FileProgress reading("initialise", globals);
+  SceneInit start = initialize_scene(log, init, reading.callback());
+  reading.finish();
+  TrainedScene out;
+  out.init = start.report;
+  out.file.cameras = log.cameras;
+  out.file.lidars = log.lidars;
+  out.file.world_from_rig = log.world_from_rig;
+
+  Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
+  if (resumes) trainer.resume(checkpoints.file, settings);
   Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals.json));
   out.training = trainer.run([&](const TrainStatus& status) {
     progress.update(static_cast<std::uint64_t>(status.iteration), status_text(status));
