@@ -16,12 +16,19 @@ constexpr std::uint64_t kWord = sizeof(std::uint32_t);
 
 double giga(std::uint64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
 
-/// Slots that `rays` rays lie in; tiles at the edges are not full.
-std::uint64_t slots_of(std::uint64_t rays) { return rays + rays / 8 + SIM_TILE_RAYS; }
+/// Slots that `rays` rays of a frame lie in, at most; tiles at the edges are not full, and those of a sparse
+/// sweep less so.
+std::uint64_t slots_of(std::uint64_t rays) { return rays + rays / 2 + SIM_TILE_RAYS; }
+
+/// Of each sweep's own rays: beam table and bins of columns, 4096 each, and the mask of 1600 x 8 cells.
+constexpr std::uint64_t kSweepTables = (2 * 4096 + 1601 * 9 + 1024) * kWord;
+/// Of sorting, scanning and tiling, whatever the frame.
+constexpr std::uint64_t kScratch = std::uint64_t{1} << 19U;
 
 struct Rays {
   std::uint64_t largest = 0;  // rays of the largest frame
-  std::uint64_t all = 0;      // rays of all frames
+  std::uint64_t slots = 0;    // of all frames
+  std::uint64_t frames = 0;
 };
 
 Rays image_rays(const Log& log, const TrainOptions& options) {
@@ -30,7 +37,8 @@ Rays image_rays(const Log& log, const TrainOptions& options) {
     const Camera camera = scaled_camera(log.camera(log.images[index].camera).model, options.image_scale);
     const auto pixels = static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
     rays.largest = std::max(rays.largest, pixels);
-    rays.all += pixels;
+    rays.slots += slots_of(pixels);
+    ++rays.frames;
   }
   return rays;
 }
@@ -42,7 +50,8 @@ Rays sweep_rays(const Log& log, const TrainOptions& options) {
     const auto beams =
         static_cast<std::uint64_t>(lidar.rows.size()) * static_cast<std::uint64_t>(lidar.columns);
     rays.largest = std::max(rays.largest, beams);
-    rays.all += beams;
+    rays.slots += slots_of(beams);
+    ++rays.frames;
   }
   return rays;
 }
@@ -91,14 +100,15 @@ MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOption
   // Records, footprints, keys, emission, order and its keys; tile, payload and two for sorting; gradient
   // slots.
   add("frame",
-      most * (SIM_RECORD * kReal + sizeof(shared::Footprint) + 4 * kWord) +
+      kScratch + most * (SIM_RECORD * kReal + sizeof(shared::Footprint) + 4 * kWord) +
           instances * (4 * kWord + (SIM_GRAD + 1) * kReal),
       std::max(most, instances) * SIM_GRAD * kReal);
 
   const Rays images = image_rays(log, options);
   const Rays sweeps = sweep_rays(log, options);
-  // World rays, outputs, their gradients and errors; sensor rays of each camera.
-  const std::uint64_t per_slot = (6 + SIM_OUTPUTS + 5 + 1) * kReal;
+  // World rays, outputs, their gradients and errors, and the gradients by ray; sensor rays of each camera.
+  const bool learns_poses = options.poses.camera || options.poses.lidar;
+  const std::uint64_t per_slot = (7 + SIM_OUTPUTS + 5 + 1 + (learns_poses ? 6 : 0)) * kReal;
   const std::uint64_t sensor_ray = 8 * kReal;
   add("rays",
       slots_of(std::max(images.largest, sweeps.largest)) * per_slot +
@@ -106,14 +116,16 @@ MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOption
       slots_of(std::max(images.largest, sweeps.largest)) * SIM_OUTPUTS * kReal);
   const std::uint64_t cache = options.cache_bytes;
   add("frames kept",
-      std::min(cache, slots_of(images.all) * 3 * kReal) +
-          std::min(cache, slots_of(sweeps.all) * (2 * kReal + sensor_ray)),
+      std::min(cache, images.slots * 3 * kReal) +
+          std::min(cache, sweeps.slots * (2 * kReal + sensor_ray) + sweeps.frames * kSweepTables),
       slots_of(std::max(images.largest, sweeps.largest)) * 7 * kReal);
   if (options.anchor.weight > 0.0 && camera > 0 && lidar > 0) {
     const std::uint64_t candidates = camera * static_cast<std::uint64_t>(options.anchor.neighbours) * kWord;
     // The tree: order and keys with their doubles, points, numbers, boxes.
     add("anchors", candidates + camera * kWord + lidar * (5 * kWord + 3 * kReal + kReal), candidates);
   }
+  // Of each particle: dead or not, its share, target, source and copies.
+  if (options.densify.every > 0) add("relocation", 6 * most * kWord, most * kWord);
   std::sort(need.items.begin(), need.items.end(), [](const MemoryItem& a, const MemoryItem& b) {
     return a.bytes > b.bytes;
   });
