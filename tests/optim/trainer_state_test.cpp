@@ -59,34 +59,39 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
 }
 
 TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
-  GTEST_SKIP() << "open: the learned pose runs off; rates and sign are not checked yet";
-  // The camera sits 6 cm and 1.5 degrees from where the log says.
+  // A scene learned from the true mounting; then the camera sits 6 cm and 1.5 degrees from where the log
+  // says. (Colours first painted from a wrong mounting hide it: nothing in one camera's pictures is against
+  // them.)
+  TrainOptions learned = options(200);
+  learned.densify.every = 0;
+  learned.poses.camera = false;
+  Trainer teacher(Device::best(), log_, initial_scene(), learned);
+  (void)teacher.run();
   Log log = log_;
   const Pose truth = log.cameras[0].rig_from_camera;
   Pose& wrong = log.cameras[0].rig_from_camera;
   wrong.translation += Eigen::Vector3d(0.02, 0.05, -0.03);
   wrong.rotation = truth.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(
                                         1.5 * M_PI / 180.0, Eigen::Vector3d(0.5, 1.0, 0.3).normalized()));
-  InitOptions init;
-  init.voxel_m = 0.2;
-  init.sweep_depth = false;
   TrainOptions o = options(300);
   o.densify.every = 0;
   o.lidar_every = 1000;
-  o.poses.camera = true;
-  o.poses.rotation_rad = 5e-4;
+  // The particles nearly rest, and so the pose has to give way.
+  o.camera.mean_m = o.camera.mean_final_m = 1e-6;
+  o.camera.log_scale = o.camera.rotation = o.camera.opacity = o.camera.sh = o.camera.sh_rest = 1e-6;
+  o.poses.rotation_rad = 1e-3;
   o.poses.translation_m = 2e-3;
-  Trainer trainer(Device::best(), log, initialize_scene(log, init).scene, o);
+  Trainer trainer(Device::best(), log, teacher.scene(), o);
   (void)trainer.run();
   const Pose found = moved_by(trainer.sensor_offsets().at("front"), wrong);
   const double turned_deg = found.rotation.angularDistance(truth.rotation) * 180.0 / M_PI;
   const double moved_m = (found.translation - truth.translation).norm();
+  // A pixel of these pictures is a degree.
   EXPECT_LT(turned_deg, 0.3 * 1.5);
   EXPECT_LT(moved_m, 0.5 * (wrong.translation - truth.translation).norm());
 }
 
 TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
-  GTEST_SKIP() << "open: the estimate leaves out 1.5 MB of tables";
   TrainOptions o = options(20);
   const Scene scene = initial_scene();
   const MemoryNeed need = training_memory(log_, scene, o);
