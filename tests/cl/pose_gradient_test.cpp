@@ -16,7 +16,6 @@ constexpr double kStep = 1e-4;
 class PoseGradientOf : public testing::TestWithParam<test::SceneCase> {};
 
 TEST_P(PoseGradientOf, MatchesDifferences) {
-  GTEST_SKIP() << "open: parameter gradients change bits when ray gradients are asked for";
   const test::SceneCase& scene = GetParam();
   const Device device = Device::best();
   SIMULI_NEEDS_DOUBLE(device);
@@ -65,9 +64,13 @@ TEST_P(PoseGradientOf, MatchesDifferences) {
   renderer.render(particles, rays, shot.view);
   renderer.set_output_gradients(weights);
   RealBuffer plain(device, "gradients", options.precision), grads(device, "gradients", options.precision);
+  for (RealBuffer* buffer : {&plain, &grads}) {  // those of culled particles are not written
+    buffer->reserve(particles.params.count());
+    buffer->fill(0.0);
+  }
   renderer.backward(particles, plain);
   renderer.backward(particles, grads, {.errors = false, .ray_gradients = true});
-  EXPECT_EQ(plain.download_double(), grads.download_double());  // of the particles: the same
+  EXPECT_EQ(plain.download_double(), grads.download_double());  // of the particles: the same bits
   const PoseGradient found = renderer.pose_gradient(grads);
   double scale[2] = {0.0, 0.0};
   for (int axis = 0; axis < 6; ++axis) {
