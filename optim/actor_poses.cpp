@@ -1,5 +1,6 @@
 #include "optim/actor_poses.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -46,6 +47,33 @@ void ActorPoses::step(std::vector<Actor>& actors,
           (m.first / bias1).cwiseQuotient(((m.second / bias2).cwiseSqrt().array() + kEpsilon).matrix());
       actor.track[key].shift_m -= share * rates_.shift_m * step.head<3>();
       actor.track[key].turn_rad -= share * rates_.turn_rad * step.tail<3>();
+    }
+  }
+}
+
+std::vector<double> ActorPoses::numbers(const std::vector<Actor>& actors) const {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < actors.size(); ++i) {
+    for (std::size_t key = 0; key < actors[i].track.size(); ++key) {
+      const bool moved = i < moments_.size() && key < moments_[i].size();
+      const Moments m = moved ? moments_[i][key] : Moments{};
+      out.insert(out.end(), m.first.begin(), m.first.end());
+      out.insert(out.end(), m.second.begin(), m.second.end());
+      out.push_back(m.steps);
+    }
+  }
+  return out;
+}
+
+void ActorPoses::set_numbers(const std::vector<Actor>& actors, std::span<const double> numbers) {
+  moments_.assign(actors.size(), {});
+  for (std::size_t i = 0; i < actors.size(); ++i) {
+    for (std::size_t key = 0; key < actors[i].track.size(); ++key) {
+      Moments& m = moments_[i].emplace_back();
+      std::copy_n(numbers.begin(), 6, m.first.begin());
+      std::copy_n(numbers.begin() + 6, 6, m.second.begin());
+      m.steps = static_cast<int>(numbers[12]);
+      numbers = numbers.subspan(kNumbers);
     }
   }
 }

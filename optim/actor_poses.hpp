@@ -1,6 +1,7 @@
 #pragma once
 // Learns how far the key poses of actors are off (METHOD section 2).
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "host/render/actor.hpp"
@@ -30,7 +31,12 @@ class ActorPoses {
             double time_end_s,
             double progress);
 
+  /// What a checkpoint holds of the optimiser: kNumbers for each key pose of `actors`, in their order.
+  [[nodiscard]] std::vector<double> numbers(const std::vector<Actor>& actors) const;
+  void set_numbers(const std::vector<Actor>& actors, std::span<const double> numbers);
+
  private:
+  static constexpr std::size_t kNumbers = 13;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   struct Moments {
     Vector6 first = Vector6::Zero();

@@ -62,6 +62,18 @@ void StateList::add(std::string name, Buffer<std::uint32_t>& buffer) {
       });
 }
 
+void StateList::add_numbers(const std::string& name,
+                            const std::function<std::vector<double>()>& get,
+                            const std::function<void(std::span<const double>)>& set) {
+  add(
+      name,
+      [get] { return bytes_of(get()); },
+      [get, set, name](const std::string& file, std::span<const std::byte> bytes) {
+        need_size(file, name, bytes.size(), get().size() * sizeof(double));
+        set(values_of<double>(file, name, bytes));
+      });
+}
+
 void StateList::add_fixed(const std::string& name, const std::string& text) {
   add(
       name,

@@ -40,6 +40,10 @@ class StateList {
           std::memcpy(&value, bytes.data(), sizeof(T));
         });
   }
+  /// Numbers that `get` tells and `set` takes back: as many as `get` tells when loading.
+  void add_numbers(const std::string& name,
+                   const std::function<std::vector<double>()>& get,
+                   const std::function<void(std::span<const double>)>& set);
   /// Text that must be the same when loading (need_text).
   void add_fixed(const std::string& name, const std::string& text);
 

@@ -35,6 +35,9 @@ GaussianSet finite_ones(const GaussianSet& set) {
   }
   GaussianSet out(set.kind, set.sh_degree, static_cast<Eigen::Index>(kept.size()));
   out.params = set.params(kept, Eigen::all);
+  if (!set.actor.empty()) {
+    for (const Eigen::Index i : kept) out.actor.push_back(set.actor[static_cast<std::size_t>(i)]);
+  }
   return out;
 }
 

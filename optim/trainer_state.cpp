@@ -1,4 +1,8 @@
 // Checkpoints: the trainer's state by name.
+#include <span>
+#include <string>
+#include <vector>
+
 #include "io/state_file.hpp"
 #include "optim/state.hpp"
 #include "optim/trainer.hpp"
@@ -12,11 +16,37 @@ void add_set(StateList& list, const std::string& name, TrainedSet& set) {
   list.add(name + "/count", set.particles.count);
   list.add(name + "/stride", set.particles.stride);
   list.add(name + "/parameters", set.particles.params);
+  list.add(name + "/actors", set.particles.actor_of);
   list.add(name + "/first_moment", set.adam.first_moment());
   list.add(name + "/second_moment", set.adam.second_moment());
   list.add(name + "/steps", set.adam.iteration());
   list.add(name + "/rejections", set.adam.rejections());
   list.add(name + "/errors", set.error);
+}
+
+/// What has been learned of the actors' tracks.
+void add_tracks(StateList& list, std::vector<Actor>& actors) {
+  list.add_numbers(
+      "actors/offsets",
+      [&actors] {
+        std::vector<double> out;
+        for (const Actor& actor : actors) {
+          for (const KeyPose& key : actor.track) {
+            out.insert(out.end(), key.shift_m.begin(), key.shift_m.end());
+            out.insert(out.end(), key.turn_rad.begin(), key.turn_rad.end());
+          }
+        }
+        return out;
+      },
+      [&actors](std::span<const double> numbers) {
+        for (Actor& actor : actors) {
+          for (KeyPose& key : actor.track) {
+            key.shift_m = Eigen::Vector3d(numbers.data());
+            key.turn_rad = Eigen::Vector3d(numbers.data() + 3);
+            numbers = numbers.subspan(6);
+          }
+        }
+      });
 }
 
 }  // namespace
@@ -33,6 +63,13 @@ StateList Trainer::state(const std::string& settings) {
   list.add("unsound_losses", unsound_losses_);
   add_set(list, "camera", camera_);
   add_set(list, "lidar", lidar_);
+  add_tracks(list, scene_.actors);
+  for (TrainedSet* set : {&camera_, &lidar_}) {
+    list.add_numbers(
+        set == &camera_ ? "camera/poses" : "lidar/poses",
+        [this, set] { return set->poses.numbers(scene_.actors); },
+        [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene_.actors, numbers); });
+  }
   if (anchor_) {
     list.add("anchor/candidates", anchor_->candidates());
     list.add("anchor/nearest", anchor_->nearest());
@@ -52,8 +89,10 @@ void Trainer::need_settings(const std::filesystem::path& file, const std::string
 
 void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {
   state(settings).read(file);
-  camera_.fit_gradients();
-  lidar_.fit_gradients();
+  for (TrainedSet* set : {&camera_, &lidar_}) {
+    set->fit_gradients();
+    set->particles.refresh_actors();
+  }
 }
 
 }  // namespace simuli

@@ -2,6 +2,7 @@
 // Points lie in the order of their Morton code (63 bits: 21 per axis), 16 to a leaf, 16 leaves or nodes to a
 // node: a tree of boxes without pointers, as good for clusters, lines and outliers as for an even cloud.
 // Node i of a level has the children 16 i .. 16 i + 15 of the level below, leaves below level 0.
+// Particles of actors are in their actor's frame: only those of one frame are neighbours.
 // Build: NEIGHBOURS, the K.
 #include "math/lanes.h"
 #include "shared/layout.h"
@@ -23,6 +24,9 @@ FN real max16(R16 v) { return -min16(-v); }
 FN int is_finite_point(real x, real y, real z) {
   return fabs(x) < FAR && fabs(y) < FAR && fabs(z) < FAR;
 }
+
+/// The actor of particle i (GaussianSet::actor); actor_of holds nothing where there are no actors.
+FN uint frame_of(uint actors, __global const uint* actor_of, uint i) { return actors > 0 ? actor_of[i] : 0; }
 
 /// out boxes[work-items][6]: least x, y, z and greatest x, y, z of the chunk's finite points
 __kernel void anchor_bounds(__global const real* params,
@@ -169,13 +173,19 @@ FN void sift_down(real* distance, uint* neighbour, uint count, real d, uint id) 
 }
 
 /// One query per work-item: depth first, nearest child first, skipping boxes behind the K-th neighbour.
-/// in  queries: parameter rows, of which the means are used; boxes, points, ids of the tree over n points
-/// out candidates[N][K]: neighbours nearer than reach, nearest first, ties by number; NONE: there are no more
+/// in  queries: parameter rows, of which the means are used; boxes, points, ids of the tree over n points;
+///     query_actor_of[N], actor_of[n] with query_actors, actors > 0
+/// out candidates[N][K]: neighbours in the query's frame nearer than reach, nearest first, ties by number;
+///     NONE: there are no more
 ///     nearest[N]: the first of them
 __kernel void anchor_search(__global const real* queries,
                             const uint query_stride,
                             const uint query_count,
+                            const uint query_actors,
+                            __global const uint* query_actor_of,
                             const uint n,
+                            const uint actors,
+                            __global const uint* actor_of,
                             const real reach2,
                             __global const real* boxes,
                             __global const real* points,
@@ -186,6 +196,7 @@ __kernel void anchor_search(__global const real* queries,
   if (query >= query_count) return;
   real p[3];
   for (int k = 0; k < 3; ++k) p[k] = queries[(SIM_MEAN + k) * query_stride + query];
+  const uint own_frame = frame_of(query_actors, query_actor_of, query);
   real distance[NEIGHBOURS];
   uint neighbour[NEIGHBOURS];
   for (int k = 0; k < NEIGHBOURS; ++k) distance[k] = reach2, neighbour[k] = NONE;
@@ -228,6 +239,7 @@ __kernel void anchor_search(__global const real* queries,
     for (uint k = 0; k < WIDTH; ++k) {
       if (found[k] > distance[0]) continue;
       const uint id = ids[child * WIDTH + k];
+      if (id == NONE || frame_of(actors, actor_of, id) != own_frame) continue;
       if (comes_after(distance[0], neighbour[0], found[k], id)) {
         sift_down(distance, neighbour, NEIGHBOURS, found[k], id);
       }
@@ -243,8 +255,9 @@ __kernel void anchor_search(__global const real* queries,
 }
 
 /// Distance of each visible particle to its nearest candidate; the gradient goes to the particle alone. At the
-/// candidate itself there is none.
-/// in  keys[n]: 0xffffffff for a culled particle; candidates[n][K]; choose: whether the nearest is found anew
+/// candidate itself there is none, nor to a candidate that relocation has taken to another frame.
+/// in  keys[n]: 0xffffffff for a culled particle; candidates[n][K]; choose: whether the nearest is found anew;
+///     actor_of, target_actor_of as in anchor_search
 /// io  nearest[n]; grads[rows][stride]: weight times the unit vector away from it is added to the means'
 /// out sums[work-items][2]: sum of distances in m, and of how many
 __kernel void anchor_loss(const uint n,
@@ -252,8 +265,12 @@ __kernel void anchor_loss(const uint n,
                           __global const uint* keys,
                           __global const real* params,
                           const uint stride,
+                          const uint actors,
+                          __global const uint* actor_of,
                           __global const real* targets,
                           const uint target_stride,
+                          const uint target_actors,
+                          __global const uint* target_actor_of,
                           __global const uint* candidates,
                           const uint choose,
                           const real weight,
@@ -266,12 +283,14 @@ __kernel void anchor_loss(const uint n,
   for (uint i = begin; i < end; ++i) {
     uint target = nearest[i];
     if (keys[i] == 0xffffffffu || target == NONE) continue;
+    const uint own_frame = frame_of(actors, actor_of, i);
     real p[3], away[3];
     for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + i];
     if (choose) {
       real least = FAR;
       __global const uint* list = candidates + (ulong)i * NEIGHBOURS;
       for (uint c = 0; c < NEIGHBOURS && list[c] != NONE; ++c) {
+        if (frame_of(target_actors, target_actor_of, list[c]) != own_frame) continue;
         real d2 = R(0.0);
         for (int k = 0; k < 3; ++k) {
           const real d = p[k] - targets[(SIM_MEAN + k) * target_stride + list[c]];
@@ -281,6 +300,7 @@ __kernel void anchor_loss(const uint n,
       }
       nearest[i] = target;
     }
+    if (frame_of(target_actors, target_actor_of, target) != own_frame) continue;
     real d2 = R(0.0);
     for (int k = 0; k < 3; ++k) {
       away[k] = p[k] - targets[(SIM_MEAN + k) * target_stride + target];

@@ -16,7 +16,7 @@ struct AnchorLoss {
 
 /// Holds for each particle of one set its K nearest of another. Exact: found by walking a tree of boxes over
 /// the other set's Morton order, built on the device. Particles whose mean is not finite have no neighbours
-/// and are nobody's.
+/// and are nobody's. Neighbours are in one frame: both of the background, or both of one actor.
 class AnchorStage {
  public:
   /// `neighbours`: K, at least 1.
@@ -75,6 +75,10 @@ class AnchorStage {
          std::uint32_t,
          std::uint32_t,
          std::uint32_t,
+         Buf<const std::uint32_t>,
+         std::uint32_t,
+         std::uint32_t,
+         Buf<const std::uint32_t>,
          RealScalar,
          BufRealConst,
          BufRealConst,
@@ -87,8 +91,12 @@ class AnchorStage {
          Buf<const std::uint32_t>,
          BufRealConst,
          std::uint32_t,
+         std::uint32_t,
+         Buf<const std::uint32_t>,
          BufRealConst,
          std::uint32_t,
+         std::uint32_t,
+         Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
          std::uint32_t,
          RealScalar,

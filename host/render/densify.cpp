@@ -206,6 +206,10 @@ DensifyCounts DensifyStage::relocate(ParticleBuffers& particles,
   accumulated.fill(0.0);
   changed_ = wanted;
   particles_ = particles.count;
+  if (particles.actors > 0) {
+    follow(particles.actor_of, 1);
+    particles.refresh_actors();
+  }
   return {dead, growth};
 }
 

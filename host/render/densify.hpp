@@ -39,9 +39,10 @@ class DensifyStage {
   void accumulate(const shared::FrameParams& frame, const FrameBuffers& buffers, RealBuffer& accumulated);
 
   /// Relocates the particles that are nearly transparent (sigma < 0.005) or not finite, and adds up to
-  /// `growth` new ones. Each takes the parameters of one drawn in proportion to its accumulated error; those
-  /// that share a place share its opacity and scale. The matching rows of `moments` (of params' layout) start
-  /// at 0, and so does accumulated[N]. Nothing happens while no error has been accumulated. Waits.
+  /// `growth` new ones. Each takes the parameters of one drawn in proportion to its accumulated error, and
+  /// belongs to the same actor; those that share a place share its opacity and scale. The matching rows of
+  /// `moments` (of params' layout) start at 0, and so does accumulated[N]. Nothing happens while no error has
+  /// been accumulated. Waits.
   DensifyCounts relocate(ParticleBuffers& particles,
                          std::span<RealBuffer* const> moments,
                          RealBuffer& accumulated,

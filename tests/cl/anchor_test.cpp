@@ -146,6 +146,77 @@ TEST_P(Anchor, NeighboursAreThoseOfBruteForce) {
   }
 }
 
+/// Every third of the background, the others of two actors.
+std::vector<std::uint32_t> actors_of(Eigen::Index count) {
+  std::vector<std::uint32_t> actor;
+  for (Eigen::Index i = 0; i < count; ++i) actor.push_back(static_cast<std::uint32_t>(i * 7 % 3));
+  return actor;
+}
+
+TEST_P(Anchor, NeighboursAreOfTheSameActor) {
+  const Points queries = cloud(200, 4.0, 1), points = cloud(3000, 4.0, 2);
+  AnchorStage anchor(device_, GetParam(), kNeighbours);
+  // Actors in both sets, in one of them, in none.
+  for (const int which : {3, 2, 1, 0}) {
+    GaussianSet set = set_at(SetKind::kCamera, queries), targets = set_at(SetKind::kLidar, points);
+    if (which & 1) set.actor = actors_of(set.size());
+    if (which & 2) targets.actor = actors_of(targets.size());
+    anchor.assign({device_, set, GetParam()}, {device_, targets, GetParam()}, 1.0);
+    const std::vector<std::uint32_t> found = anchor.candidates().download();
+    const auto actor_of = [](const GaussianSet& s, std::size_t i) {
+      return s.actor.empty() ? 0 : s.actor[i];
+    };
+    for (std::uint32_t actor = 0; actor < 3; ++actor) {
+      // Brute force over that actor's points alone.
+      Points own;
+      std::vector<std::uint32_t> number;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (actor_of(targets, i) != actor) continue;
+        own.push_back(points[i]);
+        number.push_back(static_cast<std::uint32_t>(i));
+      }
+      const std::vector<std::uint32_t> expected = GetParam() == Precision::kFloat
+                                                      ? brute_force<float>(queries, own, 1.0)
+                                                      : brute_force<double>(queries, own, 1.0);
+      std::size_t some = 0;
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        if (actor_of(set, i) != actor) continue;
+        for (std::size_t k = i * kNeighbours; k < (i + 1) * kNeighbours; ++k) {
+          const std::uint32_t id = expected[k] == kNone ? kNone : number[expected[k]];
+          ASSERT_EQ(found[k], id) << which << ": query " << i << " of actor " << actor;
+          some += id == kNone ? 0U : 1U;
+        }
+      }
+      EXPECT_EQ(some > 100U, actor == 0 || which == 3) << which << ", actor " << actor;
+    }
+  }
+}
+
+TEST_P(Anchor, ACandidateThatChangedItsActorPullsNobody) {
+  GaussianSet set = set_at(SetKind::kCamera, {{0.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}});
+  GaussianSet targets = set_at(SetKind::kLidar, {{0.5F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {5.5F, 0.0F, 0.0F}});
+  set.actor = {1, 0};
+  targets.actor = {1, 1, 0};
+  const ParticleBuffers particles(device_, set, GetParam());
+  ParticleBuffers others(device_, targets, GetParam());
+  AnchorStage anchor(device_, GetParam(), kNeighbours);
+  anchor.assign(particles, others, kAnywhere);
+  // The nearest of the first is relocated to the background, and so is all that the second has.
+  targets.actor = {0, 1, 2};
+  others.upload(targets);
+  const Buffer<std::uint32_t> keys(device_, "keys", std::vector<std::uint32_t>(2, 1U));
+  for (const bool choose : {false, true}) {
+    RealBuffer grads(device_, "gradients", GetParam(), particles.params.count());
+    grads.fill(0.0);
+    anchor.add_gradient(particles, others, keys, 1.0, choose, grads);
+    const std::vector<double> found = grads.download_double();
+    EXPECT_EQ(found[0], choose ? -1.0 : 0.0);
+    EXPECT_EQ(found[1], 0.0);
+    EXPECT_EQ(anchor.loss().particles, choose ? 1.0 : 0.0);
+    EXPECT_EQ(anchor.loss().distance_m, choose ? 1.0 : 0.0);
+  }
+}
+
 /// Camera particles anchored to LiDAR ones that have moved since.
 struct MovedScene {
   GaussianSet set, targets;

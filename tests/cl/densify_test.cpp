@@ -190,6 +190,62 @@ TEST_F(Densify, GrowthKeepsWhatIsThereAndStartsMomentsAnew) {
   }
 }
 
+TEST_F(Densify, MembersOfActorsFollowTheirSources) {
+  constexpr Eigen::Index kCount = 90;
+  constexpr std::uint32_t kGrowth = 50;
+  GaussianSet set = distinct_set(kCount);
+  for (Eigen::Index i = 0; i < kCount; ++i) {
+    set.actor.push_back(static_cast<std::uint32_t>(i % 3));
+    if (i % 4 == 0) set.opacity_logit()(i) = logit_of(0.001);
+  }
+  // A particle's box is told by its mean: those of an actor lie in one that no other particle is in.
+  std::vector<Actor> actors(2);
+  for (Actor& actor : actors) actor.size_m = {4.0, 2.0, 1.5};
+  for (Eigen::Index i = 0; i < kCount; ++i) {
+    const auto sign = static_cast<float>(set.actor[static_cast<std::size_t>(i)] == 1 ? 1 : -1);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      float& x = set.mean()(i, k);
+      x = set.actor[static_cast<std::size_t>(i)] == 0 ? x + 100.0F
+                                                      : sign * (0.1F + 0.006F * static_cast<float>(i));
+    }
+  }
+  Trained trained(device_, set, std::vector<double>(kCount, 1.0));
+  const DensifyCounts counts = trained.relocate(densify_, kGrowth, {.seed = 5});
+  EXPECT_EQ(counts.relocated, 23U);
+  const GaussianSet after = trained.particles.download();
+  ASSERT_EQ(after.actor.size(), kCount + kGrowth);
+  std::size_t changed = 0;
+  for (Eigen::Index i = 0; i < after.size(); ++i) {
+    const std::uint32_t actor = after.actor[static_cast<std::size_t>(i)];
+    Eigen::Index from = -1;
+    for (Eigen::Index s = 0; s < kCount; ++s) {
+      if (after.mean().row(i) == set.mean().row(s)) from = s;
+    }
+    ASSERT_GE(from, 0);
+    EXPECT_EQ(actor, set.actor[static_cast<std::size_t>(from)]) << i;
+    if (i < kCount && actor != set.actor[static_cast<std::size_t>(i)]) ++changed;
+  }
+  EXPECT_GT(changed, 5U);
+  // The tables of the actors are those of the new members.
+  EXPECT_EQ(trained.particles.actors, 2U);
+  EXPECT_EQ(trained.particles.actor_of.count(), trained.particles.stride);
+  const std::vector<std::uint32_t> first = trained.particles.actor_first.download();
+  const std::vector<std::uint32_t> list = trained.particles.actor_list.download();
+  std::vector<std::uint32_t> expected, starts{0};
+  for (std::uint32_t actor = 1; actor <= 2; ++actor) {
+    for (std::uint32_t i = 0; i < after.actor.size(); ++i) {
+      if (after.actor[i] == actor) expected.push_back(i);
+    }
+    starts.push_back(static_cast<std::uint32_t>(expected.size()));
+  }
+  EXPECT_EQ(list, expected);
+  EXPECT_EQ(first, starts);
+  // Nobody has come into a box from outside: confining moves none.
+  Renderer renderer(device_, {});
+  renderer.confine(trained.particles, actors, 0.0);
+  EXPECT_EQ(trained.particles.download().mean(), after.mean());
+}
+
 TEST_F(Densify, WhatIsNotANumberIsDead) {
   GaussianSet set = distinct_set(64);
   const float kNaN = std::numeric_limits<float>::quiet_NaN();

@@ -140,10 +140,71 @@ TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
   EXPECT_GT(moved, 0.01);
 }
 
+TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
+  const Device device = Device::best();
+  TrainOptions options;
+  options.iterations = 24;
+  options.image_scale = 1.0;
+  options.lidar_every = 2;
+  options.densify.every = options.densify.first = 5;
+  options.anchor.every = 7;
+  options.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  Scene start = initialize_scene(log_, small(true)).scene;
+  for (GaussianSet* set : {&start.camera, &start.lidar}) {
+    for (Eigen::Index i = 0; i < set->size(); i += 9) set->opacity_logit()(i) = -7.0F;  // dead
+  }
+  Trainer whole(device, log_, start, options);
+  for (int i = 0; i < 13; ++i) whole.step();
+  whole.save(folder_ / "densified.checkpoint", "");
+  const TrainReport report = whole.run();
+  EXPECT_GT(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 10));
+  EXPECT_GT(report.grown, 100U);
+  const Scene scene = whole.scene();
+  const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.actor_margin_m + 1e-5);
+  for (const GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
+    const auto count = std::count(set->actor.begin(), set->actor.end(), 1U);
+    EXPECT_GT(count, 100);
+    EXPECT_LT(count, set->size() / 2);
+    for (Eigen::Index i = 0; i < set->size(); ++i) {
+      if (set->actor[static_cast<std::size_t>(i)] == 0) continue;
+      const Vector3d p = set->mean().row(i).transpose().cast<double>();
+      ASSERT_TRUE((p.array().abs() <= half.array()).all()) << p.transpose();
+    }
+  }
+  Trainer resumed(device, log_, start, options);
+  resumed.step();  // what it did before does not matter
+  resumed.resume(folder_ / "densified.checkpoint", "");
+  (void)resumed.run();
+  const Scene again = resumed.scene();
+  EXPECT_EQ(again.camera.actor, scene.camera.actor);
+  EXPECT_EQ(again.lidar.actor, scene.lidar.actor);
+  EXPECT_EQ(again.camera.params, scene.camera.params);
+  EXPECT_EQ(again.lidar.params, scene.lidar.params);
+  for (std::size_t k = 0; k < scene.actors[0].track.size(); ++k) {
+    EXPECT_EQ(again.actors[0].track[k].shift_m, scene.actors[0].track[k].shift_m);
+    EXPECT_EQ(again.actors[0].track[k].turn_rad, scene.actors[0].track[k].turn_rad);
+  }
+}
+
+TEST_F(StreetWithCar, WhatIsNotANumberLeavesTheOthersWithTheirActor) {
+  Scene start = initialize_scene(log_, small(true)).scene;
+  const auto first_of_car = std::find(start.camera.actor.begin(), start.camera.actor.end(), 1U);
+  start.camera.mean()(first_of_car - start.camera.actor.begin(), 0) = std::nanf("");
+  TrainOptions options;
+  options.iterations = 1;
+  options.image_scale = 1.0;
+  const Scene scene = Trainer(Device::best(), log_, start, options).scene();
+  ASSERT_EQ(scene.camera.size(), start.camera.size() - 1);
+  start.camera.actor.erase(first_of_car);
+  EXPECT_EQ(scene.camera.actor, start.camera.actor);
+}
+
 TEST(ActorPoses, WalkDownASlopeToTheTruth) {
   Actor actor;
   actor.name = "car";
-  for (int k = 0; k < 4; ++k) actor.track.push_back({0.1 * k, {Eigen::Quaterniond::Identity(), {1.0 * k, 0, 0}}});
+  for (int k = 0; k < 4; ++k)
+    actor.track.push_back({0.1 * k, {Eigen::Quaterniond::Identity(), {1.0 * k, 0, 0}}});
   actor.track[1].shift_m = {0.2, -0.1, 0.0};
   actor.track[2].turn_rad = {0.0, 0.0, 0.05};
   std::vector<Actor> actors{actor};
