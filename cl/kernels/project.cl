@@ -165,6 +165,8 @@ __kernel void project(const FrameParams frame,
   }
 #endif
 
+  F towards[3];
+  view_direction(&g, towards);
 #if ACTOR_MOTION
   // The record holds for the time at which the middle of the box is seen.
   const F own_time = time_of(sensor, box.mean_x, R(0.5) * (box.low + box.high));
@@ -248,15 +250,7 @@ __kernel void project(const FrameParams frame,
   if (drawn == 0) return;
 
   // Features only now: most particles outside the field of view never read their SH.
-  const F inv_range = R(1.0) / g.range;
   F basis[SH_COEFFICIENTS];
-  F towards[3] = {g.offset[0] * inv_range, g.offset[1] * inv_range, g.offset[2] * inv_range};
-#if ACTORS
-  if (g.actor.any) {
-    const F direction[3] = {towards[0], towards[1], towards[2]};
-    rotate_back_lanes(g.actor.rotation, direction, towards);
-  }
-#endif
   sh_basis(towards[0], towards[1], towards[2], basis);
   I usable = (F)R(0.0) == (F)R(0.0);
   for (int channel = 0; channel < 3; ++channel) {

@@ -54,9 +54,8 @@ __kernel void project_bwd(const FrameParams frame,
 
   Gaussian g;
   load_gaussian(params, actor_of, actors, stride, i, sensor, &g);
-  // The footprint filter is that of half-way.
-  const F half_way[3] = {g.offset[0], g.offset[1], g.offset[2]};
 #if ACTOR_MOTION
+  const Gaussian half_way = g;
   real time[V];
   for (uint lane = 0; lane < V; ++lane) {
     time[lane] = g.actor.any && seen[lane] > R(0.5) ? motions[(ulong)(i + lane) * SIM_MOTION + SIM_M_TIME] : R(0.5);
@@ -84,6 +83,17 @@ __kernel void project_bwd(const FrameParams frame,
   for (int c = 0; c < 3; ++c) {
     g_mean[c] = -(b.m[c] * go[0] + b.m[3 + c] * go[1] + b.m[6 + c] * go[2]);
   }
+#if ACTOR_MOTION
+  // The record alone is of its own time: filter, compensation and SH are of half-way. From here on, scene axes
+  // are those that turn with the actor and are the scene's half-way.
+  F turn[9];
+  g = half_way;
+  if (g.actor.any) {
+    actor_turn(&g.actor, own_time, turn);
+    const F in_scene[3] = {g_mean[0], g_mean[1], g_mean[2]};
+    rotate_back_lanes(turn, in_scene, g_mean);
+  }
+#endif
 
   // M = diag(1/s^) R^T; s^ = sqrt(s^2 + kappa range^2).
   F gr[9], g_log_scale[3];
@@ -97,8 +107,16 @@ __kernel void project_bwd(const FrameParams frame,
     const F g_filtered = -along * inv;
     g_log_scale[k] = g_filtered * g.scale[k] * g.scale[k] * inv;
     const F by_range = g_filtered * inv * sensor[SIM_S_KAPPA];
-    for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, half_way[c], g_mean[c]);
+    for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
   }
+#if ACTOR_MOTION
+  for (int k = 0; k < 3 && g.actor.any; ++k) {
+    const F column[3] = {gr[k], gr[3 + k], gr[6 + k]};
+    F turned[3];
+    rotate_back_lanes(turn, column, turned);
+    for (int c = 0; c < 3; ++c) gr[3 * c + k] = turned[c];
+  }
+#endif
 
 #if COMPENSATION
   // The gradient by ln alpha is that by the share's logarithm as well.
@@ -161,13 +179,8 @@ __kernel void project_bwd(const FrameParams frame,
   const F dx = g.offset[0] * inv_range, dy = g.offset[1] * inv_range, dz = g.offset[2] * inv_range;
   F basis[SH_COEFFICIENTS];
   F weight[SH_COEFFICIENTS];
-  F towards[3] = {dx, dy, dz};
-#if ACTORS
-  if (g.actor.any) {
-    const F direction[3] = {dx, dy, dz};
-    rotate_back_lanes(g.actor.rotation, direction, towards);
-  }
-#endif
+  F towards[3];
+  view_direction(&g, towards);
   sh_basis(towards[0], towards[1], towards[2], basis);
   for (int k = 0; k < SH_COEFFICIENTS; ++k) weight[k] = (F)R(0.0);
   for (int channel = 0; channel < 3; ++channel) {
@@ -199,16 +212,19 @@ __kernel void project_bwd(const FrameParams frame,
 #endif
 #if ACTORS
   if (g.actor.any) {
-    F arm[3], torque[3];
+    F arm[3], shift[3], torque[3];
     for (int k = 0; k < 3; ++k) arm[k] = g.offset[k] - g.actor.centre[k];
-#if ACTOR_MOTION
-    for (int k = 0; k < 3; ++k) arm[k] -= g.actor.step[k] * (own_time - R(0.5));
-#endif
     cross_lanes(arm, g_mean, torque);
+    for (int k = 0; k < 3; ++k) g_turn[k] += torque[k], shift[k] = g_mean[k];
+#if ACTOR_MOTION
+    const F about[3] = {g_turn[0], g_turn[1], g_turn[2]};
+    rotate_lanes(turn, g_mean, shift);
+    rotate_lanes(turn, about, g_turn);
+#endif
     const I counts = AND(live, g.actor.on);
     for (int k = 0; k < 3; ++k) {
-      STV(pose_grads + (SIM_P_SHIFT + k) * stride + i, SEL(counts, g_mean[k], (F)R(0.0)));
-      STV(pose_grads + (SIM_P_TURN + k) * stride + i, SEL(counts, g_turn[k] + torque[k], (F)R(0.0)));
+      STV(pose_grads + (SIM_P_SHIFT + k) * stride + i, SEL(counts, shift[k], (F)R(0.0)));
+      STV(pose_grads + (SIM_P_TURN + k) * stride + i, SEL(counts, g_turn[k], (F)R(0.0)));
     }
     const F in_scene[3] = {g_mean[0], g_mean[1], g_mean[2]};
     rotate_back_lanes(g.actor.rotation, in_scene, g_mean);

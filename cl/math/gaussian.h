@@ -78,6 +78,19 @@ FN void load_gaussian(__global const real* params,
 #endif
 }
 
+/// Unit vector to the particle from o_ref half-way through the frame, in its actor's axes: what SH see. At the
+/// record's own time it would be that of an actor that moved and a sensor that did not.
+FN void view_direction(const Gaussian* g, F* towards) {
+  const F inv_range = R(1.0) / g->range;
+  for (int k = 0; k < 3; ++k) towards[k] = g->offset[k] * inv_range;
+#if ACTORS
+  if (g->actor.any) {
+    const F direction[3] = {towards[0], towards[1], towards[2]};
+    rotate_back_lanes(g->actor.rotation, direction, towards);
+  }
+#endif
+}
+
 #if COMPENSATION
 /// sqrt(|S_perp| / |S^_perp|), the share of its opacity that a particle keeps when the footprint filter widens
 /// it (METHOD section 8), seen along its direction n; in scales over the largest widened one, so that products

@@ -176,7 +176,6 @@ TEST(ActorGradients, UnderAGlobalShutterMatchDifferences) {
 }
 
 TEST(ActorGradients, OfWhatDrivesStraightMatchDifferences) {
-  GTEST_SKIP() << "open: 2.7e-6 where 1e-6 is asked";
   SIMULI_NEEDS_DOUBLE(Device::best());
   ActorProblem problem = smooth_problem(test::kLidarMoving, 2.0, 0.0);
   const WorstError error = worst_errors(problem, test::kLidarMoving);
