@@ -14,17 +14,17 @@ struct ActorsOptions {
   double noise_deg = 2.0;  // and of its heading
 };
 
-/// The street's moving car, held-out frames, against the analytic street:
-///   actors/<with|without>/psnr_in_box                 pixels that look at the car's box, dB
-///   actors/<with|without>/distance_in_box             returns inside it, median, cm
-///   actors/<moved|removed|faster>/psnr_in_box         the scene edited, against the edited street, dB
-///   actors/<moved|faster>/distance_in_box             cm
-///   actors/removed/<psnr_where_it_was|ghost_share>    ghost: share of the rays that met the car and still
-///   end in
-///                                                     its box
-///   actors/noise/<shift|turn>_<before|after|won_back> error of the key poses but for what they have in
-///   common,
-///                                                     which the particles take up; cm, degrees, %
+/// The street's moving car, held-out frames, against the analytic street. Below actors/:
+///   <without|with|moved|faster>/psnr_in_box      pixels that look at the car's box, dB; the last two: the
+///                                                scene edited, against the street so edited
+///   <..>/distance_in_box, share_met              returns inside it: median error, cm; share that ends there,
+///   % removed/psnr_where_it_was, distance_behind   against the street without a car: its box's pixels, dB;
+///   the
+///                                                rays that met it, cm
+///   removed/ghost_share                          share of those rays that still end in its box, %
+///   noise/<kept|learned>/...                     the same with noisy key poses, as they are or learned
+///   noise/<shift|turn>_<before|after|won_back>   error of the key poses but for what they have in common,
+///                                                which the particles take up; cm, degrees, %
 [[nodiscard]] std::vector<Row> run_actors(const std::string& device_request,
                                           const ActorsOptions& options,
                                           const Note& note);

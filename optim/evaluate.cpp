@@ -166,6 +166,7 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
 void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
   const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
   std::vector<double> actor_errors;
+  double met = 0.0;
   Mean distance, medl2, rel, intensity, drop, chamfer2, chamfer, expected;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const SweepFrame& frame = log.sweeps[frames[k]];
@@ -179,11 +180,17 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
       report.lidar_mr_per_s = static_cast<double>(rays.grid().rays) / seconds / 1e6;
     }
     if (!actors.empty()) {
-      const std::vector<bool> on = returns_on_actors(
-          boxes(view, frame.time_start_s, frame.time_end_s), lidar, pair.recorded.rays, pair.recorded.range);
+      const ActorBoxes where = boxes(view, frame.time_start_s, frame.time_end_s);
+      std::vector<float> range(pair.recorded.range.size(), 0.0F);  // of what returns, in the scene
+      for (std::size_t i = 0; i < range.size(); ++i) {
+        if (pair.simulated.drop_probability(i) < 0.5F) range[i] = best_distance(pair.simulated, i);
+      }
+      const auto on = returns_on_actors(where, lidar, pair.recorded.rays, pair.recorded.range);
+      const auto ends_on = returns_on_actors(where, lidar, pair.recorded.rays, range);
       for (std::size_t i = 0; i < on.size(); ++i) {
         if (!on[i]) continue;
         actor_errors.push_back(std::abs(best_distance(pair.simulated, i) - pair.recorded.range[i]));
+        met += ends_on[i] ? 1.0 : 0.0;
       }
     }
     const SweepMetrics m = compare_sweep(compare_rays(pair, lidar, view));
@@ -207,7 +214,10 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
                   chamfer.value()};
   report.distance_expected_median_m = expected.value();
   report.actor_returns = actor_errors.size();
-  if (!actor_errors.empty()) report.actor_distance_median_m = median(std::move(actor_errors));
+  if (!actor_errors.empty()) {
+    report.actor_share_met = met / static_cast<double>(actor_errors.size());
+    report.actor_distance_median_m = median(std::move(actor_errors));
+  }
   report.sweeps_without_chamfer = chamfer.left_out();
   report.sweeps_without_distance = distance.left_out();
 }
@@ -256,7 +266,8 @@ EvalReport evaluate(const Device& device,
   report.psnr_db = report.ssim = report.psnr_ungraded_db = report.camera_mp_per_s = report.lidar_mr_per_s =
       kNaN;
   report.lidar = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};
-  report.distance_expected_median_m = report.actor_psnr_db = report.actor_distance_median_m = kNaN;
+  report.distance_expected_median_m = kNaN;
+  report.actor_psnr_db = report.actor_distance_median_m = report.actor_share_met = kNaN;
   report.device = device.info().label();
   Renderer renderer(device, options.render);
   std::size_t done = 0;

@@ -30,9 +30,11 @@ struct EvalReport {
   SweepMetrics lidar;                       // distance: median, the mean where no median exists
   double distance_expected_median_m = 0.0;  // the same median error with expected distances alone
   /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
-  /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside.
+  /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside, and the share of
+  /// those rays that end inside in the scene, too: of an actor that was taken away, its ghost.
   double actor_psnr_db = 0.0;
   double actor_distance_median_m = 0.0;
+  double actor_share_met = 0.0;
   std::size_t actor_pixels = 0;
   std::size_t actor_returns = 0;
   std::size_t sweeps_without_chamfer = 0;

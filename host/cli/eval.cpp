@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "host/cli/commands.hpp"
+#include "host/cli/edits.hpp"
 #include "host/cli/settings.hpp"
 #include "host/cli/training.hpp"
 #include "host/render/validate.hpp"
@@ -15,6 +16,7 @@ struct EvalCommand {
   std::string scene;
   std::string log;
   std::vector<std::string> settings;
+  Edits edits;
   EvalOptions options;
 };
 
@@ -38,7 +40,8 @@ Log mounted(Log log, const SceneFile& scene) {
 void eval(EvalCommand command, const Globals& globals) {
   apply_settings(command.settings, render_settings(command.options.render));
   validate(command.options.render);
-  const SceneFile file = read_scene(command.scene);
+  SceneFile file = read_scene(command.scene);
+  apply(command.edits, file.scene);
   const Log log = mounted(read_log(command.log), file);
   const Device device = Device::best(globals.device);
   print_eval(evaluate_scene(device, log, file.scene, command.options, globals), globals.json);
@@ -58,6 +61,7 @@ void add_eval(CLI::App& app, const Globals& globals) {
   add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
   add("--repeats", command->options.timed_renders, "timed renders of each sensor");
   sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  add_edit_options(*sub, command->edits);
   sub->callback([command, &globals] { eval(*command, globals); });
 }
 

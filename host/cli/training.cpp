@@ -138,6 +138,7 @@ void print_eval(const EvalReport& r, bool json) {
                                         {"actor_pixels", r.actor_pixels},
                                         {"actor_distance_median_m", r.actor_distance_median_m},
                                         {"actor_returns", r.actor_returns},
+                                        {"actor_share_met", r.actor_share_met},
                                         {"camera_mp_per_s", r.camera_mp_per_s},
                                         {"lidar_mr_per_s", r.lidar_mr_per_s},
                                         {"images", r.images},
@@ -174,6 +175,7 @@ void print_eval(const EvalReport& r, bool json) {
   if (r.actor_pixels + r.actor_returns > 0) {
     line("PSNR inside actors' boxes", number(r.actor_psnr_db, 2), "dB");
     line("distance error there, median", number(r.actor_distance_median_m * 100.0, 2), "cm");
+    line("returns there that end there", number(r.actor_share_met * 100.0, 2), "% of them");
   }
   line("camera speed", number(r.camera_mp_per_s, 2), "MP/s");
   line("LiDAR speed", number(r.lidar_mr_per_s, 2), "MR/s");
