@@ -209,16 +209,23 @@ double columns_by_firings(const BeamPoints& points, const BeamTable& table) {
   std::size_t known = 0;
   for (const BeamEstimate& beam : table.rows) known += beam.azimuth_offset_known ? 1U : 0U;
   if (known < 4) return 0.0;
+  // Offsets are those from one of the beams, whose own azimuths lie anywhere between the ticks.
+  std::vector<double> places;  // of each beam's grid, rad
+  for (std::size_t r = 0; r < points.size(); ++r) {
+    const LidarRow& row = table.rows[r].row;
+    places.push_back(row.azimuth_offset + std::arg(grid_phasor(points[r], ticks, row.horizontal_offset) *
+                                                   std::polar(1.0, -ticks * row.azimuth_offset)) /
+                                              ticks);
+  }
   double fired = 0.0;
   double looked_at = 0.0;
   for (std::size_t s = 0; s < points.front().size(); ++s) {
     std::vector<int> beams(static_cast<std::size_t>(ticks), 0);
     for (std::size_t r = 0; r < points.size(); ++r) {
       if (!table.rows[r].azimuth_offset_known) continue;
-      const LidarRow& row = table.rows[r].row;
+      const double side = table.rows[r].row.horizontal_offset;
       for (const BeamPoint& p : points[r][s]) {
-        const long tick =
-            std::lround((beam_azimuth(p, row.horizontal_offset) - row.azimuth_offset) / kTurn * ticks);
+        const long tick = std::lround((beam_azimuth(p, side) - places[r]) / kTurn * ticks);
         ++beams[static_cast<std::size_t>((tick % ticks + ticks) % ticks)];
       }
     }

@@ -100,59 +100,16 @@ std::vector<DepthEdge> depth_edges(
   return edges;
 }
 
-EdgeImage::EdgeImage(const Image& image, double sigma_px) : width_(image.width), height_(image.height) {
-  const auto pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  std::vector<float> plain(pixels);
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      const std::size_t i =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-      if (image.channels < 3) {
-        plain[i] = image.at(x, y, 0);
-      } else {
-        plain[i] = 0.299F * image.at(x, y, 0) + 0.587F * image.at(x, y, 1) + 0.114F * image.at(x, y, 2);
-      }
-    }
-  }
-  const int reach = static_cast<int>(std::ceil(3.0 * sigma_px));
-  std::vector<float> weight;
-  float sum = 0.0F;
-  for (int k = -reach; k <= reach; ++k) {
-    weight.push_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma_px * sigma_px))));
-    sum += weight.back();
-  }
-  for (float& w : weight) w /= sum;
-  const auto blur = [&](const std::vector<float>& from, int step_x, int step_y) {
-    std::vector<float> to(pixels, 0.0F);
-    for (int y = 0; y < height_; ++y) {
-      for (int x = 0; x < width_; ++x) {
-        float value = 0.0F;
-        for (int k = -reach; k <= reach; ++k) {
-          const auto px = static_cast<std::size_t>(std::clamp(x + k * step_x, 0, width_ - 1));
-          const auto py = static_cast<std::size_t>(std::clamp(y + k * step_y, 0, height_ - 1));
-          value +=
-              weight[static_cast<std::size_t>(k + reach)] * from[py * static_cast<std::size_t>(width_) + px];
-        }
-        to[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)] =
-            value;
-      }
-    }
-    return to;
-  };
-  luminance_ = blur(blur(plain, 1, 0), 0, 1);
-}
-
 Eigen::Vector2d EdgeImage::gradient(const Eigen::Vector2d& pixel) const {
   // Central differences at the four pixels around, bilinear in between. Pixel centres are at halves.
   const double x = pixel.x() - 0.5;
   const double y = pixel.y() - 0.5;
   const int x0 = static_cast<int>(std::floor(x));
   const int y0 = static_cast<int>(std::floor(y));
-  if (x0 < 1 || y0 < 1 || x0 + 2 >= width_ || y0 + 2 >= height_) return Eigen::Vector2d::Zero();
-  const auto at = [&](int px, int py) {
-    return static_cast<double>(luminance_[static_cast<std::size_t>(py) * static_cast<std::size_t>(width_) +
-                                          static_cast<std::size_t>(px)]);
-  };
+  if (x0 < 1 || y0 < 1 || x0 + 2 >= picture_.width() || y0 + 2 >= picture_.height()) {
+    return Eigen::Vector2d::Zero();
+  }
+  const auto at = [&](int px, int py) { return static_cast<double>(picture_.at(px, py)); };
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (int j = 0; j < 2; ++j) {
     for (int i = 0; i < 2; ++i) {

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "io/image.hpp"
 #include "io/log.hpp"
+#include "optim/calibration/luminance.hpp"
 
 namespace simuli::calibration {
 
@@ -25,11 +25,11 @@ struct DepthEdge {
                                                  double time_end_s,
                                                  double farthest_m = 60.0);
 
-/// Luminance of a picture with what is needed to find edges in it.
+/// A picture with what is needed to find edges in it.
 class EdgeImage {
  public:
-  /// Smoothed by a Gaussian of sigma_px.
-  EdgeImage(const Image& image, double sigma_px);
+  /// Blurred by a Gaussian of sigma_px.
+  EdgeImage(const Luminance& picture, double sigma_px) : picture_(picture.blurred(sigma_px)) {}
 
   struct Edge {
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
@@ -47,9 +47,7 @@ class EdgeImage {
  private:
   [[nodiscard]] Eigen::Vector2d gradient(const Eigen::Vector2d& pixel) const;
 
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<float> luminance_;
+  Luminance picture_;
 };
 
 }  // namespace simuli::calibration

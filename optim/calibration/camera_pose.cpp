@@ -363,8 +363,9 @@ CameraPoseReport find_camera_pose(const Log& log,
   const std::size_t count = std::min(frames.size(), most_views);
   for (std::size_t i = 0; i < count; ++i) {
     const ImageFrame& frame = *frames[i * frames.size() / count];
-    views.push_back(
-        {EdgeImage(read_image(log.folder / frame.file), kSmooth_px), frame.time_start_s, frame.time_end_s});
+    views.push_back({EdgeImage(Luminance(read_image(log.folder / frame.file)), kSmooth_px),
+                     frame.time_start_s,
+                     frame.time_end_s});
   }
   const LogLidar& sensor = log.lidar(lidar);
   std::vector<DepthEdge> edges;

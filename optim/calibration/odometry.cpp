@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "host/base/error.hpp"
+#include "optim/calibration/refine.hpp"
 #include "optim/calibration/residuals.hpp"
 #include "optim/parallel.hpp"
 
@@ -22,6 +23,7 @@ constexpr double kSigma_m = 0.02;  // of a point about its plane
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kFewestReturns = 500;
 constexpr std::size_t kFewestMatches = 100;
+constexpr std::size_t kSolvedTogether = 4;  // sweeps, at the start
 /// Planes' normals are known to 2 or 3 hundredths of a rad: below the square of three times that, what seems
 /// to hold the sensor is noise.
 constexpr double kLeastShare = 0.005;
@@ -219,6 +221,21 @@ TimedPose first_motion(const std::vector<Returns>& sweeps,
   return end;
 }
 
+/// The motion guessed for the first sweep bends the map, and every sweep that is laid on the map is bent
+/// alike: its end stays off by as much. What the first sweeps agree on together has no such memory.
+void solve_together(const std::vector<Returns>& sweeps,
+                    std::size_t count,
+                    std::vector<TimedPose>& path,
+                    PlaneMap& map) {
+  const std::vector<Returns> first(sweeps.begin(), sweeps.begin() + static_cast<std::ptrdiff_t>(count));
+  (void)refine_path(first, {}, {}, path);
+  map = {};
+  for (const Returns& sweep : first) {
+    const std::size_t segment = segment_of(path, 0.5 * (sweep.time_start_s + sweep.time_end_s));
+    add_to_map(sweep, 1, path[segment], path[segment + 1], map);
+  }
+}
+
 void require_constraint(const Returns& returns,
                         const PlaneMap& map,
                         const Registration& r,
@@ -256,6 +273,13 @@ void require_constraint(const Returns& returns,
                     c.least_turn,
                     kLeastShare));
   }
+}
+
+/// An axis has two directions: the one whose largest component is positive.
+Vector3d signed_axis(const Vector3d& axis) {
+  Eigen::Index largest = 0;
+  (void)axis.cwiseAbs().maxCoeff(&largest);
+  return axis[largest] < 0.0 ? Vector3d(-axis) : axis;
 }
 
 }  // namespace
@@ -308,13 +332,13 @@ Constraint constraint_of(const std::vector<Vector3d>& p_rig, const std::vector<V
   }
   const Eigen::SelfAdjointEigenSolver<Matrix3d> shifts(shift);
   out.least_shift = shifts.eigenvalues()[0];
-  out.shift_direction = shifts.eigenvectors().col(0);
+  out.shift_direction = signed_axis(shifts.eigenvectors().col(0));
   // What turns alone tell, once every shift has been allowed for.
   const Matrix3d left =
       turn - mixed * shift.completeOrthogonalDecomposition().pseudoInverse() * mixed.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> turns(left);
   out.least_turn = turns.eigenvalues()[0];
-  out.turn_axis = turns.eigenvectors().col(0);
+  out.turn_axis = signed_axis(turns.eigenvectors().col(0));
   return out;
 }
 
@@ -348,7 +372,11 @@ std::vector<TimedPose> find_path(const std::vector<Returns>& sweeps,
     require_constraint(sweep, map, r, i, "sweep");
     path[last] = r.start;
     path.push_back(r.end);
-    add_to_map(sweep, 1, r.start, r.end, map);
+    if (i + 1 == kSolvedTogether) {
+      solve_together(sweeps, i + 1, path, map);
+    } else {
+      add_to_map(sweep, 1, r.start, r.end, map);
+    }
     if (progress) progress(i + 1, sweeps.size());
   }
   return path;

@@ -68,7 +68,6 @@ std::vector<RawSweep> fire(const Firing& how, int sweeps) {
 }
 
 TEST(Beams, AreFoundInShuffledPoints) {
-  GTEST_SKIP() << "open: see bench/RESULTS.md, Calibration";
   const std::vector<LidarRow> truth = true_rows();
   const BeamTable table = find_beams(fire({}, 6));
   ASSERT_EQ(table.rows.size(), truth.size());

@@ -25,8 +25,8 @@ Recording record(const test::StreetDrive& drive, double clock_error_s) {
     const ImageFrame& frame = log.images[i];
     out.views.push_back(
         {EdgeImage(
-             render_street(
-                 drive.street, log.cameras[0], log.world_from_rig, frame.time_start_s, frame.time_end_s),
+             Luminance(render_street(
+                 drive.street, log.cameras[0], log.world_from_rig, frame.time_start_s, frame.time_end_s)),
              1.0),
          frame.time_start_s - clock_error_s,
          frame.time_end_s - clock_error_s});
@@ -86,7 +86,7 @@ TEST(CameraPose, AtConstantSpeedTheClockIsNotTold) {
 TEST(CameraPose, ABlankWallIsRefused) {
   const test::StreetDrive drive(3, 8.0, 0.3);
   Recording recording = record(drive, 0.0);
-  for (CameraView& view : recording.views) view.edges = EdgeImage(Image(320, 180, 3), 1.0);
+  for (CameraView& view : recording.views) view.edges = EdgeImage(Luminance(Image(320, 180, 3)), 1.0);
   try {
     (void)find_camera_pose(recording.views, drive.log.cameras[0], drive.log.world_from_rig, recording.edges);
     FAIL() << "accepted";
@@ -130,7 +130,7 @@ TEST(EdgeImage, FindsAStepToAnEighthOfAPixel) {
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 64; ++x) image.at(x, y, 0) = static_cast<float>(std::clamp(x + 1 - 20.3, 0.0, 1.0));
   }
-  const EdgeImage edges(image, 1.0);
+  const EdgeImage edges(Luminance(image), 1.0);
   EdgeImage::Edge edge;
   ASSERT_TRUE(edges.find({23.0, 15.5}, Eigen::Vector2d::UnitX(), 6.0, 0.02, edge));
   EXPECT_NEAR(edge.pixel.x(), 20.3, 0.12);

@@ -60,19 +60,20 @@ class StreetPath : public testing::Test {
 };
 
 TEST_F(StreetPath, IsFoundWithoutAnyPose) {
-  GTEST_SKIP() << "open: never passed yet";
   std::vector<TimedPose> path = find_path(*sweeps_, {});
   ASSERT_EQ(path.size(), sweeps_->size() + 1);
   const PathError odometry = error_of(path, drive_->log.world_from_rig);
   // Sweep by sweep, over 10 m that start from nothing.
-  EXPECT_LT(odometry.end_m, 0.1);
+  EXPECT_LT(odometry.end_m, 0.03);
   const RefineReport report = refine_path(*sweeps_, {}, {}, path);
   const PathError refined = error_of(path, drive_->log.world_from_rig);
   EXPECT_LT(refined.step_m, 0.008);
   EXPECT_LT(refined.step_rad, 0.05 * kDegree);
   EXPECT_LT(refined.end_m, 0.02);
   EXPECT_LT(refined.end_rad, 0.05 * kDegree);
-  EXPECT_LE(refined.end_m, odometry.end_m);
+  // Where the path ends is one draw of 1 cm from either; what refinement must better is every step.
+  EXPECT_LT(refined.step_m, odometry.step_m);
+  EXPECT_LT(refined.step_rad, odometry.step_rad);
   EXPECT_GT(report.planes, 300U);
   EXPECT_GT(report.step_sigma_m, 0.0);
   EXPECT_LT(report.step_sigma_m, 0.01);
@@ -116,7 +117,6 @@ TEST_F(StreetPath, TheSpinIsTheOneThatKeepsWallsFlat) {
 }
 
 TEST(Spin, IsNotToldByARestingRig) {
-  GTEST_SKIP() << "open: a resting rig is told a spin";
   const test::StreetDrive drive(3, 0.0, 0.0);
   std::vector<Returns> forward = drive.returns();
   std::vector<Returns> reversed = drive.returns(true);
@@ -160,7 +160,6 @@ void expect_refusal(const std::vector<Returns>& sweeps, const std::string& part)
 }
 
 TEST(Odometry, RefusesATunnel) {
-  GTEST_SKIP() << "open: refused, with another reason than expected";
   // Two walls and a floor, all along x: nothing holds the rig that way.
   expect_refusal(made_up_sweeps([](const Eigen::Vector3d& d) {
                    const double side = 4.0 / std::max(1e-9, std::abs(d.y()));
