@@ -133,6 +133,7 @@ Json to_json(const Lidar& model) {
                     {"horizontal_offset_m", row.horizontal_offset},
                     {"time_offset_s", row.time_offset},
                     {"radial_offset_m", row.radial_offset}});
+    if (row.range_bias != 0.0) rows.back()["range_bias_m"] = row.range_bias;
   }
   Json json{{"name", model.name},
             {"columns", model.columns},
@@ -170,7 +171,8 @@ Lidar lidar_model_from_json(JsonObject& object) {
                     row.number("vertical_offset_m"),
                     row.number("horizontal_offset_m"),
                     row.number("time_offset_s"),
-                    row.has("radial_offset_m") ? row.number("radial_offset_m") : 0.0};
+                    row.has("radial_offset_m") ? row.number("radial_offset_m") : 0.0,
+                    row.has("range_bias_m") ? row.number("range_bias_m") : 0.0};
   });
   if (object.has("blind_arcs")) {
     model.blind = object.objects("blind_arcs", [](JsonObject& arc) {

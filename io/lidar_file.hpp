@@ -9,7 +9,7 @@
 //    "spin": "clockwise" or "counter_clockwise",
 //    "range_min_m": 0.5, "range_max_m": 120, "beam_divergence_rad": 0.003, "divergence_variance": 0.25,
 //    "rows": [{"elevation_rad": 0.26, "azimuth_offset_rad": 0, "vertical_offset_m": 0,
-//              "horizontal_offset_m": 0, "time_offset_s": 0, "radial_offset_m": 0}, ...]}
+//              "horizontal_offset_m": 0, "time_offset_s": 0, "radial_offset_m": 0, "range_bias_m": 0}, ...]}
 //
 // with rows from top to bottom, fields as in host/sensors/lidar.hpp; and for a sensor without rows
 //
@@ -42,7 +42,7 @@ struct LidarFile {
 
 /// The part that logs and scenes share with it: name to rows.
 [[nodiscard]] Json to_json(const Lidar& model);
-/// Reads that part and validates it. A missing radial_offset_m is 0: older logs have none.
+/// Reads that part and validates it. A missing radial_offset_m or range_bias_m is 0.
 [[nodiscard]] Lidar lidar_model_from_json(JsonObject& object);
 
 }  // namespace simuli

@@ -68,7 +68,8 @@ struct Sweep {
 void write_log(const Log& log);
 
 /// Sweeps are multi-channel float OpenEXR pictures (rows x columns; channels range_m, intensity,
-/// azimuth_rad, elevation_rad, time_fraction), lossless, readable by any EXR tool.
+/// azimuth_rad, elevation_rad, time_fraction), lossless, readable by any EXR tool. The file holds ranges as
+/// recorded; read_sweep takes the rows' range biases off.
 [[nodiscard]] Sweep read_sweep(const std::filesystem::path& file, const Lidar& lidar);
 void write_sweep(const std::filesystem::path& file, const Sweep& sweep);
 

@@ -110,6 +110,20 @@ Sweep read_sweep(const fs::path& file, const Lidar& lidar) {
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = pixels[i * kChannels.size() + place[c]];
   }
   validate(file, sweep);
+  const auto width = static_cast<std::size_t>(lidar.columns);
+  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+    const auto bias_m = static_cast<float>(lidar.rows[i / width].range_bias);
+    if (sweep.range[i] == 0.0F || bias_m == 0.0F) continue;
+    if (!(sweep.range[i] > bias_m)) {
+      refuse_value(file,
+                   "range_m",
+                   i,
+                   lidar.columns,
+                   sweep.range[i],
+                   fmt::format("more than the row's bias of {} m", bias_m));
+    }
+    sweep.range[i] -= bias_m;
+  }
   return sweep;
 }
 

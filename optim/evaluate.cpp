@@ -40,12 +40,6 @@ class Mean {
   std::size_t left_out_ = 0;
 };
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 /// Median seconds of a render whose results stay on the device.
 double time_render(Renderer& renderer, const std::function<void()>& render, int repeats) {
   std::vector<double> seconds;

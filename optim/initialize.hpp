@@ -28,6 +28,7 @@ struct InitOptions {
   double max_scale_m = 0.5;
   bool sweep_depth = true;          // place camera particles also where only pictures tell the depth
   int sweep_cell_px = 4;            // between them, in the training picture
+  bool range_bias = true;           // commands look for the rows' range biases first (range_bias.hpp)
   bool own_vehicle = true;          // commands look for the LiDARs' blind arcs first (own_vehicle.hpp)
   bool drop_moving = true;          // leave out points that other sweeps look through (initialize_moving.hpp)
   bool actors = true;               // give the log's actors particles of their own; false: all is background

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <nanoflann.hpp>
 #include <numeric>
 
 #include "host/base/error.hpp"
 #include "optim/parallel.hpp"
+#include "optim/point_tree.hpp"
 
 namespace simuli {
 namespace {
@@ -24,20 +24,6 @@ constexpr std::size_t kPlaneNeighbours = 8;
 constexpr double kPlaneRatio = 0.1;
 /// Middle over largest variance from which they are a plane and not just a line, as one laser ring is.
 constexpr double kLineRatio = 0.02;
-
-struct CloudView {
-  const PointSet& points;
-  [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
-  [[nodiscard]] float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points.position(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(i));
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-using KdTree = nanoflann::
-    KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, CloudView>, CloudView, 3, std::uint32_t>;
 
 /// Finds the plane through the given points and writes it to `shape` when there is one.
 void fit_plane(const PointSet& points, const std::uint32_t* indices, std::size_t count, LocalShape& shape) {
@@ -181,7 +167,7 @@ std::vector<LocalShape> local_shapes(const PointSet& points) {
   std::vector<LocalShape> shapes(points.size());
   if (points.size() == 0) return shapes;
   const CloudView cloud{points};
-  KdTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   tree.buildIndex();
   parallel_ranges(points.size(), [&](std::size_t begin, std::size_t end) {
     std::array<std::uint32_t, kPlaneNeighbours + 1> indices{};  // the point itself comes first

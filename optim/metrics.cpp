@@ -53,15 +53,6 @@ NeighbourSums sum_nearest(const PointCloud& from, const PointCloud& to) {
   return sums;
 }
 
-/// Mean of the two middle values when their number is even; NaN of nothing.
-double median(std::vector<double> values) {
-  if (values.empty()) return kNaN;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
 template <class Values>
 void check_count(const char* field, const Values& values, std::size_t rays) {
   if (values.size() != rays) {
@@ -101,6 +92,14 @@ Eigen::Vector3d point_on_ray(const SweepComparison& sweep, std::size_t ray, doub
 }
 
 }  // namespace
+
+double median(std::vector<double> values) {
+  if (values.empty()) return kNaN;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
 
 SweepMetrics compare_sweep(const SweepComparison& sweep) {
   check_sweep(sweep);

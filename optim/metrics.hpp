@@ -38,4 +38,7 @@ struct SweepMetrics {
 /// predicted or no true point the Chamfer values are NaN, as are the medians with no returned ray.
 [[nodiscard]] SweepMetrics compare_sweep(const SweepComparison& sweep);
 
+/// Mean of the two middle values when their number is even; NaN of nothing.
+[[nodiscard]] double median(std::vector<double> values);
+
 }  // namespace simuli

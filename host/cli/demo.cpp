@@ -53,7 +53,7 @@ void write_lidar_pair(Renderer& renderer, const Log& log, const Scene& scene, co
   const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
   const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
   write_image(file,
-              joined(range_image(lidar, lidar_picture(pair.simulated).range),
+              joined(range_image(lidar, lidar_picture(lidar, pair.simulated).range),
                      range_image(lidar, pair.recorded.range),
                      Layout::kBelow));
 }

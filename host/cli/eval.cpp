@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +33,10 @@ Log mounted(Log log, const SceneFile& scene) {
       if (known.model.name != lidar.model.name) continue;
       lidar.rig_from_lidar = known.rig_from_lidar;
       lidar.model.blind = known.model.blind;
+      const std::size_t rows = std::min(lidar.model.rows.size(), known.model.rows.size());
+      for (std::size_t row = 0; row < rows; ++row) {
+        lidar.model.rows[row].range_bias = known.model.rows[row].range_bias;
+      }
     }
   }
   return log;

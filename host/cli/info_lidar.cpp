@@ -112,6 +112,7 @@ std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
   add(&LidarRow::vertical_offset, "beam origins up", 1.0, 4, "m");
   add(&LidarRow::horizontal_offset, "beam origins to the left", 1.0, 4, "m");
   add(&LidarRow::radial_offset, "beam origins outwards", 1.0, 4, "m");
+  add(&LidarRow::range_bias, "ranges recorded too long", 1.0, 4, "m");
   add(&LidarRow::time_offset, "row firing times", 1e6, 2, "us");
   return text + divergence_text(lidar.beam_divergence, lidar.divergence_variance, facts);
 }

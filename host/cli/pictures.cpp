@@ -31,12 +31,14 @@ std::array<float, 3> colour_at(double place) {
   return out;
 }
 
-LidarPicture lidar_picture(const RayResults& results) {
+LidarPicture lidar_picture(const Lidar& lidar, const RayResults& results) {
   LidarPicture out;
+  const auto width = static_cast<std::size_t>(lidar.columns);
   for (std::size_t i = 0; i < results.rays; ++i) {
     const float drop = results.drop_probability(i);
     const bool returns = drop <= 0.5F;
-    out.range.push_back(returns ? best_distance(results, i) : 0.0F);
+    const auto bias_m = static_cast<float>(lidar.rows[i / width].range_bias);
+    out.range.push_back(returns ? best_distance(results, i) + bias_m : 0.0F);
     out.intensity.push_back(returns ? std::clamp(results.feature[0][i], 0.0F, 1.0F) : 0.0F);
     out.drop.push_back(drop);
   }

@@ -17,7 +17,7 @@ struct LidarPicture {
   std::vector<float> drop;       // probability
 };
 /// A ray returns when dropping it is at most as likely as not.
-[[nodiscard]] LidarPicture lidar_picture(const RayResults& results);
+[[nodiscard]] LidarPicture lidar_picture(const Lidar& lidar, const RayResults& results);
 
 /// `place` in [0, 1] of a scale of colours from pale and warm to dark and cold.
 [[nodiscard]] std::array<float, 3> colour_at(double place);

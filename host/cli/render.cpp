@@ -15,8 +15,8 @@
 #include "host/cli/edits.hpp"
 #include "host/cli/file_progress.hpp"
 #include "host/cli/pictures.hpp"
-#include "host/render/look.hpp"
 #include "host/cli/settings.hpp"
+#include "host/render/look.hpp"
 #include "host/render/validate.hpp"
 #include "io/file.hpp"
 #include "io/scene_folder.hpp"
@@ -224,7 +224,7 @@ void write_sweep_files(const fs::path& stem,
                        const RayResults& results,
                        const View& view,
                        const Eigen::Vector3d& origin) {
-  const LidarPicture picture = lidar_picture(results);
+  const LidarPicture picture = lidar_picture(sensor.lidar, results);
   write_point_cloud_ply(stem.string() + ".ply", point_cloud(sensor.lidar, rays, picture, view, origin));
   write_image(stem.string() + "_range.png", range_image(sensor.lidar, picture.range));
 }

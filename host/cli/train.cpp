@@ -10,6 +10,7 @@
 #include "host/render/validate.hpp"
 #include "io/scene_folder.hpp"
 #include "optim/own_vehicle.hpp"
+#include "optim/range_bias.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -86,6 +87,7 @@ void train(TrainCommand command, const Globals& globals) {
   command.init.held_out_every = command.train.held_out_every;
   command.init.seed = command.train.seed;
   Log log = read_log(command.log);
+  if (command.init.range_bias) log = with_range_bias(std::move(log), command.init.held_out_every);
   if (command.init.own_vehicle) log = with_blind_arcs(std::move(log), command.init.held_out_every);
   const Device device = Device::best(globals.device);
   if (globals.verbose) {

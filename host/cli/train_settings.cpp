@@ -19,6 +19,7 @@ std::vector<Setting> train_settings(InitOptions& init, TrainOptions& train) {
       {"init.max_scale_m", &init.max_scale_m},
       {"init.sweep_depth", &init.sweep_depth},
       {"init.sweep_cell_px", &init.sweep_cell_px},
+      {"init.range_bias", &init.range_bias},
       {"init.own_vehicle", &init.own_vehicle},
       {"init.drop_moving", &init.drop_moving},
       {"init.environment_width", &init.environment_width},

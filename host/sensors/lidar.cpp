@@ -83,6 +83,7 @@ void validate(const Lidar& lidar, const std::string& file) {
     if (!(std::abs(row.radial_offset) <= 10.0)) {
       refuse(name + "radial_offset_m", row.radial_offset, "-10 to 10");
     }
+    if (!(std::abs(row.range_bias) <= 1.0)) refuse(name + "range_bias_m", row.range_bias, "-1 to 1");
     if (!(std::abs(row.time_offset) <= 1.0)) refuse(name + "time_offset_s", row.time_offset, "-1 to 1");
     if (i > 0 && !(row.elevation <= lidar.rows[i - 1].elevation)) {
       refuse(name + "elevation_rad", row.elevation, "rows sorted from top to bottom");

@@ -19,6 +19,7 @@ struct LidarRow {
   double horizontal_offset = 0.0;  // m, to the left of the beam
   double time_offset = 0.0;        // s, added to the column's firing time
   double radial_offset = 0.0;      // m, away from the spin axis
+  double range_bias = 0.0;         // m, recorded less true distance; sweeps are corrected when read
 };
 
 /// Azimuths [first, last] of a row, in the sensor frame, in which its beam meets the vehicle it is mounted

@@ -115,6 +115,7 @@ TEST(Lidar, ValidateNamesTheFieldThatIsWrong) {
   refused("rows[1].azimuth_offset_rad", [](Lidar& l) { l.rows[1].azimuth_offset = kNan; });
   refused("rows[0].vertical_offset_m", [](Lidar& l) { l.rows[0].vertical_offset = 11.0; });
   refused("rows[0].horizontal_offset_m", [](Lidar& l) { l.rows[0].horizontal_offset = kNan; });
+  refused("rows[0].range_bias_m", [](Lidar& l) { l.rows[0].range_bias = 1.5; });
   refused("rows[0].radial_offset_m", [](Lidar& l) { l.rows[0].radial_offset = -10.5; });
   refused("rows[0].time_offset_s", [](Lidar& l) { l.rows[0].time_offset = 2.0; });
   refused("azimuth_first_rad", [](Lidar& l) { l.azimuth_first = kNan; });

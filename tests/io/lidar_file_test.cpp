@@ -29,6 +29,7 @@ void expect_same(const Lidar& a, const Lidar& b) {
     EXPECT_EQ(a.rows[r].horizontal_offset, b.rows[r].horizontal_offset);
     EXPECT_EQ(a.rows[r].time_offset, b.rows[r].time_offset);
     EXPECT_EQ(a.rows[r].radial_offset, b.rows[r].radial_offset);
+    EXPECT_EQ(a.rows[r].range_bias, b.rows[r].range_bias);
   }
 }
 

@@ -53,6 +53,22 @@ TEST(SweepFile, KeepsEveryBit) {
   EXPECT_EQ(read.rays.time_fraction, sweep.rays.time_fraction);
 }
 
+TEST(SweepFile, RangesAreCorrectedOnReading) {
+  const Scratch scratch;
+  Lidar lidar = some_lidar();
+  const Sweep sweep = some_sweep(lidar);
+  write_sweep(scratch / "s.exr", sweep);
+  lidar.rows[0].range_bias = 0.25;
+  lidar.rows[2].range_bias = -0.5;
+  const Sweep read = read_sweep(scratch / "s.exr", lidar);
+  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+    const float bias = i < 50 ? 0.25F : i < 100 ? 0.0F : -0.5F;
+    EXPECT_EQ(read.range[i], sweep.range[i] > 0.0F ? sweep.range[i] - bias : 0.0F) << i;
+  }
+  lidar.rows[1].range_bias = 30.0;  // no sensor's: more than the range of the row's first return, 19.87 m
+  expect_input_error([&] { (void)read_sweep(scratch / "s.exr", lidar); }, {"range_m", "row 1", "30"});
+}
+
 TEST(SweepFile, RefusesAnotherSensorsGrid) {
   const Scratch scratch;
   Lidar lidar = some_lidar();
