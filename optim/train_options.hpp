@@ -22,9 +22,9 @@ struct LidarWeights {
 /// Weights of a picture's losses (METHOD section 10), each a mean over its values: of |d|, of d^2, of 1 -
 /// SSIM.
 struct ImageWeights {
-  double absolute = 1.0;
+  double absolute = 0.8;
   double squared = 10.0;
-  double dissimilarity = 0.0;
+  double dissimilarity = 0.2;
 };
 
 /// Environment and colour grids of the camera set.
