@@ -175,16 +175,11 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
     }
     if (!actors.empty()) {
       const ActorBoxes where = boxes(view, frame.time_start_s, frame.time_end_s);
-      std::vector<float> range(pair.recorded.range.size(), 0.0F);  // of what returns, in the scene
-      for (std::size_t i = 0; i < range.size(); ++i) {
-        if (pair.simulated.drop_probability(i) < 0.5F) range[i] = best_distance(pair.simulated, i);
-      }
       const auto on = returns_on_actors(where, lidar, pair.recorded.rays, pair.recorded.range);
-      const auto ends_on = returns_on_actors(where, lidar, pair.recorded.rays, range);
       for (std::size_t i = 0; i < on.size(); ++i) {
         if (!on[i]) continue;
         actor_errors.push_back(std::abs(best_distance(pair.simulated, i) - pair.recorded.range[i]));
-        met += ends_on[i] ? 1.0 : 0.0;
+        met += is_met(pair, i) ? 1.0 : 0.0;
       }
     }
     const SweepMetrics m = compare_sweep(compare_rays(pair, lidar, view));
@@ -217,6 +212,12 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
 }
 
 }  // namespace
+
+bool is_met(const SweepPair& pair, std::size_t ray) {
+  const RayResults& r = pair.simulated;
+  return r.drop_probability(ray) < 0.5F &&
+         std::abs(best_distance(r, ray) - pair.recorded.range[ray]) < SweepPair::kSame_m;
+}
 
 SweepPair render_sweep(Renderer& renderer,
                        const ParticleBuffers& lidar_set,

@@ -31,7 +31,8 @@ struct EvalReport {
   double distance_expected_median_m = 0.0;  // the same median error with expected distances alone
   /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
   /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside, and the share of
-  /// those rays that end inside in the scene, too: of an actor that was taken away, its ghost.
+  /// those rays that return from the same place in the scene (is_met()): of an actor that was taken away, its
+  /// ghost.
   double actor_psnr_db = 0.0;
   double actor_distance_median_m = 0.0;
   double actor_share_met = 0.0;
@@ -49,9 +50,12 @@ struct EvalReport {
 
 /// A held-out sweep beside what the scene says of its rays.
 struct SweepPair {
+  static constexpr double kSame_m = 0.3;
   RayResults simulated;
   Sweep recorded;
 };
+/// Whether the scene has that recorded return, too, within kSame_m of its distance.
+[[nodiscard]] bool is_met(const SweepPair& pair, std::size_t ray);
 /// Renders the rays of a recorded sweep. Error{kInput} when it can't be read.
 [[nodiscard]] SweepPair render_sweep(Renderer& renderer,
                                      const ParticleBuffers& lidar_set,

@@ -85,7 +85,8 @@ PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vect
 }
 
 /// Returns in an actor's box go to the actor, all others to the grid.
-void add_points(const PosedSweep& posed, VoxelGrid& grid, ActorPoints& actors) {
+void add_points(
+    const PosedSweep& posed, double time_start_s, double time_end_s, VoxelGrid& grid, ActorPoints& actors) {
   const Sweep& sweep = posed.sweep;
   const auto columns = static_cast<std::size_t>(sweep.rays.columns);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
@@ -97,10 +98,21 @@ void add_points(const PosedSweep& posed, VoxelGrid& grid, ActorPoints& actors) {
         posed.lidar.origin(static_cast<int>(i / columns), azimuth) +
         static_cast<double>(sweep.range[i]) * Lidar::direction(azimuth, sweep.rays.elevation[i]);
     const Eigen::Vector3d p_scene = scene_from_lidar * p_lidar;
-    if (!actors.add(p_scene, sweep.rays.time_fraction[i], sweep.intensity[i])) {
+    const double time_s = time_start_s + sweep.rays.time_fraction[i] * (time_end_s - time_start_s);
+    if (!actors.add(p_scene, time_s, sweep.intensity[i])) {
       grid.add(p_scene, sweep.intensity[i]);
     }
   }
+}
+
+ImageView image_view(const Log& log,
+                     const ImageFrame& frame,
+                     const Eigen::Vector3d& origin,
+                     double image_scale) {
+  const LogCamera& camera = log.camera(frame.camera);
+  return {scaled_camera(camera.model, image_scale),
+          shifted(log.world_from_rig.at(frame.time_start_s) * camera.rig_from_camera, origin),
+          shifted(log.world_from_rig.at(frame.time_end_s) * camera.rig_from_camera, origin)};
 }
 
 /// The picture of `frame` and the view it was taken from, both at the training size.
@@ -108,12 +120,8 @@ std::pair<Image, ImageView> load_view(const Log& log,
                                       const ImageFrame& frame,
                                       const Eigen::Vector3d& origin,
                                       double image_scale) {
-  const LogCamera& camera = log.camera(frame.camera);
-  const Camera model = scaled_camera(camera.model, image_scale);
-  return {load_image(log, frame, model),
-          ImageView(model,
-                    shifted(log.world_from_rig.at(frame.time_start_s) * camera.rig_from_camera, origin),
-                    shifted(log.world_from_rig.at(frame.time_end_s) * camera.rig_from_camera, origin))};
+  ImageView view = image_view(log, frame, origin, image_scale);
+  return {load_image(log, frame, view.camera()), std::move(view)};
 }
 
 double middle_s(const ImageFrame& frame) { return 0.5 * (frame.time_start_s + frame.time_end_s); }
@@ -176,6 +184,7 @@ std::size_t add_picture_depths(const Log& log,
         std::vector<PointLook> unused(placed.size());
         Coverage coverage =
             look_at_points(view, image, placed, options.voxel_m, options.sweep_cell_px, unused);
+        actors.cover(view, middle_s(*frames[next]), coverage);
         window.push_back({sweep_picture(view, image), std::move(coverage)});
       }
       for (; first + kReach < k; ++first) window.pop_front();
@@ -237,14 +246,16 @@ SceneInit initialize_scene(const Log& log,
 
   if (options.actors) scene.actors = moving_actors(log.actors, options.actor_min_travel_m);
   ActorPoints actors(
-      scene.actors, {options.actor_voxel_m, options.actor_margin_m, options.mirror_actors}, scene.origin);
+      scene.actors,
+      {options.actor_voxel_m, options.actor_margin_m, options.mirror_actors, options.register_tracks},
+      scene.origin);
   VoxelGrid grid(options.voxel_m);
   for (const SweepFrame* frame : sweeps) {
-    actors.start_sweep(frame->time_start_s, frame->time_end_s);
-    add_points(load_sweep(log, *frame, scene.origin), grid, actors);
+    add_points(load_sweep(log, *frame, scene.origin), frame->time_start_s, frame->time_end_s, grid, actors);
     step();
   }
-  actors.finish();
+  actors.finish(grid);
+  scene.actors = actors.actors();
   PointSet points = grid.averages();
   report.sweeps = sweeps.size();
   report.points = grid.points();
@@ -272,6 +283,11 @@ SceneInit initialize_scene(const Log& log,
   report.lidar_particles = static_cast<std::size_t>(scene.lidar.size());
   report.lidar_thinned = points.size() - lidar_kept.size();
 
+  for (const ImageFrame* frame : images) {
+    const ImageView view = image_view(log, *frame, scene.origin, options.image_scale);
+    actors.add_holes(view, middle_s(*frame), points);
+  }
+  actors.finish_holes();
   const std::size_t static_points = points.size();
   if (options.sweep_depth) {
     report.depth_points = add_picture_depths(log, images, scene.origin, options, actors, step, points);
@@ -281,7 +297,7 @@ SceneInit initialize_scene(const Log& log,
   const bool has_environment = options.environment_width > 0;
   FarShell sky(has_environment ? 360.0 / options.environment_width : options.shell_spacing_deg,
                kInfinitelyFar_m);
-  std::vector<PointLook> looks(points.size() + actors.count());
+  std::vector<PointLook> looks(points.size() + actors.camera_count());
   for (const ImageFrame* frame : images) {
     const auto [image, view] = load_view(log, *frame, scene.origin, options.image_scale);
     // Two samples per shell cell and axis, so that no cell between two samples stays empty.
@@ -289,7 +305,8 @@ SceneInit initialize_scene(const Log& log,
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
     const PointSet placed = actors.placed(points, middle_s(*frame));
-    const Coverage coverage = look_at_points(view, image, placed, options.voxel_m, cell_px, looks);
+    Coverage coverage = look_at_points(view, image, placed, options.voxel_m, cell_px, looks);
+    actors.cover(view, middle_s(*frame), coverage);
     if (options.max_shell > 0) shell.add(view, image, coverage);
     if (has_environment) sky.add(view, image, coverage);
     step();
@@ -305,7 +322,7 @@ SceneInit initialize_scene(const Log& log,
   scene.camera = camera_set(points, looks, options);
   append(scene.camera, shell_set(shell, patches, shell_kept, options), 0);
   for (std::size_t i = 0; i < scene.actors.size(); ++i) {
-    PointSet seen = actors.points()[i];
+    PointSet seen = actors.camera_points()[i];
     (void)keep_seen(seen, actor_looks[i], options.max_camera, options.seed);
     append(scene.camera, camera_set(seen, actor_looks[i], options), static_cast<std::uint32_t>(i + 1));
   }

@@ -16,8 +16,9 @@ namespace simuli {
 
 struct ActorPointOptions {
   double voxel_m = 0.05;
-  double margin_m = 0.1;  // labels are not exact: boxes reach this much farther, but for the road below
-  bool mirror = false;    // vehicles look the same from left and right: adds each point's mirror image
+  double margin_m = 0.1;         // labels are not exact: boxes reach this much farther
+  bool mirror = false;           // vehicles look the same from left and right: adds each point's mirror image
+  bool register_tracks = false;  // lets the returns say where the actors were (actor_tracks.hpp)
 };
 
 /// The points of all actors.
@@ -27,33 +28,48 @@ class ActorPoints {
               const ActorPointOptions& options,
               const Eigen::Vector3d& scene_origin);
 
-  /// The actors' poses for the add() calls of one sweep.
-  void start_sweep(double time_start_s, double time_end_s);
-  /// Takes a return at that share of the sweep if it is in a box; false: it is of the background.
-  bool add(const Eigen::Vector3d& p_scene, double time_fraction, double intensity);
-  /// Ends adding: the points of each actor, in its frame.
-  void finish();
+  /// Takes a return at time_s if it is in a box or below its lower rim; false: it is of the background.
+  bool add(const Eigen::Vector3d& p_scene, double time_s, double intensity);
+  /// Ends adding: the points of each actor, in its frame. What a box takes near the ground, as the points
+  /// around tell it, goes to `background` instead: a wheel stands on the road.
+  void finish(VoxelGrid& background);
+  /// Closes the holes that no laser fills (glass) in what a picture shows of the actors: points as far away
+  /// as those around, for the camera set alone. finish_holes() after the last picture.
+  void add_holes(const ImageView& view, double time_s, const PointSet& background);
+  void finish_holes();
 
+  /// With the offsets of register_tracks.
   [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
   [[nodiscard]] const std::vector<PointSet>& points() const { return points_; }
-  [[nodiscard]] std::size_t count() const;
-  /// `background` and behind it all actors' points (those of actors[0] first) as they stand in the scene at
-  /// time_s. Where an actor is not there, its points are where no picture sees them.
+  [[nodiscard]] const std::vector<PointSet>& camera_points() const { return camera_points_; }
+  [[nodiscard]] std::size_t count() const;         // of points()
+  [[nodiscard]] std::size_t camera_count() const;  // of camera_points()
+  /// `background` and behind it all actors' camera points (those of actors[0] first) as they stand in the
+  /// scene at time_s. Where an actor is not there, its points are where no picture sees them.
   [[nodiscard]] PointSet placed(const PointSet& background, double time_s) const;
-  /// Looks behind those of `background_count` points, parted by actor. With `mirror`, a point of a vehicle that
-  /// no picture saw takes the look of the point nearest to its mirror image.
+  /// Marks the cells that look at a box: what they show is no background.
+  void cover(const ImageView& view, double time_s, Coverage& coverage) const;
+  /// Looks behind those of `background_count` points, parted by actor. With `mirror`, a point of a vehicle
+  /// that no picture saw takes the look of the point nearest to its mirror image.
   [[nodiscard]] std::vector<std::vector<PointLook>> split(const std::vector<PointLook>& looks,
                                                           std::size_t background_count) const;
 
  private:
+  struct Return {
+    std::size_t actor = 0;
+    double time_s = 0.0;
+    Eigen::Vector3d p_scene;
+    double intensity = 0.0;
+  };
   [[nodiscard]] bool mirrors(const Actor& actor) const;
+  [[nodiscard]] Pose scene_from_actor(std::size_t actor, double time_s) const;
 
   std::vector<Actor> actors_;
   ActorPointOptions options_;
   Eigen::Vector3d scene_origin_;
-  std::vector<VoxelGrid> grids_;
-  std::vector<ActorView> sweep_;
-  std::vector<PointSet> points_;
+  std::vector<Return> returns_;
+  std::vector<VoxelGrid> holes_;
+  std::vector<PointSet> points_, camera_points_;
 };
 
 }  // namespace simuli

@@ -26,6 +26,8 @@ class ImageView {
   /// ray.
   void unproject(const Eigen::Vector2d& pixel, Eigen::Vector3d& origin, Eigen::Vector3d& direction) const;
   [[nodiscard]] const Camera& camera() const { return camera_; }
+  /// Where the camera is half-way through the read-out, scene frame.
+  [[nodiscard]] Eigen::Vector3d origin() const { return camera_from_scene_mid_.inverse().translation; }
   /// The same exposure by another camera in its place, e.g. camera().resized(...).
   [[nodiscard]] ImageView with_camera(const Camera& camera) const { return {camera, start_, end_}; }
   /// Side of a pixel at the optical axis, in metres at 1 m distance.

@@ -44,6 +44,7 @@ std::vector<Setting> train_settings(InitOptions& init, TrainOptions& train) {
       {"init.actor_voxel_m", &init.actor_voxel_m},
       {"init.actor_margin_m", &init.actor_margin_m},
       {"init.mirror_actors", &init.mirror_actors},
+      {"init.register_tracks", &init.register_tracks},
       {"actors.rate.shift_m", &train.actor_poses.shift_m},
       {"actors.rate.turn_rad", &train.actor_poses.turn_rad},
       {"actors.rate.final_share", &train.actor_poses.final_share},

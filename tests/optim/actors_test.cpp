@@ -6,10 +6,12 @@
 
 #include "io/street.hpp"
 #include "optim/actor_poses.hpp"
+#include "optim/actor_tracks.hpp"
 #include "optim/evaluate.hpp"
 #include "optim/initialize.hpp"
 #include "optim/initialize_actors.hpp"
 #include "optim/trainer.hpp"
+#include "tests/support/scenes.hpp"
 
 namespace simuli {
 namespace {
@@ -68,10 +70,42 @@ TEST_F(StreetWithCar, ParticlesOfTheCarAreInItsFrame) {
     if (lidar.actor[static_cast<std::size_t>(i)] != 0) continue;
     const Vector3d p = world_from_car.inverse() *
                        Vector3d(lidar.mean().row(i).transpose().cast<double>() + start.scene.origin);
-    const bool inside = std::abs(p.x()) < half.x() && std::abs(p.y()) < half.y() && std::abs(p.z()) < 0.5;
+    const double above_road = p.z() + 0.5 * start.scene.actors[0].size_m.z();
+    const bool inside =
+        std::abs(p.x()) < half.x() && std::abs(p.y()) < half.y() && above_road > 0.06 && p.z() < 0.5;
     EXPECT_FALSE(inside) << p.transpose();
   }
   EXPECT_TRUE(initialize_scene(log_, small(false)).scene.actors.empty());
+}
+
+TEST_F(StreetWithCar, PicturesFillTheGlassThatNoLaserReturnsFrom) {
+  const Scene scene = initialize_scene(log_, small(true)).scene;
+  const auto of_car = [](const GaussianSet& set) {
+    std::vector<Vector3d> out;
+    for (Eigen::Index i = 0; i < set.size(); ++i) {
+      if (set.actor[static_cast<std::size_t>(i)] == 1)
+        out.emplace_back(set.mean().row(i).transpose().cast<double>());
+    }
+    return out;
+  };
+  // Far from any return, within the body, and dark: the windows.
+  const std::vector<Vector3d> returns = of_car(scene.lidar);
+  std::size_t alone = 0;
+  for (const Vector3d& p : of_car(scene.camera)) {
+    const bool near =
+        std::any_of(returns.begin(), returns.end(), [&](const Vector3d& r) { return (r - p).norm() < 0.12; });
+    if (near) continue;
+    ++alone;
+    EXPECT_TRUE((p.array().abs() <= 0.5 * scene.actors[0].size_m.array() + 1e-5).all()) << p.transpose();
+  }
+  EXPECT_GT(alone, 20U);
+  // What pictures show of the car is no background: nothing of it stands along its way.
+  for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
+    if (scene.camera.actor[static_cast<std::size_t>(i)] != 0) continue;
+    const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>() + scene.origin;
+    EXPECT_FALSE(p.x() > 15.0 && p.x() < 17.0 && std::abs(p.y() - 1.75) < 0.7 && p.z() > 0.1 && p.z() < 1.4)
+        << p.transpose();
+  }
 }
 
 TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {
@@ -198,6 +232,62 @@ TEST_F(StreetWithCar, WhatIsNotANumberLeavesTheOthersWithTheirActor) {
   ASSERT_EQ(scene.camera.size(), start.camera.size() - 1);
   start.camera.actor.erase(first_of_car);
   EXPECT_EQ(scene.camera.actor, start.camera.actor);
+}
+
+TEST(ActorTracks, AreWonBackFromReturns) {
+  // A box with a lower front that drives by; returns from three faces, at times between the key poses.
+  Actor truth;
+  truth.name = "car";
+  truth.size_m = {4.0, 1.8, 1.5};
+  for (int k = 0; k < 20; ++k) {
+    const double s = 0.1 * k;
+    truth.track.push_back({s,
+                           {Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * s, Vector3d::UnitZ())),
+                            {5.0 + 6.0 * s, 2.0 + 0.3 * s * s, 0.75}}});
+  }
+  test::Random random(3);
+  std::vector<ActorReturn> returns;
+  for (int i = 0; i < 6000; ++i) {
+    const double time_s = 0.02 + 0.1 * (i % 19) + random.uniform(0.0, 0.004);
+    Vector3d p = random.in_box({-2.0, -0.9, -0.75}, {2.0, 0.9, 0.75});
+    if (i % 3 == 0) p.x() = -2.0;
+    if (i % 3 == 1) p.y() = -0.9;
+    if (i % 3 == 2) p.z() = p.x() > 0.5 ? 0.1 : 0.75;
+    const Vector3d noise(random.normal(), random.normal(), random.normal());
+    returns.push_back({time_s, truth.at(time_s) * p + 0.01 * noise});
+  }
+  Actor noisy = truth;
+  for (KeyPose& key : noisy.track) {
+    key.world_from_actor.translation += 0.2 * Vector3d(random.normal(), random.normal(), 0.0);
+    key.world_from_actor.rotation =
+        Eigen::AngleAxisd(2.0 * M_PI / 180.0 * random.normal(), Vector3d::UnitZ()) *
+        key.world_from_actor.rotation;
+  }
+  // Spread about what all poses have in common: that is a matter of the actor's frame.
+  const auto spread = [&](const Actor& actor) {
+    const auto off = [&](std::size_t k) {
+      return truth.track[k].corrected().inverse() * actor.track[k].corrected();
+    };
+    Vector3d shift = Vector3d::Zero();
+    double square = 0.0, turn = 0.0;
+    const auto count = static_cast<double>(actor.track.size());
+    for (std::size_t k = 0; k < actor.track.size(); ++k) shift += off(k).translation / count;
+    for (std::size_t k = 0; k < actor.track.size(); ++k) {
+      square += (off(k).translation - shift).squaredNorm() / count;
+      turn += Eigen::AngleAxisd(off(k).rotation * off(0).rotation.conjugate()).angle() / count;
+    }
+    return std::pair(std::sqrt(square), turn);
+  };
+  Actor found = noisy;
+  register_track(found, returns);
+  EXPECT_GT(spread(noisy).first, 0.2);
+  EXPECT_LT(spread(found).first, 0.15 * spread(noisy).first) << spread(found).first;
+  EXPECT_LT(spread(found).second, 0.3 * spread(noisy).second) << spread(found).second;
+  // Recorded poses stay as they are, and so does a track that nothing tells of.
+  EXPECT_EQ(found.track[3].world_from_actor.translation, noisy.track[3].world_from_actor.translation);
+  Actor unseen = noisy;
+  register_track(unseen, {});
+  EXPECT_TRUE(unseen.track[5].shift_m.isZero(0.0));
 }
 
 TEST(ActorPoses, WalkDownASlopeToTheTruth) {
