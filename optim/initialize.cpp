@@ -180,7 +180,7 @@ std::size_t add_picture_depths(const Log& log,
     for (std::size_t k = 0; k < frames.size(); ++k) {
       for (; next < frames.size() && next <= k + kReach; ++next) {
         const auto [image, view] = load_view(log, *frames[next], origin, options.image_scale);
-        const PointSet placed = actors.placed(points, middle_s(*frames[next]));
+        const PointSet placed = actors.placed(points, middle_s(*frames[next]), view.origin());
         std::vector<PointLook> unused(placed.size());
         Coverage coverage =
             look_at_points(view, image, placed, options.voxel_m, options.sweep_cell_px, unused);
@@ -304,7 +304,7 @@ SceneInit initialize_scene(const Log& log,
     const double finest_rad = std::min(shell.spacing_rad(), sky.spacing_rad());
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
-    const PointSet placed = actors.placed(points, middle_s(*frame));
+    const PointSet placed = actors.placed(points, middle_s(*frame), view.origin());
     Coverage coverage = look_at_points(view, image, placed, options.voxel_m, cell_px, looks);
     actors.cover(view, middle_s(*frame), coverage);
     if (options.max_shell > 0) shell.add(view, image, coverage);

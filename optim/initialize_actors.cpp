@@ -276,8 +276,21 @@ std::size_t ActorPoints::camera_count() const {
   return sum;
 }
 
-PointSet ActorPoints::placed(const PointSet& background, double time_s) const {
+PointSet ActorPoints::placed(const PointSet& background, double time_s, const Eigen::Vector3d& eye) const {
+  constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
   PointSet out = background;
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (!actors_[i].is_there(time_s)) continue;
+    const Eigen::Vector3d half = 0.5 * actors_[i].size_m + Eigen::Vector3d::Constant(options_.margin_m);
+    const Pose actor_from_scene = scene_from_actor(i, time_s).inverse();
+    const Eigen::Vector3d from = actor_from_scene * eye;
+    for (Eigen::Index k = 0; k < out.position.cols(); ++k) {
+      const Eigen::Vector3d way = actor_from_scene * out.position.col(k).cast<double>() - from;
+      const Eigen::Array3d a = (-half - from).array() / way.array(), b = (half - from).array() / way.array();
+      const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
+      if (enter > 0.0 && enter < leave && leave < 1.0) out.position.col(k).setConstant(kNowhere);
+    }
+  }
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     PointSet moved = camera_points_[i];
     if (actors_[i].is_there(time_s)) {
@@ -285,7 +298,7 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s) const {
       const Eigen::Matrix3f rotation = pose.rotation.toRotationMatrix().cast<float>();
       moved.position = (rotation * moved.position).colwise() + pose.translation.cast<float>().eval();
     } else {
-      moved.position.setConstant(std::numeric_limits<float>::quiet_NaN());
+      moved.position.setConstant(kNowhere);
     }
     out.append(moved);
   }
