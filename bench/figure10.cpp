@@ -28,11 +28,12 @@ Sweep scan_by_beams(const Street& street,
   for (int k = 0; k < kRingRays; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kRingRays;
     const double reach = kRingRadius * 0.5 * kDivergence_rad;
-    LogLidar aside = lidar;
-    for (LidarRow& row : aside.model.rows) {
+    Lidar model = lidar.with_rows();
+    for (LidarRow& row : model.rows) {
       row.elevation += reach * std::sin(angle);
       row.azimuth_offset += reach * std::cos(angle) / std::cos(row.elevation);
     }
+    const LogLidar aside{std::move(model), lidar.rig_from_lidar};
     const Sweep other = scan_street(street, aside, path, f.time_start_s, f.time_end_s);
     for (std::size_t i = 0; i < sweep.range.size(); ++i) {
       const bool nearer =
@@ -56,8 +57,9 @@ Recording record(const Figure10Options& options, const fs::path& folder) {
   street.frames = options.frames;
   Recording out{street_log(street), {}};
   out.log.images.clear();
-  out.log.lidars[0].model.beam_divergence = kDivergence_rad;
-  out.log.lidars[0].model.divergence_variance = 0.25;  // all of the beam within two standard deviations
+  auto& lidar = std::get<Lidar>(out.log.lidars[0].model);
+  lidar.beam_divergence = kDivergence_rad;
+  lidar.divergence_variance = 0.25;  // all of the beam within two standard deviations
   const Street with(street.seed, std::nullopt, true), without(street.seed, std::nullopt);
   fs::create_directories(folder / "sweeps");
   for (const SweepFrame& f : out.log.sweeps) {
@@ -136,7 +138,7 @@ std::vector<Row> run_figure10(const std::string& device_request,
                            Variant{"filter", true, false},
                            Variant{"filter_compensated", true, true}}) {
     Log log = recording.log;
-    if (!v.filter) log.lidars[0].model.beam_divergence = 0.0;
+    if (!v.filter) std::get<Lidar>(log.lidars[0].model).beam_divergence = 0.0;
     InitOptions init;
     init.voxel_m = 0.05;
     TrainOptions train;

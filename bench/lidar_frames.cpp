@@ -11,17 +11,7 @@ namespace {
 
 constexpr double kSweep_s = 0.1;
 
-SensorRays rays_of(const Device& device, const AnyLidar& sensor, const RenderOptions& options) {
-  if (const auto* const list = std::get_if<RayList>(&sensor)) return {device, *list, options};
-  const Lidar& lidar = std::get<Lidar>(sensor);
-  return {device, lidar, nominal_rays(lidar, kSweep_s), options};
-}
-
 }  // namespace
-
-const std::string& name_of(const AnyLidar& sensor) {
-  return std::visit([](const auto& model) -> const std::string& { return model.name; }, sensor);
-}
 
 Device profiled_device(const std::string& request, const Progress& note) {
   DeviceOptions options;
@@ -45,12 +35,12 @@ Lidar even_lidar(int rows, int columns, double top, double bottom, double span) 
 }
 
 LidarFrames::LidarFrames(const Device& device,
-                         const AnyLidar& sensor,
+                         const LidarModel& sensor,
                          const ParticleBuffers& particles,
                          const RenderOptions& options)
     : particles_(particles),
       renderer_(device, options),
-      rays_(rays_of(device, sensor, options)),
+      rays_(device, sensor, nominal_rays(sensor, kSweep_s), options),
       view_{world_from_bench_lidar(), world_from_bench_lidar(), {0.0F, 0.0F, 0.0F}} {}
 
 FrameTimes LidarFrames::run() {

@@ -3,19 +3,16 @@
 #include <functional>
 #include <map>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "bench/measure.hpp"
 #include "host/render/renderer.hpp"
+#include "host/sensors/lidar_model.hpp"
 
 namespace simuli::bench {
 
 /// Says one line to whoever waits.
 using Progress = std::function<void(const std::string&)>;
-
-using AnyLidar = std::variant<Lidar, RayList>;
-[[nodiscard]] const std::string& name_of(const AnyLidar& sensor);
 
 /// A device that records the time of every kernel.
 [[nodiscard]] Device profiled_device(const std::string& request, const Progress& note);
@@ -32,7 +29,7 @@ struct FrameTimes {
 class LidarFrames {
  public:
   LidarFrames(const Device& device,
-              const AnyLidar& sensor,
+              const LidarModel& sensor,
               const ParticleBuffers& particles,
               const RenderOptions& options);
 

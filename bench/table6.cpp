@@ -37,7 +37,7 @@ Spread brief(LidarFrames& frames) {
 
 }  // namespace
 
-TileGrid time_tiles(const Device& device, const AnyLidar& sensor, std::int64_t particles, int frames) {
+TileGrid time_tiles(const Device& device, const LidarModel& sensor, std::int64_t particles, int frames) {
   const ParticleBuffers street = lidar_street(device, particles);
   TileGrid grid;
   const auto shape = [](const TileTime& t) { return std::tuple(t.tile_rows, t.tile_columns, t.tile_slots); };

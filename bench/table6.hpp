@@ -26,7 +26,7 @@ struct TileGrid {
 
 /// Times every request briefly, then the fastest and the automatic one in turns, `frames` of each.
 [[nodiscard]] TileGrid time_tiles(const Device& device,
-                                  const AnyLidar& sensor,
+                                  const LidarModel& sensor,
                                   std::int64_t particles,
                                   int frames);
 

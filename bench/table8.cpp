@@ -192,7 +192,7 @@ std::vector<Row> run_table8(const std::string& device_request,
   Table table(device, profiled, log, options, note);
   table.run("table8", options.voxel_m, rows);
   table.run("table8_coarse", options.coarse_voxel_m, rows);
-  if (!log.lidars.empty()) add_clipped(device, log.lidars.front().model, note, rows);
+  if (!log.lidars.empty()) add_clipped(device, log.lidars.front().with_rows(), note, rows);
   return rows;
 }
 

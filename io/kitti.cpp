@@ -237,7 +237,7 @@ Log import_kitti(const KittiOptions& options,
     log.folder = folder;
     fs::create_directory(folder / "images");
     fs::create_directory(folder / "sweeps");
-    const Lidar& lidar = log.lidars[0].model;
+    const Lidar& lidar = log.lidars[0].with_rows();
     for (std::size_t i = 0; i < frames; ++i) {
       const std::string image_file = fmt::format("images/{:010}.png", i);
       const std::string sweep_file = fmt::format("sweeps/{:010}.exr", i);

@@ -1,6 +1,8 @@
 #include "io/lidar_file.hpp"
 
 #include <limits>
+#include <string>
+#include <variant>
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
@@ -8,6 +10,8 @@
 namespace simuli {
 namespace {
 
+constexpr char kRows[] = "lidar";
+constexpr char kList[] = "ray_list";
 constexpr int kMostColumns = 1 << 20;
 constexpr std::size_t kMostBytes = std::size_t{2} << 30U;  // 2^24 rays of six numbers with 17 digits
 
@@ -24,8 +28,9 @@ SpinDirection read_spin(JsonObject& object) {
       object.file(), object.field("spin"), Json(name).dump(-1, ' ', true), "clockwise or counter_clockwise");
 }
 
-Json to_json(const RayList& list) {
-  Json json{{"name", list.name},
+Json ray_list_json(const RayList& list) {
+  Json json{{"kind", kList},
+            {"name", list.name},
             {"range_min_m", list.range_min},
             {"range_max_m", list.range_max},
             {"beam_divergence_rad", list.beam_divergence},
@@ -69,6 +74,68 @@ RayList ray_list_from_json(JsonObject& object) {
   return list;
 }
 
+Json row_model_json(const Lidar& model) {
+  Json rows = Json::array();
+  for (const LidarRow& row : model.rows) {
+    rows.push_back({{"elevation_rad", row.elevation},
+                    {"azimuth_offset_rad", row.azimuth_offset},
+                    {"vertical_offset_m", row.vertical_offset},
+                    {"horizontal_offset_m", row.horizontal_offset},
+                    {"time_offset_s", row.time_offset},
+                    {"radial_offset_m", row.radial_offset}});
+    if (row.range_bias != 0.0) rows.back()["range_bias_m"] = row.range_bias;
+  }
+  Json json{{"kind", kRows},
+            {"name", model.name},
+            {"columns", model.columns},
+            {"azimuth_first_rad", model.azimuth_first},
+            {"azimuth_span_rad", model.azimuth_span},
+            {"spin", to_string(model.spin)},
+            {"range_min_m", model.range_min},
+            {"range_max_m", model.range_max},
+            {"beam_divergence_rad", model.beam_divergence},
+            {"divergence_variance", model.divergence_variance},
+            {"rows", rows}};
+  if (model.blind.empty()) return json;
+  Json& arcs = json["blind_arcs"] = Json::array();
+  for (const BlindArc& arc : model.blind) {
+    arcs.push_back(
+        {{"row", arc.row}, {"azimuth_first_rad", arc.azimuth_first}, {"azimuth_last_rad", arc.azimuth_last}});
+  }
+  return json;
+}
+
+Lidar row_model_from_json(JsonObject& object) {
+  Lidar model;
+  model.name = object.text("name");
+  model.columns = static_cast<int>(object.integer("columns", 1, kMostColumns));
+  model.azimuth_first = object.number("azimuth_first_rad");
+  model.azimuth_span = object.number("azimuth_span_rad");
+  model.spin = read_spin(object);
+  model.range_min = object.number("range_min_m");
+  model.range_max = object.number("range_max_m");
+  model.beam_divergence = object.number("beam_divergence_rad");
+  model.divergence_variance = object.number("divergence_variance");
+  model.rows = object.objects("rows", [](JsonObject& row) {
+    return LidarRow{row.number("elevation_rad"),
+                    row.number("azimuth_offset_rad"),
+                    row.number("vertical_offset_m"),
+                    row.number("horizontal_offset_m"),
+                    row.number("time_offset_s"),
+                    row.has("radial_offset_m") ? row.number("radial_offset_m") : 0.0,
+                    row.has("range_bias_m") ? row.number("range_bias_m") : 0.0};
+  });
+  if (object.has("blind_arcs")) {
+    model.blind = object.objects("blind_arcs", [](JsonObject& arc) {
+      return BlindArc{static_cast<int>(arc.integer("row", 0, std::numeric_limits<int>::max())),
+                      arc.number("azimuth_first_rad"),
+                      arc.number("azimuth_last_rad")};
+    });
+  }
+  validate(model, object.file());
+  return model;
+}
+
 LidarFacts facts_from_json(JsonObject& object) {
   LidarFacts facts;
   if (object.has("source")) facts.source = object.text("source");
@@ -102,87 +169,31 @@ void add_facts(Json& json, const LidarFacts& facts) {
 
 LidarFile file_from_json(JsonObject& object) {
   LidarFile file;
-  const std::string kind = object.text("kind");
+  (void)object.text("kind");  // here no other is meant when it is missing
   file.facts = facts_from_json(object);
-  if (kind == "lidar") {
-    file.model = lidar_model_from_json(object);
-    const int columns = std::get<Lidar>(file.model).columns;
-    if (!file.facts.modes.empty() && file.facts.mode.columns != columns) {
-      throw_input_error(object.file(),
-                        object.field("modes[0].columns"),
-                        std::to_string(file.facts.mode.columns),
-                        std::to_string(columns) + ", the model's");
-    }
-  } else if (kind == "ray_list") {
-    file.model = ray_list_from_json(object);
-  } else {
-    throw_input_error(
-        object.file(), object.field("kind"), Json(kind).dump(-1, ' ', true), "lidar or ray_list");
+  file.model = lidar_model_from_json(object);
+  const auto* const lidar = std::get_if<Lidar>(&file.model);
+  if (lidar != nullptr && !file.facts.modes.empty() && file.facts.mode.columns != lidar->columns) {
+    throw_input_error(object.file(),
+                      object.field("modes[0].columns"),
+                      std::to_string(file.facts.mode.columns),
+                      std::to_string(lidar->columns) + ", the model's");
   }
   return file;
 }
 
 }  // namespace
 
-Json to_json(const Lidar& model) {
-  Json rows = Json::array();
-  for (const LidarRow& row : model.rows) {
-    rows.push_back({{"elevation_rad", row.elevation},
-                    {"azimuth_offset_rad", row.azimuth_offset},
-                    {"vertical_offset_m", row.vertical_offset},
-                    {"horizontal_offset_m", row.horizontal_offset},
-                    {"time_offset_s", row.time_offset},
-                    {"radial_offset_m", row.radial_offset}});
-    if (row.range_bias != 0.0) rows.back()["range_bias_m"] = row.range_bias;
-  }
-  Json json{{"name", model.name},
-            {"columns", model.columns},
-            {"azimuth_first_rad", model.azimuth_first},
-            {"azimuth_span_rad", model.azimuth_span},
-            {"spin", to_string(model.spin)},
-            {"range_min_m", model.range_min},
-            {"range_max_m", model.range_max},
-            {"beam_divergence_rad", model.beam_divergence},
-            {"divergence_variance", model.divergence_variance},
-            {"rows", rows}};
-  if (model.blind.empty()) return json;
-  Json& arcs = json["blind_arcs"] = Json::array();
-  for (const BlindArc& arc : model.blind) {
-    arcs.push_back(
-        {{"row", arc.row}, {"azimuth_first_rad", arc.azimuth_first}, {"azimuth_last_rad", arc.azimuth_last}});
-  }
-  return json;
+Json to_json(const LidarModel& model) {
+  const auto* const list = std::get_if<RayList>(&model);
+  return list == nullptr ? row_model_json(std::get<Lidar>(model)) : ray_list_json(*list);
 }
 
-Lidar lidar_model_from_json(JsonObject& object) {
-  Lidar model;
-  model.name = object.text("name");
-  model.columns = static_cast<int>(object.integer("columns", 1, kMostColumns));
-  model.azimuth_first = object.number("azimuth_first_rad");
-  model.azimuth_span = object.number("azimuth_span_rad");
-  model.spin = read_spin(object);
-  model.range_min = object.number("range_min_m");
-  model.range_max = object.number("range_max_m");
-  model.beam_divergence = object.number("beam_divergence_rad");
-  model.divergence_variance = object.number("divergence_variance");
-  model.rows = object.objects("rows", [](JsonObject& row) {
-    return LidarRow{row.number("elevation_rad"),
-                    row.number("azimuth_offset_rad"),
-                    row.number("vertical_offset_m"),
-                    row.number("horizontal_offset_m"),
-                    row.number("time_offset_s"),
-                    row.has("radial_offset_m") ? row.number("radial_offset_m") : 0.0,
-                    row.has("range_bias_m") ? row.number("range_bias_m") : 0.0};
-  });
-  if (object.has("blind_arcs")) {
-    model.blind = object.objects("blind_arcs", [](JsonObject& arc) {
-      return BlindArc{static_cast<int>(arc.integer("row", 0, std::numeric_limits<int>::max())),
-                      arc.number("azimuth_first_rad"),
-                      arc.number("azimuth_last_rad")};
-    });
-  }
-  validate(model, object.file());
-  return model;
+LidarModel lidar_model_from_json(JsonObject& object) {
+  const std::string kind = object.has("kind") ? object.text("kind") : kRows;
+  if (kind == kRows) return row_model_from_json(object);
+  if (kind == kList) return ray_list_from_json(object);
+  throw_input_error(object.file(), object.field("kind"), Json(kind).dump(-1, ' ', true), "lidar or ray_list");
 }
 
 LidarFile read_lidar_file(const std::filesystem::path& file) {
@@ -190,9 +201,8 @@ LidarFile read_lidar_file(const std::filesystem::path& file) {
 }
 
 Json to_json(const LidarFile& file) {
-  const bool rows = std::holds_alternative<Lidar>(file.model);
-  const Json model = rows ? to_json(std::get<Lidar>(file.model)) : to_json(std::get<RayList>(file.model));
-  Json json{{"kind", rows ? "lidar" : "ray_list"}, {"name", model.at("name")}};
+  const Json model = to_json(file.model);
+  Json json{{"kind", model.at("kind")}, {"name", model.at("name")}};
   add_facts(json, file.facts);
   json.update(model);
   return json;

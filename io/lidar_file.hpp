@@ -20,16 +20,15 @@
 //
 // fields as in host/sensors/ray_list.hpp. Any other key is an error.
 #include <filesystem>
-#include <variant>
 
 #include "host/sensors/lidar_library.hpp"
-#include "host/sensors/ray_list.hpp"
+#include "host/sensors/lidar_model.hpp"
 #include "io/json_reader.hpp"
 
 namespace simuli {
 
 struct LidarFile {
-  std::variant<Lidar, RayList> model;
+  LidarModel model;
   LidarFacts facts;  // empty texts and no modes where the file has none
 };
 
@@ -40,9 +39,9 @@ struct LidarFile {
 /// The content of such a file.
 [[nodiscard]] Json to_json(const LidarFile& file);
 
-/// The part that logs and scenes share with it: name to rows.
-[[nodiscard]] Json to_json(const Lidar& model);
-/// Reads that part and validates it. A missing radial_offset_m or range_bias_m is 0.
-[[nodiscard]] Lidar lidar_model_from_json(JsonObject& object);
+/// The part that logs and scenes share with it: kind to rows or to the list.
+[[nodiscard]] Json to_json(const LidarModel& model);
+/// Reads that part and validates it. A missing kind is "lidar", a missing radial_offset_m or range_bias_m 0.
+[[nodiscard]] LidarModel lidar_model_from_json(JsonObject& object);
 
 }  // namespace simuli

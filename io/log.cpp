@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <variant>
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
@@ -16,6 +17,9 @@ namespace fs = std::filesystem;
 constexpr int kLogVersion = 1;
 constexpr const char* kLogFormat = "simuli log";
 
+const std::string& name_in(const LogCamera& camera) { return camera.model.name; }
+const std::string& name_in(const LogLidar& lidar) { return name_of(lidar.model); }
+
 template <class Sensor>
 const Sensor& find_sensor(const std::vector<Sensor>& sensors,
                           const std::string& name,
@@ -23,8 +27,8 @@ const Sensor& find_sensor(const std::vector<Sensor>& sensors,
                           const char* field) {
   std::string known;
   for (const Sensor& sensor : sensors) {
-    if (sensor.model.name == name) return sensor;
-    known += (known.empty() ? "" : ", ") + sensor.model.name;
+    if (name_in(sensor) == name) return sensor;
+    known += (known.empty() ? "" : ", ") + name_in(sensor);
   }
   throw_input_error(
       (log.folder / "log.json").string(), field, '"' + name + '"', known.empty() ? "none" : known);
@@ -125,6 +129,11 @@ void read_root(JsonObject& root, Log& log) {
 }
 
 }  // namespace
+
+const Lidar& LogLidar::with_rows() const {
+  if (const auto* const lidar = std::get_if<Lidar>(&model)) return *lidar;
+  throw_input_error("lidar " + name_of(model), "kind", "ray_list", "lidar: this needs its rows and columns");
+}
 
 const LogCamera& Log::camera(const std::string& camera_name) const {
   return find_sensor(cameras, camera_name, *this, "camera");

@@ -8,7 +8,7 @@
 #include "host/scene/actor.hpp"
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/sensors/lidar_model.hpp"
 #include "host/sensors/trajectory.hpp"
 
 namespace simuli {
@@ -19,8 +19,11 @@ struct LogCamera {
 };
 
 struct LogLidar {
-  Lidar model;
+  LidarModel model;
   Pose rig_from_lidar;
+
+  /// The model where a firing grid is needed: Error{kInput} for a ray list.
+  [[nodiscard]] const Lidar& with_rows() const;
 };
 
 /// One recorded image. Exposure from start to end: equal for a global shutter.
@@ -31,7 +34,7 @@ struct ImageFrame {
   double time_end_s = 0.0;
 };
 
-/// One recorded sweep, stored as the full firing grid.
+/// One recorded sweep, stored as the full firing grid; of a ray list as one row of its rays in their order.
 struct SweepFrame {
   std::string lidar;  // name of a LogLidar
   std::string file;   // relative to the log folder
@@ -70,7 +73,7 @@ void write_log(const Log& log);
 /// Sweeps are multi-channel float OpenEXR pictures (rows x columns; channels range_m, intensity,
 /// azimuth_rad, elevation_rad, time_fraction), lossless, readable by any EXR tool. The file holds ranges as
 /// recorded; read_sweep takes the rows' range biases off.
-[[nodiscard]] Sweep read_sweep(const std::filesystem::path& file, const Lidar& lidar);
+[[nodiscard]] Sweep read_sweep(const std::filesystem::path& file, const LidarModel& lidar);
 void write_sweep(const std::filesystem::path& file, const Sweep& sweep);
 
 /// Frames with index % every == every - 1 are for evaluation, all others for training; every = 0

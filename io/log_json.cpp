@@ -131,7 +131,7 @@ void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vect
     }
   };
   for (const LogCamera& camera : cameras) need_new(camera.model.name, "cameras");
-  for (const LogLidar& lidar : lidars) need_new(lidar.model.name, "lidars");
+  for (const LogLidar& lidar : lidars) need_new(name_of(lidar.model), "lidars");
 }
 
 Json to_json(const Trajectory& world_from_rig, std::int64_t start_ns) {

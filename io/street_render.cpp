@@ -85,8 +85,7 @@ LogCamera front_camera(const StreetOptions& o) {
 }
 
 LogLidar top_lidar(const StreetOptions& o) {
-  LogLidar lidar;
-  Lidar& model = lidar.model;
+  Lidar model;
   model.name = "top";
   model.columns = o.lidar_columns;
   model.azimuth_first = std::numbers::pi;  // clockwise from the back: the front is seen at mid-sweep
@@ -103,8 +102,7 @@ LogLidar top_lidar(const StreetOptions& o) {
     row.azimuth_offset = r % 2 == 0 ? radians(0.5) : radians(-0.5);
     model.rows.push_back(row);
   }
-  lidar.rig_from_lidar.translation = {0.0, 0.0, 1.9};
-  return lidar;
+  return {std::move(model), Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.9}}};
 }
 
 /// Calls work(row) for every row, on several threads. Rows write to places of their own, so the result does
@@ -193,27 +191,28 @@ Sweep scan_street(const Street& street,
                   double time_start_s,
                   double time_end_s,
                   int threads) {
-  const Lidar& model = lidar.model;
+  const LidarModel& model = lidar.model;
   Sweep sweep;
   sweep.rays = nominal_rays(model, time_end_s - time_start_s);
-  sweep.range.resize(model.ray_count());
-  sweep.intensity.resize(model.ray_count());
-  for_each_row(model.row_count(), threads, [&](int r) {
-    for (int c = 0; c < model.columns; ++c) {
+  sweep.range.resize(ray_count(model));
+  sweep.intensity.resize(ray_count(model));
+  const int columns = sweep.rays.columns;
+  for_each_row(sweep.rays.rows, threads, [&](int r) {
+    for (int c = 0; c < columns; ++c) {
       // From the stored, rounded angles and time: what is read back is what was measured.
       const std::size_t i =
-          static_cast<std::size_t>(r) * static_cast<std::size_t>(model.columns) + static_cast<std::size_t>(c);
+          static_cast<std::size_t>(r) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c);
       const auto azimuth = static_cast<double>(sweep.rays.azimuth[i]);
       const auto elevation = static_cast<double>(sweep.rays.elevation[i]);
       const auto fraction = static_cast<double>(sweep.rays.time_fraction[i]);
       const double time_s = time_start_s + fraction * (time_end_s - time_start_s);
       const Pose world_from_lidar = world_from_rig.at(time_s) * lidar.rig_from_lidar;
       const Vector3d direction = world_from_lidar.rotation * Lidar::direction(azimuth, elevation);
-      const StreetReturn back = street.lidar_return(world_from_lidar * model.origin(r, azimuth),
+      const StreetReturn back = street.lidar_return(world_from_lidar * ray_origin(model, sweep.rays, i),
                                                     direction.normalized(),
                                                     time_s,
-                                                    model.range_min,
-                                                    model.range_max);
+                                                    range_min(model),
+                                                    range_max(model));
       sweep.range[i] = static_cast<float>(back.range);
       sweep.intensity[i] = static_cast<float>(back.intensity);
     }

@@ -77,15 +77,16 @@ void validate(const fs::path& file, Sweep& sweep) {
 
 }  // namespace
 
-Sweep read_sweep(const fs::path& file, const Lidar& lidar) {
+Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
+  const std::size_t rows = row_count(lidar), count = ray_count(lidar), columns = count / rows;
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string());
   if (!input) refuse(file, OIIO::geterror());
   const OIIO::ImageSpec spec = input->spec();
-  if (spec.height != lidar.row_count() || spec.width != lidar.columns || spec.depth > 1) {
+  if (spec.height != static_cast<int>(rows) || spec.width != static_cast<int>(columns) || spec.depth > 1) {
     throw_input_error(file.string(),
                       "rows x columns",
                       fmt::format("{} x {}", spec.height, spec.width),
-                      fmt::format("{} x {} of lidar {}", lidar.row_count(), lidar.columns, lidar.name));
+                      fmt::format("{} x {} of lidar {}", rows, columns, name_of(lidar)));
   }
   std::array<std::size_t, kChannels.size()> place{};  // of our channels in the file, which sorts by name
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
@@ -101,24 +102,23 @@ Sweep read_sweep(const fs::path& file, const Lidar& lidar) {
   Sweep sweep;
   sweep.rays.rows = spec.height;
   sweep.rays.columns = spec.width;
-  std::vector<float> pixels(lidar.ray_count() * kChannels.size());
+  std::vector<float> pixels(count * kChannels.size());
   const bool complete = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data());
   if (!complete || !input->close() || input->has_error()) refuse(file, input->geterror());
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
     std::vector<float>& values = kChannels[c].values(sweep);
-    values.resize(lidar.ray_count());
+    values.resize(count);
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = pixels[i * kChannels.size() + place[c]];
   }
   validate(file, sweep);
-  const auto width = static_cast<std::size_t>(lidar.columns);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
-    const auto bias_m = static_cast<float>(lidar.rows[i / width].range_bias);
+    const auto bias_m = static_cast<float>(range_bias(lidar, sweep.rays, i));
     if (sweep.range[i] == 0.0F || bias_m == 0.0F) continue;
     if (!(sweep.range[i] > bias_m)) {
       refuse_value(file,
                    "range_m",
                    i,
-                   lidar.columns,
+                   spec.width,
                    sweep.range[i],
                    fmt::format("more than the row's bias of {} m", bias_m));
     }

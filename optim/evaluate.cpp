@@ -54,10 +54,9 @@ double time_render(Renderer& renderer, const std::function<void()>& render, int 
   return median(std::move(seconds));
 }
 
-SweepComparison compare_rays(const SweepPair& pair, const Lidar& lidar, const View& view) {
+SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, const View& view) {
   const LidarRays& rays = pair.recorded.rays;
   const std::size_t count = pair.recorded.range.size();
-  const auto columns = static_cast<std::size_t>(rays.columns);
   SweepComparison out;
   out.truth_range = pair.recorded.range;
   out.truth_intensity = pair.recorded.intensity;
@@ -68,7 +67,7 @@ SweepComparison compare_rays(const SweepPair& pair, const Lidar& lidar, const Vi
     out.drop.push_back(r.drop_probability(i));
     const Pose scene_from_lidar =
         interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
-    const Eigen::Vector3d origin = lidar.origin(static_cast<int>(i / columns), rays.azimuth[i]);
+    const Eigen::Vector3d origin = ray_origin(lidar, rays, i);
     const Eigen::Vector3d direction = Lidar::direction(rays.azimuth[i], rays.elevation[i]);
     out.origin.push_back((scene_from_lidar * origin).cast<float>());
     out.direction.push_back((scene_from_lidar.rotation * direction).cast<float>());
@@ -164,7 +163,7 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
   Mean distance, medl2, rel, intensity, drop, chamfer2, chamfer, expected;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const SweepFrame& frame = log.sweeps[frames[k]];
-    const Lidar& lidar = log.lidar(frame.lidar).model;
+    const LidarModel& lidar = log.lidar(frame.lidar).model;
     const View view = view_of(log, scene, frame);
     const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
     if (k == 0) {
@@ -224,7 +223,7 @@ SweepPair render_sweep(Renderer& renderer,
                        const Log& log,
                        const Scene& scene,
                        const SweepFrame& frame) {
-  const Lidar& lidar = log.lidar(frame.lidar).model;
+  const LidarModel& lidar = log.lidar(frame.lidar).model;
   SweepPair pair;
   pair.recorded = read_sweep(log.folder / frame.file, lidar);
   const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());

@@ -67,16 +67,14 @@ std::vector<bool> pixels_on_actors(const ActorBoxes& boxes, const Camera& camera
 }
 
 std::vector<bool> returns_on_actors(const ActorBoxes& boxes,
-                                    const Lidar& lidar,
+                                    const LidarModel& lidar,
                                     const LidarRays& rays,
                                     const std::vector<float>& range) {
-  const auto columns = static_cast<std::size_t>(rays.columns);
   std::vector<bool> on(range.size(), false);
   for (std::size_t i = 0; i < range.size(); ++i) {
     if (!(range[i] > 0.0F)) continue;
-    const double azimuth = rays.azimuth[i];
-    on[i] = boxes.contain(lidar.origin(static_cast<int>(i / columns), azimuth),
-                          Lidar::direction(azimuth, rays.elevation[i]),
+    on[i] = boxes.contain(ray_origin(lidar, rays, i),
+                          Lidar::direction(rays.azimuth[i], rays.elevation[i]),
                           range[i],
                           rays.time_fraction[i]);
   }

@@ -6,7 +6,7 @@
 #include "host/render/renderer.hpp"
 #include "host/scene/actor.hpp"
 #include "host/sensors/camera.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/sensors/lidar_model.hpp"
 
 namespace simuli {
 
@@ -37,7 +37,7 @@ class ActorBoxes {
 
 /// [rays]: rays whose recorded return is inside a box. range: [rays] m, 0 for no return.
 [[nodiscard]] std::vector<bool> returns_on_actors(const ActorBoxes& boxes,
-                                                  const Lidar& lidar,
+                                                  const LidarModel& lidar,
                                                   const LidarRays& rays,
                                                   const std::vector<float>& range);
 

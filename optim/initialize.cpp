@@ -70,7 +70,7 @@ Pose shifted(Pose world_from_sensor, const Eigen::Vector3d& origin) {
 
 /// A sweep with the poses at its start and end.
 struct PosedSweep {
-  const Lidar& lidar;
+  const LidarModel& lidar;
   Sweep sweep;
   Pose scene_from_lidar_start;
   Pose scene_from_lidar_end;
@@ -88,14 +88,13 @@ PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vect
 void add_points(
     const PosedSweep& posed, double time_start_s, double time_end_s, VoxelGrid& grid, ActorPoints& actors) {
   const Sweep& sweep = posed.sweep;
-  const auto columns = static_cast<std::size_t>(sweep.rays.columns);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;  // fired, nothing came back
     const double azimuth = sweep.rays.azimuth[i];
     const Pose scene_from_lidar =
         interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, sweep.rays.time_fraction[i]);
     const Eigen::Vector3d p_lidar =
-        posed.lidar.origin(static_cast<int>(i / columns), azimuth) +
+        ray_origin(posed.lidar, sweep.rays, i) +
         static_cast<double>(sweep.range[i]) * Lidar::direction(azimuth, sweep.rays.elevation[i]);
     const Eigen::Vector3d p_scene = scene_from_lidar * p_lidar;
     const double time_s = time_start_s + sweep.rays.time_fraction[i] * (time_end_s - time_start_s);
@@ -265,7 +264,10 @@ SceneInit initialize_scene(const Log& log,
     std::vector<PointVotes> votes(points.size());
     for (const SweepFrame* frame : sweeps) {
       const PosedSweep s = load_sweep(log, *frame, scene.origin);
-      vote_on_points(s.sweep, s.lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points, votes);
+      // A list has no neighbouring rays to look through: it has no word on what moved.
+      if (const auto* const lidar = std::get_if<Lidar>(&s.lidar)) {
+        vote_on_points(s.sweep, *lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points, votes);
+      }
       step();
     }
     std::vector<bool> moved(points.size());

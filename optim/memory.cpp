@@ -46,9 +46,7 @@ Rays image_rays(const Log& log, const TrainOptions& options) {
 Rays sweep_rays(const Log& log, const TrainOptions& options) {
   Rays rays;
   for (const std::size_t index : select_frames(log.sweeps, options.held_out_every, false)) {
-    const Lidar& lidar = log.lidar(log.sweeps[index].lidar).model;
-    const auto beams =
-        static_cast<std::uint64_t>(lidar.rows.size()) * static_cast<std::uint64_t>(lidar.columns);
+    const auto beams = static_cast<std::uint64_t>(ray_count(log.lidar(log.sweeps[index].lidar).model));
     rays.largest = std::max(rays.largest, beams);
     rays.slots += slots_of(beams);
     ++rays.frames;

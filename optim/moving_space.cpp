@@ -51,20 +51,18 @@ bool MovingSpace::contains(const Eigen::Vector3d& p_scene) const {
 
 MovingReturns find_moving_returns(const MovingSpace& space,
                                   const Sweep& sweep,
-                                  const Lidar& lidar,
+                                  const LidarModel& lidar,
                                   const Pose& scene_from_lidar_start,
                                   const Pose& scene_from_lidar_end) {
   MovingReturns out;
   out.is_moving.assign(sweep.range.size(), false);
-  const auto columns = static_cast<std::size_t>(sweep.rays.columns);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (!(sweep.range[i] > 0.0F)) continue;
-    const double azimuth = sweep.rays.azimuth[i];
     const Pose scene_from_lidar =
         interpolate(scene_from_lidar_start, scene_from_lidar_end, sweep.rays.time_fraction[i]);
-    const Eigen::Vector3d p_lidar =
-        lidar.origin(static_cast<int>(i / columns), azimuth) +
-        static_cast<double>(sweep.range[i]) * Lidar::direction(azimuth, sweep.rays.elevation[i]);
+    const Eigen::Vector3d p_lidar = ray_origin(lidar, sweep.rays, i) +
+                                    static_cast<double>(sweep.range[i]) *
+                                        Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
     const Eigen::Vector3d p_scene = scene_from_lidar * p_lidar;
     if (!space.contains(p_scene)) continue;
     out.is_moving[i] = true;

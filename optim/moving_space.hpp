@@ -6,7 +6,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "host/sensors/lidar.hpp"
+#include "host/sensors/lidar_model.hpp"
 #include "io/log.hpp"
 #include "optim/initialize_points.hpp"
 #include "optim/initialize_views.hpp"
@@ -37,7 +37,7 @@ struct MovingReturns {
 };
 [[nodiscard]] MovingReturns find_moving_returns(const MovingSpace& space,
                                                 const Sweep& sweep,
-                                                const Lidar& lidar,
+                                                const LidarModel& lidar,
                                                 const Pose& scene_from_lidar_start,
                                                 const Pose& scene_from_lidar_end);
 

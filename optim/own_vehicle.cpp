@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <variant>
 
 #include "optim/frames.hpp"
 
@@ -50,7 +51,8 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, int held_out_
   const std::vector<std::size_t> training = select_frames(log.sweeps, held_out_every, false);
   for (const LogLidar& mounted : log.lidars) {
     found.emplace_back();
-    const Lidar& lidar = mounted.model;
+    if (!std::holds_alternative<Lidar>(mounted.model)) continue;  // arcs are of rows
+    const auto& lidar = std::get<Lidar>(mounted.model);
     std::vector<const SweepFrame*> sweeps;
     for (const std::size_t index : training) {
       if (log.sweeps[index].lidar == lidar.name) sweeps.push_back(&log.sweeps[index]);
@@ -87,8 +89,8 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, int held_out_
 Log with_blind_arcs(Log log, int held_out_every) {
   const auto found = find_blind_arcs(log, held_out_every);
   for (std::size_t i = 0; i < log.lidars.size(); ++i) {
-    std::vector<BlindArc>& known = log.lidars[i].model.blind;
-    if (known.empty()) known = found[i];
+    auto* const lidar = std::get_if<Lidar>(&log.lidars[i].model);
+    if (lidar != nullptr && lidar->blind.empty()) lidar->blind = found[i];
   }
   return log;
 }

@@ -59,7 +59,7 @@ std::uint16_t sector_of(double azimuth) {
 }
 
 std::vector<Hit> hits_of(const Log& log, const LogLidar& mounted, const std::vector<std::size_t>& sweeps) {
-  const Lidar& lidar = mounted.model;
+  const Lidar& lidar = mounted.with_rows();
   const Eigen::Vector3d origin = log.world_from_rig.at(log.sweeps[sweeps.front()].time_start_s).translation;
   std::vector<Hit> hits;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
@@ -130,11 +130,11 @@ struct Sums {
 std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, int held_out_every) {
   std::vector<std::size_t> sweeps;
   for (const std::size_t index : select_frames(log.sweeps, held_out_every, false)) {
-    if (log.sweeps[index].lidar == lidar.model.name) sweeps.push_back(index);
+    if (log.sweeps[index].lidar == name_of(lidar.model)) sweeps.push_back(index);
   }
   if (sweeps.size() < kFewestSweeps) return {};
   const std::vector<Hit> hits = hits_of(log, lidar, sweeps);
-  const std::size_t rows = lidar.model.rows.size();
+  const std::size_t rows = lidar.with_rows().rows.size();
   std::vector<RangeBias> biases(rows);
   std::vector<Equation> equations(hits.size() / kSampleStep);
   for (int round = 0; round < kRounds; ++round) {
@@ -191,7 +191,9 @@ std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, in
 
 Log with_range_bias(Log log, int held_out_every) {
   for (std::size_t i = 0; i < log.lidars.size(); ++i) {
-    std::vector<LidarRow>& rows = log.lidars[i].model.rows;
+    auto* const lidar = std::get_if<Lidar>(&log.lidars[i].model);
+    if (lidar == nullptr) continue;  // biases are of rows
+    std::vector<LidarRow>& rows = lidar->rows;
     if (std::any_of(rows.begin(), rows.end(), [](const LidarRow& row) { return row.range_bias != 0.0; }))
       continue;
     const std::vector<RangeBias> found = find_range_bias(log, log.lidars[i], held_out_every);

@@ -81,7 +81,7 @@ Trainer::Trainer(
     for (const LogCamera& camera : log.cameras) offsets_[camera.model.name];
   }
   if (options_.poses.lidar) {
-    for (const LogLidar& lidar : log.lidars) offsets_[lidar.model.name];
+    for (const LogLidar& lidar : log.lidars) offsets_[name_of(lidar.model)];
   }
 }
 

@@ -91,7 +91,7 @@ ImageTruth TruthCache::read_image_truth(std::size_t index) {
 
 SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
   const SweepFrame& frame = log_.sweeps[index];
-  const Lidar& lidar = log_.lidar(frame.lidar).model;
+  const LidarModel& lidar = log_.lidar(frame.lidar).model;
   const Sweep sweep = read_sweep(log_.folder / frame.file, lidar);
   SweepTruth out{std::make_unique<SensorRays>(device_, lidar, sweep.rays, render_),
                  RealBuffer(device_, "sweep", Precision::kFloat)};

@@ -217,7 +217,8 @@ void align(const AlignCommand& command, const Globals& globals) {
   }
   std::vector<CameraResult> cameras;
   for (const std::string& name : command.cameras) {
-    const std::string lidar = command.align.lidar.empty() ? log.lidars.at(0).model.name : command.align.lidar;
+    const std::string lidar =
+        command.align.lidar.empty() ? name_of(log.lidars.at(0).model) : command.align.lidar;
     CameraResult& result = cameras.emplace_back(CameraResult{name, {}, {}});
     try {
       result.report =

@@ -49,12 +49,12 @@ void write_camera_pair(Renderer& renderer, const Log& log, const Scene& scene, c
 void write_lidar_pair(Renderer& renderer, const Log& log, const Scene& scene, const fs::path& file) {
   const std::size_t index = select_frames(log.sweeps, EvalOptions{}.held_out_every, true).front();
   const SweepFrame& frame = log.sweeps[index];
-  const Lidar& lidar = log.lidar(frame.lidar).model;
+  const LidarModel& lidar = log.lidar(frame.lidar).model;
   const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
   const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
   write_image(file,
-              joined(range_image(lidar, lidar_picture(lidar, pair.simulated).range),
-                     range_image(lidar, pair.recorded.range),
+              joined(range_image(lidar, pair.recorded.rays, lidar_picture(lidar, pair.recorded.rays, pair.simulated).range),
+                     range_image(lidar, pair.recorded.rays, pair.recorded.range),
                      Layout::kBelow));
 }
 

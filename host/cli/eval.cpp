@@ -30,13 +30,14 @@ Log mounted(Log log, const SceneFile& scene) {
   }
   for (LogLidar& lidar : log.lidars) {
     for (const LogLidar& known : scene.lidars) {
-      if (known.model.name != lidar.model.name) continue;
+      if (name_of(known.model) != name_of(lidar.model)) continue;
       lidar.rig_from_lidar = known.rig_from_lidar;
-      lidar.model.blind = known.model.blind;
-      const std::size_t rows = std::min(lidar.model.rows.size(), known.model.rows.size());
-      for (std::size_t row = 0; row < rows; ++row) {
-        lidar.model.rows[row].range_bias = known.model.rows[row].range_bias;
-      }
+      auto* const model = std::get_if<Lidar>(&lidar.model);
+      if (model == nullptr) continue;
+      const Lidar& trained = known.with_rows();
+      model->blind = trained.blind;
+      const std::size_t rows = std::min(model->rows.size(), trained.rows.size());
+      for (std::size_t row = 0; row < rows; ++row) model->rows[row].range_bias = trained.rows[row].range_bias;
     }
   }
   return log;

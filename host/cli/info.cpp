@@ -43,8 +43,8 @@ void print_sensor_of(const std::string& folder,
     known.push_back(camera.model.name);
   }
   for (const LogLidar& lidar : lidars) {
-    if (lidar.model.name == name) return print_lidar({lidar.model, {}}, json);
-    known.push_back(lidar.model.name);
+    if (name_of(lidar.model) == name) return print_lidar({lidar.model, {}}, json);
+    known.push_back(name_of(lidar.model));
   }
   throw_input_error(folder, "sensor", '"' + name + '"', fmt::format("{}", fmt::join(known, ", ")));
 }

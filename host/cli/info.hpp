@@ -21,6 +21,6 @@ void print_sensor_names(const std::vector<std::string>& cameras,
                         bool json);
 
 /// One line of a list of sensors, without its end.
-[[nodiscard]] std::string lidar_line(const Lidar& lidar);
+[[nodiscard]] std::string lidar_line(const LidarModel& lidar);
 
 }  // namespace simuli::cli

@@ -100,8 +100,25 @@ std::string facts_text(const LidarFacts& facts) {
   return text;
 }
 
+std::string line_of(const Lidar& lidar) {
+  return fmt::format("lidar  {:<26} {:3} rows x {} columns, elevation {:.2f} to {:.2f} deg, {}, {} to {} m",
+                     lidar.name,
+                     lidar.row_count(),
+                     lidar.columns,
+                     lidar.rows.back().elevation * kDegPerRad,
+                     lidar.rows.front().elevation * kDegPerRad,
+                     lidar.spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise",
+                     lidar.range_min,
+                     lidar.range_max);
+}
+
+std::string line_of(const RayList& list) {
+  return fmt::format(
+      "ray list {:<14} {} rays, {} to {} m", list.name, list.ray_count(), list.range_min, list.range_max);
+}
+
 std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
-  std::string text = lidar_line(lidar);
+  std::string text = line_of(lidar);
   if (facts.mode.spin_hz > 0.0) text += fmt::format(", {} turns per second", facts.mode.spin_hz);
   text += '\n' + elevation_text(lidar) + azimuth_text(lidar);
   const auto add =
@@ -118,8 +135,7 @@ std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
 }
 
 std::string model_text(const RayList& list, const LidarFacts& facts) {
-  std::string text = fmt::format(
-      "ray list {:<14} {} rays, {} to {} m\n", list.name, list.ray_count(), list.range_min, list.range_max);
+  std::string text = line_of(list) + '\n';
   text += fmt::format("  azimuth {} deg, elevation {} deg\n",
                       to_text(span_of(list.azimuth), kDegPerRad, 3),
                       to_text(span_of(list.elevation), kDegPerRad, 3));
@@ -133,16 +149,8 @@ std::string model_text(const RayList& list, const LidarFacts& facts) {
 
 }  // namespace
 
-std::string lidar_line(const Lidar& lidar) {
-  return fmt::format("lidar  {:<26} {:3} rows x {} columns, elevation {:.2f} to {:.2f} deg, {}, {} to {} m",
-                     lidar.name,
-                     lidar.row_count(),
-                     lidar.columns,
-                     lidar.rows.back().elevation * kDegPerRad,
-                     lidar.rows.front().elevation * kDegPerRad,
-                     lidar.spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise",
-                     lidar.range_min,
-                     lidar.range_max);
+std::string lidar_line(const LidarModel& lidar) {
+  return std::visit([](const auto& model) { return line_of(model); }, lidar);
 }
 
 void print_lidar(const LidarFile& lidar, bool json) {
@@ -161,7 +169,7 @@ void print_sensor_names(const std::vector<std::string>& cameras,
     std::cout << Json{{"cameras", cameras}, {"lidars", lidars}}.dump(2) << '\n';
     return;
   }
-  for (const std::string& name : lidars) std::cout << lidar_line(builtin_lidar(name)) << '\n';
+  for (const std::string& name : lidars) std::cout << line_of(builtin_lidar(name)) << '\n';
   for (const std::string& name : cameras) std::cout << "camera " << name << '\n';
 }
 

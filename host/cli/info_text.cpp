@@ -25,7 +25,7 @@ Json camera_json(const Camera& c) {
   return json;
 }
 
-Json lidar_json(const Lidar& l) { return to_json(LidarFile{l, {}}); }
+Json lidar_json(const LidarModel& l) { return to_json(LidarFile{l, {}}); }
 
 Json trajectory_json(const Trajectory& t) {
   if (t.poses().empty()) return {{"poses", 0}};

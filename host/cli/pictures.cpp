@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <numeric>
+#include <variant>
 
 #include "host/base/error.hpp"
 #include "optim/frames.hpp"
@@ -31,13 +34,12 @@ std::array<float, 3> colour_at(double place) {
   return out;
 }
 
-LidarPicture lidar_picture(const Lidar& lidar, const RayResults& results) {
+LidarPicture lidar_picture(const LidarModel& lidar, const LidarRays& rays, const RayResults& results) {
   LidarPicture out;
-  const auto width = static_cast<std::size_t>(lidar.columns);
   for (std::size_t i = 0; i < results.rays; ++i) {
     const float drop = results.drop_probability(i);
     const bool returns = drop <= 0.5F;
-    const auto bias_m = static_cast<float>(lidar.rows[i / width].range_bias);
+    const auto bias_m = static_cast<float>(range_bias(lidar, rays, i));
     out.range.push_back(returns ? best_distance(results, i) + bias_m : 0.0F);
     out.intensity.push_back(returns ? std::clamp(results.feature[0][i], 0.0F, 1.0F) : 0.0F);
     out.drop.push_back(drop);
@@ -45,26 +47,88 @@ LidarPicture lidar_picture(const Lidar& lidar, const RayResults& results) {
   return out;
 }
 
-Image range_image(const Lidar& lidar, const std::vector<float>& range) {
+namespace {
+
+/// Colours of ranges, on a logarithmic scale.
+class RangeScale {
+ public:
+  explicit RangeScale(const LidarModel& lidar)
+      : nearest_m_(std::max(range_min(lidar), 0.5)), decades_(std::log(range_max(lidar) / nearest_m_)) {}
+  std::array<float, 3> operator()(float range) const {
+    return colour_at(std::log(static_cast<double>(range) / nearest_m_) / decades_);
+  }
+
+ private:
+  double nearest_m_, decades_;
+};
+
+void set_pixel(Image& image, int x, int y, const std::array<float, 3>& colour) {
+  for (int c = 0; c < 3; ++c) image.at(x, y, c) = colour[static_cast<std::size_t>(c)];
+}
+
+Image rows_image(const Lidar& lidar, const std::vector<float>& range, const RangeScale& scale) {
   const int columns = static_cast<int>(range.size() / lidar.rows.size());
   Image image(columns, lidar.row_count() * kBeam_px, 3);
-  const double nearest_m = std::max(lidar.range_min, 0.5);  // the scale is logarithmic
-  const double decades = std::log(lidar.range_max / nearest_m);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < columns; ++x) {
       // Azimuth grows to the left.
       const int column = lidar.spin == SpinDirection::kClockwise ? x : columns - 1 - x;
       const auto ray = static_cast<std::size_t>(y / kBeam_px) * static_cast<std::size_t>(columns) +
                        static_cast<std::size_t>(column);
-      if (!(range[ray] > 0.0F)) continue;
-      const std::array<float, 3> colour = colour_at(std::log(range[ray] / nearest_m) / decades);
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = colour[static_cast<std::size_t>(c)];
+      if (range[ray] > 0.0F) set_pixel(image, x, y, scale(range[ray]));
     }
   }
   return image;
 }
 
-PointCloud point_cloud(const Lidar& lidar,
+Image list_image(const LidarRays& rays, const std::vector<float>& range, const RangeScale& scale) {
+  constexpr double kPixels = 4.0;  // per ray, which is drawn as 2 x 2
+  constexpr double kWidest_px = 4096.0;
+  constexpr double kNarrowest_rad = 1e-3;
+  double sine = 0.0, cosine = 0.0;
+  for (const float azimuth : rays.azimuth) {
+    sine += std::sin(static_cast<double>(azimuth));
+    cosine += std::cos(static_cast<double>(azimuth));
+  }
+  const double middle = std::atan2(sine, cosine);
+  std::vector<double> left, up;  // rad, of the middle
+  for (std::size_t i = 0; i < range.size(); ++i) {
+    left.push_back(std::remainder(static_cast<double>(rays.azimuth[i]) - middle, 2.0 * std::numbers::pi));
+    up.push_back(static_cast<double>(rays.elevation[i]));
+  }
+  const auto [right_end, left_end] = std::minmax_element(left.begin(), left.end());
+  const auto [low_end, high_end] = std::minmax_element(up.begin(), up.end());
+  const double width = std::max(*left_end - *right_end, kNarrowest_rad);
+  const double height = std::max(*high_end - *low_end, kNarrowest_rad);
+  const double px_per_rad =
+      std::min(std::sqrt(kPixels * static_cast<double>(range.size()) / (width * height)),
+               kWidest_px / std::max(width, height));
+  const auto pixels = [px_per_rad](double angle) { return static_cast<int>(angle * px_per_rad); };
+  std::vector<std::size_t> farthest_first(range.size());
+  std::iota(farthest_first.begin(), farthest_first.end(), std::size_t{0});
+  std::stable_sort(farthest_first.begin(), farthest_first.end(), [&](std::size_t a, std::size_t b) {
+    return range[a] > range[b];
+  });
+  Image image(pixels(width) + 2, pixels(height) + 2, 3);
+  for (const std::size_t ray : farthest_first) {
+    if (!(range[ray] > 0.0F)) continue;
+    const int x = pixels(*left_end - left[ray]), y = pixels(*high_end - up[ray]);
+    for (int dy = 0; dy < 2; ++dy) {
+      for (int dx = 0; dx < 2; ++dx) set_pixel(image, x + dx, y + dy, scale(range[ray]));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+Image range_image(const LidarModel& lidar, const LidarRays& rays, const std::vector<float>& range) {
+  const RangeScale scale(lidar);
+  const auto* const rows = std::get_if<Lidar>(&lidar);
+  return rows == nullptr ? list_image(rays, range, scale) : rows_image(*rows, range, scale);
+}
+
+PointCloud point_cloud(const LidarModel& lidar,
                        const LidarRays& rays,
                        const LidarPicture& picture,
                        const View& view,
@@ -79,9 +143,8 @@ PointCloud point_cloud(const Lidar& lidar,
     if (!(picture.range[i] > 0.0F)) continue;
     const Pose scene_from_lidar =
         interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
-    const int row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
     const Eigen::Vector3d p_lidar =
-        lidar.origin(row, rays.azimuth[i]) +
+        ray_origin(lidar, rays, i) +
         static_cast<double>(picture.range[i]) * Lidar::direction(rays.azimuth[i], rays.elevation[i]);
     const Eigen::Vector3d p_world = scene_from_lidar * p_lidar + scene_origin;
     cloud.values.row(point++) << p_world.cast<float>().transpose(), picture.intensity[i], picture.range[i],

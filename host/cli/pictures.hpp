@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/render/renderer.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/sensors/lidar_model.hpp"
 #include "io/image.hpp"
 #include "io/ply.hpp"
 
@@ -17,18 +17,23 @@ struct LidarPicture {
   std::vector<float> drop;       // probability
 };
 /// A ray returns when dropping it is at most as likely as not.
-[[nodiscard]] LidarPicture lidar_picture(const Lidar& lidar, const RayResults& results);
+[[nodiscard]] LidarPicture lidar_picture(const LidarModel& lidar,
+                                         const LidarRays& rays,
+                                         const RayResults& results);
 
 /// `place` in [0, 1] of a scale of colours from pale and warm to dark and cold.
 [[nodiscard]] std::array<float, 3> colour_at(double place);
 
 /// Ranges as colours: warm near, cold far, on a logarithmic scale from range_min to range_max; black: no
 /// return. Beams from top to bottom, each kBeam_px tall; firings from left to right as seen from the sensor.
-[[nodiscard]] Image range_image(const Lidar& lidar, const std::vector<float>& range);
+/// Rays of a list stand where they point to, equally many pixels per rad both ways, the nearest in front.
+[[nodiscard]] Image range_image(const LidarModel& lidar,
+                                const LidarRays& rays,
+                                const std::vector<float>& range);
 inline constexpr int kBeam_px = 4;
 
 /// Returned rays as points: x y z in world, intensity, range, drop.
-[[nodiscard]] PointCloud point_cloud(const Lidar& lidar,
+[[nodiscard]] PointCloud point_cloud(const LidarModel& lidar,
                                      const LidarRays& rays,
                                      const LidarPicture& picture,
                                      const View& view,

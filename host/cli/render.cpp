@@ -19,6 +19,7 @@
 #include "host/render/look.hpp"
 #include "host/render/validate.hpp"
 #include "io/file.hpp"
+#include "io/lidar_file.hpp"
 #include "io/scene_folder.hpp"
 #include "optim/frames.hpp"
 
@@ -46,9 +47,10 @@ struct RenderCommand {
 
 /// What is rendered: one of the two.
 struct Sensor {
+  std::string name;  // that its files begin with
   bool is_camera = false;
   Camera camera;
-  Lidar lidar;
+  LidarModel lidar;
   Pose rig_from_sensor;
 };
 
@@ -65,23 +67,27 @@ Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
   std::vector<std::string> known;
   for (const LogCamera& c : file.cameras) {
     if (c.model.name == command.sensor) {
-      return {true, scaled_camera(c.model, command.scale), {}, c.rig_from_camera};
+      return {command.sensor, true, scaled_camera(c.model, command.scale), {}, c.rig_from_camera};
     }
     known.push_back(c.model.name);
   }
   for (const LogLidar& l : file.lidars) {
-    if (l.model.name == command.sensor) return {false, {}, l.model, l.rig_from_lidar};
-    known.push_back(l.model.name);
+    if (name_of(l.model) == command.sensor) return {command.sensor, false, {}, l.model, l.rig_from_lidar};
+    known.push_back(name_of(l.model));
   }
+  std::error_code ignored;
+  const bool is_file = fs::is_regular_file(command.sensor, ignored);
   const std::vector<std::string> builtin = builtin_lidar_names();
-  if (std::find(builtin.begin(), builtin.end(), command.sensor) == builtin.end()) {
+  if (!is_file && std::find(builtin.begin(), builtin.end(), command.sensor) == builtin.end()) {
     known.insert(known.end(), builtin.begin(), builtin.end());
     refuse("--sensor", command.sensor, fmt::format("{}", fmt::join(known, ", ")));
   }
   if (file.lidars.empty()) {
-    throw_input_error(command.scene, "lidars", "none", "one, where a built-in LiDAR is to be mounted");
+    throw_input_error(command.scene, "lidars", "none", "one, where another LiDAR is to be mounted");
   }
-  return {false, {}, builtin_lidar(command.sensor), file.lidars.front().rig_from_lidar};
+  const Pose& mount = file.lidars.front().rig_from_lidar;
+  if (!is_file) return {command.sensor, false, {}, builtin_lidar(command.sensor), mount};
+  return {fs::path(command.sensor).stem().string(), false, {}, read_lidar_file(command.sensor).model, mount};
 }
 
 /// "a:b:c" as `count` numbers.
@@ -139,9 +145,9 @@ std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor) {
       if (f.camera == sensor.camera.name) spans.push_back({f.time_start_s, f.time_end_s});
     }
   } else if (!log.lidars.empty()) {
-    const auto same = [&](const LogLidar& l) { return l.model.name == sensor.lidar.name; };
+    const auto same = [&](const LogLidar& l) { return name_of(l.model) == name_of(sensor.lidar); };
     const bool is_there = std::any_of(log.lidars.begin(), log.lidars.end(), same);
-    const std::string& name = is_there ? sensor.lidar.name : log.lidars.front().model.name;
+    const std::string& name = name_of(is_there ? sensor.lidar : log.lidars.front().model);
     for (const SweepFrame& f : log.sweeps) {
       if (f.lidar == name) spans.push_back({f.time_start_s, f.time_end_s});
     }
@@ -224,9 +230,9 @@ void write_sweep_files(const fs::path& stem,
                        const RayResults& results,
                        const View& view,
                        const Eigen::Vector3d& origin) {
-  const LidarPicture picture = lidar_picture(sensor.lidar, results);
+  const LidarPicture picture = lidar_picture(sensor.lidar, rays, results);
   write_point_cloud_ply(stem.string() + ".ply", point_cloud(sensor.lidar, rays, picture, view, origin));
-  write_image(stem.string() + "_range.png", range_image(sensor.lidar, picture.range));
+  write_image(stem.string() + "_range.png", range_image(sensor.lidar, rays, picture.range));
 }
 
 /// Float holds a millimetre up to here.
@@ -278,7 +284,7 @@ void render(const RenderCommand& command, const Globals& globals) {
                                 span.end_s,
                                 scene,
                                 sensor.is_camera ? SetKind::kCamera : SetKind::kLidar);
-      const fs::path stem = folder / fmt::format("{}_{:06d}", command.sensor, i);
+      const fs::path stem = folder / fmt::format("{}_{:06d}", sensor.name, i);
       if (sensor.is_camera) {
         if (!rays) rays = std::make_unique<SensorRays>(device, sensor.camera, renderer.options());
         look.render(renderer, particles, *rays, view, command.sensor, 0.5 * (span.start_s + span.end_s));
@@ -298,12 +304,12 @@ void render(const RenderCommand& command, const Globals& globals) {
   progress.finish();
   if (globals.json) {
     const nlohmann::ordered_json out = {{"folder", command.output},
-                                        {"sensor", command.sensor},
+                                        {"sensor", sensor.name},
                                         {"frames", plan.spans.size()},
                                         {"device", device.info().label()}};
     std::cout << out.dump(2) << '\n';
   } else {
-    std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), command.sensor, command.output);
+    std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), sensor.name, command.output);
   }
 }
 
@@ -313,7 +319,9 @@ void add_render(CLI::App& app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
   CLI::App* sub = app.add_subcommand("render", "what a sensor sees of a scene along a trajectory");
   sub->add_option("SCENE", command->scene, "scene folder")->required();
-  sub->add_option("--sensor", command->sensor, "a sensor of the scene, or a built-in LiDAR in its place")
+  sub->add_option("--sensor",
+                  command->sensor,
+                  "a sensor of the scene; or a built-in LiDAR or a LiDAR file in its place")
       ->required();
   sub->add_option("-o,--output", command->output, "folder to make: PNG; PLY and a range picture for LiDARs")
       ->required();

@@ -26,24 +26,22 @@ struct TileCommand {
 };
 
 /// A file by its path, else a built-in sensor.
-bench::AnyLidar sensor_named(const std::string& name) {
+LidarModel sensor_named(const std::string& name) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(name, ignored)) return read_lidar_file(name).model;
   return builtin_lidar(name);
 }
 
-TileChoiceKey key_of(const bench::AnyLidar& sensor) {
+TileChoiceKey key_of(const LidarModel& sensor) {
   if (const auto* const list = std::get_if<RayList>(&sensor)) return {list->name, 0, list->ray_count()};
   const auto& lidar = std::get<Lidar>(sensor);
   return {lidar.name, lidar.rows.size(), lidar.ray_count()};
 }
 
-RayGrid grid_of(const Device& device, const bench::AnyLidar& sensor, const LidarTiles& tiles) {
+RayGrid grid_of(const Device& device, const LidarModel& sensor, const LidarTiles& tiles) {
   RenderOptions options;
   options.lidar_tiles = tiles;
-  if (const auto* const list = std::get_if<RayList>(&sensor)) return make_ray_grid(device, *list, options);
-  const auto& lidar = std::get<Lidar>(sensor);
-  return make_ray_grid(device, lidar, nominal_rays(lidar, 0.1), options);
+  return make_ray_grid(device, sensor, nominal_rays(sensor, 0.1), options);
 }
 
 struct TileFacts {
@@ -102,7 +100,7 @@ void print(const std::string& name, const RayGrid& grid, bool json) {
                            100.0 * facts.filled);
 }
 
-void tune(const Device& device, const bench::AnyLidar& sensor, std::int64_t particles) {
+void tune(const Device& device, const LidarModel& sensor, std::int64_t particles) {
   constexpr int kFrames = 15;
   const bench::TileGrid grid = bench::time_tiles(device, sensor, particles, kFrames);
   for (std::size_t i = 0; i < grid.times.size(); ++i) {
@@ -121,7 +119,7 @@ void tune(const Device& device, const bench::AnyLidar& sensor, std::int64_t part
 }
 
 void tile(const TileCommand& command, const Globals& globals) {
-  const bench::AnyLidar sensor = sensor_named(command.sensor);
+  const LidarModel sensor = sensor_named(command.sensor);
   const Device device = Device::best(globals.device);
   if (command.tune) {
     if (command.tiles.elevation != 0 || command.tiles.rays != 0) {
@@ -129,7 +127,7 @@ void tile(const TileCommand& command, const Globals& globals) {
     }
     tune(device, sensor, command.particles);
   }
-  const std::string& name = bench::name_of(sensor);
+  const std::string& name = name_of(sensor);
   const RayGrid grid = grid_of(device, sensor, command.tiles);
   print(name, grid, globals.json);
   if (command.picture.empty()) return;

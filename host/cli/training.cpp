@@ -102,7 +102,7 @@ TrainedScene train_scene(const Device& device,
       if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);
     }
     for (LogLidar& lidar : out.file.lidars) {
-      if (lidar.model.name == name) lidar.rig_from_lidar = moved_by(offset, lidar.rig_from_lidar);
+      if (name_of(lidar.model) == name) lidar.rig_from_lidar = moved_by(offset, lidar.rig_from_lidar);
     }
   }
   return out;

@@ -7,8 +7,7 @@
 #include "host/render/options.hpp"
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
-#include "host/sensors/lidar.hpp"
-#include "host/sensors/ray_list.hpp"
+#include "host/sensors/lidar_model.hpp"
 
 namespace simuli {
 
@@ -51,6 +50,12 @@ struct RayGrid {
 /// particle the elevation is decided per such row, not per ray. Error{kInput} for a list that validate()
 /// refuses, and for one that would need more than 65535 rows.
 [[nodiscard]] RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOptions& options);
+
+/// Either of the two with these rays, nominal or measured.
+[[nodiscard]] RayGrid make_ray_grid(const Device& device,
+                                    const LidarModel& model,
+                                    const LidarRays& rays,
+                                    const RenderOptions& options);
 
 /// The constants of one frame: model, poses (world relative to the scene origin), cuts, background.
 /// Fills `moving`: start and end differ.

@@ -2,7 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <variant>
 
+#include "host/base/error.hpp"
 #include "host/render/ray_slots.hpp"
 #include "host/render/tile_choice.hpp"
 
@@ -99,6 +102,22 @@ RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOpt
   ray_slots::fill_elevation_table(grid, lowest, highest);
   set_constants(grid, list, cut);
   return grid;
+}
+
+RayGrid make_ray_grid(const Device& device,
+                      const LidarModel& model,
+                      const LidarRays& rays,
+                      const RenderOptions& options) {
+  if (const auto* const lidar = std::get_if<Lidar>(&model))
+    return make_ray_grid(device, *lidar, rays, options);
+  const auto& list = std::get<RayList>(model);
+  if (rays.azimuth.size() != list.ray_count()) {
+    throw_input_error("ray list " + list.name,
+                      "rays",
+                      std::to_string(rays.azimuth.size()),
+                      std::to_string(list.ray_count()) + " as the list");
+  }
+  return make_ray_grid(device, with_rays(list, rays), options);
 }
 
 }  // namespace simuli

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <numbers>
 #include <utility>
+#include <variant>
 
 #include "host/base/error.hpp"
 #include "host/render/ray_mask.hpp"
@@ -24,10 +25,12 @@ SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& 
 SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
     : SensorRays(device, make_ray_grid(camera, options), options) {}
 SensorRays::SensorRays(const Device& device,
-                       const Lidar& lidar,
+                       const LidarModel& model,
                        const LidarRays& rays,
                        const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(device, lidar, rays, options), options) {
+    : SensorRays(device, make_ray_grid(device, model, rays, options), options) {
+  if (std::holds_alternative<RayList>(model)) return;
+  const auto& lidar = std::get<Lidar>(model);
   if (lidar.blind.empty()) return;
   blind_.resize(grid_.rays);
   for (std::size_t i = 0; i < grid_.rays; ++i) {
@@ -36,8 +39,6 @@ SensorRays::SensorRays(const Device& device,
   }
   request(std::vector<bool>(grid_.rays, true));
 }
-SensorRays::SensorRays(const Device& device, const RayList& list, const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(device, list, options), options) {}
 
 void SensorRays::mark_rays() {
   if (marks_) can_cull_ = RayMaskStage(device_, precision_).run(grid_, mask_size_, buffers_);

@@ -20,8 +20,10 @@ class SensorRays {
  public:
   SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
   /// Rays in the LiDAR's blind arcs are never rendered.
-  SensorRays(const Device& device, const Lidar& lidar, const LidarRays& rays, const RenderOptions& options);
-  SensorRays(const Device& device, const RayList& list, const RenderOptions& options);
+  SensorRays(const Device& device,
+             const LidarModel& lidar,
+             const LidarRays& rays,
+             const RenderOptions& options);
 
   /// From now on only the rays with requested[ray] are rendered; the others are slots without a ray, and
   /// their results the background. requested[rays]; a LiDAR's ray mask is rebuilt. Waits.

@@ -40,13 +40,13 @@ AlignReport align_log(const Log& log,
   };
   if (log.lidars.empty())
     throw_input_error((log.folder / "log.json").string(), "lidars", "none", "at least one");
-  const LogLidar& lidar = options.lidar.empty() ? log.lidars.front() : log.lidar(options.lidar);
+  const Lidar& model = (options.lidar.empty() ? log.lidars.front() : log.lidar(options.lidar)).with_rows();
 
   AlignReport report;
   std::vector<Returns> sweeps;
   std::vector<Returns> reversed;
   for (const SweepFrame& frame : log.sweeps) {
-    if (frame.lidar != lidar.model.name) continue;
+    if (frame.lidar != model.name) continue;
     sweeps.push_back(returns_of(log, frame));
     report.returns += sweeps.back().size();
     if (reversed.size() < options.spin_sweeps) reversed.push_back(returns_of(log, frame, true));
@@ -54,7 +54,7 @@ AlignReport align_log(const Log& log,
   report.sweeps = sweeps.size();
   if (sweeps.size() < 2) {
     throw_input_error((log.folder / "log.json").string(),
-                      "sweeps of lidar " + lidar.model.name,
+                      "sweeps of lidar " + model.name,
                       std::to_string(sweeps.size()),
                       "at least 2");
   }
@@ -62,7 +62,7 @@ AlignReport align_log(const Log& log,
     report_stage("spin direction")(0, 1);
     const std::vector<Returns> forward(sweeps.begin(),
                                        sweeps.begin() + static_cast<std::ptrdiff_t>(reversed.size()));
-    const bool clockwise = lidar.model.spin == SpinDirection::kClockwise;
+    const bool clockwise = model.spin == SpinDirection::kClockwise;
     report.spin = clockwise ? find_spin(forward, reversed, options.odometry)
                             : find_spin(reversed, forward, options.odometry);
     reversed.clear();

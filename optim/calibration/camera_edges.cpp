@@ -43,7 +43,8 @@ class SweepGrid {
     const Eigen::Vector3d middle =
         Lidar::direction(azimuth(row, column) + turn, elevation(row, column) + lift);
     DepthEdge edge;
-    edge.p_rig = lidar_.rig_from_lidar * (lidar_.model.origin(row, azimuth(row, column)) + r * middle);
+    edge.p_rig =
+        lidar_.rig_from_lidar * (ray_origin(lidar_.model, sweep_.rays, index(row, column)) + r * middle);
     edge.across = lidar_.rig_from_lidar.rotation * (middle - inside).normalized();
     edge.half_width = r * (middle - inside).norm();
     edge.time_s = start_s_ + static_cast<double>(sweep_.rays.time_fraction[index(row, column)]) * span_s_;
@@ -68,7 +69,7 @@ bool is_rim(double foreground, double next, double background, double farthest_m
 std::vector<DepthEdge> depth_edges(
     const Sweep& sweep, const LogLidar& lidar, double time_start_s, double time_end_s, double farthest_m) {
   const SweepGrid grid(sweep, lidar, time_start_s, time_end_s);
-  const Lidar& model = lidar.model;
+  const Lidar& model = lidar.with_rows();
   const double step = model.azimuth_span / model.columns;
   std::vector<DepthEdge> edges;
   for (int row = 0; row < sweep.rays.rows; ++row) {

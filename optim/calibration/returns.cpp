@@ -9,7 +9,6 @@ constexpr double kNearest_m = 2.0;  // nearer is the vehicle itself
 
 Returns returns_of(
     const Sweep& sweep, const LogLidar& lidar, double time_start_s, double time_end_s, bool reversed) {
-  const std::size_t columns = static_cast<std::size_t>(sweep.rays.columns);
   Returns out;
   out.time_start_s = time_start_s;
   out.time_end_s = time_end_s;
@@ -18,8 +17,8 @@ Returns returns_of(
     if (!(range > 0.0)) continue;
     const auto azimuth = static_cast<double>(sweep.rays.azimuth[i]);
     const auto elevation = static_cast<double>(sweep.rays.elevation[i]);
-    const Eigen::Vector3d p_lidar = lidar.model.origin(static_cast<int>(i / columns), azimuth) +
-                                    range * Lidar::direction(azimuth, elevation);
+    const Eigen::Vector3d p_lidar =
+        ray_origin(lidar.model, sweep.rays, i) + range * Lidar::direction(azimuth, elevation);
     const auto forward = static_cast<double>(sweep.rays.time_fraction[i]);
     const double fraction = reversed ? 1.0 - forward : forward;
     if (!(p_lidar.norm() >= kNearest_m)) continue;

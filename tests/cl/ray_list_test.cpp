@@ -144,8 +144,10 @@ TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
       chosen.push_back(ray);
     }
     const Device device = Device::best();
-    const std::vector<float> found =
-        transmittance(device, test::set_of(SetKind::kLidar, balls), SensorRays(device, list, {}), end);
+    const std::vector<float> found = transmittance(device,
+                                                   test::set_of(SetKind::kLidar, balls),
+                                                   SensorRays(device, list, nominal_rays(list, 0.1), {}),
+                                                   end);
     std::size_t missed = 0;
     for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
     EXPECT_EQ(missed, 0U) << "of " << chosen.size();
@@ -167,7 +169,7 @@ TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
   for (const Pose& end : {Pose{}, drive()}) {
     const std::vector<float> expected = transmittance(device, set, SensorRays(device, lidar, rays, {}), end);
     const std::vector<float> found =
-        transmittance(device, set, SensorRays(device, list_of(lidar, rays), {}), end);
+        transmittance(device, set, SensorRays(device, list_of(lidar, rays), rays, {}), end);
     double sum = 0.0;
     int hit = 0;
     for (std::size_t ray = 0; ray < expected.size(); ++ray) {

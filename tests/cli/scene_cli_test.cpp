@@ -67,6 +67,15 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   const Outcome builtin = run("render s.scene --sensor generic64 --times 0.1:0.1:1 -o other --json");
   ASSERT_EQ(builtin.exit_code, 0) << builtin.err;
   EXPECT_EQ(nlohmann::json::parse(builtin.out).at("frames"), 1);
+  std::ofstream(folder_ / "list.json")
+      << R"({"kind": "ray_list", "name": "four", "range_min_m": 0.5, "range_max_m": 120,
+             "beam_divergence_rad": 0, "divergence_variance": 0.25, "azimuth_rad": [0, 0.1, 0.2, 3],
+             "elevation_rad": [-0.1, 0.1, -0.1, 0], "time_fraction": [0, 0.2, 0.4, 0.6]})";
+  const Outcome list = run("render s.scene --sensor list.json --times 0.1:0.1:1 -o list --json");
+  ASSERT_EQ(list.exit_code, 0) << list.err;
+  EXPECT_EQ(nlohmann::json::parse(list.out).at("sensor"), "list");
+  EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000.ply"));
+  EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000_range.png"));
 
   expect_failure("render s.scene --sensor rear -o x", kUsage, "allowed front, top, ");
   expect_failure("render s.scene --sensor front --frames 9:9 --trajectory s.log -o x", kUsage, "--frames");

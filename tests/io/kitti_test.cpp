@@ -58,7 +58,7 @@ TEST(KittiImport, BuildsTheFullFiringGrid) {
   EXPECT_EQ(done, (std::vector<std::size_t>{1, 2, 3}));
   EXPECT_EQ(log.folder, scratch / "drive.log");
   EXPECT_EQ(log.name, KittiFolder::name());
-  const Lidar& lidar = log.lidar("velodyne").model;
+  const Lidar& lidar = log.lidar("velodyne").with_rows();
   EXPECT_EQ(lidar.columns, KittiFolder::kFirings);
   EXPECT_EQ(report.unplaced, 0U);
   EXPECT_EQ(report.returned, report.points);
@@ -264,7 +264,7 @@ TEST_F(KittiDrive0013, EveryPointComesBackFromItsRay) {
   const Scratch scratch;
   KittiReport report;
   const Log log = import_kitti({drive_, root_ / "poses_0013.json", scratch / "drive.log"}, {}, &report);
-  const Lidar& lidar = log.lidar("velodyne").model;
+  const Lidar& lidar = log.lidar("velodyne").with_rows();
   const double empty = 1.0 - static_cast<double>(report.returned) / static_cast<double>(report.rays);
   std::cout << fmt::format(
       "{} points, {} unplaced, {} off their ring; {} columns; {:.2f} % of the rays returned "

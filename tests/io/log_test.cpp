@@ -3,6 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <variant>
 
 #include "io/file.hpp"
 #include "tests/io/scratch.hpp"
@@ -28,18 +29,18 @@ Log some_log(const Scratch& scratch) {
   camera.model = {"front", 64, 48, 50.5, 51.5, 32.25, 24.125, ShutterKind::kTopToBottom};
   camera.rig_from_camera = {Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {1.5, -0.1, 1.4}};
   log.cameras.push_back(camera);
-  LogLidar lidar;
-  lidar.model.name = "top";
-  lidar.model.rows = {{0.1, 0.01, 0.02, -0.03, 1e-6}, {-0.2, 0.0, 0.0, 0.0, 0.0}};
-  lidar.model.columns = 90;
-  lidar.model.azimuth_first = 0.1;
-  lidar.model.azimuth_span = 2.0 * std::numbers::pi;
-  lidar.model.spin = SpinDirection::kClockwise;
-  lidar.model.range_min = 0.5;
-  lidar.model.range_max = 80.0;
-  lidar.model.beam_divergence = 3e-3;
-  lidar.model.divergence_variance = 0.72;
-  log.lidars.push_back(lidar);
+  Lidar lidar;
+  lidar.name = "top";
+  lidar.rows = {{0.1, 0.01, 0.02, -0.03, 1e-6}, {-0.2, 0.0, 0.0, 0.0, 0.0}};
+  lidar.columns = 90;
+  lidar.azimuth_first = 0.1;
+  lidar.azimuth_span = 2.0 * std::numbers::pi;
+  lidar.spin = SpinDirection::kClockwise;
+  lidar.range_min = 0.5;
+  lidar.range_max = 80.0;
+  lidar.beam_divergence = 3e-3;
+  lidar.divergence_variance = 0.72;
+  log.lidars.push_back({lidar, Pose{}});
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()));
   log.world_from_rig = Trajectory(
       {{0.05, {turn, {500123.456789012, -5400000.1, 0.1}}}, {0.15, {turn, {500124.5, -5400000, 0}}}});
@@ -71,7 +72,7 @@ TEST(Log, ReadsWhatItWrote) {
   EXPECT_LT(
       read.camera("front").rig_from_camera.rotation.angularDistance(log.cameras[0].rig_from_camera.rotation),
       1e-7);
-  const Lidar& lidar = read.lidar("top").model;
+  const Lidar& lidar = read.lidar("top").with_rows();
   ASSERT_EQ(lidar.row_count(), 2);
   EXPECT_EQ(lidar.rows[0].elevation, 0.1);
   EXPECT_EQ(lidar.rows[0].azimuth_offset, 0.01);
@@ -101,6 +102,40 @@ TEST(Log, ReadsWhatItWrote) {
   EXPECT_EQ(read.sweeps[0].lidar, "top");
   EXPECT_EQ(read.sweeps[0].file, "sweeps/0.exr");
   EXPECT_NEAR(read.sweeps[0].time_end_s, 0.103490641, kTime_s);
+}
+
+TEST(Log, HoldsRayLists) {
+  const Scratch scratch;
+  Log log = some_log(scratch);
+  RayList list;
+  list.name = "petals";
+  list.azimuth = {0.1, -0.2, 3.0};
+  list.elevation = {0.0, 0.05, -0.1};
+  list.time_fraction = {0.0, 0.25, 0.5};
+  list.origin = {{0.0, 0.01, 0.02}, {0.0, 0.0, 0.0}, {-0.1, 0.0, 0.0}};
+  list.range_min = 0.5;
+  list.range_max = 60.0;
+  log.lidars.push_back({list, Pose{Eigen::Quaterniond::Identity(), {1.0, 2.0, 3.0}}});
+  log.sweeps.push_back({"petals", "sweeps/1.exr", 0.06, 0.16});
+  write_sweep(scratch / "sweeps/1.exr",
+              {nominal_rays(log.lidars[1].model, 0.1), {1.0F, 0.0F, 3.0F}, {0.5F, 0.0F, 0.25F}});
+  write_log(log);
+
+  const Log read = read_log(scratch.path());
+  const auto& same = std::get<RayList>(read.lidar("petals").model);
+  EXPECT_EQ(same.azimuth, list.azimuth);
+  EXPECT_EQ(same.elevation, list.elevation);
+  EXPECT_EQ(same.time_fraction, list.time_fraction);
+  EXPECT_EQ(same.origin, list.origin);
+  EXPECT_EQ(read.lidar("petals").rig_from_lidar.translation.y(), 2.0);
+  const Sweep sweep = read_sweep(scratch / read.sweeps[1].file, read.lidar("petals").model);
+  EXPECT_EQ(sweep.rays.rows, 1);
+  EXPECT_EQ(sweep.rays.columns, 3);
+  EXPECT_EQ(sweep.rays.azimuth[2], 3.0F);
+  EXPECT_EQ(sweep.range[2], 3.0F);
+  expect_input_error([&] { (void)read_sweep(scratch / read.sweeps[1].file, read.lidar("top").model); },
+                     {"1.exr", "1 x 3", "2 x 90 of lidar top"});
+  expect_input_error([&] { (void)read.lidar("petals").with_rows(); }, {"petals", "ray_list"});
 }
 
 TEST(Log, WritesTheSameBytesAgain) {
@@ -150,6 +185,7 @@ TEST(Log, RefusesValuesThatNoSensorHas) {
   refuse_edit("\"fx_px\": 50.5", "\"fx_px\": -50.5", {"camera front", "fx_px", "-50.5"});
   refuse_edit("\"range_max_m\": 80.0", "\"range_max_m\": 0.1", {"lidar top", "range_max_m", "0.1"});
   refuse_edit("\"columns\": 90", "\"columns\": 0", {"lidars[0].columns", "found 0"});
+  refuse_edit("\"kind\": \"lidar\"", "\"kind\": \"radar\"", {"lidars[0].kind", "radar", "ray_list"});
   refuse_edit("\"clockwise\"", "\"left\"", {"lidars[0].spin", "left", "counter_clockwise"});
   refuse_edit("top_to_bottom", "diagonal", {"cameras[0].shutter", "diagonal"});
   refuse_edit("-0.5,", "-0.9,", {"cameras[0].rig_from_camera.rotation_wxyz", "a unit quaternion"});

@@ -31,15 +31,15 @@ SceneFile some_scene() {
   camera.model = {"front", 64, 48, 50.5, 51.5, 32.25, 24.125, ShutterKind::kTopToBottom};
   camera.rig_from_camera.translation = {1.5, -0.1, 1.4};
   file.cameras.push_back(camera);
-  LogLidar lidar;
-  lidar.model.name = "top";
-  lidar.model.rows = {{0.1, 0.01, 0.02, -0.03, 1e-6}, {-0.2, 0.0, 0.0, 0.0, 0.0}};
-  lidar.model.columns = 90;
-  lidar.model.azimuth_span = 2.0 * std::numbers::pi;
-  lidar.model.range_min = 0.5;
-  lidar.model.range_max = 80.0;
-  lidar.model.beam_divergence = 0.003;
-  file.lidars.push_back(lidar);
+  Lidar lidar;
+  lidar.name = "top";
+  lidar.rows = {{0.1, 0.01, 0.02, -0.03, 1e-6}, {-0.2, 0.0, 0.0, 0.0, 0.0}};
+  lidar.columns = 90;
+  lidar.azimuth_span = 2.0 * std::numbers::pi;
+  lidar.range_min = 0.5;
+  lidar.range_max = 80.0;
+  lidar.beam_divergence = 0.003;
+  file.lidars.push_back({lidar, Pose{}});
   const Pose turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())), {1.0, 2.0, 3.0}};
   file.world_from_rig = Trajectory({{0.0, Pose{}}, {0.1, turned}});
   return file;
@@ -70,9 +70,9 @@ TEST(SceneFolder, RoundTrip) {
   EXPECT_EQ(read.cameras[0].model.shutter, ShutterKind::kTopToBottom);
   EXPECT_EQ(read.cameras[0].rig_from_camera.translation, written.cameras[0].rig_from_camera.translation);
   ASSERT_EQ(read.lidars.size(), 1U);
-  ASSERT_EQ(read.lidars[0].model.rows.size(), 2U);
-  EXPECT_EQ(read.lidars[0].model.rows[0].horizontal_offset, -0.03);
-  EXPECT_EQ(read.lidars[0].model.beam_divergence, 0.003);
+  ASSERT_EQ(read.lidars[0].with_rows().rows.size(), 2U);
+  EXPECT_EQ(read.lidars[0].with_rows().rows[0].horizontal_offset, -0.03);
+  EXPECT_EQ(read.lidars[0].with_rows().beam_divergence, 0.003);
   ASSERT_EQ(read.world_from_rig.poses().size(), 2U);
   constexpr double kRounding = 1e-12;  // of a quaternion that is normalised again
   EXPECT_TRUE(
@@ -153,7 +153,7 @@ TEST(SceneFolder, WhatCannotBeReadBackLeavesTheOldSceneAlone) {
   bad.scene.lidar.params(1, kMeanRow) = std::nanf("");
   refused(bad, {"lidar.ply", "vertex 1: x"});
   bad = some_scene();
-  bad.lidars[0].model.name = "front";
+  std::get<Lidar>(bad.lidars[0].model).name = "front";
   refused(bad, {"front"});
   bad = some_scene();
   bad.cameras[0].model.fx = -1.0;

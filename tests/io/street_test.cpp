@@ -138,15 +138,16 @@ TEST(Street, SweepIsTracedFromEachRaysOwnOriginAtItsOwnTime) {
   const Log log = street_log(options);
   const Street street;
   const LogLidar& lidar = log.lidars.front();
+  const Lidar& model = lidar.with_rows();
   const SweepFrame& frame = log.sweeps[1];
   const Sweep sweep = scan_street(street, lidar, log.world_from_rig, frame.time_start_s, frame.time_end_s);
   int returns = 0;
   int drops = 0;
   double static_error_m = 0.0;  // what ignoring the motion within the sweep would cost
-  for (int r = 0; r < lidar.model.row_count(); ++r) {
-    const LidarRow& row = lidar.model.rows[static_cast<std::size_t>(r)];
-    for (int c = 0; c < lidar.model.columns; ++c) {
-      const auto i = static_cast<std::size_t>(r * lidar.model.columns + c);
+  for (int r = 0; r < model.row_count(); ++r) {
+    const LidarRow& row = model.rows[static_cast<std::size_t>(r)];
+    for (int c = 0; c < model.columns; ++c) {
+      const auto i = static_cast<std::size_t>(r * model.columns + c);
       const double az = static_cast<double>(sweep.rays.azimuth[i]);
       const double el = static_cast<double>(sweep.rays.elevation[i]);
       const double time_s = frame.time_start_s + 0.1 * static_cast<double>(sweep.rays.time_fraction[i]);
@@ -255,7 +256,7 @@ TEST(Street, LogIsReadBackAsWritten) {
   const LogLidar& lidar = log.lidar(frame.lidar);
   const Sweep stored = read_sweep(log.folder / frame.file, lidar.model);
   const Sweep truth = scan_street(street, lidar, log.world_from_rig, frame.time_start_s, frame.time_end_s);
-  ASSERT_EQ(stored.range.size(), lidar.model.ray_count());
+  ASSERT_EQ(stored.range.size(), ray_count(lidar.model));
   // Drops agree but for a ray that grazes an edge: nanoseconds on disk move the sensor by 1e-9 m.
   std::size_t different_drops = 0;
   for (std::size_t i = 0; i < stored.range.size(); ++i) {

@@ -75,7 +75,7 @@ TEST(OwnVehicle, IsWhereNoTrainingSweepHasAReturn) {
   EXPECT_EQ(found[0][0].row, 2);
   EXPECT_NEAR(found[0][0].azimuth_first, 5 * kStep_rad, 1e-12);
   EXPECT_NEAR(found[0][0].azimuth_last, 13 * kStep_rad, 1e-12);
-  log.lidars[0].model.blind = found[0];
+  std::get<Lidar>(log.lidars[0].model).blind = found[0];
   EXPECT_NO_THROW(validate(log.lidars[0].model, "found"));
   EXPECT_TRUE(find_blind_arcs(log, 0)[0].empty());  // with the held-out sweeps there are returns
 }

@@ -30,7 +30,7 @@ class RangeBiases : public testing::Test {
   /// Row r records by this much too far.
   static double bias_m(std::size_t row) { return 0.04 * std::sin(1.7 * static_cast<double>(row)); }
   static void add_biases(const Log& log) {
-    const Lidar& lidar = log.lidars[0].model;
+    const Lidar& lidar = log.lidars[0].with_rows();
     for (const SweepFrame& frame : log.sweeps) {
       Sweep sweep = read_sweep(log.folder / frame.file, lidar);
       for (std::size_t i = 0; i < sweep.range.size(); ++i) {
@@ -48,7 +48,7 @@ TEST_F(RangeBiases, AreFoundUpToTheirMedian) {
   const Log log = street(folder);
   add_biases(log);
   const std::vector<RangeBias> found = find_range_bias(log, log.lidars[0], 5);
-  const std::size_t rows = log.lidars[0].model.rows.size();
+  const std::size_t rows = log.lidars[0].with_rows().rows.size();
   ASSERT_EQ(found.size(), rows);
   std::vector<double> truth;
   for (std::size_t row = 0; row < rows; ++row) {
@@ -71,12 +71,12 @@ TEST_F(RangeBiases, AreFoundUpToTheirMedian) {
   // What a log is given stays: nothing is found twice.
   const Log corrected = with_range_bias(log, 5);
   const auto counted = [](const LidarRow& row) { return row.range_bias != 0.0; };
-  const std::vector<LidarRow>& corrected_rows = corrected.lidars[0].model.rows;
+  const std::vector<LidarRow>& corrected_rows = corrected.lidars[0].with_rows().rows;
   EXPECT_GE(std::count_if(corrected_rows.begin(), corrected_rows.end(), counted),
             static_cast<long>(rows / 2));
   const Log again = with_range_bias(corrected, 5);
   for (std::size_t row = 0; row < rows; ++row) {
-    EXPECT_EQ(again.lidars[0].model.rows[row].range_bias, corrected_rows[row].range_bias);
+    EXPECT_EQ(again.lidars[0].with_rows().rows[row].range_bias, corrected_rows[row].range_bias);
   }
 }
 
@@ -94,7 +94,7 @@ TEST_F(RangeBiases, NeedEightSweeps) {
   Log log = street(folder);
   log.sweeps.resize(8);  // two of them held out
   EXPECT_TRUE(find_range_bias(log, log.lidars[0], 5).empty());
-  EXPECT_EQ(with_range_bias(log, 5).lidars[0].model.rows[0].range_bias, 0.0);
+  EXPECT_EQ(with_range_bias(log, 5).lidars[0].with_rows().rows[0].range_bias, 0.0);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ TEST_F(StreetLog, GetsItsPathFromItsSweepsAlone) {
   const Log aligned = read_log(out);
   EXPECT_EQ(aligned.world_from_rig.poses().size(), report.path.size());
   EXPECT_EQ(aligned.images.size(), log_.images.size());
-  const Lidar& lidar = log_.lidars[0].model;
+  const Lidar& lidar = log_.lidars[0].with_rows();
   EXPECT_EQ(read_sweep(out / aligned.sweeps[2].file, lidar).range,
             read_sweep(log_.folder / log_.sweeps[2].file, lidar).range);
   EXPECT_THROW(write_aligned_log(blind, Trajectory(report.path), out), Error);  // never over another

@@ -99,15 +99,16 @@ TEST(CameraPose, ABlankWallIsRefused) {
 
 TEST(DepthEdges, LieOnTheRimsOfAPole) {
   // One row of rays from -10 to 10 degrees; a pole 4 m away before a wall at 10 m.
-  LogLidar lidar;
-  lidar.model.name = "fan";
-  lidar.model.rows = {LidarRow{}};
-  lidar.model.columns = 81;
-  lidar.model.azimuth_first = -10.0 * kDegree;
-  lidar.model.azimuth_span = 20.25 * kDegree;
-  lidar.model.range_max = 50.0;
+  Lidar model;
+  model.name = "fan";
+  model.rows = {LidarRow{}};
+  model.columns = 81;
+  model.azimuth_first = -10.0 * kDegree;
+  model.azimuth_span = 20.25 * kDegree;
+  model.range_max = 50.0;
+  const LogLidar lidar{model, Pose{}};
   Sweep sweep;
-  sweep.rays = nominal_rays(lidar.model, 0.1);
+  sweep.rays = nominal_rays(model, 0.1);
   for (int c = 0; c < 81; ++c) {
     const bool on_pole = c >= 38 && c <= 44;
     sweep.range.push_back(on_pole ? 4.0F : 10.0F);

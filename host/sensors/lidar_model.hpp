@@ -1,0 +1,35 @@
+#pragma once
+// A LiDAR of either kind: with rows (host/sensors/lidar.hpp) or as a list of rays
+// (host/sensors/ray_list.hpp).
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <variant>
+
+#include "host/sensors/lidar.hpp"
+#include "host/sensors/ray_list.hpp"
+
+namespace simuli {
+
+using LidarModel = std::variant<Lidar, RayList>;
+
+[[nodiscard]] const std::string& name_of(const LidarModel& model);
+/// Rows and columns of its sweeps on disk and in memory: a list is one row of all its rays.
+[[nodiscard]] std::size_t row_count(const LidarModel& model);
+[[nodiscard]] std::size_t ray_count(const LidarModel& model);
+/// Nearest and farthest return, m.
+[[nodiscard]] double range_min(const LidarModel& model);
+[[nodiscard]] double range_max(const LidarModel& model);
+
+/// The rays of one frame as the model has them; a list's times are shares of the frame already.
+[[nodiscard]] LidarRays nominal_rays(const LidarModel& model, double sweep_duration_s);
+/// Origin of a ray in the sensor frame, m; `rays` are the model's nominal or measured ones.
+[[nodiscard]] Eigen::Vector3d ray_origin(const LidarModel& model, const LidarRays& rays, std::size_t ray);
+/// Recorded less true distance of a ray, m.
+[[nodiscard]] double range_bias(const LidarModel& model, const LidarRays& rays, std::size_t ray);
+/// The list with measured angles and times instead of its own.
+[[nodiscard]] RayList with_rays(RayList list, const LidarRays& rays);
+
+void validate(const LidarModel& model, const std::string& file);
+
+}  // namespace simuli
