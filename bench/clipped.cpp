@@ -134,16 +134,19 @@ void add_clipped(const Device& device, const Lidar& lidar, const Note& note, std
       options.projection = projection;
       const std::vector<double> found = gathered(device, place, options, particles);
       for (std::size_t s = 0; s < kSizes.size(); ++s) {
-        double all = 0.0, kept = 0.0;
-        for (std::size_t k = s * kParticles; k < (s + 1) * kParticles; ++k) {
+        double all = 0.0, lost = 0.0, square = 0.0;
+        const std::size_t first = s * kParticles, last = first + kParticles;
+        for (std::size_t k = first; k < last; ++k) {
           all += whole[k];
-          kept += found[k];
+          lost += whole[k] - found[k];
         }
+        for (std::size_t k = first; k < last; ++k)
+          square += std::pow(whole[k] * (1.0 - lost / all) - found[k], 2);
         rows.push_back(
             {fmt::format("table8_clipped/{}/{}/size_{:.0f}_percent", place.name, name, 100.0 * kSizes[s]),
-             100.0 * (1.0 - kept / all),
+             100.0 * lost / all,
              "%",
-             0.0});
+             100.0 * std::sqrt(square * kParticles / (kParticles - 1)) / all});
       }
     }
     note("table8_clipped/" + place.name);

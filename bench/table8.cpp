@@ -86,6 +86,12 @@ constexpr std::array<Metric, 5> kMetrics{{{"medl2_m2", &SweepMetrics::medl2_m2, 
                                           {"raydrop_accuracy", &SweepMetrics::raydrop_accuracy, "of rays"},
                                           {"chamfer_m2", &SweepMetrics::chamfer_m2, "m^2"}}};
 
+/// Middle of the values, give or take half of their range.
+Row middle(const std::string& name, const std::vector<double>& values, const char* unit) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return {name, spread_of(values).median, unit, 0.5 * (*high - *low)};
+}
+
 /// The table of one size of particles: trained with each projection, and with one for all.
 class Table {
  public:
@@ -100,65 +106,67 @@ class Table {
     init.sweep_depth = false;
     const Scene start = initialize_scene(log_, init).scene;
     note_(fmt::format("{}: {} particles", name, start.lidar.size()));
-    Scene unscented;
-    SweepMetrics of_monte_carlo, of_unscented;
-    TrainOptions train;
-    train.iterations = options_.iterations;
-    for (const Named& column : kColumns) {
-      train.render = render_with(column);
-      Scene scene = trained(device_, log_, start, train);
-      const bool first = &column == &kColumns.front();
-      const SweepMetrics found = add(
-          fmt::format("{}/{}", name, column.name), scene, column, first ? nullptr : &of_monte_carlo, rows);
-      if (first) of_monte_carlo = found;
-      if (&column == &kUnscented) {
-        of_unscented = found;
-        unscented = std::move(scene);
+    Scene unscented;  // of the first seed
+    Columns trained_with(kColumns.size());
+    for (std::size_t c = 0; c < kColumns.size(); ++c) {
+      TrainOptions train;
+      train.iterations = options_.iterations;
+      train.render = render_with(kColumns[c]);
+      const std::string base = fmt::format("{}/{}", name, kColumns[c].name);
+      for (int seed = 1; seed <= options_.seeds; ++seed) {
+        train.seed = static_cast<std::uint64_t>(seed);
+        Scene scene = trained(device_, log_, start, train);
+        trained_with[c].push_back(metrics_of(scene, kColumns[c]));
+        note_(fmt::format("{}, seed {}", base, seed));
+        if (seed > 1) continue;
+        add_costs(base, scene, kColumns[c], rows);
+        if (&kColumns[c] == &kUnscented) unscented = std::move(scene);
       }
     }
-    // How far one column is from itself, trained with the sweeps in another order.
-    train.render = render_with(kUnscented);
-    for (train.seed = 2; train.seed <= 3; ++train.seed) {
-      const Scene scene = trained(device_, log_, start, train);
-      add(fmt::format("{}_again/seed_{}", name, train.seed), scene, kUnscented, &of_unscented, rows);
-    }
+    add(name, trained_with, rows);
+    Columns rendered_with;
     for (const Named& column : kColumns) {
-      const bool first = &column == &kColumns.front();
-      const SweepMetrics found = add(fmt::format("{}_render/{}", name, column.name),
-                                     unscented,
-                                     column,
-                                     first ? nullptr : &of_monte_carlo,
-                                     rows);
-      if (first) of_monte_carlo = found;
+      rendered_with.push_back({metrics_of(unscented, column)});
+      add_costs(fmt::format("{}_render/{}", name, column.name), unscented, column, rows);
     }
+    add(name + "_render", rendered_with, rows);
   }
 
  private:
-  /// Rows of one column, compared with `yardstick` where there is one.
-  SweepMetrics add(const std::string& base,
-                   const Scene& scene,
-                   const Named& column,
-                   const SweepMetrics* yardstick,
-                   std::vector<Row>& rows) {
+  using Columns = std::vector<std::vector<SweepMetrics>>;  // [columns][seeds]
+
+  SweepMetrics metrics_of(const Scene& scene, const Named& column) {
     EvalOptions options;
     options.render = render_with(column);
     options.timed_renders = 1;
-    const SweepMetrics found = evaluate(device_, log_, scene, options).lidar;
-    for (const Metric& m : kMetrics) {
-      rows.push_back({fmt::format("{}/{}", base, m.name), found.*m.value, m.unit, 0.0});
-    }
-    if (yardstick != nullptr) {
-      double worst = 0.0;
-      for (const Metric& m : kMetrics) {
-        worst = std::max(worst, std::abs(found.*m.value / (yardstick->*m.value) - 1.0));
-      }
-      rows.push_back({base + "/worst_difference", 100.0 * worst, "%", 0.0});
-    }
+    return evaluate(device_, log_, scene, options).lidar;
+  }
+
+  void add_costs(const std::string& base, const Scene& scene, const Named& column, std::vector<Row>& rows) {
     rows.push_back({base + "/clipped", clipped_percent(device_, log_, scene, column), "%", 0.0});
     const Spread ms = projection_ms(profiled_, log_, scene, column);
     rows.push_back({base + "/projection_ms", ms.median, "ms", ms.half_iqr});
-    note_(base);
-    return found;
+  }
+
+  /// Every metric of every column; how far each is from the yardstick with the same seed; and how far the
+  /// yardstick's own seeds are from their middle.
+  static void add(const std::string& name, const Columns& columns, std::vector<Row>& rows) {
+    const std::vector<SweepMetrics>& yardstick = columns.front();
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const std::string base = fmt::format("{}/{}", name, kColumns[c].name);
+      for (const Metric& m : kMetrics) {
+        std::vector<double> values, apart;
+        for (std::size_t s = 0; s < columns[c].size(); ++s) {
+          values.push_back(columns[c][s].*m.value);
+          apart.push_back(100.0 * (values.back() / (yardstick[s].*m.value) - 1.0));
+        }
+        rows.push_back(middle(fmt::format("{}/{}", base, m.name), values, m.unit));
+        const Row& here = rows.back();
+        const double share = 100.0 * here.spread / here.value;
+        rows.push_back(c == 0 ? Row{fmt::format("{}/{}_seeds", base, m.name), share, "%", 0.0}
+                              : middle(fmt::format("{}/{}_from_monte_carlo", base, m.name), apart, "%"));
+      }
+    }
   }
 
   Device device_, profiled_;
