@@ -7,7 +7,8 @@
 /// out out[6][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
 ///     0 where transmittance never falls to 1/2). Slots without a ray get the background.
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
-/// footprint touches are visited. A ray is retired (direction zeroed) once T < transmittance cut.
+/// footprint touches are visited, of these the vectors that still have a ray. A ray is retired (direction
+/// zeroed) once T < transmittance cut.
 __kernel void render(const FrameParams frame,
                      __global const real* sensor,
                      __global const real* world_ray,
@@ -31,7 +32,7 @@ __kernel void render(const FrameParams frame,
 #if MEDIAN
   F median[NR];
 #endif
-  int alive = 0;  // vectors that still have a ray
+  uint alive = 0;  // a bit per vector that still has a ray
   for (int j = 0; j < NR; ++j) {
     ray[j] = load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid));
     transmittance[j] = (F)R(1.0);
@@ -39,7 +40,7 @@ __kernel void render(const FrameParams frame,
 #if MEDIAN
     median[j] = (F)R(0.0);
 #endif
-    alive += ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1 : 0;
+    alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
   }
 
   const uint end = first[tile + 1];
@@ -57,7 +58,7 @@ __kernel void render(const FrameParams frame,
       for (int k = 0; k < SIM_RECORD; ++k) staged[lid * SIM_RECORD + k] = source[k];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (alive > 0) group_alive = 1;
+    if (alive) group_alive = 1;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (!group_alive) break;
     const uint count = min((uint)LS, end - batch);
@@ -66,9 +67,10 @@ __kernel void render(const FrameParams frame,
       real record[SIM_RECORD];
       for (int k = 0; k < SIM_RECORD; ++k) record[k] = staged[i * SIM_RECORD + k];
 #else
-  for (uint i = first[tile]; i < end && alive > 0; ++i) {
+  for (uint i = first[tile]; i < end && alive; ++i) {
     {
       const uint packed = payload[i];
+      if (!(alive & VECTORS_OF(packed))) continue;  // its record is not even read
       if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
       const __global real* source = records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD;
       real record[SIM_RECORD];
@@ -81,7 +83,7 @@ __kernel void render(const FrameParams frame,
       const real box_mean = nearest_box_mean(record, tile_u);
       const int j_last = J_LAST(packed);
       for (int j = J_FIRST(packed); j <= j_last; ++j) {
-        if (J_OUTSIDE(j, lid, packed)) continue;
+        if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
         const RayLanes* seen = &ray[j];
 #if ACTOR_MOTION
         RayLanes followed;
@@ -111,7 +113,7 @@ __kernel void render(const FrameParams frame,
         if (ANY(done)) {
           for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
           const I going = is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2]);
-          if (!ANY(going)) --alive;
+          if (!ANY(going)) alive &= ~(1u << j);
         }
       }
     }

@@ -68,7 +68,7 @@ __kernel void render_bwd(const FrameParams frame,
 #if RAY_GRADIENTS
   F ray_gradient[NR][3 + 3 * ORIGINS];
 #endif
-  int alive = 0;
+  uint alive = 0;  // a bit per vector that still has a ray
   for (int j = 0; j < NR; ++j) {
     const uint slot = base + VECTOR_SLOT(j, lid);
     ray[j] = load_ray(world_ray, ray_u, frame.slots, slot);
@@ -90,7 +90,7 @@ __kernel void render_bwd(const FrameParams frame,
     behind[j] = fma(g2[j], LDV(out + 2 * frame.slots + slot), behind[j]);
     behind[j] = fma(gt, LDV(out + SIM_O_TRANSMITTANCE * frame.slots + slot), behind[j]);
     behind[j] = fma(gd[j], LDV(out + SIM_O_DISTANCE * frame.slots + slot), behind[j]);
-    alive += ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1 : 0;
+    alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
   }
 
   const uint end = first[tile + 1];
@@ -102,11 +102,11 @@ __kernel void render_bwd(const FrameParams frame,
     barrier(CLK_LOCAL_MEM_FENCE);
     if (lid == 0) group_alive = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (alive > 0) group_alive = 1;
+    if (alive) group_alive = 1;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (!group_alive) break;
 #else
-  for (; i < end && alive > 0; ++i) {
+  for (; i < end && alive; ++i) {
     if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
 #endif
     const uint packed = payload[i];
@@ -125,7 +125,7 @@ __kernel void render_bwd(const FrameParams frame,
 
     const int j_last = J_LAST(packed);
     for (int j = J_FIRST(packed); j <= j_last; ++j) {
-      if (J_OUTSIDE(j, lid, packed)) continue;
+      if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
       const RayLanes* seen = &ray[j];
 #if ACTOR_MOTION
       RayLanes followed;
@@ -216,7 +216,7 @@ __kernel void render_bwd(const FrameParams frame,
       if (ANY(done)) {
         for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
         const I going = is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2]);
-        if (!ANY(going)) --alive;
+        if (!ANY(going)) alive &= ~(1u << j);
       }
     }
 

@@ -79,6 +79,9 @@ FN real nearest_box_mean(const real* record, real u) {
 }
 
 #define TILE_RAYS (V * NR * LS)
+#if NR > 32
+#error "vectors that have a ray are told by the bits of an uint"
+#endif
 
 // Slots of vector j of this work-item, from the tile's first slot, and its slot row.
 #define VECTOR_SLOT(j, lid) (((j) * LS + (lid)) * V)
@@ -92,6 +95,8 @@ FN real nearest_box_mean(const real* record, real u) {
 #define J_FIRST(payload) ((int)(SLOT_ROW_FIRST(payload) * (SIM_SLOT_ROW / V)))
 #define J_LAST(payload) ((int)(SLOT_ROW_LAST(payload) * (SIM_SLOT_ROW / V)) + SIM_SLOT_ROW / V - 1)
 #define J_OUTSIDE(j, lid, payload) 0
+// Bits of these vectors.
+#define VECTORS_OF(payload) (((2u << (J_LAST(payload) - J_FIRST(payload))) - 1u) << J_FIRST(payload))
 #else
 #define J_FIRST(payload) 0
 #define J_LAST(payload) (NR - 1)
