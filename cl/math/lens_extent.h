@@ -80,9 +80,10 @@ FN void lens_bounds(const Ellipsoid* e,
 }
 
 /// The image of unit vector n + step * across.
-FN void image_beside(__global const real* sensor, const F* n, const F* side, real step, F* x, F* y, I* valid) {
+FN void image_beside(__global const real* sensor, const F* n, const F* side, real step, F* x, F* y) {
+  I shown = n[0] == n[0];
   const F q[3] = {fma(side[0], (F)step, n[0]), fma(side[1], (F)step, n[1]), fma(side[2], (F)step, n[2])};
-  project_point(sensor, q, x, y, valid);
+  project_point(sensor, q, x, y, &shown);
 }
 
 /// The ellipsoid's image through the lens. No image moves faster over the picture than the largest px per rad
@@ -114,8 +115,10 @@ FN void lens_extent(__global const real* sensor, const Ellipsoid* e, F* x0, F* x
     n[1] = SEL(beyond, n[1] * scale, n[1]);
     n[2] = SEL(beyond, (F)cos(cone), n[2]);
   }
+  // The formula over the cone bounds the rays' pixels whether it shows this direction or is past a fold.
   F x, y;
-  project_point(sensor, n, &x, &y, &bounded);
+  I shown = bounded;
+  project_point(sensor, n, &x, &y, &shown);
   const F half_x = cap * sensor[SIM_S_LENS_SLOPE_X];
   const F half_y = cap * sensor[SIM_S_LENS_SLOPE_Y];
   *x0 = SEL(bounded, x - half_x, (F)-NO_BOUND);
@@ -124,11 +127,10 @@ FN void lens_extent(__global const real* sensor, const Ellipsoid* e, F* x0, F* x
   *y1 = SEL(bounded, y + half_y, (F)NO_BOUND);
   if (!ANY(tame)) return;
   F xa, ya, xb, yb, xc, yc, xd, yd;
-  image_beside(sensor, n, e1, LENS_STEP, &xa, &ya, &tame);
-  image_beside(sensor, n, e1, -LENS_STEP, &xb, &yb, &tame);
-  image_beside(sensor, n, e2, LENS_STEP, &xc, &yc, &tame);
-  image_beside(sensor, n, e2, -LENS_STEP, &xd, &yd, &tame);
-  tame = AND(tame, bounded);
+  image_beside(sensor, n, e1, LENS_STEP, &xa, &ya);
+  image_beside(sensor, n, e1, -LENS_STEP, &xb, &yb);
+  image_beside(sensor, n, e2, LENS_STEP, &xc, &yc);
+  image_beside(sensor, n, e2, -LENS_STEP, &xd, &yd);
   const real per_step = R(0.5) / LENS_STEP;
   const real bend_x = sensor[SIM_S_LENS_BEND_X], bend_y = sensor[SIM_S_LENS_BEND_Y];
   lens_bounds(e, distance, l, a1, a2, x, (xa - xb) * per_step, (xc - xd) * per_step, cap, bend_x, tame, x0, x1);

@@ -18,16 +18,22 @@ constexpr double kPi = std::numbers::pi;
 struct LensSlopes {
   double cone_rad = 0.0;
   // px per rad; so much that any bound made of it is the whole picture
-  Eigen::Array2d slope = Eigen::Array2d::Constant(1e9);
-  Eigen::Array2d bend = Eigen::Array2d::Constant(1e9);  // px per rad^2, along great circles
+  Eigen::Array2d slope = Eigen::Array2d::Constant(1e30);
+  Eigen::Array2d bend = Eigen::Array2d::Constant(1e30);  // px per rad^2, along great circles
 };
 
 /// The largest first and second derivatives of the pixel's x and y over the directions at `angle` off axis,
-/// added to `slopes`; false when not all of them have an image.
+/// added to `slopes`; false where the lens's formula is not smooth. It may lead past a fold: rays end there,
+/// and what bounds their pixels is the formula over a cone that is convex.
 bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
   constexpr int kAround = 72;
   constexpr double kStep = 5e-4;  // rad
   const double s = std::sin(kStep), c = std::cos(kStep), diagonal = std::sqrt(0.5);
+  const auto image = [&camera](const Eigen::Vector3d& direction, Eigen::Vector2d& pixel) {
+    if (!camera.lens.continued(direction, pixel)) return false;
+    pixel = pixel.cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy));
+    return true;
+  };
   for (int k = 0; k < kAround; ++k) {
     const double phi = 2.0 * kPi * k / kAround;
     const Eigen::Vector3d outwards(std::cos(phi), std::sin(phi), 0.0);
@@ -36,14 +42,13 @@ bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
     const Eigen::Vector3d u = std::cos(angle) * outwards - std::sin(angle) * axis;
     const Eigen::Vector3d v = axis.cross(outwards);
     Eigen::Vector2d middle;
-    if (!camera.project(here, middle)) return false;
+    if (!image(here, middle)) return false;
     // Derivatives at `here` along the great circle in the direction `along`.
     Eigen::Array2d first[3], second[3];
     const Eigen::Vector3d along[3] = {u, v, diagonal * (u + v)};
     for (int i = 0; i < 3; ++i) {
       Eigen::Vector2d ahead, behind;
-      if (!(camera.project(c * here + s * along[i], ahead) &&
-            camera.project(c * here - s * along[i], behind))) {
+      if (!(image(c * here + s * along[i], ahead) && image(c * here - s * along[i], behind))) {
         return false;
       }
       first[i] = (ahead - behind).array() / (2.0 * kStep);
@@ -60,22 +65,30 @@ bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
 }
 
 /// The cone holds all rays (picture_rad), and as far as the lens reaches some more: what moves or is wide
-/// leaves the picture. If that is less than half of space, it is convex, and must be.
+/// leaves the picture. If that is less than half of space, it is convex, and must be; it then goes no further
+/// than the picture's own slopes allow: polynomials run away behind its edge.
 LensSlopes lens_slopes(const Camera& camera, double picture_rad) {
   constexpr double kStep = 0.25 * kPi / 180.0;
   constexpr double kBetweenSamples = 1.02;  // the map is smooth: less than this between neighbours
   constexpr double kConvexMargin = 0.15, kMargin = 0.5;
+  constexpr double kSteeper = 1.1;
   const bool convex = picture_rad <= 0.5 * kPi;
   const double farthest = convex ? std::min(picture_rad + kConvexMargin, 0.5 * kPi)
                                  : std::min(picture_rad + kMargin, kPi - kStep);
-  LensSlopes slopes{0.0, Eigen::Array2d::Zero(), Eigen::Array2d::Zero()};
+  LensSlopes slopes{0.0, Eigen::Array2d::Zero(), Eigen::Array2d::Zero()}, of_picture = slopes;
   while (slopes.cone_rad < farthest) {
-    const double stop = slopes.cone_rad < picture_rad ? picture_rad : farthest;
-    const double angle = std::min(slopes.cone_rad + kStep, stop);
+    const bool beside = slopes.cone_rad >= picture_rad;
+    const double angle = std::min(slopes.cone_rad + kStep, beside ? farthest : picture_rad);
     LensSlopes wider = slopes;
     if (!add_slopes(camera, angle, wider)) break;
+    if (convex && beside &&
+        ((wider.slope > kSteeper * of_picture.slope).any() ||
+         (wider.bend > kSteeper * of_picture.bend).any())) {
+      break;
+    }
     slopes = wider;
     slopes.cone_rad = angle;
+    if (!beside) of_picture = slopes;
   }
   if (convex && slopes.cone_rad < picture_rad) return {picture_rad};
   slopes.slope *= kBetweenSamples;

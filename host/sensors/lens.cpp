@@ -143,7 +143,7 @@ void Lens::fill_constants() {
   }
 }
 
-bool Lens::project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
+bool Lens::forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
   const double x = p_camera.x(), y = p_camera.y(), z = p_camera.z();
   const double* const lens = constants_.data();
   double u = 0.0, v = 0.0;
@@ -178,9 +178,36 @@ bool Lens::project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) cons
       forward::eucm_image(lens, x, y, z, &u, &v, &valid);
       break;
   }
-  if (valid == 0) return false;
   image = {u, v};
+  return valid != 0;
+}
+
+bool Lens::project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
+  Eigen::Vector2d found;
+  if (!forward(p_camera, found)) return false;
+  image = found;
   return true;
+}
+
+bool Lens::continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
+  const double x = p_camera.x(), y = p_camera.y(), z = p_camera.z();
+  const bool has_image = forward(p_camera, image);
+  switch (kind_) {
+    case LensKind::kOpencvPinhole: {
+      double u = 0.0, v = 0.0;
+      int valid = 1;
+      lens_forward::pinhole_image(x, y, z, &u, &v, &valid);
+      const double* const k = constants_.data() + SIM_L_DISTORTION;
+      const double r2 = u * u + v * v;
+      return valid != 0 && 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) > 0.0;
+    }
+    case LensKind::kOpencvFisheye:
+    case LensKind::kFtheta:
+      // Straight behind, one direction fills a circle.
+      return std::hypot(x, y) > 1e-5 * p_camera.norm() || z > 0.0;
+    default:
+      return has_image;
+  }
 }
 
 Eigen::Vector3d Lens::unproject(const Eigen::Vector2d& image) const {

@@ -52,6 +52,9 @@ class Lens {
 
   /// Image of a point (m); false when it has none. The same text as on the device (cl/math/camera.h).
   [[nodiscard]] bool project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;
+  /// The same formula past the first fold as well, where points have no image: what bounds the one bounds the
+  /// other. False where it is not smooth.
+  [[nodiscard]] bool continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;
   /// Unit direction that has this image; zero where there is none. The result is verified by projection.
   [[nodiscard]] Eigen::Vector3d unproject(const Eigen::Vector2d& image) const;
   /// Focal lengths per rad at the axis.
@@ -59,6 +62,7 @@ class Lens {
 
  private:
   [[nodiscard]] double constant(int index) const { return constants_[static_cast<std::size_t>(index)]; }
+  bool forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;  // whether it has an image
   void set(int index, double value) { constants_[static_cast<std::size_t>(index)] = value; }
   void fill_constants();
   void find_domain(double max_angle_rad);                                     // lens_domain.cpp
