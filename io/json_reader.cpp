@@ -40,10 +40,11 @@ const Json& JsonObject::get(const std::string& key) {
   // The keys that are there show a misspelt name or a wrong unit at once.
   std::vector<std::string> present;
   for (const auto& [name, unused] : value_.items()) present.push_back(quoted(name));
-  throw_input_error(file_,
-                    field(key),
-                    fmt::format("no such key beside {}", fmt::join(present, ", ")),
-                    "this key (and no other spelling or unit)");
+  throw_input_error(
+      file_,
+      field(key),
+      present.empty() ? "no key at all" : fmt::format("no such key beside {}", fmt::join(present, ", ")),
+      "this key (and no other spelling or unit)");
 }
 
 void JsonObject::refuse(const std::string& key, const std::string& allowed) const {

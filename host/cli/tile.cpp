@@ -70,6 +70,11 @@ TileFacts facts_of(const RayGrid& grid) {
   return facts;
 }
 
+std::string rows_text(const TileFacts& facts, const char* to) {
+  if (facts.fewest_rows == facts.most_rows) return std::to_string(facts.most_rows);
+  return fmt::format("{}{}{}", facts.fewest_rows, to, facts.most_rows);
+}
+
 void print(const std::string& name, const RayGrid& grid, bool json) {
   const TileFacts facts = facts_of(grid);
   if (json) {
@@ -91,7 +96,7 @@ void print(const std::string& name, const RayGrid& grid, bool json) {
                            grid.rays,
                            grid.frame.tiles_y,
                            grid.frame.tiles_x)
-            << fmt::format("  rows per tile          {} to {}\n", facts.fewest_rows, facts.most_rows)
+            << fmt::format("  rows per tile          {}\n", rows_text(facts, " to "))
             << fmt::format("  rays per tile          {} in the fullest, {} in the emptiest interior one\n",
                            facts.fullest,
                            facts.emptiest_interior)
@@ -129,17 +134,17 @@ void tile(const TileCommand& command, const Globals& globals) {
   }
   const std::string& name = name_of(sensor);
   const RayGrid grid = grid_of(device, sensor, command.tiles);
+  if (!command.picture.empty()) {
+    const TileFacts facts = facts_of(grid);
+    write_image(command.picture,
+                tile_picture(grid,
+                             fmt::format("{}: {} RAYS, {} ROWS AND UP TO {} RAYS IN A TILE",
+                                         name,
+                                         grid.rays,
+                                         rows_text(facts, " TO "),
+                                         facts.fullest)));
+  }
   print(name, grid, globals.json);
-  if (command.picture.empty()) return;
-  const TileFacts facts = facts_of(grid);
-  write_image(command.picture,
-              tile_picture(grid,
-                           fmt::format("{}: {} RAYS, {} TO {} ROWS AND UP TO {} RAYS IN A TILE",
-                                       name,
-                                       grid.rays,
-                                       facts.fewest_rows,
-                                       facts.most_rows,
-                                       facts.fullest)));
 }
 
 }  // namespace

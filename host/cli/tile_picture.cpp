@@ -62,7 +62,7 @@ void draw_axes(Canvas& canvas, const Axes& a, const std::string& title) {
     canvas.text(
         kLeft - 12 - static_cast<int>(text.size()) * Canvas::kCharacterWidth, a.y(value) - 7, text, kInk);
   }
-  canvas.text(kWidth / 2 - 130, bottom + 36, "SPIN ANGLE (DEGREES)", kInk);
+  canvas.text(kWidth / 2 - 170, bottom + 36, "ANGLE FROM THE CUT (DEGREES)", kInk);
 }
 
 /// Of every slot with a ray: spin angle and elevation in degrees.

@@ -14,7 +14,7 @@ class TileCli : public Cli {};
 TEST_F(TileCli, NumbersAndPictureOfABuiltInSensor) {
   const Outcome text = run("tile velodyne_vlp16 --elevation-tiles 4 --rays 128 -o tiles.png");
   ASSERT_EQ(text.exit_code, 0) << text.err;
-  EXPECT_NE(text.out.find("rows per tile          4 to 4"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("rows per tile          4\n"), std::string::npos) << text.out;
   EXPECT_GT(fs::file_size(folder_ / "tiles.png"), 10'000U);
   const Outcome json = run("tile velodyne_vlp16 --elevation-tiles 4 --rays 128 --json");
   ASSERT_EQ(json.exit_code, 0) << json.err;
@@ -41,7 +41,6 @@ TEST_F(TileCli, ASensorFileOfOnesOwn) {
 }
 
 TEST_F(TileCli, WrongInputIsOneLine) {
-  GTEST_SKIP() << "open: not looked into";
   expect_failure("tile", kUsage, "SENSOR");
   expect_failure("tile velodyne_vlp61", kUsage, "velodyne_vlp16");
   expect_failure("tile velodyne_vlp16 --rays 8", kUsage, "rays");
