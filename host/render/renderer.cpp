@@ -1,5 +1,6 @@
 #include "host/render/renderer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <fmt/format.h>
@@ -12,6 +13,22 @@
 #include "host/render/validate.hpp"
 
 namespace simuli {
+namespace {
+
+/// Some of the rays leave cells of the default size full that hold one of many: a row per beam and two
+/// columns per firing instead. A size that was asked for is kept.
+RayMaskSize of_some_rays(RayMaskSize size, const RayGrid& grid) {
+  constexpr RayMaskSize kDefault;
+  constexpr int kMostCells = 1 << 20, kMostRows = 4096;
+  if (size.columns != kDefault.columns || size.rows != kDefault.rows) return size;
+  const auto firings = static_cast<int>(grid.rays / grid.frame.rows);
+  size.rows = std::clamp(static_cast<int>(grid.frame.rows), kDefault.rows, kMostRows);
+  size.columns =
+      std::clamp(2 * firings, kDefault.columns, std::max(kMostCells / size.rows, kDefault.columns));
+  return size;
+}
+
+}  // namespace
 
 SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
     : device_(device),
@@ -50,14 +67,17 @@ void SensorRays::request(const std::vector<bool>& requested) {
   }
   std::vector<float> sensor_ray = grid_.sensor_ray;
   const std::size_t slots = grid_.frame.slots;
+  bool all = true;
   for (std::size_t slot = 0; slot < slots; ++slot) {
     const std::int32_t of_slot = grid_.ray_of_slot[slot];
     const auto ray = static_cast<std::size_t>(of_slot);
-    if (of_slot >= 0 && requested[ray] && (blind_.empty() || !blind_[ray])) continue;
+    if (of_slot < 0 || (requested[ray] && (blind_.empty() || !blind_[ray]))) continue;
+    all = false;
     for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
   }
   buffers_.sensor_ray.assign(sensor_ray);
-  mark_rays();
+  const RayMaskSize size = all ? mask_size_ : of_some_rays(mask_size_, grid_);
+  if (marks_) can_cull_ = RayMaskStage(device_, precision_).run(grid_, size, buffers_);
 }
 
 std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {

@@ -51,7 +51,7 @@ TEST(RayMask, AreasCountOccupiedCells) {
   const Device device = Device::best();
   const Lidar lidar = test::small_lidar(20, 150);
   for (const RayMaskSize size :
-       {RayMaskSize{}, {1600, 8, false}, {7, 3, true}, {1, 1, true}, {333, 20, true}}) {
+       {RayMaskSize{1601, 8, true}, {1601, 8, false}, {7, 3, true}, {1, 1, true}, {333, 20, true}}) {
     RenderOptions options;
     options.ray_mask = size;
     SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
@@ -93,6 +93,24 @@ TEST(RayMask, AreasCountOccupiedCells) {
       EXPECT_EQ(rays.can_cull(), areas.back() < rows * columns);
     }
   }
+}
+
+TEST(RayMask, SomeRaysGetARowPerBeamAndTwoColumnsPerFiring) {
+  const Device device = Device::best();
+  const Lidar lidar = test::small_lidar(20, 900);
+  RenderOptions options;
+  SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
+  EXPECT_EQ(rays.buffers().areas.count(), std::size_t{9} * 1601);
+  std::vector<bool> some(lidar.ray_count(), true);
+  some[7] = false;
+  rays.request(some);
+  EXPECT_EQ(rays.buffers().areas.count(), std::size_t{21} * 1801);
+  rays.request(std::vector<bool>(lidar.ray_count(), true));
+  EXPECT_EQ(rays.buffers().areas.count(), std::size_t{9} * 1601);
+  options.ray_mask = {800, 4, true};
+  SensorRays asked(device, lidar, nominal_rays(lidar, 0.1), options);
+  asked.request(some);
+  EXPECT_EQ(asked.buffers().areas.count(), std::size_t{5} * 801);
 }
 
 TEST(RayMask, RowsHoldEqualNumbersOfBeamsOrEqualElevations) {
