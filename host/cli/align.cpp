@@ -107,6 +107,10 @@ Json to_json(const CameraResult& result) {
           {"translation_sigma_m", array(r.translation_sigma_m)},
           {"rotation_sigma_deg", array(r.rotation_sigma_rad / kDegree)},
           {"time_sigma_s", r.time_sigma_s},
+          {"texture_pieces", r.pieces},
+          {"texture_points", r.texture_points},
+          {"texture_correlation_before", r.texture_before},
+          {"texture_correlation_after", r.texture_after},
           {"edges", r.edges},
           {"matched", r.matched},
           {"outlier_share", r.outlier_share},
@@ -162,6 +166,14 @@ std::string text_of(const CameraResult& result) {
                   100.0 * r.outlier_share);
   text +=
       fmt::format("  median distance        {:.2f} px before, {:.2f} px after\n", r.before_px, r.after_px);
+  if (r.pieces > 0) {
+    text += fmt::format(
+        "  texture: {} returns on {} flat pieces; correlation {:.3f} where edges put it, {:.3f} after\n",
+        r.texture_points,
+        r.pieces,
+        r.texture_before,
+        r.texture_after);
+  }
   text += row("moved by (camera axes)", r.translation_change_m, "m");
   text += row("standard deviations", r.translation_sigma_m, "m");
   text += fmt::format("  {:<22} {:>9.4f} deg\n", "turned by", r.rotation_change_rad / kDegree);

@@ -97,6 +97,14 @@ void write_aligned_log(const Log& log, const Trajectory& world_from_rig, const f
     Log aligned = log;
     aligned.folder = temporary;
     aligned.world_from_rig = world_from_rig;
+    for (Actor& actor : aligned.actors) {
+      for (KeyPose& key : actor.track) {
+        const Pose change = world_from_rig.at(key.time_s) * log.world_from_rig.at(key.time_s).inverse();
+        key.world_from_actor = change * key.world_from_actor;
+        key.shift_m = change.rotation * key.shift_m;
+        key.turn_rad = change.rotation * key.turn_rad;
+      }
+    }
     write_log(aligned);
     (void)read_log(temporary);  // what was written is what the next command will read
   });

@@ -42,8 +42,9 @@ struct AlignReport {
     const AlignOptions& options = {},
     const std::function<void(const char*, std::size_t, std::size_t)>& progress = {});
 
-/// Writes the log with another path (and whatever else was changed in it) to a new folder. Pictures and
-/// sweeps are hard links where the file system has them, copies where not.
+/// Writes the log with another path (and whatever else was changed in it) to a new folder. Boxes of actors
+/// were seen from the rig and go where it goes. Pictures and sweeps are hard links where the file system has
+/// them, copies where not.
 void write_aligned_log(const Log& log, const Trajectory& world_from_rig, const std::filesystem::path& folder);
 
 }  // namespace simuli::calibration

@@ -1,6 +1,7 @@
 #pragma once
-// Where a camera sits on the rig, and by how much its clock is off, from depth edges of the LiDAR that must
-// lie on edges of the pictures. The path of the rig and the lens are given.
+// Where a camera sits on the rig, and by how much its clock is off: from depth edges of the LiDAR that must
+// lie on edges of the pictures, then from the texture that both sensors see. The path of the rig and the
+// lens are given.
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
@@ -9,15 +10,18 @@
 
 #include "io/log.hpp"
 #include "optim/calibration/camera_edges.hpp"
+#include "optim/calibration/camera_texture.hpp"
 
 namespace simuli::calibration {
 
-/// One picture with its exposure; exposure_end_s equals exposure_start_s for a global shutter.
-struct CameraView {
-  EdgeImage edges;
-  double exposure_start_s = 0.0;
-  double exposure_end_s = 0.0;
+/// What the LiDAR saw over the log, by time.
+struct LidarScene {
+  std::vector<DepthEdge> edges;
+  std::vector<SurfacePoint> surfaces;
+  double spacing_rad = 0.0;  // between neighbouring beams, median
 };
+/// The spacing of a sensor's rows, or of its columns where it has one row.
+[[nodiscard]] double beam_spacing(const Lidar& lidar);
 
 struct CameraPoseOptions {
   double widest_search = 0.06;   // of the focal length: 3.4 degrees
@@ -36,6 +40,10 @@ struct CameraPoseReport {
   Eigen::Vector3d translation_change_m = Eigen::Vector3d::Zero();  // camera frame, from the value given
   double rotation_change_rad = 0.0;
   bool time_known = false;
+  std::size_t pieces = 0;          // flat pieces with a texture that both show, each in each picture; 0: none
+  std::size_t texture_points = 0;  // returns on them
+  double texture_before = 0.0;     // median correlation on them, as depth edges put the camera ...
+  double texture_after = 0.0;      // ... and at the end
   std::size_t edges = 0;           // depth edges in view
   std::size_t matched = 0;         // of them, found in the pictures at the end
   double outlier_share = 0.0;      // of the matched, farther than 3 sigma
@@ -44,15 +52,14 @@ struct CameraPoseReport {
   std::vector<std::string> notes;  // what is not determined, and why
 };
 
-/// edges: of all sweeps, by time. Throws Error{kNumeric} with the reason where the data cannot tell the
-/// mounting: too few edges in view (a blank wall), or a direction in which the edges do not hold the camera.
-/// A clock that cannot be told apart from the mounting (a straight drive at constant speed) stays as it is,
-/// noted.
+/// Throws Error{kNumeric} with the reason where the data cannot tell the mounting: too few edges in view (a
+/// blank wall), or a direction in which neither edges nor texture hold the camera. A clock that cannot be
+/// told apart from the mounting (a straight drive at constant speed) stays as it is, noted.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const std::vector<CameraView>& views,
     const LogCamera& camera,
     const Trajectory& world_from_rig,
-    const std::vector<DepthEdge>& edges,
+    const LidarScene& scene,
     const CameraPoseOptions& options = {},
     const std::function<void(std::size_t, std::size_t)>& progress = {});
 

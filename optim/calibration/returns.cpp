@@ -25,6 +25,7 @@ Returns returns_of(
     out.p_rig.push_back(lidar.rig_from_lidar * p_lidar);
     out.time_s.push_back(time_start_s + fraction * (time_end_s - time_start_s));
     out.ray.push_back(static_cast<std::uint32_t>(i));
+    out.intensity.push_back(sweep.intensity[i]);
   }
   return out;
 }

@@ -13,6 +13,7 @@ struct Returns {
   std::vector<Eigen::Vector3d> p_rig;  // [N] m, rig frame at time_s
   std::vector<double> time_s;          // [N] since the log's start
   std::vector<std::uint32_t> ray;      // [N] row * columns + column
+  std::vector<float> intensity;        // [N] in [0, 1]
   double time_start_s = 0.0;           // of the sweep
   double time_end_s = 0.0;
 
