@@ -34,10 +34,10 @@ struct InitOptions {
   bool actors = true;               // give the log's actors particles of their own; false: all is background
   double actor_min_travel_m = 1.0;  // to those that get at least that far
   double actor_voxel_m = 0.05;
-  double actor_margin_m = 0.1;   // by which boxes reach farther than labelled; the road below stays outside
-  bool mirror_actors = false;    // vehicles: also the mirror image of each point
-  bool register_tracks = false;  // correct the actors' tracks by what the laser measured (actor_tracks.hpp)
-  std::uint64_t seed = 1;        // which points go when there are more than max_*
+  double actor_margin_m = 0.1;  // by which boxes reach farther than labelled; the road below stays outside
+  bool mirror_actors = false;   // vehicles: also the mirror image of each point
+  bool register_tracks = true;  // correct the actors' tracks by what the laser measured (actor_tracks.hpp)
+  std::uint64_t seed = 1;       // which points go when there are more than max_*
 };
 
 /// What the initialisation did, so that nothing is dropped without a number.
