@@ -175,8 +175,6 @@ __kernel void project_bwd(const FrameParams frame,
   STV(param_grads + SIM_OPACITY * stride + i, SEL(live, g_logit, (F)R(0.0)));
 
   // Features; colour and intensity are clamped at 0 from below.
-  const F inv_range = R(1.0) / g.range;
-  const F dx = g.offset[0] * inv_range, dy = g.offset[1] * inv_range, dz = g.offset[2] * inv_range;
   F basis[SH_COEFFICIENTS];
   F weight[SH_COEFFICIENTS];
   F towards[3];
@@ -193,6 +191,8 @@ __kernel void project_bwd(const FrameParams frame,
     }
   }
 #if SH_DEGREE > 0
+  const F inv_range = R(1.0) / g.range;
+  const F dx = g.offset[0] * inv_range, dy = g.offset[1] * inv_range, dz = g.offset[2] * inv_range;
   F gd[3];
   sh_gradient(towards[0], towards[1], towards[2], weight, gd);
 #if ACTORS
