@@ -23,8 +23,8 @@ struct InitOptions {
   int environment_width = 0;           // texels around, even; 0: no environment
   double shell_spacing_deg = 0.5;      // angle between shell particles, seen from the scene origin
   double camera_scale = 0.5;           // standard deviation of a particle over the distance to its neighbours
-  double lidar_scale = 0.5;
-  double min_scale_m = 0.02;  // limits of a particle's standard deviation
+  double lidar_scale = 0.7;
+  double min_scale_m = 0.03;  // limits of a particle's standard deviation
   double max_scale_m = 0.5;
   bool sweep_depth = true;          // place camera particles also where only pictures tell the depth
   int sweep_cell_px = 4;            // between them, in the training picture
