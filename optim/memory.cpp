@@ -112,6 +112,11 @@ MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOption
       slots_of(std::max(images.largest, sweeps.largest)) * per_slot +
           slots_of(images.largest) * sensor_ray * log.cameras.size(),
       slots_of(std::max(images.largest, sweeps.largest)) * SIM_OUTPUTS * kReal);
+  // Planes, moments and slopes of SSIM, by pixel.
+  constexpr std::uint64_t kSsimPlanes = 15;
+  if (options.image.dissimilarity > 0.0) {
+    add("SSIM", slots_of(images.largest) * kSsimPlanes * kReal, slots_of(images.largest) * 6 * kReal);
+  }
   const std::uint64_t cache = options.cache_bytes;
   add("frames kept",
       std::min(cache, images.slots * 3 * kReal) +
