@@ -6,9 +6,11 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "optim/calibration/beam_parts.hpp"
+#include "optim/calibration/median.hpp"
 
 namespace simuli::calibration {
 namespace {
@@ -132,12 +134,6 @@ struct ConeError {
   }
 };
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// At most kPerBin points of each distance class, evenly taken: far points are few and tell most.
 std::vector<BeamPoint> choose(const std::vector<std::vector<BeamPoint>>& sweeps) {
   constexpr std::size_t kPerBin = 300;
@@ -184,7 +180,7 @@ void fit_beam(const std::vector<std::vector<BeamPoint>>& sweeps, BeamEstimate& b
     errors.push_back(
         std::abs(line.error(std::sqrt(std::max(0.0, p.distance * p.distance - side * side)), p.height)));
   }
-  beam.residual = errors.empty() ? 0.0 : 1.4826 * median(errors);
+  beam.residual = 1.4826 * upper_median(std::move(errors));
 
   ceres::Covariance::Options how;
   how.algorithm_type = ceres::DENSE_SVD;
@@ -225,7 +221,7 @@ void borrow_offsets(const BeamPoints& points, BeamTable& table) {
     for (const auto& sweep : points[r]) {
       for (const BeamPoint& p : sweep) elevations.push_back(std::atan2(p.height - offset_m, p.distance));
     }
-    if (!elevations.empty()) beam.row.elevation = median(elevations);
+    if (!elevations.empty()) beam.row.elevation = upper_median(std::move(elevations));
     beam.row.vertical_offset = offset_m;
   }
   if (unknown > 0) {

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "optim/calibration/camera_residual.hpp"
+#include "optim/calibration/median.hpp"
 #include "optim/calibration/odometry.hpp"
 #include "optim/parallel.hpp"
 
@@ -116,13 +118,6 @@ double distance_px(const PointOnLine& line, const State& state) {
                          &state.time_offset_s,
                          &error);
   return seen ? std::abs(error) * line.sigma_px : INFINITY;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A problem in the mounting and the clock, around what was given.
@@ -287,7 +282,7 @@ CameraPoseReport find_camera_pose(const std::vector<CameraView>& views,
     for (const Match& m : matches) {
       if (m.found) errors.push_back(distance_px(m.line, state) / m.line.sigma_px);
     }
-    return 1.4826 * median(std::move(errors));
+    return 1.4826 * upper_median(std::move(errors));
   };
   double scale = 0.0;
   MountingStep edge_deviation =
@@ -386,8 +381,8 @@ CameraPoseReport find_camera_pose(const std::vector<CameraView>& views,
   }
   report.matched = after.size();
   report.outlier_share = static_cast<double>(outliers) / static_cast<double>(after.size());
-  report.before_px = median(std::move(before));
-  report.after_px = median(std::move(after));
+  report.before_px = upper_median(std::move(before));
+  report.after_px = upper_median(std::move(after));
   return report;
 }
 

@@ -1,9 +1,11 @@
 // What the search for a camera's mounting reads of a log.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "optim/calibration/camera_pose.hpp"
+#include "optim/calibration/median.hpp"
 
 namespace simuli::calibration {
 
@@ -12,10 +14,7 @@ double beam_spacing(const Lidar& lidar) {
   for (std::size_t r = 1; r < lidar.rows.size(); ++r) {
     gaps.push_back(std::abs(lidar.rows[r].elevation - lidar.rows[r - 1].elevation));
   }
-  if (gaps.empty()) return lidar.azimuth_span / lidar.columns;
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return *middle;
+  return gaps.empty() ? lidar.azimuth_span / lidar.columns : upper_median(std::move(gaps));
 }
 
 CameraPoseReport find_camera_pose(const Log& log,

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "optim/calibration/camera_residual.hpp"
+#include "optim/calibration/median.hpp"
 #include "optim/calibration/placed_view.hpp"
 #include "optim/calibration/plane_map.hpp"
 #include "optim/parallel.hpp"
@@ -242,10 +244,7 @@ double median_correlation(const std::vector<Verdict>& verdicts) {
   for (const Verdict& verdict : verdicts) {
     values.push_back(verdict.counts ? std::sqrt(std::max(0.0, verdict.agreement)) : 0.0);
   }
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return upper_median(std::move(values));
 }
 
 /// Covariance of the sum of the pieces' slopes: pictures up to kReach apart see the same pieces, so that

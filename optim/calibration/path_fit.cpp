@@ -2,7 +2,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "optim/calibration/median.hpp"
 #include "optim/calibration/odometry.hpp"
 #include "optim/calibration/plane_map.hpp"
 #include "optim/parallel.hpp"
@@ -41,9 +43,7 @@ Fit fit_of(const std::vector<Returns>& sweeps, const std::vector<TimedPose>& pat
   fit.outlier_share = static_cast<double>(std::count_if(
                           distances.begin(), distances.end(), [](double d) { return d > Fit::kOutlier_m; })) /
                       count;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  fit.median_m = *middle;
+  fit.median_m = upper_median(std::move(distances));
   return fit;
 }
 

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <utility>
 
 #include "host/base/error.hpp"
+#include "optim/calibration/median.hpp"
 #include "optim/calibration/odometry.hpp"
 #include "optim/calibration/residuals.hpp"
 #include "optim/parallel.hpp"
@@ -159,9 +161,7 @@ class JointProblem {
     problem_.Evaluate(what, &cost, &residuals, nullptr, &jacobian);
     std::vector<double> sizes;
     for (const double r : residuals) sizes.push_back(std::abs(r));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double sigma = 1.4826 * *middle;
+    const double sigma = 1.4826 * upper_median(std::move(sizes));
     report.sigma_m = sigma * kSigma_m;
 
     const Eigen::Index size = 6 * knots;
