@@ -63,8 +63,9 @@ void run_bench(BenchCommand command, const Globals& globals) {
   command.table5.log = command.table8.log = command.log;
   if (command.iterations > 0) {
     if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors) {
-      throw Error(ErrorKind::kUsage,
-                  "bench: --iterations: found without a training, allowed with --table 5|8, --figure, --actors");
+      throw Error(
+          ErrorKind::kUsage,
+          "bench: --iterations: found without a training, allowed with --table 5|8, --figure, --actors");
     }
     command.table5.iterations = command.table8.iterations = command.figure10.iterations =
         command.figure11.iterations = command.actor_options.iterations = command.iterations;

@@ -52,10 +52,12 @@ void write_lidar_pair(Renderer& renderer, const Log& log, const Scene& scene, co
   const LidarModel& lidar = log.lidar(frame.lidar).model;
   const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
   const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
-  write_image(file,
-              joined(range_image(lidar, pair.recorded.rays, lidar_picture(lidar, pair.recorded.rays, pair.simulated).range),
-                     range_image(lidar, pair.recorded.rays, pair.recorded.range),
-                     Layout::kBelow));
+  write_image(
+      file,
+      joined(range_image(
+                 lidar, pair.recorded.rays, lidar_picture(lidar, pair.recorded.rays, pair.simulated).range),
+             range_image(lidar, pair.recorded.rays, pair.recorded.range),
+             Layout::kBelow));
 }
 
 void demo(const DemoCommand& command, const Globals& globals) {
