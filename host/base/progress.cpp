@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kBarInterval_s = 0.1;
 constexpr double kLineInterval_s = 10.0;
+constexpr double kJsonInterval_s = 1.0;
 constexpr int kBarCells = 24;
 
 double steady_seconds() {
@@ -27,10 +28,16 @@ int terminal_columns() {
   return size.ws_col;
 }
 
+std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
+
+double interval_s(ProgressStyle style) {
+  if (style == ProgressStyle::kBar) return kBarInterval_s;
+  return style == ProgressStyle::kJson ? kJsonInterval_s : kLineInterval_s;
+}
+
 }  // namespace
 
-ProgressStyle progress_style(bool quiet) {
-  if (quiet) return ProgressStyle::kQuiet;
+ProgressStyle progress_style() {
   return isatty(STDERR_FILENO) == 1 ? ProgressStyle::kBar : ProgressStyle::kLines;
 }
 
@@ -66,35 +73,57 @@ Progress::~Progress() {
   }
 }
 
-void Progress::update(std::uint64_t done, std::string_view extra) {
+void Progress::update(std::uint64_t done, const ProgressNote& note) {
   done_ = done;
   if (style_ == ProgressStyle::kQuiet || finished_) return;
   const double now_s = clock_();
-  const bool is_bar = style_ == ProgressStyle::kBar;
+  const bool at_once = style_ != ProgressStyle::kLines;
   // The first bar comes at once (something happens); the first line only when the task turns out long.
-  const bool due = now_s - shown_s_ >= (is_bar ? kBarInterval_s : kLineInterval_s);
-  if (due || (is_bar && !shown_once_)) show(extra, now_s);
+  const bool due = now_s - shown_s_ >= interval_s(style_);
+  if (due || (at_once && !shown_once_)) show(note, now_s);
 }
 
-void Progress::finish(std::string_view extra) {
+void Progress::finish(const ProgressNote& note) {
   if (style_ == ProgressStyle::kQuiet || finished_) return;
   finished_ = true;
-  show(extra, clock_());
+  show(note, clock_());
   if (bar_open_) *out_ << '\n' << std::flush;
   bar_open_ = false;
 }
 
-void Progress::show(std::string_view extra, double now_s) {
+void Progress::show(const ProgressNote& note, double now_s) {
   shown_s_ = now_s;
   shown_once_ = true;
-  const std::string text = line(extra, now_s);
-  if (style_ == ProgressStyle::kLines) {
+  const std::string text = style_ == ProgressStyle::kJson ? json(note, now_s) : line(note.text, now_s);
+  if (style_ != ProgressStyle::kBar) {
     *out_ << text << '\n' << std::flush;
     return;
   }
   // Back to the line's start, text, erase the rest of an older and longer text.
   *out_ << '\r' << text.substr(0, static_cast<std::size_t>(columns_ - 1)) << "\x1b[K" << std::flush;
   bar_open_ = true;
+}
+
+double Progress::left_s(double now_s) const {
+  if (finished_) return 0.0;
+  if (done_ == 0 || total_ == 0) return std::numeric_limits<double>::infinity();
+  const double share = std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
+  return (now_s - start_s_) * (1.0 - share) / share;
+}
+
+std::string Progress::json(const ProgressNote& note, double now_s) const {
+  // Labels and names are the program's own: nothing in them needs escaping.
+  std::string text =
+      fmt::format(R"({{"task": "{}", "done": {}, "total": {}, "elapsed_s": {}, "left_s": {}, "finished": {})",
+                  label_,
+                  done_,
+                  total_,
+                  json_number(now_s - start_s_),
+                  json_number(left_s(now_s)),
+                  finished_);
+  for (const auto& [name, value] : note.values)
+    text += fmt::format(R"(, "{}": {})", name, json_number(value));
+  return text + "}";
 }
 
 std::string Progress::line(std::string_view extra, double now_s) const {
@@ -113,9 +142,7 @@ std::string Progress::line(std::string_view extra, double now_s) const {
     if (finished_) {
       text += fmt::format("  {} elapsed", format_duration(elapsed_s));
     } else {
-      const double left_s =
-          share > 0.0 ? elapsed_s * (1.0 - share) / share : std::numeric_limits<double>::infinity();
-      text += fmt::format("  {} left", format_duration(left_s));
+      text += fmt::format("  {} left", format_duration(left_s(now_s)));
     }
   }
   if (!extra.empty()) text += "  " + std::string(extra);

@@ -4,17 +4,33 @@
 #include <iosfwd>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace simuli {
 
-/// How progress is shown: a bar redrawn in place, plain lines (log files, CI), or not at all.
-enum class ProgressStyle { kBar, kLines, kQuiet };
+/// How progress is shown: a bar redrawn in place, plain lines (log files, CI), one JSON object a line (other
+/// programs), or not at all.
+enum class ProgressStyle { kBar, kLines, kJson, kQuiet };
 
-/// kQuiet when asked to be, else kBar when stderr is a terminal, else kLines.
-[[nodiscard]] ProgressStyle progress_style(bool quiet);
+/// kBar when stderr is a terminal, else kLines.
+[[nodiscard]] ProgressStyle progress_style();
+
+/// What a task says of itself beside how far it is: text for people, named numbers for programs.
+struct ProgressNote {
+  std::string text;
+  std::vector<std::pair<std::string, double>> values;  // unit in the name; not finite: null
+
+  ProgressNote() = default;
+  ProgressNote(const char* said) : text(said) {}  // NOLINT: a text is a note
+  ProgressNote(std::string said, std::vector<std::pair<std::string, double>> numbers)
+      : text(std::move(said)), values(std::move(numbers)) {}
+};
 
 /// Shows how far a task of known size is, with the time left at its average speed so far. As a bar it is
-/// redrawn at most ten times a second; as lines at most every ten seconds and once at the end. Nothing is
+/// redrawn at most ten times a second; as lines at most every ten seconds and once at the end; as JSON
+/// {"task", "done", "total", "elapsed_s", "left_s", "finished", values...} at most once a second and at the
+/// end. Nothing is
 /// written from the destructor but the newline that a broken-off bar still owes the terminal.
 class Progress {
  public:
@@ -39,14 +55,17 @@ class Progress {
 
   /// The size of the task, once it is known.
   void set_total(std::uint64_t total) { total_ = total; }
-  /// `done` steps are done; `extra` is shown behind the time, e.g. "PSNR 21.3 dB".
-  void update(std::uint64_t done, std::string_view extra = {});
+  /// `done` steps are done; `note` is shown behind the time, e.g. "PSNR 21.3 dB".
+  void update(std::uint64_t done, const ProgressNote& note = {});
   /// Shows the last state, whatever the time since the one before, and ends the line.
-  void finish(std::string_view extra = {});
+  void finish(const ProgressNote& note = {});
 
  private:
-  void show(std::string_view extra, double now_s);
+  void show(const ProgressNote& note, double now_s);
   [[nodiscard]] std::string line(std::string_view extra, double now_s) const;
+  [[nodiscard]] std::string json(const ProgressNote& note, double now_s) const;
+  /// At the average speed so far; infinite before the first step.
+  [[nodiscard]] double left_s(double now_s) const;
 
   std::string label_;
   std::uint64_t total_;

@@ -42,7 +42,7 @@ struct CameraResult {
 /// One bar per stage.
 class StageProgress {
  public:
-  explicit StageProgress(const Globals& globals) : style_(progress_style(globals.json)) {}
+  explicit StageProgress(const Globals& globals) : style_(progress_style(globals)) {}
   void update(const std::string& stage, std::size_t done, std::size_t total) {
     if (!bar_ || stage != stage_) {
       finish();

@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "host/base/progress.hpp"
+
 namespace simuli::cli {
 
 /// Options that every command takes, before or behind its name.
@@ -12,8 +14,12 @@ struct Globals {
   std::string device;                // part of an OpenCL device's name; empty: the best one
   std::string quality = "balanced";  // what is not built yet is refused while parsing
   bool json = false;                 // data as JSON
+  bool json_progress = false;        // progress as JSON lines
   bool verbose = false;              // tell times on stderr
 };
+
+/// As asked for; nothing beside data as JSON.
+[[nodiscard]] ProgressStyle progress_style(const Globals& globals);
 
 void add_align(CLI::App& app, const Globals& globals);
 void add_bench(CLI::App& app, const Globals& globals);

@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "host/base/progress.hpp"
 #include "host/cli/commands.hpp"
 
 namespace simuli::cli {
@@ -15,7 +14,7 @@ namespace simuli::cli {
 class FileProgress {
  public:
   FileProgress(std::string label, const Globals& globals)
-      : progress_(std::move(label), 0, progress_style(globals.json)) {}
+      : progress_(std::move(label), 0, progress_style(globals)) {}
 
   [[nodiscard]] std::function<void(std::size_t, std::size_t)> callback() {
     return [this](std::size_t done, std::size_t total) {

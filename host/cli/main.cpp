@@ -9,6 +9,11 @@
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
 
+simuli::ProgressStyle simuli::cli::progress_style(const Globals& globals) {
+  if (globals.json_progress) return ProgressStyle::kJson;
+  return globals.json ? ProgressStyle::kQuiet : simuli::progress_style();
+}
+
 namespace {
 
 /// Empty when `value` can be used, else what to tell the user. (CLI11's contract for a check.)
@@ -26,6 +31,7 @@ void add_globals(CLI::App& app, simuli::cli::Globals& globals) {
   app.add_option("--quality", globals.quality, "speed against accuracy: balanced")
       ->check(CLI::Validator(check_quality, "NAME", "quality"));
   app.add_flag("--json", globals.json, "data as JSON on stdout");
+  app.add_flag("--json-progress", globals.json_progress, "progress as one JSON object a line on stderr");
   app.add_flag("--verbose", globals.verbose, "tell times on stderr");
 }
 
