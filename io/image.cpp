@@ -1,5 +1,6 @@
 #include "io/image.hpp"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <array>
@@ -176,6 +177,26 @@ void write_image(const fs::path& file, const Image& image) {
     if (!output->write_image(OIIO::TypeDesc::FLOAT, image.data.data())) refuse(output->geterror());
     if (!output->close()) refuse(output->geterror());
   });
+}
+
+std::string encode_image(const Image& image, ImageCode code, int quality) {
+  const bool is_png = code == ImageCode::kPng;
+  const fs::path name = is_png ? "picture.png" : "picture.jpg";
+  require_writable(name, image);
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
+  if (!is_png) spec["Compression"] = fmt::format("jpeg:{}", quality);
+  const auto refuse = [&](const std::string& cause) {
+    throw_input_error(name.string(), "picture", one_line(cause), "one that can be encoded");
+  };
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name.string());
+  if (!output) refuse(OIIO::geterror());
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput sink(bytes);
+  output->set_ioproxy(&sink);
+  if (!output->open(name.string(), spec)) refuse(output->geterror());
+  if (!output->write_image(OIIO::TypeDesc::FLOAT, image.data.data())) refuse(output->geterror());
+  if (!output->close()) refuse(output->geterror());
+  return {bytes.begin(), bytes.end()};
 }
 
 Image resize_area(const Image& image, int width, int height) {

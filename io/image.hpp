@@ -14,7 +14,9 @@ struct Image {
 
   Image() = default;
   Image(int w, int h, int c)
-      : width(w), height(h), channels(c),
+      : width(w),
+        height(h),
+        channels(c),
         data(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c)) {}
   [[nodiscard]] float& at(int x, int y, int c) { return data[index(x, y, c)]; }
   [[nodiscard]] float at(int x, int y, int c) const { return data[index(x, y, c)]; }
@@ -33,6 +35,9 @@ struct Image {
 /// Writes 8-bit (PNG, JPEG) or float (EXR) by extension; 1 or 3 channels; values outside [0,1] are
 /// clipped in 8-bit formats. Temporary name, then rename: never half-written.
 void write_image(const std::filesystem::path& file, const Image& image);
+enum class ImageCode { kPng, kJpeg };
+/// The bytes of an 8-bit file of that format, as write_image() would write it; `quality` of JPEG in [1, 100].
+[[nodiscard]] std::string encode_image(const Image& image, ImageCode code, int quality = 90);
 /// Area-averaging resize (box filter over the exact footprint of each new pixel).
 [[nodiscard]] Image resize_area(const Image& image, int width, int height);
 

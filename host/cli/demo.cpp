@@ -9,9 +9,9 @@
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/file_progress.hpp"
-#include "host/cli/pictures.hpp"
+#include "host/cli/held_out.hpp"
+#include "host/cli/report.hpp"
 #include "host/cli/training.hpp"
-#include "host/render/look.hpp"
 #include "io/file.hpp"
 #include "io/scene_folder.hpp"
 #include "io/street.hpp"
@@ -26,39 +26,6 @@ struct DemoCommand {
   std::string output;  // empty: a new folder below the temporary one
   int iterations = 400;
 };
-
-/// A held-out picture as rendered, beside the recorded one.
-void write_camera_pair(Renderer& renderer, const Log& log, const Scene& scene, const fs::path& file) {
-  const std::size_t index = select_frames(log.images, EvalOptions{}.held_out_every, true).front();
-  const ImageFrame& frame = log.images[index];
-  const Camera& camera = log.camera(frame.camera).model;
-  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options().precision);
-  const SensorRays rays(renderer.device(), camera, renderer.options());
-  SceneLook(renderer.device(), scene, renderer.options().precision)
-      .render(renderer,
-              particles,
-              rays,
-              view_of(log, scene, frame),
-              frame.camera,
-              0.5 * (frame.time_start_s + frame.time_end_s));
-  write_image(
-      file, joined(picture_of(renderer.results(), camera), load_image(log, frame, camera), Layout::kBeside));
-}
-
-/// A held-out sweep's ranges as rendered, over the recorded ones.
-void write_lidar_pair(Renderer& renderer, const Log& log, const Scene& scene, const fs::path& file) {
-  const std::size_t index = select_frames(log.sweeps, EvalOptions{}.held_out_every, true).front();
-  const SweepFrame& frame = log.sweeps[index];
-  const LidarModel& lidar = log.lidar(frame.lidar).model;
-  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
-  const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
-  write_image(
-      file,
-      joined(range_image(
-                 lidar, pair.recorded.rays, lidar_picture(lidar, pair.recorded.rays, pair.simulated).range),
-             range_image(lidar, pair.recorded.rays, pair.recorded.range),
-             Layout::kBelow));
-}
 
 void demo(const DemoCommand& command, const Globals& globals) {
   const Device device = Device::best(globals.device);
@@ -81,14 +48,29 @@ void demo(const DemoCommand& command, const Globals& globals) {
     const TrainedScene trained = train_scene(device, log, init, train, globals);
     write_scene(folder / "street.scene", trained.file);
     report = evaluate_scene(device, log, trained.file.scene, EvalOptions{}, globals);
-    Renderer renderer(device, RenderOptions{});
-    write_camera_pair(renderer, log, trained.file.scene, folder / "camera.png");
-    write_lidar_pair(renderer, log, trained.file.scene, folder / "lidar_range.png");
+    const EvalOptions eval;
+    Renderer renderer(device, eval.render);
+    const std::size_t image = select_frames(log.images, eval.held_out_every, true).front();
+    const PicturePair picture = camera_pair(renderer, log, trained.file.scene, image, eval);
+    write_image(folder / "camera.png", joined(picture.rendered, picture.recorded, Layout::kBeside));
+    const std::size_t index = select_frames(log.sweeps, eval.held_out_every, true).front();
+    const SweepPictures sweep = sweep_pair(renderer, log, trained.file.scene, index);
+    write_image(folder / "lidar_range.png",
+                joined(sweep.ranges.rendered, sweep.ranges.recorded, Layout::kBelow));
+    write_report(folder / "report.html",
+                 "simuli demo: the embedded street",
+                 globals,
+                 log,
+                 trained.file.scene,
+                 eval,
+                 *report,
+                 &trained);
   });
   print_eval(*report, globals.json);
   if (globals.json) return;
   std::cout << fmt::format("log                             {}\n", (output / "street.log").string())
             << fmt::format("scene                           {}\n", (output / "street.scene").string())
+            << fmt::format("report                          {}\n", (output / "report.html").string())
             << fmt::format("held-out picture, rendered beside recorded   {}\n",
                            (output / "camera.png").string())
             << fmt::format("held-out ranges, rendered over recorded      {}\n",

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <fmt/format.h>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/edits.hpp"
+#include "host/cli/report.hpp"
 #include "host/cli/settings.hpp"
 #include "host/cli/training.hpp"
 #include "host/render/validate.hpp"
@@ -19,6 +21,7 @@ struct EvalCommand {
   std::vector<std::string> settings;
   Edits edits;
   EvalOptions options;
+  std::string report;  // file to write; empty: none
 };
 
 /// The log with its sensors where the scene has them: training may have learned better.
@@ -50,7 +53,18 @@ void eval(EvalCommand command, const Globals& globals) {
   apply(command.edits, file.scene);
   const Log log = mounted(read_log(command.log), file);
   const Device device = Device::best(globals.device);
-  print_eval(evaluate_scene(device, log, file.scene, command.options, globals), globals.json);
+  const EvalReport report = evaluate_scene(device, log, file.scene, command.options, globals);
+  if (!command.report.empty()) {
+    write_report(command.report,
+                 fmt::format("simuli eval: {} on {}", command.scene, command.log),
+                 globals,
+                 log,
+                 file.scene,
+                 command.options,
+                 report,
+                 nullptr);
+  }
+  print_eval(report, globals.json);
 }
 
 }  // namespace
@@ -67,6 +81,7 @@ void add_eval(CLI::App& app, const Globals& globals) {
   add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
   add("--repeats", command->options.timed_renders, "timed renders of each sensor");
   sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  sub->add_option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
   add_edit_options(*sub, command->edits);
   sub->callback([command, &globals] { eval(*command, globals); });
 }

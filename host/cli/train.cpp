@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/commands.hpp"
+#include "host/cli/report.hpp"
 #include "host/cli/train_settings.hpp"
 #include "host/cli/training.hpp"
 #include "host/render/validate.hpp"
@@ -21,7 +22,8 @@ struct TrainCommand {
   std::vector<std::string> settings;
   InitOptions init;
   TrainOptions train;
-  Checkpoints checkpoints;
+  TrainOutputs outputs;
+  std::string report;  // file to write; empty: none
 };
 
 void print_report(const TrainedScene& trained, const TrainCommand& command, bool json) {
@@ -80,6 +82,27 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
                    trained.init.unseen_points);
 }
 
+/// With what held-out frames say; of all frames when none was held out.
+void write_train_report(const TrainCommand& command,
+                        const Device& device,
+                        const Log& log,
+                        const TrainedScene& trained,
+                        const Globals& globals) {
+  EvalOptions eval;
+  eval.image_scale = command.train.image_scale;
+  eval.held_out_every = command.train.held_out_every;
+  eval.render = command.train.render;
+  const EvalReport report = evaluate_scene(device, log, trained.file.scene, eval, globals);
+  write_report(command.report,
+               fmt::format("simuli train: {} from {}", command.output, command.log),
+               globals,
+               log,
+               trained.file.scene,
+               eval,
+               report,
+               &trained);
+}
+
 void train(TrainCommand command, const Globals& globals) {
   apply_settings(command.settings, train_settings(command.init, command.train));
   validate(command.train.render);
@@ -95,15 +118,16 @@ void train(TrainCommand command, const Globals& globals) {
                              device.info().label(),
                              fmt::join(list_settings(train_settings(command.init, command.train)), " "));
   }
-  std::filesystem::path& checkpoint = command.checkpoints.file;
+  std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
   checkpoint = std::filesystem::path(command.output).lexically_normal();
   if (!checkpoint.has_filename()) checkpoint = checkpoint.parent_path();
   checkpoint += ".checkpoint";
   const TrainedScene trained =
-      train_scene(device, log, command.init, command.train, globals, command.checkpoints);
+      train_scene(device, log, command.init, command.train, globals, command.outputs);
   write_scene(command.output, trained.file);
   std::error_code ignored;  // nobody needs it any more, and the scene is there
   std::filesystem::remove(checkpoint, ignored);
+  if (!command.report.empty()) write_train_report(command, device, log, trained, globals);
   print_report(trained, command, globals.json);
 }
 
@@ -123,9 +147,13 @@ void add_train(CLI::App& app, const Globals& globals) {
   add("--held-out", command->train.held_out_every, "keep every N-th frame for evaluation; 0: none");
   add("--seed", command->train.seed, "of the frames' order and of thinning");
   add("--checkpoint-every",
-      command->checkpoints.every,
+      command->outputs.checkpoints.every,
       "iterations between states in OUTPUT.checkpoint; 0: none");
-  sub->add_flag("--resume", command->checkpoints.resume, "go on from OUTPUT.checkpoint, if it is there");
+  sub->add_flag(
+      "--resume", command->outputs.checkpoints.resume, "go on from OUTPUT.checkpoint, if it is there");
+  sub->add_option(
+      "--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
+  sub->add_option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
   sub->add_option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
   sub->callback([command, &globals] { train(*command, globals); });
 }

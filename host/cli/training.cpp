@@ -1,28 +1,74 @@
 #include "host/cli/training.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "host/base/progress.hpp"
 #include "host/cli/file_progress.hpp"
 #include "host/cli/train_settings.hpp"
+#include "io/event_file.hpp"
 
 namespace simuli::cli {
 namespace {
 
-std::string status_text(const TrainStatus& s) {
+ProgressNote status_note(const TrainStatus& s, const MemoryUse& memory) {
   std::string text;
   if (std::isfinite(s.psnr_db)) text += fmt::format("PSNR {:.2f} dB  ", s.psnr_db);
   if (std::isfinite(s.distance_m)) {
     text += fmt::format("distance {:.1f} cm  drop {:.1f} %  ", 100.0 * s.distance_m, 100.0 * s.drop_accuracy);
   }
-  return text + fmt::format("{:.0f}k + {:.0f}k particles",
-                            static_cast<double>(s.camera_particles) / 1e3,
-                            static_cast<double>(s.lidar_particles) / 1e3);
+  text += fmt::format("{:.0f}k + {:.0f}k particles  {:.1f} GB",
+                      static_cast<double>(s.camera_particles) / 1e3,
+                      static_cast<double>(s.lidar_particles) / 1e3,
+                      static_cast<double>(memory.now) / 1e9);
+  return {std::move(text),
+          {{"psnr_db", s.psnr_db},
+           {"distance_m", s.distance_m},
+           {"drop_accuracy", s.drop_accuracy},
+           {"camera_particles", s.camera_particles},
+           {"lidar_particles", s.lidar_particles},
+           {"device_bytes", static_cast<double>(memory.now)}}};
 }
+
+/// Keeps some of the states of a training, and writes them for TensorBoard when asked to.
+class Recorder {
+ public:
+  Recorder(TrainHistory& history, int iterations, const std::filesystem::path& event_folder)
+      : history_(history), iterations_(iterations), every_(std::max(1, iterations / TrainHistory::kPoints)) {
+    if (!event_folder.empty()) events_.emplace(event_folder, now_s());
+  }
+  void add(const TrainStatus& s, const MemoryUse& memory) {
+    if (s.iteration % every_ != 0 && s.iteration != iterations_) return;
+    TrainHistory& h = history_;
+    const auto put = [&](std::vector<double>& values, const char* tag, double value) {
+      values.push_back(value);
+      if (events_ && std::isfinite(value)) events_->scalar(tag, s.iteration, value, now_s());
+    };
+    h.iteration.push_back(s.iteration);
+    put(h.psnr_db, "train/psnr_db", s.psnr_db);
+    put(h.distance_m, "train/distance_m", s.distance_m);
+    put(h.drop_accuracy, "train/drop_accuracy", s.drop_accuracy);
+    put(h.camera_particles, "particles/camera", s.camera_particles);
+    put(h.lidar_particles, "particles/lidar", s.lidar_particles);
+    put(h.device_bytes, "memory/device_bytes", static_cast<double>(memory.now));
+  }
+
+ private:
+  static double now_s() {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  }
+  TrainHistory& history_;
+  int iterations_;
+  int every_;
+  std::optional<EventFile> events_;
+};
 
 void warn(const TrainReport& report, const TrainOptions& options) {
   if (report.rejected_gradients > 0) {
@@ -56,7 +102,8 @@ TrainedScene train_scene(const Device& device,
                          const InitOptions& init,
                          const TrainOptions& options,
                          const Globals& globals,
-                         const Checkpoints& checkpoints) {
+                         const TrainOutputs& outputs) {
+  const Checkpoints& checkpoints = outputs.checkpoints;
   // Saved states are of this very training: the start is made again from the same log and settings.
   InitOptions own_init = init;
   TrainOptions own_options = options;
@@ -87,14 +134,16 @@ TrainedScene train_scene(const Device& device,
 
   Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
   if (resumes) trainer.resume(checkpoints.file, settings);
-  Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals.json));
+  Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals));
+  Recorder recorder(out.history, options.iterations, outputs.event_folder);
   out.training = trainer.run([&](const TrainStatus& status) {
-    progress.update(static_cast<std::uint64_t>(status.iteration), status_text(status));
+    progress.update(static_cast<std::uint64_t>(status.iteration), status_note(status, device.memory()));
+    recorder.add(status, device.memory());
     if (checkpoints.every > 0 && status.iteration % checkpoints.every == 0) {
       trainer.save(checkpoints.file, settings);
     }
   });
-  progress.finish(status_text(out.training.last));
+  progress.finish(status_note(out.training.last, device.memory()));
   warn(out.training, options);
   out.file.scene = trainer.scene();
   for (const auto& [name, offset] : trainer.sensor_offsets()) {
@@ -117,6 +166,33 @@ EvalReport evaluate_scene(const Device& device,
   const EvalReport report = evaluate(device, log, scene, options, progress.callback());
   progress.finish();
   return report;
+}
+
+std::vector<MetricLine> metric_lines(const EvalReport& r) {
+  const SweepMetrics& l = r.lidar;
+  std::vector<MetricLine> lines;
+  const auto line = [&](const char* name, const std::string& value, const char* unit) {
+    lines.push_back({name, value, unit});
+  };
+  line("PSNR", number(r.psnr_db, 2), "dB");
+  if (std::isfinite(r.psnr_ungraded_db)) line("  without colour grids", number(r.psnr_ungraded_db, 2), "dB");
+  line("SSIM", number(r.ssim, 4), "");
+  line("distance error, median", number(l.distance_median_m * 100.0, 2), "cm");
+  line("  of expected distances", number(r.distance_expected_median_m * 100.0, 2), "cm");
+  line("distance error, median squared", number(l.medl2_m2, 6), "m^2");
+  line("distance error, mean rel. squared", number(l.mean_rel_l2, 5), "");
+  line("intensity error, RMS", number(l.intensity_rmse, 4), "of 1");
+  line("ray drop, right decisions", number(l.raydrop_accuracy * 100.0, 2), "% of rays");
+  line("Chamfer, squared", number(l.chamfer_m2, 4), "m^2");
+  line("Chamfer, mean of both ways", number(l.chamfer_m, 4), "m");
+  if (r.actor_pixels + r.actor_returns > 0) {
+    line("PSNR inside actors' boxes", number(r.actor_psnr_db, 2), "dB");
+    line("distance error there, median", number(r.actor_distance_median_m * 100.0, 2), "cm");
+    line("returns there that end there", number(r.actor_share_met * 100.0, 2), "% of them");
+  }
+  line("camera speed", number(r.camera_mp_per_s, 2), "MP/s");
+  line("LiDAR speed", number(r.lidar_mr_per_s, 2), "MR/s");
+  return lines;
 }
 
 void print_eval(const EvalReport& r, bool json) {
@@ -152,33 +228,15 @@ void print_eval(const EvalReport& r, bool json) {
     std::cout << out.dump(2) << '\n';
     return;
   }
-  const auto line = [](const char* name, const std::string& value, const char* unit) {
-    std::cout << fmt::format("  {:<34} {:>10} {}\n", name, value, unit);
-  };
   std::cout << fmt::format("held-out frames: {} pictures of {} x {} px, {} sweeps, on {}\n",
                            r.images,
                            r.image_width,
                            r.image_height,
                            r.sweeps,
                            r.device);
-  line("PSNR", number(r.psnr_db, 2), "dB");
-  if (std::isfinite(r.psnr_ungraded_db)) line("  without colour grids", number(r.psnr_ungraded_db, 2), "dB");
-  line("SSIM", number(r.ssim, 4), "");
-  line("distance error, median", number(l.distance_median_m * 100.0, 2), "cm");
-  line("  of expected distances", number(r.distance_expected_median_m * 100.0, 2), "cm");
-  line("distance error, median squared", number(l.medl2_m2, 6), "m^2");
-  line("distance error, mean rel. squared", number(l.mean_rel_l2, 5), "");
-  line("intensity error, RMS", number(l.intensity_rmse, 4), "of 1");
-  line("ray drop, right decisions", number(l.raydrop_accuracy * 100.0, 2), "% of rays");
-  line("Chamfer, squared", number(l.chamfer_m2, 4), "m^2");
-  line("Chamfer, mean of both ways", number(l.chamfer_m, 4), "m");
-  if (r.actor_pixels + r.actor_returns > 0) {
-    line("PSNR inside actors' boxes", number(r.actor_psnr_db, 2), "dB");
-    line("distance error there, median", number(r.actor_distance_median_m * 100.0, 2), "cm");
-    line("returns there that end there", number(r.actor_share_met * 100.0, 2), "% of them");
+  for (const MetricLine& line : metric_lines(r)) {
+    std::cout << fmt::format("  {:<34} {:>10} {}\n", line.name, line.value, line.unit);
   }
-  line("camera speed", number(r.camera_mp_per_s, 2), "MP/s");
-  line("LiDAR speed", number(r.lidar_mr_per_s, 2), "MR/s");
   if (r.sweeps_without_distance + r.sweeps_without_chamfer > 0) {
     std::cout << fmt::format("  left out of means: {} sweeps without returns, {} without predicted points\n",
                              r.sweeps_without_distance,

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/cli/cli_fixture.hpp"
 
@@ -33,6 +34,27 @@ class SceneCli : public Cli {
   }
 };
 
+TEST_F(SceneCli, TrainingIsReported) {
+  make_scene();
+  const Outcome train = run(
+      "train s.log -o again.scene --iterations 3 --set init.voxel_m=0.3 --json-progress --report train.html "
+      "--tensorboard runs");
+  ASSERT_EQ(train.exit_code, 0) << train.err;
+  // Every line of progress is an object of its own; the last of the training holds its numbers.
+  std::istringstream lines(train.err);
+  nlohmann::json last;
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json object = nlohmann::json::parse(line);
+    if (object.at("task") == "train") last = object;
+  }
+  EXPECT_EQ(last.at("done"), 3);
+  EXPECT_EQ(last.at("finished"), true);
+  EXPECT_TRUE(last.at("psnr_db").is_number());
+  EXPECT_GT(last.at("device_bytes"), 0);
+  EXPECT_GT(fs::file_size(folder_ / "train.html"), 10'000U);
+  EXPECT_EQ(files_in("runs"), 1U);
+}
+
 TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   make_scene();
   const Outcome eval = run("eval s.scene s.log --scale 0.5 --json");
@@ -52,7 +74,8 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
     ASSERT_TRUE(report.at(key).is_number()) << key;
   }
   EXPECT_EQ(report.at("image_width_px"), 32);
-  EXPECT_NE(run("eval s.scene s.log").out.find("PSNR"), std::string::npos);
+  EXPECT_NE(run("eval s.scene s.log --report eval.html").out.find("PSNR"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder_ / "eval.html"));
 
   EXPECT_EQ(run("render s.scene --sensor front --trajectory s.log --frames 1:2 -o pictures").exit_code, 0);
   EXPECT_EQ(files_in("pictures"), 2U);
