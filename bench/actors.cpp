@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "host/render/seen.hpp"
 #include "host/scene/edit.hpp"
 #include "io/street.hpp"
 #include "optim/evaluate_actors.hpp"

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host/render/seen.hpp"
 #include "io/street.hpp"
 #include "optim/frames.hpp"
 

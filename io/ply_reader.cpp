@@ -13,6 +13,7 @@
 #include "io/ply.hpp"
 #include "io/ply_header.hpp"
 #include "io/ply_layout.hpp"
+#include "io/splat_file.hpp"
 
 namespace simuli {
 namespace {
@@ -210,6 +211,11 @@ void read_ascii(const std::string& bytes,
 GaussianSet read_gaussians_ply(const std::filesystem::path& file, SetKind kind) {
   const std::string name = file.string();
   const std::string bytes = read_file(file, kMaxFileBytes);
+  if (is_compressed_ply(bytes)) {
+    if (kind == SetKind::kCamera) return read_compressed_ply(bytes, name);
+    throw_input_error(
+        name, "channels", "a compressed PLY of colours", '"' + ply_channels_comment(kind) + '"');
+  }
   const PlyHeader header = parse_ply_header(bytes, name);
   check_channels(header, kind, name);
   const int sh_degree = find_sh_degree(header, name);

@@ -103,18 +103,17 @@ void write_gaussians_ply(const std::filesystem::path& file, const GaussianSet& s
   });
 }
 
-void write_point_cloud_ply(const std::filesystem::path& file, const PointCloud& cloud) {
+void validate(const PointCloud& cloud, const std::string& file) {
   const auto& names = cloud.columns;
   if (static_cast<Eigen::Index>(names.size()) != cloud.values.cols()) {
-    throw_input_error(file.string(),
+    throw_input_error(file,
                       "columns",
                       fmt::format("{} names for {} columns", names.size(), cloud.values.cols()),
                       "one name per column");
   }
   for (const char* needed : {"x", "y", "z"}) {
     if (std::count(names.begin(), names.end(), needed) != 1) {
-      throw_input_error(
-          file.string(), "columns", fmt::format("no single {}", needed), "x, y and z once each");
+      throw_input_error(file, "columns", fmt::format("no single {}", needed), "x, y and z once each");
     }
   }
   for (std::size_t c = 0; c < names.size(); ++c) {
@@ -122,19 +121,20 @@ void write_point_cloud_ply(const std::filesystem::path& file, const PointCloud& 
       return letter > ' ' && letter <= '~';
     });
     if (!plain || std::count(names.begin(), names.end(), names[c]) != 1) {
-      throw_input_error(file.string(),
-                        fmt::format("columns[{}]", c),
-                        '"' + names[c] + '"',
-                        "distinct names without blanks");
+      throw_input_error(
+          file, fmt::format("columns[{}]", c), '"' + names[c] + '"', "distinct names without blanks");
     }
     for (Eigen::Index v = 0; v < cloud.values.rows(); ++v) {
       if (std::isfinite(cloud.values(v, static_cast<Eigen::Index>(c)))) continue;
-      throw_input_error(
-          file.string(), fmt::format("vertex {}: {}", v, names[c]), "NaN or Inf", "a finite number");
+      throw_input_error(file, fmt::format("vertex {}: {}", v, names[c]), "NaN or Inf", "a finite number");
     }
   }
+}
+
+void write_point_cloud_ply(const std::filesystem::path& file, const PointCloud& cloud) {
+  validate(cloud, file.string());
   write_rows(file,
-             header(cloud.values.rows(), names, ""),
+             header(cloud.values.rows(), cloud.columns, ""),
              cloud.values.rows(),
              [&](std::string& to, Eigen::Index v) {
                for (Eigen::Index c = 0; c < cloud.values.cols(); ++c)

@@ -11,6 +11,7 @@
 
 #include "host/base/error.hpp"
 #include "host/render/look.hpp"
+#include "host/render/seen.hpp"
 #include "optim/evaluate_actors.hpp"
 #include "optim/frames.hpp"
 #include "optim/initialize_actors.hpp"

@@ -70,19 +70,4 @@ std::vector<float> planar(const Image& image) {
   return out;
 }
 
-Image picture_of(const RayResults& results, const Camera& camera) {
-  Image image(camera.width, camera.height, 3);
-  for (std::size_t i = 0; i < results.rays; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      image.data[3 * i + c] = std::clamp(results.feature[c][i], 0.0F, 1.0F);
-    }
-  }
-  return image;
-}
-
-float best_distance(const RayResults& results, std::size_t ray) {
-  const bool has_median = !results.median.empty() && results.median[ray] > 0.0F;
-  return has_median ? results.median[ray] : results.expected_distance(ray);
-}
-
 }  // namespace simuli

@@ -34,12 +34,6 @@ namespace simuli {
 /// The channels of an interleaved picture, one behind the other: [3][height][width].
 [[nodiscard]] std::vector<float> planar(const Image& image);
 
-/// What a camera saw, as a picture clipped to [0, 1].
-[[nodiscard]] Image picture_of(const RayResults& results, const Camera& camera);
-
-/// Distance of a LiDAR ray in m: where half of the light is gone if that is anywhere, else the mean.
-[[nodiscard]] float best_distance(const RayResults& results, std::size_t ray);
-
 /// Indices of frames that are held out, or of all others.
 template <class Frame>
 [[nodiscard]] std::vector<std::size_t> select_frames(const std::vector<Frame>& frames,

@@ -23,6 +23,7 @@ struct Globals {
 
 void add_align(CLI::App& app, const Globals& globals);
 void add_bench(CLI::App& app, const Globals& globals);
+void add_convert(CLI::App& app, const Globals& globals);
 void add_demo(CLI::App& app, const Globals& globals);
 void add_devices(CLI::App& app, const Globals& globals);
 void add_eval(CLI::App& app, const Globals& globals);

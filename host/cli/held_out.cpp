@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/render/look.hpp"
+#include "host/render/seen.hpp"
 #include "optim/frames.hpp"
 
 namespace simuli::cli {
@@ -37,7 +38,7 @@ SweepPictures sweep_pair(Renderer& renderer, const Log& log, const Scene& scene,
     if (range > 0.0F) range += static_cast<float>(range_bias(lidar, pair.recorded.rays, i));
   }
   SweepPictures out;
-  out.rendered = lidar_picture(lidar, pair.recorded.rays, pair.simulated);
+  out.rendered = lidar_frame(lidar, pair.recorded.rays, pair.simulated);
   out.ranges = {range_image(lidar, pair.recorded.rays, out.rendered.range),
                 range_image(lidar, pair.recorded.rays, pair.recorded.range)};
   out.recorded = std::move(pair.recorded);

@@ -5,6 +5,7 @@
 
 #include "host/cli/pictures.hpp"
 #include "host/render/renderer.hpp"
+#include "host/render/seen.hpp"
 #include "host/scene/scene.hpp"
 #include "io/image.hpp"
 #include "io/log.hpp"
@@ -24,7 +25,7 @@ struct PicturePair {
 
 /// Frame `index` of log.sweeps.
 struct SweepPictures {
-  LidarPicture rendered;
+  LidarFrame rendered;
   Sweep recorded;
   /// Ranges as colours.
   PicturePair ranges;

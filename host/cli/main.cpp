@@ -50,6 +50,7 @@ int run(int argc, char** argv) {
   add_globals(app, globals);
   simuli::cli::add_align(app, globals);
   simuli::cli::add_bench(app, globals);
+  simuli::cli::add_convert(app, globals);
   simuli::cli::add_demo(app, globals);
   simuli::cli::add_devices(app, globals);
   simuli::cli::add_eval(app, globals);

@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "host/base/error.hpp"
-#include "optim/frames.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -30,19 +29,6 @@ std::array<float, 3> colour_at(double place) {
   std::array<float, 3> out{};
   for (std::size_t c = 0; c < 3; ++c) {
     out[c] = (1.0F - share) * kRangeColours[low][c] + share * kRangeColours[low + 1][c];
-  }
-  return out;
-}
-
-LidarPicture lidar_picture(const LidarModel& lidar, const LidarRays& rays, const RayResults& results) {
-  LidarPicture out;
-  for (std::size_t i = 0; i < results.rays; ++i) {
-    const float drop = results.drop_probability(i);
-    const bool returns = drop <= 0.5F;
-    const auto bias_m = static_cast<float>(range_bias(lidar, rays, i));
-    out.range.push_back(returns ? best_distance(results, i) + bias_m : 0.0F);
-    out.intensity.push_back(returns ? std::clamp(results.feature[0][i], 0.0F, 1.0F) : 0.0F);
-    out.drop.push_back(drop);
   }
   return out;
 }
@@ -128,27 +114,16 @@ Image range_image(const LidarModel& lidar, const LidarRays& rays, const std::vec
   return rows == nullptr ? list_image(rays, range, scale) : rows_image(*rows, range, scale);
 }
 
-PointCloud point_cloud(const LidarModel& lidar,
-                       const LidarRays& rays,
-                       const LidarPicture& picture,
-                       const View& view,
-                       const Eigen::Vector3d& scene_origin) {
+PointCloud point_cloud(const LidarModel& lidar, const LidarFrame& frame, const Shot& shot) {
   PointCloud cloud;
   cloud.columns = {"x", "y", "z", "intensity", "range", "drop"};
-  const auto returned =
-      std::count_if(picture.range.begin(), picture.range.end(), [](float r) { return r > 0.0F; });
-  cloud.values.resize(returned, static_cast<Eigen::Index>(cloud.columns.size()));
-  Eigen::Index point = 0;
-  for (std::size_t i = 0; i < picture.range.size(); ++i) {
-    if (!(picture.range[i] > 0.0F)) continue;
-    const Pose scene_from_lidar =
-        interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
-    const Eigen::Vector3d p_lidar =
-        ray_origin(lidar, rays, i) +
-        static_cast<double>(picture.range[i]) * Lidar::direction(rays.azimuth[i], rays.elevation[i]);
-    const Eigen::Vector3d p_world = scene_from_lidar * p_lidar + scene_origin;
-    cloud.values.row(point++) << p_world.cast<float>().transpose(), picture.intensity[i], picture.range[i],
-        picture.drop[i];
+  const std::vector<Eigen::Vector3d> points = world_points(lidar, frame, shot);
+  cloud.values.resize(frame.returns(), static_cast<Eigen::Index>(cloud.columns.size()));
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!frame.is_return(i)) continue;
+    cloud.values.row(row++) << points[i].cast<float>().transpose(), frame.intensity[i], frame.range[i],
+        frame.drop[i];
   }
   return cloud;
 }

@@ -3,23 +3,12 @@
 #include <array>
 #include <vector>
 
-#include "host/render/renderer.hpp"
+#include "host/render/simulator.hpp"
 #include "host/sensors/lidar_model.hpp"
 #include "io/image.hpp"
 #include "io/ply.hpp"
 
 namespace simuli::cli {
-
-/// What a LiDAR gives per ray, row-major beams x firings.
-struct LidarPicture {
-  std::vector<float> range;      // m, 0: no return
-  std::vector<float> intensity;  // [0, 1]
-  std::vector<float> drop;       // probability
-};
-/// A ray returns when dropping it is at most as likely as not.
-[[nodiscard]] LidarPicture lidar_picture(const LidarModel& lidar,
-                                         const LidarRays& rays,
-                                         const RayResults& results);
 
 /// `place` in [0, 1] of a scale of colours from pale and warm to dark and cold.
 [[nodiscard]] std::array<float, 3> colour_at(double place);
@@ -33,11 +22,7 @@ struct LidarPicture {
 inline constexpr int kBeam_px = 4;
 
 /// Returned rays as points: x y z in world, intensity, range, drop.
-[[nodiscard]] PointCloud point_cloud(const LidarModel& lidar,
-                                     const LidarRays& rays,
-                                     const LidarPicture& picture,
-                                     const View& view,
-                                     const Eigen::Vector3d& scene_origin);
+[[nodiscard]] PointCloud point_cloud(const LidarModel& lidar, const LidarFrame& frame, const Shot& shot);
 
 enum class Layout { kBeside, kBelow };
 /// Two pictures of the same height beside each other, or of the same width one below the other, with a gap.

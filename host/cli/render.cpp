@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -16,8 +17,10 @@
 #include "host/cli/file_progress.hpp"
 #include "host/cli/pictures.hpp"
 #include "host/cli/settings.hpp"
-#include "host/render/look.hpp"
+#include "host/cli/video.hpp"
+#include "host/render/simulator.hpp"
 #include "host/render/validate.hpp"
+#include "io/cloud_file.hpp"
 #include "io/file.hpp"
 #include "io/lidar_file.hpp"
 #include "io/scene_folder.hpp"
@@ -42,6 +45,9 @@ struct RenderCommand {
   Edits edits;
   double scale = 1.0;
   std::string output;
+  std::string images = "png";
+  std::string clouds = "ply";
+  double frames_per_s = 0.0;  // of a video; 0: as the frames follow each other
   std::vector<std::string> settings;
 };
 
@@ -224,15 +230,35 @@ Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand&
   return plan;
 }
 
-void write_sweep_files(const fs::path& stem,
-                       const Sensor& sensor,
-                       const LidarRays& rays,
-                       const RayResults& results,
-                       const View& view,
-                       const Eigen::Vector3d& origin) {
-  const LidarPicture picture = lidar_picture(sensor.lidar, rays, results);
-  write_point_cloud_ply(stem.string() + ".ply", point_cloud(sensor.lidar, rays, picture, view, origin));
-  write_image(stem.string() + "_range.png", range_image(sensor.lidar, rays, picture.range));
+/// Renders the plan's frames one after the other: use(frame index, picture) gets a camera's picture or a
+/// LiDAR's ranges as one, and clouds(index, points) the returns.
+template <class Use, class UseCloud>
+void render_plan(Simulator& simulator,
+                 const Sensor& sensor,
+                 const Plan& plan,
+                 const Pose& rig_from_sensor,
+                 const Use& use,
+                 const UseCloud& use_cloud) {
+  for (std::size_t i = 0; i < plan.spans.size(); ++i) {
+    const Shot shot =
+        Shot::along(plan.world_from_rig, rig_from_sensor, plan.spans[i].start_s, plan.spans[i].end_s);
+    if (sensor.is_camera) {
+      use(i, simulator.render(sensor.camera, shot));
+    } else {
+      const LidarFrame frame = simulator.render(sensor.lidar, shot);
+      use_cloud(i, point_cloud(sensor.lidar, frame, shot));
+      use(i, range_image(sensor.lidar, frame.rays, frame.range));
+    }
+  }
+}
+
+/// Of the video: as asked for, or as the frames follow each other.
+double frame_rate(const Plan& plan, const RenderCommand& command) {
+  if (command.frames_per_s > 0.0) return command.frames_per_s;
+  constexpr double kUsual = 10.0;
+  if (plan.spans.size() < 2) return kUsual;
+  const double seconds = plan.spans.back().start_s - plan.spans.front().start_s;
+  return seconds > 0.0 ? static_cast<double>(plan.spans.size() - 1) / seconds : kUsual;
 }
 
 /// Float holds a millimetre up to here.
@@ -262,51 +288,46 @@ void render(const RenderCommand& command, const Globals& globals) {
   warn_of_rounding(plan, sensor);
   const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
   const Pose rig_from_sensor = rig_from_shifted * sensor.rig_from_sensor;
-  const Scene& scene = file.scene;
 
-  const Device device = Device::best(globals.device);
-  Renderer renderer(device, options);
-  const ParticleBuffers particles(
-      device, sensor.is_camera ? scene.camera : scene.lidar, renderer.options().precision);
-  SceneLook look(device, scene, renderer.options().precision);
-  std::unique_ptr<SensorRays> rays;
-  LidarRays lidar_rays;
-  double lidar_duration_s = -1.0;
+  Simulator simulator(Device::best(globals.device), std::move(file.scene), options);
   FileProgress progress("render", globals);
   const auto on_frame = progress.callback();
-  write_folder_atomically(command.output, [&](const fs::path& folder) {
-    for (std::size_t i = 0; i < plan.spans.size(); ++i) {
-      const Span& span = plan.spans[i];
-      const double duration_s = span.end_s - span.start_s;
-      const View view = view_at(plan.world_from_rig,
-                                rig_from_sensor,
-                                span.start_s,
-                                span.end_s,
-                                scene,
-                                sensor.is_camera ? SetKind::kCamera : SetKind::kLidar);
-      const fs::path stem = folder / fmt::format("{}_{:06d}", sensor.name, i);
-      if (sensor.is_camera) {
-        if (!rays) rays = std::make_unique<SensorRays>(device, sensor.camera, renderer.options());
-        look.render(renderer, particles, *rays, view, command.sensor, 0.5 * (span.start_s + span.end_s));
-        write_image(stem.string() + ".png", picture_of(renderer.results(), sensor.camera));
-      } else {
-        if (duration_s != lidar_duration_s) {  // the beams' firing times are shares of it
-          lidar_rays = nominal_rays(sensor.lidar, duration_s);
-          rays = std::make_unique<SensorRays>(device, sensor.lidar, lidar_rays, renderer.options());
-          lidar_duration_s = duration_s;
-        }
-        renderer.render(particles, *rays, view);
-        write_sweep_files(stem, sensor, lidar_rays, renderer.results(), view, scene.origin);
-      }
-      on_frame(i + 1, plan.spans.size());
-    }
-  });
+  const auto run = [&](const auto& use, const auto& use_cloud) {
+    render_plan(
+        simulator,
+        sensor,
+        plan,
+        rig_from_sensor,
+        [&](std::size_t i, const Image& image) {
+          use(i, image);
+          on_frame(i + 1, plan.spans.size());
+        },
+        use_cloud);
+  };
+  if (is_video(command.output)) {
+    Video video(command.output, frame_rate(plan, command));
+    run([&](std::size_t, const Image& image) { video.add(image); }, [](std::size_t, const PointCloud&) {});
+    video.finish();
+  } else {
+    write_folder_atomically(command.output, [&](const fs::path& folder) {
+      const auto name = [&](std::size_t i, const std::string& ending) {
+        return folder / fmt::format("{}_{:06d}{}", sensor.name, i, ending);
+      };
+      run(
+          [&](std::size_t i, const Image& image) {
+            write_image(name(i, sensor.is_camera ? "." + command.images : "_range.png"), image);
+          },
+          [&](std::size_t i, const PointCloud& cloud) {
+            write_point_cloud(name(i, "." + command.clouds), cloud);
+          });
+    });
+  }
   progress.finish();
   if (globals.json) {
     const nlohmann::ordered_json out = {{"folder", command.output},
                                         {"sensor", sensor.name},
                                         {"frames", plan.spans.size()},
-                                        {"device", device.info().label()}};
+                                        {"device", simulator.device().info().label()}};
     std::cout << out.dump(2) << '\n';
   } else {
     std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), sensor.name, command.output);
@@ -323,8 +344,18 @@ void add_render(CLI::App& app, const Globals& globals) {
                   command->sensor,
                   "a sensor of the scene; or a built-in LiDAR or a LiDAR file in its place")
       ->required();
-  sub->add_option("-o,--output", command->output, "folder to make: PNG; PLY and a range picture for LiDARs")
+  sub->add_option("-o,--output",
+                  command->output,
+                  "folder to make: pictures; for LiDARs clouds and range pictures; or a video.mp4")
       ->required();
+  sub->add_option("--images", command->images, "png, or exr with float colours")
+      ->check(CLI::IsMember({"png", "exr"}))
+      ->capture_default_str();
+  sub->add_option("--clouds", command->clouds, "ply, pcd or npz")
+      ->check(CLI::IsMember({"ply", "pcd", "npz"}))
+      ->capture_default_str();
+  sub->add_option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
+      ->check(CLI::PositiveNumber);
   sub->add_option("--trajectory", command->trajectory, "recorded: the scene's own, or a log folder")
       ->capture_default_str();
   sub->add_option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");

@@ -30,15 +30,22 @@ RayMaskSize of_some_rays(RayMaskSize size, const RayGrid& grid) {
 
 }  // namespace
 
-SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
-    : device_(device),
-      precision_(options.precision),
-      marks_(grid.type == SensorType::kLidar && options.culling != Culling::kOff),
-      mask_size_(options.ray_mask),
-      grid_(std::move(grid)),
-      buffers_(device, grid_, options.precision) {
-  mark_rays();
+SensorRays::State::State(const Device& on, RayGrid rays, const RenderOptions& options)
+    : device(on),
+      precision(options.precision),
+      marks(rays.type == SensorType::kLidar && options.culling != Culling::kOff),
+      mask_size(options.ray_mask),
+      grid(std::move(rays)),
+      buffers(on, grid, options.precision) {
+  mark_rays(mask_size);
 }
+
+void SensorRays::State::mark_rays(RayMaskSize size) {
+  if (marks) can_cull = RayMaskStage(device, precision).run(grid, size, buffers);
+}
+
+SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
+    : state_(std::make_shared<State>(device, std::move(grid), options)) {}
 SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
     : SensorRays(device, make_ray_grid(camera, options), options) {}
 SensorRays::SensorRays(const Device& device,
@@ -49,48 +56,46 @@ SensorRays::SensorRays(const Device& device,
   if (std::holds_alternative<RayList>(model)) return;
   const auto& lidar = std::get<Lidar>(model);
   if (lidar.blind.empty()) return;
-  blind_.resize(grid_.rays);
-  for (std::size_t i = 0; i < grid_.rays; ++i) {
+  State& s = *state_;
+  s.blind.resize(s.grid.rays);
+  for (std::size_t i = 0; i < s.grid.rays; ++i) {
     const auto row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
-    blind_[i] = is_blind(lidar, row, static_cast<double>(rays.azimuth[i]));
+    s.blind[i] = is_blind(lidar, row, static_cast<double>(rays.azimuth[i]));
   }
-  request(std::vector<bool>(grid_.rays, true));
-}
-
-void SensorRays::mark_rays() {
-  if (marks_) can_cull_ = RayMaskStage(device_, precision_).run(grid_, mask_size_, buffers_);
+  request(std::vector<bool>(s.grid.rays, true));
 }
 
 void SensorRays::request(const std::vector<bool>& requested) {
-  if (requested.size() != grid_.rays) {
+  State& s = *state_;
+  if (requested.size() != s.grid.rays) {
     throw Error(ErrorKind::kInternal, "request: one flag per ray is needed");
   }
-  std::vector<float> sensor_ray = grid_.sensor_ray;
-  const std::size_t slots = grid_.frame.slots;
+  std::vector<float> sensor_ray = s.grid.sensor_ray;
+  const std::size_t slots = s.grid.frame.slots;
   bool all = true;
   for (std::size_t slot = 0; slot < slots; ++slot) {
-    const std::int32_t of_slot = grid_.ray_of_slot[slot];
+    const std::int32_t of_slot = s.grid.ray_of_slot[slot];
     const auto ray = static_cast<std::size_t>(of_slot);
-    if (of_slot < 0 || (requested[ray] && (blind_.empty() || !blind_[ray]))) continue;
+    if (of_slot < 0 || (requested[ray] && (s.blind.empty() || !s.blind[ray]))) continue;
     all = false;
     for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
   }
-  buffers_.sensor_ray.assign(sensor_ray);
-  const RayMaskSize size = all ? mask_size_ : of_some_rays(mask_size_, grid_);
-  if (marks_) can_cull_ = RayMaskStage(device_, precision_).run(grid_, size, buffers_);
+  s.buffers.sensor_ray.assign(sensor_ray);
+  s.mark_rays(all ? s.mask_size : of_some_rays(s.mask_size, s.grid));
 }
 
 std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {
-  if (values.size() != channels * grid_.rays) {
+  const RayGrid& grid = state_->grid;
+  if (values.size() != channels * grid.rays) {
     throw Error(ErrorKind::kInternal, "to_slots: one value per channel and ray is needed");
   }
-  const std::size_t slots = grid_.frame.slots;
+  const std::size_t slots = grid.frame.slots;
   std::vector<float> out(channels * slots, 0.0F);
   for (std::size_t slot = 0; slot < slots; ++slot) {
-    const std::int32_t ray = grid_.ray_of_slot[slot];
+    const std::int32_t ray = grid.ray_of_slot[slot];
     if (ray < 0) continue;
     for (std::size_t c = 0; c < channels; ++c) {
-      out[c * slots + slot] = values[c * grid_.rays + static_cast<std::size_t>(ray)];
+      out[c * slots + slot] = values[c * grid.rays + static_cast<std::size_t>(ray)];
     }
   }
   return out;
@@ -224,7 +229,7 @@ void Renderer::render(const ParticleBuffers& particles,
                                       (options_.culling == Culling::kAuto && rays.can_cull()));
   variant.shape = options_.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
   current_ = &stages(variant);
-  rays_ = &rays;
+  rays_ = rays;
   background_ = view.background;
   frame_ = grid.frame;
   frame_.particles = particles.count;
@@ -245,7 +250,7 @@ void Renderer::render(const ParticleBuffers& particles,
 }
 
 ColorGridStage& Renderer::grid_stage(const ColorGridBuffers& grids) {
-  if (rays_ == nullptr || rays_->grid().type != SensorType::kCamera) {
+  if (!rays_ || rays_->grid().type != SensorType::kCamera) {
     throw Error(ErrorKind::kInternal, "grade: no picture has been rendered");
   }
   const std::array<int, 3> size{grids.size_x, grids.size_y, grids.size_z};
@@ -289,7 +294,7 @@ void Renderer::environment_backward(const EnvironmentBuffers& environment,
 }
 
 RayResults Renderer::results() const {
-  if (rays_ == nullptr) throw Error(ErrorKind::kInternal, "results: nothing has been rendered");
+  if (!rays_) throw Error(ErrorKind::kInternal, "results: nothing has been rendered");
   const RayGrid& grid = rays_->grid();
   const std::vector<float> out = buffers_.out.download_float();
   const std::vector<float> picture = graded_ ? picture_.download_float() : std::vector<float>{};

@@ -15,7 +15,8 @@
 
 namespace simuli {
 
-/// A sensor ready to render: its ray grid, on host and device.
+/// A sensor ready to render: its ray grid, on host and device. A handle: copies refer to the same rays, and a
+/// Renderer keeps those of its last frame alive, so that a temporary may be rendered.
 class SensorRays {
  public:
   SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
@@ -29,25 +30,29 @@ class SensorRays {
   /// their results the background. requested[rays]; a LiDAR's ray mask is rebuilt. Waits.
   void request(const std::vector<bool>& requested);
 
-  [[nodiscard]] const RayGrid& grid() const { return grid_; }
+  [[nodiscard]] const RayGrid& grid() const { return state_->grid; }
   /// Whether there is a ray mask, and whether it has a cell without a ray.
-  [[nodiscard]] bool marked() const { return marks_; }
-  [[nodiscard]] bool can_cull() const { return can_cull_; }
-  [[nodiscard]] const RayBuffers& buffers() const { return buffers_; }
+  [[nodiscard]] bool marked() const { return state_->marks; }
+  [[nodiscard]] bool can_cull() const { return state_->can_cull; }
+  [[nodiscard]] const RayBuffers& buffers() const { return state_->buffers; }
   /// values[channels][rays] in ray order -> [channels][slots] in slot order; slots without a ray get 0.
   [[nodiscard]] std::vector<float> to_slots(const std::vector<float>& values, std::size_t channels) const;
 
  private:
+  struct State {
+    State(const Device& device, RayGrid rays, const RenderOptions& options);
+    void mark_rays(RayMaskSize size);
+    Device device;
+    Precision precision;
+    bool marks;  // a LiDAR's that culls
+    RayMaskSize mask_size;
+    std::vector<bool> blind;  // [rays] of a LiDAR with blind arcs, else empty
+    RayGrid grid;
+    RayBuffers buffers;
+    bool can_cull = false;
+  };
   SensorRays(const Device& device, RayGrid grid, const RenderOptions& options);
-  void mark_rays();
-  Device device_;
-  Precision precision_;
-  bool marks_;  // a LiDAR's that culls
-  RayMaskSize mask_size_;
-  std::vector<bool> blind_;  // [rays] of a LiDAR with blind arcs, else empty
-  RayGrid grid_;
-  RayBuffers buffers_;
-  bool can_cull_ = false;
+  std::shared_ptr<State> state_;
 };
 
 /// One view of a sensor. Poses are world_from_sensor with world relative to the scene origin.
@@ -156,7 +161,7 @@ class Renderer {
   ActorStage actors_;
   RealBuffer picture_;  // [3][slots], graded
   shared::FrameParams frame_{};
-  const SensorRays* rays_ = nullptr;
+  std::optional<SensorRays> rays_;  // of the last frame
   Stages* current_ = nullptr;
   bool median_ = false;
   bool graded_ = false;

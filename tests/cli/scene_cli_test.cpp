@@ -1,4 +1,5 @@
 // Commands that train and render.
+#include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -154,6 +155,39 @@ TEST_F(SceneCli, DemoLeavesLogScenePicturesAndTable) {
     EXPECT_TRUE(fs::exists(folder_ / "demo" / part)) << part;
   }
   EXPECT_NE(demo.out.find("PSNR"), std::string::npos);
+}
+
+TEST_F(SceneCli, OtherFormatsOut) {
+  make_scene();
+  const auto expect_file = [this](const std::string& name) {
+    EXPECT_TRUE(fs::exists(folder_ / name) && fs::file_size(folder_ / name) > 0) << name;
+  };
+  EXPECT_EQ(run("render s.scene --sensor front --times 0:0:1 --images exr -o exr").exit_code, 0);
+  expect_file("exr/front_000000.exr");
+  for (const std::string format : {"pcd", "npz"}) {
+    EXPECT_EQ(run("render s.scene --sensor top --times 0:0:1 --clouds " + format + " -o " + format).exit_code,
+              0);
+    expect_file(format + "/top_000000." + format);
+  }
+  const Outcome spz = run("convert s.scene -o s.spz --json");
+  ASSERT_EQ(spz.exit_code, 0) << spz.err;
+  const auto particles = nlohmann::json::parse(spz.out).at("particles").get<int>();
+  EXPECT_GT(particles, 100);
+  EXPECT_EQ(nlohmann::json::parse(run("convert s.spz -o s.ply --json").out).at("particles"), particles);
+  EXPECT_EQ(run("convert s.scene --lidar -o lidar.ply").exit_code, 0);
+  expect_failure("convert s.scene --lidar -o lidar.spz", kInput, "lidar.spz: kind");
+  expect_failure("convert s.scene -o s.splat", kInput, ".ply or .spz");
+  expect_failure("render s.scene --sensor top --clouds las -o x", kUsage, "npz");
+
+  if (std::system("command -v ffmpeg >/dev/null") == 0) {
+    const Outcome video = run("render s.scene --sensor front --times 0:0.3:0.1 -o 'it'\\''s.mp4'");
+    EXPECT_EQ(video.exit_code, 0) << video.err;
+    expect_file("it's.mp4");
+  }
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  expect_failure("render s.scene --sensor front --times 0:0:1 -o v.mp4", kUsage, "no program ffmpeg");
+  setenv("PATH", path.c_str(), 1);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/base/error.hpp"
+#include "host/render/seen.hpp"
 #include "optim/frames.hpp"
 #include "tests/optim/small_street.hpp"
 

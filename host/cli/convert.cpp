@@ -1,0 +1,75 @@
+#include <filesystem>
+#include <fmt/format.h>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/cli/commands.hpp"
+#include "io/ply.hpp"
+#include "io/scene_folder.hpp"
+#include "io/splat_file.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct ConvertCommand {
+  std::string input;
+  std::string output;
+  bool lidar = false;
+};
+
+/// The particles that stand still: those of actors are in their own frames, which no splat file knows.
+GaussianSet background(const GaussianSet& set) {
+  if (set.actor.empty()) return set;
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < set.actor.size(); ++i) {
+    if (set.actor[i] == 0) rows.push_back(static_cast<Eigen::Index>(i));
+  }
+  GaussianSet out(set.kind, set.sh_degree, static_cast<Eigen::Index>(rows.size()));
+  out.params = set.params(rows, Eigen::all);
+  return out;
+}
+
+GaussianSet read_input(const ConvertCommand& command) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(command.input, ignored)) {
+    return command.lidar ? read_gaussians_ply(command.input, SetKind::kLidar) : read_splats(command.input);
+  }
+  SceneFile file = read_scene(command.input);
+  return command.lidar ? std::move(file.scene.lidar) : std::move(file.scene.camera);
+}
+
+void convert(const ConvertCommand& command, const Globals& globals) {
+  const GaussianSet all = read_input(command);
+  const GaussianSet set = background(all);
+  if (set.size() < all.size()) {
+    std::cerr << fmt::format("simuli: {} particles of actors are left out\n", all.size() - set.size());
+  }
+  write_splats(command.output, set);
+  if (globals.json) {
+    const nlohmann::ordered_json out = {
+        {"file", command.output}, {"particles", set.size()}, {"sh_degree", set.sh_degree}};
+    std::cout << out.dump(2) << '\n';
+  } else {
+    std::cout << fmt::format(
+        "{} particles of SH degree {} in {}\n", set.size(), set.sh_degree, command.output);
+  }
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app, const Globals& globals) {
+  const auto command = std::make_shared<ConvertCommand>();
+  CLI::App* sub = app.add_subcommand("convert", "the particles of a scene or a splat file as another file");
+  sub->add_option("INPUT", command->input, "scene folder, .ply (also SuperSplat's compressed) or .spz")
+      ->required();
+  sub->add_option("-o,--output", command->output, ".ply or .spz to write")->required();
+  sub->add_flag("--lidar", command->lidar, "the LiDAR set instead of the camera set; .ply alone");
+  sub->callback([command, &globals] { convert(*command, globals); });
+}
+
+}  // namespace simuli::cli
