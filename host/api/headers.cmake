@@ -1,0 +1,26 @@
+# Copies the entry headers and every header of ours that they include to OUTPUT, as <simuli/...>:
+#   cmake -D ROOT=<project> -D OUTPUT=<folder>/simuli -P host/api/headers.cmake
+# Inside the tree headers are found from its root ("host/scene/pose.hpp"); names as common as "io/file.hpp"
+# would clash in other people's programs, so the copies say <simuli/io/file.hpp>.
+cmake_minimum_required(VERSION 3.23)
+file(REMOVE_RECURSE "${OUTPUT}")
+set(pending host/api/simuli.hpp host/api/simuli.h)
+set(seen ${pending})
+while(pending)
+  list(POP_FRONT pending header)
+  file(READ "${ROOT}/${header}" text)
+  string(REGEX MATCHALL "#include \"[^\"]+\"" includes "${text}")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "#include \"(.+)\"" "\\1" name "${include}")
+    if(NOT EXISTS "${ROOT}/${name}")
+      message(FATAL_ERROR "${header} includes ${name}, which is not in the tree")
+    endif()
+    if(NOT name IN_LIST seen)
+      list(APPEND seen ${name})
+      list(APPEND pending ${name})
+    endif()
+  endforeach()
+  string(REGEX REPLACE "#include \"([^\"]+)\"" "#include <simuli/\\1>" text "${text}")
+  string(REGEX REPLACE "^host/api/" "" place "${header}")
+  file(WRITE "${OUTPUT}/${place}" "${text}")
+endwhile()
