@@ -34,5 +34,6 @@ void add_render(CLI::App& app, const Globals& globals);
 void add_synth(CLI::App& app, const Globals& globals);
 void add_tile(CLI::App& app, const Globals& globals);
 void add_train(CLI::App& app, const Globals& globals);
+void add_view(CLI::App& app, const Globals& globals);
 
 }  // namespace simuli::cli

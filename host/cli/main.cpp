@@ -61,6 +61,7 @@ int run(int argc, char** argv) {
   simuli::cli::add_synth(app, globals);
   simuli::cli::add_tile(app, globals);
   simuli::cli::add_train(app, globals);
+  simuli::cli::add_view(app, globals);
 
   const auto begin = std::chrono::steady_clock::now();
   try {

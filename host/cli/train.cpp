@@ -3,11 +3,13 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/report.hpp"
 #include "host/cli/train_settings.hpp"
 #include "host/cli/training.hpp"
+#include "host/cli/view_server.hpp"
 #include "host/render/validate.hpp"
 #include "io/scene_folder.hpp"
 #include "optim/own_vehicle.hpp"
@@ -24,6 +26,7 @@ struct TrainCommand {
   TrainOptions train;
   TrainOutputs outputs;
   std::string report;  // file to write; empty: none
+  int view_port = -1;  // of the viewer; below 0: none
 };
 
 void print_report(const TrainedScene& trained, const TrainCommand& command, bool json) {
@@ -122,6 +125,21 @@ void train(TrainCommand command, const Globals& globals) {
   checkpoint = std::filesystem::path(command.output).lexically_normal();
   if (!checkpoint.has_filename()) checkpoint = checkpoint.parent_path();
   checkpoint += ".checkpoint";
+  std::unique_ptr<ViewSession> session;
+  std::unique_ptr<ViewServer> server;
+  if (command.view_port >= 0) {
+    SceneFile file;
+    file.scene.name = log.name;
+    file.cameras = log.cameras;
+    file.lidars = log.lidars;
+    file.world_from_rig = log.world_from_rig;
+    session = std::make_unique<ViewSession>(globals, std::move(file));
+    ServerOptions options;
+    options.port = command.view_port;
+    server = std::make_unique<ViewServer>(*session, options);
+    std::cerr << fmt::format("simuli: the training in the browser: {}\n", server->url());
+    command.outputs.view = session.get();
+  }
   const TrainedScene trained =
       train_scene(device, log, command.init, command.train, globals, command.outputs);
   write_scene(command.output, trained.file);
@@ -153,6 +171,8 @@ void add_train(CLI::App& app, const Globals& globals) {
       "--resume", command->outputs.checkpoints.resume, "go on from OUTPUT.checkpoint, if it is there");
   sub->add_option(
       "--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
+  sub->add_option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
+      ->check(CLI::Range(0, 65535));
   sub->add_option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
   sub->add_option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
   sub->callback([command, &globals] { train(*command, globals); });

@@ -13,6 +13,7 @@
 #include "host/base/progress.hpp"
 #include "host/cli/file_progress.hpp"
 #include "host/cli/train_settings.hpp"
+#include "host/cli/view_session.hpp"
 #include "io/event_file.hpp"
 
 namespace simuli::cli {
@@ -91,6 +92,33 @@ void warn(const TrainReport& report, const TrainOptions& options) {
   }
 }
 
+/// Hands the training's newest scene to the viewer, as long as somebody looks.
+class LiveScene {
+ public:
+  LiveScene(ViewSession* view, const Trainer& trainer, int iterations)
+      : view_(view), trainer_(trainer), iterations_(iterations) {
+    update(trainer.status(), true);
+  }
+  /// `at_once`: whoever looks and however little time has passed.
+  void update(const TrainStatus& status, bool at_once = false) {
+    if (view_ == nullptr) return;
+    view_->set_progress({status.iteration < iterations_, status, iterations_});
+    const auto now = std::chrono::steady_clock::now();
+    const bool due = now - shown_ > kEvery && view_->idle_s() < kLooks_s;
+    if (!due && !at_once) return;
+    view_->show(trainer_.scene());
+    shown_ = std::chrono::steady_clock::now();
+  }
+
+ private:
+  static constexpr std::chrono::seconds kEvery{3};
+  static constexpr double kLooks_s = 10.0;
+  ViewSession* view_;
+  const Trainer& trainer_;
+  int iterations_;
+  std::chrono::steady_clock::time_point shown_;
+};
+
 std::string number(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }
@@ -135,15 +163,18 @@ TrainedScene train_scene(const Device& device,
   Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
   if (resumes) trainer.resume(checkpoints.file, settings);
   Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals));
+  LiveScene live(outputs.view, trainer, options.iterations);
   Recorder recorder(out.history, options.iterations, outputs.event_folder);
   out.training = trainer.run([&](const TrainStatus& status) {
     progress.update(static_cast<std::uint64_t>(status.iteration), status_note(status, device.memory()));
     recorder.add(status, device.memory());
+    live.update(status);
     if (checkpoints.every > 0 && status.iteration % checkpoints.every == 0) {
       trainer.save(checkpoints.file, settings);
     }
   });
   progress.finish(status_note(out.training.last, device.memory()));
+  live.update(out.training.last, true);
   warn(out.training, options);
   out.file.scene = trainer.scene();
   for (const auto& [name, offset] : trainer.sensor_offsets()) {

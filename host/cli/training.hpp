@@ -12,6 +12,8 @@
 
 namespace simuli::cli {
 
+class ViewSession;
+
 /// How a training went, at most kPoints times of it. One value each per point; NaN: not known yet.
 struct TrainHistory {
   static constexpr int kPoints = 400;
@@ -40,6 +42,7 @@ struct Checkpoints {
 struct TrainOutputs {
   Checkpoints checkpoints;
   std::filesystem::path event_folder;  // TensorBoard's; empty: none
+  ViewSession* view = nullptr;         // who shows it; may be nobody
 };
 
 /// Initialises a scene from the log and trains it, with progress on stderr. A warning line tells of

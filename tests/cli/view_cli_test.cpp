@@ -1,0 +1,327 @@
+// The viewer: its answers over HTTP, and its page in a real browser where one is installed.
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <functional>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+
+#include "tests/cli/background_program.hpp"
+#include "tests/cli/cli_fixture.hpp"
+
+namespace {
+
+using namespace simuli::test;
+using nlohmann::json;
+
+class ViewCli : public Cli {
+ protected:
+  void make_scene() const {
+    const Outcome synth =
+        run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90");
+    ASSERT_EQ(synth.exit_code, 0) << synth.err;
+    const Outcome train = run("train s.log -o s.scene --iterations 3 --json --set init.voxel_m=0.3");
+    ASSERT_EQ(train.exit_code, 0) << train.err;
+  }
+  /// Starts the viewer on any free port.
+  void start(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{SIMULI_PROGRAM, "view", (folder_ / "s.scene").string(), "--port", "0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    viewer_ = std::make_unique<BackgroundProgram>(arguments, folder_ / "view.txt");
+    port_ = viewer_->number_behind("http://127.0.0.1:");
+    ASSERT_GT(port_, 0) << viewer_->output();
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
+    client_->set_read_timeout(60);
+  }
+  static json view_of(const std::string& sensor) {
+    return {{"sensor", sensor},
+            {"quality", "balanced"},
+            {"time_s", 0.2},
+            {"width", 96},
+            {"forward_m", 0},
+            {"left_m", 0},
+            {"up_m", 0},
+            {"yaw_rad", 0},
+            {"pitch_rad", 0},
+            {"removed", json::array()},
+            {"moved", json::object()}};
+  }
+  struct Reply {
+    int status = 0;
+    std::string body;
+    json info;
+    std::string payload;
+  };
+  Reply post(const std::string& path, const std::string& body, const httplib::Headers& headers = {}) const {
+    const httplib::Result result = client_->Post(path, headers, body, "application/json");
+    if (!result) return {};
+    Reply reply{result->status, result->body, {}, {}};
+    if (reply.status != 200) return reply;
+    std::uint32_t length = 0;
+    std::memcpy(&length, reply.body.data(), sizeof(length));
+    reply.info = json::parse(reply.body.substr(4, length));
+    reply.payload = reply.body.substr(4 + (length + 3) / 4 * 4);
+    return reply;
+  }
+  Reply post(const std::string& path, const json& view) const { return post(path, view.dump()); }
+
+  std::unique_ptr<BackgroundProgram> viewer_;
+  std::unique_ptr<httplib::Client> client_;
+  int port_ = 0;
+};
+
+TEST_F(ViewCli, AnswersWithPicturesAndSweeps) {
+  make_scene();
+  start();
+  const httplib::Result page = client_->Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_NE(page->body.find("<title>simuli view</title>"), std::string::npos);
+  for (const char* part : {"/style.css", "/math.js", "/points.js", "/view.js"}) {
+    EXPECT_EQ(client_->Get(part)->status, 200) << part;
+  }
+  const json scene = json::parse(client_->Get("/api/scene")->body);
+  EXPECT_EQ(scene.at("cameras"), json({"front"}));
+  EXPECT_EQ(scene.at("lidars"), json({"top"}));
+  EXPECT_GT(scene.at("builtin_lidars").size(), 30U);
+  ASSERT_EQ(scene.at("actors").size(), 1U);
+
+  const Reply picture = post("/api/picture", view_of("front"));
+  ASSERT_EQ(picture.status, 200) << picture.body;
+  EXPECT_EQ(picture.payload.substr(0, 3), "\xFF\xD8\xFF");  // a JPEG
+  const Reply sweep = post("/api/sweep", view_of("top"));
+  ASSERT_EQ(sweep.status, 200) << sweep.body;
+  EXPECT_GT(sweep.payload.size(), 16U * 500U);
+  EXPECT_EQ(sweep.payload.size() % 16U, 0U);
+  EXPECT_EQ(sweep.info.at("actors").at(0).at("is_there"), true);
+  // Another camera and another LiDAR in the same place.
+  EXPECT_EQ(post("/api/picture", view_of("pandaset_front_camera")).status, 200);
+  EXPECT_EQ(post("/api/sweep", view_of("velodyne_vlp16")).status, 200);
+}
+
+TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
+  make_scene();
+  start();
+  const std::string plain = post("/api/picture", view_of("front")).payload;
+  EXPECT_EQ(post("/api/picture", view_of("front")).payload, plain);
+  const auto changed = [&](const char* key, const json& value) {
+    json view = view_of("front");
+    view[key] = value;
+    const Reply reply = post("/api/picture", view);
+    EXPECT_EQ(reply.status, 200) << key << ": " << reply.body;
+    return reply.payload;
+  };
+  EXPECT_NE(changed("left_m", 1.0), plain);
+  EXPECT_NE(changed("yaw_rad", 0.2), plain);
+  EXPECT_NE(changed("width", 128), plain);
+  EXPECT_NE(changed("world_from_camera", {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}}), plain);
+  // The car is taken away, and moved.
+  json view = view_of("top");
+  const Reply all = post("/api/sweep", view);
+  view["removed"] = {"car"};
+  const Reply without = post("/api/sweep", view);
+  ASSERT_EQ(without.status, 200) << without.body;
+  EXPECT_EQ(without.info.at("actors").at(0).at("is_there"), false);
+  EXPECT_NE(without.payload, all.payload);
+  view["removed"] = json::array();
+  view["moved"] = {{"car", {2.0, 0.0, 0.0}}};
+  const Reply moved = post("/api/sweep", view);
+  const json& before = all.info.at("actors").at(0).at("t");
+  const json& after = moved.info.at("actors").at(0).at("t");
+  const double dx = after.at(0).get<double>() - before.at(0).get<double>();
+  const double dy = after.at(1).get<double>() - before.at(1).get<double>();
+  EXPECT_NEAR(std::hypot(dx, dy), 2.0, 1e-6);
+}
+
+TEST_F(ViewCli, RefusesWhatItCantShow) {
+  make_scene();
+  start();
+  json view = view_of("nobody");
+  EXPECT_EQ(post("/api/picture", view).status, 400);
+  EXPECT_NE(post("/api/picture", view).body.find("found \"nobody\""), std::string::npos);
+  view = view_of("front");
+  view["removed"] = {"nobody"};
+  EXPECT_EQ(post("/api/picture", view).status, 400);
+  view = view_of("front");
+  view["width"] = 100'000;
+  EXPECT_NE(post("/api/picture", view).body.find("width"), std::string::npos);
+  view = view_of("front");
+  view["quality"] = "best";
+  EXPECT_EQ(post("/api/picture", view).status, 400);
+  view = view_of("front");
+  view["time"] = 0.0;  // a key that is not known
+  EXPECT_EQ(post("/api/picture", view).status, 400);
+  EXPECT_EQ(post("/api/picture", std::string("{")).status, 400);
+  EXPECT_EQ(client_->Get("/etc/passwd")->status, 404);
+  // A name that somebody has pointed here.
+  EXPECT_EQ(client_->Get("/", {{"Host", "example.org"}})->status, 403);
+  EXPECT_EQ(client_->Get("/", {{"Host", "localhost:1"}})->status, 200);
+  EXPECT_EQ(post("/api/picture", view_of("front")).status, 200);  // still there
+}
+
+TEST_F(ViewCli, OtherHostsNeedAToken) {
+  make_scene();
+  expect_failure("view s.scene --host 0.0.0.0 --port 0", kUsage, "--token");
+  start({"--token", "secret"});
+  EXPECT_EQ(client_->Get("/api/scene")->status, 401);
+  EXPECT_EQ(client_->Get("/api/scene", {{"X-Simuli-Token", "Secret"}})->status, 401);
+  EXPECT_EQ(client_->Get("/api/scene", {{"X-Simuli-Token", "secret"}})->status, 200);
+  expect_failure("view s.scene --port " + std::to_string(port_), kUsage, "--port");  // taken
+}
+
+/// A browser driven over the WebDriver protocol.
+class Browser {
+ public:
+  Browser(int driver_port, const std::filesystem::path& profile) : http_("127.0.0.1", driver_port) {
+    http_.set_read_timeout(120);
+    const json args = {"--headless=new",
+                       "--no-sandbox",
+                       "--disable-dev-shm-usage",
+                       "--use-angle=swiftshader",
+                       "--enable-unsafe-swiftshader",
+                       "--window-size=1200,800",
+                       "--user-data-dir=" + profile.string()};
+    const json wanted = {{"browserName", "chrome"},
+                         {"goog:chromeOptions", {{"args", args}}},
+                         {"goog:loggingPrefs", {{"browser", "ALL"}}}};
+    const json made = call("", {{"capabilities", {{"alwaysMatch", wanted}}}});
+    session_ = made.value("sessionId", "");
+  }
+  ~Browser() {
+    if (!session_.empty()) http_.Delete("/session/" + session_);
+  }
+  [[nodiscard]] bool is_open() const { return !session_.empty(); }
+  void open(const std::string& url) { call("/url", {{"url", url}}); }
+  json evaluate(const std::string& script) {
+    return call("/execute/sync", {{"script", script}, {"args", json::array()}});
+  }
+  /// Tries for a minute.
+  bool wait_for(const std::string& condition) {
+    for (int tries = 0; tries < 300; ++tries) {
+      if (evaluate("return Boolean(" + condition + ")") == true) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+    return false;
+  }
+  void drag(int x, int y, int dx, int dy) {
+    const auto move = [](int to_x, int to_y) {
+      return json{{"type", "pointerMove"}, {"duration", 100}, {"x", to_x}, {"y", to_y}};
+    };
+    const json steps = {move(x, y),
+                        {{"type", "pointerDown"}, {"button", 0}},
+                        move(x + dx, y + dy),
+                        {{"type", "pointerUp"}, {"button", 0}}};
+    const json pointer = {
+        {"type", "pointer"}, {"id", "mouse"}, {"parameters", {{"pointerType", "mouse"}}}, {"actions", steps}};
+    call("/actions", {{"actions", {pointer}}});
+  }
+  json console() { return call("/se/log", {{"type", "browser"}}); }
+
+ private:
+  json call(const std::string& path, const json& body) {
+    const std::string at = session_.empty() ? "/session" : "/session/" + session_ + path;
+    const httplib::Result result = http_.Post(at, body.dump(), "application/json");
+    if (!result) return json::object();
+    return json::parse(result->body).value("value", json());
+  }
+  httplib::Client http_;
+  std::string session_;
+};
+
+TEST_F(ViewCli, PageWorksInABrowser) {
+  if (std::system("command -v chromedriver >/dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "chromedriver is not installed (Debian: chromium-driver)";
+  }
+  make_scene();
+  start();
+  const BackgroundProgram driver({"chromedriver", "--port=0"}, folder_ / "driver.txt");
+  const int driver_port = driver.number_behind("successfully on port ");
+  ASSERT_GT(driver_port, 0) << driver.output();
+  Browser browser(driver_port, folder_ / "profile");
+  ASSERT_TRUE(browser.is_open()) << driver.output();
+  browser.open("http://localhost:" + std::to_string(port_) + "/");
+  const std::string picture = "document.getElementById('picture')",
+                    points = "document.getElementById('points')";
+  ASSERT_TRUE(browser.wait_for("+" + picture + ".dataset.frames > 0 && +" + points + ".dataset.frames > 0"))
+      << browser.console().dump();
+  const auto pixels = [&](const std::string& canvas) {
+    return browser.evaluate("return " + canvas + ".toDataURL()");
+  };
+  /// Does `act`, waits until both canvases have changed as often as is expected, and says whether they look
+  /// different.
+  const auto changes = [&](const std::string& canvas, const std::function<void()>& act) {
+    const json before = pixels(canvas);
+    act();
+    for (int tries = 0; tries < 100; ++tries) {
+      if (pixels(canvas) != before) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return false;
+  };
+  const auto set = [&](const char* id, const char* value, const char* event) {
+    browser.evaluate(
+        fmt::format("const e = document.getElementById('{}'); e.value = '{}'; "
+                    "e.dispatchEvent(new Event('{}'));",
+                    id,
+                    value,
+                    event));
+  };
+  EXPECT_TRUE(changes(picture, [&] { set("time", "0.4", "input"); }));
+  EXPECT_TRUE(changes(points, [&] { set("time", "0.1", "input"); }));
+  EXPECT_TRUE(changes(picture, [&] { browser.drag(200, 250, 80, 20); })) << "look around";
+  EXPECT_TRUE(changes(points, [&] { browser.drag(900, 250, 80, 20); })) << "orbit";
+  EXPECT_TRUE(changes(picture, [&] { browser.evaluate("document.getElementById('free').click()"); }))
+      << "orbit";
+  EXPECT_TRUE(changes(points, [&] { set("lidar", "velodyne_vlp16", "change"); })) << "another LiDAR";
+  EXPECT_TRUE(changes(points, [&] { browser.evaluate("document.querySelector('[data-actor]').click()"); }))
+      << "actor taken away";
+  for (const json& entry : browser.console()) {
+    EXPECT_NE(entry.at("level"), "SEVERE") << entry.dump();
+  }
+  EXPECT_EQ(browser.evaluate("return document.getElementById('message').textContent"), "");
+}
+
+TEST_F(ViewCli, TrainingIsShownWhileItRuns) {
+  const Outcome synth =
+      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
+          "--no-moving-car");
+  ASSERT_EQ(synth.exit_code, 0) << synth.err;
+  const BackgroundProgram train({SIMULI_PROGRAM,
+                                 "train",
+                                 (folder_ / "s.log").string(),
+                                 "-o",
+                                 (folder_ / "s.scene").string(),
+                                 "--iterations",
+                                 "100000",
+                                 "--set",
+                                 "init.voxel_m=0.3",
+                                 "--view",
+                                 "0"},
+                                folder_ / "train.txt");
+  const int port = train.number_behind("http://127.0.0.1:");
+  ASSERT_GT(port, 0) << train.output();
+  httplib::Client client("127.0.0.1", port);
+  client.set_read_timeout(60);
+  const auto status = [&] { return json::parse(client.Get("/api/status")->body); };
+  for (int tries = 0; tries < 300 && status().at("iteration") < 3; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  const json now = status();
+  EXPECT_EQ(now.at("training"), true);
+  EXPECT_GE(now.at("iteration"), 3);
+  EXPECT_EQ(now.at("iterations"), 100'000);
+  EXPECT_TRUE(now.at("psnr_db").is_number());
+  // A new scene comes while somebody looks on.
+  for (int tries = 0; tries < 300 && status().at("version") == now.at("version"); ++tries) {
+    ASSERT_EQ(client.Post("/api/picture", view_of("front").dump(), "application/json")->status, 200);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_GT(status().at("version"), now.at("version"));
+}
+
+}  // namespace
