@@ -35,16 +35,16 @@ const Sensor& find_sensor(const std::vector<Sensor>& sensors,
 }
 
 /// A recorded file inside the log folder; refuses names that lead out of it and files that are not there.
-std::string read_file_name(JsonObject& object, const fs::path& folder) {
-  std::string name = object.text("file");
+std::string read_file_name(JsonObject& object, const fs::path& folder, const char* key = "file") {
+  std::string name = object.text(key);
   const fs::path path(name);
   const bool leads_out = path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end();
   if (name.empty() || leads_out) {
-    throw_input_error(object.file(), object.field("file"), '"' + name + '"', "a path inside the log folder");
+    throw_input_error(object.file(), object.field(key), '"' + name + '"', "a path inside the log folder");
   }
   std::error_code status;
   if (!fs::is_regular_file(folder / path, status)) {
-    throw_input_error(object.file(), object.field("file"), '"' + name + "\", which is not there", "a file");
+    throw_input_error(object.file(), object.field(key), '"' + name + "\", which is not there", "a file");
   }
   return name;
 }
@@ -123,6 +123,7 @@ void read_root(JsonObject& root, Log& log) {
     }
     return frame;
   });
+  if (root.has("points")) log.points = read_file_name(root, log.folder, "points");
   if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
   require_time_order(log.images, root.file(), "images");
   require_time_order(log.sweeps, root.file(), "sweeps");
@@ -163,6 +164,7 @@ void write_log(const Log& log) {
   for (const SweepFrame& frame : log.sweeps) {
     root["sweeps"].push_back(frame_to_json(frame, "lidar", frame.lidar, log.start_ns));
   }
+  if (!log.points.empty()) root["points"] = log.points;
   if (!log.actors.empty()) root["actors"] = to_json(log.actors, log.start_ns);
   std::string text;
   try {

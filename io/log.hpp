@@ -52,6 +52,9 @@ struct Log {
   std::vector<ImageFrame> images;  // by time
   std::vector<SweepFrame> sweeps;  // by time
   std::vector<Actor> actors;       // boxes of what moves, with their tracks
+  /// PLY of points in the world, m, relative to the log folder: where initialisation starts from beside
+  /// LiDAR returns (structure from motion). Empty: none.
+  std::string points = {};
 
   [[nodiscard]] const LogCamera& camera(const std::string& camera_name) const;  // Error{kInput}
   [[nodiscard]] const LogLidar& lidar(const std::string& lidar_name) const;     // Error{kInput}

@@ -30,6 +30,9 @@ struct PointCloud {
   std::vector<std::string> columns;                                              // at least "x","y","z"
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;  // [N, columns]
 };
+/// Where the vertices of a PLY are, m: its properties x, y, z; formats, types and errors as
+/// read_gaussians_ply().
+[[nodiscard]] std::vector<Eigen::Vector3d> read_points_ply(const std::filesystem::path& file);
 /// Error{kInput} naming `file` for columns without x, y, z, names that stand twice or hold blanks, NaN or
 /// Inf.
 void validate(const PointCloud& cloud, const std::string& file);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
@@ -206,6 +207,19 @@ void read_ascii(const std::string& bytes,
   }
 }
 
+/// The body, as its format says.
+void read_body(const std::string& bytes,
+               const PlyHeader& header,
+               const std::vector<Source>& sources,
+               const std::string& file,
+               GaussianSet& set) {
+  if (header.format == PlyFormat::kAscii) {
+    read_ascii(bytes, header, sources, file, set);
+  } else {
+    read_binary(bytes, header, sources, file, set);
+  }
+}
+
 }  // namespace
 
 GaussianSet read_gaussians_ply(const std::filesystem::path& file, SetKind kind) {
@@ -222,13 +236,31 @@ GaussianSet read_gaussians_ply(const std::filesystem::path& file, SetKind kind) 
   const std::vector<Source> sources = find_sources(header, sh_degree, name);
   GaussianSet set(kind, sh_degree, static_cast<Eigen::Index>(header.vertices));
   if (header.find(kPlyActor) >= 0) set.actor.resize(header.vertices);
-  if (header.format == PlyFormat::kAscii) {
-    read_ascii(bytes, header, sources, name, set);
-  } else {
-    read_binary(bytes, header, sources, name, set);
-  }
+  read_body(bytes, header, sources, name, set);
   validate(set, name);  // zero quaternions: numbers were checked on the way
   return set;
+}
+
+std::vector<Eigen::Vector3d> read_points_ply(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const std::string bytes = read_file(file, kMaxFileBytes);
+  const PlyHeader header = parse_ply_header(bytes, name);
+  std::vector<Source> sources;
+  for (const auto& [axis, column] :
+       {std::pair<const char*, int>{"x", kMeanRow}, {"y", kMeanRow + 1}, {"z", kMeanRow + 2}}) {
+    const int property = header.find(axis);
+    if (property < 0) {
+      throw_input_error(name, std::string("property ") + axis, "none", "one scalar property of that name");
+    }
+    sources.push_back({static_cast<std::size_t>(property), column});
+  }
+  GaussianSet set(SetKind::kCamera, 0, static_cast<Eigen::Index>(header.vertices));
+  read_body(bytes, header, sources, name, set);
+  std::vector<Eigen::Vector3d> points;
+  for (Eigen::Index v = 0; v < set.size(); ++v) {
+    points.emplace_back(set.mean().row(v).cast<double>().transpose());
+  }
+  return points;
 }
 
 }  // namespace simuli

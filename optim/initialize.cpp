@@ -11,6 +11,7 @@
 
 #include "host/base/error.hpp"
 #include "io/image.hpp"
+#include "io/ply.hpp"
 #include "optim/frames.hpp"
 #include "optim/initialize_actors.hpp"
 #include "optim/initialize_depth.hpp"
@@ -201,6 +202,14 @@ std::size_t add_picture_depths(const Log& log,
   return found.size();
 }
 
+/// Adds the log's own points, one per voxel, for the camera set. Returns how many there were.
+std::size_t add_log_points(const Log& log, const Eigen::Vector3d& origin, double voxel_m, PointSet& points) {
+  VoxelGrid grid(voxel_m);
+  for (const Eigen::Vector3d& p : read_points_ply(log.folder / log.points)) grid.add(p - origin, 0.0);
+  points.append(grid.averages());
+  return grid.points();
+}
+
 template <class Frame>
 std::vector<const Frame*> training_frames(const std::vector<Frame>& frames, int every) {
   std::vector<const Frame*> out;
@@ -285,6 +294,7 @@ SceneInit initialize_scene(const Log& log,
   report.lidar_particles = static_cast<std::size_t>(scene.lidar.size());
   report.lidar_thinned = points.size() - lidar_kept.size();
 
+  if (!log.points.empty()) report.points += add_log_points(log, scene.origin, options.voxel_m, points);
   for (const ImageFrame* frame : images) {
     const ImageView view = image_view(log, *frame, scene.origin, options.image_scale);
     actors.add_holes(view, middle_s(*frame), points);

@@ -5,7 +5,9 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/file_progress.hpp"
 #include "host/cli/info.hpp"
+#include "io/colmap.hpp"
 #include "io/kitti.hpp"
+#include "io/nerfstudio.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -33,6 +35,34 @@ void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
   print_log(log, globals.json);
 }
 
+/// Adds what `import` does for posed photographs: `run(options, progress, report)` returns the log.
+template <class Options, class Run>
+void add_photos(CLI::App& command,
+                const char* name,
+                const std::shared_ptr<Options>& options,
+                const Globals& globals,
+                const Run& run) {
+  command.add_option("-o,--output", options->output, "log folder to write")->required();
+  command
+      .add_option("--metres-per-unit",
+                  options->metres_per_unit,
+                  "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
+      ->check(CLI::PositiveNumber);
+  const std::string label = std::string("import ") + name;
+  command.callback([options, label, run, &globals] {
+    FileProgress progress(label.c_str(), globals);
+    PhotoReport report;
+    const Log log = run(*options, progress.callback(), report);
+    progress.finish();
+    std::cerr << fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit\n",
+                             report.photos,
+                             report.absent,
+                             report.points,
+                             report.metres_per_unit);
+    print_log(log, globals.json);
+  });
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, const Globals& globals) {
@@ -53,6 +83,18 @@ void add_import(CLI::App& app, const Globals& globals) {
       ->excludes("--poses");
   kitti->add_option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
   kitti->callback([options, &globals] { import_kitti_drive(*options, globals); });
+
+  const auto colmap = std::make_shared<ColmapOptions>();
+  CLI::App* sub = import->add_subcommand("colmap", "a COLMAP model with its photographs");
+  sub->add_option("DIR", colmap->model, "folder of cameras.bin or .txt, or one above its sparse/0")
+      ->required();
+  sub->add_option("--images", colmap->images, "folder of the photographs; default: images, near the model");
+  add_photos(*sub, "colmap", colmap, globals, import_colmap);
+
+  const auto nerfstudio = std::make_shared<NerfstudioOptions>();
+  sub = import->add_subcommand("nerfstudio", "posed photographs of a transforms.json");
+  sub->add_option("FILE", nerfstudio->transforms, "transforms.json, or its folder")->required();
+  add_photos(*sub, "nerfstudio", nerfstudio, globals, import_nerfstudio);
 }
 
 }  // namespace simuli::cli

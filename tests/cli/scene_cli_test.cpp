@@ -190,4 +190,42 @@ TEST_F(SceneCli, OtherFormatsOut) {
   setenv("PATH", path.c_str(), 1);
 }
 
+/// Cameras alone: photographs of the street with the poses that its log tells.
+TEST_F(SceneCli, PhotographsAreEnough) {
+  ASSERT_EQ(run("synth street -o s.log --frames 10 --image-width 64 --image-height 36 --lidar-columns 90 "
+                "--no-moving-car --speed 4")
+                .exit_code,
+            0);
+  std::ifstream file(folder_ / "s.log" / "log.json");
+  const nlohmann::json log = nlohmann::json::parse(file);
+  const nlohmann::json& camera = log.at("cameras").at(0);
+  nlohmann::json transforms = {
+      {"w", 64}, {"h", 36}, {"fl_x", camera.at("fx_px")}, {"camera_model", "PINHOLE"}};
+  const nlohmann::json& path = log.at("world_from_rig");
+  for (const nlohmann::json& image : log.at("images")) {
+    // The street's rig drives straight ahead: the nearest pose before will do, plus x.
+    std::size_t k = 0;
+    while (k + 1 < path.size() && path.at(k + 1).at("time_ns") <= image.at("time_start_ns")) ++k;
+    const auto& p = path.at(k).at("position_m");
+    transforms["frames"].push_back(
+        {{"file_path", "s.log/" + image.at("file").get<std::string>()},
+         {"transform_matrix", {{0, 0, -1, p.at(0)}, {-1, 0, 0, p.at(1)}, {0, 1, 0, p.at(2)}, {0, 0, 0, 1}}}});
+  }
+  std::ofstream(folder_ / "transforms.json") << transforms.dump();
+  const Outcome import = run("import nerfstudio transforms.json -o p.log --metres-per-unit 1");
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  EXPECT_NE(import.err.find("10 photographs (0 named but absent)"), std::string::npos) << import.err;
+  EXPECT_EQ(run("info p.log").exit_code, 0);
+  const Outcome train = run("train p.log -o p.scene --iterations 5 --json");
+  ASSERT_EQ(train.exit_code, 0) << train.err;
+  EXPECT_EQ(nlohmann::json::parse(train.out).at("lidar_particles"), 0);
+  EXPECT_GT(nlohmann::json::parse(train.out).at("camera_particles"), 100);
+  const Outcome eval = run("eval p.scene p.log --json");
+  ASSERT_EQ(eval.exit_code, 0) << eval.err;
+  EXPECT_GT(nlohmann::json::parse(eval.out).at("psnr_db"), 12.0);
+  EXPECT_TRUE(nlohmann::json::parse(eval.out).at("distance_median_m").is_null());
+  EXPECT_EQ(run("render p.scene --sensor camera_0 --trajectory p.log --frames 0:1 -o p").exit_code, 0);
+  expect_failure("render p.scene --sensor velodyne_vlp16 -o x", kInput, "lidars: found none");
+}
+
 }  // namespace
