@@ -44,8 +44,8 @@ forbid("host/runtime" "\"(host/(render|cli)|io|optim)/" "the runtime knows no re
 forbid("host/render" "\"(host/cli|io|optim)/" "render includes no io, optim or cli")
 forbid("io" "\"(host/(runtime|render|cli)|optim)/" "io knows no device and no optimiser")
 forbid("optim" "\"host/cli/" "optim includes no cli")
-forbid("host/api" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")
-forbid("cl;host/api;host/base;host/scene;host/sensors;host/render;host/cli;io;optim;tests;bench;examples" "[<\"]CL/"
+forbid("host/api;host/python" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")
+forbid("cl;host/api;host/python;host/base;host/scene;host/sensors;host/render;host/cli;io;optim;tests;bench;examples" "[<\"]CL/"
        "only host/runtime includes <CL/*>")
 
 sources_of(files cl host io optim tests bench examples)
