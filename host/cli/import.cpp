@@ -8,6 +8,7 @@
 #include "io/colmap.hpp"
 #include "io/kitti.hpp"
 #include "io/nerfstudio.hpp"
+#include "io/nuscenes.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -63,6 +64,16 @@ void add_photos(CLI::App& command,
   });
 }
 
+void import_nuscenes_scene(const NuscenesOptions& options, const Globals& globals) {
+  FileProgress progress("import nuscenes", globals);
+  NuscenesReport report;
+  const Log log = import_nuscenes(options, progress.callback(), report);
+  progress.finish();
+  std::cerr << fmt::format(
+      "{} named files are absent; {} of {} rays returned\n", report.absent, report.returned, report.rays);
+  print_log(log, globals.json);
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, const Globals& globals) {
@@ -83,6 +94,14 @@ void add_import(CLI::App& app, const Globals& globals) {
       ->excludes("--poses");
   kitti->add_option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
   kitti->callback([options, &globals] { import_kitti_drive(*options, globals); });
+
+  const auto nuscenes = std::make_shared<NuscenesOptions>();
+  CLI::App* scene = import->add_subcommand("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
+  scene->add_option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps")->required();
+  scene->add_option("-o,--output", nuscenes->output, "log folder to write")->required();
+  scene->add_option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
+  scene->add_option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
+  scene->callback([nuscenes, &globals] { import_nuscenes_scene(*nuscenes, globals); });
 
   const auto colmap = std::make_shared<ColmapOptions>();
   CLI::App* sub = import->add_subcommand("colmap", "a COLMAP model with its photographs");
