@@ -231,7 +231,7 @@ View ViewSession::view_of_request(const ViewRequest& request,
 
 std::string ViewSession::picture(const ViewRequest& request) {
   touch();
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   if (file_.scene.camera.size() == 0)
     throw_input_error("scene", "camera set", "no particles", "at least one");
   const auto known = std::find_if(file_.cameras.begin(), file_.cameras.end(), [&](const LogCamera& c) {
@@ -266,6 +266,7 @@ std::string ViewSession::picture(const ViewRequest& request) {
   s.look.render(s.camera_renderer, s.camera_set, *s.camera_rays, view, request.sensor, request.time_s);
   const Image image = picture_of(s.camera_renderer.results(), model);
   const double render_ms = render.ms();
+  lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
   const std::string jpeg = encode_image(image, ImageCode::kJpeg, kJpegQuality);
   return reply({{"render_ms", render_ms}, {"encode_ms", encode.ms()}}, jpeg.data(), jpeg.size());
