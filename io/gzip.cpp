@@ -14,6 +14,7 @@ namespace simuli {
 namespace {
 
 constexpr int kGzipWindow = 15 + 16;  // the largest window, with gzip's header and checksum
+constexpr int kAnyWindow = 15 + 32;   // with gzip's or zlib's
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
 
 uInt part(std::size_t left) {
@@ -26,7 +27,7 @@ bool is_gzip(const std::string& bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 std::string gunzip(const std::string& bytes, const std::string& file, std::size_t most_bytes) {
   z_stream stream{};
-  if (inflateInit2(&stream, kGzipWindow) != Z_OK) throw Error(ErrorKind::kInternal, "zlib: no memory");
+  if (inflateInit2(&stream, kAnyWindow) != Z_OK) throw Error(ErrorKind::kInternal, "zlib: no memory");
   std::string in = bytes;  // zlib's pointer is not const
   std::string out, chunk(kChunkBytes, '\0');
   std::size_t read = 0;
@@ -45,7 +46,7 @@ std::string gunzip(const std::string& bytes, const std::string& file, std::size_
   if (out.size() > most_bytes) {
     throw_input_error(file, "content", fmt::format("more than {} bytes", most_bytes), "at most that");
   }
-  if (status != Z_STREAM_END) throw_input_error(file, "gzip data", "damaged or cut short", "whole");
+  if (status != Z_STREAM_END) throw_input_error(file, "compressed data", "damaged or cut short", "whole");
   return out;
 }
 

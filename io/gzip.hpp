@@ -6,7 +6,8 @@
 namespace simuli {
 
 [[nodiscard]] bool is_gzip(const std::string& bytes);
-/// The contents; Error{kInput} naming `file` when they are damaged, cut short or more than most_bytes.
+/// The contents, of gzip or zlib; Error{kInput} naming `file` when they are damaged, cut short or more than
+/// most_bytes.
 [[nodiscard]] std::string gunzip(const std::string& bytes, const std::string& file, std::size_t most_bytes);
 [[nodiscard]] std::string gzip(const std::string& bytes);
 

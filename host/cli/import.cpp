@@ -9,6 +9,7 @@
 #include "io/kitti.hpp"
 #include "io/nerfstudio.hpp"
 #include "io/nuscenes.hpp"
+#include "io/waymo.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -74,6 +75,16 @@ void import_nuscenes_scene(const NuscenesOptions& options, const Globals& global
   print_log(log, globals.json);
 }
 
+void import_waymo_segment(const WaymoOptions& options, const Globals& globals) {
+  FileProgress progress("import waymo", globals);
+  WaymoReport report;
+  const Log log = import_waymo(options, progress.callback(), report);
+  progress.finish();
+  std::cerr << fmt::format(
+      "{} frames; {} of {} rays returned\n", report.frames, report.returned, report.rays);
+  print_log(log, globals.json);
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, const Globals& globals) {
@@ -102,6 +113,13 @@ void add_import(CLI::App& app, const Globals& globals) {
   scene->add_option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
   scene->add_option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
   scene->callback([nuscenes, &globals] { import_nuscenes_scene(*nuscenes, globals); });
+
+  const auto waymo = std::make_shared<WaymoOptions>();
+  CLI::App* segment =
+      import->add_subcommand("waymo", "a segment of the Waymo Open Dataset: cameras, LiDAR TOP, boxes");
+  segment->add_option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)")->required();
+  segment->add_option("-o,--output", waymo->output, "log folder to write")->required();
+  segment->callback([waymo, &globals] { import_waymo_segment(*waymo, globals); });
 
   const auto colmap = std::make_shared<ColmapOptions>();
   CLI::App* sub = import->add_subcommand("colmap", "a COLMAP model with its photographs");

@@ -113,7 +113,7 @@ TEST(Spz, RefusesWhatIsNotWhole) {
   const std::string good = small_spz(2);
   refuse("ply", "magic");
   refuse(good.substr(0, good.size() - 1), "points");
-  refuse(gzip(good).substr(0, 30), "gzip");
+  refuse(gzip(good).substr(0, 30), "compressed data");
   for (const auto& [place, byte, word] : {std::tuple{4, '\x07', "version"},
                                           {12, '\x05', "SH degree"},
                                           {13, '\x40', "fractional bits"},
