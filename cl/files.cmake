@@ -13,6 +13,7 @@ set(SIMULI_CL_FILES
   math/extent.h
   math/gaussian.h
   math/random.h
+  math/ray_feature.h
   math/response.h
   math/sensor.h
   math/sh.h
@@ -39,6 +40,7 @@ set(SIMULI_CL_FILES
   kernels/regularize.cl
   kernels/render.cl
   kernels/render_bwd.cl
+  kernels/render_per_ray.cl
   kernels/scan.cl
   kernels/sort.cl
 )

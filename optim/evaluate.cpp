@@ -105,7 +105,7 @@ struct Evaluation {
 };
 
 void Evaluation::images(const std::vector<std::size_t>& frames) {
-  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options().precision);
+  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options());
   std::map<std::string, std::unique_ptr<SensorRays>> rays_of;
   SceneLook look(renderer.device(), scene, renderer.options().precision);
   SceneLook ungraded(renderer.device(), scene, renderer.options().precision, false);
@@ -158,7 +158,7 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
 }
 
 void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
-  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
+  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options());
   std::vector<double> actor_errors;
   double met = 0.0;
   Mean distance, medl2, rel, intensity, drop, chamfer2, chamfer, expected;

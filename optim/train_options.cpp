@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/render/quality.hpp"
 
 namespace simuli {
 
@@ -20,6 +21,11 @@ TrainOptions checked(const TrainOptions& o) {
   need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
   if (o.render.precision != Precision::kFloat) {
     throw Error(ErrorKind::kUsage, "train: precision: found double, allowed float");
+  }
+  if (!has_gradients(o.render)) {
+    throw Error(ErrorKind::kUsage,
+                "train: render: found an order, sh_direction or sh_degree without gradients, allowed range, "
+                "particle and 3");
   }
   for (const LearningRates* r : {&o.camera, &o.lidar}) {
     need(r->mean_m > 0.0 && r->mean_final_m > 0.0 && std::isfinite(r->mean_m + r->mean_final_m),

@@ -1,4 +1,5 @@
 // render.cl - front-to-back blending of a tile's particles. Launcher: host/render/render.cpp
+#include "math/ray_feature.h"
 #include "math/response.h"
 
 /// One work-group of LS work-items per tile; each holds NR vectors of V rays in registers or L1.
@@ -17,6 +18,10 @@ __kernel void render(const FrameParams frame,
                      __global const uint* payload,
                      __global const real* records,
                      __global const real* motions,
+                     __global const uint* keys,
+                     __global const real* params,
+                     __global const uint* actor_of,
+                     __global const real* actors,
                      __global real* out) {
   const uint tile = get_group_id(0);
   const uint lid = get_local_id(0);
@@ -98,9 +103,17 @@ __kernel void render(const FrameParams frame,
         const F raw = raw_alpha(record, response.q, log_cut);
         const F alpha = SEL(response.inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
         const F weight = alpha * transmittance[j];
+#if RAY_SH
+        F feature[3];
+        ray_feature(params, frame.stride, packed & SIM_PARTICLE_MASK, actor_of, actors, ray[j].d, feature);
+        f0[j] = fma(weight, feature[0], f0[j]);
+        f1[j] = fma(weight, feature[1], f1[j]);
+        f2[j] = fma(weight, feature[2], f2[j]);
+#else
         f0[j] = fma(weight, (F)record[SIM_R_FEATURE], f0[j]);
         f1[j] = fma(weight, (F)record[SIM_R_FEATURE + 1], f1[j]);
         f2[j] = fma(weight, (F)record[SIM_R_FEATURE + 2], f2[j]);
+#endif
         // Lanes outside may hold NaN or infinity in tau.
         const F tau = SEL(response.inside, response.tau, (F)R(0.0));
         distance[j] = fma(weight, tau, distance[j]);

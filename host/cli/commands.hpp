@@ -6,16 +6,17 @@
 #include <string>
 
 #include "host/base/progress.hpp"
+#include "host/render/quality.hpp"
 
 namespace simuli::cli {
 
 /// Options that every command takes, before or behind its name.
 struct Globals {
-  std::string device;                // part of an OpenCL device's name; empty: the best one
-  std::string quality = "balanced";  // what is not built yet is refused while parsing
-  bool json = false;                 // data as JSON
-  bool json_progress = false;        // progress as JSON lines
-  bool verbose = false;              // tell times on stderr
+  std::string device;                    // part of an OpenCL device's name; empty: the best one
+  Quality quality = Quality::kBalanced;  // what --set starts from
+  bool json = false;                     // data as JSON
+  bool json_progress = false;            // progress as JSON lines
+  bool verbose = false;                  // tell times on stderr
 };
 
 /// As asked for; nothing beside data as JSON.

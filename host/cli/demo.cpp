@@ -47,8 +47,9 @@ void demo(const DemoCommand& command, const Globals& globals) {
     train.image_scale = init.image_scale = 1.0;
     const TrainedScene trained = train_scene(device, log, init, train, globals);
     write_scene(folder / "street.scene", trained.file);
-    report = evaluate_scene(device, log, trained.file.scene, EvalOptions{}, globals);
-    const EvalOptions eval;
+    EvalOptions eval;
+    eval.render = options_of(globals.quality);
+    report = evaluate_scene(device, log, trained.file.scene, eval, globals);
     Renderer renderer(device, eval.render);
     const std::size_t image = select_frames(log.images, eval.held_out_every, true).front();
     const PicturePair picture = camera_pair(renderer, log, trained.file.scene, image, eval);

@@ -47,6 +47,7 @@ Log mounted(Log log, const SceneFile& scene) {
 }
 
 void eval(EvalCommand command, const Globals& globals) {
+  command.options.render = options_of(globals.quality);
   apply_settings(command.settings, render_settings(command.options.render));
   validate(command.options.render);
   SceneFile file = read_scene(command.scene);

@@ -15,7 +15,7 @@ PicturePair camera_pair(
     Renderer& renderer, const Log& log, const Scene& scene, std::size_t index, const EvalOptions& options) {
   const ImageFrame& frame = log.images[index];
   const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
-  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options().precision);
+  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options());
   const SensorRays rays(renderer.device(), camera, renderer.options());
   SceneLook(renderer.device(), scene, renderer.options().precision)
       .render(renderer,
@@ -30,7 +30,7 @@ PicturePair camera_pair(
 SweepPictures sweep_pair(Renderer& renderer, const Log& log, const Scene& scene, std::size_t index) {
   const SweepFrame& frame = log.sweeps[index];
   const LidarModel& lidar = log.lidar(frame.lidar).model;
-  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options().precision);
+  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options());
   SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
   // As the sensor would say and has said it: with what its rows' ranges are off.
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {

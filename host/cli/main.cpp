@@ -1,6 +1,7 @@
 #include <chrono>
 #include <exception>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iostream>
 #include <new>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
+#include "host/render/quality.hpp"
 
 simuli::ProgressStyle simuli::cli::progress_style(const Globals& globals) {
   if (globals.json_progress) return ProgressStyle::kJson;
@@ -16,20 +18,23 @@ simuli::ProgressStyle simuli::cli::progress_style(const Globals& globals) {
 
 namespace {
 
-/// Empty when `value` can be used, else what to tell the user. (CLI11's contract for a check.)
-std::string check_quality(const std::string& value) {
-  if (value == "balanced") return {};
-  for (const char* planned : {"draft", "exact", "reference"}) {
-    if (value == planned)
-      return fmt::format("found {}, which this version does not have; allowed balanced", value);
-  }
-  return fmt::format("found {}, allowed balanced", value);
-}
-
 void add_globals(CLI::App& app, simuli::cli::Globals& globals) {
   app.add_option("--device", globals.device, "part of the OpenCL device's name; default: the best one");
-  app.add_option("--quality", globals.quality, "speed against accuracy: balanced")
-      ->check(CLI::Validator(check_quality, "NAME", "quality"));
+  const std::string names = fmt::format("{}", fmt::join(simuli::quality_names(), ", "));
+  app.add_option_function<std::string>(
+         "--quality",
+         [&globals, names](const std::string& name) {
+           const auto quality = simuli::find_quality(name);
+           if (!quality) {
+             throw simuli::Error(simuli::ErrorKind::kUsage,
+                                 fmt::format("--quality: found {}, allowed {}", name, names));
+           }
+           globals.quality = *quality;
+         },
+         "speed against accuracy, wherever something is rendered: " + names)
+      ->type_name("NAME")
+      ->default_str("balanced")
+      ->trigger_on_parse();
   app.add_flag("--json", globals.json, "data as JSON on stdout");
   app.add_flag("--json-progress", globals.json_progress, "progress as one JSON object a line on stderr");
   app.add_flag("--verbose", globals.verbose, "tell times on stderr");

@@ -278,7 +278,7 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
 }
 
 void render(const RenderCommand& command, const Globals& globals) {
-  RenderOptions options;
+  RenderOptions options = options_of(globals.quality);
   apply_settings(command.settings, render_settings(options));
   validate(options);
   SceneFile file = read_scene(command.scene);

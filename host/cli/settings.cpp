@@ -102,6 +102,11 @@ std::vector<Setting> render_settings(RenderOptions& options) {
   return {
       {"render.projection", choice_of(options.projection, {"unscented", "linearized", "monte_carlo"})},
       {"render.extent", choice_of(options.extent, {"unscented", "exact"})},
+      {"render.order", choice_of(options.order, {"range", "per_ray"})},
+      {"render.sh_direction", choice_of(options.sh_direction, {"particle", "ray"})},
+      {"render.sh_degree", choice_of(options.sh_degree, {"0", "1", "2", "3", "auto"})},
+      {"render.sh_error", &options.sh_error},
+      {"render.math", choice_of(options.math, {"fast", "precise"})},
       {"render.precision", choice_of(options.precision, {"float", "double"})},
       {"render.shutter_iterations", &options.shutter_iterations},
       {"render.alpha_cut", &options.alpha_cut},

@@ -107,6 +107,7 @@ void write_train_report(const TrainCommand& command,
 }
 
 void train(TrainCommand command, const Globals& globals) {
+  command.train.render = training_options_of(globals.quality);
   apply_settings(command.settings, train_settings(command.init, command.train));
   validate(command.train.render);
   command.init.image_scale = command.train.image_scale;

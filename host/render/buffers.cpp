@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "host/base/error.hpp"
+#include "host/render/sh_degree.hpp"
 #include "host/render/stages.hpp"
 
 namespace simuli {
@@ -22,7 +23,7 @@ BuildOptions Variant::options() const {
   BuildOptions options;
   // Only where there are any: programs of scenes without actors are the same as ever.
   if (actors) options.define("ACTORS", true).define("ACTOR_MOTION", actor_motion);
-  return options.real(precision)
+  options.real(precision)
       .define("SENSOR", sensor)
       .define("LENS", lens)
       .define("MOVING", moving)
@@ -31,6 +32,8 @@ BuildOptions Variant::options() const {
       .define("MEDIAN", median)
       .define("PROJECTION", projection)
       .define("V", shape.lanes);
+  if (math == Math::kPrecise) options.define("MATH_PRECISE", true);
+  return options;
 }
 
 RayBuffers::RayBuffers(const Device& device, const RayGrid& grid, Precision precision)
@@ -57,13 +60,20 @@ ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, P
   upload(set);
 }
 
+ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options)
+    : ParticleBuffers(device, GaussianSet(set.kind, 0, 0), options.precision) {
+  kept_sh_ = options.sh_degree;
+  sh_error_ = options.sh_error;
+  upload(set);
+}
+
 void ParticleBuffers::upload(const GaussianSet& set) {
   if (set.size() > SIM_PARTICLE_MASK) {
     throw Error(ErrorKind::kDevice,
                 fmt::format("particles: found {}, allowed {} in one set", set.size(), SIM_PARTICLE_MASK));
   }
   kind = set.kind;
-  sh_degree = set.sh_degree;
+  sh_degree = kept_sh_degree(set, kept_sh_, sh_error_);
   count = static_cast<std::uint32_t>(set.size());
   stride = static_cast<std::uint32_t>(round_up(count, 16));
   const auto rows = static_cast<std::size_t>(param_rows(sh_degree));

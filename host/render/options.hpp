@@ -32,6 +32,33 @@ enum class Extent : int {
   kExact = 1,      // all with an alpha of at least alpha_cut: closed-form bounds, nothing is lost
 };
 
+/// In which order a ray blends what it meets (METHOD section 7).
+enum class Order : int {
+  kRange = 0,   // by the particles' distances from the sensor: one sort for all rays
+  kPerRay = 1,  // by where each ray itself meets them: exact, slower; has no backward pass
+};
+
+/// From where a particle's colour is seen.
+enum class ShDirection : int {
+  kParticle = 0,  // from the sensor to its centre: once per particle
+  kRay = 1,       // along each ray; has no backward pass
+};
+
+/// exp, atan2, sine and cosine in float; double has the built-in functions alone.
+enum class Math : int {
+  kFast = 0,     // polynomials with errors of 2 to 3e-7
+  kPrecise = 1,  // the built-in functions: scalar calls on CPU drivers
+};
+
+/// Bands of spherical harmonics that are kept of each set.
+enum class ShDegree : int {
+  k0 = 0,  // up to these, or what the scene has
+  k1 = 1,
+  k2 = 2,
+  k3 = 3,
+  kAuto = 4,  // the fewest of each set that change colours by less than sh_error (sufficient_sh_degree)
+};
+
 /// The tiles of a LiDAR: what procedure 1 of the paper is asked for. Both 0: what `simuli tile --tune` has
 /// found for the sensor on the device, if it has; else 0 is as suits most.
 struct LidarTiles {
@@ -59,6 +86,11 @@ struct RenderOptions {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
   Extent extent = Extent::kUnscented;  // kExact: projection has no effect
+  Order order = Order::kRange;
+  ShDirection sh_direction = ShDirection::kParticle;
+  ShDegree sh_degree = ShDegree::k3;
+  double sh_error = 0.002;  // of ShDegree::kAuto: RMS over directions and particles, of 1 (and of a logit)
+  Math math = Math::kFast;
   int shutter_iterations = 4;        // looks for a sigma point's own time, 1 to 64; extents are bounds where
                                      // it isn't found
   double alpha_cut = 1.0 / 255.0;    // contributions below this are not made

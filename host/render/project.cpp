@@ -9,6 +9,7 @@ constexpr std::size_t kLocalSize = 32;
 /// Only the forward projection asks for these: other kernels are one program for all.
 BuildOptions forward_options(const Variant& variant) {
   BuildOptions options = variant.options();
+  if (variant.order == Order::kPerRay) options.define("PER_RAY", true);
   return options.define("EXTENT", variant.extent)
       .define("SHUTTER_ITERATIONS", variant.shutter_iterations)
       .define("COMPENSATION", variant.compensation)

@@ -1,4 +1,4 @@
-// Launcher of "kernels/render.cl" and "kernels/render_bwd.cl".
+// Launcher of "kernels/render.cl", "kernels/render_per_ray.cl" and "kernels/render_bwd.cl".
 #include "host/render/stages.hpp"
 
 namespace simuli {
@@ -10,12 +10,23 @@ BuildOptions tile_options(const Variant& variant) {
   return options.define("NR", variant.shape.vectors).define("LS", variant.shape.work_items);
 }
 
+BuildOptions forward_options(const Variant& variant) {
+  BuildOptions options = tile_options(variant);
+  if (variant.sh_direction == ShDirection::kRay) {
+    options.define("RAY_SH", true).define("CLAMPED_CHANNELS", variant.sensor == SensorType::kCamera ? 3 : 1);
+  }
+  return options;
+}
+
 }  // namespace
 
 RenderStage::RenderStage(const Device& device, const Variant& variant)
     : device_(device),
       variant_(variant),
-      render_(Program(device, "kernels/render.cl", tile_options(variant)), "render") {}
+      render_(Program(device,
+                      variant.order == Order::kPerRay ? "kernels/render_per_ray.cl" : "kernels/render.cl",
+                      forward_options(variant)),
+              "render") {}
 
 RenderStage::Backward& RenderStage::backward(const BackwardExtras& extras) {
   std::optional<Backward>& kernel = backward_[extras.errors ? 1 : 0][extras.ray_gradients ? 1 : 0];
@@ -30,7 +41,10 @@ RenderStage::Backward& RenderStage::backward(const BackwardExtras& extras) {
   return *kernel;
 }
 
-void RenderStage::run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& b) {
+void RenderStage::run(const shared::FrameParams& frame,
+                      const ParticleBuffers& particles,
+                      const RayBuffers& rays,
+                      FrameBuffers& b) {
   const auto work_items = static_cast<std::size_t>(variant_.shape.work_items);
   b.out.reserve(std::size_t{SIM_OUTPUTS} * frame.slots);
   render_.launch(std::size_t{frame.tiles_x} * frame.tiles_y * work_items,
@@ -43,6 +57,10 @@ void RenderStage::run(const shared::FrameParams& frame, const RayBuffers& rays, 
                  b.payload,
                  b.records,
                  b.motions,
+                 b.keys,
+                 particles.params,
+                 particles.actor_of,
+                 b.actors,
                  b.out);
 }
 

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "host/base/error.hpp"
+#include "host/render/quality.hpp"
 #include "host/render/ray_mask.hpp"
 #include "host/render/validate.hpp"
 
@@ -46,8 +47,37 @@ void SensorRays::State::mark_rays(RayMaskSize size) {
 
 SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
     : state_(std::make_shared<State>(device, std::move(grid), options)) {}
+namespace {
+
+/// Before the host makes its own copy: Error{kDevice} where the device has no room for so many rays.
+const Camera& fitting(const Device& device, const Camera& camera, const RenderOptions& options) {
+  constexpr std::uint64_t kLargest = 7, kAll = 21;  // reals of a ray: of its own, and with outputs
+  constexpr std::uint64_t kHost = 36;               // bytes of a ray that the host keeps
+  const DeviceInfo& info = device.info();
+  const std::uint64_t real_bytes = options.precision == Precision::kDouble ? 8 : 4;
+  const std::uint64_t rays =
+      static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
+  const std::uint64_t buffer = rays * kLargest * real_bytes;
+  const std::uint64_t all = rays * (kAll * real_bytes + (info.is_cpu ? kHost : 0));
+  if (buffer <= info.max_alloc_bytes && all <= info.global_bytes) return camera;
+  throw Error(
+      ErrorKind::kDevice,
+      fmt::format("camera {}: found {} x {} pixels, which take {:.1f} GB, {:.1f} of them in one buffer, "
+                  "allowed {:.1f} and {:.1f} GB on {}; a smaller scale takes less",
+                  camera.name,
+                  camera.width,
+                  camera.height,
+                  static_cast<double>(all) / 1e9,
+                  static_cast<double>(buffer) / 1e9,
+                  static_cast<double>(info.global_bytes) / 1e9,
+                  static_cast<double>(info.max_alloc_bytes) / 1e9,
+                  info.label()));
+}
+
+}  // namespace
+
 SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(camera, options), options) {}
+    : SensorRays(device, make_ray_grid(fitting(device, camera, options), options), options) {}
 SensorRays::SensorRays(const Device& device,
                        const LidarModel& model,
                        const LidarRays& rays,
@@ -129,6 +159,7 @@ void validate(const RenderOptions& options) {
        "camera_filter_px2",
        o.camera_filter_px2,
        "0 to 100");
+  need(o.sh_error > 0.0 && o.sh_error <= 10.0, "sh_error", o.sh_error, "more than 0, to 10");
   need(o.max_instances >= 1, "max_instances", static_cast<double>(o.max_instances), "1 or more");
 }
 
@@ -217,11 +248,18 @@ void Renderer::render(const ParticleBuffers& particles,
   variant.lens = grid.lens;
   variant.moving = moving;
   variant.origins = moving || grid.lever_arms;
-  variant.sh_degree = particles.sh_degree;
+  variant.sh_degree = options_.sh_degree == ShDegree::kAuto
+                          ? particles.sh_degree
+                          : std::min(particles.sh_degree, static_cast<int>(options_.sh_degree));
   variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
   variant.precision = options_.precision;
   variant.projection = options_.projection;
   variant.extent = options_.extent;
+  variant.order = options_.order;
+  // Without bands above 0 a particle looks alike from everywhere.
+  variant.sh_direction = variant.sh_degree > 0 ? options_.sh_direction : ShDirection::kParticle;
+  // Double has the built-in functions anyway.
+  variant.math = options_.precision == Precision::kFloat ? options_.math : Math::kFast;
   variant.shutter_iterations = options_.shutter_iterations;
   variant.compensation =
       grid.type == SensorType::kCamera ? options_.camera_compensation : options_.lidar_compensation;
@@ -241,7 +279,7 @@ void Renderer::render(const ParticleBuffers& particles,
   current_->rays.run(frame_, rays.buffers(), buffers_);
   current_->project.run(frame_, particles, rays.buffers(), buffers_);
   bin_.run(frame_, rays.buffers().tile_rows, buffers_, sort_, scan_, options_.max_instances);
-  current_->render.run(frame_, rays.buffers(), buffers_);
+  current_->render.run(frame_, particles, rays.buffers(), buffers_);
   graded_ = false;
   if (environment == nullptr) return;
   if (!environment_)
@@ -335,6 +373,10 @@ void Renderer::backward(const ParticleBuffers& particles,
                         const BackwardExtras& extras) {
   if (current_ == nullptr || particles.count != frame_.particles) {
     throw Error(ErrorKind::kInternal, "backward: other particles than those last rendered");
+  }
+  if (!has_gradients(options_) || current_->own.sh_degree != particles.sh_degree) {
+    throw Error(ErrorKind::kInternal,
+                "backward: order per_ray, sh_direction ray and left out bands have no gradients");
   }
   param_grads.reserve(particles.params.count());
   current_->render.run_backward(frame_, rays_->buffers(), buffers_, extras);

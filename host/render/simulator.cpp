@@ -109,9 +109,8 @@ struct Simulator::State {
   [[nodiscard]] const ParticleBuffers& particles(SetKind kind) {
     std::optional<ParticleBuffers>& set = kind == SetKind::kCamera ? camera_set : lidar_set;
     if (!set) {
-      set.emplace(renderer.device(),
-                  kind == SetKind::kCamera ? scene.camera : scene.lidar,
-                  renderer.options().precision);
+      set.emplace(
+          renderer.device(), kind == SetKind::kCamera ? scene.camera : scene.lidar, renderer.options());
     }
     return *set;
   }

@@ -36,6 +36,9 @@ struct Variant {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
   Extent extent = Extent::kUnscented;
+  Order order = Order::kRange;
+  ShDirection sh_direction = ShDirection::kParticle;
+  Math math = Math::kFast;
   int shutter_iterations = 4;
   bool compensation = false;
   bool culling = false;  // by the ray mask
@@ -69,6 +72,8 @@ struct RayBuffers {
 /// Particles of one set on the device, each parameter a row of `stride` reals.
 struct ParticleBuffers {
   ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision);
+  /// Only the bands of spherical harmonics that options.sh_degree keeps take memory.
+  ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options);
   void upload(const GaussianSet& set);
   [[nodiscard]] GaussianSet download() const;
   SetKind kind;
@@ -85,6 +90,8 @@ struct ParticleBuffers {
   void refresh_actors();
 
  private:
+  ShDegree kept_sh_ = ShDegree::k3;
+  double sh_error_ = 0.0;
   void upload_actors(const std::vector<std::uint32_t>& actor);
 };
 
@@ -269,7 +276,10 @@ struct BackwardExtras {
 class RenderStage {
  public:
   RenderStage(const Device& device, const Variant& variant);
-  void run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers);  // K -> S
+  void run(const shared::FrameParams& frame,
+           const ParticleBuffers& particles,
+           const RayBuffers& rays,
+           FrameBuffers& buffers);  // K -> S
   /// out, grad_out -> grads. S -> K.
   void run_backward(const shared::FrameParams& frame,
                     const RayBuffers& rays,
@@ -279,16 +289,20 @@ class RenderStage {
  private:
   Device device_;
   Variant variant_;
-  Kernel<shared::FrameParams,
-         BufRealConst,
-         BufRealConst,
-         BufRealConst,
-         Buf<const std::uint32_t>,
-         Buf<const std::uint32_t>,
-         BufRealConst,
-         BufRealConst,
-         BufReal>
-      render_;
+  using Forward = Kernel<shared::FrameParams,
+                         BufRealConst,
+                         BufRealConst,
+                         BufRealConst,
+                         Buf<const std::uint32_t>,
+                         Buf<const std::uint32_t>,
+                         BufRealConst,
+                         BufRealConst,
+                         Buf<const std::uint32_t>,
+                         BufRealConst,
+                         Buf<const std::uint32_t>,
+                         BufRealConst,
+                         BufReal>;
+  Forward render_;  // of render.cl or render_per_ray.cl
   using Backward = Kernel<shared::FrameParams,
                           BufRealConst,
                           BufRealConst,

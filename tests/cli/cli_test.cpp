@@ -19,10 +19,12 @@ TEST_F(Cli, UsageErrorsAreOneLineAndExitWith2) {
   expect_failure("info generic64 row", kUsage, "generic64 is a sensor");
 }
 
-TEST_F(Cli, QualityThatIsNotBuiltIsRefused) {
-  expect_failure("--quality exact info generic64", kUsage, "this version does not have");
-  expect_failure("--quality best info generic64", kUsage, "allowed balanced");
-  EXPECT_EQ(run("--quality balanced info generic64").exit_code, 0);
+TEST_F(Cli, QualitiesAreNamed) {
+  expect_failure(
+      "--quality best info generic64", kUsage, "found best, allowed draft, balanced, exact, reference");
+  for (const char* name : {"draft", "balanced", "exact", "reference"}) {
+    EXPECT_EQ(run(std::string("--quality ") + name + " info generic64").exit_code, 0);
+  }
 }
 
 TEST_F(Cli, HelpAndVersionGoToStdout) {

@@ -22,6 +22,7 @@ struct Options {
   int shutter_iterations = 4;        // looks for a sigma point's own time when the sensor moves
   bool ignore_box = false;           // the response is not clipped to the unscented box
   bool per_ray_order = false;        // order by tau of each ray instead of by particle range
+  bool per_ray_features = false;     // SH along each ray instead of towards the particle's centre
 };
 
 /// A GaussianSet in double, parameters by ParamRow as there: finite differences perturb it directly.
@@ -102,6 +103,11 @@ struct RayResult {
 
 /// Rays in row-major order: pixels of the picture, or rows x columns of the sweep.
 [[nodiscard]] std::vector<Ray> rays(const Sensor& sensor);
+
+/// What particle i looks like from the unit direction `view`, seen from the sensor.
+[[nodiscard]] Eigen::Vector3d feature_of(const Particles& particles,
+                                         Eigen::Index i,
+                                         const Eigen::Vector3d& view);
 
 /// One footprint per particle, in the order of the set. Throws Error{kInternal} when the kinds of set
 /// and sensor differ, Error{kNumeric} for a quaternion without a direction.

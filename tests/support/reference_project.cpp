@@ -159,18 +159,6 @@ double filter_variance_m2(const Sensor& sensor, double range_m, const Options& o
   return sensor.lidar.divergence_variance * tangent * tangent * range_m * range_m;
 }
 
-Vector3d feature_of(const Particles& particles, Eigen::Index i, const Vector3d& view) {
-  const Eigen::VectorXd basis = sh_basis(particles.sh_degree, view);
-  Vector3d sum = Vector3d::Zero();
-  for (Eigen::Index k = 0; k < basis.size(); ++k) {
-    sum += basis[k] * particles.params.block<1, 3>(i, kShRow + 3 * k).transpose();
-  }
-  // Colours and intensity are biased and not negative; the logits of a LiDAR set are as they stand.
-  const int bounded = particles.kind == SetKind::kCamera ? 3 : 1;
-  for (int c = 0; c < bounded; ++c) sum[c] = std::max(0.0, 0.5 + sum[c]);
-  return sum;
-}
-
 void camera_fallback(const Sensor& sensor, const Vector3d& mean, bool any_valid, Footprint& f) {
   f.fallback = true;
   const double radius = f.extent * f.filtered_scale.maxCoeff();
@@ -325,6 +313,18 @@ Footprint footprint_of(const Particles& particles,
 }
 
 }  // namespace
+
+Vector3d feature_of(const Particles& particles, Eigen::Index i, const Vector3d& view) {
+  const Eigen::VectorXd basis = sh_basis(particles.sh_degree, view);
+  Vector3d sum = Vector3d::Zero();
+  for (Eigen::Index k = 0; k < basis.size(); ++k) {
+    sum += basis[k] * particles.params.block<1, 3>(i, kShRow + 3 * k).transpose();
+  }
+  // Colours and intensity are biased and not negative; the logits of a LiDAR set are as they stand.
+  const int bounded = particles.kind == SetKind::kCamera ? 3 : 1;
+  for (int c = 0; c < bounded; ++c) sum[c] = std::max(0.0, 0.5 + sum[c]);
+  return sum;
+}
 
 std::vector<Footprint> project(const Particles& particles, const Sensor& sensor, const Options& options) {
   if (particles.kind != sensor.kind) throw Error(ErrorKind::kInternal, "set and sensor of different kinds");

@@ -52,6 +52,7 @@ struct Candidate {
   double alpha = 0.0;
   double tau = 0.0;  // m
   double key = 0.0;  // order along the ray
+  Vector3d feature = Vector3d::Zero();
   Decision included;
 };
 
@@ -82,10 +83,7 @@ Candidate respond(
 }
 
 /// Candidates in the order of the ray, front first, ties by particle.
-RayResult blend(std::vector<Candidate> candidates,
-                const std::vector<Footprint>& footprints,
-                const Options& options,
-                const Vector3d& background) {
+RayResult blend(std::vector<Candidate> candidates, const Options& options, const Vector3d& background) {
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.key, a.particle) < std::tie(b.key, b.particle);
   });
@@ -100,7 +98,7 @@ RayResult blend(std::vector<Candidate> candidates,
     last_key = c.key;
 
     const double weight = c.alpha * result.transmittance;
-    result.feature += weight * footprints[c.particle].feature;
+    result.feature += weight * c.feature;
     result.distance += weight * c.tau;
     const double before = result.transmittance;
     result.transmittance *= 1.0 - c.alpha;
@@ -135,9 +133,12 @@ std::vector<RayResult> render(const Particles& particles,
           particles.params.row(static_cast<Eigen::Index>(i)).segment<3>(kMeanRow).transpose();
       Candidate c = respond(ray, mean, footprints[i], sensor, options);
       c.particle = i;
+      c.feature = options.per_ray_features
+                      ? feature_of(particles, static_cast<Eigen::Index>(i), ray.direction)
+                      : footprints[i].feature;
       candidates.push_back(c);
     }
-    results.push_back(blend(std::move(candidates), footprints, options, background));
+    results.push_back(blend(std::move(candidates), options, background));
   }
   return results;
 }

@@ -1,0 +1,44 @@
+// ray_feature.h - a particle's features as V rays see them, each along its own direction.
+// Build: RAY_SH = 1 for them, then also CLAMPED_CHANNELS (of a camera 3, of a LiDAR the intensity alone); else
+// features are those of the blending record, and nothing is here.
+#ifndef SIMULI_CL_MATH_RAY_FEATURE_H
+#define SIMULI_CL_MATH_RAY_FEATURE_H
+#include "math/actor.h"
+#include "math/sh.h"
+#include "shared/layout.h"
+
+#ifndef RAY_SH
+#define RAY_SH 0
+#endif
+#if RAY_SH
+
+/// feature[3] of one particle: SH along the unit directions d[3] of V rays, in the axes that its actor has
+/// half-way through the frame. Sums that floats do not hold become 0.
+FN void ray_feature(__global const real* params,
+                    uint stride,
+                    uint particle,
+                    __global const uint* actor_of,
+                    __global const real* actors,
+                    const F* d,
+                    F* feature) {
+  F towards[3] = {d[0], d[1], d[2]};
+#if ACTORS
+  const uint id = actor_of[particle];
+  if (id != 0) {
+    const __global real* r = actors + (ulong)id * SIM_ACTOR_REALS + SIM_A_ROTATION;
+    for (int k = 0; k < 3; ++k) towards[k] = d[0] * r[k] + d[1] * r[3 + k] + d[2] * r[6 + k];
+  }
+#endif
+  F basis[SH_COEFFICIENTS];
+  sh_basis(towards[0], towards[1], towards[2], basis);
+  for (int channel = 0; channel < 3; ++channel) {
+    F sum = (F)R(0.0);
+    for (int k = 0; k < SH_COEFFICIENTS; ++k) {
+      sum = fma(basis[k], (F)params[(ulong)(SIM_SH + 3 * k + channel) * stride + particle], sum);
+    }
+    sum = SEL(fabs(sum) < R(1e20), sum, (F)R(0.0));
+    feature[channel] = channel < CLAMPED_CHANNELS ? VMAX(sum + R(0.5), (F)R(0.0)) : sum;
+  }
+}
+#endif
+#endif
