@@ -81,4 +81,15 @@ Pose world_from_bench_camera() {
 
 Pose world_from_bench_lidar() { return {Eigen::Quaterniond::Identity(), {0.0, -1.7, 1.9}}; }
 
+Camera bench_camera() {
+  Camera camera;
+  camera.name = "bench";
+  camera.width = 640;
+  camera.height = 360;
+  camera.fx = camera.fy = 380.0;
+  camera.cx = 320.0;
+  camera.cy = 180.0;
+  return camera;
+}
+
 }  // namespace simuli::bench

@@ -3,6 +3,7 @@
 
 #include "host/scene/gaussians.hpp"
 #include "host/scene/pose.hpp"
+#include "host/sensors/camera.hpp"
 
 namespace simuli::bench {
 
@@ -16,5 +17,8 @@ namespace simuli::bench {
 /// Half-way down that street, 1.6 m up: camera looking along it, and LiDAR.
 [[nodiscard]] Pose world_from_bench_camera();
 [[nodiscard]] Pose world_from_bench_lidar();
+
+/// 640 x 360 pixels, 80 degrees across.
+[[nodiscard]] Camera bench_camera();
 
 }  // namespace simuli::bench

@@ -47,32 +47,55 @@ struct Extreme {
 std::vector<Extreme> all_cases() {
   const auto ball = [](double scale_m) { return Vector3d::Constant(scale_m); };
   return {
+      {"range_2cm", 0.02, ball(0.001)},
       {"range_5cm", 0.05, ball(0.0025)},
       {"range_10m", 10.0, ball(0.1)},
       {"range_2km", 2000.0, ball(20.0)},
+      {"range_10km", 9990.0, ball(20.0)},
+      {"scale_0.01mm_at_10cm", 0.1, ball(1e-5)},
       {"scale_0.1mm_at_1m", 1.0, ball(1e-4)},
       {"scale_0.1mm_at_100m", 100.0, ball(1e-4)},
       {"scale_100m_at_1km", 1000.0, ball(100.0)},
       {"scale_100m_at_10m", 10.0, ball(100.0)},
+      {"scale_1km_at_5km", 5000.0, ball(1e3)},
       {"disc_1m_by_0.1mm_at_10m", 10.0, {1.0, 1.0, 1e-4}},
       {"needle_1m_by_0.1mm_at_10m", 10.0, {1.0, 1e-4, 1e-4}},
+      {"disc_1m_by_0.001mm_at_10m", 10.0, {1.0, 1.0, 1e-6}},
+      {"needle_10m_by_0.01mm_at_10m", 10.0, {10.0, 1e-5, 1e-5}},
       {"world_1e6m_from_origin", 10.0, ball(0.1), 0.0, 1e6},
+      {"world_1e7m_from_origin", 10.0, ball(0.1), 0.0, 1e7},
       {"scene_1km_from_origin", 10.0, ball(0.1), 1e3, 0.0},
       {"scene_10km_from_origin", 10.0, ball(0.1), 1e4, 1e6},
   };
 }
 
+/// How a sensor moves during a frame: a camera's window is read, a LiDAR turns once, in `frame_s`.
+struct Motion {
+  const char* name;
+  double camera_s, lidar_s;
+  double speed_m_per_s = 0.0, turn_deg_per_s = 0.0;
+  [[nodiscard]] bool moves() const { return speed_m_per_s > 0.0; }
+};
+
+constexpr Motion kMotions[] = {
+    {"rest", 0.0, 0.1},
+    {"moving", 0.02 * 64.0 / 1080.0, 0.1, 30.0, 90.0},  // 64 of 1080 rows read in 20 ms
+    {"100_hz", 1e-4, 0.01, 30.0, 90.0},
+    {"1_second", 1.0, 1.0, 30.0, 90.0},
+    {"1000_degrees_per_s", 0.02 * 64.0 / 1080.0, 0.1, 30.0, 1000.0},
+};
+
 /// One sensor at rest or moving: a window in the corner of a picture of long focal length, or a whole turn.
 struct Rig {
   SetKind kind = SetKind::kCamera;
-  bool moving = false;
+  Motion motion;
   Camera camera;
   Lidar lidar;
   LidarRays rays;
 
-  Rig(SetKind set_kind, bool moves);
+  Rig(SetKind set_kind, const Motion& how);
   [[nodiscard]] std::string name() const {
-    return fmt::format("{}_{}", kind == SetKind::kCamera ? "camera" : "lidar", moving ? "moving" : "rest");
+    return fmt::format("{}_{}", kind == SetKind::kCamera ? "camera" : "lidar", motion.name);
   }
   [[nodiscard]] SensorRays on(const Device& device, const RenderOptions& options) const {
     return kind == SetKind::kCamera ? SensorRays(device, camera, options)
@@ -90,14 +113,14 @@ struct Rig {
   void ray(const View& view, std::size_t index, Vector3d& origin, Vector3d& direction) const;
 };
 
-Rig::Rig(SetKind set_kind, bool moves) : kind(set_kind), moving(moves) {
+Rig::Rig(SetKind set_kind, const Motion& how) : kind(set_kind), motion(how) {
   camera.name = "window";
   camera.width = 96;
   camera.height = 64;
   camera.fx = camera.fy = 2000.0;
   camera.cx = -1500.0;  // 37 degrees off the axis
   camera.cy = -800.0;
-  camera.shutter = moves ? ShutterKind::kTopToBottom : ShutterKind::kGlobal;
+  camera.shutter = how.moves() ? ShutterKind::kTopToBottom : ShutterKind::kGlobal;
   constexpr int kBeams = 16;
   constexpr double kDegree = std::numbers::pi / 180.0;
   lidar.name = "turn";
@@ -110,9 +133,9 @@ Rig::Rig(SetKind set_kind, bool moves) : kind(set_kind), moving(moves) {
   lidar.azimuth_first = std::numbers::pi;
   lidar.azimuth_span = 2.0 * std::numbers::pi;
   lidar.range_min = 0.01;
-  lidar.range_max = 1e4;
+  lidar.range_max = 1.1e4;
   lidar.beam_divergence = 2e-3;
-  rays = nominal_rays(lidar, 0.1);
+  rays = nominal_rays(lidar, how.lidar_s);
 }
 
 View Rig::view(const Vector3d& centre, double range_m) const {
@@ -122,11 +145,10 @@ View Rig::view(const Vector3d& centre, double range_m) const {
   if (kind == SetKind::kCamera) start.rotation = Eigen::Quaterniond(looking);
   Pose end = start;
   start.translation = end.translation = centre;
-  if (moving) {
-    // 30 m/s and 90 degrees/s, over this window's share of a read-out of 1080 rows in 20 ms, or 100 ms.
-    const double seconds = kind == SetKind::kCamera ? 0.02 * camera.height / 1080.0 : 0.1;
-    const double driven_m = std::min(30.0 * seconds, 0.2 * range_m);
-    const double turned_rad = 0.5 * std::numbers::pi * seconds;
+  if (motion.moves()) {
+    const double seconds = kind == SetKind::kCamera ? motion.camera_s : motion.lidar_s;
+    const double driven_m = std::min(motion.speed_m_per_s * seconds, 0.2 * range_m);
+    const double turned_rad = motion.turn_deg_per_s * std::numbers::pi / 180.0 * seconds;
     end.translation += driven_m * Vector3d(0.98, 0.17, 0.1);
     end.rotation = Eigen::AngleAxisd(turned_rad, Vector3d(0.1, 0.2, 0.97).normalized()) * start.rotation;
   }
@@ -349,8 +371,8 @@ ExtremesReport run_extremes(const std::string& device_request,
   Table table(report);
   Builds builds(device);
   for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
-    for (const bool moving : {false, true}) {
-      const Rig rig(kind, moving);
+    for (const Motion& motion : kMotions) {
+      const Rig rig(kind, motion);
       builds.use(rig);
       for (const Extreme& extreme : all_cases()) run_case(builds, rig, extreme, table);
       run_set(builds, rig, table);

@@ -29,17 +29,6 @@ const std::map<std::string, std::string>& stage_of_kernel() {
   return kStages;
 }
 
-Camera bench_camera() {
-  Camera camera;
-  camera.name = "bench";
-  camera.width = 640;
-  camera.height = 360;
-  camera.fx = camera.fy = 380.0;  // 80 degrees across
-  camera.cx = 320.0;
-  camera.cy = 180.0;
-  return camera;
-}
-
 struct Sample {
   double frame_ms = 0.0;
   std::map<std::string, double> stage_ms;

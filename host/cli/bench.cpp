@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iostream>
 #include <memory>
 #include <utility>
@@ -10,15 +11,22 @@
 #include "bench/actors.hpp"
 #include "bench/figure10.hpp"
 #include "bench/figure11.hpp"
+#include "bench/plan.hpp"
 #include "bench/sensor_errors.hpp"
 #include "bench/stages.hpp"
 #include "bench/table5.hpp"
 #include "bench/table6.hpp"
 #include "bench/table7.hpp"
 #include "bench/table8.hpp"
+#include "bench/trade.hpp"
 #include "bench/training.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/settings.hpp"
+#include "host/cli/trade_picture.hpp"
+#include "host/render/quality.hpp"
+#include "host/render/validate.hpp"
+#include "io/image.hpp"
 
 namespace simuli::cli {
 
@@ -30,17 +38,35 @@ struct BenchCommand {
   bool training = false;
   bool lidar_rates = false;
   bool actors = false;
-  int table = 0;       // 0: none
-  int figure = 0;      // 0: none
-  std::string log;     // of tables; empty: the embedded street
-  int iterations = 0;  // 0: each bench's own number
+  bool plan = false;
+  bool trade = false;
+  std::vector<std::string> settings;  // measured by the trade beside the qualities
+  std::string picture;                // of the trade's front
+  int table = 0;                      // 0: none
+  int figure = 0;                     // 0: none
+  std::string log;                    // of tables; empty: the embedded street
+  int iterations = 0;                 // 0: each bench's own number
   bench::StagesOptions stage_options;
   bench::Table5Options table5;
   bench::Table8Options table8;
   bench::Figure10Options figure10;
   bench::Figure11Options figure11;
   bench::ActorsOptions actor_options;
+  bench::TradeOptions trade_options;
 };
+
+void run_trade(const BenchCommand& command, const Globals& globals, const bench::Note& note) {
+  bench::TradeOptions options = command.trade_options;
+  if (!command.settings.empty()) {
+    options.own_name = fmt::format("{}", fmt::join(command.settings, " "));
+    options.own = options_of(globals.quality);
+    apply_settings(command.settings, render_settings(options.own));
+    validate(options.own);
+  }
+  const std::vector<bench::TradePoint> points = bench::run_trade(globals.device, options, note);
+  if (!command.picture.empty()) write_image(command.picture, trade_picture(points));
+  std::cout << (globals.json ? bench::to_json(bench::trade_rows(points)) : bench::trade_table(points));
+}
 
 void run_bench(BenchCommand command, const Globals& globals) {
   const std::array asked{command.stages,
@@ -48,13 +74,15 @@ void run_bench(BenchCommand command, const Globals& globals) {
                          command.training,
                          command.lidar_rates,
                          command.actors,
+                         command.plan,
+                         command.trade,
                          command.table != 0,
                          command.figure != 0};
   const auto count = std::count(asked.begin(), asked.end(), true);
   if (count != 1) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
-                            "--lidar-rates, --actors, --table 5|6|7|8, --figure 10|11",
+                            "--lidar-rates, --actors, --plan, --trade, --table 5|6|7|8, --figure 10|11",
                             count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
@@ -83,6 +111,11 @@ void run_bench(BenchCommand command, const Globals& globals) {
   if (command.figure == 10) rows = bench::run_figure10(globals.device, command.figure10, note);
   if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
   if (command.actors) rows = bench::run_actors(globals.device, command.actor_options, note);
+  if (command.plan) {
+    rows = bench::run_plan(
+        globals.device, {command.stage_options.particles, command.stage_options.frames}, note);
+  }
+  if (command.trade) return run_trade(command, globals, note);
   if (command.extremes) {
     bench::ExtremesReport report = bench::run_extremes(globals.device, note);
     rows = std::move(report.rows);
@@ -131,6 +164,26 @@ void add_bench(CLI::App& app, const Globals& globals) {
       ->capture_default_str();
   command->add_option("--frames", options->stage_options.frames, "frames timed; the median is told")
       ->check(CLI::Range(5, 10'000))
+      ->capture_default_str();
+  command->add_flag("--plan",
+                    options->plan,
+                    "each optional part of a frame present, absent, and never mentioned: time and memory");
+  command->add_flag("--trade",
+                    options->trade,
+                    "speed against accuracy: every option alone and the qualities, against the reference");
+  command
+      ->add_option("FOLDERS",
+                   options->trade_options.folders,
+                   "--trade: a scene, and the log of its frames; default: the bench street")
+      ->expected(0, 2);
+  command->add_option("--picture", options->picture, "--trade: a PNG of time and error, with the front");
+  command->add_option(
+      "--set", options->settings, "--trade: render.KEY=VALUE; only these together, and the qualities");
+  command->add_option("--repeats", options->trade_options.repeats, "--trade: timed renders of each view")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--sensor", options->trade_options.sensor, "--trade: only this sensor");
+  command->add_option("--scale", options->trade_options.image_scale, "--trade: size of the scene's pictures")
       ->capture_default_str();
   command->callback([options, &globals] { run_bench(*options, globals); });
 }

@@ -16,8 +16,9 @@ constexpr int kLutBins = 4096;
 
 void allocate(RayGrid& grid) {
   const std::size_t slots = std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * grid.frame.tile_rays;
-  if (slots > std::size_t{1} << 30U) {
-    throw Error(ErrorKind::kInput, fmt::format("sensor: found {} ray slots, allowed 2^30", slots));
+  // Kernels index up to 7 rows of them with 32 bits.
+  if (slots > std::size_t{1} << 29U) {
+    throw Error(ErrorKind::kInput, fmt::format("sensor: found {} ray slots, allowed 2^29", slots));
   }
   grid.frame.slots = static_cast<std::uint32_t>(slots);
   grid.ray_of_slot.assign(slots, -1);
