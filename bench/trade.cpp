@@ -45,7 +45,7 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
     add(fmt::format("transmittance_cut={:g}", cut), [&](auto& o) { o.transmittance_cut = cut; });
   }
   if (moves) {
-    for (const int looks : {1, 2, 3, 8}) {
+    for (const int looks : {0, 1, 2, 8}) {
       add(fmt::format("shutter_iterations={}", looks), [&](auto& o) { o.shutter_iterations = looks; });
     }
   }

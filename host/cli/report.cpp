@@ -154,7 +154,7 @@ void add_times(HtmlReport& html,
   if (!log.images.empty() && scene.camera.size() > 0) {
     const ImageFrame& frame = log.images.front();
     const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
-    const ParticleBuffers particles(device, scene.camera, renderer.options().precision);
+    const ParticleBuffers particles(device, scene.camera, renderer.options());
     const SensorRays rays(device, camera, renderer.options());
     const View view = view_of(log, scene, frame);
     html.paragraph(fmt::format("A picture of {}, {} x {} px:", frame.camera, camera.width, camera.height));
@@ -163,7 +163,7 @@ void add_times(HtmlReport& html,
   if (log.sweeps.empty() || scene.lidar.size() == 0) return;
   const SweepFrame& frame = log.sweeps.front();
   const LidarModel& lidar = log.lidar(frame.lidar).model;
-  const ParticleBuffers particles(device, scene.lidar, renderer.options().precision);
+  const ParticleBuffers particles(device, scene.lidar, renderer.options());
   const SensorRays rays(
       device, lidar, nominal_rays(lidar, frame.time_end_s - frame.time_start_s), renderer.options());
   const View view = view_of(log, scene, frame);

@@ -91,8 +91,8 @@ struct RenderOptions {
   ShDegree sh_degree = ShDegree::k3;
   double sh_error = 0.002;  // of ShDegree::kAuto: RMS over directions and particles, of 1 (and of a logit)
   Math math = Math::kFast;
-  int shutter_iterations = 4;        // looks for a sigma point's own time, 1 to 64; extents are bounds where
-                                     // it isn't found
+  int shutter_iterations = 4;        // looks for a sigma point's own time, to 64; extents are bounds where it
+                                     // isn't found. 0: as if all stood still half-way through the frame
   double alpha_cut = 1.0 / 255.0;    // contributions below this are not made
   double transmittance_cut = 1e-4;   // a ray is done below this
   double camera_filter_px2 = 0.3;    // variance of the pixel footprint, px^2

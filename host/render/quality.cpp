@@ -20,7 +20,7 @@ RenderOptions options_of(Quality quality) {
   RenderOptions o;
   switch (quality) {
     case Quality::kDraft:
-      o.projection = Projection::kLinearized;
+      o.shutter_iterations = 0;
       o.sh_degree = ShDegree::k0;
       o.alpha_cut = 1.0 / 32.0;
       o.transmittance_cut = 0.02;

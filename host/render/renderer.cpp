@@ -47,37 +47,8 @@ void SensorRays::State::mark_rays(RayMaskSize size) {
 
 SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
     : state_(std::make_shared<State>(device, std::move(grid), options)) {}
-namespace {
-
-/// Before the host makes its own copy: Error{kDevice} where the device has no room for so many rays.
-const Camera& fitting(const Device& device, const Camera& camera, const RenderOptions& options) {
-  constexpr std::uint64_t kLargest = 7, kAll = 21;  // reals of a ray: of its own, and with outputs
-  constexpr std::uint64_t kHost = 36;               // bytes of a ray that the host keeps
-  const DeviceInfo& info = device.info();
-  const std::uint64_t real_bytes = options.precision == Precision::kDouble ? 8 : 4;
-  const std::uint64_t rays =
-      static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
-  const std::uint64_t buffer = rays * kLargest * real_bytes;
-  const std::uint64_t all = rays * (kAll * real_bytes + (info.is_cpu ? kHost : 0));
-  if (buffer <= info.max_alloc_bytes && all <= info.global_bytes) return camera;
-  throw Error(
-      ErrorKind::kDevice,
-      fmt::format("camera {}: found {} x {} pixels, which take {:.1f} GB, {:.1f} of them in one buffer, "
-                  "allowed {:.1f} and {:.1f} GB on {}; a smaller scale takes less",
-                  camera.name,
-                  camera.width,
-                  camera.height,
-                  static_cast<double>(all) / 1e9,
-                  static_cast<double>(buffer) / 1e9,
-                  static_cast<double>(info.global_bytes) / 1e9,
-                  static_cast<double>(info.max_alloc_bytes) / 1e9,
-                  info.label()));
-}
-
-}  // namespace
-
 SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(fitting(device, camera, options), options), options) {}
+    : SensorRays(device, make_ray_grid(with_room_on(device, camera, options), options), options) {}
 SensorRays::SensorRays(const Device& device,
                        const LidarModel& model,
                        const LidarRays& rays,
@@ -138,29 +109,6 @@ float RayResults::drop_probability(std::size_t ray) const {
 float RayResults::expected_distance(std::size_t ray) const {
   const float opacity = 1.0F - transmittance[ray];
   return opacity > 0.0F ? distance[ray] / opacity : 0.0F;
-}
-
-void validate(const RenderOptions& options) {
-  const auto need = [](bool holds, const char* field, double found, const char* allowed) {
-    if (holds) return;
-    throw Error(ErrorKind::kUsage, fmt::format("render.{}: found {}, allowed {}", field, found, allowed));
-  };
-  const RenderOptions& o = options;
-  need(o.shutter_iterations >= 1 && o.shutter_iterations <= 64,
-       "shutter_iterations",
-       o.shutter_iterations,
-       "1 to 64");
-  need(o.alpha_cut >= 1e-30 && o.alpha_cut <= 0.5, "alpha_cut", o.alpha_cut, "1e-30 to 0.5");
-  need(o.transmittance_cut >= 0.0 && o.transmittance_cut <= 0.5,
-       "transmittance_cut",
-       o.transmittance_cut,
-       "0 to 0.5");
-  need(o.camera_filter_px2 >= 0.0 && o.camera_filter_px2 <= 100.0,
-       "camera_filter_px2",
-       o.camera_filter_px2,
-       "0 to 100");
-  need(o.sh_error > 0.0 && o.sh_error <= 10.0, "sh_error", o.sh_error, "more than 0, to 10");
-  need(o.max_instances >= 1, "max_instances", static_cast<double>(o.max_instances), "1 or more");
 }
 
 namespace {
@@ -230,15 +178,28 @@ void Renderer::render(const ParticleBuffers& particles,
   const RayGrid& grid = rays.grid();
   bool moving = false;
   const std::array<float, 3> behind = environment == nullptr ? view.background : std::array<float, 3>{};
-  const auto constants = frame_constants(
-      grid, view.world_from_sensor_start, view.world_from_sensor_end, options_, behind, moving);
+  const bool still = options_.shutter_iterations == 0;
+  const Pose middle = interpolate(view.world_from_sensor_start, view.world_from_sensor_end, 0.5);
+  const auto constants = frame_constants(grid,
+                                         still ? middle : view.world_from_sensor_start,
+                                         still ? middle : view.world_from_sensor_end,
+                                         options_,
+                                         behind,
+                                         moving);
   actor_motion_ = false;
   if (particles.actors > 0) {
     if (particles.actors > view.actors.size()) {
       throw Error(ErrorKind::kInternal, "render: the view has fewer actors than the particles");
     }
     const Eigen::Vector3d centre_ref(constants.data() + SIM_S_CENTRE_REF);
-    buffers_.actors.assign(actor_constants(view.actors, centre_ref, actor_motion_));
+    std::vector<ActorView> actors = view.actors;
+    for (ActorView& actor : actors) {
+      if (!still) break;
+      actor.scene_from_actor_start =
+          interpolate(actor.scene_from_actor_start, actor.scene_from_actor_end, 0.5);
+      actor.scene_from_actor_end = actor.scene_from_actor_start;
+    }
+    buffers_.actors.assign(actor_constants(actors, centre_ref, actor_motion_));
   }
   moving = moving || actor_motion_;
   Variant variant;
@@ -260,7 +221,7 @@ void Renderer::render(const ParticleBuffers& particles,
   variant.sh_direction = variant.sh_degree > 0 ? options_.sh_direction : ShDirection::kParticle;
   // Double has the built-in functions anyway.
   variant.math = options_.precision == Precision::kFloat ? options_.math : Math::kFast;
-  variant.shutter_iterations = options_.shutter_iterations;
+  variant.shutter_iterations = std::max(options_.shutter_iterations, 1);
   variant.compensation =
       grid.type == SensorType::kCamera ? options_.camera_compensation : options_.lidar_compensation;
   variant.culling = rays.marked() && (options_.culling == Culling::kAlways ||

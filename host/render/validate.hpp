@@ -1,10 +1,18 @@
 #pragma once
 #include "host/render/options.hpp"
+#include "host/runtime/device.hpp"
+#include "host/sensors/camera.hpp"
 
 namespace simuli {
 
 /// Error{kUsage} naming the option, what was found and what is allowed. Renderers ask for it; programs ask
 /// earlier, before they read what is to be rendered.
 void validate(const RenderOptions& options);
+
+/// The camera itself; Error{kDevice} with the numbers, before any memory is taken, where the device has no
+/// room for the rays of its pixels.
+[[nodiscard]] const Camera& with_room_on(const Device& device,
+                                         const Camera& camera,
+                                         const RenderOptions& options);
 
 }  // namespace simuli

@@ -239,6 +239,21 @@ TEST(ShDegrees, AutoTakesTheLowestThatIsGoodEnough) {
   EXPECT_LT(rms, options.sh_error);
 }
 
+TEST(ShutterOf0, IsAFrameHalfWay) {
+  const Device device = Device::best();
+  RenderOptions options;
+  options.shutter_iterations = 0;
+  for (const SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
+    test::Shot shot = shot_for(scene);
+    const RayResults found = render(device, crowd(scene), shot, options);
+    View& v = shot.view;
+    EXPECT_NE(found.transmittance, render(device, crowd(scene), shot, {}).transmittance);
+    v.world_from_sensor_start = v.world_from_sensor_end =
+        interpolate(v.world_from_sensor_start, v.world_from_sensor_end, 0.5);
+    EXPECT_EQ(found.transmittance, render(device, crowd(scene), shot, {}).transmittance);
+  }
+}
+
 TEST(PicturesOnly, HaveNoGradients) {
   const Device device = Device::best();
   const test::Shot shot = shot_for(test::kCameraStill);

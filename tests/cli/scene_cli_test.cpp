@@ -124,7 +124,7 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
   const std::string projections = "allowed unscented, linearized, monte_carlo";
   expect_failure("train s.log -o x --set render.projection=exact", kUsage, projections);
   expect_failure("train s.log -o x --set render.alpha_cut=2", kUsage, "render.alpha_cut: found 2");
-  expect_failure("eval x s.log --set render.shutter_iterations=0", kUsage, "allowed 1 to 64");
+  expect_failure("eval x s.log --set render.shutter_iterations=65", kUsage, "allowed 0 to 64");
   expect_failure("eval x s.log --set render.extent=box", kUsage, "allowed unscented, exact");
   expect_failure("eval x s.log --set init.voxel_m=1", kUsage, "render.transmittance_cut");  // lists the keys
   expect_failure("render x --sensor top -o y --set render.extent", kUsage, "KEY=VALUE");
