@@ -1,7 +1,7 @@
 #pragma once
-// Files of Gaussians as other programs write them: the 3DGS PLY (io/ply.hpp), SuperSplat's compressed PLY, and
-// Niantic's SPZ. The axes of SPZ are right, up, back, those of the PLYs right, down, forward: y and z change
-// sign on the way, so that the same model has the same particles whichever file it comes from.
+// Files of Gaussians as other programs write them: the 3DGS PLY (io/ply.hpp), SuperSplat's compressed PLY,
+// and Niantic's SPZ. The axes of SPZ are right, up, back, those of the PLYs right, down, forward: y and z
+// change sign on the way, so that the same model has the same particles whichever file it comes from.
 #include <filesystem>
 #include <string>
 
