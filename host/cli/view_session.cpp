@@ -14,6 +14,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/pictures.hpp"
+#include "host/render/quality.hpp"
 #include "host/render/seen.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "io/image.hpp"
@@ -25,7 +26,6 @@ namespace {
 
 constexpr double kSweep_s = 0.1;  // one turn at the 10 Hz of most automotive LiDARs
 constexpr int kJpegQuality = 90;
-const std::vector<std::string> kQualities{"balanced"};
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -98,16 +98,16 @@ ViewRequest parse_view_request(const std::string& json) {
 }
 
 struct ViewSession::Stage {
-  Stage(const Device& device, const Scene& scene, std::string name)
-      : quality(std::move(name)),
-
+  Stage(const Device& device, const Scene& scene, Quality wanted)
+      : quality(wanted),
+        options(options_of(wanted)),
         camera_renderer(device, options),
         lidar_renderer(device, options),
-        camera_set(device, scene.camera, options.precision),
-        lidar_set(device, scene.lidar, options.precision),
+        camera_set(device, scene.camera, options),
+        lidar_set(device, scene.lidar, options),
         look(device, scene, options.precision) {}
 
-  std::string quality;
+  Quality quality;
   RenderOptions options;
   Renderer camera_renderer, lidar_renderer;
   ParticleBuffers camera_set, lidar_set;
@@ -173,8 +173,8 @@ std::string ViewSession::describe() const {
                     {"builtin_cameras", builtin_camera_names()},
                     {"lidars", lidars},
                     {"builtin_lidars", builtin_lidar_names()},
-                    {"qualities", kQualities},
-                    {"quality", globals_.quality},
+                    {"qualities", quality_names()},
+                    {"quality", quality_names().at(static_cast<std::size_t>(globals_.quality))},
                     {"time_start_s", file_.world_from_rig.start_s()},
                     {"time_end_s", file_.world_from_rig.end_s()},
                     {"heading_rad", std::atan2(ahead.y(), ahead.x())},
@@ -198,10 +198,11 @@ std::string ViewSession::progress() const {
 }
 
 ViewSession::Stage& ViewSession::stage(const std::string& quality) {
-  if (!is_one_of(quality, kQualities)) refuse("quality", quality, kQualities);
-  if (!stage_ || stage_->quality != quality) {
+  const std::optional<Quality> known = find_quality(quality);
+  if (!known) refuse("quality", quality, quality_names());
+  if (!stage_ || stage_->quality != *known) {
     stage_.reset();  // first, so that two scenes are never on the device at once
-    stage_ = std::make_unique<Stage>(device_, file_.scene, quality);
+    stage_ = std::make_unique<Stage>(device_, file_.scene, *known);
   }
   return *stage_;
 }

@@ -119,6 +119,7 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
   EXPECT_NE(changed("left_m", 1.0), plain);
   EXPECT_NE(changed("yaw_rad", 0.2), plain);
   EXPECT_NE(changed("width", 128), plain);
+  EXPECT_NE(changed("quality", "draft"), plain);
   EXPECT_NE(changed("world_from_camera", {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}}), plain);
   // The car is taken away, and moved.
   json view = view_of("top");
