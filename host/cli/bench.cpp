@@ -22,6 +22,7 @@
 #include "bench/training.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/report.hpp"
 #include "host/cli/settings.hpp"
 #include "host/cli/trade_picture.hpp"
 #include "host/render/quality.hpp"
@@ -42,6 +43,7 @@ struct BenchCommand {
   bool trade = false;
   std::vector<std::string> settings;  // measured by the trade beside the qualities
   std::string picture;                // of the trade's front
+  std::string report;                 // HTML file to write; empty: none
   int table = 0;                      // 0: none
   int figure = 0;                     // 0: none
   std::string log;                    // of tables; empty: the embedded street
@@ -65,6 +67,8 @@ void run_trade(const BenchCommand& command, const Globals& globals, const bench:
   }
   const std::vector<bench::TradePoint> points = bench::run_trade(globals.device, options, note);
   if (!command.picture.empty()) write_image(command.picture, trade_picture(points));
+  if (!command.report.empty())
+    write_bench_report(command.report, "simuli bench --trade", bench::trade_rows(points));
   std::cout << (globals.json ? bench::to_json(bench::trade_rows(points)) : bench::trade_table(points));
 }
 
@@ -121,6 +125,7 @@ void run_bench(BenchCommand command, const Globals& globals) {
     rows = std::move(report.rows);
     broken = std::move(report.broken);
   }
+  if (!command.report.empty()) write_bench_report(command.report, "simuli bench", rows);
   std::cout << (globals.json ? bench::to_json(rows) : bench::to_text(rows));
   if (broken.empty()) return;
   for (const std::string& line : broken) note(line);
@@ -176,6 +181,8 @@ void add_bench(CLI::App& app, const Globals& globals) {
                    options->trade_options.folders,
                    "--trade: a scene, and the log of its frames; default: the bench street")
       ->expected(0, 2);
+  command->add_option(
+      "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
   command->add_option("--picture", options->picture, "--trade: a PNG of time and error, with the front");
   command->add_option(
       "--set", options->settings, "--trade: render.KEY=VALUE; only these together, and the qualities");
