@@ -23,7 +23,8 @@ constexpr float kOpacityLogit = 2.2F;   // 0.9
 // What the float build may add up, per unit of rounding: the direction of the ray, its turn into the world
 // and into the particle's frame, the matrix and the centre, a few roundings each.
 constexpr double kRoundings = 6.0;
-// Far from the scene origin the sensor's place is rounded; the difference from a particle's is exact.
+// The sensor's place is rounded, the more the farther it is from the scene origin; the difference from a
+// particle's is exact.
 constexpr double kPlaceRoundings = 2.0;
 // exp, squared distances up to 11 and 1 - T of rays that are hardly hit, without any amplification.
 constexpr double kTransmittanceFloor = 2e-5;
@@ -301,7 +302,8 @@ void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& tab
   const Vector3d offset = extreme.scene_offset_m * Vector3d(0.6, -0.8, 0.0);
   // As every reader does: poses of the world minus the scene origin, in double.
   const Vector3d origin = extreme.world_offset_m * Vector3d(0.5, 0.8, 0.0);
-  View view = rig.view(origin + offset + Vector3d(0.3, -0.2, 1.6), extreme.range_m);
+  const Vector3d place = offset + Vector3d(0.3, -0.2, 1.6);  // of the sensor in the scene
+  View view = rig.view(origin + place, extreme.range_m);
   view.world_from_sensor_start.translation -= origin;
   view.world_from_sensor_end.translation -= origin;
   Worst worst;
@@ -313,8 +315,7 @@ void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& tab
   const double widened = std::sqrt(rig.kappa()) * extreme.range_m;
   const double thin = std::hypot(extreme.scale_m.minCoeff(), widened);
   const double wide = std::hypot(extreme.scale_m.maxCoeff(), widened);
-  const double rounding_m =
-      kFloatUnit * (kRoundings * extreme.range_m + kPlaceRoundings * extreme.scene_offset_m);
+  const double rounding_m = kFloatUnit * (kRoundings * extreme.range_m + kPlaceRoundings * place.norm());
   const std::string base = fmt::format("extremes/{}/{}", rig.name(), extreme.name);
   table.need(worst.finite, base + ": a value is not finite");
   table.need(worst.hit > 0, base + ": no ray hits any particle");

@@ -43,8 +43,8 @@ struct Scale {
 struct Axes {
   int top;
   Scale time, error;
-  [[nodiscard]] int x(double ms) const {
-    return kLeft + static_cast<int>(std::lround(time.place(ms) * kPlot));
+  [[nodiscard]] int x(double times) const {
+    return kLeft + static_cast<int>(std::lround(time.place(times) * kPlot));
   }
   [[nodiscard]] int y(double value) const {
     return top + kPanel - static_cast<int>(std::lround(error.place(value) * kPanel));
@@ -69,13 +69,13 @@ void line(Canvas& canvas, int x0, int y0, int x1, int y1, const Colour& colour) 
 
 void draw_axes(Canvas& canvas, const Axes& a, const TradePoint& any) {
   const char* unit = any.is_camera ? "RMS ERROR OF COLOURS (OF 1)" : "MEAN ERROR OF DISTANCES (MM)";
-  canvas.text(kLeft, a.top - 30, fmt::format("{}: {} OVER MS PER FRAME", any.sensor, unit), kInk);
+  canvas.text(kLeft, a.top - 30, fmt::format("{}: {} OVER TIME, BALANCED IS 1", any.sensor, unit), kInk);
   const int bottom = a.top + kPanel;
-  for (const double ms : a.time.ticks()) {
-    canvas.fill(a.x(ms), a.top, a.x(ms) + 1, bottom + 6, kFaint);
-    const std::string text = fmt::format("{:g}", ms);
+  for (const double times : a.time.ticks()) {
+    canvas.fill(a.x(times), a.top, a.x(times) + 1, bottom + 6, kFaint);
+    const std::string text = fmt::format("{:g}", times);
     canvas.text(
-        a.x(ms) - static_cast<int>(text.size()) * Canvas::kCharacterWidth / 2, bottom + 12, text, kInk);
+        a.x(times) - static_cast<int>(text.size()) * Canvas::kCharacterWidth / 2, bottom + 12, text, kInk);
   }
   for (const double error : a.error.ticks()) {
     canvas.fill(kLeft - 6, a.y(error), kLeft + kPlot, a.y(error) + 1, kFaint);
@@ -88,22 +88,23 @@ void draw_axes(Canvas& canvas, const Axes& a, const TradePoint& any) {
 void draw_panel(Canvas& canvas, int top, std::vector<TradePoint> points) {
   std::vector<double> times, errors;
   for (const TradePoint& p : points) {
-    times.push_back(p.frame_ms.median);
+    times.push_back(p.times_balanced.median);
     errors.push_back(p.error);
   }
   const Axes axes{top, Scale::of(times), Scale::of(errors)};
   draw_axes(canvas, axes, points.front());
   std::sort(points.begin(), points.end(), [](const TradePoint& a, const TradePoint& b) {
-    return a.frame_ms.median < b.frame_ms.median;
+    return a.times_balanced.median < b.times_balanced.median;
   });
   const TradePoint* last = nullptr;
   for (const TradePoint& p : points) {
-    if (!p.on_front) continue;
+    // What lies within the noise of the front may be marked, too: the line only goes down.
+    if (!p.on_front || (last != nullptr && p.error >= last->error)) continue;
     if (last != nullptr) {
       line(canvas,
-           axes.x(last->frame_ms.median),
+           axes.x(last->times_balanced.median),
            axes.y(last->error),
-           axes.x(p.frame_ms.median),
+           axes.x(p.times_balanced.median),
            axes.y(p.error),
            kFront);
     }
@@ -111,7 +112,7 @@ void draw_panel(Canvas& canvas, int top, std::vector<TradePoint> points) {
   }
   int number = 0;
   for (const TradePoint& p : points) {
-    const int x = axes.x(p.frame_ms.median), y = axes.y(p.error);
+    const int x = axes.x(p.times_balanced.median), y = axes.y(p.error);
     if (p.is_quality) {
       dot(canvas, x, y, 8, kQuality);
       canvas.text(x + 14, y - 24, p.variant, kQuality);
