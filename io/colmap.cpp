@@ -267,9 +267,7 @@ fs::path find_images(const fs::path& model, const fs::path& asked) {
 
 }  // namespace
 
-Log import_colmap(const ColmapOptions& options,
-                  const std::function<void(std::size_t, std::size_t)>& progress,
-                  PhotoReport& report) {
+PhotoSet read_colmap(const ColmapOptions& options) {
   fs::path folder;
   bool binary = false;
   for (const char* below : {"", "sparse/0", "sparse"}) {
@@ -283,7 +281,6 @@ Log import_colmap(const ColmapOptions& options,
     throw_input_error(options.model.string(), "COLMAP model", "none", "cameras and images, .bin or .txt");
   }
   PhotoSet set;
-  set.name = fs::absolute(options.output).lexically_normal().stem().string();
   set.source = (folder / (binary ? "images.bin" : "images.txt")).string();
   set.level = true;
   std::map<std::int64_t, std::size_t> index;
@@ -303,7 +300,13 @@ Log import_colmap(const ColmapOptions& options,
     set.photos.push_back({photos / image.name, camera->second, image.world_from_camera});
   }
   set.points = read_points(folder, binary);
-  return write_photo_log(std::move(set), options.metres_per_unit, options.output, progress, report);
+  return set;
+}
+
+Log import_colmap(const ColmapOptions& options,
+                  const std::function<void(std::size_t, std::size_t)>& progress,
+                  PhotoReport& report) {
+  return write_photo_log(read_colmap(options), options.metres_per_unit, options.output, progress, report);
 }
 
 }  // namespace simuli

@@ -13,9 +13,11 @@ struct ColmapOptions {
   double metres_per_unit = 0.0;  // 0: see write_photo_log()
 };
 
-/// Imports a COLMAP model: cameras SIMPLE_PINHOLE to FULL_OPENCV, OPENCV_FISHEYE and its simpler kinds; poses
+/// A COLMAP model: cameras SIMPLE_PINHOLE to FULL_OPENCV, OPENCV_FISHEYE and its simpler kinds; poses
 /// by name; points seen by at least three photographs. The world is turned so that +z is up on average.
 /// Error{kInput} naming file and field for anything missing, truncated, or a camera of another model.
+[[nodiscard]] PhotoSet read_colmap(const ColmapOptions& options);
+/// Imports it with its photographs as write_photo_log() says.
 Log import_colmap(const ColmapOptions& options,
                   const std::function<void(std::size_t, std::size_t)>& progress,
                   PhotoReport& report);

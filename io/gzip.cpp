@@ -15,7 +15,10 @@ namespace {
 
 constexpr int kGzipWindow = 15 + 16;  // the largest window, with gzip's header and checksum
 constexpr int kAnyWindow = 15 + 32;   // with gzip's or zlib's
-constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
+/// Bytes asked of zlib at a time: as much as usually comes out of so many, within bounds.
+std::size_t chunk_bytes(std::size_t in) {
+  return std::clamp(4 * in, std::size_t{1} << 12U, std::size_t{1} << 20U);
+}
 
 uInt part(std::size_t left) {
   return static_cast<uInt>(std::min<std::size_t>(left, std::numeric_limits<uInt>::max()));
@@ -29,7 +32,7 @@ std::string gunzip(const std::string& bytes, const std::string& file, std::size_
   z_stream stream{};
   if (inflateInit2(&stream, kAnyWindow) != Z_OK) throw Error(ErrorKind::kInternal, "zlib: no memory");
   std::string in = bytes;  // zlib's pointer is not const
-  std::string out, chunk(kChunkBytes, '\0');
+  std::string out, chunk(chunk_bytes(bytes.size()), '\0');
   std::size_t read = 0;
   int status = Z_OK;
   while (status == Z_OK && out.size() <= most_bytes) {
@@ -56,7 +59,7 @@ std::string gzip(const std::string& bytes) {
   if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzipWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
     throw Error(ErrorKind::kInternal, "zlib: no memory");
   std::string in = bytes;
-  std::string out, chunk(kChunkBytes, '\0');
+  std::string out, chunk(chunk_bytes(bytes.size()), '\0');
   std::size_t read = 0;
   int status = Z_OK;
   while (status == Z_OK) {

@@ -119,15 +119,12 @@ fs::path photo_file(const fs::path& folder, const std::string& name) {
 
 }  // namespace
 
-Log import_nerfstudio(const NerfstudioOptions& options,
-                      const std::function<void(std::size_t, std::size_t)>& progress,
-                      PhotoReport& report) {
+PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
   std::error_code ignored;
   const fs::path file = fs::is_directory(options.transforms, ignored) ? options.transforms / "transforms.json"
                                                                       : options.transforms;
   const fs::path folder = file.parent_path();
   PhotoSet set;
-  set.name = fs::absolute(options.output).lexically_normal().stem().string();
   set.source = file.string();
   read_json_text(read_file(file), set.source, [&](JsonObject& root) {
     root.ignore_other_keys();
@@ -144,7 +141,13 @@ Log import_nerfstudio(const NerfstudioOptions& options,
   // By name, as they were taken: files are not always in order.
   std::stable_sort(
       set.photos.begin(), set.photos.end(), [](const Photo& a, const Photo& b) { return a.file < b.file; });
-  return write_photo_log(std::move(set), options.metres_per_unit, options.output, progress, report);
+  return set;
+}
+
+Log import_nerfstudio(const NerfstudioOptions& options,
+                      const std::function<void(std::size_t, std::size_t)>& progress,
+                      PhotoReport& report) {
+  return write_photo_log(read_nerfstudio(options), options.metres_per_unit, options.output, progress, report);
 }
 
 }  // namespace simuli

@@ -133,7 +133,7 @@ Log write_photo_log(PhotoSet set,
   for (Eigen::Vector3d& p : set.points) p = placed(p);
 
   Log log;
-  log.name = set.name;
+  log.name = fs::absolute(output).lexically_normal().stem().string();
   log.world_from_rig = Trajectory(std::move(path));
   for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kRigFromCamera, {0, 0, 0}}});
   Log written;

@@ -19,7 +19,6 @@ struct Photo {
 };
 
 struct PhotoSet {
-  std::string name;
   std::string source;  // the file that tells of them, for messages
   std::vector<Camera> cameras;
   std::vector<Photo> photos;            // in an order in which neighbours see the same things

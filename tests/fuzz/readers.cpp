@@ -3,17 +3,27 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
 #include "host/sensors/lidar_library.hpp"
+#include "io/colmap.hpp"
+#include "io/file.hpp"
+#include "io/gzip.hpp"
 #include "io/image.hpp"
 #include "io/kitti_parts.hpp"
 #include "io/lidar_file.hpp"
 #include "io/log.hpp"
+#include "io/nerfstudio.hpp"
+#include "io/nuscenes.hpp"
+#include "io/nuscenes_sweep.hpp"
 #include "io/ply.hpp"
 #include "io/scene_folder.hpp"
 #include "io/splat_file.hpp"
 #include "io/state_file.hpp"
+#include "io/tfrecord.hpp"
+#include "io/waymo_frame.hpp"
 
 namespace simuli::test {
 namespace {
@@ -40,8 +50,87 @@ void read_log_beside_frames(const fs::path& file) {
   (void)read_log(file.parent_path());
 }
 
+/// The files of a format that has several, one after the other with "%%%%" between them; beside `file`.
+void split(const fs::path& file, std::initializer_list<const char*> names) {
+  constexpr std::string_view kBetween = "%%%%";
+  const std::string all = read_file(file);
+  std::string_view rest = all;
+  for (const char* name : names) {
+    const std::size_t end = rest.find(kBetween);
+    const fs::path part = file.parent_path() / name;
+    fs::create_directories(part.parent_path());
+    std::ofstream(part, std::ios::binary) << rest.substr(0, end);
+    rest = end == std::string_view::npos ? "" : rest.substr(end + kBetween.size());
+  }
+}
+
+void read_colmap_text(const fs::path& file) {
+  split(file, {"cameras.txt", "images.txt", "points3D.txt"});
+  (void)read_colmap({file.parent_path(), "photos", {}});
+}
+
+void read_colmap_binary(const fs::path& file) {
+  split(file, {"cameras.bin", "images.bin", "points3D.bin"});
+  (void)read_colmap({file.parent_path(), "photos", {}});
+}
+
+/// The tables are read before any picture or sweep, and the one that is there is empty: never a whole log.
+void read_nuscenes_tables(const fs::path& file) {
+  split(file,
+        {"v1.0-mini/scene.json",
+         "v1.0-mini/sample.json",
+         "v1.0-mini/sensor.json",
+         "v1.0-mini/calibrated_sensor.json",
+         "v1.0-mini/sample_data.json",
+         "v1.0-mini/ego_pose.json",
+         "v1.0-mini/category.json",
+         "v1.0-mini/instance.json",
+         "v1.0-mini/sample_annotation.json"});
+  const fs::path picture = file.parent_path() / "samples/0.jpg";
+  fs::create_directories(picture.parent_path());
+  std::ofstream(picture).flush();
+  NuscenesReport report;
+  (void)import_nuscenes({file.parent_path(), "v1.0-mini", "", file.parent_path() / "out"}, {}, report);
+}
+
+void read_nuscenes_sweep(const fs::path& file) {
+  const Lidar lidar = nuscenes::lidar_of({file}, "top");
+  (void)nuscenes::read_turn(file, lidar, Pose{Eigen::Quaterniond::Identity(), {0.0, 0.1, 0.0}});
+}
+
+/// A frame's message with its sensors; the range image as it is before compression, which no change of the
+/// compressed bytes would get past.
+void read_waymo_frame(const fs::path& file) {
+  const std::string bytes = read_file(file);
+  const waymo::Reader reader(file.string());
+  const waymo::Frame frame = reader.frame(bytes);
+  for (const std::string_view camera : frame.cameras) (void)reader.camera(camera);
+  for (const waymo::Picture& picture : frame.pictures) (void)reader.camera_name(picture.name);
+  if (frame.top.empty()) return;
+  const waymo::Grid grid = reader.grid(gzip(std::string(frame.top)));
+  for (const std::string_view calibration : frame.lidars) {
+    LogLidar lidar;
+    if (reader.lidar(calibration, grid.rows, grid.columns, lidar)) {
+      (void)waymo::sweep_of(grid, lidar.with_rows());
+    }
+  }
+}
+
+void read_waymo_records(const fs::path& file) {
+  const waymo::Reader reader(file.string());
+  TfRecords records(file);
+  std::string record;
+  while (records.next(record)) {
+    const waymo::Frame frame = reader.frame(record);
+    if (!frame.top.empty()) (void)reader.grid(frame.top);
+  }
+}
+
 constexpr std::array kReaders{
     FuzzedReader{"ply", [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kCamera); }, "a.ply"},
+    FuzzedReader{
+        "ply_compressed", [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kCamera); }, "a.ply"},
+    FuzzedReader{"ply_points", [](const fs::path& f) { (void)read_points_ply(f); }, "a.ply"},
     FuzzedReader{
         "ply_lidar", [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kLidar); }, "a.ply"},
     FuzzedReader{"spz", [](const fs::path& f) { (void)read_spz(f); }, "a.spz"},
@@ -49,7 +138,7 @@ constexpr std::array kReaders{
     FuzzedReader{"sweep", [](const fs::path& f) { (void)read_sweep(f, sweep_lidar()); }, "a.exr"},
     FuzzedReader{"lidar", [](const fs::path& f) { (void)read_lidar_file(f); }, "a.json"},
     FuzzedReader{"log", read_log_beside_frames, "log.json"},
-    FuzzedReader{"scene", [](const fs::path& f) { (void)read_scene(f.parent_path()); }, "scene.json"},
+    FuzzedReader{"scene", [](const fs::path& f) { (void)read_scene(f.parent_path()); }, "scene.json", false},
     FuzzedReader{"state",
                  [](const fs::path& f) {
                    const StateFile state(f);
@@ -74,6 +163,17 @@ constexpr std::array kReaders{
                    (void)kitti::read_tracking(f, Pose{}, times);
                  },
                  "0003.txt"},
+    FuzzedReader{"colmap_text", read_colmap_text, "model"},
+    FuzzedReader{"colmap_binary", read_colmap_binary, "model"},
+    FuzzedReader{"nerfstudio",
+                 [](const fs::path& f) {
+                   (void)read_nerfstudio({f, {}});
+                 },
+                 "transforms.json"},
+    FuzzedReader{"nuscenes_tables", read_nuscenes_tables, "tables", false},
+    FuzzedReader{"nuscenes_sweep", read_nuscenes_sweep, "0.pcd.bin"},
+    FuzzedReader{"waymo_frame", read_waymo_frame, "frame"},
+    FuzzedReader{"waymo_records", read_waymo_records, "segment.tfrecord"},
 };
 
 }  // namespace

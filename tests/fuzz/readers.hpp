@@ -11,6 +11,7 @@ struct FuzzedReader {
   /// Reads the file, which holds whatever bytes; throws simuli::Error alone.
   void (*read)(const std::filesystem::path& file);
   std::string_view file_name;  // what the file is called, for readers that look at that
+  bool whole = true;           // reads its seeds; false: they lack files that stand beside them
 };
 
 [[nodiscard]] std::span<const FuzzedReader> fuzzed_readers();
