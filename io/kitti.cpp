@@ -8,7 +8,6 @@
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
-#include "io/image.hpp"
 #include "io/kitti_parts.hpp"
 #include "io/lidar_file.hpp"
 
@@ -180,18 +179,6 @@ void add_to_report(const Sweep& sweep, const Lidar& lidar, KittiReport& report) 
   }
 }
 
-/// The image's own bytes, once it is known that they decode to the calibrated size.
-void copy_image(const fs::path& from, const fs::path& to, const Camera& camera) {
-  const Image image = read_image(from);
-  if (image.width != camera.width || image.height != camera.height) {
-    throw_input_error(from.string(),
-                      "size_px",
-                      fmt::format("{} x {}", image.width, image.height),
-                      fmt::format("{} x {} of S_rect_02", camera.width, camera.height));
-  }
-  write_file_atomically(to, read_file(from));
-}
-
 }  // namespace
 
 Log import_kitti(const KittiOptions& options,
@@ -241,7 +228,7 @@ Log import_kitti(const KittiOptions& options,
     for (std::size_t i = 0; i < frames; ++i) {
       const std::string image_file = fmt::format("images/{:010}.png", i);
       const std::string sweep_file = fmt::format("sweeps/{:010}.exr", i);
-      copy_image(files.image(i), folder / image_file, calibration.camera);
+      copy_picture(files.image(i), folder / image_file, calibration.camera, "S_rect_02");
       std::size_t points = 0;
       const Sweep sweep = make_sweep(read_beams(files.sweep(i), lidar, points), lidar, sweep_duration_s);
       write_sweep(folder / sweep_file, sweep);

@@ -6,6 +6,7 @@
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
+#include "io/image.hpp"
 #include "io/json_reader.hpp"
 #include "io/log_json.hpp"
 
@@ -173,6 +174,17 @@ void write_log(const Log& log) {
     throw_input_error((log.folder / "log.json").string(), "JSON", error.what(), "names in UTF-8");
   }
   write_file_atomically(log.folder / "log.json", text);
+}
+
+void copy_picture(const fs::path& from, const fs::path& to, const Camera& camera, const std::string& source) {
+  const Image image = read_image(from);
+  if (image.width != camera.width || image.height != camera.height) {
+    throw_input_error(from.string(),
+                      "size_px",
+                      fmt::format("{} x {}", image.width, image.height),
+                      fmt::format("{} x {} of {}", camera.width, camera.height, source));
+  }
+  write_file_atomically(to, read_file(from));
 }
 
 bool is_held_out(std::size_t index, int every) {

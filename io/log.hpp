@@ -79,6 +79,13 @@ void write_log(const Log& log);
 [[nodiscard]] Sweep read_sweep(const std::filesystem::path& file, const LidarModel& lidar);
 void write_sweep(const std::filesystem::path& file, const Sweep& sweep);
 
+/// Copies a picture's own bytes into a log, once it is known that they decode to the camera's size; `source`
+/// names what that size comes from. Error{kInput} otherwise.
+void copy_picture(const std::filesystem::path& from,
+                  const std::filesystem::path& to,
+                  const Camera& camera,
+                  const std::string& source);
+
 /// Frames with index % every == every - 1 are for evaluation, all others for training; every = 0
 /// holds nothing out.
 [[nodiscard]] bool is_held_out(std::size_t index, int every);

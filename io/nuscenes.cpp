@@ -13,7 +13,6 @@
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
-#include "io/image.hpp"
 #include "io/json_reader.hpp"
 #include "io/nuscenes_sweep.hpp"
 
@@ -218,17 +217,6 @@ Camera camera_of(const Recording& r, const Mounted& m) {
   return c;
 }
 
-void copy_image(const fs::path& from, const fs::path& to, const Camera& camera) {
-  const Image image = read_image(from);
-  if (image.width != camera.width || image.height != camera.height) {
-    throw_input_error(from.string(),
-                      "size_px",
-                      fmt::format("{} x {}", image.width, image.height),
-                      fmt::format("{} x {}", camera.width, camera.height));
-  }
-  write_file_atomically(to, read_file(from));
-}
-
 /// Start of each sweep: the end of the one before, or a turn before its own end.
 std::vector<double> sweep_starts(const std::vector<double>& ends_s, double turn_s) {
   std::vector<double> starts;
@@ -292,7 +280,7 @@ Log import_nuscenes(const NuscenesOptions& options,
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const Recording& r = *pictures[i];
       const std::string file = fmt::format("images/{}_{:06}.jpg", r.channel, i);
-      copy_image(options.root / r.file, folder / file, log.camera(r.channel).model);
+      copy_picture(options.root / r.file, folder / file, log.camera(r.channel).model, "sample_data.json");
       log.images.push_back({r.channel, file, seconds(&r), seconds(&r)});
       step();
     }

@@ -10,7 +10,6 @@
 #include "host/base/error.hpp"
 #include "io/cloud_file.hpp"
 #include "io/file.hpp"
-#include "io/image.hpp"
 
 namespace simuli {
 namespace {
@@ -92,18 +91,6 @@ void write_points(const PhotoSet& set, double typical_m, const fs::path& file, P
   report.points = static_cast<std::size_t>(row);
 }
 
-/// The photograph's own bytes, once it is known that they decode to the camera's size.
-void copy_photo(const Photo& photo, const Camera& camera, const fs::path& to) {
-  const Image image = read_image(photo.file);
-  if (image.width != camera.width || image.height != camera.height) {
-    throw_input_error(photo.file.string(),
-                      "size_px",
-                      fmt::format("{} x {}", image.width, image.height),
-                      fmt::format("{} x {} of camera {}", camera.width, camera.height, camera.name));
-  }
-  write_file_atomically(to, read_file(photo.file));
-}
-
 }  // namespace
 
 Log write_photo_log(PhotoSet set,
@@ -144,7 +131,7 @@ Log write_photo_log(PhotoSet set,
       const Photo& photo = set.photos[i];
       const Camera& camera = set.cameras[photo.camera];
       const std::string file = fmt::format("images/{:06}{}", i, photo.file.extension().string());
-      copy_photo(photo, camera, folder / file);
+      copy_picture(photo.file, folder / file, camera, "camera " + camera.name);
       log.images.push_back({camera.name, file, static_cast<double>(i), static_cast<double>(i)});
       if (progress) progress(i + 1, set.photos.size());
     }
