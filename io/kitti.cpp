@@ -1,26 +1,18 @@
 #include "io/kitti.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <regex>
 
 #include "host/base/error.hpp"
 #include "io/file.hpp"
 #include "io/kitti_parts.hpp"
-#include "io/lidar_file.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace kitti;
-
-/// More points than this outside every beam mean another sensor or a damaged file.
-constexpr double kMostUnplaced = 0.005;
-/// A turn has 4 % more or fewer firings than the sensor's own number at most (8 to 12 Hz are far off).
-constexpr double kColumnMargin = 0.04;
 
 struct DriveFiles {
   fs::path drive;
@@ -92,93 +84,6 @@ DriveTimes read_times(const fs::path& drive, std::size_t frames) {
   return times;
 }
 
-BeamPoints read_beams(const fs::path& file, const Lidar& lidar, std::size_t& points) {
-  const std::vector<Point> read = read_points(file);
-  points = read.size();
-  return sort_into_beams(read, lidar);
-}
-
-/// The beam table to read the sweeps with. Files are cut where a point's own azimuth is pi, whichever beam it
-/// came from: a beam that looks further round fires there later, which the log's grid tells as a time offset.
-Lidar read_beam_table(const fs::path& file, double sweep_duration_s) {
-  if (file.empty()) return builtin_lidar("kitti_hdl64e");
-  const LidarFile read = read_lidar_file(file);
-  const auto* const table = std::get_if<Lidar>(&read.model);
-  if (table == nullptr || table->spin != SpinDirection::kClockwise) {
-    throw_input_error(file.string(),
-                      table == nullptr ? "kind" : "spin",
-                      table == nullptr ? "ray_list" : "counter_clockwise",
-                      table == nullptr ? "lidar" : "clockwise, as KITTI's sensor turns");
-  }
-  Lidar lidar = *table;
-  for (LidarRow& row : lidar.rows) {
-    row.time_offset += row.azimuth_offset / (2.0 * std::numbers::pi) * sweep_duration_s;
-    row.azimuth_offset = 0.0;
-  }
-  lidar.azimuth_span = 2.0 * std::numbers::pi;
-  return lidar;
-}
-
-/// The model with the firings per turn of this log and range limits that hold its points.
-Lidar fit_lidar(const DriveFiles& files, std::size_t frames, Lidar lidar, KittiReport& report) {
-  lidar.name = "velodyne";
-  const int nominal = lidar.columns;
-  double most_in_a_row = 0.0;
-  std::vector<double> firings;  // per turn, of the sweeps that have enough points to tell
-  for (std::size_t i = 0; i < frames; ++i) {
-    std::size_t points = 0;
-    const BeamPoints beams = read_beams(files.sweep(i), lidar, points);
-    report.points += points;
-    report.unplaced += beams.unplaced;
-    report.ring_agrees += beams.ring_agrees;
-    if (static_cast<double>(beams.unplaced) > kMostUnplaced * static_cast<double>(points)) {
-      throw_input_error(files.sweep(i).string(),
-                        "points outside every beam",
-                        fmt::format("{} of {}", beams.unplaced, points),
-                        fmt::format("at most {} %", 100.0 * kMostUnplaced));
-    }
-    const double estimate = estimate_columns(beams, lidar);
-    if (estimate > 0.0) firings.push_back(estimate);
-    for (std::size_t r = 0; r < beams.rows.size(); ++r) {
-      most_in_a_row = std::max(most_in_a_row, static_cast<double>(beams.rows[r].size()));
-      for (const Point& point : beams.rows[r]) {
-        const double range = (point.position - lidar.origin(static_cast<int>(r), 0.0)).norm();
-        lidar.range_min = std::min(lidar.range_min, range);
-        lidar.range_max = std::max(lidar.range_max, range);
-      }
-    }
-  }
-  std::nth_element(
-      firings.begin(), firings.begin() + static_cast<std::ptrdiff_t>(firings.size() / 2), firings.end());
-  // Too few points to tell: the sensor's own number.
-  const double typical = firings.empty() ? nominal : std::round(firings[firings.size() / 2]);
-  const double columns = std::max(typical, most_in_a_row);
-  if (!(std::abs(columns - nominal) <= nominal * kColumnMargin)) {
-    throw_input_error((files.drive / "velodyne_points").string(),
-                      "firings per turn",
-                      fmt::format("{}", columns),
-                      fmt::format("{} within {} %", nominal, 100.0 * kColumnMargin));
-  }
-  lidar.columns = static_cast<int>(columns);
-  lidar.azimuth_first = std::numbers::pi * (1.0 - 1.0 / lidar.columns);
-  return lidar;
-}
-
-void add_to_report(const Sweep& sweep, const Lidar& lidar, KittiReport& report) {
-  report.rays += sweep.range.size();
-  for (int r = 0; r < lidar.row_count(); ++r) {
-    for (int c = 0; c < lidar.columns; ++c) {
-      const auto ray =
-          static_cast<std::size_t>(r) * static_cast<std::size_t>(lidar.columns) + static_cast<std::size_t>(c);
-      if (sweep.range[ray] == 0.0F) continue;
-      ++report.returned;
-      const double shift =
-          std::remainder(sweep.rays.azimuth[ray] - lidar.azimuth(r, c), 2.0 * std::numbers::pi);
-      report.azimuth_shift_max_rad = std::max(report.azimuth_shift_max_rad, std::abs(shift));
-    }
-  }
-}
-
 }  // namespace
 
 Log import_kitti(const KittiOptions& options,
@@ -216,7 +121,9 @@ Log import_kitti(const KittiOptions& options,
       static_cast<double>(times.end_ns[frames - 1] - times.start_ns[0]) * 1e-9 / static_cast<double>(frames);
   KittiReport counts;
   log.cameras = {{calibration.camera, calibration.cam02_from_velo.inverse()}};
-  log.lidars = {{fit_lidar(files, frames, read_beam_table(options.lidar, sweep_duration_s), counts),
+  std::vector<fs::path> sweeps;
+  for (std::size_t i = 0; i < frames; ++i) sweeps.push_back(files.sweep(i));
+  log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, sweep_duration_s), counts),
                  Pose{}}};  // the rig's frame is the velodyne's
 
   Log imported;
@@ -229,10 +136,7 @@ Log import_kitti(const KittiOptions& options,
       const std::string image_file = fmt::format("images/{:010}.png", i);
       const std::string sweep_file = fmt::format("sweeps/{:010}.exr", i);
       copy_picture(files.image(i), folder / image_file, calibration.camera, "S_rect_02");
-      std::size_t points = 0;
-      const Sweep sweep = make_sweep(read_beams(files.sweep(i), lidar, points), lidar, sweep_duration_s);
-      write_sweep(folder / sweep_file, sweep);
-      add_to_report(sweep, lidar, counts);
+      write_sweep(folder / sweep_file, read_turn(sweeps[i], lidar, sweep_duration_s, counts));
       const double image_s = seconds(times.image_ns[i]);
       log.images.push_back({calibration.camera.name, image_file, image_s, image_s});
       log.sweeps.push_back({lidar.name, sweep_file, seconds(times.start_ns[i]), seconds(times.end_ns[i])});

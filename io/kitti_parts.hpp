@@ -15,6 +15,10 @@
 #include "host/sensors/trajectory.hpp"
 #include "io/log.hpp"
 
+namespace simuli {
+struct KittiReport;
+}  // namespace simuli
+
 namespace simuli::kitti {
 
 // ---- text (kitti_text.cpp) ----
@@ -122,5 +126,24 @@ struct BeamPoints {
 /// between their neighbours, the beam's elevation, range 0. The rows' time offsets count where the duration
 /// is given.
 [[nodiscard]] Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar, double sweep_duration_s = 0.0);
+
+// ---- the sensor of a drive (kitti_drive.cpp) ----
+
+/// The beam table to read the sweeps with. Files are cut where a point's own azimuth is pi, whichever beam it
+/// came from: a beam that looks further round fires there later, which the log's grid tells as a time offset.
+[[nodiscard]] Lidar read_beam_table(const std::filesystem::path& file, double sweep_duration_s);
+
+/// The model with the firings per turn of these sweeps and range limits that hold their points, which are
+/// counted in the report. Error{kInput} when more than 0.5 % of a sweep's points are on no beam, or a turn
+/// has over 4 % more or fewer firings than the table says.
+[[nodiscard]] Lidar fit_lidar(const std::vector<std::filesystem::path>& files,
+                              Lidar lidar,
+                              KittiReport& report);
+
+/// make_sweep() of a file, counted in the report.
+[[nodiscard]] Sweep read_turn(const std::filesystem::path& file,
+                              const Lidar& lidar,
+                              double sweep_duration_s,
+                              KittiReport& report);
 
 }  // namespace simuli::kitti

@@ -7,6 +7,7 @@
 #include "host/cli/info.hpp"
 #include "io/colmap.hpp"
 #include "io/kitti.hpp"
+#include "io/kitti360.hpp"
 #include "io/nerfstudio.hpp"
 #include "io/nuscenes.hpp"
 #include "io/waymo.hpp"
@@ -34,6 +35,17 @@ void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
   const Log log = import_kitti(options, progress.callback(), &report);
   progress.finish();
   print_report(report);
+  print_log(log, globals.json);
+}
+
+void import_kitti360_sequence(const Kitti360Options& options, const Globals& globals) {
+  FileProgress progress("import kitti360", globals);
+  Kitti360Report report;
+  const Log log = import_kitti360(options, progress.callback(), report);
+  progress.finish();
+  std::cerr << fmt::format(
+      "{} pictures and sweeps are absent, {} without a pose\n", report.absent, report.unposed);
+  print_report(report.points);
   print_log(log, globals.json);
 }
 
@@ -105,6 +117,20 @@ void add_import(CLI::App& app, const Globals& globals) {
       ->excludes("--poses");
   kitti->add_option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
   kitti->callback([options, &globals] { import_kitti_drive(*options, globals); });
+
+  const auto kitti360 = std::make_shared<Kitti360Options>();
+  CLI::App* sequence =
+      import->add_subcommand("kitti360", "frames of KITTI-360: perspective and fisheye cameras, HDL-64E");
+  sequence->add_option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..")
+      ->required();
+  sequence->add_option("-o,--output", kitti360->output, "log folder to write")->required();
+  sequence->add_option(
+      "--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
+  sequence->add_option("--first", kitti360->first, "number of the first frame; default: 0");
+  sequence->add_option("--last", kitti360->last, "number of the last frame; default: the sequence's");
+  sequence->add_option(
+      "--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
+  sequence->callback([kitti360, &globals] { import_kitti360_sequence(*kitti360, globals); });
 
   const auto nuscenes = std::make_shared<NuscenesOptions>();
   CLI::App* scene = import->add_subcommand("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");

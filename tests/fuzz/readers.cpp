@@ -12,6 +12,7 @@
 #include "io/file.hpp"
 #include "io/gzip.hpp"
 #include "io/image.hpp"
+#include "io/kitti360_parts.hpp"
 #include "io/kitti_parts.hpp"
 #include "io/lidar_file.hpp"
 #include "io/log.hpp"
@@ -163,6 +164,10 @@ constexpr std::array kReaders{
                    (void)kitti::read_tracking(f, Pose{}, times);
                  },
                  "0003.txt"},
+    FuzzedReader{"kitti360_camera",
+                 [](const fs::path& f) { (void)kitti360::read_fisheye(f, "image_02"); },
+                 "image_02.yaml"},
+    FuzzedReader{"kitti360_poses", [](const fs::path& f) { (void)kitti360::read_poses(f); }, "poses.txt"},
     FuzzedReader{"colmap_text", read_colmap_text, "model"},
     FuzzedReader{"colmap_binary", read_colmap_binary, "model"},
     FuzzedReader{"nerfstudio",
