@@ -1,5 +1,6 @@
 #include "io/scene_folder.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fmt/format.h>
 #include <limits>
@@ -138,6 +139,18 @@ void check_kinds(const Scene& scene, const fs::path& folder) {
 }
 
 }  // namespace
+
+const LogCamera* SceneFile::find_camera(const std::string& name) const {
+  const auto found =
+      std::find_if(cameras.begin(), cameras.end(), [&](const LogCamera& c) { return c.model.name == name; });
+  return found == cameras.end() ? nullptr : &*found;
+}
+
+const LogLidar* SceneFile::find_lidar(const std::string& name) const {
+  const auto found =
+      std::find_if(lidars.begin(), lidars.end(), [&](const LogLidar& l) { return name_of(l.model) == name; });
+  return found == lidars.end() ? nullptr : &*found;
+}
 
 SceneFile read_scene(const fs::path& folder) {
   const fs::path file = folder / kSceneName;

@@ -2,6 +2,7 @@
 // A scene folder: camera.ply, lidar.ply (io/ply.hpp), what its pictures have beside particles
 // (io/appearance_file.hpp), and scene.json, which names their counts.
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "host/scene/scene.hpp"
@@ -15,6 +16,10 @@ struct SceneFile {
   std::vector<LogCamera> cameras;
   std::vector<LogLidar> lidars;
   Trajectory world_from_rig;  // may be empty
+
+  /// The sensor of that name; null when there is none.
+  [[nodiscard]] const LogCamera* find_camera(const std::string& name) const;
+  [[nodiscard]] const LogLidar* find_lidar(const std::string& name) const;
 };
 
 /// Reads a scene folder. Unknown keys are errors, as are counts or SH degrees other than scene.json says.

@@ -89,20 +89,6 @@ simuli::Shot shot_of(const simuli_shot& s) {
   return {pose_of(s.world_from_sensor_start), pose_of(s.world_from_sensor_end), s.time_start_s, s.time_end_s};
 }
 
-const simuli::LogCamera* find_camera(const simuli_scene& scene, const std::string& name) {
-  const auto& all = scene.file.cameras;
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const auto& c) { return c.model.name == name; });
-  return found == all.end() ? nullptr : &*found;
-}
-
-const simuli::LogLidar* find_lidar(const simuli_scene& scene, const std::string& name) {
-  const auto& all = scene.file.lidars;
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const auto& l) { return name_of(l.model) == name; });
-  return found == all.end() ? nullptr : &*found;
-}
-
 [[noreturn]] void refuse_sensor(const char* kind, const std::string& name) {
   throw Error(ErrorKind::kUsage, fmt::format("name: found \"{}\", allowed a {} of the scene", name, kind));
 }
@@ -187,7 +173,7 @@ simuli_status simuli_scene_add_lidar(simuli_scene* scene,
     simuli::LidarModel model = std::filesystem::is_regular_file(what, ignored)
                                    ? simuli::read_lidar_file(what).model
                                    : simuli::LidarModel(simuli::builtin_lidar(what));
-    if (find_camera(s, name_of(model)) != nullptr || find_lidar(s, name_of(model)) != nullptr) {
+    if (s.file.find_camera(name_of(model)) != nullptr || s.file.find_lidar(name_of(model)) != nullptr) {
       throw Error(ErrorKind::kUsage,
                   fmt::format("name_or_file: found {}, which the scene has already", name_of(model)));
     }
@@ -208,8 +194,8 @@ simuli_status simuli_scene_shot(
   return guarded([&] {
     const simuli::Trajectory& path = path_of(need(scene, "scene"));
     const std::string sensor = &need(name, "name");
-    const simuli::LogCamera* camera = find_camera(*scene, sensor);
-    const simuli::LogLidar* lidar = find_lidar(*scene, sensor);
+    const simuli::LogCamera* camera = scene->file.find_camera(sensor);
+    const simuli::LogLidar* lidar = scene->file.find_lidar(sensor);
     if (camera == nullptr && lidar == nullptr) refuse_sensor("sensor", sensor);
     const simuli::Pose& mount = camera != nullptr ? camera->rig_from_camera : lidar->rig_from_lidar;
     const auto s = simuli::Shot::along(path, mount, time_start_s, time_end_s);
@@ -222,7 +208,7 @@ simuli_status simuli_render_camera(
     simuli_scene* scene, const char* name, const simuli_shot* shot, float* rgb, size_t values) {
   return guarded([&] {
     const std::string sensor = &need(name, "name");
-    const simuli::LogCamera* camera = find_camera(need(scene, "scene"), sensor);
+    const simuli::LogCamera* camera = need(scene, "scene").file.find_camera(sensor);
     if (camera == nullptr) refuse_sensor("camera", sensor);
     const auto pixels =
         static_cast<std::size_t>(camera->model.width) * static_cast<std::size_t>(camera->model.height);
@@ -238,7 +224,7 @@ simuli_status simuli_render_lidar(simuli_scene* scene,
                                   const simuli_lidar_frame* frame) {
   return guarded([&] {
     const std::string sensor = &need(name, "name");
-    const simuli::LogLidar* lidar = find_lidar(need(scene, "scene"), sensor);
+    const simuli::LogLidar* lidar = need(scene, "scene").file.find_lidar(sensor);
     if (lidar == nullptr) refuse_sensor("LiDAR", sensor);
     const simuli_lidar_frame& out = need(frame, "frame");
     need_length("rays", out.rays, ray_count(lidar->model));

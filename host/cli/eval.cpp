@@ -27,21 +27,19 @@ struct EvalCommand {
 /// The log with its sensors where the scene has them: training may have learned better.
 Log mounted(Log log, const SceneFile& scene) {
   for (LogCamera& camera : log.cameras) {
-    for (const LogCamera& known : scene.cameras) {
-      if (known.model.name == camera.model.name) camera.rig_from_camera = known.rig_from_camera;
-    }
+    const LogCamera* const known = scene.find_camera(camera.model.name);
+    if (known != nullptr) camera.rig_from_camera = known->rig_from_camera;
   }
   for (LogLidar& lidar : log.lidars) {
-    for (const LogLidar& known : scene.lidars) {
-      if (name_of(known.model) != name_of(lidar.model)) continue;
-      lidar.rig_from_lidar = known.rig_from_lidar;
-      auto* const model = std::get_if<Lidar>(&lidar.model);
-      if (model == nullptr) continue;
-      const Lidar& trained = known.with_rows();
-      model->blind = trained.blind;
-      const std::size_t rows = std::min(model->rows.size(), trained.rows.size());
-      for (std::size_t row = 0; row < rows; ++row) model->rows[row].range_bias = trained.rows[row].range_bias;
-    }
+    const LogLidar* const known = scene.find_lidar(name_of(lidar.model));
+    if (known == nullptr) continue;
+    lidar.rig_from_lidar = known->rig_from_lidar;
+    auto* const model = std::get_if<Lidar>(&lidar.model);
+    if (model == nullptr) continue;
+    const Lidar& trained = known->with_rows();
+    model->blind = trained.blind;
+    const std::size_t rows = std::min(model->rows.size(), trained.rows.size());
+    for (std::size_t row = 0; row < rows; ++row) model->rows[row].range_bias = trained.rows[row].range_bias;
   }
   return log;
 }

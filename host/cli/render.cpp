@@ -70,21 +70,19 @@ struct Span {
 }
 
 Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
-  std::vector<std::string> known;
-  for (const LogCamera& c : file.cameras) {
-    if (c.model.name == command.sensor) {
-      return {command.sensor, true, scaled_camera(c.model, command.scale), {}, c.rig_from_camera};
-    }
-    known.push_back(c.model.name);
+  if (const LogCamera* const c = file.find_camera(command.sensor)) {
+    return {command.sensor, true, scaled_camera(c->model, command.scale), {}, c->rig_from_camera};
   }
-  for (const LogLidar& l : file.lidars) {
-    if (name_of(l.model) == command.sensor) return {command.sensor, false, {}, l.model, l.rig_from_lidar};
-    known.push_back(name_of(l.model));
+  if (const LogLidar* const l = file.find_lidar(command.sensor)) {
+    return {command.sensor, false, {}, l->model, l->rig_from_lidar};
   }
   std::error_code ignored;
   const bool is_file = fs::is_regular_file(command.sensor, ignored);
   const std::vector<std::string> builtin = builtin_lidar_names();
   if (!is_file && std::find(builtin.begin(), builtin.end(), command.sensor) == builtin.end()) {
+    std::vector<std::string> known;
+    for (const LogCamera& c : file.cameras) known.push_back(c.model.name);
+    for (const LogLidar& l : file.lidars) known.push_back(name_of(l.model));
     known.insert(known.end(), builtin.begin(), builtin.end());
     refuse("--sensor", command.sensor, fmt::format("{}", fmt::join(known, ", ")));
   }

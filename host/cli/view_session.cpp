@@ -57,16 +57,6 @@ std::string reply(const Json& info, const void* payload, std::size_t bytes) {
   return out;
 }
 
-template <class Names>
-[[noreturn]] void refuse(const char* what, const std::string& found, const Names& allowed) {
-  throw Error(ErrorKind::kUsage,
-              fmt::format("{}: found \"{}\", allowed {}", what, found, fmt::join(allowed, ", ")));
-}
-
-bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 }  // namespace
 
 ViewRequest parse_view_request(const std::string& json) {
@@ -199,7 +189,10 @@ std::string ViewSession::progress() const {
 
 ViewSession::Stage& ViewSession::stage(const std::string& quality) {
   const std::optional<Quality> known = find_quality(quality);
-  if (!known) refuse("quality", quality, quality_names());
+  if (!known) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("quality: found \"{}\", allowed {}", quality, fmt::join(quality_names(), ", ")));
+  }
   if (!stage_ || stage_->quality != *known) {
     stage_.reset();  // first, so that two scenes are never on the device at once
     stage_ = std::make_unique<Stage>(device_, file_.scene, *known);
@@ -235,15 +228,10 @@ std::string ViewSession::picture(const ViewRequest& request) {
   std::unique_lock lock(mutex_);
   if (file_.scene.camera.size() == 0)
     throw_input_error("scene", "camera set", "no particles", "at least one");
-  const auto known = std::find_if(file_.cameras.begin(), file_.cameras.end(), [&](const LogCamera& c) {
-    return c.model.name == request.sensor;
-  });
   LogCamera camera;
-  if (known != file_.cameras.end()) {
-    camera = *known;
+  if (const LogCamera* const own = file_.find_camera(request.sensor)) {
+    camera = *own;
   } else {
-    if (!is_one_of(request.sensor, builtin_camera_names()))
-      refuse("sensor", request.sensor, builtin_camera_names());
     camera.model = builtin_camera(request.sensor);
     if (!file_.cameras.empty()) camera.rig_from_camera = file_.cameras.front().rig_from_camera;
   }
@@ -277,15 +265,10 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   touch();
   const std::lock_guard lock(mutex_);
   if (file_.scene.lidar.size() == 0) throw_input_error("scene", "LiDAR set", "no particles", "at least one");
-  const auto known = std::find_if(file_.lidars.begin(), file_.lidars.end(), [&](const LogLidar& l) {
-    return name_of(l.model) == request.sensor;
-  });
   LogLidar lidar;
-  if (known != file_.lidars.end()) {
-    lidar = *known;
+  if (const LogLidar* const own = file_.find_lidar(request.sensor)) {
+    lidar = *own;
   } else {
-    if (!is_one_of(request.sensor, builtin_lidar_names()))
-      refuse("sensor", request.sensor, builtin_lidar_names());
     lidar.model = builtin_lidar(request.sensor);
     if (!file_.lidars.empty()) lidar.rig_from_lidar = file_.lidars.front().rig_from_lidar;
   }

@@ -75,8 +75,8 @@ class Scenery {
     return matrix_of(file_.world_from_rig.at(time_s));
   }
   [[nodiscard]] Eigen::MatrixXd rig_from_sensor(const std::string& name) const {
-    if (const LogCamera* const c = camera(name)) return matrix_of(c->rig_from_camera);
-    if (const LogLidar* const l = lidar(name)) return matrix_of(l->rig_from_lidar);
+    if (const LogCamera* const c = file_.find_camera(name)) return matrix_of(c->rig_from_camera);
+    if (const LogLidar* const l = file_.find_lidar(name)) return matrix_of(l->rig_from_lidar);
     refuse(name);
   }
 
@@ -84,7 +84,7 @@ class Scenery {
                                     const std::optional<Eigen::MatrixXd>& world_from_sensor,
                                     double time_s,
                                     double duration_s) {
-    const LogCamera* const c = camera(name);
+    const LogCamera* const c = file_.find_camera(name);
     if (c == nullptr) refuse(name);
     const Image image =
         simulator_.render(c->model, shot(c->rig_from_camera, world_from_sensor, time_s, duration_s));
@@ -95,7 +95,7 @@ class Scenery {
                                       const std::optional<Eigen::MatrixXd>& world_from_sensor,
                                       double time_s,
                                       double duration_s) {
-    const LogLidar* const own = lidar(name);
+    const LogLidar* const own = file_.find_lidar(name);
     if (own == nullptr && file_.lidars.empty() && !world_from_sensor) refuse(name);
     const LidarModel model = own != nullptr ? own->model : named(name);
     const Pose mount = own != nullptr         ? own->rig_from_lidar
@@ -134,18 +134,6 @@ class Scenery {
  private:
   [[noreturn]] void refuse(const std::string& name) const {
     throw Error(ErrorKind::kUsage, fmt::format("sensor: found \"{}\", allowed those of the scene", name));
-  }
-  [[nodiscard]] const LogCamera* camera(const std::string& name) const {
-    for (const LogCamera& c : file_.cameras) {
-      if (c.model.name == name) return &c;
-    }
-    return nullptr;
-  }
-  [[nodiscard]] const LogLidar* lidar(const std::string& name) const {
-    for (const LogLidar& l : file_.lidars) {
-      if (name_of(l.model) == name) return &l;
-    }
-    return nullptr;
   }
   static LidarModel named(const std::string& name) {
     if (name.ends_with(".json")) return read_lidar_file(name).model;
