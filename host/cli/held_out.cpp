@@ -11,15 +11,18 @@
 
 namespace simuli::cli {
 
-PicturePair camera_pair(
-    Renderer& renderer, const Log& log, const Scene& scene, std::size_t index, const EvalOptions& options) {
+PicturePair camera_pair(Renderer& renderer,
+                        const ParticleBuffers& camera_set,
+                        const Log& log,
+                        const Scene& scene,
+                        std::size_t index,
+                        const EvalOptions& options) {
   const ImageFrame& frame = log.images[index];
   const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
-  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options());
   const SensorRays rays(renderer.device(), camera, renderer.options());
   SceneLook(renderer.device(), scene, renderer.options().precision)
       .render(renderer,
-              particles,
+              camera_set,
               rays,
               view_of(log, scene, frame),
               frame.camera,
@@ -27,11 +30,14 @@ PicturePair camera_pair(
   return {picture_of(renderer.results(), camera), load_image(log, frame, camera)};
 }
 
-SweepPictures sweep_pair(Renderer& renderer, const Log& log, const Scene& scene, std::size_t index) {
+SweepPictures sweep_pair(Renderer& renderer,
+                         const ParticleBuffers& lidar_set,
+                         const Log& log,
+                         const Scene& scene,
+                         std::size_t index) {
   const SweepFrame& frame = log.sweeps[index];
   const LidarModel& lidar = log.lidar(frame.lidar).model;
-  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options());
-  SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
+  SweepPair pair = render_sweep(renderer, lidar_set, log, scene, frame);
   // As the sensor would say and has said it: with what its rows' ranges are off.
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
     float& range = pair.recorded.range[i];

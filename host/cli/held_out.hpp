@@ -19,11 +19,15 @@ struct PicturePair {
   Image recorded;
 };
 
-/// Frame `index` of log.images at options.image_scale.
-[[nodiscard]] PicturePair camera_pair(
-    Renderer& renderer, const Log& log, const Scene& scene, std::size_t index, const EvalOptions& options);
+/// Frame `index` of log.images at options.image_scale. `camera_set` of the scene, on the renderer's device.
+[[nodiscard]] PicturePair camera_pair(Renderer& renderer,
+                                      const ParticleBuffers& camera_set,
+                                      const Log& log,
+                                      const Scene& scene,
+                                      std::size_t index,
+                                      const EvalOptions& options);
 
-/// Frame `index` of log.sweeps.
+/// Frame `index` of log.sweeps. `lidar_set` of the scene, on the renderer's device.
 struct SweepPictures {
   LidarFrame rendered;
   Sweep recorded;
@@ -31,6 +35,7 @@ struct SweepPictures {
   PicturePair ranges;
 };
 [[nodiscard]] SweepPictures sweep_pair(Renderer& renderer,
+                                       const ParticleBuffers& lidar_set,
                                        const Log& log,
                                        const Scene& scene,
                                        std::size_t index);

@@ -82,12 +82,13 @@ void add_pictures(
   const std::vector<std::size_t> images =
       some_of(select_frames(log.images, options.held_out_every, options.held_out_every > 0), kPictures);
   if (images.empty() || scene.camera.size() == 0) return;
+  const ParticleBuffers camera_set(renderer.device(), scene.camera, renderer.options());
   html.heading("Held-out pictures");
   html.paragraph(
       "Drag the line. Error pictures: black is right, pale is off by a quarter of full scale or more.");
   for (const std::size_t index : images) {
     const ImageFrame& frame = log.images[index];
-    const PicturePair pair = camera_pair(renderer, log, scene, index, options);
+    const PicturePair pair = camera_pair(renderer, camera_set, log, scene, index, options);
     html.compare(
         pair.rendered,
         "rendered",
@@ -103,10 +104,11 @@ void add_sweeps(
   const std::vector<std::size_t> sweeps =
       some_of(select_frames(log.sweeps, options.held_out_every, options.held_out_every > 0), kPictures);
   if (sweeps.empty() || scene.lidar.size() == 0) return;
+  const ParticleBuffers lidar_set(renderer.device(), scene.lidar, renderer.options());
   html.heading("Held-out sweeps");
   for (const std::size_t index : sweeps) {
     const SweepFrame& frame = log.sweeps[index];
-    const SweepPictures sweep = sweep_pair(renderer, log, scene, index);
+    const SweepPictures sweep = sweep_pair(renderer, lidar_set, log, scene, index);
     html.compare(
         sweep.ranges.rendered,
         "rendered",
