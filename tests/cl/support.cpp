@@ -1,5 +1,7 @@
 #include "tests/cl/support.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <ostream>
 
@@ -70,6 +72,37 @@ std::vector<double> outputs(const Renderer& renderer) {
   std::vector<double> out = renderer.buffers().out.download_double();
   out.resize(std::size_t{5} * renderer.frame().slots);  // the median distance has no gradient
   return out;
+}
+
+RayCounts expect_same_rays(const RayResults& results,
+                           const std::vector<reference::RayResult>& expected,
+                           SetKind kind,
+                           const Tolerance& tolerance) {
+  RayCounts counts;
+  EXPECT_EQ(results.rays, expected.size());
+  for (std::size_t i = 0; i < std::min(results.rays, expected.size()); ++i) {
+    const reference::RayResult& ray = expected[i];
+    if (!(ray.margin >= tolerance.decided)) continue;
+    counts.compared += 1;
+    counts.covered += ray.contributors > 0 ? 1 : 0;
+    bool same = true;
+    const auto compare = [&](const char* what, float found, double right, double within) {
+      if (std::abs(static_cast<double>(found) - right) <= within) return;
+      ADD_FAILURE() << "ray " << i << ": " << what << ' ' << found << ", expected " << right << " +- "
+                    << within;
+      same = false;
+    };
+    for (int k = 0; k < 3; ++k) compare("feature", results.feature[k][i], ray.feature[k], tolerance.feature);
+    compare("transmittance", results.transmittance[i], ray.transmittance, tolerance.transmittance);
+    compare("distance", results.distance[i], ray.distance, tolerance.distance_m);
+    if (kind == SetKind::kLidar && ray.median_margin > tolerance.decided) {
+      compare("median", results.median[i], ray.median_distance, tolerance.distance_m);
+    }
+    if (!same) break;
+  }
+  if (counts.compared > 0) counts.covered /= counts.compared;
+  if (!expected.empty()) counts.compared /= static_cast<double>(expected.size());
+  return counts;
 }
 
 bool has_double(const Device& device) { return device.info().fp64; }

@@ -54,6 +54,27 @@ struct Shot {
 /// Everything the last render wrote, [5][slots]: what set_output_gradients is the gradient of.
 [[nodiscard]] std::vector<double> outputs(const Renderer& renderer);
 
+// Results are compared as floats. A float pipeline adds the rounding of directions (6e-8) against scales
+// of a few centimetres some metres away, squared distances up to 11 and hundreds of terms.
+struct Tolerance {
+  double transmittance;
+  double feature;     // features reach 4 times the range of the transmittance
+  double distance_m;  // sums of weights times up to 20 m
+  double decided;     // rays with a yes-or-no decision closer than this may go the other way
+};
+inline constexpr Tolerance kDoubleTolerance{2e-6, 8e-6, 4e-5, 1e-6};
+inline constexpr Tolerance kFloatTolerance{3e-3, 1.2e-2, 6e-2, 1e-3};
+
+struct RayCounts {
+  double compared = 0;  // share of rays that are decided
+  double covered = 0;   // share of these that meet a particle
+};
+/// Fails at the first decided ray whose results are off; medians count for LiDARs alone.
+RayCounts expect_same_rays(const RayResults& results,
+                           const std::vector<reference::RayResult>& expected,
+                           SetKind kind,
+                           const Tolerance& tolerance);
+
 /// Whether the default device computes in double; where not, tests in double are skipped by name.
 [[nodiscard]] bool has_double(const Device& device);
 #define SIMULI_NEEDS_DOUBLE(device)                                                     \
