@@ -47,7 +47,7 @@ TEST_F(Cli, InputErrorsNameWhatWasFoundAndExitWith3) {
 }
 
 TEST_F(Cli, OutputThatCannotBeWrittenIsAnError) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here: writing to a full stdout is not tested";
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "not run: writing to a full stdout, there is no /dev/full";
   const int status =
       std::system(fmt::format("'{}' info generic64 >/dev/full 2>/dev/null", SIMULI_PROGRAM).c_str());
   ASSERT_TRUE(WIFEXITED(status));

@@ -236,7 +236,7 @@ class Browser {
 
 TEST_F(ViewCli, PageWorksInABrowser) {
   if (std::system("command -v chromedriver >/dev/null 2>&1") != 0) {
-    GTEST_SKIP() << "chromedriver is not installed (Debian: chromium-driver)";
+    GTEST_SKIP() << "not run: the page in a browser, chromedriver (Debian: chromium-driver) is not installed";
   }
   make_scene();
   start();

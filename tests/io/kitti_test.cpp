@@ -252,7 +252,7 @@ class KittiDrive0013 : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* data = std::getenv("SIMULI_DATA");
-    if (data == nullptr) GTEST_SKIP() << "SIMULI_DATA is not set: skips the KITTI drive 0013";
+    if (data == nullptr) GTEST_SKIP() << "not run: KITTI's drive 0013, SIMULI_DATA is not set";
     root_ = fs::path(data) / "kitti";
     drive_ = root_ / "2011_09_26" / "2011_09_26_drive_0013_sync";
   }

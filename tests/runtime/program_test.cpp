@@ -15,10 +15,10 @@ using test::write_text;
 
 constexpr const char* kConstant = "__kernel void constant_value(__global int* out) { out[0] = VALUE; }\n";
 
-#define SKIP_WITHOUT_LINES(device)                                                       \
-  if ((device).quirks().ignores_line_directives) {                                       \
-    GTEST_SKIP() << "skipped: lines in build logs, which this driver numbers by itself"; \
-  }                                                                                      \
+#define SKIP_WITHOUT_LINES(device)                                                      \
+  if ((device).quirks().ignores_line_directives) {                                      \
+    GTEST_SKIP() << "not run: lines in build logs, this driver numbers them by itself"; \
+  }                                                                                     \
   static_assert(true)
 
 int run_constant(const Program& program) {
