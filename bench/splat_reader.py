@@ -108,4 +108,5 @@ def main(scene_folder, ply, log_folder, frame, picture, reader="gsply"):
     Image.fromarray(np.round(255 * out).astype(np.uint8)).save("splat_reader.png")
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])
