@@ -11,6 +11,7 @@
 #include "bench/actors.hpp"
 #include "bench/figure10.hpp"
 #include "bench/figure11.hpp"
+#include "bench/peers.hpp"
 #include "bench/plan.hpp"
 #include "bench/sensor_errors.hpp"
 #include "bench/stages.hpp"
@@ -41,6 +42,7 @@ struct BenchCommand {
   bool actors = false;
   bool plan = false;
   bool trade = false;
+  bool peers = false;
   std::vector<std::string> settings;  // measured by the trade beside the qualities
   std::string picture;                // of the trade's front
   std::string report;                 // HTML file to write; empty: none
@@ -55,6 +57,7 @@ struct BenchCommand {
   bench::Figure11Options figure11;
   bench::ActorsOptions actor_options;
   bench::TradeOptions trade_options;
+  bench::PeersOptions peer_options;
 };
 
 void run_trade(const BenchCommand& command, const Globals& globals, const bench::Note& note) {
@@ -72,6 +75,13 @@ void run_trade(const BenchCommand& command, const Globals& globals, const bench:
   std::cout << (globals.json ? bench::to_json(bench::trade_rows(points)) : bench::trade_table(points));
 }
 
+void run_peers(const BenchCommand& command, const Globals& globals, const bench::Note& note) {
+  const std::vector<bench::PeerCase> cases = bench::run_peers(globals.device, command.peer_options, note);
+  if (!command.report.empty())
+    write_bench_report(command.report, "simuli bench --peers", bench::peer_rows(cases));
+  std::cout << (globals.json ? bench::to_json(bench::peer_rows(cases)) : bench::peer_table(cases));
+}
+
 void run_bench(BenchCommand command, const Globals& globals) {
   const std::array asked{command.stages,
                          command.extremes,
@@ -80,14 +90,16 @@ void run_bench(BenchCommand command, const Globals& globals) {
                          command.actors,
                          command.plan,
                          command.trade,
+                         command.peers,
                          command.table != 0,
                          command.figure != 0};
   const auto count = std::count(asked.begin(), asked.end(), true);
   if (count != 1) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
-                            "--lidar-rates, --actors, --plan, --trade, --table 5|6|7|8, --figure 10|11",
-                            count));
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
+                    "--lidar-rates, --actors, --plan, --trade, --peers, --table 5|6|7|8, --figure 10|11",
+                    count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
@@ -120,6 +132,7 @@ void run_bench(BenchCommand command, const Globals& globals) {
         globals.device, {command.stage_options.particles, command.stage_options.frames}, note);
   }
   if (command.trade) return run_trade(command, globals, note);
+  if (command.peers) return run_peers(command, globals, note);
   if (command.extremes) {
     bench::ExtremesReport report = bench::run_extremes(globals.device, note);
     rows = std::move(report.rows);
@@ -176,6 +189,9 @@ void add_bench(CLI::App& app, const Globals& globals) {
   command->add_flag("--trade",
                     options->trade,
                     "speed against accuracy: every option alone and the qualities, against the reference");
+  command->add_flag("--peers",
+                    options->peers,
+                    "the same particles ray traced with Embree, in turns with ours; 50 k, 200 k and 1 M");
   command
       ->add_option("FOLDERS",
                    options->trade_options.folders,
@@ -192,7 +208,13 @@ void add_bench(CLI::App& app, const Globals& globals) {
   command->add_option("--sensor", options->trade_options.sensor, "--trade: only this sensor");
   command->add_option("--scale", options->trade_options.image_scale, "--trade: size of the scene's pictures")
       ->capture_default_str();
-  command->callback([options, &globals] { run_bench(*options, globals); });
+  command->callback([options, command, &globals] {
+    // Peers have numbers of their own unless one is asked for.
+    if (command->count("--particles") > 0)
+      options->peer_options.particles = {options->stage_options.particles};
+    if (command->count("--frames") > 0) options->peer_options.frames = options->stage_options.frames;
+    run_bench(*options, globals);
+  });
 }
 
 }  // namespace simuli::cli
