@@ -97,7 +97,11 @@ Json frame_to_json(const Frame& frame,
           {"time_end_ns", to_ns(frame.time_end_s, start_ns, frame.file)}};
 }
 
-void read_root(JsonObject& root, Log& log) {
+}  // namespace
+
+Log log_from_json(JsonObject& root, const fs::path& folder) {
+  Log log;
+  log.folder = folder;
   if (root.text("format") != kLogFormat) {
     throw_input_error(
         root.file(), "format", '"' + root.text("format") + '"', std::string("\"") + kLogFormat + '"');
@@ -128,9 +132,8 @@ void read_root(JsonObject& root, Log& log) {
   if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
   require_time_order(log.images, root.file(), "images");
   require_time_order(log.sweeps, root.file(), "sweeps");
+  return log;
 }
-
-}  // namespace
 
 const Lidar& LogLidar::with_rows() const {
   if (const auto* const lidar = std::get_if<Lidar>(&model)) return *lidar;
@@ -147,10 +150,8 @@ const LogLidar& Log::lidar(const std::string& lidar_name) const {
 
 Log read_log(const fs::path& folder) {
   const fs::path file = folder / "log.json";
-  Log log;
-  log.folder = folder;
-  read_json_text(read_file(file), file.string(), [&](JsonObject& root) { read_root(root, log); });
-  return log;
+  return read_json_text(
+      read_file(file), file.string(), [&](JsonObject& root) { return log_from_json(root, folder); });
 }
 
 void write_log(const Log& log) {

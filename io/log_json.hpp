@@ -3,6 +3,7 @@
 // names; times on disk are int64 nanoseconds. Readers throw Error{kInput} as io/json_reader.hpp says, and
 // check values with validate().
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vect
 [[nodiscard]] std::vector<Actor> actors_from_json(JsonObject& parent,
                                                   const std::string& key,
                                                   std::int64_t start_ns);
+
+/// A whole log.json, whose files stand in `folder`.
+[[nodiscard]] Log log_from_json(JsonObject& root, const std::filesystem::path& folder);
 
 /// Seconds since start_ns <-> nanoseconds on disk. Error{kInput} naming `field` beyond 120 years.
 [[nodiscard]] std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field);

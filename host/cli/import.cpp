@@ -10,6 +10,7 @@
 #include "io/kitti360.hpp"
 #include "io/nerfstudio.hpp"
 #include "io/nuscenes.hpp"
+#include "io/points_log.hpp"
 #include "io/waymo.hpp"
 
 namespace simuli::cli {
@@ -97,6 +98,21 @@ void import_waymo_segment(const WaymoOptions& options, const Globals& globals) {
   print_log(log, globals.json);
 }
 
+void import_point_drive(const PointsOptions& options, const Globals& globals) {
+  FileProgress progress("import points", globals);
+  PointReport report;
+  const Log log = import_points(options, progress.callback(), report);
+  progress.finish();
+  std::cerr << fmt::format(
+      "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
+      report.points,
+      report.unplaced,
+      report.echoes,
+      report.returned,
+      report.rays);
+  print_log(log, globals.json);
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, const Globals& globals) {
@@ -146,6 +162,13 @@ void add_import(CLI::App& app, const Globals& globals) {
   segment->add_option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)")->required();
   segment->add_option("-o,--output", waymo->output, "log folder to write")->required();
   segment->callback([waymo, &globals] { import_waymo_segment(*waymo, globals); });
+
+  const auto points = std::make_shared<PointsOptions>();
+  CLI::App* bare =
+      import->add_subcommand("points", "a drive of your own: points.json, lists of points, pictures");
+  bare->add_option("DIR", points->folder, "folder with points.json (format: io/points_log.hpp)")->required();
+  bare->add_option("-o,--output", points->output, "log folder to write")->required();
+  bare->callback([points, &globals] { import_point_drive(*points, globals); });
 
   const auto colmap = std::make_shared<ColmapOptions>();
   CLI::App* sub = import->add_subcommand("colmap", "a COLMAP model with its photographs");

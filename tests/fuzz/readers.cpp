@@ -20,6 +20,7 @@
 #include "io/nuscenes.hpp"
 #include "io/nuscenes_sweep.hpp"
 #include "io/ply.hpp"
+#include "io/points_log.hpp"
 #include "io/scene_folder.hpp"
 #include "io/splat_file.hpp"
 #include "io/state_file.hpp"
@@ -97,6 +98,15 @@ void read_nuscenes_tables(const fs::path& file) {
 void read_nuscenes_sweep(const fs::path& file) {
   const Lidar lidar = nuscenes::lidar_of({file}, "top");
   (void)nuscenes::read_turn(file, lidar, Pose{Eigen::Quaterniond::Identity(), {0.0, 0.1, 0.0}});
+}
+
+/// points.json, then the points of its one sweep.
+void read_point_drive(const fs::path& file) {
+  split(file, {"points.json", "points/0.bin"});
+  const fs::path log = file.parent_path() / "log";
+  PointReport report;
+  (void)import_points({file.parent_path(), log}, {}, report);
+  fs::remove_all(log);
 }
 
 /// A frame's message with its sensors; the range image as it is before compression, which no change of the
@@ -177,6 +187,7 @@ constexpr std::array kReaders{
                  "transforms.json"},
     FuzzedReader{"nuscenes_tables", read_nuscenes_tables, "tables", false},
     FuzzedReader{"nuscenes_sweep", read_nuscenes_sweep, "0.pcd.bin"},
+    FuzzedReader{"points", read_point_drive, "drive"},
     FuzzedReader{"waymo_frame", read_waymo_frame, "frame"},
     FuzzedReader{"waymo_records", read_waymo_records, "segment.tfrecord"},
 };
