@@ -1,0 +1,10 @@
+# SCRIPT of this folder, where Python has the PACKAGES that it needs.
+cmake_minimum_required(VERSION 3.23)
+execute_process(COMMAND ${PYTHON} -c "import ${PACKAGES}" RESULT_VARIABLE missing ERROR_QUIET)
+if(missing)
+  message("SKIPPED: ${SCRIPT}, ${PYTHON} has not all of ${PACKAGES}")
+  return()
+endif()
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
+execute_process(COMMAND ${PYTHON} ${SOURCE}/${SCRIPT} ${PROGRAM} ${EXAMPLES} ${WORK} COMMAND_ERROR_IS_FATAL ANY)
