@@ -197,8 +197,9 @@ def monomials(a, b=None):
     return torch.stack([a[:, 0] * b[:, 0], a[:, 1] * b[:, 1], a[:, 2] * b[:, 2], off(0, 1), off(0, 2), off(1, 2)], -1)
 
 
-def render(particles, origins, directions, centre, kappa, background, t_min, t_max):
-    """Features [rays, 3], transmittance, sum of w tau and median distance of all rays (METHOD sections 7 and 8)."""
+def render(particles, origins, directions, centre, kappa, background, t_min, t_max, by_range=False):
+    """Features [rays, 3], transmittance, sum of w tau and median distance of all rays (METHOD sections 7 and 8), in each ray's own order,
+    or in that of the particles' ranges."""
     # All from the sensor's place half-way through the frame.
     mean, origins = particles["mean"] - centre, origins - centre
     range2 = (mean * mean).sum(1)
@@ -230,7 +231,7 @@ def render(particles, origins, directions, centre, kappa, background, t_min, t_m
         ray, which, q, tau = (torch.cat(v) for v in zip(*met))
         ray, which, q, tau = (v[(tau > t_min) & (tau < t_max)] for v in (ray, which, q, tau))
         alpha = (particles["opacity"][which] * torch.exp(-0.5 * q)).clamp(max=ALPHA_MAX)
-        order = torch.argsort(tau, stable=True)
+        order = torch.argsort(range2[which] if by_range else tau, stable=True)
         order = order[torch.argsort(ray[order], stable=True)]
         ray, which, alpha, tau = ray[order], which[order], alpha[order], tau[order]
         counts = torch.bincount(ray, minlength=len(d))

@@ -1,5 +1,4 @@
-# A small street's scene against bench/tensor_reference.py.
-#   cmake -D PROGRAM=simuli -D PYTHON=python3 -D SCRIPT=tensor_reference.py -D WORK=<scratch folder> -P tensor_test.cmake
+# A small street's scene against bench/tensor_reference.py, and gradients against its autograd.
 cmake_minimum_required(VERSION 3.23)
 execute_process(COMMAND ${PYTHON} -c "import numpy, torch" RESULT_VARIABLE absent ERROR_QUIET)
 if(absent)
@@ -12,4 +11,6 @@ execute_process(COMMAND ${PROGRAM} synth street -o ${WORK}/street.log --frames 6
   --lidar-columns 90 COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
 execute_process(COMMAND ${PROGRAM} train ${WORK}/street.log -o ${WORK}/street.scene --iterations 5
   COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET ERROR_QUIET)
-execute_process(COMMAND ${PYTHON} ${SCRIPT} ${PROGRAM} ${WORK}/street.scene 0.1 COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${DUMP} ${WORK}/gradients.json COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${PYTHON} ${SOURCE}/tensor_gradients.py ${BENCH} ${WORK}/gradients.json COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${PYTHON} ${BENCH}/tensor_reference.py ${PROGRAM} ${WORK}/street.scene 0.1 COMMAND_ERROR_IS_FATAL ANY)
