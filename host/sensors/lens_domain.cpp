@@ -19,9 +19,11 @@ const double kPinholeAngle_rad = std::acos(0.1);
 constexpr int kSamples = 1024;    // along a search for a sign change
 constexpr int kDirections = 128;  // around the axis
 constexpr int kBisections = 60;   // to the last bit of an angle
+constexpr double kRounding = 1e-14;
 
 /// First root of f in (0, end], or infinity; f(0) > 0. Between samples f may dip below zero and come back:
-/// every local minimum of the samples is searched by golden section.
+/// every local minimum of the samples is searched by golden section, but where f is flat, to rounding: then
+/// nearly every sample would be one.
 double first_root(const std::function<double(double)>& f, double end) {
   const auto bisect = [&f](double above, double below) {
     for (int k = 0; k < kBisections; ++k) {
@@ -37,7 +39,8 @@ double first_root(const std::function<double(double)>& f, double end) {
     if (!(here > 0.0)) return bisect(t - step, t);
     if (i == kSamples) break;
     const double after = f(t + step);
-    if (here <= before && here <= after) {
+    const bool flat = std::max(before, after) - here <= kRounding * here;
+    if (here <= before && here <= after && !flat) {
       constexpr double kGolden = 0.3819660112501051;
       double low = t - step, high = t + step;
       for (int k = 0; k < kBisections; ++k) {

@@ -78,6 +78,18 @@ TEST(LensOpencvPinhole, FollowsTheFormula) {
   EXPECT_FALSE(has_image(lens, {0.0, 0.0, 0.009}));  // nearer than 1 cm
 }
 
+// Flat to rounding in all 128 directions: once searched for folds at each of its samples, for seconds.
+TEST(LensOpencvPinhole, HardlyAnyDistortionIsNone) {
+  std::vector<double> hardly(kFolded.size(), 0.0);
+  hardly.back() = kPi;
+  const Lens none(LensKind::kOpencvPinhole, hardly);
+  for (const double p1 : {1e-300, 1e-20, 1e-17}) {
+    hardly[2] = p1;
+    const Lens lens(LensKind::kOpencvPinhole, hardly);
+    EXPECT_EQ(lens.constants()[SIM_L_RADIUS2_MAX], none.constants()[SIM_L_RADIUS2_MAX]) << p1;
+  }
+}
+
 TEST(LensOpencvPinhole, NothingPastTheFoldIsAcceptedAndNothingBeforeItRejected) {
   const Lens lens(LensKind::kOpencvPinhole, kFolded);
   const auto determinant = [](double r, double direction) {
