@@ -11,8 +11,14 @@
 #define LANES_CAT_(a, b) a##b
 #define LANES_CAT(a, b) LANES_CAT_(a, b)
 
+#ifdef SIMULI_KEEP_CALLS
+// Oclgrind 21.10 stops at llvm.experimental.noalias.scope.decl, which is left where a call was inlined: it
+// needs this and -cl-opt-disable (bench/drivers.py).
+#define FN static
+#else
 // CPU drivers leave long functions out of line, and then pass vectors through memory.
 #define FN inline __attribute__((always_inline))
+#endif
 
 #ifdef SIMULI_REAL_DOUBLE
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable

@@ -73,8 +73,10 @@ DeviceInfo describe(const cl::Device& device) {
   info.max_work_group_size = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
   info.fp64 = has_word(trimmed(device.getInfo<CL_DEVICE_EXTENSIONS>()), "cl_khr_fp64") ||
               device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
-  info.is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+  // Oclgrind says that it is every type at once; what it looks for, races of work-items above all, is found
+  // in a GPU's shapes. It can't run the explicit vectors of a CPU's (llvm.vector.reduce).
   info.is_gpu = (type & CL_DEVICE_TYPE_GPU) != 0;
+  info.is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !info.is_gpu;
   info.usable = device.getInfo<CL_DEVICE_AVAILABLE>() != 0 &&
                 device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() != 0 &&
                 device.getInfo<CL_DEVICE_ENDIAN_LITTLE>() != 0 && at_least_1_2(info.device_version);
