@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/actors.hpp"
+#include "bench/agreement.hpp"
 #include "bench/figure10.hpp"
 #include "bench/figure11.hpp"
 #include "bench/peers.hpp"
@@ -48,6 +49,7 @@ struct BenchCommand {
   std::string report;                 // HTML file to write; empty: none
   int table = 0;                      // 0: none
   int figure = 0;                     // 0: none
+  std::string agreement;              // file of another implementation; empty: none
   std::string log;                    // of tables; empty: the embedded street
   int iterations = 0;                 // 0: each bench's own number
   bench::StagesOptions stage_options;
@@ -91,15 +93,17 @@ void run_bench(BenchCommand command, const Globals& globals) {
                          command.plan,
                          command.trade,
                          command.peers,
+                         !command.agreement.empty(),
                          command.table != 0,
                          command.figure != 0};
   const auto count = std::count(asked.begin(), asked.end(), true);
   if (count != 1) {
     throw Error(
         ErrorKind::kUsage,
-        fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
-                    "--lidar-rates, --actors, --plan, --trade, --peers, --table 5|6|7|8, --figure 10|11",
-                    count));
+        fmt::format(
+            "bench: found {} tables, allowed one of --stages, --training, --extremes, "
+            "--lidar-rates, --actors, --plan, --trade, --peers, --agreement, --table 5|6|7|8, --figure 10|11",
+            count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
@@ -126,6 +130,7 @@ void run_bench(BenchCommand command, const Globals& globals) {
   if (command.table == 8) rows = bench::run_table8(globals.device, command.table8, note);
   if (command.figure == 10) rows = bench::run_figure10(globals.device, command.figure10, note);
   if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
+  if (!command.agreement.empty()) rows = bench::run_agreement(globals.device, command.agreement, note);
   if (command.actors) rows = bench::run_actors(globals.device, command.actor_options, note);
   if (command.plan) {
     rows = bench::run_plan(
@@ -192,6 +197,10 @@ void add_bench(CLI::App& app, const Globals& globals) {
   command->add_flag("--peers",
                     options->peers,
                     "the same particles ray traced with Embree, in turns with ours; 50 k, 200 k and 1 M");
+  command->add_option("--agreement",
+                      options->agreement,
+                      "every ray of a camera and a LiDAR frame against FILE, which another OpenCL "
+                      "implementation wrote this way; written when it is not there");
   command
       ->add_option("FOLDERS",
                    options->trade_options.folders,

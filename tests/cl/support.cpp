@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fmt/format.h>
+#include <map>
 #include <ostream>
+#include <string>
 
 namespace simuli::test {
 namespace {
@@ -79,6 +82,7 @@ RayCounts expect_same_rays(const RayResults& results,
                            SetKind kind,
                            const Tolerance& tolerance) {
   RayCounts counts;
+  std::map<std::string, double> worst;
   EXPECT_EQ(results.rays, expected.size());
   for (std::size_t i = 0; i < std::min(results.rays, expected.size()); ++i) {
     const reference::RayResult& ray = expected[i];
@@ -87,7 +91,9 @@ RayCounts expect_same_rays(const RayResults& results,
     counts.covered += ray.contributors > 0 ? 1 : 0;
     bool same = true;
     const auto compare = [&](const char* what, float found, double right, double within) {
-      if (std::abs(static_cast<double>(found) - right) <= within) return;
+      const double error = std::abs(static_cast<double>(found) - right);
+      worst[what] = std::max(worst[what], error);
+      if (error <= within) return;
       ADD_FAILURE() << "ray " << i << ": " << what << ' ' << found << ", expected " << right << " +- "
                     << within;
       same = false;
@@ -99,6 +105,10 @@ RayCounts expect_same_rays(const RayResults& results,
       compare("median", results.median[i], ray.median_distance, tolerance.distance_m);
     }
     if (!same) break;
+  }
+  // For bench/drivers.py, which compares OpenCL implementations.
+  for (const auto& [what, error] : worst) {
+    testing::Test::RecordProperty("worst_" + what, fmt::format("{:.3g}", error));
   }
   if (counts.compared > 0) counts.covered /= counts.compared;
   if (!expected.empty()) counts.compared /= static_cast<double>(expected.size());
