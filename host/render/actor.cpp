@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 #include "host/base/error.hpp"
 
@@ -34,6 +35,8 @@ std::vector<double> actor_constants(const std::vector<ActorView>& actors,
     if (i == 0 || !actors[i - 1].is_there) continue;
     const Pose& a = actors[i - 1].scene_from_actor_start;
     const Pose& b = actors[i - 1].scene_from_actor_end;
+    a.check(fmt::format("actor {}", i - 1));
+    b.check(fmt::format("actor {}", i - 1));
     const Pose middle = interpolate(a, b, 0.5);
     put(SIM_A_CENTRE, middle.translation - centre_ref);
     put(SIM_A_STEP, b.translation - a.translation);

@@ -1,6 +1,7 @@
 // Launcher of "kernels/color_grid.cl" and "kernels/color_grid_bwd.cl".
 #include "host/base/error.hpp"
 #include "host/render/picture_stages.hpp"
+#include "host/render/validate.hpp"
 
 namespace simuli {
 namespace {
@@ -33,6 +34,7 @@ ColorGridBuffers::ColorGridBuffers(const Device& device, const ColorGrids& grids
   if (size_x < 2 || size_y < 2 || size_z < 2) {
     throw Error(ErrorKind::kInternal, "colour grid: 2 x 2 x 2 vertices at least are needed");
   }
+  need_numbers(grids.values, kLargestGain, "colour grid");
   std::vector<float> padded(grids.values.size() / ColorGrids::kMatrix * kVertex, 0.0F);
   for (std::size_t i = 0; i < grids.values.size(); ++i) {
     padded[i / ColorGrids::kMatrix * kVertex + i % ColorGrids::kMatrix] = grids.values[i];

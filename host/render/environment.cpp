@@ -3,6 +3,7 @@
 
 #include "host/base/error.hpp"
 #include "host/render/picture_stages.hpp"
+#include "host/render/validate.hpp"
 
 namespace simuli {
 namespace {
@@ -27,6 +28,7 @@ EnvironmentBuffers::EnvironmentBuffers(const Device& device, const EnvironmentMa
   if (width < 2 || height < 2 || map.texels.size() != 3 * texels) {
     throw Error(ErrorKind::kInternal, "environment: 2 x 2 texels of 3 values at least are needed");
   }
+  need_numbers(map.texels, kLargestColor, "environment map");
   std::vector<float> padded(4 * texels, 0.0F);
   for (std::size_t i = 0; i < texels; ++i) {
     for (std::size_t c = 0; c < 3; ++c) padded[4 * i + c] = map.texels[3 * i + c];

@@ -303,16 +303,8 @@ std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
   };
   const Pose& a = world_from_sensor_start;
   const Pose& b = world_from_sensor_end;
-  for (const Pose* pose : {&a, &b}) {
-    const double size = pose->translation.norm() + pose->rotation.norm();
-    if (std::isfinite(size) && std::abs(pose->rotation.norm() - 1.0) < 1e-3) continue;
-    throw Error(
-        ErrorKind::kNumeric,
-        fmt::format("pose of the sensor: found a place of norm {} and a quaternion of norm {}, allowed "
-                    "finite ones and 1",
-                    pose->translation.norm(),
-                    pose->rotation.norm()));
-  }
+  a.check("the sensor");
+  b.check("the sensor");
   const Pose middle = interpolate(a, b, 0.5);
   put(SIM_S_CENTRE_START, a.translation);
   put(SIM_S_CENTRE_STEP, Eigen::Vector3d(b.translation - a.translation));

@@ -1,5 +1,7 @@
 #include "host/render/validate.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <fmt/format.h>
 
@@ -28,6 +30,16 @@ void validate(const RenderOptions& options) {
        "0 to 100");
   need(o.sh_error > 0.0 && o.sh_error <= 10.0, "sh_error", o.sh_error, "more than 0, to 10");
   need(o.max_instances >= 1, "max_instances", static_cast<double>(o.max_instances), "1 or more");
+}
+
+void need_numbers(std::span<const float> values, float largest, const char* what) {
+  const auto bad =
+      std::find_if(values.begin(), values.end(), [&](float v) { return !(std::abs(v) <= largest); });
+  if (bad == values.end()) return;
+  throw Error(
+      ErrorKind::kNumeric,
+      fmt::format(
+          "{}: found {} as value {}, allowed numbers up to {:g}", what, *bad, bad - values.begin(), largest));
 }
 
 const Camera& with_room_on(const Device& device, const Camera& camera, const RenderOptions& options) {

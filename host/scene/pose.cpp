@@ -1,6 +1,7 @@
 #include "host/scene/pose.hpp"
 
 #include <Eigen/SVD>
+#include <cmath>
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
@@ -10,6 +11,18 @@ namespace simuli {
 Pose Pose::inverse() const {
   const Eigen::Quaterniond b_from_a = rotation.conjugate();
   return {b_from_a, -(b_from_a * translation)};
+}
+
+void Pose::check(const std::string& what) const {
+  const double size = translation.norm() + rotation.norm();
+  if (std::isfinite(size) && std::abs(rotation.norm() - 1.0) < 1e-3) return;
+  throw Error(
+      ErrorKind::kNumeric,
+      fmt::format(
+          "pose of {}: found a place of norm {} and a quaternion of norm {}, allowed finite ones and 1",
+          what,
+          translation.norm(),
+          rotation.norm()));
 }
 
 Eigen::Matrix4d Pose::matrix() const {

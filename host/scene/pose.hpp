@@ -2,6 +2,7 @@
 // Rigid transforms. Quaternion order is (w, x, y, z) everywhere on disk and on the device.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <string>
 
 namespace simuli {
 
@@ -16,6 +17,9 @@ struct Pose {
   /// From the upper 3x4 of a matrix; the rotation block is replaced by the nearest rotation. Error{kInput}
   /// when it is no rotation to begin with (a reflection, scaled, not finite).
   static Pose from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b);
+  /// Error{kNumeric} naming `what` ("the sensor") unless all is finite and the quaternion's norm 1 within
+  /// 1e-3.
+  void check(const std::string& what) const;
 };
 
 [[nodiscard]] Pose operator*(const Pose& a_from_b, const Pose& b_from_c);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "tests/cl/actor_scenes.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 
@@ -145,6 +146,73 @@ INSTANTIATE_TEST_SUITE_P(All,
                          Stress,
                          testing::Values(test::kCameraRolling, test::kLidarMoving),
                          [](const auto& instance) { return std::string(instance.param.name); });
+
+// What a picture has beside particles and poses: extremes come out as numbers, what is none is refused.
+TEST(StressOfLooks, EnvironmentsAndGrids) {
+  const Device device = Device::best();
+  const GaussianSet set = queue_of(test::kCameraRolling, 20, 1.0F);
+  const test::Shot shot = shot_for(test::kCameraRolling);
+  Renderer renderer(device, {});
+  const ParticleBuffers particles(device, set, renderer.options());
+  const SensorRays rays = shot.on(device, renderer.options());
+  EnvironmentMap map{4, 2, std::vector<float>(24, 0.5F)};
+  ColorGrids grid = ColorGrids::identity(2, 2, 2, {{"camera", 0.0}});
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  constexpr float kDenormal = 1e-42F;
+  for (const float value : {0.0F, kDenormal, -kDenormal, -1e20F, 1e20F}) {
+    map.texels[7] = map.texels[13] = value;
+    map.texels[10] = -value;
+    const EnvironmentBuffers environment(device, map, Precision::kFloat);
+    for (const float gain : {kDenormal, 1e10F, -1e10F}) {
+      for (std::size_t i = 0; i < grid.values.size(); i += 5) grid.values[i] = gain;
+      renderer.render(particles, rays, shot.view, &environment);
+      renderer.grade(ColorGridBuffers(device, grid, Precision::kFloat), 0);
+      const RayResults found = renderer.results();
+      for (const auto& channel : found.feature) {
+        for (const float v : channel) ASSERT_TRUE(std::isfinite(v)) << value << ' ' << gain;
+      }
+    }
+  }
+  for (const float bad : {std::nanf(""), kInf, -kInf, 2e20F}) {
+    map.texels[7] = bad;
+    expect_error(ErrorKind::kNumeric, "environment map: found", [&] {
+      EnvironmentBuffers(device, map, Precision::kFloat);
+    });
+    grid.values[3] = bad;
+    expect_error(ErrorKind::kNumeric, "colour grid: found", [&] {
+      ColorGridBuffers(device, grid, Precision::kFloat);
+    });
+  }
+}
+
+TEST(StressOfActors, PosesThatAreNoNumbersAreRefused) {
+  const Device device = Device::best();
+  GaussianSet set = queue_of(test::kCameraRolling, 20, 1.0F);
+  set.actor.assign(20, 1);
+  const test::Shot shot = shot_for(test::kCameraRolling);
+  Renderer renderer(device, {});
+  const ParticleBuffers particles(device, set, renderer.options());
+  const SensorRays rays = shot.on(device, renderer.options());
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    test::Shot broken = shot;
+    broken.view.actors = test::cars(0.1, 0.01);
+    broken.view.actors[0].scene_from_actor_end.translation.z() = bad;
+    expect_error(
+        ErrorKind::kNumeric, "pose of actor 0", [&] { renderer.render(particles, rays, broken.view); });
+    broken.view.actors = test::cars(0.1, 0.01);
+    broken.view.actors[1].scene_from_actor_start.rotation.coeffs().setConstant(bad);
+    expect_error(
+        ErrorKind::kNumeric, "pose of actor 1", [&] { renderer.render(particles, rays, broken.view); });
+  }
+  test::Shot broken = shot;
+  broken.view.actors = test::cars(0.1, 0.01);
+  broken.view.actors[0].scene_from_actor_start.rotation.coeffs().setZero();
+  expect_error(
+      ErrorKind::kNumeric, "pose of actor 0", [&] { renderer.render(particles, rays, broken.view); });
+  // An actor that isn't there may have any pose.
+  broken.view.actors[0].is_there = false;
+  renderer.render(particles, rays, broken.view);
+}
 
 TEST(HugePictures, AreRefusedBeforeAnythingIsAllocated) {
   const Device device = Device::best();
