@@ -76,22 +76,33 @@ Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
   if (const LogLidar* const l = file.find_lidar(command.sensor)) {
     return {command.sensor, false, {}, l->model, l->rig_from_lidar};
   }
+  const auto mount_of = [&](const auto& sensors, const char* field, auto member) {
+    if (!sensors.empty()) return sensors.front().*member;
+    throw_input_error(command.scene, field, "none", "one, in whose place another is to be mounted");
+  };
+  const auto mounted_lidar = [&](const std::string& name, LidarModel model) {
+    return Sensor{
+        name, false, {}, std::move(model), mount_of(file.lidars, "lidars", &LogLidar::rig_from_lidar)};
+  };
   std::error_code ignored;
-  const bool is_file = fs::is_regular_file(command.sensor, ignored);
-  const std::vector<std::string> builtin = builtin_lidar_names();
-  if (!is_file && std::find(builtin.begin(), builtin.end(), command.sensor) == builtin.end()) {
-    std::vector<std::string> known;
-    for (const LogCamera& c : file.cameras) known.push_back(c.model.name);
-    for (const LogLidar& l : file.lidars) known.push_back(name_of(l.model));
-    known.insert(known.end(), builtin.begin(), builtin.end());
-    refuse("--sensor", command.sensor, fmt::format("{}", fmt::join(known, ", ")));
+  if (fs::is_regular_file(command.sensor, ignored)) {
+    return mounted_lidar(fs::path(command.sensor).stem().string(), read_lidar_file(command.sensor).model);
   }
-  if (file.lidars.empty()) {
-    throw_input_error(command.scene, "lidars", "none", "one, where another LiDAR is to be mounted");
+  const std::vector<std::string> lidars = builtin_lidar_names(), cameras = builtin_camera_names();
+  const std::string model = command.sensor.substr(0, command.sensor.find('@'));  // "xt32@20": at 20 Hz
+  if (std::find(lidars.begin(), lidars.end(), model) != lidars.end()) {
+    return mounted_lidar(command.sensor, builtin_lidar(command.sensor));
   }
-  const Pose& mount = file.lidars.front().rig_from_lidar;
-  if (!is_file) return {command.sensor, false, {}, builtin_lidar(command.sensor), mount};
-  return {fs::path(command.sensor).stem().string(), false, {}, read_lidar_file(command.sensor).model, mount};
+  if (std::find(cameras.begin(), cameras.end(), command.sensor) != cameras.end()) {
+    const Pose mount = mount_of(file.cameras, "cameras", &LogCamera::rig_from_camera);
+    return {command.sensor, true, scaled_camera(builtin_camera(command.sensor), command.scale), {}, mount};
+  }
+  std::vector<std::string> known;
+  for (const LogCamera& c : file.cameras) known.push_back(c.model.name);
+  for (const LogLidar& l : file.lidars) known.push_back(name_of(l.model));
+  known.insert(known.end(), lidars.begin(), lidars.end());
+  known.insert(known.end(), cameras.begin(), cameras.end());
+  refuse("--sensor", command.sensor, fmt::format("{}", fmt::join(known, ", ")));
 }
 
 /// "a:b:c" as `count` numbers.
@@ -340,7 +351,7 @@ void add_render(CLI::App& app, const Globals& globals) {
   sub->add_option("SCENE", command->scene, "scene folder")->required();
   sub->add_option("--sensor",
                   command->sensor,
-                  "a sensor of the scene; or a built-in LiDAR or a LiDAR file in its place")
+                  "a sensor of the scene; or a built-in camera or LiDAR, or a LiDAR file, in its place")
       ->required();
   sub->add_option("-o,--output",
                   command->output,

@@ -226,6 +226,11 @@ TEST_F(SceneCli, PhotographsAreEnough) {
   EXPECT_TRUE(nlohmann::json::parse(eval.out).at("distance_median_m").is_null());
   EXPECT_EQ(run("render p.scene --sensor camera_0 --trajectory p.log --frames 0:1 -o p").exit_code, 0);
   expect_failure("render p.scene --sensor velodyne_vlp16 -o x", kInput, "lidars: found none");
+  // Another vehicle's camera in the first one's place.
+  const Outcome other = run("render p.scene --sensor tum_vi_cam0 --scale 0.1 --times 1:1:1 -o fisheye");
+  EXPECT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_TRUE(fs::exists(folder_ / "fisheye" / "tum_vi_cam0_000000.png"));
+  expect_failure("render p.scene --sensor tum_vi_cam9 -o x", kUsage, "tum_vi_cam0");
 }
 
 }  // namespace
