@@ -38,6 +38,7 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
     add(fmt::format("sh_degree={}", static_cast<int>(degree)), [&](auto& o) { o.sh_degree = degree; });
   }
   add("sh_degree=auto", [](auto& o) { o.sh_degree = ShDegree::kAuto; });
+  add("sh_storage=half", [](auto& o) { o.sh_storage = ShStorage::kHalf; });
   for (const double cut : {0.1, 0.05, 0.02, 0.001, 1e-4}) {
     add(fmt::format("alpha_cut={:g}", cut), [&](auto& o) { o.alpha_cut = cut; });
   }

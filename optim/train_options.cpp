@@ -23,9 +23,10 @@ TrainOptions checked(const TrainOptions& o) {
     throw Error(ErrorKind::kUsage, "train: precision: found double, allowed float");
   }
   if (!has_gradients(o.render)) {
-    throw Error(ErrorKind::kUsage,
-                "train: render: found an order, sh_direction or sh_degree without gradients, allowed range, "
-                "particle and 3");
+    throw Error(
+        ErrorKind::kUsage,
+        "train: render: found an order, sh_direction, sh_degree or sh_storage without gradients, allowed "
+        "range, particle, 3 and full");
   }
   for (const LearningRates* r : {&o.camera, &o.lidar}) {
     need(r->mean_m > 0.0 && r->mean_final_m > 0.0 && std::isfinite(r->mean_m + r->mean_final_m),

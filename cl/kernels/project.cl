@@ -267,7 +267,7 @@ __kernel void project(const FrameParams frame,
   for (int channel = 0; channel < 3; ++channel) {
     F sum = (F)R(0.0);
     for (int k = 0; k < SH_COEFFICIENTS; ++k) {
-      sum = fma(basis[k], LDV(params + (SIM_SH + 3 * k + channel) * frame.stride + i), sum);
+      sum = fma(basis[k], SH_LANES(params, frame.stride, k, channel, i), sum);
     }
     usable = AND(usable, fabs(sum) < R(1e20));
 #if SENSOR == SENSOR_CAMERA

@@ -34,7 +34,9 @@ FN void ray_feature(__global const real* params,
   for (int channel = 0; channel < 3; ++channel) {
     F sum = (F)R(0.0);
     for (int k = 0; k < SH_COEFFICIENTS; ++k) {
-      sum = fma(basis[k], (F)params[(ulong)(SIM_SH + 3 * k + channel) * stride + particle], sum);
+      // In one step, clang 15 crashes over halves.
+      const real coefficient = SH_ONE(params, stride, k, channel, particle);
+      sum = fma(basis[k], (F)coefficient, sum);
     }
     sum = SEL(fabs(sum) < R(1e20), sum, (F)R(0.0));
     feature[channel] = channel < CLAMPED_CHANNELS ? VMAX(sum + R(0.5), (F)R(0.0)) : sum;

@@ -3,8 +3,31 @@
 #ifndef SIMULI_CL_MATH_SH_H
 #define SIMULI_CL_MATH_SH_H
 #include "math/lanes.h"
+#include "shared/layout.h"
 
 #define SH_COEFFICIENTS ((SH_DEGREE + 1) * (SH_DEGREE + 1))
+
+// Build: SH_HALF = 1 when the rows from SIM_SH on are halves (float only).
+#ifndef SH_HALF
+#define SH_HALF 0
+#endif
+
+/// Coefficients k of `channel` of V particles from number i, or of that one alone, from params[rows][stride].
+#if SH_HALF
+#define SH_ROW(params, stride, k, channel) \
+  ((const __global half*)((params) + (ulong)SIM_SH * (stride)) + (ulong)(3 * (k) + (channel)) * (stride))
+#define SH_ONE(params, stride, k, channel, i) vload_half((i), SH_ROW(params, stride, k, channel))
+#if V == 1
+#define SH_LANES SH_ONE
+#else
+#define SH_LANES(params, stride, k, channel, i) \
+  LANES_CAT(vload_half, V)(0, SH_ROW(params, stride, k, channel) + (i))
+#endif
+#else
+#define SH_ROW(params, stride, k, channel) ((params) + (ulong)(SIM_SH + 3 * (k) + (channel)) * (stride))
+#define SH_ONE(params, stride, k, channel, i) SH_ROW(params, stride, k, channel)[i]
+#define SH_LANES(params, stride, k, channel, i) LDV(SH_ROW(params, stride, k, channel) + (i))
+#endif
 
 /// Basis values at the unit direction (x, y, z).
 FN void sh_basis(F x, F y, F z, F* basis) {

@@ -106,6 +106,7 @@ std::vector<Setting> render_settings(RenderOptions& options) {
       {"render.sh_direction", choice_of(options.sh_direction, {"particle", "ray"})},
       {"render.sh_degree", choice_of(options.sh_degree, {"0", "1", "2", "3", "auto"})},
       {"render.sh_error", &options.sh_error},
+      {"render.sh_storage", choice_of(options.sh_storage, {"full", "half"})},
       {"render.math", choice_of(options.math, {"fast", "precise"})},
       {"render.precision", choice_of(options.precision, {"float", "double"})},
       {"render.shutter_iterations", &options.shutter_iterations},

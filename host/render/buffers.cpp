@@ -1,5 +1,7 @@
 // The device memory of a frame and what kernels are specialised for.
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <fmt/format.h>
 #include <numeric>
 
@@ -8,6 +10,30 @@
 #include "host/render/stages.hpp"
 
 namespace simuli {
+namespace {
+
+/// A row of coefficients as halves, two in each float of `target`.
+void store_halves(const Eigen::Ref<const Eigen::ArrayXf>& row, float* target) {
+  for (Eigen::Index i = 0; i < row.size(); ++i) {
+    const Eigen::half value(row[i]);
+    if (Eigen::numext::isinf(value)) {
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format("sh_storage: found half and a coefficient of {}, allowed at most 65504", row[i]));
+    }
+    std::memcpy(reinterpret_cast<std::byte*>(target) + 2 * i, &value.x, 2);
+  }
+}
+
+void load_halves(const float* source, Eigen::Ref<Eigen::ArrayXf> row) {
+  for (Eigen::Index i = 0; i < row.size(); ++i) {
+    Eigen::half value;
+    std::memcpy(&value.x, reinterpret_cast<const std::byte*>(source) + 2 * i, 2);
+    row[i] = static_cast<float>(value);
+  }
+}
+
+}  // namespace
 
 LaneShape LaneShape::of(const Device& device, Precision precision) {
   if (!device.quirks().prefers_explicit_vectors) return {1, 4, 64};
@@ -33,6 +59,7 @@ BuildOptions Variant::options() const {
       .define("PROJECTION", projection)
       .define("V", shape.lanes);
   if (math == Math::kPrecise) options.define("MATH_PRECISE", true);
+  if (sh_storage == ShStorage::kHalf) options.define("SH_HALF", true);
   return options;
 }
 
@@ -62,6 +89,10 @@ ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, P
 
 ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options)
     : ParticleBuffers(device, GaussianSet(set.kind, 0, 0), options.precision) {
+  if (options.sh_storage == ShStorage::kHalf && options.precision == Precision::kDouble) {
+    throw Error(ErrorKind::kUsage, "sh_storage: found half in double precision, allowed full");
+  }
+  sh_storage = options.sh_storage;
   kept_sh_ = options.sh_degree;
   sh_error_ = options.sh_error;
   upload(set);
@@ -77,10 +108,15 @@ void ParticleBuffers::upload(const GaussianSet& set) {
   count = static_cast<std::uint32_t>(set.size());
   stride = static_cast<std::uint32_t>(round_up(count, 16));
   const auto rows = static_cast<std::size_t>(param_rows(sh_degree));
+  const std::size_t full_rows = sh_storage == ShStorage::kHalf ? SIM_SH : rows;
   // Padding is made of particles that nobody can see, and whose quaternions can be normalised.
-  std::vector<float> padded(rows * stride, 0.0F);
+  std::vector<float> padded(full_rows * stride + (rows - full_rows) * stride / 2, 0.0F);
   for (std::size_t row = 0; row < rows; ++row) {
     const auto column = set.params.col(static_cast<Eigen::Index>(row));
+    if (row >= full_rows) {
+      store_halves(column, padded.data() + full_rows * stride + (row - full_rows) * stride / 2);
+      continue;
+    }
     float* target = padded.data() + row * stride;
     std::copy(column.data(), column.data() + count, target);
     const float filler = row == kRotationRow ? 1.0F : row == kOpacityRow ? -80.0F : 0.0F;
@@ -124,9 +160,16 @@ void ParticleBuffers::upload_actors(const std::vector<std::uint32_t>& actor) {
 GaussianSet ParticleBuffers::download() const {
   GaussianSet set(kind, sh_degree, count);
   const std::vector<float> padded = params.download_float();
-  for (Eigen::Index row = 0; row < set.params.cols(); ++row) {
-    const float* source = padded.data() + static_cast<std::size_t>(row) * stride;
-    std::copy(source, source + count, set.params.col(row).data());
+  const auto rows = static_cast<std::size_t>(set.params.cols());
+  const std::size_t full_rows = sh_storage == ShStorage::kHalf ? SIM_SH : rows;
+  for (std::size_t row = 0; row < rows; ++row) {
+    auto column = set.params.col(static_cast<Eigen::Index>(row));
+    if (row >= full_rows) {
+      load_halves(padded.data() + full_rows * stride + (row - full_rows) * stride / 2, column);
+      continue;
+    }
+    const float* source = padded.data() + row * stride;
+    std::copy(source, source + count, column.data());
   }
   if (actors > 0) {
     set.actor = actor_of.download();

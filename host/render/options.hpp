@@ -59,6 +59,12 @@ enum class ShDegree : int {
   kAuto = 4,  // the fewest of each set that change colours by less than sh_error (sufficient_sh_degree)
 };
 
+/// How coefficients of spherical harmonics lie in device memory; sums are reals either way.
+enum class ShStorage : int {
+  kFull = 0,
+  kHalf = 1,  // 16 bits, each rounded to nearest (11 bits): half the traffic; float only, no backward pass
+};
+
 /// The tiles of a LiDAR: what procedure 1 of the paper is asked for. Both 0: what `simuli tile --tune` has
 /// found for the sensor on the device, if it has; else 0 is as suits most.
 struct LidarTiles {
@@ -90,6 +96,7 @@ struct RenderOptions {
   ShDirection sh_direction = ShDirection::kParticle;
   ShDegree sh_degree = ShDegree::k3;
   double sh_error = 0.002;  // of ShDegree::kAuto: RMS over directions and particles, of 1 (and of a logit)
+  ShStorage sh_storage = ShStorage::kFull;
   Math math = Math::kFast;
   int shutter_iterations = 4;        // looks for a sigma point's own time, to 64; extents are bounds where it
                                      // isn't found. 0: as if all stood still half-way through the frame

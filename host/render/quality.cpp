@@ -52,12 +52,13 @@ RenderOptions training_options_of(Quality quality) {
   o.order = kDefault.order;
   o.sh_direction = kDefault.sh_direction;
   o.sh_degree = kDefault.sh_degree;
+  o.sh_storage = kDefault.sh_storage;
   return o;
 }
 
 bool has_gradients(const RenderOptions& options) {
   return options.order == Order::kRange && options.sh_direction == ShDirection::kParticle &&
-         options.sh_degree == ShDegree::k3;
+         options.sh_degree == ShDegree::k3 && options.sh_storage == ShStorage::kFull;
 }
 
 }  // namespace simuli

@@ -212,6 +212,7 @@ void Renderer::render(const ParticleBuffers& particles,
   variant.sh_degree = options_.sh_degree == ShDegree::kAuto
                           ? particles.sh_degree
                           : std::min(particles.sh_degree, static_cast<int>(options_.sh_degree));
+  variant.sh_storage = particles.sh_storage;
   variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
   variant.precision = options_.precision;
   variant.projection = options_.projection;
@@ -335,9 +336,10 @@ void Renderer::backward(const ParticleBuffers& particles,
   if (current_ == nullptr || particles.count != frame_.particles) {
     throw Error(ErrorKind::kInternal, "backward: other particles than those last rendered");
   }
-  if (!has_gradients(options_) || current_->own.sh_degree != particles.sh_degree) {
+  if (!has_gradients(options_) || current_->own.sh_degree != particles.sh_degree ||
+      particles.sh_storage != ShStorage::kFull) {
     throw Error(ErrorKind::kInternal,
-                "backward: order per_ray, sh_direction ray and left out bands have no gradients");
+                "backward: order per_ray, sh_direction ray, left out bands and halves have no gradients");
   }
   param_grads.reserve(particles.params.count());
   current_->render.run_backward(frame_, rays_->buffers(), buffers_, extras);

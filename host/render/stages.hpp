@@ -32,6 +32,7 @@ struct Variant {
   bool actors = false;                 // particles belong to actors
   bool actor_motion = false;           // actors move during the frame: then `moving` and `origins`, too
   int sh_degree = 0;
+  ShStorage sh_storage = ShStorage::kFull;
   bool median = false;
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
@@ -72,15 +73,18 @@ struct RayBuffers {
 /// Particles of one set on the device, each parameter a row of `stride` reals.
 struct ParticleBuffers {
   ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision);
-  /// Only the bands of spherical harmonics that options.sh_degree keeps take memory.
+  /// Only the bands of spherical harmonics that options.sh_degree keeps take memory, as options.sh_storage
+  /// says. Error{kUsage} when halves are asked for in double, or cannot hold a coefficient (beyond 65504).
   ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options);
   void upload(const GaussianSet& set);
   [[nodiscard]] GaussianSet download() const;
   SetKind kind;
   int sh_degree = 0;
+  ShStorage sh_storage = ShStorage::kFull;
   std::uint32_t count = 0;
   std::uint32_t stride = 0;
-  RealBuffer params;  // [param_rows][stride]
+  RealBuffer
+      params;  // [param_rows][stride]; of ShStorage::kHalf the rows from SIM_SH on are halves, two in a float
   /// GaussianSet::actor. All empty without actors.
   std::uint32_t actors = 0;           // the largest number in actor_of
   Buffer<std::uint32_t> actor_of;     // [stride]

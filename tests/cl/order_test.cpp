@@ -212,6 +212,55 @@ TEST(ShDegrees, AutoTakesTheLowestThatIsGoodEnough) {
   EXPECT_LT(rms, options.sh_error);
 }
 
+TEST(ShStorage, HalvesAreRoundedCoefficients) {
+  const Device device = Device::best();
+  for (const SceneCase& scene : {test::kCameraSh3, test::kLidarMoving}) {
+    GaussianSet set = crowd(scene);
+    set.sh(0).row(0).setConstant(1e-7F);  // a denormal half
+    const test::Shot shot = shot_for(scene);
+    RenderOptions options;
+    options.sh_storage = ShStorage::kHalf;
+    const ParticleBuffers buffers(device, set, options);
+    const GaussianSet rounded = buffers.download();
+    for (Eigen::Index row = 0; row < set.params.cols(); ++row) {
+      for (Eigen::Index i = 0; i < set.size(); ++i) {
+        const float value = set.params(i, row);
+        const float expected = row < kShRow ? value : static_cast<float>(Eigen::half(value));
+        ASSERT_EQ(rounded.params(i, row), expected) << row;
+      }
+    }
+    EXPECT_NE(rounded.params, set.params);
+    // The same as from what was rounded before: to the bit, each ray's colour, too.
+    for (const ShDirection direction : {ShDirection::kParticle, ShDirection::kRay}) {
+      options.sh_storage = ShStorage::kHalf;
+      options.sh_direction = direction;
+      const RayResults halves = render(device, set, shot, options);
+      options.sh_storage = ShStorage::kFull;
+      const RayResults full = render(device, rounded, shot, options);
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(halves.feature[k], full.feature[k]);
+      EXPECT_EQ(halves.transmittance, full.transmittance);
+      EXPECT_EQ(halves.distance, full.distance);
+    }
+    const ParticleBuffers all(device, set, RenderOptions{});
+    const std::size_t sh_rows = static_cast<std::size_t>(set.params.cols()) - SIM_SH;
+    EXPECT_EQ(all.params.count() - buffers.params.count(), sh_rows * buffers.stride / 2);
+  }
+}
+
+TEST(ShStorage, WhatHalvesCannotHoldIsRefused) {
+  const Device device = Device::best();
+  GaussianSet set = crowd(test::kCameraSh3, 20);
+  RenderOptions options;
+  options.sh_storage = ShStorage::kHalf;
+  options.precision = Precision::kDouble;
+  expect_error(ErrorKind::kUsage, "allowed full", [&] { ParticleBuffers(device, set, options); });
+  options.precision = Precision::kFloat;
+  set.sh(3).row(1).setConstant(-65504.0F);
+  (void)ParticleBuffers(device, set, options);
+  set.sh(3).row(1).setConstant(-70000.0F);
+  expect_error(ErrorKind::kUsage, "allowed at most 65504", [&] { ParticleBuffers(device, set, options); });
+}
+
 TEST(ShutterOf0, IsAFrameHalfWay) {
   const Device device = Device::best();
   RenderOptions options;
