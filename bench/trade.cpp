@@ -29,9 +29,14 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
     change(o);
     all.push_back({name, o, false});
   };
-  add("projection=linearized", [](auto& o) { o.projection = Projection::kLinearized; });
-  add("projection=monte_carlo", [](auto& o) { o.projection = Projection::kMonteCarlo; });
-  add("extent=exact", [](auto& o) { o.extent = Extent::kExact; });
+  for (const auto& [name, projection] : {std::pair{"extent=unscented", Projection::kUnscented},
+                                         {"projection=linearized", Projection::kLinearized},
+                                         {"projection=monte_carlo", Projection::kMonteCarlo}}) {
+    add(name, [p = projection](auto& o) {
+      o.extent = Extent::kUnscented;
+      o.projection = p;
+    });
+  }
   add("order=per_ray", [](auto& o) { o.order = Order::kPerRay; });
   add("sh_direction=ray", [](auto& o) { o.sh_direction = ShDirection::kRay; });
   for (const ShDegree degree : {ShDegree::k0, ShDegree::k1, ShDegree::k2}) {

@@ -43,6 +43,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
 
     InitOptions init;
     TrainOptions train;
+    train.render = training_options_of(globals.quality);
     train.iterations = command.iterations;
     train.image_scale = init.image_scale = 1.0;
     const TrainedScene trained = train_scene(device, log, init, train, globals);

@@ -26,6 +26,7 @@ RenderOptions options_of(Quality quality) {
       o.transmittance_cut = 0.02;
       break;
     case Quality::kBalanced:
+      o.extent = Extent::kExact;  // as accurate as boxes, and faster where sensors move
       break;
     case Quality::kExact:
       o.extent = Extent::kExact;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/base/image.hpp"
-#include "host/render/options.hpp"
+#include "host/render/quality.hpp"
 #include "host/render/seen.hpp"
 #include "host/runtime/device.hpp"
 #include "host/scene/pose.hpp"
@@ -38,7 +38,7 @@ struct Shot {
 class Simulator {
  public:
   /// Error{kUsage} for options that validate() refuses.
-  Simulator(const Device& device, Scene scene, const RenderOptions& options = {});
+  Simulator(const Device& device, Scene scene, const RenderOptions& options = options_of(Quality::kBalanced));
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
   ~Simulator();

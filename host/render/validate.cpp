@@ -28,6 +28,12 @@ void validate(const RenderOptions& options) {
        "camera_filter_px2",
        o.camera_filter_px2,
        "0 to 100");
+  if (o.projection != Projection::kUnscented && o.extent == Extent::kExact) {
+    throw Error(
+        ErrorKind::kUsage,
+        "render.projection: found another than unscented beside extent=exact, which has no use for it; "
+        "allowed with extent=unscented");
+  }
   need(o.sh_error > 0.0 && o.sh_error <= 10.0, "sh_error", o.sh_error, "more than 0, to 10");
   need(o.max_instances >= 1, "max_instances", static_cast<double>(o.max_instances), "1 or more");
 }

@@ -30,7 +30,7 @@ TEST(Simulator, IsTheRendererWithEverythingInPlace) {
   Simulator simulator(device, one_particle());
   const Image image = simulator.render(kCamera, kShot);
 
-  Renderer renderer(device, RenderOptions{});
+  Renderer renderer(device, options_of(Quality::kBalanced));
   const Scene scene = one_particle();
   const ParticleBuffers particles(device, scene.camera, Precision::kFloat);
   // The rays are a temporary: the renderer keeps what results() needs.

@@ -123,6 +123,8 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
   expect_failure("train s.log -o x --iterations many", kUsage, "--iterations");
   const std::string projections = "allowed unscented, linearized, monte_carlo";
   expect_failure("train s.log -o x --set render.projection=exact", kUsage, projections);
+  expect_failure(
+      "train s.log -o x --set render.projection=linearized", kUsage, "allowed with extent=unscented");
   expect_failure("train s.log -o x --set render.alpha_cut=2", kUsage, "render.alpha_cut: found 2");
   expect_failure("eval x s.log --set render.shutter_iterations=65", kUsage, "allowed 0 to 64");
   expect_failure("eval x s.log --set render.extent=box", kUsage, "allowed unscented, exact");
