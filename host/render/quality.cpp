@@ -22,7 +22,8 @@ RenderOptions options_of(Quality quality) {
     case Quality::kDraft:
       o.shutter_iterations = 0;
       o.sh_degree = ShDegree::k0;
-      o.alpha_cut = 1.0 / 32.0;
+      o.sh_storage = ShStorage::kHalf;
+      o.alpha_cut = 1.0 / 16.0;
       o.transmittance_cut = 0.02;
       break;
     case Quality::kBalanced:
