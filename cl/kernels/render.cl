@@ -39,7 +39,7 @@ __kernel void render(const FrameParams frame,
 #endif
   uint alive = 0;  // a bit per vector that still has a ray
   for (int j = 0; j < NR; ++j) {
-    ray[j] = load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid));
+    load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray[j]);
     transmittance[j] = (F)R(1.0);
     f0[j] = f1[j] = f2[j] = distance[j] = (F)R(0.0);
 #if MEDIAN

@@ -71,7 +71,7 @@ __kernel void render_bwd(const FrameParams frame,
   uint alive = 0;  // a bit per vector that still has a ray
   for (int j = 0; j < NR; ++j) {
     const uint slot = base + VECTOR_SLOT(j, lid);
-    ray[j] = load_ray(world_ray, ray_u, frame.slots, slot);
+    load_ray(world_ray, ray_u, frame.slots, slot, &ray[j]);
     transmittance[j] = (F)R(1.0);
 #if ERRORS
     error[j] = LDV(ray_error + slot);

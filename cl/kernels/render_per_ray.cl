@@ -60,7 +60,8 @@ __kernel void render(const FrameParams frame,
   const uint count = first[tile + 1] - first[tile];
 
   for (int j = 0; j < NR; ++j) {
-    RayLanes ray = load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid));
+    RayLanes ray;
+    load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray);
     const F d[3] = {ray.d[0], ray.d[1], ray.d[2]};
     I going = is_ray(d[0], d[1], d[2]);
     F transmittance = (F)R(1.0), distance = (F)R(0.0), median = (F)R(0.0);

@@ -105,17 +105,17 @@ FN real nearest_box_mean(const real* record, real u) {
    VECTOR_SLOT_ROW(j, lid) > SLOT_ROW_LAST(payload))
 #endif
 
-FN RayLanes load_ray(__global const real* world_ray, __global const real* ray_u, uint slots, uint slot) {
-  RayLanes ray;
-  for (int k = 0; k < 3; ++k) ray.d[k] = LDV(world_ray + k * slots + slot);
+// Through a pointer: Mesa's rusticl loses a structure that is assigned to an element of an array.
+FN void load_ray(
+    __global const real* world_ray, __global const real* ray_u, uint slots, uint slot, RayLanes* ray) {
+  for (int k = 0; k < 3; ++k) ray->d[k] = LDV(world_ray + k * slots + slot);
 #if ORIGINS
-  for (int k = 0; k < 3; ++k) ray.o[k] = LDV(world_ray + (3 + k) * slots + slot);
+  for (int k = 0; k < 3; ++k) ray->o[k] = LDV(world_ray + (3 + k) * slots + slot);
 #endif
 #if ACTOR_MOTION
-  ray.t = LDV(world_ray + 6 * slots + slot);
+  ray->t = LDV(world_ray + 6 * slots + slot);
 #endif
-  ray.u = LDV(ray_u + slot);
-  return ray;
+  ray->u = LDV(ray_u + slot);
 }
 
 #if ACTOR_MOTION

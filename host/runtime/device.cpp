@@ -86,7 +86,9 @@ DeviceInfo describe(const cl::Device& device) {
 Quirks quirks_of(const DeviceInfo& info) {
   Quirks quirks;
   const std::string platform = lower(info.platform);
-  quirks.prefers_explicit_vectors = info.is_cpu;
+  // Mesa's rusticl on a CPU ends the process at the prefetches of explicit vectors (its way to SPIR-V knows no
+  // llvm.prefetch); a GPU's shape runs.
+  quirks.prefers_explicit_vectors = info.is_cpu && platform.find("rusticl") == std::string::npos;
   quirks.compiles_at_first_launch = platform.find("portable computing language") != std::string::npos;
   quirks.binaries_lack_argument_info = platform.find("nvidia") != std::string::npos;
   quirks.ignores_line_directives = platform.find("oclgrind") != std::string::npos;

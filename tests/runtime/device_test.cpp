@@ -32,7 +32,7 @@ TEST(Device, DescribesItself) {
   EXPECT_GE(info.max_alloc_bytes, std::min<std::uint64_t>(info.global_bytes / 4, 128U << 20U));
   EXPECT_GT(device.quirks().usable_local_bytes, 0U);
   EXPECT_LE(device.quirks().usable_local_bytes, info.local_bytes);
-  EXPECT_EQ(device.quirks().prefers_explicit_vectors, info.is_cpu);
+  EXPECT_LE(device.quirks().prefers_explicit_vectors, info.is_cpu);  // not on every CPU
 }
 
 TEST(Device, ListHasGpusFirst) {
