@@ -80,7 +80,7 @@ class Zip {
     append(entry, name.size(), 2);
     append(entry, 0, 2);
     directory_ += std::string("PK\x01\x02\x14\x00", 6) + entry;
-    append(directory_, 0, 10);
+    directory_.append(10, '\0');
     append(directory_, out_.size(), 4);
     directory_ += name;
     out_ += "PK\x03\x04" + entry + name + bytes;
