@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
+#include <string>
 
 #include "host/cli/commands.hpp"
 #include "host/cli/file_progress.hpp"
@@ -30,24 +31,36 @@ void print_report(const KittiReport& r) {
       r.rays);
 }
 
-void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
-  FileProgress progress("import kitti", globals);
-  KittiReport report;
-  const Log log = import_kitti(options, progress.callback(), &report);
+/// What every import does: `run(progress, report)` returns the log, `tell(report)` says on stderr what became
+/// of what was recorded.
+template <class Report, class Run, class Tell>
+void run_import(const char* name, const Globals& globals, const Run& run, const Tell& tell) {
+  FileProgress progress(std::string("import ") + name, globals);
+  Report report;
+  const Log log = run(progress.callback(), report);
   progress.finish();
-  print_report(report);
+  tell(report);
   print_log(log, globals.json);
 }
 
+void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
+  run_import<KittiReport>(
+      "kitti",
+      globals,
+      [&](const auto& progress, KittiReport& r) { return import_kitti(options, progress, &r); },
+      print_report);
+}
+
 void import_kitti360_sequence(const Kitti360Options& options, const Globals& globals) {
-  FileProgress progress("import kitti360", globals);
-  Kitti360Report report;
-  const Log log = import_kitti360(options, progress.callback(), report);
-  progress.finish();
-  std::cerr << fmt::format(
-      "{} pictures and sweeps are absent, {} without a pose\n", report.absent, report.unposed);
-  print_report(report.points);
-  print_log(log, globals.json);
+  run_import<Kitti360Report>(
+      "kitti360",
+      globals,
+      [&](const auto& progress, Kitti360Report& r) { return import_kitti360(options, progress, r); },
+      [](const Kitti360Report& r) {
+        std::cerr << fmt::format(
+            "{} pictures and sweeps are absent, {} without a pose\n", r.absent, r.unposed);
+        print_report(r.points);
+      });
 }
 
 /// Adds what `import` does for posed photographs: `run(options, progress, report)` returns the log.
@@ -63,54 +76,56 @@ void add_photos(CLI::App& command,
                   options->metres_per_unit,
                   "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
       ->check(CLI::PositiveNumber);
-  const std::string label = std::string("import ") + name;
-  command.callback([options, label, run, &globals] {
-    FileProgress progress(label.c_str(), globals);
-    PhotoReport report;
-    const Log log = run(*options, progress.callback(), report);
-    progress.finish();
-    std::cerr << fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit\n",
-                             report.photos,
-                             report.absent,
-                             report.points,
-                             report.metres_per_unit);
-    print_log(log, globals.json);
+  command.callback([options, name, run, &globals] {
+    run_import<PhotoReport>(
+        name,
+        globals,
+        [&](const auto& progress, PhotoReport& r) { return run(*options, progress, r); },
+        [](const PhotoReport& r) {
+          std::cerr << fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit\n",
+                                   r.photos,
+                                   r.absent,
+                                   r.points,
+                                   r.metres_per_unit);
+        });
   });
 }
 
 void import_nuscenes_scene(const NuscenesOptions& options, const Globals& globals) {
-  FileProgress progress("import nuscenes", globals);
-  NuscenesReport report;
-  const Log log = import_nuscenes(options, progress.callback(), report);
-  progress.finish();
-  std::cerr << fmt::format(
-      "{} named files are absent; {} of {} rays returned\n", report.absent, report.returned, report.rays);
-  print_log(log, globals.json);
+  run_import<NuscenesReport>(
+      "nuscenes",
+      globals,
+      [&](const auto& progress, NuscenesReport& r) { return import_nuscenes(options, progress, r); },
+      [](const NuscenesReport& r) {
+        std::cerr << fmt::format(
+            "{} named files are absent; {} of {} rays returned\n", r.absent, r.returned, r.rays);
+      });
 }
 
 void import_waymo_segment(const WaymoOptions& options, const Globals& globals) {
-  FileProgress progress("import waymo", globals);
-  WaymoReport report;
-  const Log log = import_waymo(options, progress.callback(), report);
-  progress.finish();
-  std::cerr << fmt::format(
-      "{} frames; {} of {} rays returned\n", report.frames, report.returned, report.rays);
-  print_log(log, globals.json);
+  run_import<WaymoReport>(
+      "waymo",
+      globals,
+      [&](const auto& progress, WaymoReport& r) { return import_waymo(options, progress, r); },
+      [](const WaymoReport& r) {
+        std::cerr << fmt::format("{} frames; {} of {} rays returned\n", r.frames, r.returned, r.rays);
+      });
 }
 
 void import_point_drive(const PointsOptions& options, const Globals& globals) {
-  FileProgress progress("import points", globals);
-  PointReport report;
-  const Log log = import_points(options, progress.callback(), report);
-  progress.finish();
-  std::cerr << fmt::format(
-      "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
-      report.points,
-      report.unplaced,
-      report.echoes,
-      report.returned,
-      report.rays);
-  print_log(log, globals.json);
+  run_import<PointReport>(
+      "points",
+      globals,
+      [&](const auto& progress, PointReport& r) { return import_points(options, progress, r); },
+      [](const PointReport& r) {
+        std::cerr << fmt::format(
+            "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
+            r.points,
+            r.unplaced,
+            r.echoes,
+            r.returned,
+            r.rays);
+      });
 }
 
 }  // namespace
