@@ -1,5 +1,5 @@
 """What the converters have in common: poses, the spin of a LiDAR, and the folder for `simuli import points`
-(its format: io/points_log.hpp)."""
+(its format: io/import/points/points_log.hpp)."""
 import json
 import pathlib
 import shutil

@@ -1,4 +1,4 @@
-// environment_bwd.cl - gradient of the environment texture. Launcher: host/render/environment.cpp
+// environment_bwd.cl - gradient of the environment texture. Launcher: host/render/frame/environment.cpp
 #include "math/environment.h"
 #include "shared/layout.h"
 

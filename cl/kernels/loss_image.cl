@@ -1,4 +1,4 @@
-// loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/loss.cpp
+// loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/train/loss.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 

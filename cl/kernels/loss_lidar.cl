@@ -1,4 +1,4 @@
-// loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/render/loss.cpp
+// loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/render/train/loss.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 

@@ -1,11 +1,11 @@
-// loss_ssim.cl - structural similarity of a picture and its gradient. Launcher: host/render/loss_ssim.cpp
+// loss_ssim.cl - structural similarity of a picture and its gradient. Launcher: host/render/train/loss_ssim.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 
 // One channel at a time, 1 - SSIM summed over the known pixels (Wang et al. 2004, K1 = 0.01, K2 = 0.03,
 // values in [0, 1]). The 11 x 11 Gaussian window is separable. Only known pixels count in it, and it is
 // scaled to sum to 1 over them: borders and masked pixels need no rule of their own, and inside the picture
-// the values are those of optim/metrics.hpp.
+// the values are those of optim/base/metrics.hpp.
 //
 // Planes hold the picture row by row, with a margin of zeros that windows may reach into; they stay zero, as
 // nothing writes them. A work-item takes V columns of one tile, 16 rows.

@@ -1,4 +1,4 @@
-// project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/project.cpp
+// project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/frame/project.cpp
 #include "math/extent.h"
 #include "math/sh.h"
 #include "math/unscented.h"

@@ -1,4 +1,4 @@
-// regularize.cl - gradients of what a set is asked beside its pictures. Launcher: host/render/regularize.cpp
+// regularize.cl - gradients of what a set is asked beside its pictures. Launcher: host/render/train/regularize.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 

@@ -1,4 +1,4 @@
-// render_per_ray.cl - blending in each ray's own order. Launcher: host/render/render.cpp
+// render_per_ray.cl - blending in each ray's own order. Launcher: host/render/frame/render.cpp
 #include "math/ray_feature.h"
 #include "math/response.h"
 

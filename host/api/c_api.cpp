@@ -9,9 +9,10 @@
 
 #include "host/api/simuli.h"
 #include "host/base/error.hpp"
-#include "host/render/simulator.hpp"
-#include "io/lidar_file.hpp"
-#include "io/scene_folder.hpp"
+#include "host/base/version.hpp"
+#include "host/render/scene/simulator.hpp"
+#include "io/log/lidar_file.hpp"
+#include "io/scene/scene_folder.hpp"
 
 struct simuli_device {
   simuli::Device device;
@@ -102,7 +103,7 @@ const simuli::Trajectory& path_of(const simuli_scene& scene) {
 
 extern "C" {
 
-const char* simuli_version(void) { return SIMULI_VERSION; }
+const char* simuli_version(void) { return simuli::version(); }
 
 const char* simuli_error(void) { return last_error.c_str(); }
 

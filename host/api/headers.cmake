@@ -1,6 +1,6 @@
 # Copies the entry headers and every header of ours that they include to OUTPUT, as <simuli/...>:
 #   cmake -D ROOT=<project> -D OUTPUT=<folder>/simuli -P host/api/headers.cmake
-# Inside the tree headers are found from its root ("host/scene/pose.hpp"); names as common as "io/file.hpp"
+# Inside the tree headers are found from its root ("host/scene/pose.hpp"); names as common as "io/base/file.hpp"
 # would clash in other people's programs, so the copies say <simuli/io/file.hpp>.
 cmake_minimum_required(VERSION 3.23)
 file(REMOVE_RECURSE "${OUTPUT}")

@@ -1,4 +1,4 @@
-#include "optim/calibration/align.hpp"
+#include "optim/calibration/path/align.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@
 #include <optional>
 
 #include "host/base/error.hpp"
-#include "host/base/progress.hpp"
-#include "host/cli/commands.hpp"
-#include "io/log_json.hpp"
-#include "optim/calibration/camera_pose.hpp"
+#include "host/cli/base/progress.hpp"
+#include "host/cli/base/commands.hpp"
+#include "io/log/log_json.hpp"
+#include "optim/calibration/camera/camera_pose.hpp"
 
 namespace simuli::cli {
 namespace {

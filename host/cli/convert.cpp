@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
-#include "io/ply.hpp"
-#include "io/scene_folder.hpp"
-#include "io/splat_file.hpp"
+#include "host/cli/base/commands.hpp"
+#include "io/splat/ply.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli::cli {
 namespace {

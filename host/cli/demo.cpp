@@ -7,15 +7,15 @@
 #include <unistd.h>
 
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
-#include "host/cli/file_progress.hpp"
-#include "host/cli/held_out.hpp"
-#include "host/cli/report.hpp"
-#include "host/cli/training.hpp"
-#include "io/file.hpp"
-#include "io/scene_folder.hpp"
-#include "io/street.hpp"
-#include "optim/frames.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/base/file_progress.hpp"
+#include "host/cli/report/held_out.hpp"
+#include "host/cli/report/report.hpp"
+#include "host/cli/report/training.hpp"
+#include "io/base/file.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/synth/street.hpp"
+#include "optim/base/frames.hpp"
 
 namespace simuli::cli {
 namespace {

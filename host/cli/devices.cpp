@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
-#include "host/render/renderer.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/render/scene/renderer.hpp"
 
 namespace simuli::cli {
 namespace {

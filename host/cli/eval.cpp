@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/commands.hpp"
-#include "host/cli/edits.hpp"
-#include "host/cli/report.hpp"
-#include "host/cli/settings.hpp"
-#include "host/cli/training.hpp"
-#include "host/render/validate.hpp"
-#include "io/scene_folder.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/base/edits.hpp"
+#include "host/cli/report/report.hpp"
+#include "host/cli/base/settings.hpp"
+#include "host/cli/report/training.hpp"
+#include "host/render/options/validate.hpp"
+#include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
 namespace {

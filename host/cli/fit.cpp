@@ -8,15 +8,15 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
+#include "host/cli/base/commands.hpp"
 #include "host/sensors/camera.hpp"
-#include "io/file.hpp"
-#include "io/kitti_parts.hpp"
-#include "io/lidar_file.hpp"
-#include "io/log_json.hpp"
-#include "optim/calibration/beams.hpp"
-#include "optim/calibration/lens_fit.hpp"
-#include "optim/calibration/spin.hpp"
+#include "io/base/file.hpp"
+#include "io/import/kitti/kitti_parts.hpp"
+#include "io/log/lidar_file.hpp"
+#include "io/log/log_json.hpp"
+#include "optim/calibration/beams/beams.hpp"
+#include "optim/calibration/lens/lens_fit.hpp"
+#include "optim/calibration/path/spin.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -3,16 +3,16 @@
 #include <memory>
 #include <string>
 
-#include "host/cli/commands.hpp"
-#include "host/cli/file_progress.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/base/file_progress.hpp"
 #include "host/cli/info.hpp"
-#include "io/colmap.hpp"
-#include "io/kitti.hpp"
-#include "io/kitti360.hpp"
-#include "io/nerfstudio.hpp"
-#include "io/nuscenes.hpp"
-#include "io/points_log.hpp"
-#include "io/waymo.hpp"
+#include "io/import/photos/colmap.hpp"
+#include "io/import/kitti/kitti.hpp"
+#include "io/import/kitti360/kitti360.hpp"
+#include "io/import/photos/nerfstudio.hpp"
+#include "io/import/nuscenes/nuscenes.hpp"
+#include "io/import/points/points_log.hpp"
+#include "io/import/waymo/waymo.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -181,7 +181,7 @@ void add_import(CLI::App& app, const Globals& globals) {
   const auto points = std::make_shared<PointsOptions>();
   CLI::App* bare =
       import->add_subcommand("points", "a drive of your own: points.json, lists of points, pictures");
-  bare->add_option("DIR", points->folder, "folder with points.json (format: io/points_log.hpp)")->required();
+  bare->add_option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")->required();
   bare->add_option("-o,--output", points->output, "log folder to write")->required();
   bare->callback([points, &globals] { import_point_drive(*points, globals); });
 

@@ -11,7 +11,7 @@
 
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
+#include "host/cli/base/commands.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "io/lidar_file.hpp"
-#include "io/log.hpp"
-#include "io/scene_folder.hpp"
+#include "io/log/lidar_file.hpp"
+#include "io/log/log.hpp"
+#include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
 

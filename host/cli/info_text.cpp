@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/info.hpp"
-#include "io/log_json.hpp"
+#include "io/log/log_json.hpp"
 
 namespace simuli::cli {
 namespace {

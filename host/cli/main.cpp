@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
-#include "host/render/quality.hpp"
+#include "host/base/version.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/render/options/quality.hpp"
 
 simuli::ProgressStyle simuli::cli::progress_style(const Globals& globals) {
   if (globals.json_progress) return ProgressStyle::kJson;
@@ -48,7 +49,7 @@ int fail(const std::string& what, int exit_code) {
 int run(int argc, char** argv) {
   using simuli::ErrorKind;
   CLI::App app("Camera and LiDAR simulation with 3D Gaussians on any OpenCL device", "simuli");
-  app.set_version_flag("--version", "simuli " SIMULI_VERSION);
+  app.set_version_flag("--version", std::string("simuli ") + simuli::version());
   app.require_subcommand(1);
   app.fallthrough();  // global options may stand behind the command's name
   simuli::cli::Globals globals;

@@ -12,19 +12,19 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
-#include "host/cli/edits.hpp"
-#include "host/cli/file_progress.hpp"
-#include "host/cli/pictures.hpp"
-#include "host/cli/settings.hpp"
-#include "host/cli/video.hpp"
-#include "host/render/simulator.hpp"
-#include "host/render/validate.hpp"
-#include "io/cloud_file.hpp"
-#include "io/file.hpp"
-#include "io/lidar_file.hpp"
-#include "io/scene_folder.hpp"
-#include "optim/frames.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/base/edits.hpp"
+#include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/pictures.hpp"
+#include "host/cli/base/settings.hpp"
+#include "host/cli/base/video.hpp"
+#include "host/render/scene/simulator.hpp"
+#include "host/render/options/validate.hpp"
+#include "io/splat/cloud_file.hpp"
+#include "io/base/file.hpp"
+#include "io/log/lidar_file.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "optim/base/frames.hpp"
 
 namespace simuli::cli {
 namespace {

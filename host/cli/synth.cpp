@@ -1,9 +1,9 @@
 #include <memory>
 
-#include "host/cli/commands.hpp"
-#include "host/cli/file_progress.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/base/file_progress.hpp"
 #include "host/cli/info.hpp"
-#include "io/street.hpp"
+#include "io/synth/street.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "bench/table6.hpp"
+#include "bench/render/table6.hpp"
 #include "host/base/error.hpp"
-#include "host/cli/commands.hpp"
-#include "host/cli/tile_picture.hpp"
-#include "host/render/tile_choice.hpp"
-#include "io/lidar_file.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/report/tile_picture.hpp"
+#include "host/render/rays/tile_choice.hpp"
+#include "io/log/lidar_file.hpp"
 
 namespace simuli::cli {
 namespace {

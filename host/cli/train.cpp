@@ -5,15 +5,15 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "host/cli/commands.hpp"
-#include "host/cli/report.hpp"
-#include "host/cli/train_settings.hpp"
-#include "host/cli/training.hpp"
-#include "host/cli/view_server.hpp"
-#include "host/render/validate.hpp"
-#include "io/scene_folder.hpp"
-#include "optim/own_vehicle.hpp"
-#include "optim/range_bias.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/report/report.hpp"
+#include "host/cli/base/train_settings.hpp"
+#include "host/cli/report/training.hpp"
+#include "host/cli/view/view_server.hpp"
+#include "host/render/options/validate.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "optim/log/own_vehicle.hpp"
+#include "optim/log/range_bias.hpp"
 
 namespace simuli::cli {
 namespace {

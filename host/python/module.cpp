@@ -14,14 +14,15 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/render/simulator.hpp"
-#include "io/lidar_file.hpp"
-#include "io/log.hpp"
-#include "io/scene_folder.hpp"
-#include "optim/initialize.hpp"
-#include "optim/own_vehicle.hpp"
-#include "optim/range_bias.hpp"
-#include "optim/trainer.hpp"
+#include "host/base/version.hpp"
+#include "host/render/scene/simulator.hpp"
+#include "io/log/lidar_file.hpp"
+#include "io/log/log.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "optim/init/initialize.hpp"
+#include "optim/log/own_vehicle.hpp"
+#include "optim/log/range_bias.hpp"
+#include "optim/train/trainer.hpp"
 
 namespace py = pybind11;
 
@@ -184,7 +185,7 @@ py::dict train(const std::string& folder,
 
 PYBIND11_MODULE(simuli, m) {
   m.doc() = "Camera and LiDAR simulation with 3D Gaussians on any OpenCL device";
-  m.attr("__version__") = SIMULI_VERSION;
+  m.attr("__version__") = simuli::version();
   py::register_exception<Error>(m, "Error", PyExc_RuntimeError);
   m.def("devices", [] {
     std::vector<std::string> names;

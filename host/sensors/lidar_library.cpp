@@ -11,7 +11,7 @@
 
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
-#include "host/sensors/lidar_tables.hpp"
+#include "host/sensors/tables/lidar_tables.hpp"
 
 namespace simuli {
 namespace {

@@ -1,11 +1,11 @@
-#include "host/render/simulator.hpp"
+#include "host/render/scene/simulator.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/render/renderer.hpp"
+#include "host/render/scene/renderer.hpp"
 
 namespace simuli {
 namespace {

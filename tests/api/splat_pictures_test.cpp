@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <iostream>
 
-#include "host/render/simulator.hpp"
-#include "io/gzip.hpp"
-#include "io/splat_file.hpp"
+#include "host/render/scene/simulator.hpp"
+#include "io/base/gzip.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli {
 namespace {

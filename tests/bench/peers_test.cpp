@@ -1,5 +1,5 @@
 // The peer of `simuli bench --peers` must see what our most accurate order and extents see.
-#include "bench/peers.hpp"
+#include "bench/peers/peers.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

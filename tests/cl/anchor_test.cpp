@@ -1,5 +1,5 @@
 // Neighbours found by the tree against all distances computed, and the anchoring loss against differences.
-#include "host/render/anchor.hpp"
+#include "host/render/train/anchor.hpp"
 
 #include <algorithm>
 #include <cmath>

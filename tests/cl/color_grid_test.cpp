@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "tests/cl/gradient_check.hpp"
+#include "tests/render/gradient_check.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/render/densify.hpp"
+#include "host/render/train/densify.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

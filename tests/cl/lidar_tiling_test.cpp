@@ -1,5 +1,5 @@
 // Procedure 1 on the device, for every table and request: what holds of all tilings, whatever the sensor.
-#include "host/render/lidar_tiles.hpp"
+#include "host/render/rays/lidar_tiles.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/render/tile_choice.hpp"
+#include "host/render/rays/tile_choice.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

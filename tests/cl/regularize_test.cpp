@@ -1,12 +1,12 @@
 // Scale, opacity and entropy terms against quotients of their definition.
-#include "host/render/regularize.hpp"
+#include "host/render/train/regularize.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <span>
 #include <vector>
 
-#include "tests/cl/gradient_check.hpp"
+#include "tests/render/gradient_check.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <vector>
 
-#include "host/render/renderer.hpp"
+#include "host/render/scene/renderer.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/scenes.hpp"
 

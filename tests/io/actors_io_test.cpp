@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "io/file.hpp"
-#include "io/kitti_parts.hpp"
-#include "io/log_json.hpp"
-#include "io/ply.hpp"
-#include "io/scene_folder.hpp"
-#include "io/street.hpp"
+#include "io/base/file.hpp"
+#include "io/import/kitti/kitti_parts.hpp"
+#include "io/log/log_json.hpp"
+#include "io/splat/ply.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/synth/street.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

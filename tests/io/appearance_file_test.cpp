@@ -1,11 +1,11 @@
-#include "io/appearance_file.hpp"
+#include "io/scene/appearance_file.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "io/file.hpp"
-#include "io/image.hpp"
-#include "io/scene_folder.hpp"
+#include "io/base/file.hpp"
+#include "io/picture/image.hpp"
+#include "io/scene/scene_folder.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
-#include "io/log_json.hpp"
+#include "io/log/log_json.hpp"
 
 namespace simuli {
 namespace {

@@ -1,11 +1,11 @@
-#include "io/image.hpp"
+#include "io/picture/image.hpp"
 
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "io/file.hpp"
+#include "io/base/file.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

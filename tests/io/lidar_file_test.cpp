@@ -1,4 +1,4 @@
-#include "io/lidar_file.hpp"
+#include "io/log/lidar_file.hpp"
 
 #include <gtest/gtest.h>
 #include <string>

@@ -1,11 +1,11 @@
-#include "io/log.hpp"
+#include "io/log/log.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <variant>
 
-#include "io/file.hpp"
+#include "io/base/file.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

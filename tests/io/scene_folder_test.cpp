@@ -1,11 +1,11 @@
-#include "io/scene_folder.hpp"
+#include "io/scene/scene_folder.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "io/file.hpp"
-#include "io/ply.hpp"
+#include "io/base/file.hpp"
+#include "io/splat/ply.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

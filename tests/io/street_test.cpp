@@ -1,4 +1,4 @@
-#include "io/street.hpp"
+#include "io/synth/street.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 #include <limits>
 #include <numbers>
 
-#include "io/file.hpp"
-#include "io/image.hpp"
-#include "io/log.hpp"
+#include "io/base/file.hpp"
+#include "io/picture/image.hpp"
+#include "io/log/log.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

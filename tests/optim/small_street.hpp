@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
-#include "io/street.hpp"
-#include "optim/initialize.hpp"
+#include "io/synth/street.hpp"
+#include "optim/init/initialize.hpp"
 
 namespace simuli::test {
 

@@ -1,4 +1,4 @@
-#include "optim/calibration/align.hpp"
+#include "optim/calibration/path/align.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "optim/calibration/beams.hpp"
+#include "optim/calibration/beams/beams.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -9,8 +9,8 @@
 #include <random>
 
 #include "host/base/error.hpp"
-#include "io/kitti_parts.hpp"
-#include "io/lidar_file.hpp"
+#include "io/import/kitti/kitti_parts.hpp"
+#include "io/log/lidar_file.hpp"
 
 namespace simuli::calibration {
 namespace {

@@ -1,5 +1,5 @@
 // Mountings and clocks won back from the analytic street.
-#include "optim/calibration/camera_pose.hpp"
+#include "optim/calibration/camera/camera_pose.hpp"
 
 #include <gtest/gtest.h>
 #include <numbers>

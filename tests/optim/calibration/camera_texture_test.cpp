@@ -1,5 +1,5 @@
 // What texture tells of a mounting, piece by piece.
-#include "optim/calibration/camera_texture.hpp"
+#include "optim/calibration/camera/camera_texture.hpp"
 
 #include <gtest/gtest.h>
 #include <numbers>

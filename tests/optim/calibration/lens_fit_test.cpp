@@ -1,4 +1,4 @@
-#include "optim/calibration/lens_fit.hpp"
+#include "optim/calibration/lens/lens_fit.hpp"
 
 #include <gtest/gtest.h>
 #include <random>

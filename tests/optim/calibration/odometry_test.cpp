@@ -1,5 +1,5 @@
 // Paths found in the analytic street, whose truth is known, and in recorded sweeps.
-#include "optim/calibration/odometry.hpp"
+#include "optim/calibration/path/odometry.hpp"
 
 #include <cstdlib>
 #include <filesystem>
@@ -8,11 +8,11 @@
 #include <random>
 
 #include "host/base/error.hpp"
-#include "io/file.hpp"
-#include "io/json_reader.hpp"
-#include "io/kitti_parts.hpp"
-#include "optim/calibration/refine.hpp"
-#include "optim/calibration/spin.hpp"
+#include "io/base/file.hpp"
+#include "io/base/json_reader.hpp"
+#include "io/import/kitti/kitti_parts.hpp"
+#include "optim/calibration/path/refine.hpp"
+#include "optim/calibration/path/spin.hpp"
 #include "tests/optim/calibration/street_drive.hpp"
 
 namespace simuli::calibration {

@@ -1,12 +1,12 @@
 // Automatic derivatives against central differences, and the residuals' poses against host/scene/pose.hpp.
-#include "optim/calibration/residuals.hpp"
+#include "optim/calibration/path/residuals.hpp"
 
 #include <ceres/numeric_diff_cost_function.h>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <random>
 
-#include "optim/calibration/camera_residual.hpp"
+#include "optim/calibration/camera/camera_residual.hpp"
 
 namespace simuli::calibration {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "io/street.hpp"
-#include "optim/calibration/returns.hpp"
+#include "io/synth/street.hpp"
+#include "optim/calibration/path/returns.hpp"
 
 namespace simuli::test {
 

@@ -1,0 +1,157 @@
+#include "bench/paper/figure11.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <utility>
+
+#include "io/picture/image.hpp"
+#include "io/synth/street.hpp"
+
+namespace simuli::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The street's rig, turned about its vertical axis to one side and back, half a second each: a turn that
+/// never changes would bend every picture alike, and so be learned as the shape of the world. The turns
+/// change between frames, within which they are even.
+Trajectory turning(const Trajectory& world_from_rig, double turn_rad_per_s) {
+  constexpr double kPeriod_s = 1.0;
+  std::vector<TimedPose> poses = world_from_rig.poses();
+  for (TimedPose& p : poses) {
+    const double from_middle_s = std::abs(std::remainder(p.time_s, kPeriod_s)) - 0.25 * kPeriod_s;
+    const Eigen::AngleAxisd turn(turn_rad_per_s * from_middle_s, Eigen::Vector3d::UnitZ());
+    p.pose.rotation = p.pose.rotation * turn;
+  }
+  return Trajectory(std::move(poses));
+}
+
+Log record(const Figure11Options& options, const fs::path& folder) {
+  StreetOptions street;
+  street.output = folder;
+  street.frames = options.frames;
+  street.speed_m_per_s = options.speed_m_per_s;
+  street.rolling_shutter = true;
+  street.moving_car = false;  // the scene is static
+  Log log = street_log(street);
+  log.world_from_rig = turning(log.world_from_rig, options.turn_deg_per_s * std::numbers::pi / 180.0);
+  const Street world(street.seed, std::nullopt);
+  fs::create_directories(folder / "images");
+  fs::create_directories(folder / "sweeps");
+  for (const ImageFrame& f : log.images) {
+    write_image(folder / f.file,
+                render_street(world, log.cameras[0], log.world_from_rig, f.time_start_s, f.time_end_s));
+  }
+  for (const SweepFrame& f : log.sweeps) {
+    write_sweep(folder / f.file,
+                scan_street(world, log.lidars[0], log.world_from_rig, f.time_start_s, f.time_end_s));
+  }
+  return log;
+}
+
+template <class Frame>
+void hold_still(std::vector<Frame>& frames) {
+  for (Frame& f : frames) f.time_start_s = f.time_end_s = 0.5 * (f.time_start_s + f.time_end_s);
+}
+
+/// The log of someone who believes that a picture is taken at once.
+Log still_pictures(Log log) {
+  for (LogCamera& camera : log.cameras) camera.model.shutter = ShutterKind::kGlobal;
+  hold_still(log.images);
+  return log;
+}
+
+Log still_sweeps(Log log) {
+  hold_still(log.sweeps);
+  return log;
+}
+
+Log without_sweeps(Log log) {
+  log.sweeps.clear();
+  return log;
+}
+
+Log without_pictures(Log log) {
+  log.images.clear();
+  return log;
+}
+
+class Trial {
+ public:
+  Trial(const Device& device, const Figure11Options& options) : device_(device) {
+    train_.iterations = options.iterations;
+    train_.image_scale = 1.0;
+  }
+  /// Particles from all frames of `log`, trained on the pictures (or sweeps) alone.
+  [[nodiscard]] Scene fit_camera(const Log& log) const {
+    return trained(device_, without_sweeps(log), start(log), train_);
+  }
+  [[nodiscard]] Scene fit_lidar(const Log& log) const {
+    const Log sweeps = without_pictures(log);
+    return trained(device_, sweeps, start(sweeps), train_);
+  }
+  [[nodiscard]] double psnr_db(const Log& log, const Scene& scene) const {
+    return compare(without_sweeps(log), scene).psnr_db;
+  }
+  [[nodiscard]] double distance_cm(const Log& log, const Scene& scene) const {
+    return 100.0 * compare(without_pictures(log), scene).lidar.distance_median_m;
+  }
+
+ private:
+  [[nodiscard]] static Scene start(const Log& log) {
+    InitOptions init;
+    init.sweep_depth = !log.images.empty();
+    return initialize_scene(log, init).scene;
+  }
+  [[nodiscard]] EvalReport compare(const Log& log, const Scene& scene) const {
+    EvalOptions options;
+    options.timed_renders = 1;
+    return evaluate(device_, log, scene, options);
+  }
+
+  Device device_;
+  TrainOptions train_;
+};
+
+}  // namespace
+
+std::vector<Row> run_figure11(const std::string& device_request,
+                              const Figure11Options& options,
+                              const Note& note) {
+  const Device device = Device::best(device_request);
+  note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
+  const ScratchFolder scratch;
+  const Log log = record(options, scratch.path());
+  note(fmt::format("recorded {} frames at {} m/s and {} degrees/s",
+                   options.frames,
+                   options.speed_m_per_s,
+                   options.turn_deg_per_s));
+  const Trial trial(device, options);
+  std::vector<Row> rows;
+  const auto add = [&](const char* sensor, double modelled, double ignored, double rendered, double gained) {
+    const char* unit = std::string(sensor) == "camera" ? "dB" : "cm";
+    rows.push_back({fmt::format("figure11/{}/modelled", sensor), modelled, unit, 0.0});
+    rows.push_back({fmt::format("figure11/{}/ignored", sensor), ignored, unit, 0.0});
+    rows.push_back({fmt::format("figure11/{}/ignored_when_rendering", sensor), rendered, unit, 0.0});
+    rows.push_back({fmt::format("figure11/{}/gained", sensor), gained, unit, 0.0});
+    note(fmt::format("{} done", sensor));
+  };
+  {
+    const Log still = still_pictures(log);
+    const Scene scene = trial.fit_camera(log);
+    const double modelled = trial.psnr_db(log, scene), rendered = trial.psnr_db(still, scene);
+    const double ignored = trial.psnr_db(still, trial.fit_camera(still));
+    add("camera", modelled, ignored, rendered, modelled - ignored);
+  }
+  {
+    const Log still = still_sweeps(log);
+    const Scene scene = trial.fit_lidar(log);
+    const double modelled = trial.distance_cm(log, scene), rendered = trial.distance_cm(still, scene);
+    const double ignored = trial.distance_cm(still, trial.fit_lidar(still));
+    add("lidar", modelled, ignored, rendered, ignored - modelled);
+  }
+  return rows;
+}
+
+}  // namespace simuli::bench

@@ -1,0 +1,100 @@
+#include "bench/paper/table5.hpp"
+
+#include <fmt/format.h>
+#include <utility>
+
+#include "bench/paper/unified.hpp"
+#include "io/synth/street.hpp"
+
+namespace simuli::bench {
+namespace {
+
+constexpr int kEnvironmentWidth = 256;  // texels: 1.4 degrees
+
+class Table {
+ public:
+  Table(const Device& device, const Log& log, const Table5Options& options, Note note)
+      : device_(device), log_(log), note_(std::move(note)) {
+    train_.iterations = options.iterations;
+    train_.image_scale = options.log.empty() ? 1.0 : 0.5;
+    InitOptions init;
+    init.image_scale = train_.image_scale;
+    if (options.log.empty()) init.voxel_m = 0.2;
+    bare_ = initialize_scene(log, init).scene;
+    init.environment_width = kEnvironmentWidth;
+    start_ = initialize_scene(log, init).scene;
+    train_.look.color_grids = true;
+  }
+
+  void add_unified(double distance_weight) {
+    add(fmt::format("unified_{}", distance_weight),
+        fit_unified(device_, log_, start_, train_, distance_weight));
+  }
+  void add_factorised(const char* name, const TrainOptions& options) {
+    add(name, trained(device_, log_, start_, options));
+  }
+  void add_without_environment() { add("without_environment", trained(device_, log_, bare_, train_)); }
+  [[nodiscard]] const TrainOptions& options() const { return train_; }
+  [[nodiscard]] std::vector<Row> rows() && { return std::move(rows_); }
+
+ private:
+  void add(const std::string& name, const Scene& scene) {
+    EvalOptions eval;
+    eval.image_scale = train_.image_scale;
+    eval.timed_renders = 11;
+    const EvalReport report = evaluate(device_, log_, scene, eval);
+    const auto row = [&](const char* metric, double value, const char* unit) {
+      rows_.push_back({fmt::format("table5/{}/{}", name, metric), value, unit, 0.0});
+    };
+    row("psnr_db", report.psnr_db, "dB");
+    row("chamfer_m2", report.lidar.chamfer_m2, "m^2");
+    row("distance_median_cm", 100.0 * report.lidar.distance_median_m, "cm");
+    row("camera_mp_per_s", report.camera_mp_per_s, "MP/s");
+    row("lidar_mr_per_s", report.lidar_mr_per_s, "MR/s");
+    row("particles", static_cast<double>(scene.lidar.size()), "in the LiDAR's set");
+    note_(fmt::format("{}: PSNR {:.2f} dB, Chamfer {:.4g} m^2, {:.1f} MR/s",
+                      name,
+                      report.psnr_db,
+                      report.lidar.chamfer_m2,
+                      report.lidar_mr_per_s));
+  }
+
+  Device device_;
+  const Log& log_;
+  Note note_;
+  TrainOptions train_;
+  Scene start_, bare_;  // with an environment, and without
+  std::vector<Row> rows_;
+};
+
+}  // namespace
+
+std::vector<Row> run_table5(const std::string& device_request,
+                            const Table5Options& options,
+                            const Note& note) {
+  const Device device = Device::best(device_request);
+  note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
+  const ScratchFolder scratch;
+  Log log;
+  if (options.log.empty()) {
+    StreetOptions street;
+    street.output = scratch.path() / "street.log";
+    street.moving_car = false;  // the scene is static
+    log = synth_street(street);
+  } else {
+    log = read_log(options.log);
+  }
+  Table table(device, log, options, note);
+  for (const double weight : {0.0, 0.001, 0.01, 0.1}) table.add_unified(weight);
+  TrainOptions without_grid = table.options();
+  without_grid.look.color_grids = false;
+  table.add_factorised("without_grid", without_grid);
+  table.add_without_environment();
+  TrainOptions without_anchor = table.options();
+  without_anchor.anchor.weight = 0.0;
+  table.add_factorised("without_anchor", without_anchor);
+  table.add_factorised("full", table.options());
+  return std::move(table).rows();
+}
+
+}  // namespace simuli::bench

@@ -1,0 +1,207 @@
+#include "bench/paper/table8.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+#include "bench/paper/clipped.hpp"
+#include "io/synth/street.hpp"
+#include "optim/base/frames.hpp"
+
+namespace simuli::bench {
+namespace {
+
+struct Named {
+  const char* name;
+  Projection projection;
+  Extent extent;
+};
+// The yardstick first.
+constexpr std::array<Named, 4> kColumns{{{"monte_carlo", Projection::kMonteCarlo, Extent::kUnscented},
+                                         {"unscented", Projection::kUnscented, Extent::kUnscented},
+                                         {"linearized", Projection::kLinearized, Extent::kUnscented},
+                                         {"exact", Projection::kUnscented, Extent::kExact}}};
+constexpr const Named& kUnscented = kColumns[1];
+constexpr const Named& kExact = kColumns[3];
+constexpr int kTimedSweeps = 7;
+
+RenderOptions render_with(const Named& column) {
+  RenderOptions options;
+  options.projection = column.projection;
+  options.extent = column.extent;
+  return options;
+}
+
+std::vector<std::size_t> held_out_sweeps(const Log& log) {
+  return select_frames(log.sweeps, EvalOptions{}.held_out_every, true);
+}
+
+/// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
+double clipped_percent(const Device& device, const Log& log, const Scene& scene, const Named& column) {
+  Renderer exact(device, render_with(kExact)), other(device, render_with(column));
+  const ParticleBuffers particles(device, scene.lidar, Precision::kFloat);
+  double whole = 0.0, found = 0.0;
+  const auto gathered = [&](Renderer& renderer, const SweepFrame& frame) {
+    double sum = 0.0;
+    const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
+    for (const float left : pair.simulated.transmittance) sum += 1.0 - static_cast<double>(left);
+    return sum;
+  };
+  for (const std::size_t index : held_out_sweeps(log)) {
+    whole += gathered(exact, log.sweeps[index]);
+    found += gathered(other, log.sweeps[index]);
+  }
+  return 100.0 * (1.0 - found / whole);
+}
+
+/// Device time of the projection of held-out sweeps.
+Spread projection_ms(const Device& profiled, const Log& log, const Scene& scene, const Named& column) {
+  const std::vector<std::size_t> frames = held_out_sweeps(log);
+  Renderer renderer(profiled, render_with(column));
+  const ParticleBuffers particles(profiled, scene.lidar, Precision::kFloat);
+  std::vector<double> samples;
+  for (int i = -1; i < kTimedSweeps; ++i) {
+    const SweepFrame& frame = log.sweeps[frames[static_cast<std::size_t>(i + 1) % frames.size()]];
+    profiled.profile().reset();
+    static_cast<void>(render_sweep(renderer, particles, log, scene, frame));
+    double ms = 0.0;
+    for (const ProfileRow& row : profiled.profile().rows()) {
+      if (row.kernel == "project") ms += row.total_ms;
+    }
+    if (i >= 0) samples.push_back(ms);  // the first launch compiles
+  }
+  return spread_of(std::move(samples));
+}
+
+struct Metric {
+  const char* name;
+  double SweepMetrics::*value;
+  const char* unit;
+};
+constexpr std::array<Metric, 5> kMetrics{{{"medl2_m2", &SweepMetrics::medl2_m2, "m^2"},
+                                          {"mean_rel_l2", &SweepMetrics::mean_rel_l2, "of 1"},
+                                          {"intensity_rmse", &SweepMetrics::intensity_rmse, "of 1"},
+                                          {"raydrop_accuracy", &SweepMetrics::raydrop_accuracy, "of rays"},
+                                          {"chamfer_m2", &SweepMetrics::chamfer_m2, "m^2"}}};
+
+/// Middle of the values, give or take half of their range.
+Row middle(const std::string& name, const std::vector<double>& values, const char* unit) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return {name, spread_of(values).median, unit, 0.5 * (*high - *low)};
+}
+
+/// The table of one size of particles: trained with each projection, and with one for all.
+class Table {
+ public:
+  Table(const Device& device, const Device& profiled, const Log& log, const Table8Options& options, Note note)
+      : device_(device), profiled_(profiled), log_(log), options_(options), note_(std::move(note)) {}
+
+  void run(const std::string& name, double voxel_m, std::vector<Row>& rows) {
+    InitOptions init;
+    init.voxel_m = voxel_m;
+    init.max_scale_m = std::max(init.max_scale_m, voxel_m);
+    init.max_shell = 0;
+    init.sweep_depth = false;
+    const Scene start = initialize_scene(log_, init).scene;
+    note_(fmt::format("{}: {} particles", name, start.lidar.size()));
+    Scene unscented;  // of the first seed
+    Columns trained_with(kColumns.size());
+    for (std::size_t c = 0; c < kColumns.size(); ++c) {
+      TrainOptions train;
+      train.iterations = options_.iterations;
+      train.render = render_with(kColumns[c]);
+      const std::string base = fmt::format("{}/{}", name, kColumns[c].name);
+      for (int seed = 1; seed <= options_.seeds; ++seed) {
+        train.seed = static_cast<std::uint64_t>(seed);
+        Scene scene = trained(device_, log_, start, train);
+        trained_with[c].push_back(metrics_of(scene, kColumns[c]));
+        note_(fmt::format("{}, seed {}", base, seed));
+        if (seed > 1) continue;
+        add_costs(base, scene, kColumns[c], rows);
+        if (&kColumns[c] == &kUnscented) unscented = std::move(scene);
+      }
+    }
+    add(name, trained_with, rows);
+    Columns rendered_with;
+    for (const Named& column : kColumns) {
+      rendered_with.push_back({metrics_of(unscented, column)});
+      add_costs(fmt::format("{}_render/{}", name, column.name), unscented, column, rows);
+    }
+    add(name + "_render", rendered_with, rows);
+  }
+
+ private:
+  using Columns = std::vector<std::vector<SweepMetrics>>;  // [columns][seeds]
+
+  SweepMetrics metrics_of(const Scene& scene, const Named& column) {
+    EvalOptions options;
+    options.render = render_with(column);
+    options.timed_renders = 1;
+    return evaluate(device_, log_, scene, options).lidar;
+  }
+
+  void add_costs(const std::string& base, const Scene& scene, const Named& column, std::vector<Row>& rows) {
+    rows.push_back({base + "/clipped", clipped_percent(device_, log_, scene, column), "%", 0.0});
+    const Spread ms = projection_ms(profiled_, log_, scene, column);
+    rows.push_back({base + "/projection_ms", ms.median, "ms", ms.half_iqr});
+  }
+
+  /// Every metric of every column; how far each is from the yardstick with the same seed; and how far the
+  /// yardstick's own seeds are from their middle.
+  static void add(const std::string& name, const Columns& columns, std::vector<Row>& rows) {
+    const std::vector<SweepMetrics>& yardstick = columns.front();
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const std::string base = fmt::format("{}/{}", name, kColumns[c].name);
+      for (const Metric& m : kMetrics) {
+        std::vector<double> values, apart;
+        for (std::size_t s = 0; s < columns[c].size(); ++s) {
+          values.push_back(columns[c][s].*m.value);
+          apart.push_back(100.0 * (values.back() / (yardstick[s].*m.value) - 1.0));
+        }
+        rows.push_back(middle(fmt::format("{}/{}", base, m.name), values, m.unit));
+        const Row& here = rows.back();
+        const double share = 100.0 * here.spread / here.value;
+        rows.push_back(c == 0 ? Row{fmt::format("{}/{}_seeds", base, m.name), share, "%", 0.0}
+                              : middle(fmt::format("{}/{}_from_monte_carlo", base, m.name), apart, "%"));
+      }
+    }
+  }
+
+  Device device_, profiled_;
+  const Log& log_;
+  Table8Options options_;
+  Note note_;
+};
+
+}  // namespace
+
+std::vector<Row> run_table8(const std::string& device_request,
+                            const Table8Options& options,
+                            const Note& note) {
+  const Device device = Device::best(device_request);
+  // Profiling keeps every event: a device of its own, not the one that trains.
+  const Device profiled = Device::best(device_request, {.profiling = true});
+  note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
+  const ScratchFolder scratch;
+  Log log;
+  if (options.log.empty()) {
+    StreetOptions street;
+    street.output = scratch.path() / "street.log";
+    street.image_width = street.image_height = 8;  // no picture is looked at
+    street.moving_car = false;                     // the scene is static
+    log = synth_street(street);
+  } else {
+    log = read_log(options.log);
+  }
+  log.images.clear();
+  std::vector<Row> rows;
+  Table table(device, profiled, log, options, note);
+  table.run("table8", options.voxel_m, rows);
+  table.run("table8_coarse", options.coarse_voxel_m, rows);
+  if (!log.lidars.empty()) add_clipped(device, log.lidars.front().with_rows(), note, rows);
+  return rows;
+}
+
+}  // namespace simuli::bench

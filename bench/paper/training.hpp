@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/paper/fit.hpp"
+#include "bench/render/measure.hpp"
+
+namespace simuli::bench {
+
+struct TrainingOptions {
+  std::vector<std::int64_t> particles = {50'000, 200'000, 1'000'000};  // of each set
+  int iterations = 20;                                                 // timed, after two that compile
+};
+
+/// What an iteration of training takes, by stage, at several sizes: one picture of 320 x 180 and one sweep of
+/// the street each, anchors, errors and noise included, SH degrees 2 and 1.
+///   training/<n>k/<stage>          ms of device time per iteration
+///   training/<n>k/iteration        ms from call to result
+///   training/<n>k/anchor_search    ms, once every 1000 iterations
+///   training/<n>k/anchor_share     % of the time of 1000 iterations, search included
+///   training/<n>k/densify          ms, once every 100 iterations: 5 % relocated, 5 % new
+///   training/<n>k/memory_peak      GB of buffers on the device, and .../memory_told what was estimated
+///   before
+[[nodiscard]] std::vector<Row> run_training(const std::string& device_request,
+                                            const TrainingOptions& options,
+                                            const Note& note);
+
+}  // namespace simuli::bench

@@ -1,0 +1,155 @@
+#include "bench/paper/unified.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "optim/base/frames.hpp"
+
+namespace simuli::bench {
+namespace {
+
+constexpr std::uint32_t kCulled = 0xffffffffU;
+constexpr double kIntensityWeight = 0.1, kDropWeight = 0.05;
+// A LiDAR channel's start: half reflective, and rather hit than not.
+constexpr float kHit = 2.0F;
+
+/// The LiDAR's view of the camera set's particles.
+GaussianSet lidar_twin(const GaussianSet& camera, int sh_degree) {
+  GaussianSet set(SetKind::kLidar, sh_degree, camera.size());
+  set.params.leftCols(kShRow) = camera.params.leftCols(kShRow);
+  set.sh(0).col(1).setConstant(kHit / kSh0);
+  set.sh(0).col(2).setConstant(-kHit / kSh0);
+  return set;
+}
+
+Scene with_twin(Scene scene) {
+  scene.lidar = lidar_twin(scene.camera, scene.lidar.sh_degree);
+  return scene;
+}
+
+RenderOptions without_median(RenderOptions options) {
+  options.median_distance = false;  // has no gradient
+  return options;
+}
+
+/// A set as one sensor sees it.
+struct SensorSide {
+  SensorSide(const Device& device, const GaussianSet& set)
+      : particles(device, set, Precision::kFloat),
+        grads(device, "gradients", Precision::kFloat, particles.params.count()),
+        adam(device, particles) {}
+  ParticleBuffers particles;
+  RealBuffer grads;
+  AdamStage adam;
+};
+
+class UnifiedTrainer {
+ public:
+  UnifiedTrainer(
+      const Device& device, const Log& log, Scene start, const TrainOptions& options, double distance_weight)
+      : log_(log),
+        scene_(with_twin(std::move(start))),
+        options_(checked(options)),
+        distance_weight_(distance_weight),
+        renderer_(device, without_median(options.render)),
+        truth_(device, log, scene_, options_, renderer_.options(), {}),
+        camera_(device, scene_.camera),
+        lidar_(device, scene_.lidar),
+        look_(device, log, scene_, options_),
+        keys_(device, "keys of both", scene_.camera.size()),
+        images_(select_frames(log.images, options.held_out_every, false), options.seed, 1),
+        sweeps_(select_frames(log.sweeps, options.held_out_every, false), options.seed, 2) {}
+
+  void step(int iteration) {
+    const double progress = static_cast<double>(iteration) / options_.iterations;
+    camera_gradients(
+        images_.at(static_cast<std::uint64_t>(iteration)), static_cast<std::uint64_t>(iteration), progress);
+    std::vector<std::uint32_t> keys = renderer_.buffers().keys.download();
+    std::vector<float> grads = camera_.grads.download_float();
+    const std::size_t stride = camera_.particles.stride;
+    // What the frame culled has no gradient; of the kernels' buffers that part is not defined.
+    for (std::size_t i = 0; i < grads.size(); ++i) {
+      if (i % stride >= keys.size() || keys[i % stride] == kCulled) grads[i] = 0.0F;
+    }
+    if (iteration % options_.lidar_every == 0) {
+      lidar_gradients(sweeps_.at(static_cast<std::uint64_t>(iteration / options_.lidar_every)));
+      const std::vector<std::uint32_t> seen = renderer_.buffers().keys.download();
+      const std::vector<float> more = lidar_.grads.download_float();
+      for (std::size_t row = 0; row < kShRow; ++row) {
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+          if (seen[i] != kCulled) grads[row * stride + i] += more[row * stride + i];
+        }
+      }
+      for (std::size_t i = 0; i < seen.size(); ++i) keys[i] = std::min(keys[i], seen[i]);
+      // The LiDAR's own features; the geometry is moved once, below.
+      std::vector<double> rates = row_rates(options_.lidar, lidar_.particles.sh_degree, progress);
+      std::fill(rates.begin(), rates.begin() + kShRow, 0.0);
+      lidar_.adam.run(lidar_.particles, lidar_.grads, renderer_.buffers().keys, rates);
+    }
+    keys_.upload(std::span<const std::uint32_t>(keys));
+    camera_.grads.upload(std::span<const float>(grads));
+    camera_.adam.run(camera_.particles,
+                     camera_.grads,
+                     keys_,
+                     row_rates(options_.camera, camera_.particles.sh_degree, progress));
+    const std::vector<float> params = camera_.particles.params.download_float();
+    lidar_.particles.params.as_float().upload_at(0, std::span<const float>(params).first(kShRow * stride));
+  }
+
+  [[nodiscard]] Scene scene() const {
+    Scene out = scene_;
+    out.camera = camera_.particles.download();
+    out.lidar = lidar_.particles.download();
+    look_.store(out);
+    return out;
+  }
+
+ private:
+  void camera_gradients(std::size_t index, std::uint64_t iteration, double progress) {
+    const ImageFrame& frame = log_.images[index];
+    const auto truth = truth_.image(index);
+    renderer_.render(camera_.particles,
+                     truth_.camera_rays(frame.camera),
+                     view_of(log_, scene_, frame),
+                     look_.environment());
+    look_.grade(renderer_, index);
+    const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
+    const ImageWeights& w = options_.image;
+    (void)renderer_.image_loss(truth->truth,
+                               {w.absolute / values, w.squared / values, w.dissimilarity / values});
+    look_.step(renderer_, index, iteration, progress);
+    renderer_.backward(camera_.particles, camera_.grads);
+  }
+  void lidar_gradients(std::size_t index) {
+    const auto truth = truth_.sweep(index);
+    renderer_.render(lidar_.particles, *truth->rays, view_of(log_, scene_, log_.sweeps[index]));
+    const double rays = std::max(1.0, static_cast<double>(truth->known));
+    const double returned = std::max(1.0, static_cast<double>(truth->returned));
+    (void)renderer_.lidar_loss(
+        truth->truth, {distance_weight_ / returned, kIntensityWeight / returned, kDropWeight / rays});
+    renderer_.backward(lidar_.particles, lidar_.grads);
+  }
+
+  const Log& log_;
+  Scene scene_;
+  TrainOptions options_;
+  double distance_weight_;
+  Renderer renderer_;
+  TruthCache truth_;
+  SensorSide camera_, lidar_;
+  TrainedLook look_;
+  Buffer<std::uint32_t> keys_;
+  FrameOrder images_, sweeps_;
+};
+
+}  // namespace
+
+Scene fit_unified(
+    const Device& device, const Log& log, Scene start, const TrainOptions& options, double distance_weight) {
+  UnifiedTrainer trainer(device, log, std::move(start), options, distance_weight);
+  for (int i = 0; i < options.iterations; ++i) trainer.step(i);
+  return trainer.scene();
+}
+
+}  // namespace simuli::bench

@@ -1,0 +1,83 @@
+#pragma once
+// What embree_tracer.cpp and embree_packets.cpp share.
+#include <cstddef>
+#include <cstdint>
+#include <embree3/rtcore.h>
+#include <experimental/simd>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "bench/peers/embree_tracer.hpp"
+#include "cl/shared/layout.h"
+
+namespace simuli::bench {
+namespace embree {
+
+namespace stdx = std::experimental;
+
+inline constexpr int W = EmbreeTracer::kPacket;
+inline constexpr int kWindow = 32;  // responses that a round keeps
+inline constexpr float kNowhere = 1e30F;
+
+using F = stdx::simd<float, stdx::simd_abi::deduce_t<float, W>>;
+using M = F::mask_type;
+using I = stdx::rebind_simd_t<std::int32_t, F>;
+
+inline F load(const float* from) { return F(from, stdx::element_aligned); }
+inline void store(const F& value, float* to) { value.copy_to(to, stdx::element_aligned); }
+
+/// One line of cache: o_g = M (o_ref - mu), M = diag(1/s^) R^T, largest squared distance that counts,
+/// features.
+struct alignas(64) Particle {
+  float origin[3];
+  float m[9];
+  float q_max;
+  float feature[3];
+};
+static_assert(sizeof(Particle) == 64);
+
+/// f(first, last) over parts of [0, count) on `threads` threads.
+void in_parallel(std::size_t count,
+                 std::size_t part,
+                 int threads,
+                 const std::function<void(std::size_t, std::size_t)>& f);
+
+/// The constants of a frame as floats.
+[[nodiscard]] std::vector<float> in_float(std::span<const double> constants);
+
+}  // namespace embree
+
+struct EmbreeTracer::State {
+  int threads = 1;
+  int sh_degree = 0, clamped_channels = 3;
+  std::size_t count = 0, padded = 0;        // particles; in whole blocks of W
+  std::vector<float> values;                // [rows][padded]
+  std::vector<float> scale2;                // [3][padded] m^2
+  std::vector<float> rotation;              // [9][padded] R, row-major
+  std::vector<embree::Particle> particles;  // [padded]
+  std::vector<float> half;                  // [3][padded] m, of the boxes about the means
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  State() = default;
+  ~State();
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  [[nodiscard]] const float* row(std::size_t r) const { return values.data() + r * padded; }
+  void prepare_block(std::size_t i, const float* constants);
+  void bound_block(std::size_t i, const float* constants);
+  void new_scene();
+  void trace_packet(const TracedRays& rays,
+                    std::size_t first,
+                    const float* constants,
+                    bool moving,
+                    TracedResults& results) const;
+
+  // Embree's callbacks.
+  static void bounds(const RTCBoundsFunctionArguments* args);
+  static void intersect(const RTCIntersectFunctionNArguments* args);
+};
+
+}  // namespace simuli::bench

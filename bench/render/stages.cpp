@@ -1,0 +1,174 @@
+#include "bench/render/stages.hpp"
+
+#include <fmt/format.h>
+#include <map>
+
+#include "bench/render/scene.hpp"
+#include "host/render/scene/renderer.hpp"
+
+namespace simuli::bench {
+namespace {
+
+/// Kernel -> stage of the table.
+const std::map<std::string, std::string>& stage_of_kernel() {
+  static const std::map<std::string, std::string> kStages{
+      {"rays", "rays"},
+      {"project", "project"},
+      {"radix_count", "sort"},
+      {"radix_scatter", "sort"},
+      {"scan_exclusive", "sort"},
+      {"visible_count", "bin"},
+      {"visible_write", "bin"},
+      {"instance_count", "bin"},
+      {"instance_emit", "bin"},
+      {"tile_ranges", "bin"},
+      {"render", "blend"},
+      {"render_bwd", "blend_backward"},
+      {"project_bwd", "project_backward"},
+  };
+  return kStages;
+}
+
+struct Sample {
+  double frame_ms = 0.0;
+  std::map<std::string, double> stage_ms;
+};
+
+class Case {
+ public:
+  Case(const Device& device, SetKind kind, const StagesOptions& options, const RenderOptions& render)
+      : options_(render),
+        renderer_(device, options_),
+        particles_(device,
+                   street_particles(kind, options.sh_degree, options.particles, options.seed),
+                   Precision::kFloat),
+        rays_(kind == SetKind::kCamera ? SensorRays(device, bench_camera(), options_) : lidar_rays(device)),
+        param_grads_(device, "parameter gradients", Precision::kFloat) {
+    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_bench_lidar();
+    view_ = {pose, pose, {0.0F, 0.0F, 0.0F}};
+  }
+
+  /// Share of the tile instances that no ray of their tile meets, in %: what a finer test per tile could
+  /// save. Only where no ray is done before its last particle.
+  double instances_without_ray() {
+    renderer_.render(particles_, rays_, view_);
+    renderer_.set_output_gradients(std::vector<double>(std::size_t{5} * renderer_.frame().slots, 1.0));
+    renderer_.backward(particles_, param_grads_);
+    // The gradient of a feature is the sum of its weights.
+    const std::vector<float> grads = renderer_.buffers().grads.download_float();
+    const std::size_t instances = renderer_.buffers().instances;
+    std::size_t without = 0;
+    for (std::size_t i = 0; i < instances; ++i)
+      without += grads[i * SIM_GRAD + SIM_G_FEATURE] == 0.0F ? 1 : 0;
+    return 100.0 * static_cast<double>(without) / static_cast<double>(instances);
+  }
+
+  /// One frame; its gradients as well when `backward`.
+  Sample run(bool backward) {
+    Profile& profile = renderer_.device().profile();
+    profile.reset();
+    Sample sample;
+    sample.frame_ms = time_ms([&] {
+      renderer_.render(particles_, rays_, view_);
+      renderer_.device().finish();
+    });
+    if (backward) {
+      if (gradients_.empty()) gradients_.assign(std::size_t{5} * renderer_.frame().slots, 1e-3);
+      renderer_.set_output_gradients(gradients_);
+      renderer_.backward(particles_, param_grads_);
+      renderer_.device().finish();
+    }
+    sample.stage_ms = stage_times(profile);
+    return sample;
+  }
+
+  [[nodiscard]] const Renderer& renderer() const { return renderer_; }
+  [[nodiscard]] std::size_t rays() const { return rays_.grid().rays; }
+
+ private:
+  SensorRays lidar_rays(const Device& device) const {
+    const Lidar lidar = builtin_lidar("generic64");
+    return {device, lidar, nominal_rays(lidar, 0.1), options_};
+  }
+
+  RenderOptions options_;
+  Renderer renderer_;
+  ParticleBuffers particles_;
+  SensorRays rays_;
+  RealBuffer param_grads_;
+  std::vector<double> gradients_;
+  View view_;
+};
+
+}  // namespace
+
+std::map<std::string, double> stage_times(Profile& profile) {
+  std::map<std::string, double> times;
+  for (const ProfileRow& row : profile.rows()) {
+    const auto stage = stage_of_kernel().find(row.kernel);
+    if (stage != stage_of_kernel().end()) times[stage->second] += row.total_ms;
+  }
+  return times;
+}
+
+std::vector<Row> run_stages(const std::string& device_request,
+                            const StagesOptions& options,
+                            const std::function<void(const std::string&)>& note) {
+  DeviceOptions device_options;
+  device_options.profiling = true;
+  const Device device = Device::best(device_request, device_options);
+  note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
+  std::vector<Row> rows;
+  for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
+    const std::string base = fmt::format("stages/{}_{}k",
+                                         kind == SetKind::kCamera ? "camera_640x360" : "lidar_64x2650",
+                                         options.particles / 1000);
+    RenderOptions one_ray_per_item, no_ray_done;
+    one_ray_per_item.shape = LaneShape{1, 1, 256};
+    no_ray_done.transmittance_cut = 0.0;
+    Case shaped(device, kind, options, {}), one_ray(device, kind, options, one_ray_per_item);
+    std::map<std::string, std::vector<double>> samples;
+    std::vector<double> ratios;
+    for (int i = -2; i < options.frames; ++i) {
+      const Sample a = shaped.run(true);
+      const Sample b = one_ray.run(false);
+      if (i < 0) continue;  // the first launches compile
+      samples["frame"].push_back(a.frame_ms);
+      for (const auto& [stage, ms] : a.stage_ms) samples[stage].push_back(ms);
+      samples["blend_one_ray_per_item"].push_back(b.stage_ms.at("blend"));
+      ratios.push_back(b.stage_ms.at("blend") / a.stage_ms.at("blend"));
+    }
+    const auto& buffers = shaped.renderer().buffers();
+    note(fmt::format("{}: {} visible of {} particles, {} tile instances, {} rays",
+                     base,
+                     buffers.visible,
+                     options.particles,
+                     buffers.instances,
+                     shaped.rays()));
+    for (const char* stage : {"rays",
+                              "project",
+                              "sort",
+                              "bin",
+                              "blend",
+                              "frame",
+                              "blend_backward",
+                              "project_backward",
+                              "blend_one_ray_per_item"}) {
+      const Spread s = spread_of(samples.at(stage));
+      rows.push_back({base + "/" + stage, s.median, "ms", s.half_iqr});
+    }
+    const Spread ratio = spread_of(ratios);
+    rows.push_back({base + "/blend_speedup", ratio.median, "x", ratio.half_iqr});
+    const Spread frame = spread_of(samples.at("frame"));
+    const double mega = static_cast<double>(shaped.rays()) * 1e-3;
+    rows.push_back({base + "/rate",
+                    mega / frame.median,
+                    kind == SetKind::kCamera ? "MP/s" : "MR/s",
+                    mega * frame.half_iqr / (frame.median * frame.median)});
+    const double without = Case(device, kind, options, no_ray_done).instances_without_ray();
+    rows.push_back({base + "/instances_without_ray", without, "%", 0.0});
+  }
+  return rows;
+}
+
+}  // namespace simuli::bench

@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bench/render/measure.hpp"
+#include "host/runtime/device.hpp"
+
+namespace simuli::bench {
+
+/// ms of device time of each stage in a profile: rays, project, sort, bin, blend and their backward passes.
+[[nodiscard]] std::map<std::string, double> stage_times(Profile& profile);
+
+struct StagesOptions {
+  std::int64_t particles = 200'000;
+  int sh_degree = 3;
+  int frames = 21;  // timed, after two that warm up
+  std::uint64_t seed = 1;
+};
+
+/// Times each stage of a frame, and its backward pass, of a 640 x 360 camera and a 64 x 2650 LiDAR, for the
+/// device's lane shape and for one work-item per ray, frames of both taken in turns in one run:
+///   stages/<camera_640x360|lidar_64x2650>_<n>k/<stage>         ms of device time, median of frames
+///   stages/.../frame                                           ms from call to result on the device
+///   stages/.../blend_one_ray_per_item, .../blend_speedup       ms, ratio
+[[nodiscard]] std::vector<Row> run_stages(const std::string& device_request,
+                                          const StagesOptions& options,
+                                          const std::function<void(const std::string&)>& note);
+
+}  // namespace simuli::bench

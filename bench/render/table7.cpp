@@ -1,0 +1,135 @@
+#include "bench/render/table7.hpp"
+
+#include <array>
+#include <fmt/format.h>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace simuli::bench {
+namespace {
+
+struct Case {
+  const char* name;
+  double span_rad;
+  std::function<bool(std::size_t row, std::size_t column, std::size_t columns)> wants;  // empty: all rays
+};
+
+/// Share of the last frame's tile instances that lie in tiles without a requested ray, in %.
+double in_empty_tiles(const LidarFrames& frames, const SensorRays& rays, const std::vector<bool>& requested) {
+  const auto& grid = rays.grid();
+  const auto first = frames.renderer().buffers().first.download();
+  std::vector<bool> used(first.size() - 1, false);
+  for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+    const std::int32_t ray = grid.ray_of_slot[slot];
+    if (ray >= 0 && requested[static_cast<std::size_t>(ray)]) used[slot / grid.frame.tile_rays] = true;
+  }
+  std::size_t empty = 0;
+  for (std::size_t tile = 0; tile < used.size(); ++tile)
+    empty += used[tile] ? 0 : first[tile + 1] - first[tile];
+  return first.back() == 0 ? 0.0 : 100.0 * static_cast<double>(empty) / first.back();
+}
+
+/// Particles that a dense sweep between these elevations (degrees) sees without any query.
+std::uint32_t seen_between(const Device& device, const ParticleBuffers& street, double top, double bottom) {
+  constexpr int kRows = 4096, kColumns = 64;  // no particle lies between such rows; columns are not looked at
+  RenderOptions options;
+  options.culling = Culling::kOff;
+  LidarFrames frames(
+      device, even_lidar(kRows, kColumns, top, bottom, 2.0 * std::numbers::pi), street, options);
+  frames.run();
+  return frames.renderer().buffers().visible;
+}
+
+double removed(std::uint32_t off, std::uint32_t on) { return off == 0 ? 0.0 : 100.0 * (off - on) / off; }
+
+}  // namespace
+
+std::vector<Row> run_table7(const std::string& device_request, std::int64_t particles, const Progress& note) {
+  const Device device = profiled_device(device_request, note);
+  const ParticleBuffers street = lidar_street(device, particles);
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  constexpr double kTop_deg = 2.0, kBottom_deg = -24.8;
+  const Case cases[] = {
+      {"full_sweep", kTurn, {}},
+      {"one_ray_in_16",
+       kTurn,
+       [](std::size_t row, std::size_t column, std::size_t) {
+         return row % 4 == 1 && (column + row / 4) % 4 == 2;
+       }},
+      {"every_16th_firing",
+       kTurn,
+       [](std::size_t, std::size_t column, std::size_t) { return column % 16 == 0; }},
+      {"every_16th_beam", kTurn, [](std::size_t row, std::size_t, std::size_t) { return row % 16 == 8; }},
+      {"eighth_of_sweep",
+       kTurn,
+       [](std::size_t, std::size_t column, std::size_t columns) { return column < columns / 8; }},
+      {"sensor_of_60_degrees", kTurn / 6.0, {}},
+  };
+  constexpr int kFrames = 21;
+  std::vector<Row> rows;
+  for (const Case& one : cases) {
+    const Lidar sensor =
+        even_lidar(64, static_cast<int>(2650 * one.span_rad / kTurn), kTop_deg, kBottom_deg, one.span_rad);
+    RenderOptions off_options, on_options, fine_options;
+    off_options.culling = Culling::kOff;
+    on_options.culling = fine_options.culling = Culling::kAlways;
+    on_options.ray_mask = {1599, 8};  // any but the default, which is refined for some of the rays
+    LidarFrames off(device, sensor, street, off_options), on(device, sensor, street, on_options),
+        fine(device, sensor, street, fine_options);
+    const std::array<std::pair<const char*, LidarFrames*>, 3> ways{
+        {{"off", &off}, {"on", &on}, {"fine", &fine}}};
+    const auto columns = static_cast<std::size_t>(sensor.columns);
+    std::vector<bool> requested(sensor.ray_count(), true);
+    if (one.wants) {
+      for (std::size_t ray = 0; ray < requested.size(); ++ray)
+        requested[ray] = one.wants(ray / columns, ray % columns, columns);
+    }
+    for (const auto& [name, way] : ways) way->rays().request(requested);
+    const std::string base = fmt::format("table7/{}_{}k/", one.name, particles / 1000);
+    if (!on.rays().can_cull())
+      note(base + ": every cell of the mask holds a ray, by default nothing is asked");
+    std::map<std::string, std::map<std::string, std::vector<double>>> samples;  // way, stage
+    for (int frame = -2; frame < kFrames; ++frame) {
+      for (const auto& [name, way] : ways) {
+        FrameTimes times = way->run();
+        if (frame < 0) continue;
+        times.stage_ms["frame"] = times.frame_ms;
+        for (const auto& [stage, ms] : times.stage_ms) samples[name][stage].push_back(ms);
+      }
+    }
+    const auto& without = samples.at("off");
+    for (const std::string stage : {"project", "sort", "bin", "blend", "frame"}) {
+      const Spread plain = spread_of(without.at(stage));
+      rows.push_back({base + stage + "_off", plain.median, "ms", plain.half_iqr});
+      for (const std::string way : {"on", "fine"}) {
+        const std::vector<double>& with = samples.at(way).at(stage);
+        std::vector<double> saved;
+        for (std::size_t i = 0; i < with.size(); ++i)
+          saved.push_back(100.0 * (1.0 - with[i] / without.at(stage)[i]));
+        const Spread ms = spread_of(with), percent = spread_of(saved);
+        rows.push_back({base + stage + "_" + way, ms.median, "ms", ms.half_iqr});
+        rows.push_back({base + stage + "_saved_" + way, percent.median, "%", percent.half_iqr});
+      }
+    }
+    const auto& a = off.renderer().buffers();
+    for (const auto& [name, way] : {ways[1], ways[2]}) {
+      const auto& b = way->renderer().buffers();
+      rows.push_back({base + "particles_removed_" + name, removed(a.visible, b.visible), "%", 0.0});
+      rows.push_back({base + "instances_removed_" + name, removed(a.instances, b.instances), "%", 0.0});
+    }
+    if (!one.wants && one.span_rad == kTurn) {
+      const std::uint32_t around = seen_between(device, street, 89.0, -89.0);
+      const std::uint32_t within = seen_between(device, street, kTop_deg, kBottom_deg);
+      rows.push_back({base + "particles_beside_the_beams", removed(around, within), "%", 0.0});
+      rows.push_back({base + "particles_between_the_beams", removed(within, a.visible), "%", 0.0});
+    }
+    rows.push_back({base + "instances_in_empty_tiles", in_empty_tiles(on, on.rays(), requested), "%", 0.0});
+  }
+  return rows;
+}
+
+}  // namespace simuli::bench

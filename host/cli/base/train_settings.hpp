@@ -1,0 +1,14 @@
+#pragma once
+// The keys of "simuli train --set key=value".
+#include <vector>
+
+#include "host/cli/base/settings.hpp"
+#include "optim/init/initialize.hpp"
+#include "optim/train/trainer.hpp"
+
+namespace simuli::cli {
+
+/// All of them, render.* included, in a fixed order.
+[[nodiscard]] std::vector<Setting> train_settings(InitOptions& init, TrainOptions& train);
+
+}  // namespace simuli::cli

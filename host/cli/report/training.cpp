@@ -1,0 +1,278 @@
+#include "host/cli/report/training.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "host/cli/base/progress.hpp"
+#include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/train_settings.hpp"
+#include "host/cli/view/view_session.hpp"
+#include "io/base/event_file.hpp"
+
+namespace simuli::cli {
+namespace {
+
+ProgressNote status_note(const TrainStatus& s, const MemoryUse& memory) {
+  std::string text;
+  if (std::isfinite(s.psnr_db)) text += fmt::format("PSNR {:.2f} dB  ", s.psnr_db);
+  if (std::isfinite(s.distance_m)) {
+    text += fmt::format("distance {:.1f} cm  drop {:.1f} %  ", 100.0 * s.distance_m, 100.0 * s.drop_accuracy);
+  }
+  text += fmt::format("{:.0f}k + {:.0f}k particles  {:.1f} GB",
+                      static_cast<double>(s.camera_particles) / 1e3,
+                      static_cast<double>(s.lidar_particles) / 1e3,
+                      static_cast<double>(memory.now) / 1e9);
+  return {std::move(text),
+          {{"psnr_db", s.psnr_db},
+           {"distance_m", s.distance_m},
+           {"drop_accuracy", s.drop_accuracy},
+           {"camera_particles", s.camera_particles},
+           {"lidar_particles", s.lidar_particles},
+           {"device_bytes", static_cast<double>(memory.now)}}};
+}
+
+/// Keeps some of the states of a training, and writes them for TensorBoard when asked to.
+class Recorder {
+ public:
+  Recorder(TrainHistory& history, int iterations, const std::filesystem::path& event_folder)
+      : history_(history), iterations_(iterations), every_(std::max(1, iterations / TrainHistory::kPoints)) {
+    if (!event_folder.empty()) events_.emplace(event_folder, now_s());
+  }
+  void add(const TrainStatus& s, const MemoryUse& memory) {
+    if (s.iteration % every_ != 0 && s.iteration != iterations_) return;
+    TrainHistory& h = history_;
+    const auto put = [&](std::vector<double>& values, const char* tag, double value) {
+      values.push_back(value);
+      if (events_ && std::isfinite(value)) events_->scalar(tag, s.iteration, value, now_s());
+    };
+    h.iteration.push_back(s.iteration);
+    put(h.psnr_db, "train/psnr_db", s.psnr_db);
+    put(h.distance_m, "train/distance_m", s.distance_m);
+    put(h.drop_accuracy, "train/drop_accuracy", s.drop_accuracy);
+    put(h.camera_particles, "particles/camera", s.camera_particles);
+    put(h.lidar_particles, "particles/lidar", s.lidar_particles);
+    put(h.device_bytes, "memory/device_bytes", static_cast<double>(memory.now));
+  }
+
+ private:
+  static double now_s() {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  }
+  TrainHistory& history_;
+  int iterations_;
+  int every_;
+  std::optional<EventFile> events_;
+};
+
+void warn(const TrainReport& report, const TrainOptions& options) {
+  if (report.rejected_gradients > 0) {
+    std::cerr << fmt::format("simuli: warning: {} gradient entries were not finite and moved nothing\n",
+                             report.rejected_gradients);
+  }
+  if (report.unsound_particles > 0 || report.unsound_losses > 0) {
+    std::cerr << fmt::format(
+        "simuli: warning: {} particles (left out) and the losses of {} frames were not finite\n",
+        report.unsound_particles,
+        report.unsound_losses);
+  }
+  if (report.stopped_early) {
+    std::cerr << fmt::format(
+        "simuli: warning: stopped after {:.0f} s at iteration {} of {}; the learning rates had not run "
+        "down\n",
+        report.seconds,
+        report.last.iteration,
+        options.iterations);
+  }
+}
+
+/// Hands the training's newest scene to the viewer, as long as somebody looks.
+class LiveScene {
+ public:
+  LiveScene(ViewSession* view, const Trainer& trainer, int iterations)
+      : view_(view), trainer_(trainer), iterations_(iterations) {
+    update(trainer.status(), true);
+  }
+  /// `at_once`: whoever looks and however little time has passed.
+  void update(const TrainStatus& status, bool at_once = false) {
+    if (view_ == nullptr) return;
+    view_->set_progress({status.iteration < iterations_, status, iterations_});
+    const auto now = std::chrono::steady_clock::now();
+    const bool due = now - shown_ > kEvery && view_->idle_s() < kLooks_s;
+    if (!due && !at_once) return;
+    view_->show(trainer_.scene());
+    shown_ = std::chrono::steady_clock::now();
+  }
+
+ private:
+  static constexpr std::chrono::seconds kEvery{3};
+  static constexpr double kLooks_s = 10.0;
+  ViewSession* view_;
+  const Trainer& trainer_;
+  int iterations_;
+  std::chrono::steady_clock::time_point shown_;
+};
+
+std::string number(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+}  // namespace
+
+TrainedScene train_scene(const Device& device,
+                         const Log& log,
+                         const InitOptions& init,
+                         const TrainOptions& options,
+                         const Globals& globals,
+                         const TrainOutputs& outputs) {
+  const Checkpoints& checkpoints = outputs.checkpoints;
+  // Saved states are of this very training: the start is made again from the same log and settings.
+  InitOptions own_init = init;
+  TrainOptions own_options = options;
+  const std::string settings =
+      fmt::format("iterations={}\nscale={}\nheld_out={}\nseed={}\nimages={}\nsweeps={}\n{}\n",
+                  options.iterations,
+                  options.image_scale,
+                  options.held_out_every,
+                  options.seed,
+                  log.images.size(),
+                  log.sweeps.size(),
+                  fmt::join(list_settings(train_settings(own_init, own_options)), "\n"));
+  const bool resumes = checkpoints.resume && std::filesystem::exists(checkpoints.file);
+  if (resumes) {
+    Trainer::need_settings(checkpoints.file, settings);
+  } else if (checkpoints.resume) {
+    std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
+  }
+
+  FileProgress reading("initialise", globals);
+  SceneInit start = initialize_scene(log, init, reading.callback());
+  reading.finish();
+  TrainedScene out;
+  out.init = start.report;
+  out.file.cameras = log.cameras;
+  out.file.lidars = log.lidars;
+  out.file.world_from_rig = log.world_from_rig;
+
+  Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
+  if (resumes) trainer.resume(checkpoints.file, settings);
+  Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals));
+  LiveScene live(outputs.view, trainer, options.iterations);
+  Recorder recorder(out.history, options.iterations, outputs.event_folder);
+  out.training = trainer.run([&](const TrainStatus& status) {
+    progress.update(static_cast<std::uint64_t>(status.iteration), status_note(status, device.memory()));
+    recorder.add(status, device.memory());
+    live.update(status);
+    if (checkpoints.every > 0 && status.iteration % checkpoints.every == 0) {
+      trainer.save(checkpoints.file, settings);
+    }
+  });
+  progress.finish(status_note(out.training.last, device.memory()));
+  live.update(out.training.last, true);
+  warn(out.training, options);
+  out.file.scene = trainer.scene();
+  for (const auto& [name, offset] : trainer.sensor_offsets()) {
+    for (LogCamera& camera : out.file.cameras) {
+      if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);
+    }
+    for (LogLidar& lidar : out.file.lidars) {
+      if (name_of(lidar.model) == name) lidar.rig_from_lidar = moved_by(offset, lidar.rig_from_lidar);
+    }
+  }
+  return out;
+}
+
+EvalReport evaluate_scene(const Device& device,
+                          const Log& log,
+                          const Scene& scene,
+                          const EvalOptions& options,
+                          const Globals& globals) {
+  FileProgress progress("evaluate", globals);
+  const EvalReport report = evaluate(device, log, scene, options, progress.callback());
+  progress.finish();
+  return report;
+}
+
+std::vector<MetricLine> metric_lines(const EvalReport& r) {
+  const SweepMetrics& l = r.lidar;
+  std::vector<MetricLine> lines;
+  const auto line = [&](const char* name, const std::string& value, const char* unit) {
+    lines.push_back({name, value, unit});
+  };
+  line("PSNR", number(r.psnr_db, 2), "dB");
+  if (std::isfinite(r.psnr_ungraded_db)) line("  without colour grids", number(r.psnr_ungraded_db, 2), "dB");
+  line("SSIM", number(r.ssim, 4), "");
+  line("distance error, median", number(l.distance_median_m * 100.0, 2), "cm");
+  line("  of expected distances", number(r.distance_expected_median_m * 100.0, 2), "cm");
+  line("distance error, median squared", number(l.medl2_m2, 6), "m^2");
+  line("distance error, mean rel. squared", number(l.mean_rel_l2, 5), "");
+  line("intensity error, RMS", number(l.intensity_rmse, 4), "of 1");
+  line("ray drop, right decisions", number(l.raydrop_accuracy * 100.0, 2), "% of rays");
+  line("Chamfer, squared", number(l.chamfer_m2, 4), "m^2");
+  line("Chamfer, mean of both ways", number(l.chamfer_m, 4), "m");
+  if (r.actor_pixels + r.actor_returns > 0) {
+    line("PSNR inside actors' boxes", number(r.actor_psnr_db, 2), "dB");
+    line("distance error there, median", number(r.actor_distance_median_m * 100.0, 2), "cm");
+    line("returns there that end there", number(r.actor_share_met * 100.0, 2), "% of them");
+  }
+  line("camera speed", number(r.camera_mp_per_s, 2), "MP/s");
+  line("LiDAR speed", number(r.lidar_mr_per_s, 2), "MR/s");
+  return lines;
+}
+
+void print_eval(const EvalReport& r, bool json) {
+  const SweepMetrics& l = r.lidar;
+  if (json) {
+    // A value that is not a number (no such frame in the log) is null.
+    const nlohmann::ordered_json out = {{"psnr_db", r.psnr_db},
+                                        {"ssim", r.ssim},
+                                        {"psnr_ungraded_db", r.psnr_ungraded_db},
+                                        {"distance_median_m", l.distance_median_m},
+                                        {"distance_expected_median_m", r.distance_expected_median_m},
+                                        {"medl2_m2", l.medl2_m2},
+                                        {"mean_rel_l2", l.mean_rel_l2},
+                                        {"intensity_rmse", l.intensity_rmse},
+                                        {"raydrop_accuracy", l.raydrop_accuracy},
+                                        {"chamfer_m2", l.chamfer_m2},
+                                        {"chamfer_m", l.chamfer_m},
+                                        {"actor_psnr_db", r.actor_psnr_db},
+                                        {"actor_pixels", r.actor_pixels},
+                                        {"actor_distance_median_m", r.actor_distance_median_m},
+                                        {"actor_returns", r.actor_returns},
+                                        {"actor_share_met", r.actor_share_met},
+                                        {"camera_mp_per_s", r.camera_mp_per_s},
+                                        {"lidar_mr_per_s", r.lidar_mr_per_s},
+                                        {"images", r.images},
+                                        {"sweeps", r.sweeps},
+                                        {"sweeps_without_distance", r.sweeps_without_distance},
+                                        {"sweeps_without_chamfer", r.sweeps_without_chamfer},
+                                        {"image_width_px", r.image_width},
+                                        {"image_height_px", r.image_height},
+                                        {"device", r.device},
+                                        {"seconds", r.seconds}};
+    std::cout << out.dump(2) << '\n';
+    return;
+  }
+  std::cout << fmt::format("held-out frames: {} pictures of {} x {} px, {} sweeps, on {}\n",
+                           r.images,
+                           r.image_width,
+                           r.image_height,
+                           r.sweeps,
+                           r.device);
+  for (const MetricLine& line : metric_lines(r)) {
+    std::cout << fmt::format("  {:<34} {:>10} {}\n", line.name, line.value, line.unit);
+  }
+  if (r.sweeps_without_distance + r.sweeps_without_chamfer > 0) {
+    std::cout << fmt::format("  left out of means: {} sweeps without returns, {} without predicted points\n",
+                             r.sweeps_without_distance,
+                             r.sweeps_without_chamfer);
+  }
+}
+
+}  // namespace simuli::cli

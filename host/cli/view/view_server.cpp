@@ -1,0 +1,152 @@
+#include "host/cli/view/view_server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <fmt/format.h>
+#include <functional>
+#include <httplib.h>
+#include <string_view>
+#include <sys/socket.h>
+#include <thread>
+
+#include "host/base/error.hpp"
+#include "host/cli/view/page.hpp"
+
+namespace simuli::cli {
+namespace {
+
+constexpr std::size_t kLargestRequest = std::size_t{1} << 20U;
+constexpr std::array<std::string_view, 3> kLoopback{"127.0.0.1", "localhost", "::1"};
+
+bool is_loopback(std::string_view host) {
+  return std::find(kLoopback.begin(), kLoopback.end(), host) != kLoopback.end();
+}
+
+/// "host:port" or "[host]:port" without the port.
+std::string host_of(const std::string& header) {
+  if (!header.empty() && header.front() == '[') return header.substr(1, header.find(']') - 1);
+  return header.substr(0, header.find(':'));
+}
+
+/// In a time that does not tell how much of it was right.
+bool same(const std::string& a, const std::string& b) {
+  unsigned different = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    different |= static_cast<unsigned char>(a[i]) ^
+                 static_cast<unsigned char>(b[i % std::max<std::size_t>(b.size(), 1)]);
+  }
+  return different == 0;
+}
+
+std::string type_of(std::string_view path) {
+  if (path.ends_with(".js")) return "text/javascript";
+  return path.ends_with(".css") ? "text/css" : "text/html";
+}
+
+}  // namespace
+
+struct ViewServer::Impl {
+  httplib::Server server;
+  std::thread thread;
+  ServerOptions options;
+  int port = 0;
+};
+
+ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : impl_(std::make_unique<Impl>()) {
+  const bool loopback = is_loopback(options.host);
+  if (!loopback && options.token.empty()) {
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("--host: found {} without --token, allowed 127.0.0.1, localhost, ::1, or a token that "
+                    "pages must know",
+                    options.host));
+  }
+  impl_->options = options;
+  httplib::Server& server = impl_->server;
+  // The library's own choice (SO_REUSEPORT) would let a second server listen on a port that is taken.
+  server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
+  server.set_payload_max_length(kLargestRequest);
+  server.set_default_headers({{"Cache-Control", "no-store"},
+                              {"X-Content-Type-Options", "nosniff"},
+                              {"Content-Security-Policy",
+                               "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"}});
+  server.set_pre_routing_handler(
+      [this, loopback](const httplib::Request& request, httplib::Response& response) {
+        // A page of another site whose name has been pointed here must not get through.
+        if (loopback && !is_loopback(host_of(request.get_header_value("Host")))) {
+          response.status = 403;
+          response.set_content("not a name of this machine", "text/plain");
+          return httplib::Server::HandlerResponse::Handled;
+        }
+        const bool is_api = request.path.rfind("/api/", 0) == 0;
+        if (is_api && !impl_->options.token.empty() &&
+            !same(request.get_header_value("X-Simuli-Token"), impl_->options.token)) {
+          response.status = 401;
+          response.set_content(
+              "token: found another one, allowed that of --token (?token=... behind the page's address)",
+              "text/plain");
+          return httplib::Server::HandlerResponse::Handled;
+        }
+        return httplib::Server::HandlerResponse::Unhandled;
+      });
+  for (const EmbeddedFile& file : page_files()) {
+    const auto serve = [file](const httplib::Request&, httplib::Response& response) {
+      response.set_content(std::string(file.text), type_of(file.path));
+    };
+    server.Get("/" + std::string(file.path), serve);
+    if (file.path == "index.html") server.Get("/", serve);
+  }
+  // What is refused is said to the page in one line.
+  const auto answer = [](const char* type, const std::function<std::string(const httplib::Request&)>& work) {
+    return [type, work](const httplib::Request& request, httplib::Response& response) {
+      try {
+        response.set_content(work(request), type);
+      } catch (const std::exception& error) {
+        response.status = 400;
+        response.set_content(error.what(), "text/plain");
+      }
+    };
+  };
+  server.Get("/api/scene",
+             answer("application/json", [&](const httplib::Request&) { return session.describe(); }));
+  server.Get("/api/status",
+             answer("application/json", [&](const httplib::Request&) { return session.progress(); }));
+  server.Post("/api/picture", answer("application/octet-stream", [&](const httplib::Request& request) {
+                return session.picture(parse_view_request(request.body));
+              }));
+  server.Post("/api/sweep", answer("application/octet-stream", [&](const httplib::Request& request) {
+                return session.sweep(parse_view_request(request.body));
+              }));
+  impl_->port = options.port;
+  const bool bound = options.port == 0 ? (impl_->port = server.bind_to_any_port(options.host)) > 0
+                                       : server.bind_to_port(options.host, options.port);
+  if (!bound) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--port: found {} on {}, which can't be bound, allowed a free one, or 0 for any",
+                            options.port,
+                            options.host));
+  }
+  impl_->thread = std::thread([this] { impl_->server.listen_after_bind(); });
+}
+
+ViewServer::~ViewServer() {
+  impl_->server.stop();
+  if (impl_->thread.joinable()) impl_->thread.join();
+}
+
+std::string ViewServer::url() const {
+  const ServerOptions& o = impl_->options;
+  const bool is_v6 = o.host.find(':') != std::string::npos;
+  const std::string address = is_v6 ? "[" + o.host + "]" : o.host;
+  return fmt::format("http://{}:{}/{}", address, impl_->port, o.token.empty() ? "" : "?token=" + o.token);
+}
+
+void ViewServer::wait() {
+  if (impl_->thread.joinable()) impl_->thread.join();
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,202 @@
+// Launcher of "kernels/lidar_tiling.cl".
+#include "host/render/rays/lidar_tiling.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace simuli {
+
+using Uints = Buffer<std::uint32_t>;
+
+namespace {
+
+std::vector<std::uint32_t> front(const Uints& buffer, std::size_t count) {
+  std::vector<std::uint32_t> values(count);
+  buffer.download_at(0, values);
+  return values;
+}
+
+std::uint32_t most(const Uints& buffer) {
+  const std::vector<std::uint32_t> all = buffer.download();
+  return *std::max_element(all.begin(), all.end());
+}
+
+}  // namespace
+
+LidarTilingStage::LidarTilingStage(const Device& device)
+    : device_(device),
+      program_(device, "kernels/lidar_tiling.cl"),
+      scan_(device),
+      histogram_(program_, "tiling_histogram"),
+      boundaries_(program_, "tiling_boundaries"),
+      row_groups_(program_, "tiling_row_groups"),
+      keys_(program_, "tiling_keys"),
+      list_rows_(program_, "tiling_list_rows"),
+      tile_rows_(program_, "tiling_tile_rows"),
+      slots_(program_, "tiling_slots"),
+      fullest_tiles_(program_, "tiling_fullest_tiles"),
+      found_(device, "tile rows found", 3) {}
+
+Uints LidarTilingStage::groups_of(const Buffer<float>& values,
+                                  std::uint32_t weight,
+                                  const TileBins& bins,
+                                  std::uint32_t wanted,
+                                  std::uint32_t widest,
+                                  std::uint32_t& groups) {
+  const auto n = static_cast<std::uint32_t>(values.count());
+  Uints identity(device_, "bins", iota(bins.count));
+  Uints counts(device_, "rays of bins", bins.count);
+  counts.fill(0);
+  count(values, n, weight, bins, identity, counts);
+  scan_.run(counts, bins.count, false);
+  Uints group_of_bin(device_, "groups of bins", bins.count);
+  boundaries_.launch(1, 1, counts, n * weight, bins.count, wanted, widest, group_of_bin, found_);
+  groups = found_.read_back();
+  return group_of_bin;
+}
+
+std::uint32_t LidarTilingStage::fullest_group(const Buffer<float>& values,
+                                              std::uint32_t weight,
+                                              const TileBins& bins,
+                                              const Uints& group_of_bin,
+                                              std::uint32_t groups) {
+  Uints counts(device_, "rays of groups", groups);
+  counts.fill(0);
+  count(values, static_cast<std::uint32_t>(values.count()), weight, bins, group_of_bin, counts);
+  return most(counts);
+}
+
+Uints LidarTilingStage::groups_of_rows(const Buffer<float>& elevation,
+                                       const TileBins& bins,
+                                       const Uints& group_of_bin) {
+  const auto rows = static_cast<std::uint32_t>(elevation.count());
+  Uints group_of_row(device_, "groups of rows", rows);
+  row_groups_.launch(round_up(rows, 64),
+                     64,
+                     elevation,
+                     rows,
+                     bins.first,
+                     bins.scale,
+                     bins.count,
+                     group_of_bin,
+                     group_of_row);
+  return group_of_row;
+}
+
+std::uint32_t LidarTilingStage::cut(const Uints& group_of_row,
+                                    std::uint32_t rows,
+                                    std::uint32_t most,
+                                    LidarTiling& out) {
+  first_rows_.reserve(std::size_t{rows} + 1);
+  tile_row_of_row_.reserve(rows);
+  tile_rows_.launch(1, 1, group_of_row, rows, most, first_rows_, tile_row_of_row_, found_);
+  const std::vector<std::uint32_t> found = found_.download();
+  out.tile_rows = front(first_rows_, std::size_t{found[0]} + 1);
+  out.tile_row_of_row = tile_row_of_row_.download();
+  return found[1];
+}
+
+LidarTilingStage::Fullest LidarTilingStage::place(const Buffer<float>& x,
+                                                  const Uints& order,
+                                                  const Uints& row_starts,
+                                                  const TileBins& bins,
+                                                  const Uints& column_of_bin,
+                                                  const LidarTiling& tiling) {
+  const auto rows = static_cast<std::uint32_t>(tiling.rows());
+  used_.reserve(std::size_t{rows} * tiling.columns);
+  slot_of_ray_.reserve(x.count());
+  fullest_.reserve(rows);
+  slots_.launch(rows,
+                1,
+                x,
+                order,
+                row_starts,
+                rows,
+                bins.first,
+                bins.scale,
+                bins.count,
+                column_of_bin,
+                tiling.columns,
+                first_rows_,
+                tile_row_of_row_,
+                tiling.row_slots * SIM_SLOT_ROW,
+                tiling.tile_rays,
+                used_,
+                slot_of_ray_,
+                fullest_);
+  Fullest fullest{most(fullest_), 0};
+  const auto tiles = static_cast<std::uint32_t>(tiling.tile_rows.size() - 1);
+  fullest_.reserve(tiles);
+  fullest_tiles_.launch(tiles, 1, used_, first_rows_, tiles, tiling.columns, fullest_);
+  fullest.tile = most(fullest_);
+  return fullest;
+}
+
+bool LidarTilingStage::list_rows(const Buffer<float>& elevation,
+                                 const TileBins& bins,
+                                 const Uints& group_of_bin,
+                                 const Buffer<float>& x,
+                                 const TileBins& x_bins,
+                                 const Uints& column_of_bin,
+                                 std::uint32_t columns,
+                                 std::uint32_t width,
+                                 Uints& order,
+                                 Uints& row_starts,
+                                 Uints& group_of_row) {
+  const auto n = static_cast<std::uint32_t>(elevation.count());
+  Uints keys(device_, "elevation keys", n), key_scratch(device_, "sort keys"),
+      scratch(device_, "sort values");
+  order.reserve(n);
+  keys_.launch(round_up(n, 64), 64, elevation, n, keys, order);
+  SortStage(device_).run(keys, order, key_scratch, scratch, n, 32, scan_);
+  const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiling::kMostIndex});
+  row_starts.reserve(std::size_t{most_rows} + 1);
+  group_of_row.reserve(most_rows);
+  used_.reserve(std::size_t{2} * columns);
+  list_rows_.launch(1,
+                    1,
+                    order,
+                    n,
+                    x,
+                    x_bins.first,
+                    x_bins.scale,
+                    x_bins.count,
+                    column_of_bin,
+                    columns,
+                    elevation,
+                    bins.first,
+                    bins.scale,
+                    bins.count,
+                    group_of_bin,
+                    width,
+                    most_rows,
+                    used_,
+                    row_starts,
+                    group_of_row,
+                    found_);
+  const std::uint32_t rows = found_.read_back();
+  if (rows > most_rows) return false;
+  row_starts.reserve(std::size_t{rows} + 1);
+  group_of_row.reserve(rows);
+  return true;
+}
+
+std::vector<std::uint32_t> LidarTilingStage::slot_of_ray() const { return slot_of_ray_.download(); }
+
+std::vector<std::uint32_t> LidarTilingStage::iota(std::uint32_t count) {
+  std::vector<std::uint32_t> values(count);
+  std::iota(values.begin(), values.end(), 0U);
+  return values;
+}
+
+void LidarTilingStage::count(const Buffer<float>& values,
+                             std::uint32_t n,
+                             std::uint32_t weight,
+                             const TileBins& bins,
+                             const Uints& group_of_bin,
+                             Uints& counts) {
+  histogram_.launch(
+      round_up(n, 64), 64, values, n, weight, bins.first, bins.scale, bins.count, group_of_bin, counts);
+}
+
+}  // namespace simuli

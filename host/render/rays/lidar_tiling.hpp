@@ -1,0 +1,130 @@
+#pragma once
+// The steps of procedure 1 on the device; host/render/rays/lidar_tiles.cpp puts them together.
+#include <cstdint>
+#include <vector>
+
+#include "host/render/rays/lidar_tiles.hpp"
+#include "host/render/frame/stages.hpp"
+
+namespace simuli {
+
+/// How values fall into bins.
+struct TileBins {
+  float first = 0.0F;
+  float scale = 0.0F;
+  std::uint32_t count = 0;
+};
+
+class LidarTilingStage {
+  using Uints = Buffer<std::uint32_t>;
+  using In = Buf<const std::uint32_t>;
+  using Out = Buf<std::uint32_t>;
+  using Floats = Buf<const float>;
+
+ public:
+  explicit LidarTilingStage(const Device& device);
+
+  /// The group of each bin, `wanted` groups of equally many rays, each of at most `widest` bins.
+  Uints groups_of(const Buffer<float>& values,
+                  std::uint32_t weight,
+                  const TileBins& bins,
+                  std::uint32_t wanted,
+                  std::uint32_t widest,
+                  std::uint32_t& groups);
+  /// Rays of the fullest group.
+  std::uint32_t fullest_group(const Buffer<float>& values,
+                              std::uint32_t weight,
+                              const TileBins& bins,
+                              const Uints& group_of_bin,
+                              std::uint32_t groups);
+  Uints groups_of_rows(const Buffer<float>& elevation, const TileBins& bins, const Uints& group_of_bin);
+  /// Cuts rows into tile rows of at most `most`; returns the most and leaves the tables on the device.
+  std::uint32_t cut(const Uints& group_of_row, std::uint32_t rows, std::uint32_t most, LidarTiling& out);
+  /// Most rays of one row in one tile, and of one tile.
+  struct Fullest {
+    std::uint32_t row = 0;
+    std::uint32_t tile = 0;
+  };
+  /// Works out slot_of_ray().
+  Fullest place(const Buffer<float>& x,
+                const Uints& order,
+                const Uints& row_starts,
+                const TileBins& bins,
+                const Uints& column_of_bin,
+                const LidarTiling& tiling);
+  /// Rows of a list; nothing when they would be more than a footprint can name.
+  bool list_rows(const Buffer<float>& elevation,
+                 const TileBins& bins,
+                 const Uints& group_of_bin,
+                 const Buffer<float>& x,
+                 const TileBins& x_bins,
+                 const Uints& column_of_bin,
+                 std::uint32_t columns,
+                 std::uint32_t width,
+                 Uints& order,
+                 Uints& row_starts,
+                 Uints& group_of_row);
+  std::vector<std::uint32_t> slot_of_ray() const;
+  static std::vector<std::uint32_t> iota(std::uint32_t count);
+
+ private:
+  void count(const Buffer<float>& values,
+             std::uint32_t n,
+             std::uint32_t weight,
+             const TileBins& bins,
+             const Uints& group_of_bin,
+             Uints& counts);
+
+  Device device_;
+  Program program_;
+  ScanStage scan_;
+  Kernel<Floats, std::uint32_t, std::uint32_t, float, float, std::uint32_t, In, Out> histogram_;
+  Kernel<In, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, Out, Out> boundaries_;
+  Kernel<Floats, std::uint32_t, float, float, std::uint32_t, In, Out> row_groups_;
+  Kernel<Floats, std::uint32_t, Out, Out> keys_;
+  Kernel<In,
+         std::uint32_t,
+         Floats,
+         float,
+         float,
+         std::uint32_t,
+         In,
+         std::uint32_t,
+         Floats,
+         float,
+         float,
+         std::uint32_t,
+         In,
+         std::uint32_t,
+         std::uint32_t,
+         Out,
+         Out,
+         Out,
+         Out>
+      list_rows_;
+  Kernel<In, std::uint32_t, std::uint32_t, Out, Out, Out> tile_rows_;
+  Kernel<Floats,
+         In,
+         In,
+         std::uint32_t,
+         float,
+         float,
+         std::uint32_t,
+         In,
+         std::uint32_t,
+         In,
+         In,
+         std::uint32_t,
+         std::uint32_t,
+         Out,
+         Out,
+         Out>
+      slots_;
+  Kernel<In, In, std::uint32_t, std::uint32_t, Out> fullest_tiles_;
+  Uints found_;
+  Uints first_rows_{device_, "first rows"}, tile_row_of_row_{device_, "tile rows of rows"};
+  Uints used_{device_, "rays of cells"}, fullest_{device_, "fullest cells"};
+  Uints slot_of_ray_{device_, "slots of rays"};
+};
+
+}  // namespace simuli

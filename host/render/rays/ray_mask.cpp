@@ -1,0 +1,75 @@
+// Launcher of "kernels/ray_mask.cl".
+#include "host/render/rays/ray_mask.hpp"
+
+#include <algorithm>
+
+#include "host/base/error.hpp"
+#include "host/render/frame/stages.hpp"
+
+namespace simuli {
+namespace {
+
+using Uints = Buffer<std::uint32_t>;
+using In = Buf<const std::uint32_t>;
+using Out = Buf<std::uint32_t>;
+
+BuildOptions mask_options(Precision precision) {
+  BuildOptions options;
+  return options.real(precision).define("SENSOR", SensorType::kLidar);
+}
+
+/// Rows of the mask hold equally many beams, or equal intervals of elevation.
+std::vector<std::uint32_t> rows_of_mask(const RayGrid& grid, const RayMaskSize& size) {
+  const std::size_t rows = grid.frame.rows;
+  const auto mask_rows = static_cast<std::size_t>(size.rows);
+  std::vector<std::uint32_t> out(rows);
+  const double top = grid.row_elevation[0], bottom = grid.row_elevation[rows - 1];
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double down = (top - grid.row_elevation[row]) / std::max(top - bottom, 1e-9);
+    const std::size_t at = size.equalized ? row * mask_rows / rows
+                                          : static_cast<std::size_t>(down * static_cast<double>(mask_rows));
+    out[row] = static_cast<std::uint32_t>(std::min(at, mask_rows - 1));
+  }
+  return out;
+}
+
+}  // namespace
+
+RayMaskStage::RayMaskStage(const Device& device, Precision precision)
+    : device_(device),
+      cells_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_cells"),
+      row_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_row_sums"),
+      column_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_column_sums") {}
+
+bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays) {
+  if (size.columns < 1 || size.columns > 65536) {
+    throw_input_error("options", "ray_mask.columns", std::to_string(size.columns), "1 to 65536");
+  }
+  if (size.rows < 1 || size.rows > 4096) {
+    throw_input_error("options", "ray_mask.rows", std::to_string(size.rows), "1 to 4096");
+  }
+  const auto columns = static_cast<std::uint32_t>(size.columns), rows = static_cast<std::uint32_t>(size.rows);
+  auto& c = grid.constants;
+  c[SIM_S_MASK_SCALE] = columns / (c[SIM_S_TILE_X1] - c[SIM_S_TILE_X0]);
+  c[SIM_S_MASK_COLUMNS] = columns;
+  rays.mask_row_of_row.assign(rows_of_mask(grid, size));
+  Uints cells(device_, "mask cells", std::size_t{rows} * columns);
+  cells.fill(0);
+  cells_.launch(round_up(grid.frame.slots, 64),
+                64,
+                grid.frame,
+                rays.sensor_ray,
+                rays.u,
+                rays.tile_rows,
+                rays.mask_row_of_row,
+                c[SIM_S_TILE_X0],
+                c[SIM_S_MASK_SCALE],
+                columns,
+                cells);
+  rays.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));
+  row_sums_.launch(std::size_t{rows} + 1, 1, cells, rows, columns, rays.areas);
+  column_sums_.launch(round_up(std::size_t{columns} + 1, 64), 64, rows, columns, rays.areas);
+  return rays.areas.read_back(rays.areas.count() - 1) < std::size_t{rows} * columns;
+}
+
+}  // namespace simuli

@@ -1,0 +1,28 @@
+#include "host/render/scene/look.hpp"
+
+#include <utility>
+
+namespace simuli {
+
+SceneLook::SceneLook(const Device& device, const Scene& scene, Precision precision, bool graded)
+    : device_(device), scene_(scene), precision_(precision), graded_(graded && !scene.color_grids.empty()) {
+  if (scene.environment.empty()) return;
+  environment_ = std::make_unique<EnvironmentBuffers>(device, scene.environment, precision);
+}
+
+void SceneLook::render(Renderer& renderer,
+                       const ParticleBuffers& camera_set,
+                       const SensorRays& rays,
+                       const View& view,
+                       const std::string& camera,
+                       double time_s) {
+  renderer.render(camera_set, rays, view, environment_.get());
+  if (!graded_) return;
+  const ColorGrids& all = scene_.color_grids;
+  ColorGrids one = ColorGrids::identity(all.size_x, all.size_y, all.size_z, {});
+  one.values = all.at(camera, time_s);
+  if (one.values.empty()) return;
+  renderer.grade(ColorGridBuffers(device_, one, precision_), 0);
+}
+
+}  // namespace simuli

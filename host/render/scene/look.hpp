@@ -1,0 +1,35 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "host/render/scene/renderer.hpp"
+#include "host/scene/scene.hpp"
+
+namespace simuli {
+
+/// What a trained scene adds to the pictures of its camera set: environment and colour grids, where it has
+/// them.
+class SceneLook {
+ public:
+  /// `graded`: through colour grids; without, colours are those that all pictures share. `scene` must outlive
+  /// it.
+  SceneLook(const Device& device, const Scene& scene, Precision precision, bool graded = true);
+
+  /// Renders the camera set as `camera` sees it at time_s (of the log): through the grid that
+  /// ColorGrids::at gives, and none for cameras that were not trained on.
+  void render(Renderer& renderer,
+              const ParticleBuffers& camera_set,
+              const SensorRays& rays,
+              const View& view,
+              const std::string& camera,
+              double time_s);
+
+ private:
+  Device device_;
+  const Scene& scene_;
+  Precision precision_;
+  bool graded_;
+  std::unique_ptr<EnvironmentBuffers> environment_;
+};
+
+}  // namespace simuli

@@ -1,0 +1,41 @@
+#include "host/render/scene/seen.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace simuli {
+
+float best_distance(const RayResults& results, std::size_t ray) {
+  const bool has_median = !results.median.empty() && results.median[ray] > 0.0F;
+  return has_median ? results.median[ray] : results.expected_distance(ray);
+}
+
+Image picture_of(const RayResults& results, const Camera& camera) {
+  Image image(camera.width, camera.height, 3);
+  for (std::size_t i = 0; i < results.rays; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      image.data[3 * i + c] = std::clamp(results.feature[c][i], 0.0F, 1.0F);
+    }
+  }
+  return image;
+}
+
+std::ptrdiff_t LidarFrame::returns() const {
+  return std::count_if(range.begin(), range.end(), [](float r) { return r > 0.0F; });
+}
+
+LidarFrame lidar_frame(const LidarModel& lidar, LidarRays rays, const RayResults& results) {
+  LidarFrame out;
+  for (std::size_t i = 0; i < results.rays; ++i) {
+    const float drop = results.drop_probability(i);
+    const bool returns = drop <= 0.5F;
+    const auto bias_m = static_cast<float>(range_bias(lidar, rays, i));
+    out.range.push_back(returns ? best_distance(results, i) + bias_m : 0.0F);
+    out.intensity.push_back(returns ? std::clamp(results.feature[0][i], 0.0F, 1.0F) : 0.0F);
+    out.drop.push_back(drop);
+  }
+  out.rays = std::move(rays);
+  return out;
+}
+
+}  // namespace simuli

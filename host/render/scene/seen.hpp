@@ -1,0 +1,35 @@
+#pragma once
+// What a frame's results mean to those who look at it: pictures of cameras, returns of LiDARs.
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "host/base/image.hpp"
+#include "host/render/scene/renderer.hpp"
+#include "host/sensors/camera.hpp"
+#include "host/sensors/lidar_model.hpp"
+
+namespace simuli {
+
+/// Distance of a LiDAR ray in m: where half of the light is gone if that is anywhere, else the mean.
+[[nodiscard]] float best_distance(const RayResults& results, std::size_t ray);
+
+/// What a camera saw, as a picture clipped to [0, 1]: [height][width][3].
+[[nodiscard]] Image picture_of(const RayResults& results, const Camera& camera);
+
+/// What a LiDAR gives: a value per ray, row-major beams x firings.
+struct LidarFrame {
+  LidarRays rays;                // as fired
+  std::vector<float> range;      // m from the ray's own origin, as the sensor states it; 0: no return
+  std::vector<float> intensity;  // [0, 1]; 0: no return
+  std::vector<float> drop;       // probability that the ray doesn't return
+
+  [[nodiscard]] bool is_return(std::size_t ray) const { return range[ray] > 0.0F; }
+  /// Number of rays that returned.
+  [[nodiscard]] std::ptrdiff_t returns() const;
+};
+
+/// A ray returns when dropping it is at most as likely as not. Ranges include the row's range bias.
+[[nodiscard]] LidarFrame lidar_frame(const LidarModel& lidar, LidarRays rays, const RayResults& results);
+
+}  // namespace simuli

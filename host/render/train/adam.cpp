@@ -1,0 +1,86 @@
+// Launcher of "kernels/adam.cl".
+#include <cmath>
+
+#include "host/base/error.hpp"
+#include "host/render/train/loss_stages.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kBeta1 = 0.9;
+constexpr double kBeta2 = 0.999;
+constexpr double kEpsilon = 1e-15;  // gradients of means over many rays are tiny: epsilon must not damp them
+
+constexpr std::size_t kLocalSize = 32;
+
+BuildOptions adam_options(const Device& device, Precision precision) {
+  BuildOptions options;
+  return options.real(precision).define("V", LaneShape::of(device, precision).lanes);
+}
+
+}  // namespace
+
+AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
+    : AdamStage(device, particles.params.precision(), particles.params.count()) {}
+
+AdamStage::AdamStage(const Device& device, Precision precision, std::size_t parameters)
+    : lanes_(LaneShape::of(device, precision).lanes),
+      rate_(device, "Adam rates", precision),
+      first_(device, "Adam first moment", precision, parameters),
+      second_(device, "Adam second moment", precision, parameters),
+      rejected_(device, "Adam rejected", std::vector<std::uint32_t>{0}),
+      adam_(Program(device, "kernels/adam.cl", adam_options(device, precision)), "adam") {
+  first_.fill(0.0);
+  second_.fill(0.0);
+}
+
+void AdamStage::run(ParticleBuffers& particles,
+                    const RealBuffer& grads,
+                    const Buffer<std::uint32_t>& keys,
+                    const std::vector<double>& rate) {
+  ++iteration_;
+  const Matrix all{particles.count, particles.stride, 0, false};
+  launch(all, keys, rate, iteration_, grads, particles.params);
+}
+
+void AdamStage::run_dense(
+    RealBuffer& params, const RealBuffer& grads, std::size_t first, double rate, std::uint64_t step) {
+  const std::size_t count = grads.count();
+  if (count % 16 != 0 || first + count > params.count() || params.count() != first_.count()) {
+    throw Error(ErrorKind::kInternal, "Adam: gradients for other parameters");
+  }
+  const auto columns = static_cast<std::uint32_t>(count);
+  launch({columns, columns, static_cast<std::uint32_t>(first), true}, rejected_, {rate}, step, grads, params);
+}
+
+void AdamStage::launch(const Matrix& matrix,
+                       const Buffer<std::uint32_t>& keys,
+                       const std::vector<double>& rate,
+                       std::uint64_t step,
+                       const RealBuffer& grads,
+                       RealBuffer& params) {
+  rate_.assign(rate);
+  const auto t = static_cast<double>(step);
+  const std::size_t items = matrix.stride / static_cast<std::size_t>(lanes_);
+  adam_.launch(round_up(items, kLocalSize),
+               kLocalSize,
+               matrix.columns,
+               matrix.stride,
+               static_cast<std::uint32_t>(rate.size()),
+               matrix.dense ? 1U : 0U,
+               matrix.first,
+               keys,
+               rate_,
+               kBeta1,
+               kBeta2,
+               1.0 / (1.0 - std::pow(kBeta1, t)),
+               1.0 / (1.0 - std::pow(kBeta2, t)),
+               kEpsilon,
+               grads,
+               first_,
+               second_,
+               params,
+               rejected_);
+}
+
+}  // namespace simuli

@@ -1,0 +1,31 @@
+// Launcher of "kernels/regularize.cl".
+#include "host/render/train/regularize.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr std::size_t kLocalSize = 32;
+
+}  // namespace
+
+RegularizeStage::RegularizeStage(const Device& device, Precision precision)
+    : lanes_(LaneShape::of(device, precision).lanes),
+      regularize_(
+          Program(device, "kernels/regularize.cl", BuildOptions().real(precision).define("V", lanes_)),
+          "regularize") {}
+
+void RegularizeStage::run(const ParticleBuffers& particles,
+                          const RegularizeScale& scale,
+                          RealBuffer& param_grads) {
+  regularize_.launch(round_up(particles.stride / static_cast<std::size_t>(lanes_), kLocalSize),
+                     kLocalSize,
+                     particles.count,
+                     particles.stride,
+                     scale.scale,
+                     scale.opacity,
+                     scale.entropy,
+                     particles.params,
+                     param_grads);
+}
+
+}  // namespace simuli

@@ -1,0 +1,99 @@
+#include "io/base/gzip.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <limits>
+#include <zlib.h>
+#ifdef SIMULI_HAS_ZSTD
+#include <zstd.h>
+#endif
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr int kGzipWindow = 15 + 16;  // the largest window, with gzip's header and checksum
+constexpr int kAnyWindow = 15 + 32;   // with gzip's or zlib's
+/// Bytes asked of zlib at a time: as much as usually comes out of so many, within bounds.
+std::size_t chunk_bytes(std::size_t in) {
+  return std::clamp(4 * in, std::size_t{1} << 12U, std::size_t{1} << 20U);
+}
+
+uInt part(std::size_t left) {
+  return static_cast<uInt>(std::min<std::size_t>(left, std::numeric_limits<uInt>::max()));
+}
+
+}  // namespace
+
+bool is_gzip(const std::string& bytes) { return bytes.starts_with("\x1f\x8b"); }
+
+std::string gunzip(const std::string& bytes, const std::string& file, std::size_t most_bytes) {
+  z_stream stream{};
+  if (inflateInit2(&stream, kAnyWindow) != Z_OK) throw Error(ErrorKind::kInternal, "zlib: no memory");
+  std::string in = bytes;  // zlib's pointer is not const
+  std::string out, chunk(chunk_bytes(bytes.size()), '\0');
+  std::size_t read = 0;
+  int status = Z_OK;
+  while (status == Z_OK && out.size() <= most_bytes) {
+    stream.next_in = reinterpret_cast<Bytef*>(in.data() + read);
+    const uInt given = part(in.size() - read);
+    stream.avail_in = given;
+    stream.next_out = reinterpret_cast<Bytef*>(chunk.data());
+    stream.avail_out = part(chunk.size());
+    status = inflate(&stream, Z_NO_FLUSH);
+    read += given - stream.avail_in;
+    out.append(chunk, 0, chunk.size() - stream.avail_out);
+  }
+  inflateEnd(&stream);
+  if (out.size() > most_bytes) {
+    throw_input_error(file, "content", fmt::format("more than {} bytes", most_bytes), "at most that");
+  }
+  if (status != Z_STREAM_END) throw_input_error(file, "compressed data", "damaged or cut short", "whole");
+  return out;
+}
+
+std::string gzip(const std::string& bytes) {
+  z_stream stream{};
+  constexpr int kMemory = 8;  // zlib's default
+  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzipWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw Error(ErrorKind::kInternal, "zlib: no memory");
+  std::string in = bytes;
+  std::string out, chunk(chunk_bytes(bytes.size()), '\0');
+  std::size_t read = 0;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    const uInt given = part(in.size() - read);
+    stream.next_in = reinterpret_cast<Bytef*>(in.data() + read);
+    stream.avail_in = given;
+    stream.next_out = reinterpret_cast<Bytef*>(chunk.data());
+    stream.avail_out = part(chunk.size());
+    status = deflate(&stream, read + given == in.size() ? Z_FINISH : Z_NO_FLUSH);
+    read += given - stream.avail_in;
+    out.append(chunk, 0, chunk.size() - stream.avail_out);
+  }
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) throw Error(ErrorKind::kInternal, "zlib: deflate failed");
+  return out;
+}
+
+#ifdef SIMULI_HAS_ZSTD
+bool has_zstd() { return true; }
+
+std::string unzstd(const char* bytes, std::size_t count, std::size_t size, const std::string& file) {
+  std::string out(size, '\0');
+  const std::size_t got = ZSTD_decompress(out.data(), out.size(), bytes, count);
+  if (ZSTD_isError(got) != 0U || got != size) {
+    throw_input_error(file, "Zstandard data", "damaged, cut short or of another size", "whole");
+  }
+  return out;
+}
+#else
+bool has_zstd() { return false; }
+
+std::string unzstd(const char*, std::size_t, std::size_t, const std::string& file) {
+  throw_input_error(file, "compression", "Zstandard, which this build can't read", "a build with libzstd");
+}
+#endif
+
+}  // namespace simuli

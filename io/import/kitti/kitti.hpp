@@ -1,0 +1,44 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "io/log/log.hpp"
+
+namespace simuli {
+
+struct KittiOptions {
+  /// Folder of one drive (".../2011_09_26_drive_0013_sync"), calibration in its parent.
+  std::filesystem::path drive;
+  /// JSON with "frames": [{"index", "world_from_velo" 4x4 at "t_sweep_forward", ...}]; empty: poses from
+  /// oxts, interpolated by timestamp.
+  std::filesystem::path poses;
+  std::filesystem::path output;
+  /// Label file of the KITTI tracking benchmark whose frames are the drive's; empty: no actors.
+  std::filesystem::path tracking = {};
+  /// The rig rests where it is: for logs whose path is found later (`simuli align`).
+  bool without_poses = false;
+  /// Beam table to read the sweeps with, of a sensor that turns clockwise; empty: the built-in kitti_hdl64e.
+  std::filesystem::path lidar = {};
+};
+
+/// What became of the points; shares are of these counts.
+struct KittiReport {
+  std::size_t points = 0;              // in the sweeps' files
+  std::size_t unplaced = 0;            // belong to no beam and are not in the log (above 0.5 %: an error)
+  std::size_t ring_agrees = 0;         // placed points whose ring in the file is the beam of their elevation
+  std::size_t rays = 0;                // of all firing grids
+  std::size_t returned = 0;            // rays with a return: points - unplaced
+  double azimuth_shift_max_rad = 0.0;  // farthest that a measured ray lies from its column's even spacing
+};
+
+/// Imports a KITTI raw drive (left colour camera, HDL-64E, oxts) and writes the log folder. The rig's frame
+/// is the velodyne's, the world's is that at the first pose. The output appears complete or not at all.
+/// `progress(done, total)` is called after every frame. Error{kInput} for anything missing, truncated or not
+/// a number, naming the file; frames that lack both image and sweep at the end of the drive are left out.
+Log import_kitti(const KittiOptions& options,
+                 const std::function<void(std::size_t, std::size_t)>& progress = {},
+                 KittiReport* report = nullptr);
+
+}  // namespace simuli

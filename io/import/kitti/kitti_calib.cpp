@@ -1,0 +1,100 @@
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+#include "io/import/kitti/kitti_parts.hpp"
+
+namespace simuli::kitti {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files print 7 digits.
+constexpr double kRotationTolerance = 1e-4;
+
+/// One calibration file, read key by key.
+class CalibrationFile {
+ public:
+  explicit CalibrationFile(fs::path file) : file_(std::move(file)), values_(read_key_lines(file_)) {}
+
+  [[nodiscard]] std::vector<double> numbers(const std::string& key, std::size_t count) const {
+    const auto it = values_.find(key);
+    if (it == values_.end()) {
+      throw_input_error(file_.string(), key, "no such key", fmt::format("{} numbers", count));
+    }
+    return parse_numbers(it->second, count, file_, key);
+  }
+
+  [[nodiscard]] Eigen::Matrix3d rotation(const std::string& key) const {
+    const std::vector<double> v = numbers(key, 9);
+    const Eigen::Matrix3d r = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(v.data());
+    const double off = (r * r.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    if (!(off <= kRotationTolerance && r.determinant() > 0.0)) {
+      throw_input_error(file_.string(),
+                        key,
+                        fmt::format("a matrix {:.3g} off a rotation", off),
+                        fmt::format("a rotation within {}", kRotationTolerance));
+    }
+    return r;
+  }
+
+  /// The rigid transform of the keys R and T.
+  [[nodiscard]] Pose transform() const {
+    Eigen::Matrix<double, 3, 4> m;
+    m.leftCols<3>() = rotation("R");
+    const std::vector<double> t = numbers("T", 3);
+    m.col(3) = Eigen::Map<const Eigen::Vector3d>(t.data());
+    return Pose::from_matrix(m);
+  }
+
+  [[nodiscard]] std::string name() const { return file_.string(); }
+
+ private:
+  fs::path file_;
+  std::map<std::string, std::string> values_;
+};
+
+int whole_pixels(double size, const std::string& file) {
+  if (!(size >= 1.0 && size <= 65536.0 && size == std::floor(size))) {
+    throw_input_error(file, "S_rect_02", fmt::format("{}", size), "whole pixels, 1 to 65536");
+  }
+  return static_cast<int>(size);
+}
+
+}  // namespace
+
+Calibration read_calibration(const fs::path& date_folder, bool with_imu) {
+  Calibration calibration;
+  const CalibrationFile cameras(date_folder / "calib_cam_to_cam.txt");
+  const std::vector<double> size = cameras.numbers("S_rect_02", 2);
+  const std::vector<double> p = cameras.numbers("P_rect_02", 12);  // 3x4, row-major
+  if (!(p[1] == 0.0 && p[4] == 0.0 && p[8] == 0.0 && p[9] == 0.0 && p[10] == 1.0 && p[0] > 0.0 &&
+        p[5] > 0.0)) {
+    throw_input_error(cameras.name(), "P_rect_02", "another form", "f 0 cx a 0 f cy b 0 0 1 c, f above 0");
+  }
+  Camera& camera = calibration.camera;
+  camera.name = "image_02";
+  camera.width = whole_pixels(size[0], cameras.name());
+  camera.height = whole_pixels(size[1], cameras.name());
+  camera.fx = p[0];
+  camera.fy = p[5];
+  // KITTI's pixel (0, 0) has its centre at (0, 0), ours at (0.5, 0.5).
+  camera.cx = p[2] + 0.5;
+  camera.cy = p[6] + 0.5;
+  validate(camera, cameras.name());
+
+  // P_rect_02 = K [1 | t]: image_02's centre stands t off the rectified frame of camera 0.
+  const Eigen::Vector3d baseline((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);
+  Eigen::Matrix<double, 3, 4> rect_from_cam00;
+  rect_from_cam00 << cameras.rotation("R_rect_00"), Eigen::Vector3d::Zero();
+  const Pose cam00_from_velo = CalibrationFile(date_folder / "calib_velo_to_cam.txt").transform();
+  calibration.rect00_from_velo = Pose::from_matrix(rect_from_cam00) * cam00_from_velo;
+  calibration.cam02_from_velo = calibration.rect00_from_velo;
+  calibration.cam02_from_velo.translation += baseline;
+  if (with_imu) {
+    calibration.velo_from_imu = CalibrationFile(date_folder / "calib_imu_to_velo.txt").transform();
+  }
+  return calibration;
+}
+
+}  // namespace simuli::kitti

@@ -1,0 +1,105 @@
+// Boxes of the KITTI tracking benchmark -> actors.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <sstream>
+
+#include "host/base/error.hpp"
+#include "io/import/kitti/kitti_parts.hpp"
+
+namespace simuli::kitti {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// frame, track id, type, truncated, occluded, alpha, left, top, right, bottom, height, width, length, x, y,
+/// z, rotation_y (development kit of the benchmark).
+constexpr std::size_t kColumns = 17;
+constexpr int kNumbersFrom = 3;  // columns behind the type
+
+struct Label {
+  int frame = 0;
+  int track = 0;
+  std::string type;
+  Eigen::Vector3d size_m;  // length, width, height
+  Pose rect00_from_box;
+};
+
+int parse_index(const std::string& text, const fs::path& file, const std::string& field) {
+  int value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || value < -1) {
+    throw_input_error(file.string(), field, '"' + text.substr(0, 40) + '"', "a whole number");
+  }
+  return value;
+}
+
+Label parse_label(const std::string& line, const fs::path& file, const std::string& where) {
+  std::istringstream words(line);
+  std::array<std::string, kNumbersFrom> head;
+  words >> head[0] >> head[1] >> head[2];
+  std::string rest;
+  std::getline(words, rest);
+  const std::vector<double> v = parse_numbers(rest, kColumns - kNumbersFrom, file, where);
+  Label label;
+  label.frame = parse_index(head[0], file, where + ": frame");
+  label.track = parse_index(head[1], file, where + ": track id");
+  label.type = head[2];
+  label.size_m = {v[9], v[8], v[7]};
+  // x of the box is its length, turned about the camera's y (down); the labelled point is under its middle.
+  const double yaw = v[13];
+  Eigen::Matrix<double, 3, 4> rect00_from_box;
+  rect00_from_box.col(0) << std::cos(yaw), 0.0, -std::sin(yaw);
+  rect00_from_box.col(2) << 0.0, -1.0, 0.0;
+  rect00_from_box.col(1) = rect00_from_box.col(2).head<3>().cross(rect00_from_box.col(0).head<3>());
+  rect00_from_box.col(3) << v[10], v[11] - 0.5 * label.size_m.z(), v[12];
+  label.rect00_from_box = Pose::from_matrix(rect00_from_box);
+  return label;
+}
+
+/// When the spin, clockwise from behind, passes the box's middle.
+double time_met(const Eigen::Vector3d& p_velo, double start_s, double end_s) {
+  const double azimuth = std::atan2(p_velo.y(), p_velo.x());
+  return start_s + (std::numbers::pi - azimuth) / (2.0 * std::numbers::pi) * (end_s - start_s);
+}
+
+}  // namespace
+
+std::vector<Actor> read_tracking(const fs::path& file,
+                                 const Pose& rect00_from_velo,
+                                 const SweepTimes& sweeps) {
+  const Pose velo_from_rect00 = rect00_from_velo.inverse();
+  std::map<int, Actor> actors;
+  for (const auto& [number, line] : numbered_lines(file)) {
+    const std::string where = fmt::format("line {}", number);
+    const Label label = parse_label(line, file, where);
+    if (label.type == "DontCare" || static_cast<std::size_t>(label.frame) >= sweeps.start_s.size()) continue;
+    const auto frame = static_cast<std::size_t>(label.frame);
+    const Pose velo_from_box = velo_from_rect00 * label.rect00_from_box;
+    KeyPose key;
+    key.time_s = time_met(velo_from_box.translation, sweeps.start_s[frame], sweeps.end_s[frame]);
+    key.world_from_actor = sweeps.world_from_velo.at(key.time_s) * velo_from_box;
+    Actor& actor = actors[label.track];
+    if (actor.track.empty()) {
+      actor.kind = label.type;
+      std::transform(actor.kind.begin(), actor.kind.end(), actor.kind.begin(), [](unsigned char letter) {
+        return static_cast<char>(std::tolower(letter));
+      });
+      actor.name = fmt::format("{}_{}", actor.kind, label.track);
+    }
+    actor.size_m = actor.size_m.cwiseMax(label.size_m);
+    actor.track.push_back(key);
+  }
+  std::vector<Actor> out;
+  for (auto& [track, actor] : actors) {
+    validate(actor, file.string());
+    out.push_back(std::move(actor));
+  }
+  return out;
+}
+
+}  // namespace simuli::kitti

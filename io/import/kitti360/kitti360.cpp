@@ -1,0 +1,229 @@
+#include "io/import/kitti360/kitti360.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/import/kitti360/kitti360_parts.hpp"
+#include "io/import/kitti/kitti_parts.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace kitti360;
+
+constexpr double kTurn_s = 0.1;           // of the sensor, where the frames beside are not there
+constexpr double kMostPastPath_s = 0.15;  // half a turn more is what a trajectory can be continued by
+
+/// A picture or a sweep.
+struct Recording {
+  fs::path file;
+  std::size_t frame = 0;
+  double start_s = 0.0, end_s = 0.0;
+};
+
+std::string find_sequence(const Kitti360Options& options) {
+  if (!options.sequence.empty()) return options.sequence;
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(options.root / "data_poses", error)) {
+    if (fs::exists(entry.path() / "poses.txt")) found.push_back(entry.path().filename().string());
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() == 1) return found.front();
+  throw_input_error((options.root / "data_poses").string(),
+                    "sequences",
+                    found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", ")),
+                    found.empty() ? "at least one" : "one of them as --sequence");
+}
+
+/// Of every frame: a blank line would make all after it another frame's.
+std::vector<std::int64_t> read_times(const fs::path& file) {
+  std::vector<std::int64_t> times = kitti::read_timestamps_ns(file);
+  const auto lines = kitti::numbered_lines(file);
+  if (!lines.empty() && lines.back().first == lines.size()) return times;
+  throw_input_error(file.string(), "lines", lines.empty() ? "none" : "blank ones", "a time in each");
+}
+
+/// Where the pictures of the cameras are that are there.
+std::vector<std::pair<std::string, fs::path>> find_cameras(const fs::path& pictures) {
+  std::vector<std::pair<std::string, fs::path>> found;
+  std::error_code ignored;
+  for (const char* name : {"image_00", "image_01", "image_02", "image_03"}) {
+    const bool rectified = std::string(name) < "image_02";
+    const fs::path folder = pictures / name / (rectified ? "data_rect" : "data_rgb");
+    if (fs::is_directory(folder, ignored)) found.emplace_back(name, folder);
+  }
+  return found;
+}
+
+/// Half the time between a turn and its neighbours to either side.
+double half_turn_s(const std::vector<std::int64_t>& times_ns, std::size_t frame) {
+  double turn_s = kTurn_s;
+  for (const std::size_t later : {frame, frame + 1}) {
+    if (later == 0 || later >= times_ns.size()) continue;
+    const double apart_s = static_cast<double>(times_ns[later] - times_ns[later - 1]) * 1e-9;
+    if (apart_s > 0.0) turn_s = std::min(turn_s, apart_s);
+  }
+  return 0.5 * turn_s;
+}
+
+class Sequence {
+ public:
+  Sequence(const Kitti360Options& options, Kitti360Report& report)
+      : options_(options), report_(report), name_(find_sequence(options)) {
+    velodyne_ns_ = read_times(points() / "timestamps.txt");
+    last_ = std::min(options.last, velodyne_ns_.size() - 1);
+    if (options.first > last_) {
+      throw_input_error(points().string(),
+                        "frames",
+                        fmt::format("{} to {} of {}", options.first, last_, velodyne_ns_.size()),
+                        "at least one");
+    }
+    start_ns_ = velodyne_ns_[options.first];
+  }
+
+  /// world_from_velo around the frames, world being the velodyne's frame at the first.
+  [[nodiscard]] Trajectory path(const Pose& imu_from_velo) const {
+    constexpr std::size_t kMargin = 2;
+    const fs::path file = options_.root / "data_poses" / name_ / "poses.txt";
+    std::vector<TimedPose> path;
+    Pose world_from_theirs;
+    for (const auto& [frame, theirs_from_imu] : read_poses(file)) {
+      if (frame + kMargin < options_.first || frame > last_ + kMargin || frame >= velodyne_ns_.size())
+        continue;
+      const Pose theirs_from_velo = theirs_from_imu * imu_from_velo;
+      if (path.empty()) world_from_theirs = theirs_from_velo.inverse();
+      path.push_back({seconds(velodyne_ns_[frame]), world_from_theirs * theirs_from_velo});
+    }
+    if (path.empty()) throw_input_error(file.string(), "poses of these frames", "none", "at least one");
+    return with_context("reading " + file.string(), [&] { return Trajectory(std::move(path)); });
+  }
+
+  [[nodiscard]] std::vector<Recording> sweeps(const Trajectory& path) const {
+    return present(points() / "data", ".bin", path, velodyne_ns_, [&](std::size_t frame) {
+      return half_turn_s(velodyne_ns_, frame);
+    });
+  }
+  [[nodiscard]] std::vector<Recording> pictures(const fs::path& folder, const Trajectory& path) const {
+    return present(
+        folder, ".png", path, read_times(folder.parent_path() / "timestamps.txt"), [](std::size_t) {
+          return 0.0;
+        });
+  }
+  [[nodiscard]] std::vector<std::pair<std::string, fs::path>> cameras() const {
+    return find_cameras(options_.root / "data_2d_raw" / name_);
+  }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::int64_t start_ns() const { return start_ns_; }
+
+ private:
+  [[nodiscard]] fs::path points() const { return options_.root / "data_3d_raw" / name_ / "velodyne_points"; }
+  [[nodiscard]] double seconds(std::int64_t ns) const { return static_cast<double>(ns - start_ns_) * 1e-9; }
+
+  /// The frames' files that are there and near enough to a pose; each lasts `half_s` to either side.
+  template <class Half>
+  [[nodiscard]] std::vector<Recording> present(const fs::path& folder,
+                                               const char* ending,
+                                               const Trajectory& path,
+                                               const std::vector<std::int64_t>& times_ns,
+                                               const Half& half_s) const {
+    std::vector<Recording> found;
+    std::error_code ignored;
+    for (std::size_t frame = options_.first; frame <= last_; ++frame) {
+      const fs::path file = folder / fmt::format("{:010}{}", frame, ending);
+      if (frame >= times_ns.size() || !fs::is_regular_file(file, ignored)) {
+        ++report_.absent;
+        continue;
+      }
+      const double time_s = seconds(times_ns[frame]);
+      if (time_s < path.start_s() - kMostPastPath_s || time_s > path.end_s() + kMostPastPath_s) {
+        ++report_.unposed;
+        continue;
+      }
+      found.push_back({file, frame, time_s - half_s(frame), time_s + half_s(frame)});
+    }
+    return found;
+  }
+
+  const Kitti360Options& options_;
+  Kitti360Report& report_;
+  std::string name_;
+  std::vector<std::int64_t> velodyne_ns_;
+  std::size_t last_ = 0;
+  std::int64_t start_ns_ = 0;
+};
+
+}  // namespace
+
+Log import_kitti360(const Kitti360Options& options,
+                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    Kitti360Report& report) {
+  const Sequence sequence(options, report);
+  const auto cameras = sequence.cameras();
+  std::vector<std::string> names;
+  for (const auto& [name, folder] : cameras) names.push_back(name);
+  Calibration calibration = read_calibration(options.root / "calibration", names);
+
+  Log log;
+  log.name = sequence.name();
+  log.start_ns = sequence.start_ns();
+  log.cameras = std::move(calibration.cameras);
+  log.world_from_rig = sequence.path(calibration.imu_from_velo);
+  const std::vector<Recording> sweeps = sequence.sweeps(log.world_from_rig);
+  std::vector<std::vector<Recording>> pictures;
+  std::size_t total = sweeps.size(), done = 0;
+  for (const auto& [name, folder] : cameras) {
+    pictures.push_back(sequence.pictures(folder, log.world_from_rig));
+    total += pictures.back().size();
+  }
+  if (total == 0) throw_input_error(options.root.string(), "pictures and sweeps", "none", "at least one");
+  if (!sweeps.empty()) {
+    std::vector<fs::path> files;
+    for (const Recording& sweep : sweeps) files.push_back(sweep.file);
+    log.lidars = {{kitti::fit_lidar(files, kitti::read_beam_table(options.lidar, kTurn_s), report.points),
+                   Pose{}}};  // the rig's frame is the velodyne's
+  }
+
+  Log written;
+  write_folder_atomically(options.output, [&](const fs::path& folder) {
+    log.folder = folder;
+    fs::create_directory(folder / "images");
+    fs::create_directory(folder / "sweeps");
+    const auto step = [&] {
+      if (progress) progress(++done, total);
+    };
+    for (const Recording& sweep : sweeps) {
+      const Lidar& lidar = log.lidars[0].with_rows();
+      const std::string file = fmt::format("sweeps/{:010}.exr", sweep.frame);
+      write_sweep(folder / file, kitti::read_turn(sweep.file, lidar, kTurn_s, report.points));
+      log.sweeps.push_back({lidar.name, file, sweep.start_s, sweep.end_s});
+      step();
+    }
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      for (const Recording& picture : pictures[c]) {
+        const std::string file = fmt::format("images/{}_{:010}.png", names[c], picture.frame);
+        copy_picture(picture.file, folder / file, log.cameras[c].model, "calibration");
+        log.images.push_back({names[c], file, picture.start_s, picture.end_s});
+        step();
+      }
+    }
+    std::stable_sort(log.images.begin(), log.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
+      return a.time_start_s < b.time_start_s;
+    });
+    write_log(log);
+    written = read_log(folder);  // what was written is what the next command will read
+  });
+  written.folder = options.output;
+  return written;
+}
+
+}  // namespace simuli

@@ -1,0 +1,308 @@
+#include "io/import/nuscenes/nuscenes.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <map>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/base/json_reader.hpp"
+#include "io/import/nuscenes/nuscenes_sweep.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLidar = "LIDAR_TOP";
+
+/// A table: entries by token, each with the function that reads it.
+template <class Read>
+void read_table(const fs::path& folder, const char* name, Read&& read) {
+  const fs::path path = folder / (std::string(name) + ".json");
+  const std::string file = path.string();
+  const Json root = parse_json(read_file(path), file);
+  if (!root.is_array()) throw_input_error(file, "root", "no array", "[{\"token\": ...}, ...]");
+  for (std::size_t i = 0; i < root.size(); ++i) {
+    JsonObject entry(file, fmt::format("[{}]", i), root[i]);
+    entry.ignore_other_keys();
+    read(entry);
+  }
+}
+
+Pose pose_of(JsonObject& entry) {
+  const Eigen::Vector4d q = entry.vector<4>("rotation");
+  if (!(q.norm() > 0.5 && q.norm() < 2.0)) {
+    throw_input_error(entry.file(), entry.field("rotation"), "no rotation", "a unit quaternion");
+  }
+  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), entry.vector<3>("translation")};
+}
+
+/// The value under a token that another table names.
+template <class T>
+const T& linked(const std::map<std::string, T>& table, JsonObject& entry, const char* key) {
+  const auto found = table.find(entry.text(key));
+  if (found != table.end()) return found->second;
+  throw_input_error(entry.file(), entry.field(key), "a token of no entry", "one of the table it leads to");
+}
+
+struct Sensor {
+  std::string channel, modality;
+};
+struct Mounted {
+  Sensor sensor;
+  Pose rig_from_sensor;
+  std::vector<double> intrinsic;  // 3 x 3; empty for LiDARs
+};
+struct Recording {
+  std::string channel, file;
+  std::string calibration;  // token
+  std::int64_t time_ns = 0;
+  int width = 0, height = 0;
+};
+
+struct Tables {
+  std::map<std::string, Mounted> mounted;  // by token of calibrated_sensor
+  std::vector<Recording> recordings;       // of the scene, by time
+  std::vector<TimedPose> path;
+  std::vector<Actor> actors;
+  std::string scene;
+  std::int64_t start_ns = 0;
+};
+
+fs::path table_folder(const NuscenesOptions& options) {
+  if (!options.version.empty()) return options.root / options.version;
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(options.root, error)) {
+    if (fs::exists(entry.path() / "sample_data.json")) found.push_back(entry.path().filename().string());
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() == 1) return options.root / found.front();
+  throw_input_error(options.root.string(),
+                    "folders of tables",
+                    found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", ")),
+                    found.empty() ? "one such as v1.0-mini" : "one of them as --version");
+}
+
+/// The token of the scene asked for.
+std::string find_scene(const fs::path& folder, const NuscenesOptions& options, Tables& tables) {
+  std::map<std::string, std::string> token_of;
+  read_table(folder, "scene", [&](JsonObject& s) { token_of[s.text("name")] = s.text("token"); });
+  std::vector<std::string> names;
+  for (const auto& [name, token] : token_of) names.push_back(name);
+  const bool only = options.scene.empty() && names.size() == 1;
+  tables.scene = only ? names.front() : options.scene;
+  const auto found = token_of.find(tables.scene);
+  if (found != token_of.end()) return found->second;
+  throw_input_error((folder / "scene.json").string(),
+                    "scene",
+                    '"' + options.scene + '"',
+                    names.empty() ? "at least one" : fmt::format("--scene {}", fmt::join(names, ", ")));
+}
+
+std::int64_t time_ns(JsonObject& entry) {
+  constexpr std::int64_t kMost_us = 4'000'000'000'000'000;  // 2096
+  return 1000 * entry.integer("timestamp", 0, kMost_us);
+}
+
+/// Boxes of the scene's samples, one actor per instance: "car_3" by the order of the table.
+std::vector<Actor> read_actors(const fs::path& folder,
+                               const std::map<std::string, std::int64_t>& sample_ns,
+                               std::int64_t start_ns) {
+  std::map<std::string, std::string> category;
+  read_table(folder, "category", [&](JsonObject& c) { category[c.text("token")] = c.text("name"); });
+  std::map<std::string, std::string> kind;  // by instance
+  read_table(folder, "instance", [&](JsonObject& i) {
+    kind[i.text("token")] = linked(category, i, "category_token");
+  });
+  std::vector<Actor> actors;
+  std::map<std::string, std::size_t> index;
+  read_table(folder, "sample_annotation", [&](JsonObject& a) {
+    const auto sample = sample_ns.find(a.text("sample_token"));
+    if (sample == sample_ns.end()) return;  // of another scene
+    const std::string name = linked(kind, a, "instance_token");
+    const auto [entry, is_new] = index.emplace(a.text("instance_token"), actors.size());
+    if (is_new) {
+      const Eigen::Vector3d size = a.vector<3>("size");  // width, length, height
+      const std::string last = name.substr(name.rfind('.') + 1);
+      actors.push_back({fmt::format("{}_{}", last, actors.size()), name, {size[1], size[0], size[2]}, {}});
+    }
+    actors[entry->second].track.push_back(
+        {static_cast<double>(sample->second - start_ns) * 1e-9, pose_of(a)});
+  });
+  for (Actor& actor : actors) {
+    std::sort(actor.track.begin(), actor.track.end(), [](const KeyPose& a, const KeyPose& b) {
+      return a.time_s < b.time_s;
+    });
+    validate(actor, (folder / "sample_annotation.json").string());
+  }
+  return actors;
+}
+
+Tables read_tables(const NuscenesOptions& options) {
+  const fs::path folder = table_folder(options);
+  Tables t;
+  const std::string scene = find_scene(folder, options, t);
+  std::map<std::string, std::int64_t> sample_ns;
+  read_table(folder, "sample", [&](JsonObject& s) {
+    if (s.text("scene_token") == scene) sample_ns[s.text("token")] = time_ns(s);
+  });
+  std::map<std::string, Sensor> sensors;
+  read_table(folder, "sensor", [&](JsonObject& s) {
+    sensors[s.text("token")] = {s.text("channel"), s.text("modality")};
+  });
+  read_table(folder, "calibrated_sensor", [&](JsonObject& c) {
+    Mounted m{linked(sensors, c, "sensor_token"), pose_of(c), {}};
+    if (m.sensor.modality == "camera") {
+      for (const Json& row : c.get("camera_intrinsic")) {
+        for (const Json& value : row) m.intrinsic.push_back(value.is_number() ? value.get<double>() : 0.0);
+      }
+      if (m.intrinsic.size() != 9) {
+        throw_input_error(c.file(), c.field("camera_intrinsic"), "another shape", "3 x 3 numbers");
+      }
+    }
+    t.mounted[c.text("token")] = std::move(m);
+  });
+  std::map<std::string, std::int64_t> pose_ns;  // of the ego poses that the scene needs
+  read_table(folder, "sample_data", [&](JsonObject& d) {
+    if (!sample_ns.contains(d.text("sample_token"))) return;
+    const Mounted& m = linked(t.mounted, d, "calibrated_sensor_token");
+    const bool is_camera = m.sensor.modality == "camera";
+    if (!is_camera && m.sensor.channel != kLidar) return;  // radars
+    Recording r{m.sensor.channel, d.text("filename"), d.text("calibrated_sensor_token"), time_ns(d), 0, 0};
+    if (is_camera) {
+      r.width = static_cast<int>(d.integer("width", 1, 65536));
+      r.height = static_cast<int>(d.integer("height", 1, 65536));
+    }
+    pose_ns[d.text("ego_pose_token")] = r.time_ns;
+    t.recordings.push_back(std::move(r));
+  });
+  if (t.recordings.empty()) {
+    throw_input_error((folder / "sample_data.json").string(), "entries of " + t.scene, "none", "some");
+  }
+  std::stable_sort(t.recordings.begin(), t.recordings.end(), [](const Recording& a, const Recording& b) {
+    return a.time_ns < b.time_ns;
+  });
+  t.start_ns = t.recordings.front().time_ns;
+  std::map<std::int64_t, Pose> path;
+  read_table(folder, "ego_pose", [&](JsonObject& p) {
+    const auto found = pose_ns.find(p.text("token"));
+    if (found != pose_ns.end()) path[found->second] = pose_of(p);
+  });
+  for (const auto& [ns, pose] : path) {
+    t.path.push_back({static_cast<double>(ns - t.start_ns) * 1e-9, pose});
+  }
+  t.actors = read_actors(folder, sample_ns, t.start_ns);
+  return t;
+}
+
+Camera camera_of(const Recording& r, const Mounted& m) {
+  Camera c;
+  c.name = r.channel;
+  c.width = r.width;
+  c.height = r.height;
+  c.fx = m.intrinsic[0];
+  c.fy = m.intrinsic[4];
+  c.cx = m.intrinsic[2] + 0.5;  // they count from the centre of the first pixel
+  c.cy = m.intrinsic[5] + 0.5;
+  validate(c, "calibrated_sensor.json");
+  return c;
+}
+
+/// Start of each sweep: the end of the one before, or a turn before its own end.
+std::vector<double> sweep_starts(const std::vector<double>& ends_s, double turn_s) {
+  std::vector<double> starts;
+  for (std::size_t i = 0; i < ends_s.size(); ++i) {
+    const bool follows = i > 0 && ends_s[i] - ends_s[i - 1] < 1.5 * turn_s;
+    starts.push_back(follows ? ends_s[i - 1] : ends_s[i] - turn_s);
+  }
+  return starts;
+}
+
+}  // namespace
+
+Log import_nuscenes(const NuscenesOptions& options,
+                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    NuscenesReport& report) {
+  Tables t = read_tables(options);
+  Log log;
+  log.name = t.scene;
+  log.start_ns = t.start_ns;
+  log.actors = std::move(t.actors);
+  std::error_code ignored;
+  report.absent = std::erase_if(
+      t.recordings, [&](const Recording& r) { return !fs::is_regular_file(options.root / r.file, ignored); });
+  std::vector<const Recording*> pictures, turns;
+  std::set<std::string> known;
+  for (const Recording& r : t.recordings) {
+    (r.channel == kLidar ? turns : pictures).push_back(&r);
+    const Mounted& m = t.mounted.at(r.calibration);
+    if (r.channel != kLidar && known.insert(r.channel).second) {
+      log.cameras.push_back({camera_of(r, m), m.rig_from_sensor});
+    }
+  }
+  if (pictures.empty() && turns.empty()) {
+    throw_input_error(
+        options.root.string(), "files", fmt::format("none of {}", report.absent), "at least one");
+  }
+  const auto seconds = [&](const Recording* r) {
+    return static_cast<double>(r->time_ns - t.start_ns) * 1e-9;
+  };
+  constexpr double kTurn_s = 0.05;
+  std::vector<double> ends_s;
+  for (const Recording* r : turns) ends_s.push_back(seconds(r));
+  const std::vector<double> starts_s = sweep_starts(ends_s, kTurn_s);
+  log.world_from_rig = Trajectory(std::move(t.path));
+  if (!turns.empty()) {
+    std::vector<fs::path> files;
+    for (const Recording* r : turns) files.push_back(options.root / r->file);
+    log.lidars = {
+        {nuscenes::lidar_of(files, kLidar), t.mounted.at(turns.front()->calibration).rig_from_sensor}};
+  }
+
+  Log written;
+  write_folder_atomically(options.output, [&](const fs::path& folder) {
+    log.folder = folder;
+    fs::create_directory(folder / "images");
+    fs::create_directory(folder / "sweeps");
+    std::size_t done = 0;
+    const auto step = [&] {
+      if (progress) progress(++done, pictures.size() + turns.size());
+    };
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      const Recording& r = *pictures[i];
+      const std::string file = fmt::format("images/{}_{:06}.jpg", r.channel, i);
+      copy_picture(options.root / r.file, folder / file, log.camera(r.channel).model, "sample_data.json");
+      log.images.push_back({r.channel, file, seconds(&r), seconds(&r)});
+      step();
+    }
+    for (std::size_t i = 0; i < turns.size(); ++i) {
+      const std::string file = fmt::format("sweeps/{:06}.exr", i);
+      const Pose& mount = log.lidars[0].rig_from_lidar;
+      const Pose start_from_end =
+          (log.world_from_rig.at(starts_s[i]) * mount).inverse() * (log.world_from_rig.at(ends_s[i]) * mount);
+      const Sweep sweep =
+          nuscenes::read_turn(options.root / turns[i]->file, log.lidars[0].with_rows(), start_from_end);
+      write_sweep(folder / file, sweep);
+      report.rays += sweep.range.size();
+      report.returned += static_cast<std::size_t>(
+          std::count_if(sweep.range.begin(), sweep.range.end(), [](float r) { return r > 0.0F; }));
+      log.sweeps.push_back({kLidar, file, starts_s[i], ends_s[i]});
+      step();
+    }
+    write_log(log);
+    written = read_log(folder);  // what was written is what the next command will read
+  });
+  written.folder = options.output;
+  return written;
+}
+
+}  // namespace simuli

@@ -1,0 +1,153 @@
+#include "io/import/photos/nerfstudio.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/base/json_reader.hpp"
+#include "io/splat/ply.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A number of the frame, or else of all frames.
+class Intrinsics {
+ public:
+  Intrinsics(JsonObject& all, JsonObject& frame) : all_(all), frame_(frame) {}
+  [[nodiscard]] bool has(const std::string& key) const { return frame_.has(key) || all_.has(key); }
+  [[nodiscard]] double number(const std::string& key) {
+    return frame_.has(key) ? frame_.number(key) : all_.number(key);
+  }
+  [[nodiscard]] double number_or(const std::string& key, double other) {
+    return has(key) ? number(key) : other;
+  }
+  [[nodiscard]] std::string text_or(const std::string& key, const std::string& other) {
+    if (frame_.has(key)) return frame_.text(key);
+    return all_.has(key) ? all_.text(key) : other;
+  }
+
+ private:
+  JsonObject& all_;
+  JsonObject& frame_;
+};
+
+int pixels(Intrinsics& of, const char* key, const std::string& file) {
+  const double value = of.number(key);
+  if (value >= 1.0 && value <= 65536.0 && value == std::floor(value)) return static_cast<int>(value);
+  throw_input_error(file, key, fmt::format("{}", value), "a whole number from 1 to 65536");
+}
+
+Camera camera_of(Intrinsics& of, const std::string& file) {
+  Camera c;
+  c.width = pixels(of, "w", file);
+  c.height = pixels(of, "h", file);
+  if (of.has("fl_x")) {
+    c.fx = of.number("fl_x");
+  } else {
+    c.fx = 0.5 * c.width / std::tan(0.5 * of.number("camera_angle_x"));
+  }
+  c.fy = of.number_or("fl_y", c.fx);
+  c.cx = of.number_or("cx", 0.5 * c.width);
+  c.cy = of.number_or("cy", 0.5 * c.height);
+  const std::string model = of.text_or("camera_model", "OPENCV");
+  const auto k = [&](const char* key) { return of.number_or(key, 0.0); };
+  if (model == "OPENCV_FISHEYE") {
+    c.lens = Lens(LensKind::kOpencvFisheye, {k("k1"), k("k2"), k("k3"), k("k4"), std::numbers::pi}, file);
+  } else if (model == "OPENCV" || model == "SIMPLE_RADIAL" || model == "RADIAL") {
+    std::vector<double> lens(lens_parameter_names(LensKind::kOpencvPinhole).size(), 0.0);
+    constexpr std::array kKeys{"k1", "k2", "p1", "p2", "k3"};
+    for (std::size_t i = 0; i < kKeys.size(); ++i) lens[i] = k(kKeys[i]);
+    const bool plain = std::all_of(lens.begin(), lens.end(), [](double value) { return value == 0.0; });
+    lens.back() = std::numbers::pi;
+    if (!plain) c.lens = Lens(LensKind::kOpencvPinhole, lens, file);
+  } else if (model != "PINHOLE" && model != "SIMPLE_PINHOLE") {
+    throw_input_error(file, "camera_model", '"' + model + '"', "PINHOLE, OPENCV or OPENCV_FISHEYE");
+  }
+  validate(c, file);
+  return c;
+}
+
+bool same(const Camera& a, const Camera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
+         a.cy == b.cy && a.lens.kind() == b.lens.kind() && a.lens.parameters() == b.lens.parameters();
+}
+
+/// Index of that camera in the set, added when it is a new one.
+std::size_t camera_index(PhotoSet& set, Camera camera) {
+  const auto known =
+      std::find_if(set.cameras.begin(), set.cameras.end(), [&](const Camera& c) { return same(c, camera); });
+  const auto index = static_cast<std::size_t>(known - set.cameras.begin());
+  if (known != set.cameras.end()) return index;
+  camera.name = fmt::format("camera_{}", index);
+  set.cameras.push_back(std::move(camera));
+  return index;
+}
+
+/// 3 or 4 rows of 4, camera x right, y up, z back; ours looks along z, y down.
+Pose pose_of(const Json& rows, const std::string& file, const std::string& field) {
+  Eigen::Matrix<double, 3, 4> m;
+  const auto refuse = [&](const char* found) { throw_input_error(file, field, found, "a 4 x 4 matrix"); };
+  if (!rows.is_array() || rows.size() < 3 || rows.size() > 4) refuse("other rows");
+  for (Eigen::Index r = 0; r < 3; ++r) {
+    const Json& row = rows[static_cast<std::size_t>(r)];
+    if (!row.is_array() || row.size() != 4) refuse("other columns");
+    for (Eigen::Index c = 0; c < 4; ++c) {
+      const Json& value = row[static_cast<std::size_t>(c)];
+      if (!value.is_number()) refuse("no number");
+      m(r, c) = value.get<double>();
+    }
+  }
+  m.col(1) = -m.col(1);
+  m.col(2) = -m.col(2);
+  return with_context(file + ": " + field, [&] { return Pose::from_matrix(m); });
+}
+
+fs::path photo_file(const fs::path& folder, const std::string& name) {
+  const fs::path path = folder / name;
+  return path.has_extension() ? path : fs::path(path.string() + ".png");  // as Blender's sets leave it out
+}
+
+}  // namespace
+
+PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
+  std::error_code ignored;
+  const fs::path file = fs::is_directory(options.transforms, ignored) ? options.transforms / "transforms.json"
+                                                                      : options.transforms;
+  const fs::path folder = file.parent_path();
+  PhotoSet set;
+  set.source = file.string();
+  read_json_text(read_file(file), set.source, [&](JsonObject& root) {
+    root.ignore_other_keys();
+    (void)root.objects("frames", [&](JsonObject& frame) {
+      frame.ignore_other_keys();
+      Intrinsics intrinsics(root, frame);
+      const std::size_t camera = camera_index(set, camera_of(intrinsics, set.source));
+      const Pose pose = pose_of(frame.get("transform_matrix"), set.source, frame.field("transform_matrix"));
+      set.photos.push_back({photo_file(folder, frame.text("file_path")), camera, pose});
+      return 0;
+    });
+    if (root.has("ply_file_path")) set.points = read_points_ply(folder / root.text("ply_file_path"));
+  });
+  // By name, as they were taken: files are not always in order.
+  std::stable_sort(
+      set.photos.begin(), set.photos.end(), [](const Photo& a, const Photo& b) { return a.file < b.file; });
+  return set;
+}
+
+Log import_nerfstudio(const NerfstudioOptions& options,
+                      const std::function<void(std::size_t, std::size_t)>& progress,
+                      PhotoReport& report) {
+  return write_photo_log(read_nerfstudio(options), options.metres_per_unit, options.output, progress, report);
+}
+
+}  // namespace simuli

@@ -1,0 +1,149 @@
+#include "io/import/photos/photo_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "io/splat/cloud_file.hpp"
+#include "io/base/file.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPointDistance_m = 10.0;
+constexpr double kStep_m = 0.5;
+constexpr double kFarthest = 100.0;  // points beyond this many typical distances are mistakes
+
+/// Camera axes on a rig: x forward, y left, z up.
+const Eigen::Quaterniond kRigFromCamera(0.5, -0.5, 0.5, -0.5);
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Distance of each point (at most some thousand) from the nearest photograph.
+std::vector<double> point_distances(const PhotoSet& set) {
+  constexpr std::size_t kMost = 2000;
+  const std::size_t step = std::max<std::size_t>(1, set.points.size() / kMost);
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < set.points.size(); i += step) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Photo& photo : set.photos) {
+      nearest = std::min(nearest, (set.points[i] - photo.world_from_camera.translation).norm());
+    }
+    distances.push_back(nearest);
+  }
+  return distances;
+}
+
+double usual_scale(const PhotoSet& set) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < set.photos.size(); ++i) {
+    steps.push_back(
+        (set.photos[i].world_from_camera.translation - set.photos[i - 1].world_from_camera.translation)
+            .norm());
+  }
+  const double distance = median(point_distances(set));
+  if (distance > 0.0) return kPointDistance_m / distance;
+  const double step = median(steps);
+  return step > 0.0 ? kStep_m / step : 1.0;
+}
+
+/// The least turn that brings the photographs' mean up to +z.
+Eigen::Quaterniond levelled(const PhotoSet& set) {
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const Photo& photo : set.photos) up -= photo.world_from_camera.rotation * Eigen::Vector3d::UnitY();
+  if (!(up.norm() > 0.1 * static_cast<double>(set.photos.size()))) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+}
+
+void keep_present(PhotoSet& set, PhotoReport& report) {
+  const auto is_absent = [](const Photo& photo) {
+    std::error_code ignored;
+    return !fs::is_regular_file(photo.file, ignored);
+  };
+  report.absent = std::erase_if(set.photos, is_absent);
+  if (set.photos.empty()) {
+    throw_input_error(set.source, "photographs", fmt::format("none of {}", report.absent), "at least one");
+  }
+}
+
+void write_points(const PhotoSet& set, double typical_m, const fs::path& file, PhotoReport& report) {
+  PointCloud cloud;
+  cloud.columns = {"x", "y", "z"};
+  cloud.values.resize(static_cast<Eigen::Index>(set.points.size()), 3);
+  Eigen::Index row = 0;
+  for (const Eigen::Vector3d& p : set.points) {
+    if (!p.allFinite() || !(p.norm() <= kFarthest * typical_m)) continue;
+    cloud.values.row(row++) = p.cast<float>();
+  }
+  cloud.values.conservativeResize(row, 3);
+  write_point_cloud(file, cloud);
+  report.points = static_cast<std::size_t>(row);
+}
+
+}  // namespace
+
+Log write_photo_log(PhotoSet set,
+                    double metres_per_unit,
+                    const fs::path& output,
+                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    PhotoReport& report) {
+  keep_present(set, report);
+  report.photos = set.photos.size();
+  report.metres_per_unit = metres_per_unit > 0.0 ? metres_per_unit : usual_scale(set);
+  const Eigen::Quaterniond turn = set.level ? levelled(set) : Eigen::Quaterniond::Identity();
+  // Around the middle of the photographs, so that float coordinates of points are exact enough.
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Photo& p : set.photos) middle += p.world_from_camera.translation;
+  middle /= static_cast<double>(set.photos.size());
+  const auto placed = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    return turn * (report.metres_per_unit * (p - middle));
+  };
+  std::vector<TimedPose> path;
+  double farthest_m = kPointDistance_m;
+  for (std::size_t i = 0; i < set.photos.size(); ++i) {
+    Pose world_from_camera = set.photos[i].world_from_camera;
+    world_from_camera = {turn * world_from_camera.rotation, placed(world_from_camera.translation)};
+    farthest_m = std::max(farthest_m, world_from_camera.translation.norm());
+    path.push_back({static_cast<double>(i), world_from_camera * Pose{kRigFromCamera.conjugate(), {0, 0, 0}}});
+  }
+  for (Eigen::Vector3d& p : set.points) p = placed(p);
+
+  Log log;
+  log.name = fs::absolute(output).lexically_normal().stem().string();
+  log.world_from_rig = Trajectory(std::move(path));
+  for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kRigFromCamera, {0, 0, 0}}});
+  Log written;
+  write_folder_atomically(output, [&](const fs::path& folder) {
+    log.folder = folder;
+    fs::create_directory(folder / "images");
+    for (std::size_t i = 0; i < set.photos.size(); ++i) {
+      const Photo& photo = set.photos[i];
+      const Camera& camera = set.cameras[photo.camera];
+      const std::string file = fmt::format("images/{:06}{}", i, photo.file.extension().string());
+      copy_picture(photo.file, folder / file, camera, "camera " + camera.name);
+      log.images.push_back({camera.name, file, static_cast<double>(i), static_cast<double>(i)});
+      if (progress) progress(i + 1, set.photos.size());
+    }
+    if (!set.points.empty()) {
+      log.points = "points.ply";
+      write_points(set, farthest_m, folder / log.points, report);
+    }
+    write_log(log);
+    written = read_log(folder);  // what was written is what the next command will read
+  });
+  written.folder = output;
+  return written;
+}
+
+}  // namespace simuli

@@ -1,0 +1,236 @@
+#include "io/import/points/points_log.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/base/json_reader.hpp"
+#include "io/log/log_json.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMostUnplaced = 0.05;
+constexpr std::array<const char*, 6> kColumns{"x_m", "y_m", "z_m", "intensity", "row", "time_s"};
+
+/// Where the known columns stand in a point; below 0: nowhere.
+struct Layout {
+  std::size_t width = 0;
+  std::array<int, kColumns.size()> at{-1, -1, -1, -1, -1, -1};
+  bool in_world = false;
+};
+
+Layout read_layout(JsonObject& root) {
+  Layout layout;
+  const Json& names = root.get("point_columns");
+  const auto refuse = [&](const std::string& found) {
+    throw_input_error(root.file(),
+                      "point_columns",
+                      found,
+                      "names, each once: x_m, y_m, z_m; intensity, row, time_s; others are skipped");
+  };
+  if (!names.is_array() || names.size() > 64) refuse("no array of at most 64");
+  for (const Json& name : names) {
+    if (!name.is_string()) refuse("no name");
+    const auto known = std::find(kColumns.begin(), kColumns.end(), name.get<std::string>());
+    if (known != kColumns.end()) {
+      int& at = layout.at[static_cast<std::size_t>(known - kColumns.begin())];
+      if (at >= 0) refuse(std::string(*known) + " twice");
+      at = static_cast<int>(layout.width);
+    }
+    ++layout.width;
+  }
+  if (layout.at[0] < 0 || layout.at[1] < 0 || layout.at[2] < 0) refuse("no x_m, y_m or z_m");
+  const std::string where = root.text("points_in");
+  if (where != "sensor" && where != "world") {
+    throw_input_error(root.file(), "points_in", '"' + where + '"', "sensor or world");
+  }
+  layout.in_world = where == "world";
+  if (layout.in_world && layout.at[5] < 0) {
+    throw_input_error(root.file(), "point_columns", "no time_s", "time_s, with points in the world");
+  }
+  return layout;
+}
+
+/// A LiDAR by the name of its table as log.json has it; others as they are.
+Json whole_lidar(const std::string& file, const std::string& path, const Json& value) {
+  if (!value.is_object() || !value.contains("table")) return value;
+  JsonObject object(file, path, value);
+  return object.read_and_finish([](JsonObject& o) {
+    const std::string table = o.text("table");
+    const std::vector<std::string> known = builtin_lidar_names();
+    if (std::find(known.begin(), known.end(), table) == known.end()) {
+      throw_input_error(o.file(), o.field("table"), '"' + table + '"', "a name of simuli info sensors");
+    }
+    LogLidar lidar;
+    Lidar model = builtin_lidar(table);
+    model.name = o.text("name");
+    constexpr std::int64_t kMostColumns = 65536;
+    if (o.has("columns")) model.columns = static_cast<int>(o.integer("columns", 1, kMostColumns));
+    if (o.has("azimuth_first_rad")) model.azimuth_first = o.number("azimuth_first_rad");
+    if (o.has("spin")) {
+      const bool clockwise = o.text("spin") == "clockwise";
+      if (!clockwise && o.text("spin") != "counter_clockwise") {
+        throw_input_error(
+            o.file(), o.field("spin"), '"' + o.text("spin") + '"', "clockwise, counter_clockwise");
+      }
+      model.spin = clockwise ? SpinDirection::kClockwise : SpinDirection::kCounterClockwise;
+    }
+    validate(model, o.file());
+    lidar.model = std::move(model);
+    lidar.rig_from_lidar = o.object("rig_from_lidar", pose_from_json);
+    return to_json(lidar);
+  });
+}
+
+/// points.json as the log it describes, its files still those of the folder.
+Log read_description(const fs::path& folder, Layout& layout) {
+  const fs::path path = folder / "points.json";
+  const std::string file = path.string();
+  Json json = parse_json(read_file(path), file);
+  JsonObject root(file, "", json);
+  root.ignore_other_keys();
+  if (root.text("format") != "simuli points") {
+    throw_input_error(file, "format", '"' + root.text("format") + '"', "\"simuli points\"");
+  }
+  layout = read_layout(root);
+  Json log = json;
+  log["format"] = "simuli log";
+  log.erase("point_columns");
+  log.erase("points_in");
+  if (log.contains("lidars") && log["lidars"].is_array()) {
+    for (std::size_t i = 0; i < log["lidars"].size(); ++i) {
+      log["lidars"][i] = whole_lidar(file, fmt::format("lidars[{}]", i), log["lidars"][i]);
+    }
+  }
+  JsonObject whole(file, "", log);
+  return whole.read_and_finish([&](JsonObject& object) { return log_from_json(object, folder); });
+}
+
+/// The points of a file; those in the world are still there.
+std::vector<MeasuredPoint> read_points(const fs::path& file,
+                                       const Layout& layout,
+                                       const Lidar& lidar,
+                                       double duration_s) {
+  static_assert(std::endian::native == std::endian::little, "the files are little endian");
+  const std::string bytes = read_file(file, std::size_t{1} << 30U);
+  const std::size_t point_bytes = 4 * layout.width;
+  if (bytes.size() % point_bytes != 0) {
+    throw_input_error(file.string(),
+                      "size",
+                      fmt::format("{} bytes", bytes.size()),
+                      fmt::format("a multiple of {} ({} columns)", point_bytes, layout.width));
+  }
+  std::vector<MeasuredPoint> points;
+  for (std::size_t i = 0; i < bytes.size() / point_bytes; ++i) {
+    const auto value = [&](std::size_t column, float other) {
+      if (layout.at[column] < 0) return other;
+      std::memcpy(
+          &other, bytes.data() + i * point_bytes + 4 * static_cast<std::size_t>(layout.at[column]), 4);
+      return other;
+    };
+    const auto need = [&](std::size_t column, float found, double low, double high) {
+      if (found >= low && found <= high) return;
+      throw_input_error(file.string(),
+                        fmt::format("point {}: {}", i, kColumns[column]),
+                        fmt::format("{}", found),
+                        fmt::format("{} to {}", low, high));
+    };
+    constexpr double kFarthest_m = 1e5;
+    MeasuredPoint point;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float x = value(k, 0.0F);
+      need(k, x, -kFarthest_m, kFarthest_m);
+      point.position[static_cast<Eigen::Index>(k)] = x;
+    }
+    point.intensity = value(3, 0.0F);
+    need(3, point.intensity, 0.0, 1.0);
+    if (layout.at[4] >= 0) {
+      const float row = value(4, 0.0F);
+      need(4, row, 0.0, lidar.row_count() - 1);
+      point.row = static_cast<int>(row);
+    }
+    if (layout.at[5] >= 0) {
+      const float time_s = value(5, 0.0F);
+      need(5, time_s, -duration_s, 2.0 * duration_s);
+      point.time_fraction = time_s / duration_s;
+    }
+    points.push_back(point);
+  }
+  return points;
+}
+
+/// From the world into the sensor's frame at each point's own time.
+void put_into_sensor(std::vector<MeasuredPoint>& points, const SweepFrame& sweep, const Log& log) {
+  const Pose& mount = log.lidar(sweep.lidar).rig_from_lidar;
+  const double duration_s = sweep.time_end_s - sweep.time_start_s;
+  for (MeasuredPoint& point : points) {
+    const double time_s = sweep.time_start_s + std::clamp(point.time_fraction, 0.0, 1.0) * duration_s;
+    point.position = (log.world_from_rig.at(time_s) * mount).inverse() * point.position;
+  }
+}
+
+}  // namespace
+
+Log import_points(const PointsOptions& options,
+                  const std::function<void(std::size_t, std::size_t)>& progress,
+                  PointReport& report) {
+  Layout layout;
+  Log log = read_description(options.folder, layout);
+  const fs::path source = options.folder / "points.json";
+  Log written;
+  write_folder_atomically(options.output, [&](const fs::path& folder) {
+    fs::create_directory(folder / "images");
+    fs::create_directory(folder / "sweeps");
+    const std::size_t total = log.images.size() + log.sweeps.size();
+    std::size_t done = 0;
+    const auto step = [&] {
+      if (progress) progress(++done, total);
+    };
+    for (std::size_t i = 0; i < log.sweeps.size(); ++i) {
+      SweepFrame& sweep = log.sweeps[i];
+      const Lidar& lidar = log.lidar(sweep.lidar).with_rows();
+      const double duration_s = sweep.time_end_s - sweep.time_start_s;
+      std::vector<MeasuredPoint> points = read_points(options.folder / sweep.file, layout, lidar, duration_s);
+      if (layout.in_world) put_into_sensor(points, sweep, log);
+      sweep.file = fmt::format("sweeps/{:06}.exr", i);
+      write_sweep(folder / sweep.file, grid_points(points, lidar, duration_s, report));
+      step();
+    }
+    if (static_cast<double>(report.unplaced) > kMostUnplaced * static_cast<double>(report.points)) {
+      throw_input_error(source.string(),
+                        "points on no ray of their LiDAR",
+                        fmt::format("{} of {}", report.unplaced, report.points),
+                        fmt::format("at most {} %", 100.0 * kMostUnplaced));
+    }
+    for (std::size_t i = 0; i < log.images.size(); ++i) {
+      ImageFrame& image = log.images[i];
+      const fs::path from = options.folder / image.file;
+      image.file = fmt::format("images/{:06}{}", i, from.extension().string());
+      copy_picture(from, folder / image.file, log.camera(image.camera).model, source.string());
+      step();
+    }
+    if (!log.points.empty()) {
+      const fs::path from = options.folder / log.points;
+      log.points = "points.ply";
+      write_file_atomically(folder / log.points, read_file(from));
+    }
+    log.folder = folder;
+    write_log(log);
+    written = read_log(folder);  // what was written is what the next command will read
+  });
+  written.folder = options.output;
+  return written;
+}
+
+}  // namespace simuli

@@ -1,0 +1,30 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+
+#include "io/log/log.hpp"
+
+namespace simuli {
+
+struct WaymoOptions {
+  std::filesystem::path segment;  // .tfrecord of frames (Perception, version 1)
+  std::filesystem::path output;
+};
+
+struct WaymoReport {
+  std::size_t frames = 0;
+  std::size_t rays = 0;      // of all firing grids
+  std::size_t returned = 0;  // of these
+};
+
+/// Imports a segment of the Waymo Open Dataset: all cameras (rolling shutters, from the middle of the first
+/// exposed line's exposure to that of the last), the first returns of the LiDAR TOP as its range images have
+/// them, boxes. The rig is the vehicle frame. Intensities are tanh of the data set's. The principal points
+/// are taken to count from the centre of the first pixel, as OpenCV's. Error{kInput} naming the file and the
+/// message that does not fit.
+Log import_waymo(const WaymoOptions& options,
+                 const std::function<void(std::size_t, std::size_t)>& progress,
+                 WaymoReport& report);
+
+}  // namespace simuli

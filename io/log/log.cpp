@@ -1,0 +1,197 @@
+#include "io/log/log.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <variant>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/picture/image.hpp"
+#include "io/base/json_reader.hpp"
+#include "io/log/log_json.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kLogVersion = 1;
+constexpr const char* kLogFormat = "simuli log";
+
+const std::string& name_in(const LogCamera& camera) { return camera.model.name; }
+const std::string& name_in(const LogLidar& lidar) { return name_of(lidar.model); }
+
+template <class Sensor>
+const Sensor& find_sensor(const std::vector<Sensor>& sensors,
+                          const std::string& name,
+                          const Log& log,
+                          const char* field) {
+  std::string known;
+  for (const Sensor& sensor : sensors) {
+    if (name_in(sensor) == name) return sensor;
+    known += (known.empty() ? "" : ", ") + name_in(sensor);
+  }
+  throw_input_error(
+      (log.folder / "log.json").string(), field, '"' + name + '"', known.empty() ? "none" : known);
+}
+
+/// A recorded file inside the log folder; refuses names that lead out of it and files that are not there.
+std::string read_file_name(JsonObject& object, const fs::path& folder, const char* key = "file") {
+  std::string name = object.text(key);
+  const fs::path path(name);
+  const bool leads_out = path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end();
+  if (name.empty() || leads_out) {
+    throw_input_error(object.file(), object.field(key), '"' + name + '"', "a path inside the log folder");
+  }
+  std::error_code status;
+  if (!fs::is_regular_file(folder / path, status)) {
+    throw_input_error(object.file(), object.field(key), '"' + name + "\", which is not there", "a file");
+  }
+  return name;
+}
+
+/// The times and the file of an image or a sweep; `Frame` is either.
+template <class Frame>
+void read_frame(JsonObject& object, const Log& log, Frame& frame) {
+  frame.file = read_file_name(object, log.folder);
+  frame.time_start_s = read_time_s(object, "time_start_ns", log.start_ns);
+  frame.time_end_s = read_time_s(object, "time_end_ns", log.start_ns);
+  if (!(frame.time_end_s >= frame.time_start_s)) {
+    throw_input_error(object.file(),
+                      object.field("time_end_ns"),
+                      fmt::format("{} ns before the start", (frame.time_start_s - frame.time_end_s) * 1e9),
+                      "not before time_start_ns");
+  }
+  const double margin_s = Trajectory::kExtrapolation_s;
+  const Trajectory& path = log.world_from_rig;
+  if (!(frame.time_start_s >= path.start_s() - margin_s && frame.time_end_s <= path.end_s() + margin_s)) {
+    throw_input_error(object.file(),
+                      object.field("time_start_ns"),
+                      fmt::format("{} to {} s", frame.time_start_s, frame.time_end_s),
+                      fmt::format("{} to {} s, the span of world_from_rig, and {} s beyond either end",
+                                  path.start_s(),
+                                  path.end_s(),
+                                  margin_s));
+  }
+}
+
+template <class Frame>
+void require_time_order(const std::vector<Frame>& frames, const std::string& file, const char* field) {
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (frames[i].time_start_s >= frames[i - 1].time_start_s) continue;
+    throw_input_error(file,
+                      fmt::format("{}[{}].time_start_ns", field, i),
+                      "a time before the frame above",
+                      "frames in order of time");
+  }
+}
+
+template <class Frame>
+Json frame_to_json(const Frame& frame,
+                   const char* sensor_key,
+                   const std::string& sensor,
+                   std::int64_t start_ns) {
+  return {{sensor_key, sensor},
+          {"file", frame.file},
+          {"time_start_ns", to_ns(frame.time_start_s, start_ns, frame.file)},
+          {"time_end_ns", to_ns(frame.time_end_s, start_ns, frame.file)}};
+}
+
+}  // namespace
+
+Log log_from_json(JsonObject& root, const fs::path& folder) {
+  Log log;
+  log.folder = folder;
+  if (root.text("format") != kLogFormat) {
+    throw_input_error(
+        root.file(), "format", '"' + root.text("format") + '"', std::string("\"") + kLogFormat + '"');
+  }
+  (void)root.integer("version", kLogVersion, kLogVersion);
+  log.name = root.text("name");
+  log.start_ns = read_time_ns(root, "start_ns");
+  read_sensors(root, log.cameras, log.lidars);
+  log.world_from_rig = trajectory_from_json(root, "world_from_rig", log.start_ns);
+  log.images = root.objects("images", [&](JsonObject& object) {
+    ImageFrame frame;
+    frame.camera = object.text("camera");
+    (void)find_sensor(log.cameras, frame.camera, log, object.field("camera").c_str());
+    read_frame(object, log, frame);
+    return frame;
+  });
+  log.sweeps = root.objects("sweeps", [&](JsonObject& object) {
+    SweepFrame frame;
+    frame.lidar = object.text("lidar");
+    (void)find_sensor(log.lidars, frame.lidar, log, object.field("lidar").c_str());
+    read_frame(object, log, frame);
+    if (!(frame.time_end_s > frame.time_start_s)) {
+      throw_input_error(root.file(), object.field("time_end_ns"), "the start time", "after time_start_ns");
+    }
+    return frame;
+  });
+  if (root.has("points")) log.points = read_file_name(root, log.folder, "points");
+  if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
+  require_time_order(log.images, root.file(), "images");
+  require_time_order(log.sweeps, root.file(), "sweeps");
+  return log;
+}
+
+const Lidar& LogLidar::with_rows() const {
+  if (const auto* const lidar = std::get_if<Lidar>(&model)) return *lidar;
+  throw_input_error("lidar " + name_of(model), "kind", "ray_list", "lidar: this needs its rows and columns");
+}
+
+const LogCamera& Log::camera(const std::string& camera_name) const {
+  return find_sensor(cameras, camera_name, *this, "camera");
+}
+
+const LogLidar& Log::lidar(const std::string& lidar_name) const {
+  return find_sensor(lidars, lidar_name, *this, "lidar");
+}
+
+Log read_log(const fs::path& folder) {
+  const fs::path file = folder / "log.json";
+  return read_json_text(
+      read_file(file), file.string(), [&](JsonObject& root) { return log_from_json(root, folder); });
+}
+
+void write_log(const Log& log) {
+  Json root{{"format", kLogFormat}, {"version", kLogVersion}, {"name", log.name}, {"start_ns", log.start_ns}};
+  add_sensors(root, log.cameras, log.lidars);
+  root["world_from_rig"] = to_json(log.world_from_rig, log.start_ns);
+  root["images"] = Json::array();
+  root["sweeps"] = Json::array();
+  for (const ImageFrame& frame : log.images) {
+    root["images"].push_back(frame_to_json(frame, "camera", frame.camera, log.start_ns));
+  }
+  for (const SweepFrame& frame : log.sweeps) {
+    root["sweeps"].push_back(frame_to_json(frame, "lidar", frame.lidar, log.start_ns));
+  }
+  if (!log.points.empty()) root["points"] = log.points;
+  if (!log.actors.empty()) root["actors"] = to_json(log.actors, log.start_ns);
+  std::string text;
+  try {
+    text = root.dump(1) + '\n';
+  } catch (const Json::exception& error) {
+    throw_input_error((log.folder / "log.json").string(), "JSON", error.what(), "names in UTF-8");
+  }
+  write_file_atomically(log.folder / "log.json", text);
+}
+
+void copy_picture(const fs::path& from, const fs::path& to, const Camera& camera, const std::string& source) {
+  const Image image = read_image(from);
+  if (image.width != camera.width || image.height != camera.height) {
+    throw_input_error(from.string(),
+                      "size_px",
+                      fmt::format("{} x {}", image.width, image.height),
+                      fmt::format("{} x {} of {}", camera.width, camera.height, source));
+  }
+  write_file_atomically(to, read_file(from));
+}
+
+bool is_held_out(std::size_t index, int every) {
+  if (every < 1) return false;
+  const auto period = static_cast<std::size_t>(every);
+  return index % period == period - 1;
+}
+
+}  // namespace simuli

@@ -1,0 +1,57 @@
+#pragma once
+// Sensors, poses and trajectories as JSON, shared by log.json and scene.json. Units stand in the key
+// names; times on disk are int64 nanoseconds. Readers throw Error{kInput} as io/base/json_reader.hpp says, and
+// check values with validate().
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/base/json_reader.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli {
+
+/// {"position_m": [x, y, z], "rotation_wxyz": [w, x, y, z]}
+[[nodiscard]] Json to_json(const Pose& a_from_b);
+[[nodiscard]] Pose pose_from_json(JsonObject& object);
+
+/// {"name", "model", "width_px", ..., the model's parameters by lens_parameter_names(), "shutter"}
+[[nodiscard]] Json to_json(const Camera& model);
+/// Model and mounting of one camera. Without "model" it is a pinhole.
+[[nodiscard]] Json to_json(const LogCamera& camera);
+[[nodiscard]] LogCamera camera_from_json(JsonObject& object);
+
+/// Model (every row in full) and mounting of one LiDAR.
+[[nodiscard]] Json to_json(const LogLidar& lidar);
+[[nodiscard]] LogLidar lidar_from_json(JsonObject& object);
+
+/// The arrays "cameras" and "lidars" of an object; names are unique over both.
+void add_sensors(Json& object, const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars);
+void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vector<LogLidar>& lidars);
+
+/// [{"time_ns", "position_m", "rotation_wxyz"}, ...]; start_ns is added to the trajectory's seconds. A file
+/// without an epoch of its own passes 0: nanoseconds since the start of the log.
+[[nodiscard]] Json to_json(const Trajectory& world_from_rig, std::int64_t start_ns);
+[[nodiscard]] Trajectory trajectory_from_json(JsonObject& parent,
+                                              const std::string& key,
+                                              std::int64_t start_ns);
+
+/// [{"name", "kind", "length_m", "width_m", "height_m", "track": [{"time_ns", "position_m", "rotation_wxyz"},
+/// ...]}, ...], times as those of a trajectory; key poses that training moved add "shift_m" and "turn_rad".
+/// Names are unique.
+[[nodiscard]] Json to_json(const std::vector<Actor>& actors, std::int64_t start_ns);
+[[nodiscard]] std::vector<Actor> actors_from_json(JsonObject& parent,
+                                                  const std::string& key,
+                                                  std::int64_t start_ns);
+
+/// A whole log.json, whose files stand in `folder`.
+[[nodiscard]] Log log_from_json(JsonObject& root, const std::filesystem::path& folder);
+
+/// Seconds since start_ns <-> nanoseconds on disk. Error{kInput} naming `field` beyond 120 years.
+[[nodiscard]] std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field);
+[[nodiscard]] double read_time_s(JsonObject& object, const std::string& key, std::int64_t start_ns);
+/// An absolute time: int64 nanoseconds, 1843 to 2096.
+[[nodiscard]] std::int64_t read_time_ns(JsonObject& object, const std::string& key);
+
+}  // namespace simuli

@@ -1,0 +1,166 @@
+// Sweep files: one OpenEXR picture per sweep, rows x columns, one float channel per quantity.
+#include <OpenImageIO/imageio.h>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+#include <numbers>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What stands in one channel; a value outside [minimum, maximum] is an error, NaN included.
+struct Channel {
+  const char* name;
+  float minimum;
+  float maximum;
+  std::vector<float>& (*values)(Sweep&);
+};
+
+// Angles may be stored unwrapped by a turn; a row's time offset may reach beyond the sweep.
+constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
+constexpr float kRight = 0.5F * std::numbers::pi_v<float>;
+constexpr std::array<Channel, 5> kChannels{{
+    {"range_m", 0.0F, 1e5F, [](Sweep& s) -> std::vector<float>& { return s.range; }},
+    {"intensity", 0.0F, 1.0F, [](Sweep& s) -> std::vector<float>& { return s.intensity; }},
+    {"azimuth_rad", -kTurn, kTurn, [](Sweep& s) -> std::vector<float>& { return s.rays.azimuth; }},
+    {"elevation_rad", -kRight, kRight, [](Sweep& s) -> std::vector<float>& { return s.rays.elevation; }},
+    {"time_fraction", -1.0F, 2.0F, [](Sweep& s) -> std::vector<float>& { return s.rays.time_fraction; }},
+}};
+
+[[noreturn]] void refuse_value(const fs::path& file,
+                               const char* channel,
+                               std::size_t i,
+                               int columns,
+                               float found,
+                               const std::string& allowed) {
+  const auto width = static_cast<std::size_t>(columns);
+  throw_input_error(file.string(),
+                    fmt::format("channel {}: row {}, column {}", channel, i / width, i % width),
+                    fmt::format("{}", found),
+                    allowed);
+}
+
+void validate(const fs::path& file, Sweep& sweep) {
+  const int columns = sweep.rays.columns;
+  for (const Channel& channel : kChannels) {
+    const std::vector<float>& values = channel.values(sweep);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (values[i] >= channel.minimum && values[i] <= channel.maximum) continue;
+      refuse_value(file,
+                   channel.name,
+                   i,
+                   columns,
+                   values[i],
+                   fmt::format("{:.6g} to {:.6g}", channel.minimum, channel.maximum));
+    }
+  }
+  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+    if (sweep.range[i] == 0.0F && sweep.intensity[i] != 0.0F) {
+      refuse_value(file, "intensity", i, columns, sweep.intensity[i], "0 where nothing returned (range 0)");
+    }
+  }
+}
+
+[[noreturn]] void refuse(const fs::path& file, std::string cause) {
+  while (!cause.empty() && cause.back() == '\n') cause.pop_back();
+  throw_input_error(
+      file.string(), "sweep", cause.empty() ? "an unreadable file" : cause, "a whole OpenEXR file");
+}
+
+}  // namespace
+
+Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
+  const std::size_t rows = row_count(lidar), count = ray_count(lidar), columns = count / rows;
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string());
+  if (!input) refuse(file, OIIO::geterror());
+  const OIIO::ImageSpec spec = input->spec();
+  if (spec.height != static_cast<int>(rows) || spec.width != static_cast<int>(columns) || spec.depth > 1) {
+    throw_input_error(file.string(),
+                      "rows x columns",
+                      fmt::format("{} x {}", spec.height, spec.width),
+                      fmt::format("{} x {} of lidar {}", rows, columns, name_of(lidar)));
+  }
+  std::array<std::size_t, kChannels.size()> place{};  // of our channels in the file, which sorts by name
+  for (std::size_t c = 0; c < kChannels.size(); ++c) {
+    const int index = spec.channelindex(kChannels[c].name);
+    if (index < 0 || spec.nchannels != static_cast<int>(kChannels.size())) {
+      throw_input_error(file.string(),
+                        fmt::format("channel {}", kChannels[c].name),
+                        fmt::format("channels {}", fmt::join(spec.channelnames, ", ")),
+                        "range_m, intensity, azimuth_rad, elevation_rad, time_fraction");
+    }
+    place[c] = static_cast<std::size_t>(index);
+  }
+  Sweep sweep;
+  sweep.rays.rows = spec.height;
+  sweep.rays.columns = spec.width;
+  std::vector<float> pixels(count * kChannels.size());
+  const bool complete = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data());
+  if (!complete || !input->close() || input->has_error()) refuse(file, input->geterror());
+  for (std::size_t c = 0; c < kChannels.size(); ++c) {
+    std::vector<float>& values = kChannels[c].values(sweep);
+    values.resize(count);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = pixels[i * kChannels.size() + place[c]];
+  }
+  validate(file, sweep);
+  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+    const auto bias_m = static_cast<float>(range_bias(lidar, sweep.rays, i));
+    if (sweep.range[i] == 0.0F || bias_m == 0.0F) continue;
+    if (!(sweep.range[i] > bias_m)) {
+      refuse_value(file,
+                   "range_m",
+                   i,
+                   spec.width,
+                   sweep.range[i],
+                   fmt::format("more than the row's bias of {} m", bias_m));
+    }
+    sweep.range[i] -= bias_m;
+  }
+  return sweep;
+}
+
+void write_sweep(const fs::path& file, const Sweep& sweep) {
+  if (file.extension() != ".exr") {
+    throw_input_error(file.string(), "file", file.extension().string(), "a name ending in .exr");
+  }
+  Sweep checked = sweep;
+  const int rows = sweep.rays.rows;
+  const int columns = sweep.rays.columns;
+  if (rows < 1 || columns < 1) {
+    throw_input_error(
+        file.string(), "rows x columns", fmt::format("{} x {}", rows, columns), "at least 1 x 1");
+  }
+  const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+  OIIO::ImageSpec spec(columns, rows, static_cast<int>(kChannels.size()), OIIO::TypeDesc::FLOAT);
+  spec["compression"] = "zip";  // lossless
+  std::vector<float> pixels(count * kChannels.size());
+  for (std::size_t c = 0; c < kChannels.size(); ++c) {
+    const std::vector<float>& values = kChannels[c].values(checked);
+    if (values.size() != count) {
+      throw_input_error(file.string(),
+                        fmt::format("channel {}", kChannels[c].name),
+                        fmt::format("{} values", values.size()),
+                        fmt::format("{} ({} rows x {} columns)", count, rows, columns));
+    }
+    spec.channelnames[c] = kChannels[c].name;
+    for (std::size_t i = 0; i < count; ++i) pixels[i * kChannels.size() + c] = values[i];
+  }
+  validate(file, checked);
+  write_atomically(file, [&](const fs::path& temporary) {
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
+    if (!output) refuse(file, OIIO::geterror());
+    const bool written = output->open(temporary.string(), spec) &&
+                         output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) && output->close();
+    if (!written) refuse(file, output->geterror());
+  });
+}
+
+}  // namespace simuli

@@ -1,0 +1,239 @@
+#include "io/picture/image.hpp"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <memory>
+#include <string_view>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kLargestSide_px = 65536;
+/// 3 GiB as float RGB: a header that claims more is not worth the memory.
+constexpr std::int64_t kMostPixels = std::int64_t{1} << 28U;
+
+/// The library's messages on one line.
+std::string one_line(std::string text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text.empty() ? "an unreadable picture" : text;
+}
+
+/// JPEG decoders fill a truncated picture with grey and call it a warning: look for the end marker.
+void require_jpeg_end(const fs::path& file) {
+  const std::string bytes = read_file(file);
+  if (bytes.rfind("\xFF\xD9") == std::string::npos) {
+    throw_input_error(file.string(), "content", "no end marker (truncated)", "a whole JPEG");
+  }
+}
+
+/// The PNG library writes to stderr by itself when a file ends early, and errors are to be one line: the
+/// chunks are counted off beforehand. Files of other formats pass.
+void require_whole_png(const fs::path& file) {
+  constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
+  constexpr std::size_t kChunkFrame = 12;  // length, name, checksum
+  std::ifstream stream(file, std::ios::binary);
+  std::string head(kSignature.size(), '\0');
+  if (!stream.read(head.data(), static_cast<std::streamsize>(head.size())) || head != kSignature) return;
+  stream.close();
+  const std::string bytes = read_file(file);
+  std::size_t place = kSignature.size();
+  while (bytes.size() - place >= kChunkFrame) {
+    std::size_t length = 0;
+    for (std::size_t k = 0; k < 4; ++k) length = length << 8U | static_cast<unsigned char>(bytes[place + k]);
+    const std::string name = bytes.substr(place + 4, 4);
+    const std::size_t left = bytes.size() - place - kChunkFrame;
+    if (length > left) {
+      throw_input_error(
+          file.string(), "PNG chunk", fmt::format("{} bytes of {} (truncated)", left, length), "all of them");
+    }
+    if (name == "IEND") return;
+    place += kChunkFrame + length;
+  }
+  throw_input_error(file.string(), "PNG end chunk", "none (truncated)", "a whole picture");
+}
+
+void require_size(const fs::path& file, const OIIO::ImageSpec& spec) {
+  for (const auto& [field, side] : {std::pair{"width_px", spec.width}, {"height_px", spec.height}}) {
+    if (side < 1 || side > kLargestSide_px) {
+      throw_input_error(file.string(), field, std::to_string(side), fmt::format("1 to {}", kLargestSide_px));
+    }
+  }
+  if (spec.depth > 1 || std::int64_t{spec.width} * spec.height > kMostPixels) {
+    throw_input_error(file.string(),
+                      "size_px",
+                      fmt::format("{} x {} x {}", spec.width, spec.height, spec.depth),
+                      fmt::format("at most {} pixels in one layer", kMostPixels));
+  }
+  if (spec.nchannels < 1 || spec.nchannels > 4) {
+    throw_input_error(file.string(), "channels", std::to_string(spec.nchannels), "1 to 4");
+  }
+}
+
+bool has_float_pixels(const fs::path& file) { return file.extension() == ".exr"; }
+
+void require_writable(const fs::path& file, const Image& image) {
+  const std::string name = file.string();
+  if (image.width < 1 || image.width > kLargestSide_px || image.height < 1 ||
+      image.height > kLargestSide_px) {
+    throw_input_error(
+        name, "size_px", fmt::format("{} x {}", image.width, image.height), "1 to 65536 a side");
+  }
+  if (image.channels != 1 && image.channels != 3) {
+    throw_input_error(name, "channels", std::to_string(image.channels), "1 or 3");
+  }
+  const std::size_t count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
+                            static_cast<std::size_t>(image.channels);
+  if (image.data.size() != count) {
+    throw_input_error(
+        name, "data", fmt::format("{} values", image.data.size()), fmt::format("{} values", count));
+  }
+  if (has_float_pixels(file)) return;
+  const auto bad = std::find_if(image.data.begin(), image.data.end(), [](float v) { return std::isnan(v); });
+  if (bad != image.data.end()) {
+    const auto pixel = (bad - image.data.begin()) / image.channels;
+    throw_input_error(name,
+                      fmt::format("pixel ({}, {})", pixel % image.width, pixel / image.width),
+                      "NaN",
+                      "numbers in an 8-bit picture");
+  }
+}
+
+/// Weights with which the old pixels [first, first + weights.size()) make a new one; they sum to 1.
+struct Footprint {
+  int first = 0;
+  std::vector<float> weights;
+};
+
+std::vector<Footprint> footprints(int old_size, int new_size) {
+  std::vector<Footprint> out(static_cast<std::size_t>(new_size));
+  const double scale = static_cast<double>(old_size) / new_size;
+  for (int i = 0; i < new_size; ++i) {
+    const double low = i * scale;
+    const double high = std::min((i + 1) * scale, static_cast<double>(old_size));
+    Footprint& footprint = out[static_cast<std::size_t>(i)];
+    footprint.first = std::min(static_cast<int>(low), old_size - 1);
+    for (int j = footprint.first; j < old_size && (j < high || j == footprint.first); ++j) {
+      const double overlap = std::min(high, j + 1.0) - std::max(low, static_cast<double>(j));
+      footprint.weights.push_back(static_cast<float>(std::max(overlap, 0.0) / (high - low)));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Image read_image(const fs::path& file) {
+  require_whole_png(file);
+  OIIO::ImageSpec config;
+  config["oiio:UnassociatedAlpha"] = 1;  // colours as stored: alpha is dropped, not multiplied in
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
+  if (!input) throw_input_error(file.string(), "picture", one_line(OIIO::geterror()), "a readable picture");
+  const OIIO::ImageSpec spec = input->spec();
+  require_size(file, spec);
+  Image stored(spec.width, spec.height, spec.nchannels);
+  const bool complete = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, stored.data.data());
+  // A decoder may hand over part of the pixels and only leave a message.
+  const bool clean = input->close() && !input->has_error();
+  if (!complete || !clean) {
+    throw_input_error(file.string(), "pixels", one_line(input->geterror()), "a whole picture");
+  }
+  if (input->format_name() == std::string("jpeg")) require_jpeg_end(file);
+  if (spec.nchannels == 3) return stored;
+  Image rgb(spec.width, spec.height, 3);
+  const bool grey = spec.nchannels < 3;
+  const auto pixels = rgb.data.size() / 3;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      rgb.data[3 * i + c] = stored.data[static_cast<std::size_t>(spec.nchannels) * i + (grey ? 0 : c)];
+    }
+  }
+  return rgb;
+}
+
+void write_image(const fs::path& file, const Image& image) {
+  require_writable(file, image);
+  const OIIO::TypeDesc type = has_float_pixels(file) ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+  if (has_float_pixels(file)) spec["compression"] = "zip";  // lossless
+  write_atomically(file, [&](const fs::path& temporary) {
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
+    const auto refuse = [&](const std::string& cause) {
+      throw_input_error(
+          file.string(), "picture", one_line(cause), "a writable path ending in png, jpg or exr");
+    };
+    if (!output) refuse(OIIO::geterror());
+    if (!output->open(temporary.string(), spec)) refuse(output->geterror());
+    if (!output->write_image(OIIO::TypeDesc::FLOAT, image.data.data())) refuse(output->geterror());
+    if (!output->close()) refuse(output->geterror());
+  });
+}
+
+std::string encode_image(const Image& image, ImageCode code, int quality) {
+  const bool is_png = code == ImageCode::kPng;
+  const fs::path name = is_png ? "picture.png" : "picture.jpg";
+  require_writable(name, image);
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
+  if (!is_png) spec["Compression"] = fmt::format("jpeg:{}", quality);
+  const auto refuse = [&](const std::string& cause) {
+    throw_input_error(name.string(), "picture", one_line(cause), "one that can be encoded");
+  };
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name.string());
+  if (!output) refuse(OIIO::geterror());
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput sink(bytes);
+  output->set_ioproxy(&sink);
+  if (!output->open(name.string(), spec)) refuse(output->geterror());
+  if (!output->write_image(OIIO::TypeDesc::FLOAT, image.data.data())) refuse(output->geterror());
+  if (!output->close()) refuse(output->geterror());
+  return {bytes.begin(), bytes.end()};
+}
+
+Image resize_area(const Image& image, int width, int height) {
+  if (width < 1 || width > kLargestSide_px || height < 1 || height > kLargestSide_px) {
+    throw_input_error("resize", "size_px", fmt::format("{} x {}", width, height), "1 to 65536 a side");
+  }
+  if (image.width < 1 || image.height < 1) {
+    throw_input_error("resize", "picture", fmt::format("{} x {}", image.width, image.height), "not empty");
+  }
+  const std::vector<Footprint> across = footprints(image.width, width);
+  const std::vector<Footprint> down = footprints(image.height, height);
+  Image out(width, height, image.channels);
+  std::vector<float> mixed_row(static_cast<std::size_t>(image.width) *
+                               static_cast<std::size_t>(image.channels));
+  for (int y = 0; y < height; ++y) {
+    const Footprint& rows = down[static_cast<std::size_t>(y)];
+    std::fill(mixed_row.begin(), mixed_row.end(), 0.0F);
+    for (std::size_t j = 0; j < rows.weights.size(); ++j) {
+      const std::size_t start = (static_cast<std::size_t>(rows.first) + j) * mixed_row.size();
+      for (std::size_t i = 0; i < mixed_row.size(); ++i) {
+        mixed_row[i] += rows.weights[j] * image.data[start + i];
+      }
+    }
+    for (int x = 0; x < width; ++x) {
+      const Footprint& columns = across[static_cast<std::size_t>(x)];
+      for (int c = 0; c < image.channels; ++c) {
+        float sum = 0.0F;
+        for (std::size_t j = 0; j < columns.weights.size(); ++j) {
+          const std::size_t column = static_cast<std::size_t>(columns.first) + j;
+          sum += columns.weights[j] *
+                 mixed_row[column * static_cast<std::size_t>(image.channels) + static_cast<std::size_t>(c)];
+        }
+        out.at(x, y, c) = sum;
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace simuli

@@ -1,0 +1,186 @@
+#include "io/scene/scene_folder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "io/scene/appearance_file.hpp"
+#include "io/base/file.hpp"
+#include "io/base/json_reader.hpp"
+#include "io/log/log_json.hpp"
+#include "io/splat/ply.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSceneFormat = "simuli scene";
+constexpr int kSceneVersion = 1;
+constexpr const char* kSceneName = "scene.json";
+constexpr const char* kCameraName = "camera.ply";
+constexpr const char* kLidarName = "lidar.ply";
+
+/// What scene.json says about one set of Gaussians.
+struct SetEntry {
+  std::int64_t gaussians = 0;
+  int sh_degree = 0;
+  std::array<float, 3> background{};
+};
+
+Json set_to_json(const GaussianSet& set, const std::array<float, 3>& background) {
+  return {{"gaussians", set.size()}, {"sh_degree", set.sh_degree}, {"background", background}};
+}
+
+SetEntry read_set(JsonObject& object) {
+  SetEntry entry;
+  entry.gaussians = object.integer("gaussians", 0);
+  entry.sh_degree = static_cast<int>(object.integer("sh_degree", 0, 3));
+  const Eigen::Vector3d background = object.vector<3>("background");
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  if (!(background.cwiseAbs().maxCoeff() <= kLargest)) {
+    throw_input_error(
+        object.file(), object.field("background"), "a number beyond float", "numbers in its range");
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    entry.background[i] = static_cast<float>(background[static_cast<Eigen::Index>(i)]);
+  }
+  return entry;
+}
+
+struct Contents {
+  SceneFile scene;  // but for the Gaussians
+  SetEntry camera_set;
+  SetEntry lidar_set;
+};
+
+Contents parse_scene(const std::string& text, const std::string& file) {
+  Contents contents;
+  read_json_text(text, file, [&](JsonObject& root) {
+    const std::string format = root.text("format");
+    if (format != kSceneFormat) {
+      throw_input_error(file, "format", '"' + format + '"', fmt::format("\"{}\"", kSceneFormat));
+    }
+    (void)root.integer("version", kSceneVersion, kSceneVersion);
+    SceneFile& scene = contents.scene;
+    scene.scene.name = root.text("name");
+    scene.scene.origin = root.vector<3>("origin_m");
+    contents.camera_set = root.object("camera_set", read_set);
+    contents.lidar_set = root.object("lidar_set", read_set);
+    scene.scene.camera_background = contents.camera_set.background;
+    scene.scene.lidar_background = contents.lidar_set.background;
+    read_appearance(root, scene.scene);
+    read_sensors(root, scene.cameras, scene.lidars);
+    if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
+    if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
+  });
+  return contents;
+}
+
+std::string to_text(const SceneFile& scene, const std::string& file) {
+  const Eigen::Vector3d& origin = scene.scene.origin;
+  Json root{{"format", kSceneFormat},
+            {"version", kSceneVersion},
+            {"name", scene.scene.name},
+            {"origin_m", {origin.x(), origin.y(), origin.z()}},
+            {"camera_set", set_to_json(scene.scene.camera, scene.scene.camera_background)},
+            {"lidar_set", set_to_json(scene.scene.lidar, scene.scene.lidar_background)}};
+  add_appearance(root, scene.scene);
+  add_sensors(root, scene.cameras, scene.lidars);
+  if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
+  if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);
+  try {
+    return root.dump(1) + '\n';
+  } catch (const Json::exception& error) {
+    throw_input_error(file, "JSON", error.what(), "names in UTF-8");
+  }
+}
+
+/// A set and what scene.json says about it must belong together.
+GaussianSet read_set_file(const fs::path& file, SetKind kind, const SetEntry& entry) {
+  GaussianSet set = read_gaussians_ply(file, kind);
+  if (set.size() != entry.gaussians) {
+    throw_input_error(file.string(),
+                      "count",
+                      fmt::format("{} Gaussians", set.size()),
+                      fmt::format("{}, as {} says", entry.gaussians, kSceneName));
+  }
+  if (set.sh_degree != entry.sh_degree) {
+    throw_input_error(file.string(),
+                      "SH degree",
+                      fmt::format("{}", set.sh_degree),
+                      fmt::format("{}, as {} says", entry.sh_degree, kSceneName));
+  }
+  return set;
+}
+
+/// Every particle's actor is one of the scene's.
+void check_actors(const GaussianSet& set, const Scene& scene, const fs::path& file) {
+  for (std::size_t v = 0; v < set.actor.size(); ++v) {
+    if (set.actor[v] <= scene.actors.size()) continue;
+    throw_input_error(file.string(),
+                      fmt::format("vertex {}: actor", v),
+                      fmt::format("{}", set.actor[v]),
+                      fmt::format("0 to {}, the number of actors", scene.actors.size()));
+  }
+}
+
+void check_kinds(const Scene& scene, const fs::path& folder) {
+  if (scene.camera.kind != SetKind::kCamera) {
+    throw_input_error((folder / kCameraName).string(), "kind", "a LiDAR set", "a camera set");
+  }
+  if (scene.lidar.kind != SetKind::kLidar) {
+    throw_input_error((folder / kLidarName).string(), "kind", "a camera set", "a LiDAR set");
+  }
+}
+
+}  // namespace
+
+const LogCamera* SceneFile::find_camera(const std::string& name) const {
+  const auto found =
+      std::find_if(cameras.begin(), cameras.end(), [&](const LogCamera& c) { return c.model.name == name; });
+  return found == cameras.end() ? nullptr : &*found;
+}
+
+const LogLidar* SceneFile::find_lidar(const std::string& name) const {
+  const auto found =
+      std::find_if(lidars.begin(), lidars.end(), [&](const LogLidar& l) { return name_of(l.model) == name; });
+  return found == lidars.end() ? nullptr : &*found;
+}
+
+SceneFile read_scene(const fs::path& folder) {
+  const fs::path file = folder / kSceneName;
+  Contents contents = parse_scene(read_file(file), file.string());
+  Scene& scene = contents.scene.scene;
+  scene.camera = read_set_file(folder / kCameraName, SetKind::kCamera, contents.camera_set);
+  scene.lidar = read_set_file(folder / kLidarName, SetKind::kLidar, contents.lidar_set);
+  read_appearance_files(folder, scene);
+  check_actors(scene.camera, scene, folder / kCameraName);
+  check_actors(scene.lidar, scene, folder / kLidarName);
+  return std::move(contents.scene);
+}
+
+void write_scene(const fs::path& folder, const SceneFile& scene) {
+  const fs::path file = folder / kSceneName;
+  check_kinds(scene.scene, folder);
+  const std::string text = to_text(scene, file.string());
+  validate(scene.scene.camera, (folder / kCameraName).string());
+  validate(scene.scene.lidar, (folder / kLidarName).string());
+  check_actors(scene.scene.camera, scene.scene, folder / kCameraName);
+  check_actors(scene.scene.lidar, scene.scene, folder / kLidarName);
+  (void)parse_scene(text, file.string());  // NaN, double names, impossible sensors: refused here
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) fs::remove(file, error);
+  if (error) throw_input_error(folder.string(), "folder", error.message(), "a folder that can be written");
+  write_gaussians_ply(folder / kCameraName, scene.scene.camera);
+  write_gaussians_ply(folder / kLidarName, scene.scene.lidar);
+  write_appearance(folder, scene.scene);
+  write_file_atomically(file, text);
+}
+
+}  // namespace simuli

@@ -1,0 +1,33 @@
+#pragma once
+// A scene folder: camera.ply, lidar.ply (io/splat/ply.hpp), what its pictures have beside particles
+// (io/scene/appearance_file.hpp), and scene.json, which names their counts.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli {
+
+/// A scene with the sensors and the trajectory it was trained on, so that it renders without its log.
+struct SceneFile {
+  Scene scene;
+  std::vector<LogCamera> cameras;
+  std::vector<LogLidar> lidars;
+  Trajectory world_from_rig;  // may be empty
+
+  /// The sensor of that name; null when there is none.
+  [[nodiscard]] const LogCamera* find_camera(const std::string& name) const;
+  [[nodiscard]] const LogLidar* find_lidar(const std::string& name) const;
+};
+
+/// Reads a scene folder. Unknown keys are errors, as are counts or SH degrees other than scene.json says.
+/// Errors as in io/log/log.hpp.
+[[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder);
+/// Writes each file atomically, scene.json last; an older scene.json is removed first, so that a folder
+/// whose writing was cut short is refused. What could not be read back is refused before anything is
+/// touched: Error{kInput}.
+void write_scene(const std::filesystem::path& folder, const SceneFile& scene);
+
+}  // namespace simuli

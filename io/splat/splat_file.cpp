@@ -1,0 +1,18 @@
+#include "io/splat/splat_file.hpp"
+
+#include "host/base/error.hpp"
+#include "io/splat/ply.hpp"
+
+namespace simuli {
+
+GaussianSet read_splats(const std::filesystem::path& file) {
+  return file.extension() == ".spz" ? read_spz(file) : read_gaussians_ply(file, SetKind::kCamera);
+}
+
+void write_splats(const std::filesystem::path& file, const GaussianSet& set) {
+  if (file.extension() == ".spz") return write_spz(file, set);
+  if (file.extension() == ".ply") return write_gaussians_ply(file, set);
+  throw_input_error(file.string(), "extension", '"' + file.extension().string() + '"', ".ply or .spz");
+}
+
+}  // namespace simuli

@@ -1,0 +1,249 @@
+// The synthetic street seen by a camera and a LiDAR on a driving rig, written as a log folder.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <fmt/format.h>
+#include <mutex>
+#include <numbers>
+#include <thread>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/synth/street.hpp"
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kFramePeriod_s = 0.1;
+constexpr double kPosePeriod_s = 0.01;
+constexpr int kPosesOutside = 5;  // poses before the first and after the last sweep
+constexpr double kReadOut_s = 0.02;
+constexpr double kLane_m = -1.75;
+constexpr double kSeeFar_m = 2e4;
+
+constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+void check_options(const StreetOptions& o) {
+  const auto check = [](bool good, const char* field, const auto& found, const char* allowed) {
+    if (!good) throw_input_error("street options", field, fmt::format("{}", found), allowed);
+  };
+  check(o.frames >= 1 && o.frames <= 10000, "frames", o.frames, "1 to 10000");
+  check(o.speed_m_per_s >= 0.0 && o.speed_m_per_s <= 50.0, "speed_m_per_s", o.speed_m_per_s, "0 to 50");
+  check(o.image_width >= 8 && o.image_width <= 8192, "image_width", o.image_width, "8 to 8192");
+  check(o.image_height >= 8 && o.image_height <= 8192, "image_height", o.image_height, "8 to 8192");
+  check(o.lidar_columns >= 8 && o.lidar_columns <= 16384, "lidar_columns", o.lidar_columns, "8 to 16384");
+  check(o.threads >= 0 && o.threads <= 1024, "threads", o.threads, "0 to 1024");
+  const double driven_m = o.speed_m_per_s * kFramePeriod_s * o.frames;
+  check(driven_m <= Street::kLength_m, "frames * speed_m_per_s / 10", driven_m, "at most 260 m of street");
+}
+
+/// Along +x with a slight sway: the rig heads where it drives, and nods and leans a little on its springs.
+Pose world_from_rig_at(double time_s, double speed_m_per_s) {
+  const double x = speed_m_per_s * time_s;
+  const double phase = 2.0 * std::numbers::pi * x / 45.0;
+  const double sway_m = 0.3;
+  const double heading = std::atan(sway_m * std::cos(phase) * 2.0 * std::numbers::pi / 45.0);
+  const double pitch = radians(0.3) * std::sin(0.35 * x);
+  const double roll = radians(0.4) * std::sin(0.21 * x + 1.0);
+  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
+                                      Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(roll, Vector3d::UnitX());
+  return {rotation, {x, kLane_m + sway_m * std::sin(phase), 0.0}};
+}
+
+Trajectory drive(const StreetOptions& o) {
+  std::vector<TimedPose> poses;
+  const int per_frame = 10;  // kFramePeriod_s / kPosePeriod_s
+  for (int i = -kPosesOutside; i <= o.frames * per_frame + kPosesOutside; ++i) {
+    const double time_s = i * kPosePeriod_s;
+    poses.push_back({time_s, world_from_rig_at(time_s, o.speed_m_per_s)});
+  }
+  return Trajectory(std::move(poses));
+}
+
+LogCamera front_camera(const StreetOptions& o) {
+  LogCamera camera;
+  const double focal_px = 0.5 * o.image_width / std::tan(radians(40.0));  // 80 degrees wide
+  camera.model = {"front",
+                  o.image_width,
+                  o.image_height,
+                  focal_px,
+                  focal_px,
+                  0.5 * o.image_width,
+                  0.5 * o.image_height,
+                  o.rolling_shutter ? ShutterKind::kTopToBottom : ShutterKind::kGlobal};
+  Eigen::Matrix<double, 3, 4> rig_from_camera;
+  rig_from_camera << 0.0, 0.0, 1.0, 1.4,  // z forward is rig x
+      -1.0, 0.0, 0.0, 0.05,               // x right is rig -y
+      0.0, -1.0, 0.0, 1.5;                // y down is rig -z
+  camera.rig_from_camera = Pose::from_matrix(rig_from_camera);
+  return camera;
+}
+
+LogLidar top_lidar(const StreetOptions& o) {
+  Lidar model;
+  model.name = "top";
+  model.columns = o.lidar_columns;
+  model.azimuth_first = std::numbers::pi;  // clockwise from the back: the front is seen at mid-sweep
+  model.azimuth_span = 2.0 * std::numbers::pi;
+  model.spin = SpinDirection::kClockwise;
+  model.range_min = 0.9;
+  model.range_max = 100.0;
+  constexpr int kRows = 32;
+  for (int r = 0; r < kRows; ++r) {
+    LidarRow row;
+    row.elevation = radians(5.0 - 30.0 * r / (kRows - 1));
+    row.vertical_offset = 0.06 - 0.12 * r / (kRows - 1);  // beams leave a head 12 cm tall
+    row.horizontal_offset = r % 2 == 0 ? 0.02 : -0.02;    // from two columns of emitters
+    row.azimuth_offset = r % 2 == 0 ? radians(0.5) : radians(-0.5);
+    model.rows.push_back(row);
+  }
+  return {std::move(model), Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.9}}};
+}
+
+/// Calls work(row) for every row, on several threads. Rows write to places of their own, so the result does
+/// not depend on who does which. The first exception is thrown again here.
+template <class Work>
+void for_each_row(int rows, int threads, const Work& work) {
+  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int workers = std::min(rows, threads > 0 ? threads : cores);
+  std::atomic<int> next{0};
+  std::mutex failure_lock;
+  std::exception_ptr failure;
+  const auto run = [&] {
+    try {
+      for (int row = next++; row < rows; row = next++) work(row);
+    } catch (...) {
+      next = rows;
+      const std::lock_guard<std::mutex> hold(failure_lock);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> pool;
+    for (int i = 1; i < workers; ++i) pool.emplace_back(run);
+    run();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace
+
+Log street_log(const StreetOptions& options) {
+  check_options(options);
+  Log log;
+  log.folder = options.output;
+  log.name = "street";
+  log.cameras.push_back(front_camera(options));
+  log.lidars.push_back(top_lidar(options));
+  log.world_from_rig = drive(options);
+  const double half_exposure_s = options.rolling_shutter ? 0.5 * kReadOut_s : 0.0;
+  for (int i = 0; i < options.frames; ++i) {
+    const double start_s = i * kFramePeriod_s;
+    const double middle_s = start_s + 0.5 * kFramePeriod_s;
+    log.images.push_back({"front",
+                          fmt::format("images/front_{:06d}.png", i),
+                          middle_s - half_exposure_s,
+                          middle_s + half_exposure_s});
+    log.sweeps.push_back({"top", fmt::format("sweeps/top_{:06d}.exr", i), start_s, (i + 1) * kFramePeriod_s});
+  }
+  if (options.moving_car) log.actors.push_back(options.car.actor(0.0, options.frames * kFramePeriod_s));
+  return log;
+}
+
+Image render_street(const Street& street,
+                    const LogCamera& camera,
+                    const Trajectory& world_from_rig,
+                    double time_start_s,
+                    double time_end_s,
+                    int threads) {
+  constexpr int kSide = 2;  // samples per pixel and axis
+  const Camera& model = camera.model;
+  Image image(model.width, model.height, 3);
+  for_each_row(model.height, threads, [&](int y) {
+    for (int x = 0; x < model.width; ++x) {
+      const double fraction = model.exposure_fraction({x + 0.5, y + 0.5});
+      const double time_s = time_start_s + fraction * (time_end_s - time_start_s);
+      const Pose world_from_camera = world_from_rig.at(time_s) * camera.rig_from_camera;
+      Vector3d sum = Vector3d::Zero();
+      int traced = 0;
+      for (int sample = 0; sample < kSide * kSide; ++sample) {
+        const double across = x + (sample % kSide + 0.5) / kSide;
+        const double down = y + (sample / kSide + 0.5) / kSide;
+        const Vector3d direction = world_from_camera.rotation * model.unproject({across, down});
+        if (direction.isZero(0.0)) continue;  // outside the lens
+        sum += street.trace(world_from_camera.translation, direction.normalized(), time_s, kSeeFar_m).colour;
+        ++traced;
+      }
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(sum[c] / std::max(traced, 1));
+    }
+  });
+  return image;
+}
+
+Sweep scan_street(const Street& street,
+                  const LogLidar& lidar,
+                  const Trajectory& world_from_rig,
+                  double time_start_s,
+                  double time_end_s,
+                  int threads) {
+  const LidarModel& model = lidar.model;
+  Sweep sweep;
+  sweep.rays = nominal_rays(model, time_end_s - time_start_s);
+  sweep.range.resize(ray_count(model));
+  sweep.intensity.resize(ray_count(model));
+  const int columns = sweep.rays.columns;
+  for_each_row(sweep.rays.rows, threads, [&](int r) {
+    for (int c = 0; c < columns; ++c) {
+      // From the stored, rounded angles and time: what is read back is what was measured.
+      const std::size_t i =
+          static_cast<std::size_t>(r) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c);
+      const auto azimuth = static_cast<double>(sweep.rays.azimuth[i]);
+      const auto elevation = static_cast<double>(sweep.rays.elevation[i]);
+      const auto fraction = static_cast<double>(sweep.rays.time_fraction[i]);
+      const double time_s = time_start_s + fraction * (time_end_s - time_start_s);
+      const Pose world_from_lidar = world_from_rig.at(time_s) * lidar.rig_from_lidar;
+      const Vector3d direction = world_from_lidar.rotation * Lidar::direction(azimuth, elevation);
+      const StreetReturn back = street.lidar_return(world_from_lidar * ray_origin(model, sweep.rays, i),
+                                                    direction.normalized(),
+                                                    time_s,
+                                                    range_min(model),
+                                                    range_max(model));
+      sweep.range[i] = static_cast<float>(back.range);
+      sweep.intensity[i] = static_cast<float>(back.intensity);
+    }
+  });
+  return sweep;
+}
+
+Log synth_street(const StreetOptions& options,
+                 const std::function<void(std::size_t, std::size_t)>& progress) {
+  Log log = street_log(options);
+  const Street street(options.seed, options.moving_car ? std::optional(options.car) : std::nullopt);
+  const LogCamera& camera = log.cameras.front();
+  const LogLidar& lidar = log.lidars.front();
+  const Trajectory& path = log.world_from_rig;
+  write_folder_atomically(options.output, [&](const std::filesystem::path& folder) {
+    std::filesystem::create_directories(folder / "images");
+    std::filesystem::create_directories(folder / "sweeps");
+    for (std::size_t i = 0; i < log.images.size(); ++i) {
+      const ImageFrame& image = log.images[i];
+      write_image(folder / image.file,
+                  render_street(street, camera, path, image.time_start_s, image.time_end_s, options.threads));
+      const SweepFrame& sweep = log.sweeps[i];
+      write_sweep(folder / sweep.file,
+                  scan_street(street, lidar, path, sweep.time_start_s, sweep.time_end_s, options.threads));
+      if (progress) progress(i + 1, log.images.size());
+    }
+    log.folder = folder;
+    write_log(log);
+  });
+  log.folder = options.output;
+  return log;
+}
+
+}  // namespace simuli

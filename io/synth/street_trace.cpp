@@ -1,0 +1,219 @@
+// Rays through the synthetic street.
+#include <algorithm>
+#include <cmath>
+
+#include "io/synth/street.hpp"
+#include "io/synth/street_world.hpp"
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Hits nearer than this are the surface the ray starts on.
+constexpr double kStartTolerance_m = 1e-9;
+
+/// Entry of the ray into the box nearer than `nearest.range`. A ray from inside meets nothing.
+bool meet_box(const StreetSolid& solid,
+              const Vector3d& origin,
+              const Vector3d& direction,
+              const Vector3d& inverse,
+              StreetCrossing& nearest) {
+  double enter = kStartTolerance_m;
+  double leave = nearest.range;
+  int axis = -1;
+  for (int i = 0; i < 3; ++i) {
+    if (direction[i] == 0.0) {
+      if (!(origin[i] > solid.low[i] && origin[i] < solid.high[i])) return false;
+      continue;
+    }
+    const double a = (solid.low[i] - origin[i]) * inverse[i];
+    const double b = (solid.high[i] - origin[i]) * inverse[i];
+    const double first = std::min(a, b);
+    if (first > enter) {
+      enter = first;
+      axis = i;
+    }
+    leave = std::min(leave, std::max(a, b));
+    if (!(enter < leave)) return false;
+  }
+  if (axis < 0) return false;
+  nearest.range = enter;
+  nearest.normal.setZero();
+  nearest.normal[axis] = direction[axis] > 0.0 ? -1.0 : 1.0;
+  return true;
+}
+
+bool meet_sphere(const StreetSolid& solid,
+                 const Vector3d& origin,
+                 const Vector3d& direction,
+                 StreetCrossing& nearest) {
+  const Vector3d from_centre = origin - solid.centre;
+  const double half_b = from_centre.dot(direction);
+  // The squared distance of the line from the centre, without the cancellation of b^2 - c.
+  const double discriminant = solid.radius * solid.radius - (from_centre - half_b * direction).squaredNorm();
+  if (!(discriminant > 0.0)) return false;
+  const double range = -half_b - std::sqrt(discriminant);
+  if (!(range > kStartTolerance_m && range < nearest.range)) return false;
+  nearest.range = range;
+  nearest.normal = (from_centre + range * direction) / solid.radius;
+  return true;
+}
+
+/// Side and top of a vertical cylinder; its foot stands on the ground.
+bool meet_pole(const StreetSolid& solid,
+               const Vector3d& origin,
+               const Vector3d& direction,
+               StreetCrossing& nearest) {
+  bool met = false;
+  const Eigen::Vector2d from_axis = (origin - solid.centre).head<2>();
+  const Eigen::Vector2d flat = direction.head<2>();
+  const double speed2 = flat.squaredNorm();
+  if (speed2 > 0.0) {
+    const double closest = -from_axis.dot(flat) / speed2;
+    const double discriminant = solid.radius * solid.radius - (from_axis + closest * flat).squaredNorm();
+    if (discriminant > 0.0) {
+      const double range = closest - std::sqrt(discriminant / speed2);
+      const double z = origin.z() + range * direction.z();
+      if (range > kStartTolerance_m && range < nearest.range && z >= solid.low.z() && z <= solid.high.z()) {
+        nearest.range = range;
+        nearest.normal << (from_axis + range * flat) / solid.radius, 0.0;
+        met = true;
+      }
+    }
+  }
+  if (direction.z() < 0.0) {
+    const double range = (solid.high.z() - origin.z()) / direction.z();
+    const bool on_cap = (from_axis + range * flat).squaredNorm() < solid.radius * solid.radius;
+    if (on_cap && range > kStartTolerance_m && range < nearest.range) {
+      nearest.range = range;
+      nearest.normal = Vector3d::UnitZ();
+      met = true;
+    }
+  }
+  return met;
+}
+
+bool meet(const StreetSolid& solid,
+          const Vector3d& origin,
+          const Vector3d& direction,
+          const Vector3d& inverse,
+          StreetCrossing& nearest) {
+  switch (solid.shape) {
+    case StreetShape::kBox:
+      return meet_box(solid, origin, direction, inverse, nearest);
+    case StreetShape::kPole:
+      return meet_pole(solid, origin, direction, nearest);
+    case StreetShape::kSphere:
+      return meet_sphere(solid, origin, direction, nearest);
+  }
+  return false;
+}
+
+/// Sun and sky light, the same all day: no cast shadows, so that appearance depends on the surface alone.
+double lighting(const Vector3d& normal) {
+  static const Vector3d towards_sun = Vector3d(-0.45, -0.35, 0.82).normalized();
+  return 0.62 + 0.43 * std::max(0.0, normal.dot(towards_sun));
+}
+
+/// Walks the slices of the street that the ray crosses, nearest first.
+const StreetSolid* meet_slices(const StreetWorld& world,
+                               const Vector3d& origin,
+                               const Vector3d& direction,
+                               const Vector3d& inverse,
+                               StreetCrossing& nearest) {
+  const StreetSolid* met = nullptr;
+  const int last = static_cast<int>(world.slices.size()) - 1;
+  const double start = (origin.x() - StreetWorld::kFirstSlice_m) / StreetWorld::kSliceLength_m;
+  int slice = static_cast<int>(std::clamp(std::floor(start), 0.0, static_cast<double>(last)));
+  const int step = direction.x() > 0.0 ? 1 : -1;
+  while (slice >= 0 && slice <= last) {
+    for (const std::uint32_t i : world.slices[static_cast<std::size_t>(slice)]) {
+      if (meet(world.solids[i], origin, direction, inverse, nearest)) met = &world.solids[i];
+    }
+    if (direction.x() == 0.0) break;
+    const double edge =
+        StreetWorld::kFirstSlice_m + StreetWorld::kSliceLength_m * (slice + (step > 0 ? 1 : 0));
+    if ((edge - origin.x()) * inverse.x() >= nearest.range) break;
+    slice += step;
+  }
+  return met;
+}
+
+}  // namespace
+
+Actor StreetCar::actor(double start_s, double end_s) const {
+  constexpr double kKeyPeriod_s = 0.1;
+  Actor car;
+  car.name = "car";
+  car.kind = "car";
+  car.size_m = {2.0 * kCarHalfLength_m, 2.0 * kCarHalfWidth_m, kCarHeight_m};
+  const int keys = static_cast<int>(std::ceil((end_s - start_s) / kKeyPeriod_s - 1e-9));
+  for (int i = 0; i <= keys; ++i) {
+    const double time_s = start_s + i * kKeyPeriod_s;
+    const Vector3d middle = position(time_s) + Vector3d(0.0, 0.0, 0.5 * kCarHeight_m);
+    car.track.push_back({time_s, {Eigen::Quaterniond::Identity(), middle}});
+  }
+  return car;
+}
+
+Street::Street(std::uint64_t seed, const std::optional<StreetCar>& car, bool thin_poles)
+    : world_(std::make_shared<const StreetWorld>(build_street_world(seed, car.has_value(), thin_poles))),
+      car_(car) {}
+
+StreetHit Street::trace(const Vector3d& origin,
+                        const Vector3d& direction,
+                        double time_s,
+                        double max_range) const {
+  StreetHit hit;
+  if (!(origin.allFinite() && direction.allFinite() && std::isfinite(time_s) && max_range > 0.0)) return hit;
+  const Vector3d inverse = direction.cwiseInverse();
+  StreetCrossing nearest;
+  nearest.range = max_range;
+  const StreetSolid* met = nullptr;
+  for (const StreetSolid& solid : world_->ground) {
+    if (meet(solid, origin, direction, inverse, nearest)) met = &solid;
+  }
+  Vector3d solid_from_world = Vector3d::Zero();  // translation
+  const Vector3d car_from_world = car_ ? Vector3d(-car_->position(time_s)) : Vector3d::Zero();
+  for (const StreetSolid& solid : world_->car) {
+    if (meet(solid, origin + car_from_world, direction, inverse, nearest)) {
+      met = &solid;
+      solid_from_world = car_from_world;
+      hit.on_car = true;
+    }
+  }
+  if (const StreetSolid* nearer = meet_slices(*world_, origin, direction, inverse, nearest)) {
+    met = nearer;
+    solid_from_world.setZero();
+    hit.on_car = false;
+  }
+  if (met == nullptr) {
+    hit.colour = street_sky(direction);
+    return hit;
+  }
+  hit.hit = true;
+  hit.range = nearest.range;
+  hit.normal = nearest.normal;
+  const Vector3d point = origin + nearest.range * direction + solid_from_world;
+  const StreetSurface surface = street_surface(*met, point, nearest.normal, world_->seed);
+  hit.colour = (surface.albedo * lighting(nearest.normal)).cwiseMax(0.0).cwiseMin(1.0);
+  hit.reflectance = surface.reflectance;
+  return hit;
+}
+
+StreetReturn Street::lidar_return(const Vector3d& origin,
+                                  const Vector3d& direction,
+                                  double time_s,
+                                  double range_min,
+                                  double range_max) const {
+  const StreetHit hit = trace(origin, direction, time_s, range_max);
+  if (!(hit.hit && hit.range >= range_min)) return {};
+  const double cosine = std::abs(hit.normal.dot(direction));
+  if (!(hit.reflectance * cosine / (hit.range * hit.range) >= kMinimumEnergy)) return {};
+  // A sensor compensates most of the inverse square; what is left halves the signal at 80 m.
+  const double falloff = 1.0 / (1.0 + (hit.range / 80.0) * (hit.range / 80.0));
+  return {hit.range, std::clamp(hit.reflectance * (0.3 + 0.7 * cosine) * falloff, 0.0, 1.0)};
+}
+
+}  // namespace simuli

@@ -1,0 +1,84 @@
+#include "optim/base/evaluate_actors.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace simuli {
+
+ActorBoxes::ActorBoxes(const std::vector<Actor>& actors, const View& view) : view_(view) {
+  for (const Actor& actor : actors) half_.emplace_back(0.5 * actor.size_m);
+}
+
+Pose ActorBoxes::actor_from_sensor(std::size_t actor, double time_fraction) const {
+  const ActorView& poses = view_.actors[actor];
+  const Pose scene_from_actor =
+      interpolate(poses.scene_from_actor_start, poses.scene_from_actor_end, time_fraction);
+  return scene_from_actor.inverse() *
+         interpolate(view_.world_from_sensor_start, view_.world_from_sensor_end, time_fraction);
+}
+
+bool ActorBoxes::are_met(const Eigen::Vector3d& origin,
+                         const Eigen::Vector3d& direction,
+                         double time_fraction) const {
+  for (std::size_t i = 0; i < half_.size(); ++i) {
+    if (!view_.actors[i].is_there) continue;
+    const Pose to_actor = actor_from_sensor(i, time_fraction);
+    const Eigen::Vector3d o = to_actor * origin;
+    const Eigen::Vector3d d = to_actor.rotation * direction;
+    double enter = 0.0, leave = std::numeric_limits<double>::infinity();
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      if (d(k) == 0.0) {
+        if (std::abs(o(k)) > half_[i](k)) leave = -1.0;
+        continue;
+      }
+      const double a = (-half_[i](k) - o(k)) / d(k), b = (half_[i](k) - o(k)) / d(k);
+      enter = std::max(enter, std::min(a, b));
+      leave = std::min(leave, std::max(a, b));
+    }
+    if (enter <= leave) return true;
+  }
+  return false;
+}
+
+bool ActorBoxes::contain(const Eigen::Vector3d& origin,
+                         const Eigen::Vector3d& direction,
+                         double range,
+                         double time_fraction) const {
+  for (std::size_t i = 0; i < half_.size(); ++i) {
+    if (!view_.actors[i].is_there) continue;
+    const Eigen::Vector3d p =
+        actor_from_sensor(i, time_fraction) * Eigen::Vector3d(origin + range * direction);
+    if ((p.array().abs() <= half_[i].array()).all()) return true;
+  }
+  return false;
+}
+
+std::vector<bool> pixels_on_actors(const ActorBoxes& boxes, const Camera& camera) {
+  std::vector<bool> on;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
+      const Eigen::Vector3d direction = camera.unproject(pixel);
+      on.push_back(!direction.isZero(0.0) &&
+                   boxes.are_met(Eigen::Vector3d::Zero(), direction, camera.exposure_fraction(pixel)));
+    }
+  }
+  return on;
+}
+
+std::vector<bool> returns_on_actors(const ActorBoxes& boxes,
+                                    const LidarModel& lidar,
+                                    const LidarRays& rays,
+                                    const std::vector<float>& range) {
+  std::vector<bool> on(range.size(), false);
+  for (std::size_t i = 0; i < range.size(); ++i) {
+    if (!(range[i] > 0.0F)) continue;
+    on[i] = boxes.contain(ray_origin(lidar, rays, i),
+                          Lidar::direction(rays.azimuth[i], rays.elevation[i]),
+                          range[i],
+                          rays.time_fraction[i]);
+  }
+  return on;
+}
+
+}  // namespace simuli

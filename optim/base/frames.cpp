@@ -1,0 +1,73 @@
+#include "optim/base/frames.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+
+Camera scaled_camera(const Camera& camera, double scale) {
+  const bool allowed = scale > 0.0 && scale <= 1.0;
+  if (!allowed) {
+    throw Error(ErrorKind::kUsage, fmt::format("image scale: found {}, allowed above 0, at most 1", scale));
+  }
+  // A hair less, so that 0.1 * 1240 is 124 and not 125.
+  const auto side = [scale](int px) { return std::max(1, static_cast<int>(std::ceil(px * scale - 1e-9))); };
+  return camera.resized(side(camera.width), side(camera.height));
+}
+
+Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) {
+  const Camera& model = log.camera(frame.camera).model;
+  const std::filesystem::path file = log.folder / frame.file;
+  Image image = read_image(file);
+  if (image.width != model.width || image.height != model.height) {
+    throw_input_error(file.string(),
+                      "size",
+                      fmt::format("{} x {}", image.width, image.height),
+                      fmt::format("{} x {} as camera {}", model.width, model.height, model.name));
+  }
+  if (scaled.width == image.width && scaled.height == image.height) return image;
+  return resize_area(image, scaled.width, scaled.height);
+}
+
+View view_at(const Trajectory& world_from_rig,
+             const Pose& rig_from_sensor,
+             double time_start_s,
+             double time_end_s,
+             const Scene& scene,
+             SetKind kind) {
+  View view{world_from_rig.at(time_start_s) * rig_from_sensor,
+            world_from_rig.at(time_end_s) * rig_from_sensor,
+            kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
+            actors_during(scene.actors, time_start_s, time_end_s, scene.origin)};
+  view.world_from_sensor_start.translation -= scene.origin;
+  view.world_from_sensor_end.translation -= scene.origin;
+  return view;
+}
+
+View view_of(const Log& log, const Scene& scene, const ImageFrame& frame) {
+  const Pose& rig_from_camera = log.camera(frame.camera).rig_from_camera;
+  return view_at(
+      log.world_from_rig, rig_from_camera, frame.time_start_s, frame.time_end_s, scene, SetKind::kCamera);
+}
+
+View view_of(const Log& log, const Scene& scene, const SweepFrame& frame) {
+  const Pose& rig_from_lidar = log.lidar(frame.lidar).rig_from_lidar;
+  return view_at(
+      log.world_from_rig, rig_from_lidar, frame.time_start_s, frame.time_end_s, scene, SetKind::kLidar);
+}
+
+std::vector<float> planar(const Image& image) {
+  const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  const auto channels = static_cast<std::size_t>(image.channels);
+  std::vector<float> out(image.data.size());
+  for (std::size_t c = 0; c < channels; ++c) {
+    for (std::size_t i = 0; i < pixels; ++i) out[c * pixels + i] = image.data[i * channels + c];
+  }
+  return out;
+}
+
+}  // namespace simuli

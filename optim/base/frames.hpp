@@ -1,0 +1,49 @@
+#pragma once
+// Frames of a log as training and evaluation see them: pictures at one scale, views from the scene origin,
+// LiDAR truth beside its measured rays.
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/render/scene/renderer.hpp"
+#include "host/scene/scene.hpp"
+#include "io/picture/image.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli {
+
+/// The camera with sides of ceil(scale * side) pixels. Error{kUsage} unless 0 < scale <= 1.
+[[nodiscard]] Camera scaled_camera(const Camera& camera, double scale);
+
+/// The picture of `frame`, averaged down to the size of `scaled` (scaled_camera of the frame's camera).
+/// Error{kInput} when the file's size is not the log camera's.
+[[nodiscard]] Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled);
+
+/// Poses of a sensor and of the scene's actors at the start and the end of a frame, relative to the scene
+/// origin, before the background of that set.
+[[nodiscard]] View view_at(const Trajectory& world_from_rig,
+                           const Pose& rig_from_sensor,
+                           double time_start_s,
+                           double time_end_s,
+                           const Scene& scene,
+                           SetKind kind);
+[[nodiscard]] View view_of(const Log& log, const Scene& scene, const ImageFrame& frame);
+[[nodiscard]] View view_of(const Log& log, const Scene& scene, const SweepFrame& frame);
+
+/// The channels of an interleaved picture, one behind the other: [3][height][width].
+[[nodiscard]] std::vector<float> planar(const Image& image);
+
+/// Indices of frames that are held out, or of all others.
+template <class Frame>
+[[nodiscard]] std::vector<std::size_t> select_frames(const std::vector<Frame>& frames,
+                                                     int held_out_every,
+                                                     bool held_out) {
+  std::vector<std::size_t> selected;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (is_held_out(i, held_out_every) == held_out) selected.push_back(i);
+  }
+  return selected;
+}
+
+}  // namespace simuli

@@ -1,0 +1,44 @@
+#pragma once
+// Metrics of METHOD section 13, in double on the host. Every unit is in the name.
+#include <Eigen/Core>
+#include <vector>
+
+#include "io/picture/image.hpp"
+
+namespace simuli {
+
+/// Peak signal-to-noise ratio in dB of pictures in [0,1] of equal size; identical pictures give +inf.
+[[nodiscard]] double psnr_db(const Image& rendered, const Image& truth);
+/// SSIM, 11x11 Gaussian window of sigma 1.5, valid region only, K1 = 0.01, K2 = 0.03, mean over channels.
+/// Error{kInput} when a side is below 11 pixels.
+[[nodiscard]] double ssim(const Image& rendered, const Image& truth);
+
+/// One simulated sweep beside the recorded one, ray by ray. Range 0 in `truth_range`: no return.
+struct SweepComparison {
+  std::vector<float> range;      // m, simulated
+  std::vector<float> intensity;  // [0,1], simulated
+  std::vector<float> drop;       // probability that the ray returns nothing, simulated
+  std::vector<float> truth_range;
+  std::vector<float> truth_intensity;
+  std::vector<Eigen::Vector3f> origin;     // m, world from the scene origin
+  std::vector<Eigen::Vector3f> direction;  // unit
+};
+
+struct SweepMetrics {
+  double distance_median_m = 0.0;  // median |d^ - d| over returned rays
+  double medl2_m2 = 0.0;           // median (d^ - d)^2 over returned rays
+  double mean_rel_l2 = 0.0;        // mean ((d^ - d)/d)^2 over returned rays
+  double intensity_rmse = 0.0;     // over returned rays
+  double raydrop_accuracy = 0.0;   // over all rays, threshold 0.5
+  double chamfer_m2 = 0.0;         // (sum_P min |p-g|^2 + sum_G min |g-p|^2) / |G|
+  double chamfer_m = 0.0;          // (mean_P min |p-g| + mean_G min |g-p|) / 2
+};
+
+/// Exact nearest neighbours (k-d tree). P: rays with drop <= 0.5; G: rays that returned. With no
+/// predicted or no true point the Chamfer values are NaN, as are the medians with no returned ray.
+[[nodiscard]] SweepMetrics compare_sweep(const SweepComparison& sweep);
+
+/// Mean of the two middle values when their number is even; NaN of nothing.
+[[nodiscard]] double median(std::vector<double> values);
+
+}  // namespace simuli

@@ -1,0 +1,342 @@
+#include "optim/calibration/beams/beams.hpp"
+
+#include <algorithm>
+#include <array>
+#include <ceres/ceres.h>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "optim/calibration/beams/beam_parts.hpp"
+#include "optim/calibration/path/median.hpp"
+
+namespace simuli::calibration {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kNearest_m = 0.5;
+constexpr std::size_t kVoters = 120000;
+constexpr std::size_t kFewestVoters = 2000;
+constexpr double kBin_rad = 0.25e-3;
+constexpr double kTallest_m = 0.5;  // of the sensor's head above and below its origin
+constexpr double kHeightStep_m = 0.01;
+constexpr std::size_t kMostRows = 512;
+constexpr double kGate_rad = 0.6e-3;  // of a beam's points about its line
+
+/// A line in the plane of axis distance and height.
+struct Line {
+  double elevation = 0.0;  // rad
+  double height = 0.0;     // m, where it meets the axis
+
+  /// Sine of the angle, seen from the origin, by which a point lies above the line.
+  [[nodiscard]] double error(double distance, double z) const {
+    return ((z - height) * std::cos(elevation) - distance * std::sin(elevation)) / std::hypot(distance, z);
+  }
+};
+
+struct Voter {
+  double distance;
+  double height;
+};
+
+/// Votes of points for lines: rows of heights, columns of elevations.
+class VoteTable {
+ public:
+  explicit VoteTable(const std::vector<Voter>& voters) : votes_(kHeights * kBins) {
+    for (const Voter& voter : voters) count(voter, 1);
+  }
+  void count(const Voter& voter, int weight) {
+    for (std::size_t h = 0; h < kHeights; ++h) {
+      const double elevation = std::atan2(voter.height - height_of(h), voter.distance);
+      const double bin = std::clamp((elevation + kPi / 2) / kBin_rad, 0.0, static_cast<double>(kBins - 1));
+      votes_[h * kBins + static_cast<std::size_t>(bin)] += weight;
+    }
+  }
+  /// The line with most votes, those of neighbouring elevations taken together.
+  [[nodiscard]] Line best() const {
+    std::size_t place = 0;
+    int most = -1;
+    for (std::size_t h = 0; h < kHeights; ++h) {
+      const int* const row = votes_.data() + h * kBins;
+      for (std::size_t b = 0; b + 1 < kBins; ++b) {
+        if (row[b] + row[b + 1] <= most) continue;
+        most = row[b] + row[b + 1];
+        place = h * kBins + b;
+      }
+    }
+    return {static_cast<double>(place % kBins + 1) * kBin_rad - kPi / 2, height_of(place / kBins)};
+  }
+
+ private:
+  static constexpr std::size_t kHeights = 2 * static_cast<std::size_t>(kTallest_m / kHeightStep_m + 0.5) + 1;
+  static constexpr std::size_t kBins = static_cast<std::size_t>(kPi / kBin_rad) + 1;
+  [[nodiscard]] static double height_of(std::size_t h) {
+    return static_cast<double>(h) * kHeightStep_m - kTallest_m;
+  }
+  std::vector<int> votes_;
+};
+
+/// Least squares on the points within gate_rad; false when there are too few, or all at one distance.
+bool fit_line(const std::vector<Voter>& voters, double gate_rad, Line& line) {
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (const Voter& v : voters) {
+    if (!(std::abs(line.error(v.distance, v.height)) <= gate_rad)) continue;
+    const double range2 = v.distance * v.distance + v.height * v.height;
+    const Eigen::Vector2d a(v.distance, 1.0);
+    normal += a * a.transpose() / range2;
+    right += a * v.height / range2;
+  }
+  if (!(normal.determinant() > 1e-6 * normal(0, 0) * normal(1, 1))) return false;
+  const Eigen::Vector2d slope_height = normal.inverse() * right;
+  if (!(std::abs(slope_height[1]) <= kTallest_m)) return false;
+  line = {std::atan(slope_height[0]), slope_height[1]};
+  return true;
+}
+
+/// Takes the line with most votes, fits it, withdraws the votes of its points, and so on.
+std::vector<Line> find_lines(std::vector<Voter> voters) {
+  VoteTable votes(voters);
+  const std::size_t all = voters.size();
+  std::vector<Line> lines;
+  while (lines.size() < kMostRows && voters.size() > all / 500) {
+    Line line = votes.best();
+    for (const double gate_rad : {1e-3, 0.5e-3, 0.3e-3, 0.3e-3}) {
+      if (!fit_line(voters, gate_rad, line)) break;
+    }
+    const auto kept = std::stable_partition(voters.begin(), voters.end(), [&](const Voter& v) {
+      return std::abs(line.error(v.distance, v.height)) > kGate_rad;
+    });
+    const auto found = static_cast<std::size_t>(voters.end() - kept);
+    if (found < std::max<std::size_t>(50, all / 2000)) break;
+    for (auto v = kept; v != voters.end(); ++v) votes.count(*v, -1);
+    voters.erase(kept, voters.end());
+    lines.push_back(line);
+  }
+  std::sort(
+      lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.elevation > b.elevation; });
+  return lines;
+}
+
+/// The angle by which a point lies above its beam, which leaves the axis at `height` and passes beside it.
+struct ConeError {
+  double along;  // m, from where the beam passes the axis
+  double z;
+  double range;
+  double sigma_rad;
+
+  template <class T>
+  bool operator()(const T* elevation, const T* height, T* out) const {
+    out[0] = ((T(z) - height[0]) * cos(elevation[0]) - T(along) * sin(elevation[0])) / T(range * sigma_rad);
+    return true;
+  }
+};
+
+/// At most kPerBin points of each distance class, evenly taken: far points are few and tell most.
+std::vector<BeamPoint> choose(const std::vector<std::vector<BeamPoint>>& sweeps) {
+  constexpr std::size_t kPerBin = 300;
+  constexpr double kBinsPerDoubling = 3.0;
+  std::array<std::vector<BeamPoint>, 32> classes;
+  for (const auto& sweep : sweeps) {
+    for (const BeamPoint& p : sweep) {
+      const double place = std::clamp(kBinsPerDoubling * std::log2(p.distance), 0.0, 31.0);
+      classes[static_cast<std::size_t>(place)].push_back(p);
+    }
+  }
+  std::vector<BeamPoint> chosen;
+  for (const auto& members : classes) {
+    const std::size_t count = std::min(members.size(), kPerBin);
+    for (std::size_t i = 0; i < count; ++i) chosen.push_back(members[i * members.size() / count]);
+  }
+  return chosen;
+}
+
+void fit_beam(const std::vector<std::vector<BeamPoint>>& sweeps, BeamEstimate& beam) {
+  constexpr double kSigma_rad = 0.05e-3;
+  const std::vector<BeamPoint> points = choose(sweeps);
+  double elevation = beam.row.elevation;
+  double height = beam.row.vertical_offset;
+  const double side = beam.row.horizontal_offset;
+  ceres::Problem problem;
+  auto* const loss = new ceres::CauchyLoss(2.0);
+  for (const BeamPoint& p : points) {
+    const double along = std::sqrt(std::max(0.0, p.distance * p.distance - side * side));
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ConeError, 1, 1, 1>(new ConeError{
+                                 along, p.height, std::hypot(p.distance, p.height), kSigma_rad}),
+                             loss,
+                             &elevation,
+                             &height);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  std::vector<double> errors;
+  const Line line{elevation, height};
+  for (const BeamPoint& p : points) {
+    errors.push_back(
+        std::abs(line.error(std::sqrt(std::max(0.0, p.distance * p.distance - side * side)), p.height)));
+  }
+  beam.residual = 1.4826 * upper_median(std::move(errors));
+
+  ceres::Covariance::Options how;
+  how.algorithm_type = ceres::DENSE_SVD;
+  ceres::Covariance covariance(how);
+  const std::vector<std::pair<const double*, const double*>> blocks{{&elevation, &elevation},
+                                                                    {&height, &height}};
+  double elevation_variance = 0.0;
+  double height_variance = 0.0;
+  const bool determined = summary.IsSolutionUsable() && covariance.Compute(blocks, &problem) &&
+                          covariance.GetCovarianceBlock(&elevation, &elevation, &elevation_variance) &&
+                          covariance.GetCovarianceBlock(&height, &height, &height_variance);
+  const double scale = std::max(beam.residual, 0.01e-3) / kSigma_rad;
+  beam.elevation_sigma = determined ? scale * std::sqrt(elevation_variance) : INFINITY;
+  beam.vertical_offset_sigma = determined ? scale * std::sqrt(height_variance) : INFINITY;
+  beam.vertical_offset_known = beam.vertical_offset_sigma <= kWorstOffset_m;
+  if (!determined) return;
+  beam.row.elevation = elevation;
+  beam.row.vertical_offset = height;
+}
+
+/// A row whose returns are all about as far tells one number where two are asked for: it takes the offset
+/// of the rows beside it, and the elevation that goes with it.
+void borrow_offsets(const BeamPoints& points, BeamTable& table) {
+  std::size_t unknown = 0;
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    BeamEstimate& beam = table.rows[r];
+    if (beam.vertical_offset_known) continue;
+    ++unknown;
+    double offset_m = 0.0;
+    for (std::size_t away = 1; away < table.rows.size(); ++away) {
+      const bool above = r >= away && table.rows[r - away].vertical_offset_known;
+      const bool below = r + away < table.rows.size() && table.rows[r + away].vertical_offset_known;
+      if (!above && !below) continue;
+      offset_m = table.rows[above ? r - away : r + away].row.vertical_offset;
+      break;
+    }
+    std::vector<double> elevations;
+    for (const auto& sweep : points[r]) {
+      for (const BeamPoint& p : sweep) elevations.push_back(std::atan2(p.height - offset_m, p.distance));
+    }
+    if (!elevations.empty()) beam.row.elevation = upper_median(std::move(elevations));
+    beam.row.vertical_offset = offset_m;
+  }
+  if (unknown > 0) {
+    table.notes.push_back(
+        fmt::format("vertical offset of {} of {} rows: not determined, their returns are all about as far "
+                    "away; taken from "
+                    "the rows beside them",
+                    unknown,
+                    table.rows.size()));
+  }
+}
+
+/// Sorts every point to the beam it lies nearest to.
+BeamPoints sort_points(const std::vector<RawSweep>& sweeps, BeamTable& table) {
+  std::vector<Line> lines;
+  for (const BeamEstimate& beam : table.rows) lines.push_back({beam.row.elevation, beam.row.vertical_offset});
+  BeamPoints points(lines.size(), std::vector<std::vector<BeamPoint>>(sweeps.size()));
+  table.unplaced = 0;
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    for (const Eigen::Vector3d& p : sweeps[s]) {
+      if (!(p.norm() >= kNearest_m)) {
+        ++table.unplaced;
+        continue;
+      }
+      const BeamPoint point{std::atan2(p.y(), p.x()), std::hypot(p.x(), p.y()), p.z()};
+      std::size_t best = lines.size();
+      double smallest = kGate_rad;
+      for (std::size_t r = 0; r < lines.size(); ++r) {
+        const double error = std::abs(lines[r].error(point.distance, point.height));
+        if (error > smallest) continue;
+        smallest = error;
+        best = r;
+      }
+      if (best == lines.size()) {
+        ++table.unplaced;
+      } else {
+        points[best][s].push_back(point);
+      }
+    }
+  }
+  for (std::size_t r = 0; r < lines.size(); ++r) {
+    table.rows[r].points = 0;
+    for (auto& sweep : points[r]) {
+      table.rows[r].points += sweep.size();
+      std::sort(sweep.begin(), sweep.end(), [](const BeamPoint& a, const BeamPoint& b) {
+        return a.azimuth < b.azimuth;
+      });
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+BeamTable find_beams(const std::vector<RawSweep>& sweeps) {
+  BeamTable table;
+  for (const RawSweep& sweep : sweeps) table.points += sweep.size();
+  const std::size_t stride = std::max<std::size_t>(1, table.points / kVoters);
+  std::vector<Voter> voters;
+  std::size_t number = 0;
+  for (const RawSweep& sweep : sweeps) {
+    for (const Eigen::Vector3d& p : sweep) {
+      table.range_max = std::max(table.range_max, p.norm());
+      if (number++ % stride != 0 || !(p.norm() >= kNearest_m)) continue;
+      voters.push_back({std::hypot(p.x(), p.y()), p.z()});
+    }
+  }
+  const auto refuse = [](const std::string& why) { throw Error(ErrorKind::kNumeric, "beam table: " + why); };
+  if (voters.size() < kFewestVoters) {
+    refuse(fmt::format("found {} points, allowed at least {}", voters.size(), kFewestVoters));
+  }
+  for (const Line& line : find_lines(std::move(voters))) {
+    BeamEstimate beam;
+    beam.row.elevation = line.elevation;
+    beam.row.vertical_offset = line.height;
+    table.rows.push_back(beam);
+  }
+  constexpr double kMostUnplaced = 0.05;
+  BeamPoints points = sort_points(sweeps, table);
+  const double unplaced = static_cast<double>(table.unplaced) / static_cast<double>(table.points);
+  if (!(unplaced <= kMostUnplaced)) {
+    refuse(
+        fmt::format("found {:.1f} % of the points on no beam, allowed {:.0f} %: no spinning sensor with an "
+                    "upright axis, or its motion is compensated already",
+                    100.0 * unplaced,
+                    100.0 * kMostUnplaced));
+  }
+  find_azimuths(points, table);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) fit_beam(points[r], table.rows[r]);
+  borrow_offsets(points, table);
+  points = sort_points(sweeps, table);
+  return table;
+}
+
+Lidar lidar_of(const BeamTable& table, const std::string& name, SpinDirection spin) {
+  Lidar lidar;
+  lidar.name = name;
+  lidar.spin = spin;
+  lidar.columns = static_cast<int>(std::lround(table.columns));
+  lidar.azimuth_span = 2.0 * kPi;
+  lidar.azimuth_first = lidar.spin_sign() * kPi * (1.0 / std::max(1, lidar.columns) - 1.0);
+  lidar.range_min = kNearest_m;
+  lidar.range_max = std::max(120.0, table.range_max);
+  double mean_offset = 0.0;
+  for (const BeamEstimate& beam : table.rows) {
+    mean_offset += beam.row.azimuth_offset / static_cast<double>(table.rows.size());
+  }
+  for (const BeamEstimate& beam : table.rows) {
+    lidar.rows.push_back(beam.row);
+    lidar.rows.back().azimuth_offset -= mean_offset;
+  }
+  std::stable_sort(lidar.rows.begin(), lidar.rows.end(), [](const LidarRow& a, const LidarRow& b) {
+    return a.elevation > b.elevation;
+  });
+  return lidar;
+}
+
+}  // namespace simuli::calibration

@@ -1,0 +1,53 @@
+#pragma once
+// Where a LiDAR sees one thing end in front of another: places that a camera sees as edges too.
+#include <Eigen/Core>
+#include <vector>
+
+#include "io/log/log.hpp"
+#include "optim/calibration/camera/luminance.hpp"
+
+namespace simuli::calibration {
+
+/// A point on the rim of a foreground surface. The rim lies anywhere within `half_width` of it along
+/// `across`, between two neighbouring firings of which one hits the foreground.
+struct DepthEdge {
+  Eigen::Vector3d p_rig = Eigen::Vector3d::Zero();    // m, at time_s
+  Eigen::Vector3d across = Eigen::Vector3d::UnitY();  // unit, rig; from the foreground outwards
+  double half_width = 0.0;                            // m
+  double time_s = 0.0;
+};
+
+/// Rims along rows and along columns of a sweep, at most farthest_m away. Neighbours without a return tell
+/// nothing: glass, sky and black paint look alike.
+[[nodiscard]] std::vector<DepthEdge> depth_edges(const Sweep& sweep,
+                                                 const LogLidar& lidar,
+                                                 double time_start_s,
+                                                 double time_end_s,
+                                                 double farthest_m = 60.0);
+
+/// A picture with what is needed to find edges in it.
+class EdgeImage {
+ public:
+  /// Blurred by a Gaussian of sigma_px.
+  EdgeImage(const Luminance& picture, double sigma_px) : picture_(picture.blurred(sigma_px)) {}
+
+  struct Edge {
+    Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+    Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  // unit, towards the brighter side
+    double strength = 0.0;                              // luminance per pixel
+  };
+  /// The strongest edge within reach_px of `pixel` along the unit `direction`, those near by favoured, that
+  /// runs across the direction; false where no edge reaches least_strength.
+  [[nodiscard]] bool find(const Eigen::Vector2d& pixel,
+                          const Eigen::Vector2d& direction,
+                          double reach_px,
+                          double least_strength,
+                          Edge& edge) const;
+
+ private:
+  [[nodiscard]] Eigen::Vector2d gradient(const Eigen::Vector2d& pixel) const;
+
+  Luminance picture_;
+};
+
+}  // namespace simuli::calibration

@@ -1,0 +1,76 @@
+#pragma once
+// Where a camera sits on the rig, and by how much its clock is off: from depth edges of the LiDAR that must
+// lie on edges of the pictures, then from the texture that both sensors see. The path of the rig and the
+// lens are given.
+#include <Eigen/Core>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "io/log/log.hpp"
+#include "optim/calibration/camera/camera_edges.hpp"
+#include "optim/calibration/camera/camera_texture.hpp"
+
+namespace simuli::calibration {
+
+/// What the LiDAR saw over the log, by time.
+struct LidarScene {
+  std::vector<DepthEdge> edges;
+  std::vector<SurfacePoint> surfaces;
+  double spacing_rad = 0.0;  // between neighbouring beams, median
+};
+/// The spacing of a sensor's rows, or of its columns where it has one row.
+[[nodiscard]] double beam_spacing(const Lidar& lidar);
+
+struct CameraPoseOptions {
+  double widest_search = 0.06;   // of the focal length: 3.4 degrees
+  int rounds = 14;               // of finding edges and solving
+  double least_strength = 0.01;  // luminance per pixel
+  double sweeps_about_s = 0.16;  // edges of sweeps this near in time to a picture are looked for in it
+};
+
+struct CameraPoseReport {
+  Pose rig_from_camera;
+  double time_offset_s = 0.0;  // to be added to the pictures' times
+  /// Standard deviations: translation along x, y, z of the camera (m), turn about them (rad), clock (s).
+  Eigen::Vector3d translation_sigma_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_sigma_rad = Eigen::Vector3d::Zero();
+  double time_sigma_s = 0.0;
+  Eigen::Vector3d translation_change_m = Eigen::Vector3d::Zero();  // camera frame, from the value given
+  double rotation_change_rad = 0.0;
+  bool time_known = false;
+  std::size_t pieces = 0;          // flat pieces with a texture that both show, each in each picture; 0: none
+  std::size_t texture_points = 0;  // returns on them
+  double texture_before = 0.0;     // median correlation on them, as depth edges put the camera ...
+  double texture_after = 0.0;      // ... and at the end
+  std::size_t edges = 0;           // depth edges in view
+  std::size_t matched = 0;         // of them, found in the pictures at the end
+  double outlier_share = 0.0;      // of the matched, farther than 3 sigma
+  double before_px = 0.0;          // median distance of matched edges, with the values given ...
+  double after_px = 0.0;           // ... and with those found
+  std::vector<std::string> notes;  // what is not determined, and why
+};
+
+/// Throws Error{kNumeric} with the reason where the data cannot tell the mounting: too few edges in view (a
+/// blank wall), or a direction in which neither edges nor texture hold the camera. A clock that cannot be
+/// told apart from the mounting (a straight drive at constant speed) stays as it is, noted.
+[[nodiscard]] CameraPoseReport find_camera_pose(
+    const std::vector<CameraView>& views,
+    const LogCamera& camera,
+    const Trajectory& world_from_rig,
+    const LidarScene& scene,
+    const CameraPoseOptions& options = {},
+    const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+/// Reads the pictures (at most `most_views`, evenly taken) and the sweeps of a log.
+[[nodiscard]] CameraPoseReport find_camera_pose(
+    const Log& log,
+    const std::string& camera,
+    const std::string& lidar,
+    const Trajectory& world_from_rig,
+    std::size_t most_views = 60,
+    const CameraPoseOptions& options = {},
+    const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+}  // namespace simuli::calibration

@@ -1,0 +1,96 @@
+#pragma once
+// The distance of a depth edge from an edge of a picture, for Ceres.
+#include "host/sensors/camera.hpp"
+#include "host/sensors/trajectory.hpp"
+#include "optim/calibration/lens/lens_jets.hpp"
+#include "optim/calibration/path/residuals.hpp"
+
+namespace simuli::calibration {
+
+/// Pixel of a point in the camera's frame with its derivatives [2 x 3]; false where it has none.
+inline bool pixel_of(const Camera& camera,
+                     const Eigen::Vector3d& p_camera,
+                     Eigen::Vector2d& pixel,
+                     Eigen::Matrix<double, 2, 3>& slope) {
+  using lens_jets::F;
+  lens_jets::Constants lens;
+  for (std::size_t i = 0; i < lens.size(); ++i) lens[i] = F(camera.lens.constants()[i]);
+  F u(0.0);
+  F v(0.0);
+  const bool valid = lens_jets::project(
+      camera.lens.kind(), lens, F(p_camera.x(), 0), F(p_camera.y(), 1), F(p_camera.z(), 2), u, v);
+  if (!valid) return false;
+  pixel = {camera.fx * u.a + camera.cx, camera.fy * v.a + camera.cy};
+  slope.row(0) = camera.fx * u.v.head<3>().transpose();
+  slope.row(1) = camera.fy * v.v.head<3>().transpose();
+  return true;
+}
+
+/// The same for a point of Jets: the chain rule by hand, through the one text of the lenses.
+template <int N>
+bool pixel_of(const Camera& camera, const ceres::Jet<double, N>* p_camera, ceres::Jet<double, N>* pixel) {
+  Eigen::Vector2d value;
+  Eigen::Matrix<double, 2, 3> slope;
+  if (!pixel_of(camera, {p_camera[0].a, p_camera[1].a, p_camera[2].a}, value, slope)) return false;
+  for (int i = 0; i < 2; ++i) {
+    pixel[i] = ceres::Jet<double, N>(value[i]);
+    for (int k = 0; k < 3; ++k) pixel[i].v += slope(i, k) * p_camera[k].v;
+  }
+  return true;
+}
+
+inline bool pixel_of(const Camera& camera, const double* p_camera, double* pixel) {
+  Eigen::Vector2d value;
+  if (!camera.project({p_camera[0], p_camera[1], p_camera[2]}, value)) return false;
+  pixel[0] = value.x();
+  pixel[1] = value.y();
+  return true;
+}
+
+/// Signed distance, over sigma_px, of a world point's pixel from a line in the picture. The camera is
+/// mounted by (rotation, translation) = rig_from_camera; the rig is at share u of the way from pose 0 to pose
+/// 1 at the pixel's recorded time, and time_offset later (or earlier) when the clock is off.
+struct PointOnLine {
+  const Camera* camera;
+  Eigen::Vector3d p_world;
+  TimedPose from;
+  TimedPose to;
+  double time_s;
+  Eigen::Vector2d on_line;
+  Eigen::Vector2d normal;
+  double sigma_px;
+
+  template <class T>
+  bool operator()(const T* rotation, const T* translation, const T* time_offset, T* out) const {
+    const PoseBlock start(from.pose);
+    const PoseBlock end(to.pose);
+    const double span_s = to.time_s - from.time_s;
+    double whole_turn[3];
+    relative_rotation(start.rotation.data(), end.rotation.data(), whole_turn);
+    const T u = (T(time_s - from.time_s) + time_offset[0]) / T(span_s);
+    // world -> rig at that time -> camera
+    T p[3];
+    for (int k = 0; k < 3; ++k) {
+      p[k] = T(p_world[k]) - (T(1.0) - u) * T(start.translation[static_cast<std::size_t>(k)]) -
+             u * T(end.translation[static_cast<std::size_t>(k)]);
+    }
+    const T start_from_world[4] = {
+        T(start.rotation[0]), T(-start.rotation[1]), T(-start.rotation[2]), T(-start.rotation[3])};
+    T q[3];
+    ceres::UnitQuaternionRotatePoint(start_from_world, p, q);
+    const T back[3] = {-u * T(whole_turn[0]), -u * T(whole_turn[1]), -u * T(whole_turn[2])};
+    T p_rig[3];
+    ceres::AngleAxisRotatePoint(back, q, p_rig);
+    for (int k = 0; k < 3; ++k) p_rig[k] -= translation[k];
+    const T camera_from_rig[4] = {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
+    T p_camera[3];
+    ceres::UnitQuaternionRotatePoint(camera_from_rig, p_rig, p_camera);
+    T pixel[2];
+    if (!pixel_of(*camera, p_camera, pixel)) return false;
+    out[0] = ((pixel[0] - T(on_line.x())) * T(normal.x()) + (pixel[1] - T(on_line.y())) * T(normal.y())) /
+             T(sigma_px);
+    return true;
+  }
+};
+
+}  // namespace simuli::calibration

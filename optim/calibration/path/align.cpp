@@ -1,0 +1,113 @@
+#include "optim/calibration/path/align.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+
+namespace simuli::calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The log's own poses at the path's knots.
+std::vector<TimedPose> recorded_path(const Log& log, const std::vector<double>& knots_s) {
+  std::vector<TimedPose> path;
+  for (const double time_s : knots_s) path.push_back({time_s, log.world_from_rig.at(time_s)});
+  return path;
+}
+
+void link_or_copy(const fs::path& from, const fs::path& to) {
+  fs::create_directories(to.parent_path());
+  std::error_code failed;
+  fs::create_hard_link(from, to, failed);
+  if (failed) write_file_atomically(to, read_file(from));
+}
+
+}  // namespace
+
+AlignReport align_log(const Log& log,
+                      const AlignOptions& options,
+                      const std::function<void(const char*, std::size_t, std::size_t)>& progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto report_stage = [&](const char* stage) {
+    return [&progress, stage](std::size_t done, std::size_t total) {
+      if (progress) progress(stage, done, total);
+    };
+  };
+  if (log.lidars.empty())
+    throw_input_error((log.folder / "log.json").string(), "lidars", "none", "at least one");
+  const Lidar& model = (options.lidar.empty() ? log.lidars.front() : log.lidar(options.lidar)).with_rows();
+
+  AlignReport report;
+  std::vector<Returns> sweeps;
+  std::vector<Returns> reversed;
+  for (const SweepFrame& frame : log.sweeps) {
+    if (frame.lidar != model.name) continue;
+    sweeps.push_back(returns_of(log, frame));
+    report.returns += sweeps.back().size();
+    if (reversed.size() < options.spin_sweeps) reversed.push_back(returns_of(log, frame, true));
+  }
+  report.sweeps = sweeps.size();
+  if (sweeps.size() < 2) {
+    throw_input_error((log.folder / "log.json").string(),
+                      "sweeps of lidar " + model.name,
+                      std::to_string(sweeps.size()),
+                      "at least 2");
+  }
+  if (options.spin_sweeps > 0) {
+    report_stage("spin direction")(0, 1);
+    const std::vector<Returns> forward(sweeps.begin(),
+                                       sweeps.begin() + static_cast<std::ptrdiff_t>(reversed.size()));
+    const bool clockwise = model.spin == SpinDirection::kClockwise;
+    report.spin = clockwise ? find_spin(forward, reversed, options.odometry)
+                            : find_spin(reversed, forward, options.odometry);
+    reversed.clear();
+    report_stage("spin direction")(1, 1);
+  }
+
+  report.path = find_path(sweeps, options.odometry, report_stage("odometry"));
+  report.odometry = fit_of(sweeps, report.path);
+  const std::vector<TimedPose> recorded = recorded_path(log, knot_times(sweeps));
+  report.recorded = fit_of(sweeps, recorded);
+  std::optional<PathPrior> prior;
+  if (options.use_prior) {
+    prior = PathPrior{log.world_from_rig, options.prior_sigma_m, options.prior_sigma_rad};
+    // Odometry starts in its own world; the prior's is where the log's first pose is.
+    const Pose prior_from_path = recorded.front().pose * report.path.front().pose.inverse();
+    for (TimedPose& knot : report.path) knot.pose = prior_from_path * knot.pose;
+  }
+  report.refinement =
+      refine_path(sweeps, prior, options.refine, report.path, report_stage("joint refinement"));
+  report.refined = fit_of(sweeps, report.path);
+  for (std::size_t i = 1; i < report.path.size(); ++i) {
+    report.length_m += (report.path[i].pose.translation - report.path[i - 1].pose.translation).norm();
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return report;
+}
+
+void write_aligned_log(const Log& log, const Trajectory& world_from_rig, const fs::path& folder) {
+  write_folder_atomically(folder, [&](const fs::path& temporary) {
+    for (const ImageFrame& frame : log.images) link_or_copy(log.folder / frame.file, temporary / frame.file);
+    for (const SweepFrame& frame : log.sweeps) link_or_copy(log.folder / frame.file, temporary / frame.file);
+    Log aligned = log;
+    aligned.folder = temporary;
+    aligned.world_from_rig = world_from_rig;
+    for (Actor& actor : aligned.actors) {
+      for (KeyPose& key : actor.track) {
+        const Pose change = world_from_rig.at(key.time_s) * log.world_from_rig.at(key.time_s).inverse();
+        key.world_from_actor = change * key.world_from_actor;
+        key.shift_m = change.rotation * key.shift_m;
+        key.turn_rad = change.rotation * key.turn_rad;
+      }
+    }
+    write_log(aligned);
+    (void)read_log(temporary);  // what was written is what the next command will read
+  });
+}
+
+}  // namespace simuli::calibration

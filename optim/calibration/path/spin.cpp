@@ -1,0 +1,72 @@
+#include "optim/calibration/path/spin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+#include "host/base/error.hpp"
+
+namespace simuli::calibration {
+namespace {
+
+constexpr double kTurnAt_m = 10.0;  // a turn moves what is this far away
+
+struct Attempt {
+  double median_m = std::numeric_limits<double>::infinity();  // of points from planes
+  double motion_m = 0.0;                                      // mean over the sweeps
+};
+
+/// The path found for one direction; infinitely bad, and why, when there is none.
+Attempt attempt(const std::vector<Returns>& sweeps, const OdometryOptions& options, std::string& reason) {
+  Attempt out;
+  try {
+    const std::vector<TimedPose> path = find_path(sweeps, options);
+    out.median_m = fit_of(sweeps, path).median_m;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const Pose step = path[i - 1].pose.inverse() * path[i].pose;
+      const double moved_m =
+          step.translation.norm() + kTurnAt_m * step.rotation.angularDistance(Eigen::Quaterniond::Identity());
+      out.motion_m += moved_m / static_cast<double>(path.size() - 1);
+    }
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kNumeric) throw;
+    reason = error.what();
+  }
+  return out;
+}
+
+}  // namespace
+
+SpinReport find_spin(const std::vector<Returns>& clockwise,
+                     const std::vector<Returns>& counter_clockwise,
+                     const OdometryOptions& options) {
+  constexpr double kClear = 1.03;  // the wrong way is at least this much worse
+  // The wrong way puts a point off by up to the motion of a sweep: below this it is lost in the thickness of
+  // surfaces and in what a path's knots are off by, millimetres of one and the other.
+  constexpr double kLeastMotion_m = 0.05;
+  SpinReport report;
+  const Attempt one = attempt(clockwise, options, report.reason);
+  const Attempt other = attempt(counter_clockwise, options, report.reason);
+  report.clockwise_m = one.median_m;
+  report.counter_clockwise_m = other.median_m;
+  const double motion_m = std::max(one.motion_m, other.motion_m);
+  const bool any = std::isfinite(std::min(one.median_m, other.median_m));
+  if (any && !(motion_m >= kLeastMotion_m)) {
+    report.reason = fmt::format("the rig hardly moves: {:.1f} cm a sweep, allowed at least {:.0f} cm",
+                                100.0 * motion_m,
+                                100.0 * kLeastMotion_m);
+  } else if (other.median_m > kClear * one.median_m) {
+    report.spin = SpinDirection::kClockwise;
+  } else if (one.median_m > kClear * other.median_m) {
+    report.spin = SpinDirection::kCounterClockwise;
+  } else if (any) {
+    report.reason = fmt::format("surfaces are {:.2f} cm thick if it turns clockwise and {:.2f} cm if not",
+                                100.0 * one.median_m,
+                                100.0 * other.median_m);
+  }
+  if (report.spin) report.reason.clear();
+  return report;
+}
+
+}  // namespace simuli::calibration

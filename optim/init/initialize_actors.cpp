@@ -1,0 +1,340 @@
+#include "optim/init/initialize_actors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "optim/init/actor_tracks.hpp"
+#include "optim/base/evaluate_actors.hpp"
+
+namespace simuli {
+namespace {
+
+/// Where the ground around is not known, the lowest part of a box is left to it.
+constexpr double kRoad_m = 0.1;
+constexpr double kGround_m = 0.05;   // ground is what lies this near to that around ...
+constexpr double kLow_m = 0.3;       // ... and below this part of a box
+constexpr double kHoleVoxels = 2.0;  // side of a voxel of holes over that of points
+constexpr double kHoleCells = 3.0;   // of a cell over a point's voxel, at the actor's distance
+/// Kinds whose left and right are alike.
+constexpr std::array<std::string_view, 4> kVehicles{"car", "van", "truck", "bus"};
+
+/// Gives unseen points the look of the nearest seen one within two voxels of their mirror image.
+void mirror_looks(const PointSet& points, double voxel_m, std::vector<PointLook>& looks) {
+  const double cell_m = 2.0 * voxel_m;
+  using Cell = std::array<int, 3>;
+  const auto cell_of = [&](const Eigen::Vector3d& p) {
+    const Eigen::Vector3i c = (p / cell_m).array().floor().cast<int>();
+    return Cell{c.x(), c.y(), c.z()};
+  };
+  const auto position = [&](std::size_t i) -> Eigen::Vector3d {
+    return points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
+  };
+  std::map<Cell, std::vector<std::size_t>> seen;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    if (std::isfinite(looks[i].range_m)) seen[cell_of(position(i))].push_back(i);
+  }
+  const std::vector<PointLook> first = looks;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    if (std::isfinite(first[i].range_m)) continue;
+    const Eigen::Vector3d image = position(i).cwiseProduct(Eigen::Vector3d(1.0, -1.0, 1.0));
+    const Cell middle = cell_of(image);
+    double nearest_m = cell_m;
+    for (int k = 0; k < 27; ++k) {
+      const auto cell = seen.find({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1});
+      if (cell == seen.end()) continue;
+      for (const std::size_t other : cell->second) {
+        const double apart_m = (position(other) - image).norm();
+        if (!(apart_m < nearest_m)) continue;
+        nearest_m = apart_m;
+        looks[i] = first[other];
+      }
+    }
+  }
+}
+
+/// How high the ground is, as the background's points tell.
+class Ground {
+ public:
+  explicit Ground(const PointSet& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3f p = points.position.col(static_cast<Eigen::Index>(i));
+      heights_m_[cell_of(p.cast<double>())].push_back(p.z());
+    }
+  }
+  /// Lower quartile of what lies within kReach_m of `near_m` in the cells around p; none: too few points.
+  [[nodiscard]] std::optional<double> height_m(const Eigen::Vector3d& p, double near_m) const {
+    std::vector<float> found;
+    const Cell middle = cell_of(p);
+    for (int k = 0; k < 9; ++k) {
+      const auto cell = heights_m_.find({middle[0] + k % 3 - 1, middle[1] + k / 3 - 1});
+      if (cell == heights_m_.end()) continue;
+      for (const float z : cell->second) {
+        if (std::abs(static_cast<double>(z) - near_m) < kReach_m) found.push_back(z);
+      }
+    }
+    if (found.size() < kLeast) return std::nullopt;
+    const auto quartile = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 4);
+    std::nth_element(found.begin(), quartile, found.end());
+    return *quartile;
+  }
+
+ private:
+  using Cell = std::array<int, 2>;
+  static constexpr double kCell_m = 0.5;
+  static constexpr double kReach_m = 0.4;
+  static constexpr std::size_t kLeast = 4;
+  static Cell cell_of(const Eigen::Vector3d& p) {
+    return {static_cast<int>(std::floor(p.x() / kCell_m)), static_cast<int>(std::floor(p.y() / kCell_m))};
+  }
+  std::map<Cell, std::vector<float>> heights_m_;
+};
+
+/// The nearest point in each cell of a picture.
+class RangePicture {
+ public:
+  RangePicture(const Camera& camera, double cell_px)
+      : cell_px_(cell_px),
+        columns_(static_cast<int>(std::ceil(camera.width / cell_px))),
+        rows_(static_cast<int>(std::ceil(camera.height / cell_px))),
+        nearest_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), kNothing) {}
+  void add(const ImageView& view, const Eigen::Vector3d& p_scene) {
+    Eigen::Vector2d pixel;
+    double range_m = 0.0;
+    if (!view.project(p_scene, pixel, range_m)) return;
+    double& nearest =
+        nearest_[index(static_cast<int>(pixel.x() / cell_px_), static_cast<int>(pixel.y() / cell_px_))];
+    nearest = std::min(nearest, range_m);
+  }
+  [[nodiscard]] double range_m(int column, int row) const { return nearest_[index(column, row)]; }
+  [[nodiscard]] Eigen::Vector2d middle_px(int column, int row) const {
+    return (Eigen::Vector2d(column, row).array() + 0.5) * cell_px_;
+  }
+  /// Empty cells with points on at least three of their four sides, at the mean range of those, near ones
+  /// first.
+  struct Hole {
+    int column = 0, row = 0;
+    double range_m = 0.0;
+  };
+  [[nodiscard]] std::vector<Hole> holes() const {
+    std::vector<Hole> out;
+    for (int row = 0; row < rows_; ++row) {
+      for (int column = 0; column < columns_; ++column) {
+        if (range_m(column, row) < kNothing) continue;
+        constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+        double sum = 0.0, weight = 0.0;
+        int sides = 0;
+        for (const auto& [dx, dy] : kSides) {
+          int x = column + dx, y = row + dy, steps = 1;
+          while (x >= 0 && y >= 0 && x < columns_ && y < rows_ && range_m(x, y) == kNothing)
+            x += dx, y += dy, ++steps;
+          if (x < 0 || y < 0 || x >= columns_ || y >= rows_) continue;
+          ++sides;
+          sum += range_m(x, y) / steps;
+          weight += 1.0 / steps;
+        }
+        if (sides >= 3) out.push_back({column, row, sum / weight});
+      }
+    }
+    return out;
+  }
+
+ private:
+  static constexpr double kNothing = std::numeric_limits<double>::infinity();
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
+  double cell_px_;
+  int columns_, rows_;
+  std::vector<double> nearest_;
+};
+
+}  // namespace
+
+std::vector<Actor> moving_actors(const std::vector<Actor>& all, double min_travel_m) {
+  std::vector<Actor> out;
+  for (const Actor& actor : all) {
+    if (actor.travel_m() >= min_travel_m) out.push_back(actor);
+  }
+  return out;
+}
+
+ActorPoints::ActorPoints(std::vector<Actor> actors,
+                         const ActorPointOptions& options,
+                         const Eigen::Vector3d& scene_origin)
+    : actors_(std::move(actors)), options_(options), scene_origin_(scene_origin) {
+  holes_.assign(actors_.size(), VoxelGrid(kHoleVoxels * options.voxel_m));
+}
+
+bool ActorPoints::mirrors(const Actor& actor) const {
+  return options_.mirror && std::find(kVehicles.begin(), kVehicles.end(), actor.kind) != kVehicles.end();
+}
+
+Pose ActorPoints::scene_from_actor(std::size_t actor, double time_s) const {
+  Pose pose = actors_[actor].at(time_s);
+  pose.translation -= scene_origin_;
+  return pose;
+}
+
+bool ActorPoints::add(const Eigen::Vector3d& p_scene, double time_s, double intensity) {
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (!actors_[i].is_there(time_s)) continue;
+    const Eigen::Vector3d half = 0.5 * actors_[i].size_m + Eigen::Vector3d::Constant(options_.margin_m);
+    const Pose pose = scene_from_actor(i, time_s);
+    if ((p_scene - pose.translation).squaredNorm() > half.squaredNorm()) continue;
+    const Eigen::Vector3d p = pose.inverse() * p_scene;
+    if (!(p.array().abs() <= half.array()).all()) continue;
+    returns_.push_back({i, time_s, p_scene, intensity});
+    return true;
+  }
+  return false;
+}
+
+void ActorPoints::finish(VoxelGrid& background) {
+  const Ground ground(background.averages());
+  std::vector<Return> kept;
+  std::vector<std::vector<ActorReturn>> by_actor(actors_.size());
+  for (const Return& r : returns_) {
+    const double bottom_m = -0.5 * actors_[r.actor].size_m.z();
+    const Pose pose = scene_from_actor(r.actor, r.time_s);
+    const double above_bottom_m = (pose.inverse() * r.p_scene).z() - bottom_m;
+    const double foot_m = (pose * Eigen::Vector3d(0.0, 0.0, bottom_m)).z();
+    const std::optional<double> ground_m = ground.height_m(r.p_scene, foot_m);
+    const bool low = ground_m ? r.p_scene.z() - *ground_m < kGround_m : above_bottom_m < kRoad_m;
+    if (low && above_bottom_m < kLow_m) {
+      background.add(r.p_scene, r.intensity);
+      continue;
+    }
+    kept.push_back(r);
+    by_actor[r.actor].push_back({r.time_s, r.p_scene + scene_origin_});
+  }
+  returns_.clear();
+  if (options_.register_tracks) {
+    for (std::size_t i = 0; i < actors_.size(); ++i) register_track(actors_[i], by_actor[i]);
+  }
+  std::vector<VoxelGrid> grids(actors_.size(), VoxelGrid(options_.voxel_m));
+  for (const Return& r : kept) {
+    const Actor& actor = actors_[r.actor];
+    const Eigen::Vector3d half = 0.5 * actor.size_m + Eigen::Vector3d::Constant(options_.margin_m);
+    const Eigen::Vector3d p =
+        (scene_from_actor(r.actor, r.time_s).inverse() * r.p_scene).cwiseMin(half).cwiseMax(-half);
+    grids[r.actor].add(p, r.intensity);
+    if (mirrors(actor)) grids[r.actor].add({p.x(), -p.y(), p.z()}, r.intensity);
+  }
+  points_.clear();
+  for (VoxelGrid& grid : grids) points_.push_back(grid.averages());
+  camera_points_ = points_;
+}
+
+void ActorPoints::add_holes(const ImageView& view, double time_s, const PointSet& background) {
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (!actors_[i].is_there(time_s) || points_[i].size() == 0) continue;
+    const Pose pose = scene_from_actor(i, time_s);
+    // The actor's points in cells wide enough that its surface leaves none empty, and what stands before it.
+    const double away_m = (pose.translation - view.origin()).norm();
+    const double cell_px =
+        std::max(2.0, kHoleCells * options_.voxel_m / (view.pixel_size_at_1m() * std::max(away_m, 1.0)));
+    RangePicture own(view.camera(), cell_px), others(view.camera(), cell_px);
+    for (std::size_t k = 0; k < points_[i].size(); ++k) {
+      own.add(view, pose * points_[i].position.col(static_cast<Eigen::Index>(k)).cast<double>());
+    }
+    const double reach_m = away_m + 0.5 * actors_[i].size_m.norm();
+    for (std::size_t k = 0; k < background.size(); ++k) {
+      const Eigen::Vector3d p = background.position.col(static_cast<Eigen::Index>(k)).cast<double>();
+      if ((p - view.origin()).norm() < reach_m) others.add(view, p);
+    }
+    const Eigen::Vector3d half = 0.5 * actors_[i].size_m;
+    for (const RangePicture::Hole& hole : own.holes()) {
+      if (others.range_m(hole.column, hole.row) < hole.range_m) continue;
+      Eigen::Vector3d origin, direction;
+      view.unproject(own.middle_px(hole.column, hole.row), origin, direction);
+      const Eigen::Vector3d p = pose.inverse() * Eigen::Vector3d(origin + hole.range_m * direction);
+      if ((p.array().abs() <= half.array()).all()) holes_[i].add(p, 0.0);
+    }
+  }
+}
+
+void ActorPoints::finish_holes() {
+  for (std::size_t i = 0; i < actors_.size(); ++i) camera_points_[i].append(holes_[i].averages());
+}
+
+std::size_t ActorPoints::count() const {
+  std::size_t sum = 0;
+  for (const PointSet& points : points_) sum += points.size();
+  return sum;
+}
+
+std::size_t ActorPoints::camera_count() const {
+  std::size_t sum = 0;
+  for (const PointSet& points : camera_points_) sum += points.size();
+  return sum;
+}
+
+PointSet ActorPoints::placed(const PointSet& background, double time_s, const Eigen::Vector3d& eye) const {
+  constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
+  PointSet out = background;
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (!actors_[i].is_there(time_s)) continue;
+    const Eigen::Vector3d half = 0.5 * actors_[i].size_m + Eigen::Vector3d::Constant(options_.margin_m);
+    const Pose actor_from_scene = scene_from_actor(i, time_s).inverse();
+    const Eigen::Vector3d from = actor_from_scene * eye;
+    for (Eigen::Index k = 0; k < out.position.cols(); ++k) {
+      const Eigen::Vector3d way = actor_from_scene * out.position.col(k).cast<double>() - from;
+      const Eigen::Array3d a = (-half - from).array() / way.array(), b = (half - from).array() / way.array();
+      const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
+      if (enter > 0.0 && enter < leave && leave < 1.0) out.position.col(k).setConstant(kNowhere);
+    }
+  }
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    PointSet moved = camera_points_[i];
+    if (actors_[i].is_there(time_s)) {
+      const Pose pose = scene_from_actor(i, time_s);
+      const Eigen::Matrix3f rotation = pose.rotation.toRotationMatrix().cast<float>();
+      moved.position = (rotation * moved.position).colwise() + pose.translation.cast<float>().eval();
+    } else {
+      moved.position.setConstant(kNowhere);
+    }
+    out.append(moved);
+  }
+  return out;
+}
+
+void ActorPoints::cover(const ImageView& view, double time_s, Coverage& coverage) const {
+  std::vector<Actor> wider = actors_;
+  for (Actor& actor : wider) actor.size_m += Eigen::Vector3d::Constant(2.0 * options_.margin_m);
+  View still;  // rays come in the scene frame
+  still.actors = actors_during(wider, time_s, time_s, scene_origin_);
+  const ActorBoxes boxes(wider, still);
+  for (int row = 0; row < coverage.rows; ++row) {
+    for (int column = 0; column < coverage.columns; ++column) {
+      const Eigen::Vector2d middle =
+          (Eigen::Vector2d(column, row).array() + 0.5) * static_cast<double>(coverage.cell_px);
+      Eigen::Vector3d origin, direction;
+      view.unproject(middle, origin, direction);
+      if (direction.isZero(0.0) || !boxes.are_met(origin, direction, 0.5)) continue;
+      coverage.covered[static_cast<std::size_t>(row) * static_cast<std::size_t>(coverage.columns) +
+                       static_cast<std::size_t>(column)] = 1;
+    }
+  }
+}
+
+std::vector<std::vector<PointLook>> ActorPoints::split(const std::vector<PointLook>& looks,
+                                                       std::size_t background_count) const {
+  std::vector<std::vector<PointLook>> out;
+  auto at = looks.begin() + static_cast<std::ptrdiff_t>(background_count);
+  for (const PointSet& points : camera_points_) {
+    const auto end = at + static_cast<std::ptrdiff_t>(points.size());
+    out.emplace_back(at, end);
+    at = end;
+    if (mirrors(actors_[out.size() - 1])) mirror_looks(points, options_.voxel_m, out.back());
+  }
+  return out;
+}
+
+}  // namespace simuli

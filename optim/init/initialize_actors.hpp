@@ -1,0 +1,76 @@
+#pragma once
+// The actors' share of the initialisation: returns inside a box become points of its actor, in the actor's
+// frame, and pictures look at them where they were when the picture was taken.
+#include <cstdint>
+#include <vector>
+
+#include "host/scene/actor.hpp"
+#include "optim/init/initialize_points.hpp"
+#include "optim/init/initialize_views.hpp"
+
+namespace simuli {
+
+/// The actors of `all` that get particles of their own: those that travel at least min_travel_m. What stands
+/// still is modelled better without the noise of its labels.
+[[nodiscard]] std::vector<Actor> moving_actors(const std::vector<Actor>& all, double min_travel_m);
+
+struct ActorPointOptions {
+  double voxel_m = 0.05;
+  double margin_m = 0.1;         // labels are not exact: boxes reach this much farther
+  bool mirror = false;           // vehicles look the same from left and right: adds each point's mirror image
+  bool register_tracks = false;  // lets the returns say where the actors were (actor_tracks.hpp)
+};
+
+/// The points of all actors.
+class ActorPoints {
+ public:
+  ActorPoints(std::vector<Actor> actors,
+              const ActorPointOptions& options,
+              const Eigen::Vector3d& scene_origin);
+
+  /// Takes a return at time_s if it is in a box or below its lower rim; false: it is of the background.
+  bool add(const Eigen::Vector3d& p_scene, double time_s, double intensity);
+  /// Ends adding: the points of each actor, in its frame. What a box takes near the ground, as the points
+  /// around tell it, goes to `background` instead: a wheel stands on the road.
+  void finish(VoxelGrid& background);
+  /// Closes the holes that no laser fills (glass) in what a picture shows of the actors: points as far away
+  /// as those around, for the camera set alone. finish_holes() after the last picture.
+  void add_holes(const ImageView& view, double time_s, const PointSet& background);
+  void finish_holes();
+
+  /// With the offsets of register_tracks.
+  [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
+  [[nodiscard]] const std::vector<PointSet>& points() const { return points_; }
+  [[nodiscard]] const std::vector<PointSet>& camera_points() const { return camera_points_; }
+  [[nodiscard]] std::size_t count() const;         // of points()
+  [[nodiscard]] std::size_t camera_count() const;  // of camera_points()
+  /// `background` and behind it all actors' camera points (those of actors[0] first) as they stand in the
+  /// scene at time_s. What is behind a box, seen from `eye`, is where no picture sees it, and so are points
+  /// of actors that are not there.
+  [[nodiscard]] PointSet placed(const PointSet& background, double time_s, const Eigen::Vector3d& eye) const;
+  /// Marks the cells that look at a box: what they show is no background.
+  void cover(const ImageView& view, double time_s, Coverage& coverage) const;
+  /// Looks behind those of `background_count` points, parted by actor. With `mirror`, a point of a vehicle
+  /// that no picture saw takes the look of the point nearest to its mirror image.
+  [[nodiscard]] std::vector<std::vector<PointLook>> split(const std::vector<PointLook>& looks,
+                                                          std::size_t background_count) const;
+
+ private:
+  struct Return {
+    std::size_t actor = 0;
+    double time_s = 0.0;
+    Eigen::Vector3d p_scene;
+    double intensity = 0.0;
+  };
+  [[nodiscard]] bool mirrors(const Actor& actor) const;
+  [[nodiscard]] Pose scene_from_actor(std::size_t actor, double time_s) const;
+
+  std::vector<Actor> actors_;
+  ActorPointOptions options_;
+  Eigen::Vector3d scene_origin_;
+  std::vector<Return> returns_;
+  std::vector<VoxelGrid> holes_;
+  std::vector<PointSet> points_, camera_points_;
+};
+
+}  // namespace simuli

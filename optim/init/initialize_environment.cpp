@@ -1,0 +1,66 @@
+#include "optim/init/initialize_environment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace simuli {
+namespace {
+
+/// Sums of colours over a grid of texels.
+struct Level {
+  int width = 0;
+  int height = 0;
+  std::vector<Eigen::Vector4f> sum;  // [height][width] colours and their number
+
+  Level(int w, int h)
+      : width(w),
+        height(h),
+        sum(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Eigen::Vector4f::Zero()) {}
+  [[nodiscard]] Eigen::Vector4f& at(int x, int y) {
+    return sum[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  }
+};
+
+Level halved(Level& fine) {
+  Level coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
+  for (int y = 0; y < fine.height; ++y) {
+    for (int x = 0; x < fine.width; ++x) coarse.at(x / 2, y / 2) += fine.at(x, y);
+  }
+  return coarse;
+}
+
+}  // namespace
+
+EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int width) {
+  constexpr float kPi = std::numbers::pi_v<float>;
+  const int height = width / 2;
+  std::vector<Level> levels{Level(width, height)};
+  for (const FarShell::Patch& patch : patches) {
+    const Eigen::Vector3f& d = patch.direction;
+    const float x = (0.5F - std::atan2(d.y(), d.x()) / (2.0F * kPi)) * static_cast<float>(width);
+    const float y = (0.5F - std::asin(std::clamp(d.z(), -1.0F, 1.0F)) / kPi) * static_cast<float>(height);
+    Eigen::Vector4f& texel = levels[0].at(std::clamp(static_cast<int>(x), 0, width - 1),
+                                          std::clamp(static_cast<int>(y), 0, height - 1));
+    texel += Eigen::Vector4f(patch.colour.x(), patch.colour.y(), patch.colour.z(), 1.0F);
+  }
+  while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(halved(levels.back()));
+
+  EnvironmentMap map{width, height, {}};
+  map.texels.reserve(3 * levels[0].sum.size());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      Eigen::Vector4f texel(0.5F, 0.5F, 0.5F, 1.0F);  // where no patch is at all
+      for (std::size_t k = 0; k < levels.size(); ++k) {
+        const Eigen::Vector4f& sum = levels[k].at(x >> k, y >> k);
+        if (sum.w() == 0.0F) continue;
+        texel = sum / sum.w();
+        break;
+      }
+      for (int c = 0; c < 3; ++c) map.texels.push_back(texel[c]);
+    }
+  }
+  return map;
+}
+
+}  // namespace simuli

@@ -1,0 +1,14 @@
+#pragma once
+#include <vector>
+
+#include "host/scene/appearance.hpp"
+#include "optim/init/initialize_views.hpp"
+
+namespace simuli {
+
+/// An environment of width x width / 2 texels: each the mean of the patches that point into it; those that
+/// none points into take the mean around them, over the nearest square of texels that has any. `width` is
+/// even.
+[[nodiscard]] EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int width);
+
+}  // namespace simuli

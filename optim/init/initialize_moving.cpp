@@ -1,0 +1,167 @@
+#include "optim/init/initialize_moving.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "host/base/error.hpp"
+#include "host/base/parallel.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr int kMinThrough = 3;
+constexpr float kFarthest_m = 40.0F;  // further out the rays are too far apart to tell
+constexpr float kNearest_m = 1.0F;
+/// A ray ends at the point when their ranges differ by no more than this, or this share of the range.
+constexpr float kMargin_m = 0.5F;
+constexpr float kMarginShare = 0.03F;
+/// Rays looked at around a point: two rows above and below, two columns to either side. A road seen at a
+/// grazing angle ends the rows below, so its points are never looked through.
+constexpr int kRowReach = 2;
+constexpr int kColumnReach = 2;
+constexpr int kPoses = 64;  // over the sweep; the sensor moves by a few centimetres from one to the next
+
+/// The firing grid of one sweep, addressed by where a point lies in the sensor's frame.
+class RayGrid {
+ public:
+  explicit RayGrid(const Lidar& lidar)
+      : columns_(lidar.columns),
+        first_(static_cast<float>(lidar.azimuth_first)),
+        sign_(static_cast<float>(lidar.spin_sign())),
+        step_(static_cast<float>(lidar.azimuth_span / lidar.columns)) {
+    for (const LidarRow& row : lidar.rows) {
+      slope_.push_back(static_cast<float>(std::tan(row.elevation)));
+      height_.push_back(static_cast<float>(row.vertical_offset));
+      offset_.push_back(static_cast<float>(row.azimuth_offset));
+    }
+  }
+
+  [[nodiscard]] int rows() const { return static_cast<int>(slope_.size()); }
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] float height(int row) const { return height_[static_cast<std::size_t>(row)]; }
+  /// Column nearest to an azimuth; columns() or more outside of a partial turn.
+  [[nodiscard]] int column(float azimuth, int row) const {
+    constexpr auto kTurn = static_cast<float>(2.0 * std::numbers::pi);
+    float angle = sign_ * (azimuth - offset_[static_cast<std::size_t>(row)] - first_);
+    angle -= kTurn * std::floor(angle / kTurn);
+    const int column = static_cast<int>(std::lround(angle / step_));
+    const bool is_full_turn = step_ * static_cast<float>(columns_) > kTurn - step_;
+    return is_full_turn ? column % columns_ : column;
+  }
+  /// First row that passes below height z at the distance rho from the axis; 0 or rows(): not between two.
+  [[nodiscard]] int row_below(float rho, float z) const {
+    int low = 0;
+    int high = rows();
+    while (low < high) {
+      const int middle = (low + high) / 2;
+      const auto i = static_cast<std::size_t>(middle);
+      if (height_[i] + rho * slope_[i] > z) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low;
+  }
+
+ private:
+  int columns_;
+  float first_;
+  float sign_;
+  float step_;
+  std::vector<float> slope_;
+  std::vector<float> height_;
+  std::vector<float> offset_;
+};
+
+using Transform = Eigen::Matrix<float, 3, 4>;
+
+Eigen::Vector3f apply(const Transform& t, const Eigen::Vector3f& p) { return t.leftCols<3>() * p + t.col(3); }
+
+/// One sweep's word on the point p_lidar near (row_below, column).
+void vote(const Sweep& sweep,
+          const RayGrid& grid,
+          const Eigen::Vector3f& p_lidar,
+          int row_below,
+          int column,
+          PointVotes& votes) {
+  const float rho = std::hypot(p_lidar.x(), p_lidar.y());
+  const float range_m = std::hypot(rho, p_lidar.z() - grid.height(row_below));
+  const float margin_m = std::max(kMargin_m, kMarginShare * range_m);
+  int rays = 0;
+  int returned = 0;
+  float nearest_m = std::numeric_limits<float>::infinity();
+  bool is_there = false;
+  const int row_end = std::min(row_below + kRowReach, grid.rows());
+  for (int row = std::max(row_below - kRowReach, 0); row < row_end; ++row) {
+    for (int k = -kColumnReach; k <= kColumnReach; ++k) {
+      const int c = (column + k + grid.columns()) % grid.columns();
+      const float ray_m =
+          sweep.range[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.columns()) +
+                      static_cast<std::size_t>(c)];
+      ++rays;
+      if (!(ray_m > 0.0F)) continue;
+      ++returned;
+      nearest_m = std::min(nearest_m, ray_m);
+      is_there = is_there || std::abs(ray_m - range_m) <= margin_m;
+    }
+  }
+  if (is_there) {
+    if (votes.there < std::numeric_limits<std::uint16_t>::max()) ++votes.there;
+  } else if (2 * returned >= rays && nearest_m > range_m + margin_m) {
+    if (votes.through < std::numeric_limits<std::uint16_t>::max()) ++votes.through;
+  }
+}
+
+}  // namespace
+
+void vote_on_points(const Sweep& sweep,
+                    const Lidar& lidar,
+                    const Pose& scene_from_lidar_start,
+                    const Pose& scene_from_lidar_end,
+                    const PointSet& points,
+                    std::vector<PointVotes>& votes) {
+  if (sweep.range.size() != lidar.ray_count() || votes.size() != points.size()) {
+    throw Error(ErrorKind::kInternal, "vote_on_points: sweep, model, points and votes do not fit together");
+  }
+  const RayGrid grid(lidar);
+  std::array<Transform, kPoses> lidar_from_scene;
+  for (int i = 0; i < kPoses; ++i) {
+    const double u = (i + 0.5) / kPoses;
+    lidar_from_scene[static_cast<std::size_t>(i)] =
+        interpolate(scene_from_lidar_start, scene_from_lidar_end, u)
+            .inverse()
+            .matrix()
+            .topRows<3>()
+            .cast<float>();
+  }
+  parallel_ranges(points.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3f p_scene = points.position.col(static_cast<Eigen::Index>(i));
+      Eigen::Vector3f p_lidar = apply(lidar_from_scene[kPoses / 2], p_scene);
+      const float range_m = p_lidar.norm();
+      if (!(range_m > kNearest_m && range_m < kFarthest_m)) continue;
+      // Where the beam is when it looks at the point depends on when it does, and the other way round.
+      int column = 0;
+      for (int round = 0; round < 2; ++round) {
+        column = std::min(grid.column(std::atan2(p_lidar.y(), p_lidar.x()), 0), grid.columns() - 1);
+        p_lidar =
+            apply(lidar_from_scene[static_cast<std::size_t>(column * kPoses / grid.columns())], p_scene);
+      }
+      const int row = grid.row_below(std::hypot(p_lidar.x(), p_lidar.y()), p_lidar.z());
+      if (row <= 0 || row >= grid.rows()) continue;
+      column = grid.column(std::atan2(p_lidar.y(), p_lidar.x()), row);
+      if (column >= grid.columns()) continue;
+      vote(sweep, grid, p_lidar, row, column, votes[i]);
+    }
+  });
+}
+
+bool is_moving(const PointVotes& votes) {
+  return votes.through >= kMinThrough && votes.through > votes.there;
+}
+
+}  // namespace simuli

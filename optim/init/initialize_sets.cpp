@@ -1,0 +1,113 @@
+#include "optim/init/initialize_sets.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it either way
+/// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
+constexpr float kHitLogit = 1.5F;
+constexpr double kFlatRatio = 0.2;  // thickness of a particle on a plane over its width
+constexpr double kThinnest_m = 0.01;
+constexpr double kShellFlatRatio = 0.1;
+constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells
+constexpr float kShellOpacityLogit = 3.0F;  // 0.95
+
+void set_shape(GaussianSet& set,
+               Eigen::Index row,
+               const Eigen::Vector3f& mean,
+               const Eigen::Quaternionf& scene_from_local,
+               const Eigen::Vector3d& scale_m) {
+  const Eigen::Quaternionf& q = scene_from_local;
+  set.mean().row(row) = mean.transpose();
+  set.log_scale().row(row) = scale_m.array().log().matrix().cast<float>().transpose();
+  set.rotation().row(row) << q.w(), q.x(), q.y(), q.z();
+  set.opacity_logit()(row) = kOpacityLogit;
+}
+
+/// A particle on point `i`, flat on planes: `per_spacing` times the distance to its neighbours, which counts
+/// as `width_m` at least.
+void set_on_point(GaussianSet& set,
+                  const PointSet& points,
+                  std::size_t i,
+                  const LocalShape& shape,
+                  double width_m,
+                  double per_spacing,
+                  const InitOptions& options) {
+  const double scale_m = std::clamp(
+      per_spacing * std::max<double>(shape.spacing_m, width_m), options.min_scale_m, options.max_scale_m);
+  const double thickness_m =
+      shape.planar ? std::min(scale_m, std::max(kFlatRatio * scale_m, kThinnest_m)) : scale_m;
+  const auto row = static_cast<Eigen::Index>(i);
+  set_shape(set, row, points.position.col(row), shape.scene_from_local, {scale_m, scale_m, thickness_m});
+}
+
+void set_colour(GaussianSet& set, std::size_t row, const Eigen::Vector3f& colour) {
+  set.sh(0).row(static_cast<Eigen::Index>(row)) = ((colour.array() - 0.5F) / kSh0).matrix().transpose();
+}
+
+}  // namespace
+
+GaussianSet lidar_set(const PointSet& points, const InitOptions& options) {
+  GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
+  const std::vector<LocalShape> shapes = local_shapes(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    set_on_point(set, points, i, shapes[i], 0.0, options.lidar_scale, options);
+    set.sh(0).row(static_cast<Eigen::Index>(i)) << (points.intensity[i] - 0.5F) / kSh0, kHitLogit / kSh0,
+        -kHitLogit / kSh0;
+  }
+  return set;
+}
+
+GaussianSet camera_set(const PointSet& points,
+                       const std::vector<PointLook>& looks,
+                       const InitOptions& options) {
+  GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(points.size()));
+  const std::vector<LocalShape> shapes = local_shapes(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, options.camera_scale, options);
+    set_colour(set, i, looks[i].colour);
+  }
+  return set;
+}
+
+GaussianSet shell_set(const FarShell& shell,
+                      const std::vector<FarShell::Patch>& patches,
+                      const std::vector<std::uint32_t>& kept,
+                      const InitOptions& options) {
+  GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(kept.size()));
+  if (kept.empty()) return set;
+  // Fewer patches than cells: each covers the area of those that were left out.
+  const double widened = std::sqrt(static_cast<double>(patches.size()) / static_cast<double>(kept.size()));
+  // Wide and opaque: nothing is behind the shell, and gaps in it would show wherever no picture was trained
+  // on.
+  const double scale_m = kShellScale * widened * shell.spacing_rad() * shell.distance_m();
+  for (std::size_t row = 0; row < kept.size(); ++row) {
+    const FarShell::Patch& patch = patches[kept[row]];
+    set_shape(set,
+              static_cast<Eigen::Index>(row),
+              patch.direction * static_cast<float>(shell.distance_m()),
+              Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), patch.direction),
+              {scale_m, scale_m, kShellFlatRatio * scale_m});
+    set.opacity_logit()(static_cast<Eigen::Index>(row)) = kShellOpacityLogit;
+    set_colour(set, row, patch.colour);
+  }
+  return set;
+}
+
+void append(GaussianSet& to, const GaussianSet& others, std::uint32_t actor) {
+  if (to.kind != others.kind || to.params.cols() != others.params.cols()) {
+    throw Error(ErrorKind::kInternal, "append: sets of another kind or SH degree");
+  }
+  const auto count = static_cast<std::size_t>(to.size() + others.size());
+  if (actor != 0 && to.actor.empty()) to.actor.assign(static_cast<std::size_t>(to.size()), 0);
+  if (!to.actor.empty()) to.actor.resize(count, actor);
+  to.params.conservativeResize(static_cast<Eigen::Index>(count), Eigen::NoChange);
+  to.params.bottomRows(others.size()) = others.params;
+}
+
+}  // namespace simuli

@@ -1,0 +1,30 @@
+#pragma once
+// Particles from points: the last step of the initialisation.
+#include <cstdint>
+#include <vector>
+
+#include "host/scene/gaussians.hpp"
+#include "optim/init/initialize.hpp"
+#include "optim/init/initialize_points.hpp"
+#include "optim/init/initialize_views.hpp"
+
+namespace simuli {
+
+/// A LiDAR particle on every point.
+[[nodiscard]] GaussianSet lidar_set(const PointSet& points, const InitOptions& options);
+
+/// A camera particle on every point, coloured by `looks`.
+[[nodiscard]] GaussianSet camera_set(const PointSet& points,
+                                     const std::vector<PointLook>& looks,
+                                     const InitOptions& options);
+
+/// The shell's `patches` at the indices `kept` as camera particles.
+[[nodiscard]] GaussianSet shell_set(const FarShell& shell,
+                                    const std::vector<FarShell::Patch>& patches,
+                                    const std::vector<std::uint32_t>& kept,
+                                    const InitOptions& options);
+
+/// Puts `others` of the same kind and SH degree behind `to`, as particles of `actor` (GaussianSet::actor).
+void append(GaussianSet& to, const GaussianSet& others, std::uint32_t actor);
+
+}  // namespace simuli

@@ -1,0 +1,225 @@
+#include "optim/init/initialize_views.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <utility>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr int kDepthCell_px = 2;  // of the occlusion buffer
+constexpr int kMaxReach = 16;     // cells: a point right before the lens does not hide the whole picture
+/// A point is hidden when something is nearer by more than this share of its range plus this distance:
+/// neighbours on a road seen at a grazing angle differ by less.
+constexpr double kHiddenShare = 0.05;
+constexpr double kHidden_m = 0.3;
+
+bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin) {
+  return pixel.x() >= -margin * camera.width && pixel.x() < (1.0 + margin) * camera.width &&
+         pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
+}
+
+struct Seen {
+  std::uint32_t index;
+  float range_m;
+  Eigen::Vector2f pixel;
+};
+
+}  // namespace
+
+ImageView::ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end)
+    : camera_(std::move(camera)),
+      start_(scene_from_camera_start),
+      end_(scene_from_camera_end),
+      moves_(camera_.shutter != ShutterKind::kGlobal),
+      camera_from_scene_mid_(interpolate(start_, end_, 0.5).inverse()) {}
+
+Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
+  return interpolate(start_, end_, camera_.exposure_fraction(pixel));
+}
+
+bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
+  Eigen::Vector3d p_camera = camera_from_scene_mid_ * p_scene;
+  if (!camera_.project(p_camera, pixel)) return false;
+  if (moves_) {
+    // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it
+    // cannot come back into it. The fixed point contracts by (shift / height) per round: three are plenty.
+    constexpr double kMargin = 0.25;
+    constexpr int kRounds = 3;
+    if (!is_inside(camera_, pixel, kMargin)) return false;
+    for (int i = 0; i < kRounds; ++i) {
+      p_camera = scene_from_camera(pixel).inverse() * p_scene;
+      if (!camera_.project(p_camera, pixel)) return false;
+    }
+  }
+  range_m = p_camera.norm();
+  return is_inside(camera_, pixel, 0.0);
+}
+
+void ImageView::unproject(const Eigen::Vector2d& pixel,
+                          Eigen::Vector3d& origin,
+                          Eigen::Vector3d& direction) const {
+  const Pose pose = scene_from_camera(pixel);
+  origin = pose.translation;
+  direction = pose.rotation * camera_.unproject(pixel);
+}
+
+bool Coverage::is_empty_around(int column, int row) const {
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns - 1); ++x) {
+      if (covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
+                  static_cast<std::size_t>(x)] != 0) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel) {
+  const double x = std::clamp(pixel.x() - 0.5, 0.0, image.width - 1.0);
+  const double y = std::clamp(pixel.y() - 0.5, 0.0, image.height - 1.0);
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, image.width - 1);
+  const int y1 = std::min(y0 + 1, image.height - 1);
+  const auto u = static_cast<float>(x - x0);
+  const auto v = static_cast<float>(y - y0);
+  Eigen::Vector3f colour;
+  for (int c = 0; c < 3; ++c) {
+    const float top = (1.0F - u) * image.at(x0, y0, c) + u * image.at(x1, y0, c);
+    const float bottom = (1.0F - u) * image.at(x0, y1, c) + u * image.at(x1, y1, c);
+    colour(c) = (1.0F - v) * top + v * bottom;
+  }
+  return colour;
+}
+
+Coverage look_at_points(const ImageView& view,
+                        const Image& image,
+                        const PointSet& points,
+                        double point_size_m,
+                        int cell_px,
+                        std::vector<PointLook>& looks) {
+  const Camera& camera = view.camera();
+  if (image.width != camera.width || image.height != camera.height || image.channels != 3 ||
+      looks.size() != points.size() || cell_px < 1) {
+    throw Error(ErrorKind::kInternal, "look_at_points: image, camera, points and looks do not fit together");
+  }
+  Coverage coverage;
+  coverage.cell_px = cell_px;
+  coverage.columns = (camera.width + cell_px - 1) / cell_px;
+  coverage.rows = (camera.height + cell_px - 1) / cell_px;
+  coverage.covered.assign(
+      static_cast<std::size_t>(coverage.columns) * static_cast<std::size_t>(coverage.rows), 0);
+
+  // First the nearest range per small cell, each point as wide as it is in the picture ...
+  const int columns = (camera.width + kDepthCell_px - 1) / kDepthCell_px;
+  const int rows = (camera.height + kDepthCell_px - 1) / kDepthCell_px;
+  const auto cell_of = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
+  };
+  std::vector<float> nearest(cell_of(0, rows), std::numeric_limits<float>::infinity());
+  std::vector<Seen> seen;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Eigen::Vector2d pixel;
+    double range_m = 0.0;
+    const Eigen::Vector3d p_scene = points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
+    if (!view.project(p_scene, pixel, range_m)) continue;
+    seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(range_m), pixel.cast<float>()});
+    coverage.covered[static_cast<std::size_t>(static_cast<int>(pixel.y()) / cell_px) *
+                         static_cast<std::size_t>(coverage.columns) +
+                     static_cast<std::size_t>(static_cast<int>(pixel.x()) / cell_px)] = 1;
+    const double radius_px = 0.5 * point_size_m / (view.pixel_size_at_1m() * range_m);
+    const int reach = static_cast<int>(std::min<double>(kMaxReach, radius_px / kDepthCell_px));
+    const int x = static_cast<int>(pixel.x()) / kDepthCell_px;
+    const int y = static_cast<int>(pixel.y()) / kDepthCell_px;
+    for (int cy = std::max(y - reach, 0); cy <= std::min(y + reach, rows - 1); ++cy) {
+      for (int cx = std::max(x - reach, 0); cx <= std::min(x + reach, columns - 1); ++cx) {
+        float& depth = nearest[cell_of(cx, cy)];
+        depth = std::min(depth, static_cast<float>(range_m));
+      }
+    }
+  }
+  // ... then the colour of every point that nothing nearer hides.
+  for (const Seen& s : seen) {
+    PointLook& look = looks[s.index];
+    if (!(s.range_m < look.range_m)) continue;
+    const float depth = nearest[cell_of(static_cast<int>(s.pixel.x()) / kDepthCell_px,
+                                        static_cast<int>(s.pixel.y()) / kDepthCell_px)];
+    if (s.range_m - depth > kHiddenShare * s.range_m + kHidden_m) continue;
+    look.range_m = s.range_m;
+    look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
+    look.colour = sample_bilinear(image, s.pixel.cast<double>());
+  }
+  return coverage;
+}
+
+FarShell::FarShell(double spacing_deg, double distance_m)
+    : spacing_rad_(spacing_deg * std::numbers::pi / 180.0), distance_m_(distance_m) {
+  if (!(spacing_deg >= 0.05 && spacing_deg <= 45.0)) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("shell_spacing_deg: found {}, allowed 0.05 to 45", spacing_deg));
+  }
+  if (!(distance_m > 0.0 && std::isfinite(distance_m))) {
+    throw Error(ErrorKind::kUsage, fmt::format("shell distance: found {} m, allowed above 0", distance_m));
+  }
+}
+
+void FarShell::add(const ImageView& view, const Image& image, const Coverage& coverage) {
+  for (int row = 0; row < coverage.rows; ++row) {
+    for (int column = 0; column < coverage.columns; ++column) {
+      if (!coverage.is_empty_around(column, row)) continue;
+      // The last row and column of cells may be cut off by the picture's edge.
+      const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
+                                  std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
+      Eigen::Vector3d origin;
+      Eigen::Vector3d direction;
+      view.unproject(pixel, origin, direction);
+      if (direction.isZero(0.0)) continue;
+      add(origin, direction, sample_bilinear(image, pixel));
+    }
+  }
+}
+
+void FarShell::add(const Eigen::Vector3d& origin,
+                   const Eigen::Vector3d& direction,
+                   const Eigen::Vector3f& colour) {
+  // Where the ray leaves the sphere: |origin + t direction| = distance.
+  const double b = origin.dot(direction);
+  const double c = origin.squaredNorm() - distance_m_ * distance_m_;
+  if (!(c < 0.0)) throw Error(ErrorKind::kInternal, "far shell: the camera stands outside");
+  const double t = -b + std::sqrt(b * b - c);
+  const Eigen::Vector3d from_origin = ((origin + t * direction) / distance_m_).normalized();
+
+  // Rings of equal elevation, cut into cells of about equal width: near the poles there are fewer.
+  const double elevation = std::atan2(from_origin.z(), std::hypot(from_origin.x(), from_origin.y()));
+  const double azimuth = std::atan2(from_origin.y(), from_origin.x()) + std::numbers::pi;  // [0, 2 pi]
+  const double ring = std::floor((elevation + std::numbers::pi / 2.0) / spacing_rad_);
+  const double ring_elevation = (ring + 0.5) * spacing_rad_ - std::numbers::pi / 2.0;
+  const double width = 2.0 * std::numbers::pi * std::max(std::cos(ring_elevation), 0.0);
+  const double cells = std::max(std::floor(width / spacing_rad_), 1.0);
+  const double cell = std::min(std::floor(azimuth / (2.0 * std::numbers::pi) * cells), cells - 1.0);
+  Sum& sum = cells_[static_cast<std::uint64_t>(ring) << 32U | static_cast<std::uint64_t>(cell)];
+  sum.direction += from_origin;
+  sum.colour += colour.cast<double>();
+  sum.count += 1.0;
+}
+
+std::vector<FarShell::Patch> FarShell::patches() const {
+  std::vector<std::pair<std::uint64_t, const Sum*>> sorted;
+  sorted.reserve(cells_.size());
+  for (const auto& [key, sum] : cells_) sorted.emplace_back(key, &sum);
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<Patch> out;
+  out.reserve(sorted.size());
+  for (const auto& [key, sum] : sorted) {
+    out.push_back({sum->direction.normalized().cast<float>(), (sum->colour / sum->count).cast<float>()});
+  }
+  return out;
+}
+
+}  // namespace simuli

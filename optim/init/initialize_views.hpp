@@ -1,0 +1,109 @@
+#pragma once
+// Views of the initialisation: which image sees which point in which colour, and what no point covers.
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include "host/scene/pose.hpp"
+#include "host/sensors/camera.hpp"
+#include "io/picture/image.hpp"
+#include "optim/init/initialize_points.hpp"
+
+namespace simuli {
+
+/// One exposure: a camera and its pose (scene frame: world shifted by the scene origin) at the start and the
+/// end of the read-out.
+class ImageView {
+ public:
+  ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end);
+
+  /// Pixel and distance (m, along the ray) at which p_scene is seen, at the time at which the shutter reaches
+  /// it. False when it lies behind the camera or outside the picture.
+  [[nodiscard]] bool project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const;
+  /// Ray through `pixel` in the scene frame; the direction is a unit vector, or zero where the lens has no
+  /// ray.
+  void unproject(const Eigen::Vector2d& pixel, Eigen::Vector3d& origin, Eigen::Vector3d& direction) const;
+  [[nodiscard]] const Camera& camera() const { return camera_; }
+  /// Where the camera is half-way through the read-out, scene frame.
+  [[nodiscard]] Eigen::Vector3d origin() const { return camera_from_scene_mid_.inverse().translation; }
+  /// The same exposure by another camera in its place, e.g. camera().resized(...).
+  [[nodiscard]] ImageView with_camera(const Camera& camera) const { return {camera, start_, end_}; }
+  /// Side of a pixel at the optical axis, in metres at 1 m distance.
+  [[nodiscard]] double pixel_size_at_1m() const { return 1.0 / camera_.focal_px(); }
+
+ private:
+  [[nodiscard]] Pose scene_from_camera(const Eigen::Vector2d& pixel) const;
+
+  Camera camera_;
+  Pose start_;
+  Pose end_;
+  bool moves_ = false;  // the pose depends on the pixel
+  Pose camera_from_scene_mid_;
+};
+
+/// The closest look at a point over all images so far.
+struct PointLook {
+  float range_m = std::numeric_limits<float>::infinity();  // +inf: not seen
+  float footprint_m = 0.0F;                                // side of a pixel at that range
+  Eigen::Vector3f colour = Eigen::Vector3f::Zero();        // [0,1]
+};
+
+/// Cells of a picture into which at least one point falls.
+struct Coverage {
+  int cell_px = 1;
+  int columns = 0;
+  int rows = 0;
+  std::vector<std::uint8_t> covered;  // [rows][columns]
+  /// True when neither the cell nor one of its eight neighbours is covered.
+  [[nodiscard]] bool is_empty_around(int column, int row) const;
+};
+
+/// Looks at all points through one image: each point that is not hidden by a nearer one, and that no earlier
+/// image saw from closer by, takes this image's colour. Points hide what lies behind a disc of diameter
+/// `point_size_m`. `image` has the size of the view's camera and 3 channels; looks: [points]. Returns the
+/// coverage by the points in cells of `cell_px` pixels.
+Coverage look_at_points(const ImageView& view,
+                        const Image& image,
+                        const PointSet& points,
+                        double point_size_m,
+                        int cell_px,
+                        std::vector<PointLook>& looks);
+
+/// Bilinear colour at a pixel position; the border is continued outwards.
+[[nodiscard]] Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel);
+
+/// Directions in which images see something that no point explains: one averaged colour per cell of an equal
+/// angle grid around the scene origin, at one distance.
+class FarShell {
+ public:
+  /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
+  FarShell(double spacing_deg, double distance_m);
+  /// Adds the colours of all cells of `coverage` that are empty with their neighbours and have a ray at their
+  /// middle. The camera must stand within the shell.
+  void add(const ImageView& view, const Image& image, const Coverage& coverage);
+  /// One direction with a colour.
+  void add(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const Eigen::Vector3f& colour);
+
+  struct Patch {
+    Eigen::Vector3f direction;  // unit, from the scene origin
+    Eigen::Vector3f colour;
+  };
+  /// One patch per occupied cell, sorted by cell.
+  [[nodiscard]] std::vector<Patch> patches() const;
+  [[nodiscard]] double spacing_rad() const { return spacing_rad_; }
+  [[nodiscard]] double distance_m() const { return distance_m_; }
+
+ private:
+  struct Sum {
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+    Eigen::Vector3d colour = Eigen::Vector3d::Zero();
+    double count = 0.0;
+  };
+  double spacing_rad_;
+  double distance_m_;
+  std::unordered_map<std::uint64_t, Sum> cells_;
+};
+
+}  // namespace simuli

@@ -1,0 +1,32 @@
+#pragma once
+// Offsets of sensors from where the log says they sit, learned by Adam.
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "host/render/train/pose_gradient.hpp"
+#include "host/render/scene/renderer.hpp"
+
+namespace simuli {
+
+/// One sensor's offset with its optimiser. Without pointers, so that checkpoints store it as it is.
+struct SensorOffset {
+  std::array<double, 6> value{};  // PoseTangent: translation (m), rotation (rad)
+  std::array<double, 6> first{}, second{};
+  std::uint64_t steps = 0;
+
+  [[nodiscard]] PoseTangent tangent() const;
+  /// A step of Adam. A gradient that is not finite moves nothing.
+  void step(const PoseGradient& gradient, double translation_rate_m, double rotation_rate_rad);
+};
+
+/// The view from where the offset says the sensor is.
+[[nodiscard]] View moved_by(const SensorOffset& offset, const View& view);
+/// rig_from_sensor with the offset.
+[[nodiscard]] Pose moved_by(const SensorOffset& offset, const Pose& rig_from_sensor);
+
+/// By name of the sensor.
+using SensorOffsets = std::map<std::string, SensorOffset>;
+
+}  // namespace simuli

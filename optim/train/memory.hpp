@@ -1,0 +1,35 @@
+#pragma once
+// What a training takes of the device's memory, told before it starts.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/runtime/device.hpp"
+#include "host/scene/scene.hpp"
+#include "io/log/log.hpp"
+#include "optim/train/train_options.hpp"
+
+namespace simuli {
+
+struct MemoryItem {
+  std::string name;
+  std::uint64_t bytes = 0;
+};
+
+/// Items, the largest first. An upper estimate: sets at the size that densification may take them to, and as
+/// many tile instances as particles of the larger set, which is what street scenes stay below.
+struct MemoryNeed {
+  std::vector<MemoryItem> items;
+  std::uint64_t total = 0;
+  std::uint64_t largest_buffer = 0;
+
+  /// "3.2 GB: camera set 1.1 GB, ...".
+  [[nodiscard]] std::string text() const;
+};
+[[nodiscard]] MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOptions& options);
+
+/// Error{kDevice} with the numbers when that is more than options.memory_bytes, or than the device has, or
+/// when one buffer would be larger than the device allows.
+void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainOptions& options);
+
+}  // namespace simuli

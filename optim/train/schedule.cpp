@@ -1,0 +1,58 @@
+#include "optim/train/schedule.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace simuli {
+namespace {
+
+std::uint64_t mix(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15U;
+  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
+  return x ^ (x >> 31U);
+}
+
+}  // namespace
+
+std::uint64_t counter_hash(std::uint64_t seed, std::uint64_t stream, std::uint64_t counter) {
+  return mix(mix(mix(seed) ^ stream) ^ counter);
+}
+
+FrameOrder::FrameOrder(std::vector<std::size_t> frames, std::uint64_t seed, std::uint64_t stream)
+    : frames_(std::move(frames)), seed_(seed), stream_(stream) {
+  if (!frames_.empty()) shuffle(0);
+}
+
+void FrameOrder::shuffle(std::uint64_t epoch) {
+  epoch_ = epoch;
+  shuffled_ = frames_;
+  // Fisher-Yates. The remainder favours no frame by more than frames / 2^64.
+  for (std::size_t i = shuffled_.size(); i > 1; --i) {
+    const std::uint64_t draw = counter_hash(seed_, stream_, epoch * frames_.size() + i - 1);
+    std::swap(shuffled_[i - 1], shuffled_[draw % i]);
+  }
+}
+
+std::size_t FrameOrder::at(std::uint64_t iteration) {
+  const std::uint64_t epoch = iteration / frames_.size();
+  if (epoch != epoch_) shuffle(epoch);
+  return shuffled_[iteration % frames_.size()];
+}
+
+std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress) {
+  const double share = std::pow(rates.final_share, progress);
+  std::vector<double> row(static_cast<std::size_t>(param_rows(sh_degree)), share * rates.sh_rest);
+  const auto set = [&row](int first, int count, double rate) {
+    std::fill_n(row.begin() + first, count, rate);
+  };
+  set(kMeanRow, 3, rates.mean_m * std::pow(rates.mean_final_m / rates.mean_m, progress));
+  set(kLogScaleRow, 3, share * rates.log_scale);
+  set(kRotationRow, 4, share * rates.rotation);
+  set(kOpacityRow, 1, share * rates.opacity);
+  set(kShRow, 3, share * rates.sh);
+  return row;
+}
+
+}  // namespace simuli

@@ -1,0 +1,105 @@
+#include "optim/train/trained_look.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "optim/base/frames.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr Precision kFloat = Precision::kFloat;
+
+ColorGrids starting_grids(const Log& log, const Scene& scene, const std::vector<std::size_t>& images) {
+  std::vector<ColorGrids::Frame> frames;
+  for (const std::size_t i : images) {
+    const ImageFrame& image = log.images[i];
+    frames.push_back({image.camera, 0.5 * (image.time_start_s + image.time_end_s)});
+  }
+  if (scene.color_grids.frames == frames) return scene.color_grids;
+  return ColorGrids::identity(16, 16, 8, std::move(frames));  // METHOD section 9
+}
+
+}  // namespace
+
+TrainedLook::TrainedLook(const Device& device,
+                         const Log& log,
+                         const Scene& scene,
+                         const TrainOptions& options)
+    : options_(options.look) {
+  if (!scene.environment.empty()) {
+    EnvironmentBuffers buffers(device, scene.environment, kFloat);
+    const std::size_t reals = buffers.texture.count();
+    environment_.emplace(Environment{std::move(buffers),
+                                     RealBuffer(device, "environment gradients", kFloat, reals),
+                                     AdamStage(device, kFloat, reals)});
+  }
+  const std::vector<std::size_t> images = select_frames(log.images, options.held_out_every, false);
+  if (!options_.color_grids || images.empty()) return;
+  ColorGrids frames = starting_grids(log, scene, images);
+  std::vector<std::size_t> of_image(log.images.size(), 0);
+  for (std::size_t k = 0; k < images.size(); ++k) of_image[images[k]] = k;
+  ColorGridBuffers buffers(device, frames, kFloat);
+  const std::size_t reals = buffers.grid.count();
+  grids_.emplace(Grids{std::move(frames),
+                       std::move(of_image),
+                       std::move(buffers),
+                       RealBuffer(device, "colour grid gradients", kFloat),
+                       AdamStage(device, kFloat, reals)});
+}
+
+const EnvironmentBuffers* TrainedLook::environment() const {
+  return environment_ ? &environment_->buffers : nullptr;
+}
+
+void TrainedLook::grade(Renderer& renderer, std::size_t image) {
+  if (grids_) renderer.grade(grids_->buffers, grids_->of_image[image]);
+}
+
+void TrainedLook::step(Renderer& renderer, std::size_t image, std::uint64_t iteration, double progress) {
+  const double share = std::pow(options_.final_share, progress);
+  if (grids_) {
+    Grids& g = *grids_;
+    const std::size_t grid = g.of_image[image];
+    const auto values = static_cast<double>(g.frames.values_per_frame());
+    renderer.grade_backward(
+        g.buffers, grid, {options_.grid_variation / values, options_.grid_drift / values}, g.grads);
+    // A grid's own steps are the epochs.
+    g.adam.run_dense(g.buffers.grid,
+                     g.grads,
+                     grid * g.buffers.reals(),
+                     share * options_.grid_rate,
+                     iteration / g.frames.frames.size() + 1);
+  }
+  if (environment_) {
+    Environment& e = *environment_;
+    const double values = 3.0 * e.buffers.width * e.buffers.height;
+    renderer.environment_backward(e.buffers, options_.environment_variation / values, e.grads);
+    e.adam.run_dense(e.buffers.texture, e.grads, 0, share * options_.environment_rate, iteration + 1);
+  }
+}
+
+std::uint32_t TrainedLook::rejected() const {
+  return (environment_ ? environment_->adam.rejected() : 0U) + (grids_ ? grids_->adam.rejected() : 0U);
+}
+
+void TrainedLook::store(Scene& scene) const {
+  if (environment_) scene.environment = environment_->buffers.download();
+  scene.color_grids = {};
+  if (!grids_) return;
+  scene.color_grids = grids_->frames;
+  grids_->buffers.download(scene.color_grids);
+}
+
+void TrainedLook::add_state(StateList& list) {
+  const auto add = [&list](const std::string& name, RealBuffer& values, AdamStage& adam) {
+    list.add(name, values);
+    list.add(name + "/first_moment", adam.first_moment());
+    list.add(name + "/second_moment", adam.second_moment());
+    list.add(name + "/rejections", adam.rejections());
+  };
+  if (environment_) add("environment", environment_->buffers.texture, environment_->adam);
+  if (grids_) add("color_grids", grids_->buffers.grid, grids_->adam);
+}
+
+}  // namespace simuli

@@ -1,0 +1,51 @@
+#pragma once
+// The appearance of the camera set in training: environment and colour grids with their optimisers.
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/render/scene/renderer.hpp"
+#include "host/scene/scene.hpp"
+#include "io/log/log.hpp"
+#include "optim/train/state.hpp"
+#include "optim/train/train_options.hpp"
+
+namespace simuli {
+
+class TrainedLook {
+ public:
+  /// The scene's environment, if it has one, and with options.color_grids a grid for each training picture:
+  /// the scene's own where it has one for each, else the identity.
+  TrainedLook(const Device& device, const Log& log, const Scene& scene, const TrainOptions& options);
+
+  [[nodiscard]] const EnvironmentBuffers* environment() const;
+  /// The last render through the grid of picture `image` (an index into log.images).
+  void grade(Renderer& renderer, std::size_t image);
+  /// Takes dL/d(graded picture) back to dL/d(outputs) and moves grid and environment; `iteration` from 0.
+  void step(Renderer& renderer, std::size_t image, std::uint64_t iteration, double progress);
+  /// Gradient entries that were not finite. Waits.
+  [[nodiscard]] std::uint32_t rejected() const;
+  void store(Scene& scene) const;
+  /// What a checkpoint holds of it.
+  void add_state(StateList& list);
+
+ private:
+  struct Environment {
+    EnvironmentBuffers buffers;
+    RealBuffer grads;
+    AdamStage adam;
+  };
+  struct Grids {
+    ColorGrids frames;                  // sizes and frames; the values stand on the device
+    std::vector<std::size_t> of_image;  // [log.images]
+    ColorGridBuffers buffers;
+    RealBuffer grads;  // of one grid
+    AdamStage adam;
+  };
+
+  LookOptions options_;
+  std::optional<Environment> environment_;
+  std::optional<Grids> grids_;
+};
+
+}  // namespace simuli

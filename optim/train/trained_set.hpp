@@ -1,0 +1,22 @@
+#pragma once
+#include "host/render/train/loss_stages.hpp"
+#include "optim/poses/actor_poses.hpp"
+
+namespace simuli {
+
+/// Numbers of the sets, for random numbers and names of states.
+enum SetNumber : std::uint32_t { kCameraSet = 0, kLidarSet = 1 };
+
+/// A particle set in training: parameters, their gradients, and the optimiser's state.
+struct TrainedSet {
+  TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates);
+  /// Makes the gradients fit the particles after those have grown.
+  void fit_gradients();
+  ParticleBuffers particles;
+  RealBuffer grads;  // [param_rows][stride]
+  RealBuffer error;  // [N] reconstruction error since the last relocation
+  AdamStage adam;
+  ActorPoses poses;
+};
+
+}  // namespace simuli

@@ -1,0 +1,125 @@
+#include "optim/train/truth.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "optim/base/frames.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr float kUnknown = -1.0F;         // truth that the losses leave out
+constexpr double kFarthestSweep_s = 0.1;  // in which a car drives a car's length at most
+constexpr double kMovingReach_m = 0.5;    // from a return to the rest of the body around it
+
+std::size_t bytes_of(const RealBuffer& buffer) {
+  return buffer.count() * (buffer.precision() == Precision::kFloat ? sizeof(float) : sizeof(double));
+}
+
+}  // namespace
+
+TruthCache::TruthCache(const Device& device,
+                       const Log& log,
+                       const Scene& scene,
+                       const TrainOptions& options,
+                       const RenderOptions& render,
+                       MovingSpace moving)
+    : device_(device),
+      log_(log),
+      scene_(scene),
+      render_(render),
+      moving_(options.mask_moving ? std::move(moving) : MovingSpace{}),
+      training_sweeps_(select_frames(log.sweeps, options.held_out_every, false)),
+      images_(options.cache_bytes),
+      sweeps_(options.cache_bytes) {
+  for (const LogCamera& camera : log.cameras) {
+    models_[camera.model.name] = scaled_camera(camera.model, options.image_scale);
+  }
+}
+
+const SensorRays& TruthCache::camera_rays(const std::string& name) {
+  auto& entry = camera_rays_[name];
+  if (!entry) entry = std::make_unique<SensorRays>(device_, models_.at(name), render_);
+  return *entry;
+}
+
+MovingReturns TruthCache::moving_returns(const SweepFrame& frame, const Sweep& sweep) const {
+  const View view = view_of(log_, scene_, frame);
+  return find_moving_returns(moving_,
+                             sweep,
+                             log_.lidar(frame.lidar).model,
+                             view.world_from_sensor_start,
+                             view.world_from_sensor_end);
+}
+
+/// By the training sweep nearest in time. Empty when nothing moved or no sweep is near enough to tell.
+std::vector<bool> TruthCache::hidden_pixels(const ImageFrame& frame) const {
+  if (moving_.voxels() == 0) return {};
+  const double time_s = 0.5 * (frame.time_start_s + frame.time_end_s);
+  const SweepFrame* nearest = nullptr;
+  double nearest_s = kFarthestSweep_s;
+  for (const std::size_t index : training_sweeps_) {
+    const SweepFrame& sweep = log_.sweeps[index];
+    const double apart_s = std::abs(0.5 * (sweep.time_start_s + sweep.time_end_s) - time_s);
+    if (apart_s > nearest_s) continue;
+    nearest_s = apart_s;
+    nearest = &sweep;
+  }
+  if (nearest == nullptr) return {};
+  const Sweep sweep = read_sweep(log_.folder / nearest->file, log_.lidar(nearest->lidar).model);
+  const View view = view_of(log_, scene_, frame);
+  const ImageView image_view(
+      models_.at(frame.camera), view.world_from_sensor_start, view.world_from_sensor_end);
+  return moving_pixels(image_view, moving_returns(*nearest, sweep).p_scene, kMovingReach_m);
+}
+
+ImageTruth TruthCache::read_image_truth(std::size_t index) {
+  const ImageFrame& frame = log_.images[index];
+  const SensorRays& rays = camera_rays(frame.camera);
+  ImageTruth out{RealBuffer(device_, "picture", Precision::kFloat)};
+  std::vector<float> values = planar(load_image(log_, frame, models_.at(frame.camera)));
+  const std::vector<bool> hidden = hidden_pixels(frame);
+  out.known = rays.grid().rays;
+  for (std::size_t i = 0; i < hidden.size(); ++i) {
+    if (!hidden[i]) continue;
+    for (std::size_t c = 0; c < 3; ++c) values[c * hidden.size() + i] = kUnknown;
+    --out.known;
+  }
+  out.truth.assign(rays.to_slots(values, 3));
+  return out;
+}
+
+SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
+  const SweepFrame& frame = log_.sweeps[index];
+  const LidarModel& lidar = log_.lidar(frame.lidar).model;
+  const Sweep sweep = read_sweep(log_.folder / frame.file, lidar);
+  SweepTruth out{std::make_unique<SensorRays>(device_, lidar, sweep.rays, render_),
+                 RealBuffer(device_, "sweep", Precision::kFloat)};
+  const MovingReturns moving = moving_returns(frame, sweep);
+  std::vector<float> values = sweep.range;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (moving.is_moving[i]) values[i] = kUnknown;
+    out.known += values[i] >= 0.0F ? 1U : 0U;
+    out.returned += values[i] > 0.0F ? 1U : 0U;
+  }
+  values.insert(values.end(), sweep.intensity.begin(), sweep.intensity.end());
+  out.truth.assign(out.rays->to_slots(values, 2));
+  return out;
+}
+
+std::shared_ptr<const ImageTruth> TruthCache::image(std::size_t index) {
+  return images_.get(
+      index, [&] { return read_image_truth(index); }, [](const ImageTruth& t) { return bytes_of(t.truth); });
+}
+
+std::shared_ptr<const SweepTruth> TruthCache::sweep(std::size_t index) {
+  return sweeps_.get(
+      index,
+      [&] { return read_sweep_truth(index); },
+      [](const SweepTruth& t) {
+        // The ray grid stands on the host as well.
+        return bytes_of(t.truth) + 2 * bytes_of(t.rays->buffers().sensor_ray);
+      });
+}
+
+}  // namespace simuli

@@ -1,0 +1,65 @@
+#pragma once
+// What frames recorded, on the device and in slot order: what the losses compare with.
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/render/scene/renderer.hpp"
+#include "host/scene/scene.hpp"
+#include "io/log/log.hpp"
+#include "host/base/lru_cache.hpp"
+#include "optim/init/moving_space.hpp"
+#include "optim/train/train_options.hpp"
+
+namespace simuli {
+
+struct ImageTruth {
+  RealBuffer truth;       // [3][slots], -1: not known
+  std::size_t known = 0;  // pixels
+};
+struct SweepTruth {
+  std::unique_ptr<SensorRays> rays;
+  RealBuffer truth;          // [2][slots] range (-1: not known), intensity
+  std::size_t known = 0;     // rays
+  std::size_t returned = 0;  // known ones
+};
+
+/// The training frames of a log, read when they are asked for and kept within a budget of device memory.
+class TruthCache {
+ public:
+  /// `log` and `scene` must outlive it. `render`: the renderer's (resolved) options; `moving` is used when
+  /// options.mask_moving.
+  TruthCache(const Device& device,
+             const Log& log,
+             const Scene& scene,
+             const TrainOptions& options,
+             const RenderOptions& render,
+             MovingSpace moving);
+
+  /// Rays of a camera of the log, scaled as options.image_scale says.
+  const SensorRays& camera_rays(const std::string& name);
+  /// Index into log.images or log.sweeps. Error{kInput} when the file can't be read.
+  std::shared_ptr<const ImageTruth> image(std::size_t index);
+  std::shared_ptr<const SweepTruth> sweep(std::size_t index);
+
+ private:
+  [[nodiscard]] MovingReturns moving_returns(const SweepFrame& frame, const Sweep& sweep) const;
+  [[nodiscard]] std::vector<bool> hidden_pixels(const ImageFrame& frame) const;
+  [[nodiscard]] ImageTruth read_image_truth(std::size_t index);
+  [[nodiscard]] SweepTruth read_sweep_truth(std::size_t index) const;
+
+  Device device_;
+  const Log& log_;
+  const Scene& scene_;
+  RenderOptions render_;
+  MovingSpace moving_;
+  std::vector<std::size_t> training_sweeps_;
+  std::map<std::string, Camera> models_;  // scaled, by name
+  std::map<std::string, std::unique_ptr<SensorRays>> camera_rays_;
+  LruCache<ImageTruth> images_;
+  LruCache<SweepTruth> sweeps_;
+};
+
+}  // namespace simuli

@@ -1,0 +1,105 @@
+#include "io/base/json_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+using test::expect_input_error;
+
+/// Reads `text` as the file "x.json".
+template <class Read>
+auto read(const std::string& text, Read&& use) {
+  return read_json_text(text, "x.json", use);
+}
+
+TEST(JsonReader, ReadsEveryType) {
+  const std::string text =
+      R"({"n": 1.5, "i": -3, "t": "text", "b": true, "v": [1, 2, 3], "o": {"k": 7}, "l": [{"k": 1}, {"k": 2}]})";
+  read(text, [](JsonObject& root) {
+    EXPECT_EQ(root.number("n"), 1.5);
+    EXPECT_EQ(root.integer("i"), -3);
+    EXPECT_EQ(root.text("t"), "text");
+    EXPECT_TRUE(root.boolean("b"));
+    EXPECT_EQ(root.vector<3>("v"), Eigen::Vector3d(1, 2, 3));
+    EXPECT_EQ(root.object("o", [](JsonObject& o) { return o.integer("k"); }), 7);
+    EXPECT_EQ(root.objects("l", [](JsonObject& o) { return o.integer("k"); }),
+              (std::vector<std::int64_t>{1, 2}));
+    EXPECT_FALSE(root.has("absent"));
+  });
+}
+
+TEST(JsonReader, KeepsNanosecondsExactly) {
+  const std::int64_t ns =
+      read(R"({"time_ns": 1317042651106324297})", [](JsonObject& root) { return root.integer("time_ns"); });
+  EXPECT_EQ(ns, 1317042651106324297);
+}
+
+TEST(JsonReader, RefusesUnknownKeysWithTheirPath) {
+  const auto nested = [](JsonObject& root) {
+    return root.objects("rows", [](JsonObject& row) { return row.number("elevation_rad"); });
+  };
+  expect_input_error(
+      [&] { read(R"({"rows": [{"elevation_rad": 1}, {"elevation_rad": 1, "b": 2}]})", nested); },
+      {"x.json: rows[1].b: found an unknown key, allowed elevation_rad"});
+}
+
+TEST(JsonReader, NamesBothSpellingsOfAWrongUnit) {
+  const auto range = [](JsonObject& root) { return root.number("range_max_m"); };
+  expect_input_error([&] { read(R"({"range_max_cm": 12000})", range); },
+                     {"x.json: range_max_m: found", "range_max_cm", "allowed"});
+}
+
+TEST(JsonReader, RefusesOtherTypesAndValues) {
+  const auto number = [](JsonObject& root) { (void)root.number("k", 0.0, 10.0); };
+  const auto integer = [](JsonObject& root) { (void)root.integer("k", 0, 10); };
+  const auto vector = [](JsonObject& root) { (void)root.vector<3>("k"); };
+  expect_input_error([&] { read(R"({"k": "1"})", number); }, {"x.json: k: found \"1\", allowed a number"});
+  expect_input_error([&] { read(R"({"k": 10.5})", number); }, {"k: found 10.5, allowed 0 to 10"});
+  expect_input_error([&] { read(R"({"k": 1.0})", integer); },
+                     {"k: found 1.0, allowed an integer from 0 to 10"});
+  expect_input_error([&] { read(R"({"k": 11})", integer); }, {"found 11"});
+  expect_input_error([&] { read(R"({"k": 18446744073709551615})", integer); },
+                     {"found 18446744073709551615"});
+  expect_input_error([&] { read(R"({"k": null})", number); }, {"found null"});
+  expect_input_error([&] { read(R"({"k": [1, 2]})", vector); },
+                     {"found [1,2], allowed an array of 3 numbers"});
+  expect_input_error([&] { read(R"({"k": [1, 2, "c"]})", vector); }, {"allowed an array of numbers"});
+  expect_input_error([&] { read(R"({"k": 1})", [](JsonObject& root) { (void)root.text("k"); }); },
+                     {"allowed a string"});
+  expect_input_error([&] { read(R"({"k": 1})", [](JsonObject& root) { (void)root.boolean("k"); }); },
+                     {"allowed true or false"});
+  expect_input_error([&] { read("[1]", number); }, {"x.json: root: found [1], allowed an object"});
+}
+
+TEST(JsonReader, RefusesBadSyntax) {
+  const auto nothing = [](JsonObject&) {};
+  expect_input_error([&] { read("{\"a\":\n 1,}", nothing); }, {"x.json: JSON: found", "line 2"});
+  expect_input_error([&] { read("", nothing); }, {"x.json: JSON"});
+  expect_input_error([&] { read("{\"a\": NaN}", nothing); }, {"x.json: JSON"});
+  expect_input_error([&] { read("{\"a\": 1e999}", nothing); }, {"x.json: JSON", "1e999"});
+  expect_input_error([&] { read("{} {}", nothing); }, {"x.json: JSON"});
+}
+
+TEST(JsonReader, RefusesAKeyThatStandsTwice) {
+  const auto number = [](JsonObject& root) { (void)root.number("a"); };
+  expect_input_error([&] { read(R"({"a": 1, "a": 2})", number); }, {"x.json: \"a\": found the key twice"});
+  // The same key in another object is another key.
+  const auto nested = [](JsonObject& root) {
+    return root.object("a", [](JsonObject& o) { return o.number("a"); });
+  };
+  EXPECT_EQ(read(R"({"a": {"a": 3}})", nested), 3.0);
+}
+
+TEST(JsonReader, LeavesOtherKeysOnlyWhenToldTo) {
+  const auto number = [](JsonObject& root) {
+    root.ignore_other_keys();
+    return root.number("a");
+  };
+  EXPECT_EQ(read(R"({"a": 1, "note": "of another program"})", number), 1.0);
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,207 @@
+// Importers of posed photographs: COLMAP in both of its forms, and transforms.json.
+#include "io/import/photos/photo_log.hpp"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
+
+#include "io/import/photos/colmap.hpp"
+#include "io/picture/image.hpp"
+#include "io/import/photos/nerfstudio.hpp"
+#include "io/splat/ply.hpp"
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+using test::expect_input_error;
+using test::Scratch;
+
+void write_photos(const fs::path& folder, int count) {
+  fs::create_directories(folder);
+  for (int i = 0; i < count; ++i) {
+    Image image(8, 6, 3);
+    for (float& v : image.data) v = 0.1F * static_cast<float>(i);
+    write_image(folder / fmt::format("{}.png", i), image);
+  }
+}
+
+template <class T>
+void put(std::string& to, T value) {
+  std::array<char, sizeof(T)> bytes{};
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  to.append(bytes.data(), bytes.size());
+}
+
+constexpr int kPhotos = 4;
+/// Photograph i stands at x = 2 i and looks along +z, y down; COLMAP says camera_from_world.
+std::string colmap_images_text() {
+  std::string text = "# comment\n";
+  for (int i = 0; i < kPhotos; ++i)
+    text += fmt::format("{} 1 0 0 0 {} 0 0 7 {}.png\n1 2 -1\n", i + 1, -2 * i, i);
+  return text;
+}
+
+void write_colmap_text(const fs::path& folder, const std::string& camera) {
+  fs::create_directories(folder);
+  std::ofstream(folder / "cameras.txt") << "# comment\n" << camera << '\n';
+  std::ofstream(folder / "images.txt") << colmap_images_text();
+  std::ofstream(folder / "points3D.txt") << "1 0 1 20 9 9 9 0.5 1 0 2 0 3 0\n2 2 0 20 9 9 9 0.5 1 1 2 1 3 1\n"
+                                         << "3 5 5 5 9 9 9 0.5 1 2\n";  // seen once: left out
+}
+
+void write_colmap_binary(const fs::path& folder) {
+  fs::create_directories(folder);
+  std::string cameras, images, points;
+  put<std::uint64_t>(cameras, 1);
+  put<std::int32_t>(cameras, 7);
+  put<std::int32_t>(cameras, 4);  // OPENCV
+  put<std::uint64_t>(cameras, 8);
+  put<std::uint64_t>(cameras, 6);
+  for (const double p : {9.0, 10.0, 4.0, 3.0, 0.01, 0.0, 0.001, 0.0}) put(cameras, p);
+  put<std::uint64_t>(images, kPhotos);
+  for (int i = 0; i < kPhotos; ++i) {
+    put<std::int32_t>(images, i + 1);
+    for (const double v : {1.0, 0.0, 0.0, 0.0, -2.0 * i, 0.0, 0.0}) put(images, v);
+    put<std::int32_t>(images, 7);
+    images += fmt::format("{}.png", i) + '\0';
+    put<std::uint64_t>(images, 1);
+    images += std::string(24, '\1');
+  }
+  put<std::uint64_t>(points, 3);
+  for (int i = 0; i < 3; ++i) {
+    put<std::uint64_t>(points, static_cast<std::uint64_t>(i));
+    for (const double v : {2.0 * i, 1.0 - i, 20.0}) put(points, v);
+    points += std::string(11, '\1');
+    const std::uint64_t views = i < 2 ? 3 : 1;
+    put(points, views);
+    points += std::string(8 * views, '\1');
+  }
+  std::ofstream(folder / "cameras.bin", std::ios::binary) << cameras;
+  std::ofstream(folder / "images.bin", std::ios::binary) << images;
+  std::ofstream(folder / "points3D.bin", std::ios::binary) << points;
+}
+
+constexpr const char* kOpencv = "7 OPENCV 8 6 9 10 4 3 0.01 0 0.001 0";
+
+TEST(Colmap, TextAndBinaryAreTheSameLog) {
+  const Scratch scratch;
+  write_photos(scratch / "images", kPhotos);
+  write_colmap_text(scratch / "text", kOpencv);
+  write_colmap_binary(scratch / "sparse/0");
+  PhotoReport text_report, binary_report;
+  const Log text = import_colmap({scratch / "text", {}, scratch / "t.log"}, {}, text_report);
+  const Log binary =
+      import_colmap({scratch.path(), scratch / "images", scratch / "b.log"}, {}, binary_report);
+  for (const PhotoReport& report : {text_report, binary_report}) {
+    EXPECT_EQ(report.photos, 4U);
+    EXPECT_EQ(report.points, 2U);
+    EXPECT_NEAR(report.metres_per_unit, 0.5, 0.02);  // points stand 20 units away: 10 m
+  }
+  ASSERT_EQ(text.images.size(), 4U);
+  EXPECT_TRUE(text.sweeps.empty());
+  EXPECT_EQ(text.cameras.at(0).model.lens.parameters(), binary.cameras.at(0).model.lens.parameters());
+  EXPECT_EQ(text.cameras[0].model.fy, 10.0);
+  EXPECT_EQ(text.cameras[0].model.lens.kind(), LensKind::kOpencvPinhole);
+  // Steps of 1 m; the camera looks along z of the model, its down is the world's -z after levelling.
+  const auto at = [](const Log& log, double t) {
+    return log.world_from_rig.at(t) * log.cameras[0].rig_from_camera;
+  };
+  for (const Log& log : {text, binary}) {
+    EXPECT_NEAR((at(log, 3.0).translation - at(log, 2.0).translation).norm(), 1.0, 0.05);
+    EXPECT_NEAR((at(log, 1.0).rotation * Eigen::Vector3d::UnitY()).z(), -1.0, 1e-9);
+    // The rig looks where its camera does, x forward.
+    EXPECT_LT((log.world_from_rig.at(1.0).rotation * Eigen::Vector3d::UnitX() -
+               at(log, 1.0).rotation * Eigen::Vector3d::UnitZ())
+                  .norm(),
+              1e-9);
+    const auto points = read_points_ply(log.folder / log.points);
+    const Eigen::Vector3d seen = at(log, 0.0).inverse() * points.at(0);
+    EXPECT_NEAR(seen.z(), 10.0, 0.5);
+    EXPECT_NEAR(seen.y(), 0.5, 0.05);
+  }
+  EXPECT_EQ(read_image(text.folder / text.images[2].file).at(0, 0, 0),
+            read_image(scratch / "images/2.png").at(0, 0, 0));
+}
+
+TEST(Colmap, SaysWhatIsMissing) {
+  const Scratch scratch;
+  PhotoReport report;
+  const auto run = [&](const fs::path& model) {
+    (void)import_colmap({model, {}, scratch / "x.log"}, {}, report);
+  };
+  expect_input_error([&] { run(scratch / "nothing"); }, {"COLMAP model"});
+  write_colmap_text(scratch / "text", kOpencv);
+  expect_input_error([&] { run(scratch / "text"); }, {"photographs", "--images"});
+  write_photos(scratch / "images", kPhotos);
+  write_colmap_text(scratch / "text", "7 FOV 8 6 9 10 4 3 0.1");
+  expect_input_error([&] { run(scratch / "text"); }, {"camera 7", "FOV"});
+  write_colmap_text(scratch / "text", "8 PINHOLE 8 6 9 10 4 3");
+  expect_input_error([&] { run(scratch / "text"); }, {"camera of 0.png", "7"});
+  write_colmap_text(scratch / "text", "7 PINHOLE 9 6 9 10 4 3");
+  expect_input_error([&] { run(scratch / "text"); }, {"0.png", "8 x 6", "9 x 6"});
+  EXPECT_FALSE(fs::exists(scratch / "x.log"));
+  fs::remove_all(scratch / "text");
+  write_colmap_binary(scratch / "text");
+  fs::resize_file(scratch / "text/images.bin", 100);
+  expect_input_error([&] { run(scratch / "text"); }, {"images.bin", "its end"});
+}
+
+std::string transforms(const std::string& head, const std::string& model) {
+  std::string frames;
+  for (int i = 0; i < kPhotos; ++i) {
+    // At x = 3 i, camera axes of OpenGL: looks along -z of its own, which is +y of the world; up is +z.
+    frames += fmt::format(
+        R"({}{{"file_path": "images/{}.png", "sharpness": 3,
+             "transform_matrix": [[1, 0, 0, {}], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]}})",
+        i > 0 ? "," : "",
+        i,
+        3 * i);
+  }
+  return fmt::format(R"({{{} "camera_model": "{}", "frames": [{}], "aabb_scale": 4}})", head, model, frames);
+}
+
+TEST(Nerfstudio, PosesAreOurs) {
+  const Scratch scratch;
+  write_photos(scratch / "images", kPhotos - 1);  // one of the named is not there
+  const std::string head = R"("fl_x": 9, "w": 8.0, "h": 6.0, "cx": 4.5, "k1": 0.01,)";
+  const fs::path file = scratch.file("transforms.json", transforms(head, "OPENCV"));
+  PhotoReport report;
+  const Log log = import_nerfstudio({file, scratch / "n.log"}, {}, report);
+  EXPECT_EQ(report.photos, 3U);
+  EXPECT_EQ(report.absent, 1U);
+  EXPECT_NEAR(report.metres_per_unit, 0.5 / 3.0, 1e-9);
+  EXPECT_TRUE(log.points.empty());
+  const Camera& camera = log.cameras.at(0).model;
+  EXPECT_EQ(camera.fy, 9.0);
+  EXPECT_EQ(camera.cx, 4.5);
+  EXPECT_EQ(camera.cy, 3.0);
+  const Pose world_from_camera = log.world_from_rig.at(2.0) * log.cameras[0].rig_from_camera;
+  EXPECT_LT((world_from_camera.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitY()).norm(), 1e-9);
+  EXPECT_LT((world_from_camera.rotation * Eigen::Vector3d::UnitY() + Eigen::Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_NEAR(world_from_camera.translation.x(), 0.5, 1e-9);
+
+  const auto refuse = [&](const std::string& text, const char* word) {
+    expect_input_error(
+        [&] {
+          (void)import_nerfstudio({scratch.file("bad.json", text), scratch / "x.log"}, {}, report);
+        },
+        {"bad.json", word});
+  };
+  refuse(transforms(head, "EQUIRECTANGULAR"), "camera_model");
+  refuse(transforms(R"("fl_x": 9, "w": 8.5, "h": 6,)", "OPENCV"), "w: found 8.5");
+  refuse(transforms(R"("w": 8, "h": 6,)", "OPENCV"), "camera_angle_x");
+  refuse(R"({"fl_x": 9, "w": 8, "h": 6, "frames": [{"file_path": "a.png", "transform_matrix": [[1]]}]})",
+         "transform_matrix");
+  refuse(R"({"fl_x": 9, "w": 8, "h": 6, "frames": []})", "photographs");
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,346 @@
+// Actors in initialisation, training and evaluation, on a small street with its moving car.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "io/synth/street.hpp"
+#include "optim/poses/actor_poses.hpp"
+#include "optim/init/actor_tracks.hpp"
+#include "optim/eval/evaluate.hpp"
+#include "optim/init/initialize.hpp"
+#include "optim/init/initialize_actors.hpp"
+#include "optim/train/trainer.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+
+class StreetWithCar : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "simuli_car_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    StreetOptions options;
+    options.output = folder_ / "street.log";
+    options.frames = 10;
+    options.image_width = 96;
+    options.image_height = 54;
+    options.lidar_columns = 450;
+    log_ = synth_street(options);
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+
+  static InitOptions small(bool actors) {
+    InitOptions options;
+    options.voxel_m = 0.15;
+    options.sweep_depth = false;
+    options.camera_sh_degree = 0;
+    options.lidar_sh_degree = 0;
+    options.actors = actors;
+    return options;
+  }
+
+  inline static std::filesystem::path folder_;
+  inline static Log log_;
+};
+
+TEST_F(StreetWithCar, ParticlesOfTheCarAreInItsFrame) {
+  const SceneInit start = initialize_scene(log_, small(true));
+  ASSERT_EQ(start.scene.actors.size(), 1U);
+  EXPECT_GT(start.report.actor_points, 300U);
+  const Vector3d half = 0.5 * start.scene.actors[0].size_m + Vector3d::Constant(0.1 + 1e-6);
+  for (const GaussianSet* set : {&start.scene.camera, &start.scene.lidar}) {
+    ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
+    std::size_t of_car = 0;
+    for (Eigen::Index i = 0; i < set->size(); ++i) {
+      if (set->actor[static_cast<std::size_t>(i)] == 0) continue;
+      ++of_car;
+      ASSERT_TRUE((set->mean().row(i).transpose().cast<double>().array().abs() <= half.array()).all());
+    }
+    EXPECT_GT(of_car, 100U);
+  }
+  // The background has nothing where the car was half-way, but what is on the road below it.
+  const Pose world_from_car = start.scene.actors[0].at(0.5);
+  const GaussianSet& lidar = start.scene.lidar;
+  for (Eigen::Index i = 0; i < lidar.size(); ++i) {
+    if (lidar.actor[static_cast<std::size_t>(i)] != 0) continue;
+    const Vector3d p = world_from_car.inverse() *
+                       Vector3d(lidar.mean().row(i).transpose().cast<double>() + start.scene.origin);
+    const double above_road = p.z() + 0.5 * start.scene.actors[0].size_m.z();
+    const bool inside =
+        std::abs(p.x()) < half.x() && std::abs(p.y()) < half.y() && above_road > 0.11 && p.z() < 0.5;
+    EXPECT_FALSE(inside) << p.transpose();
+  }
+  EXPECT_TRUE(initialize_scene(log_, small(false)).scene.actors.empty());
+}
+
+TEST_F(StreetWithCar, PicturesFillTheGlassThatNoLaserReturnsFrom) {
+  const Scene scene = initialize_scene(log_, small(true)).scene;
+  const auto of_car = [](const GaussianSet& set) {
+    std::vector<Vector3d> out;
+    for (Eigen::Index i = 0; i < set.size(); ++i) {
+      if (set.actor[static_cast<std::size_t>(i)] == 1)
+        out.emplace_back(set.mean().row(i).transpose().cast<double>());
+    }
+    return out;
+  };
+  // Far from any return, within the body: the windows.
+  const std::vector<Vector3d> returns = of_car(scene.lidar);
+  std::size_t alone = 0;
+  for (const Vector3d& p : of_car(scene.camera)) {
+    const bool near =
+        std::any_of(returns.begin(), returns.end(), [&](const Vector3d& r) { return (r - p).norm() < 0.12; });
+    if (near) continue;
+    ++alone;
+    EXPECT_TRUE((p.array().abs() <= 0.5 * scene.actors[0].size_m.array() + 1e-5).all()) << p.transpose();
+  }
+  EXPECT_GT(alone, 10U);
+  // What pictures show of the car is no background: nothing of it stands along its way.
+  for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
+    if (scene.camera.actor[static_cast<std::size_t>(i)] != 0) continue;
+    const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>() + scene.origin;
+    EXPECT_FALSE(p.x() > 15.0 && p.x() < 17.0 && std::abs(p.y() - 1.75) < 0.7 && p.z() > 0.1 && p.z() < 1.4)
+        << p.transpose();
+  }
+}
+
+TEST(ActorPoints, HideWhatIsBehindTheirBoxes) {
+  Actor actor;
+  actor.name = "car";
+  actor.size_m = {4.0, 2.0, 1.5};
+  actor.track = {{0.0, {Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Vector3d::UnitZ())), {10, 0, 0}}}};
+  ActorPoints points({actor}, {.margin_m = 0.0}, Vector3d::Zero());
+  VoxelGrid none(0.1);
+  points.finish(none);
+  PointSet background;
+  background.position.resize(3, 6);
+  // Before it, behind it, above, beside, behind the eye; and inside, where the ground below may be.
+  background.position << 8, 15, 15, 15, -15, 10, 0, 0, 0, 6, 0, 0, 0, 0, 4, 0, 0, 0;
+  background.intensity.assign(6, 0.0F);
+  const PointSet seen = points.placed(background, 0.0, Vector3d::Zero());
+  for (Eigen::Index i = 0; i < 6; ++i) EXPECT_EQ(std::isnan(seen.position(0, i)), i == 1) << i;
+  EXPECT_TRUE(points.placed(background, 1.0, Vector3d::Zero()).position.allFinite());
+}
+
+TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {
+  InitOptions options = small(true);
+  const auto of_car = [](const GaussianSet& set) {
+    return std::count(set.actor.begin(), set.actor.end(), 1U);
+  };
+  const SceneInit seen = initialize_scene(log_, options);
+  options.mirror_actors = true;
+  const SceneInit both = initialize_scene(log_, options);
+  EXPECT_GT(both.report.actor_points, seen.report.actor_points + seen.report.actor_points / 4);
+  EXPECT_GT(of_car(both.scene.camera), of_car(seen.scene.camera) * 5 / 4);
+  // The far side hides some of the background, too.
+  EXPECT_NEAR(static_cast<double>(both.scene.camera.size() - of_car(both.scene.camera)),
+              static_cast<double>(seen.scene.camera.size() - of_car(seen.scene.camera)),
+              0.01 * static_cast<double>(seen.scene.camera.size()));
+}
+
+TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
+  const Device device = Device::best();
+  EvalReport reports[2];
+  for (const bool actors : {false, true}) {
+    TrainOptions options;
+    options.iterations = 60;
+    options.image_scale = 1.0;
+    Trainer trainer(device, log_, initialize_scene(log_, small(actors)).scene, options);
+    (void)trainer.run();
+    const Scene scene = trainer.scene();
+    if (actors) {
+      const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.actor_margin_m + 1e-5);
+      for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
+        if (scene.camera.actor[static_cast<std::size_t>(i)] == 0) continue;
+        const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>();
+        ASSERT_TRUE((p.array().abs() <= half.array()).all()) << p.transpose();
+      }
+    }
+    EvalOptions compare;
+    compare.timed_renders = 1;
+    reports[actors ? 1 : 0] = evaluate(device, log_, scene, compare);
+  }
+  EXPECT_GT(reports[0].actor_pixels, 50U);
+  EXPECT_EQ(reports[0].actor_pixels, reports[1].actor_pixels);
+  EXPECT_GT(reports[1].actor_psnr_db, reports[0].actor_psnr_db + 3.0);
+  EXPECT_LT(reports[1].actor_distance_median_m, 0.05);
+}
+
+TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
+  const Device device = Device::best();
+  TrainOptions options;
+  options.iterations = 4;
+  options.image_scale = 1.0;
+  InitOptions init = small(true);
+  init.register_tracks = false;
+  Trainer kept(device, log_, initialize_scene(log_, init).scene, options);
+  (void)kept.run();
+  for (const KeyPose& key : kept.scene().actors[0].track) EXPECT_TRUE(key.shift_m.isZero(0.0));
+  options.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  Trainer learned(device, log_, initialize_scene(log_, init).scene, options);
+  Trainer again(device, log_, initialize_scene(log_, init).scene, options);
+  (void)learned.run();
+  (void)again.run();
+  double moved = 0.0;
+  for (std::size_t k = 0; k < learned.scene().actors[0].track.size(); ++k) {
+    const KeyPose& key = learned.scene().actors[0].track[k];
+    moved += key.shift_m.norm();
+    EXPECT_EQ(key.shift_m, again.scene().actors[0].track[k].shift_m);
+  }
+  EXPECT_GT(moved, 0.01);
+}
+
+TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
+  const Device device = Device::best();
+  TrainOptions options;
+  options.iterations = 24;
+  options.image_scale = 1.0;
+  options.lidar_every = 2;
+  options.densify.every = options.densify.first = 5;
+  options.anchor.every = 7;
+  options.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  Scene start = initialize_scene(log_, small(true)).scene;
+  for (GaussianSet* set : {&start.camera, &start.lidar}) {
+    for (Eigen::Index i = 0; i < set->size(); i += 9) set->opacity_logit()(i) = -7.0F;  // dead
+  }
+  Trainer whole(device, log_, start, options);
+  for (int i = 0; i < 13; ++i) whole.step();
+  whole.save(folder_ / "densified.checkpoint", "");
+  const TrainReport report = whole.run();
+  EXPECT_GT(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 10));
+  EXPECT_GT(report.grown, 100U);
+  const Scene scene = whole.scene();
+  const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.actor_margin_m + 1e-5);
+  for (const GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
+    const auto count = std::count(set->actor.begin(), set->actor.end(), 1U);
+    EXPECT_GT(count, 100);
+    EXPECT_LT(count, set->size() / 2);
+    for (Eigen::Index i = 0; i < set->size(); ++i) {
+      if (set->actor[static_cast<std::size_t>(i)] == 0) continue;
+      const Vector3d p = set->mean().row(i).transpose().cast<double>();
+      ASSERT_TRUE((p.array().abs() <= half.array()).all()) << p.transpose();
+    }
+  }
+  Trainer resumed(device, log_, start, options);
+  resumed.step();  // what it did before does not matter
+  resumed.resume(folder_ / "densified.checkpoint", "");
+  (void)resumed.run();
+  const Scene again = resumed.scene();
+  EXPECT_EQ(again.camera.actor, scene.camera.actor);
+  EXPECT_EQ(again.lidar.actor, scene.lidar.actor);
+  EXPECT_EQ(again.camera.params, scene.camera.params);
+  EXPECT_EQ(again.lidar.params, scene.lidar.params);
+  for (std::size_t k = 0; k < scene.actors[0].track.size(); ++k) {
+    EXPECT_EQ(again.actors[0].track[k].shift_m, scene.actors[0].track[k].shift_m);
+    EXPECT_EQ(again.actors[0].track[k].turn_rad, scene.actors[0].track[k].turn_rad);
+  }
+}
+
+TEST_F(StreetWithCar, WhatIsNotANumberLeavesTheOthersWithTheirActor) {
+  Scene start = initialize_scene(log_, small(true)).scene;
+  const auto first_of_car = std::find(start.camera.actor.begin(), start.camera.actor.end(), 1U);
+  start.camera.mean()(first_of_car - start.camera.actor.begin(), 0) = std::nanf("");
+  TrainOptions options;
+  options.iterations = 1;
+  options.image_scale = 1.0;
+  const Scene scene = Trainer(Device::best(), log_, start, options).scene();
+  ASSERT_EQ(scene.camera.size(), start.camera.size() - 1);
+  start.camera.actor.erase(first_of_car);
+  EXPECT_EQ(scene.camera.actor, start.camera.actor);
+}
+
+TEST(ActorTracks, AreWonBackFromReturns) {
+  // A box with a lower front that drives by; returns from three faces, at times between the key poses.
+  Actor truth;
+  truth.name = "car";
+  truth.size_m = {4.0, 1.8, 1.5};
+  for (int k = 0; k < 20; ++k) {
+    const double s = 0.1 * k;
+    truth.track.push_back({s,
+                           {Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * s, Vector3d::UnitZ())),
+                            {5.0 + 6.0 * s, 2.0 + 0.3 * s * s, 0.75}}});
+  }
+  test::Random random(3);
+  std::vector<ActorReturn> returns;
+  for (int i = 0; i < 6000; ++i) {
+    const double time_s = 0.02 + 0.1 * (i % 19) + random.uniform(0.0, 0.004);
+    Vector3d p = random.in_box({-2.0, -0.9, -0.75}, {2.0, 0.9, 0.75});
+    if (i % 3 == 0) p.x() = -2.0;
+    if (i % 3 == 1) p.y() = -0.9;
+    if (i % 3 == 2) p.z() = p.x() > 0.5 ? 0.1 : 0.75;
+    const Vector3d noise(random.normal(), random.normal(), random.normal());
+    returns.push_back({time_s, truth.at(time_s) * p + 0.01 * noise});
+  }
+  Actor noisy = truth;
+  for (KeyPose& key : noisy.track) {
+    key.world_from_actor.translation += 0.2 * Vector3d(random.normal(), random.normal(), 0.0);
+    key.world_from_actor.rotation =
+        Eigen::AngleAxisd(2.0 * M_PI / 180.0 * random.normal(), Vector3d::UnitZ()) *
+        key.world_from_actor.rotation;
+  }
+  // Spread about what all poses have in common: that is a matter of the actor's frame.
+  const auto spread = [&](const Actor& actor) {
+    const auto off = [&](std::size_t k) {
+      return truth.track[k].corrected().inverse() * actor.track[k].corrected();
+    };
+    Vector3d shift = Vector3d::Zero();
+    double square = 0.0, turn = 0.0;
+    const auto count = static_cast<double>(actor.track.size());
+    for (std::size_t k = 0; k < actor.track.size(); ++k) shift += off(k).translation / count;
+    for (std::size_t k = 0; k < actor.track.size(); ++k) {
+      square += (off(k).translation - shift).squaredNorm() / count;
+      turn += Eigen::AngleAxisd(off(k).rotation * off(0).rotation.conjugate()).angle() / count;
+    }
+    return std::pair(std::sqrt(square), turn);
+  };
+  Actor found = noisy;
+  register_track(found, returns);
+  EXPECT_GT(spread(noisy).first, 0.2);
+  EXPECT_LT(spread(found).first, 0.15 * spread(noisy).first) << spread(found).first;
+  EXPECT_LT(spread(found).second, 0.3 * spread(noisy).second) << spread(found).second;
+  // Recorded poses stay as they are, and so does a track that nothing tells of.
+  EXPECT_EQ(found.track[3].world_from_actor.translation, noisy.track[3].world_from_actor.translation);
+  Actor unseen = noisy;
+  register_track(unseen, {});
+  EXPECT_TRUE(unseen.track[5].shift_m.isZero(0.0));
+}
+
+TEST(ActorPoses, WalkDownASlopeToTheTruth) {
+  Actor actor;
+  actor.name = "car";
+  for (int k = 0; k < 4; ++k)
+    actor.track.push_back({0.1 * k, {Eigen::Quaterniond::Identity(), {1.0 * k, 0, 0}}});
+  actor.track[1].shift_m = {0.2, -0.1, 0.0};
+  actor.track[2].turn_rad = {0.0, 0.0, 0.05};
+  std::vector<Actor> actors{actor};
+  Actor truth = actor;
+  for (KeyPose& key : truth.track) key.shift_m = key.turn_rad = Vector3d::Zero();
+  ActorPoses poses({.shift_m = 0.01, .turn_rad = 0.003, .final_share = 0.01});
+  constexpr int kSteps = 600;
+  for (int i = 0; i < kSteps; ++i) {
+    const double start_s = 0.05 * (i % 6), end_s = start_s + 0.05;
+    // The loss is half the squared distance of each pose from the truth.
+    ActorPoseGradient g;
+    const auto error = [&](double time_s, Vector3d& shift, Vector3d& turn) {
+      const Pose found = actors[0].at(time_s), expected = truth.at(time_s);
+      shift = found.translation - expected.translation;
+      const Eigen::AngleAxisd apart(found.rotation * expected.rotation.conjugate());
+      turn = apart.angle() * apart.axis();
+    };
+    error(start_s, g.shift_start, g.turn_start);
+    error(end_s, g.shift_end, g.turn_end);
+    poses.step(actors, {g}, start_s, end_s, static_cast<double>(i) / kSteps);
+  }
+  for (const KeyPose& key : actors[0].track) {
+    EXPECT_LT(key.shift_m.norm(), 5e-3);
+    EXPECT_LT(key.turn_rad.norm(), 2e-3);
+  }
+}
+
+}  // namespace
+}  // namespace simuli

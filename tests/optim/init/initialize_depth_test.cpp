@@ -1,0 +1,75 @@
+#include "optim/init/initialize_depth.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <gtest/gtest.h>
+#include <vector>
+
+namespace simuli {
+namespace {
+
+constexpr double kWall_m = 12.0;
+
+Camera camera() { return {"front", 160, 120, 120.0, 120.0, 80.0, 60.0, ShutterKind::kGlobal}; }
+
+/// Smooth random grey, the same for the same place on the wall.
+float texture(double x, double y) {
+  const auto at = [](std::int64_t i, std::int64_t j) {
+    auto h = static_cast<std::uint64_t>(i * 7919 + j * 104729 + 1000003);
+    h = (h ^ (h >> 31U)) * 0x9e3779b97f4a7c15U;
+    h = (h ^ (h >> 29U)) * 0xbf58476d1ce4e5b9U;
+    return static_cast<float>(h >> 40U) / static_cast<float>(1U << 24U);
+  };
+  const double u = x / 0.5, v = y / 0.5;  // m per grey value
+  const double i = std::floor(u), j = std::floor(v);
+  const auto a = static_cast<float>(u - i), b = static_cast<float>(v - j);
+  const auto k = static_cast<std::int64_t>(i), l = static_cast<std::int64_t>(j);
+  return (1 - b) * ((1 - a) * at(k, l) + a * at(k + 1, l)) +
+         b * ((1 - a) * at(k, l + 1) + a * at(k + 1, l + 1));
+}
+
+/// The wall z = kWall_m, textured or plain, seen by a camera at (x, 0, 0) that looks along z.
+SweepPicture see_wall(double x, bool textured) {
+  const ImageView view(camera(),
+                       {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}},
+                       {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}});
+  Image image(160, 120, 3);
+  for (int row = 0; row < 120; ++row) {
+    for (int column = 0; column < 160; ++column) {
+      const Eigen::Vector3d d = camera().unproject({column + 0.5, row + 0.5});
+      const double t = kWall_m / d.z();
+      const float grey = textured ? texture(x + t * d.x(), t * d.y()) : 0.5F;
+      for (int c = 0; c < 3; ++c) image.at(column, row, c) = grey;
+    }
+  }
+  return sweep_picture(view, image);
+}
+
+Coverage coverage(bool covered) { return {8, 20, 15, std::vector<std::uint8_t>(20 * 15, covered ? 1 : 0)}; }
+
+TEST(SweepDepths, FindsATexturedWall) {
+  const SweepPicture left = see_wall(-1.0, true), middle = see_wall(0.0, true), right = see_wall(1.0, true);
+  const auto points = sweep_depths(middle, {&left, &right}, coverage(false));
+  // Of 20 x 15 cells those at the sides are not seen by both others.
+  ASSERT_GT(points.size(), 150U);
+  std::size_t near = 0;
+  // Steps of inverse distance: 0.0052 / m, so 0.75 m at 12 m, of which rounding takes half; twice that.
+  for (const Eigen::Vector3d& p : points) near += std::abs(p.z() - kWall_m) < 0.75 ? 1U : 0U;
+  EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(points.size()));
+}
+
+TEST(SweepDepths, PlainSurfacesHaveNoDistance) {
+  const SweepPicture left = see_wall(-1.0, false), middle = see_wall(0.0, false),
+                     right = see_wall(1.0, false);
+  EXPECT_TRUE(sweep_depths(middle, {&left, &right}, coverage(false)).empty());
+}
+
+TEST(SweepDepths, CoveredCellsAndTooFewPicturesGiveNothing) {
+  const SweepPicture left = see_wall(-1.0, true), middle = see_wall(0.0, true), right = see_wall(1.0, true);
+  EXPECT_TRUE(sweep_depths(middle, {&left, &right}, coverage(true)).empty());
+  EXPECT_TRUE(sweep_depths(middle, {&left}, coverage(false)).empty());
+  EXPECT_TRUE(sweep_depths(middle, {}, coverage(false)).empty());
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,215 @@
+#include "optim/init/initialize_views.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+Camera camera(ShutterKind shutter = ShutterKind::kGlobal) {
+  return {"front", 100, 80, 100.0, 100.0, 50.0, 40.0, shutter};
+}
+
+Image plain(float red, float green, float blue) {
+  Image image(100, 80, 3);
+  for (std::size_t i = 0; i < image.data.size(); i += 3) {
+    image.data[i] = red;
+    image.data[i + 1] = green;
+    image.data[i + 2] = blue;
+  }
+  return image;
+}
+
+PointSet point_set(const std::vector<Eigen::Vector3f>& positions) {
+  PointSet set;
+  set.position.resize(3, static_cast<Eigen::Index>(positions.size()));
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    set.position.col(static_cast<Eigen::Index>(i)) = positions[i];
+  set.intensity.assign(positions.size(), 0.5F);
+  return set;
+}
+
+Pose at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
+
+TEST(ImageView, RollingShutterSeesAPointAtItsOwnTime) {
+  // Moves 1 m to the right while reading out from the top to the bottom.
+  const ImageView view(camera(ShutterKind::kTopToBottom), at(0, 0, 0), at(1, 0, 0));
+  Eigen::Vector2d pixel;
+  double range_m = 0.0;
+  ASSERT_TRUE(view.project({0.5, 2.0, 10.0}, pixel, range_m));
+  EXPECT_NEAR(pixel.y(), 60.0, 1e-6);  // three quarters down, so the camera stands at 0.75 m
+  EXPECT_NEAR(pixel.x(), 50.0 + 100.0 * (0.5 - 0.75) / 10.0, 1e-6);
+  // The ray back through that pixel meets the point.
+  Eigen::Vector3d origin;
+  Eigen::Vector3d direction;
+  view.unproject(pixel, origin, direction);
+  EXPECT_LT((origin + range_m * direction - Eigen::Vector3d(0.5, 2.0, 10.0)).norm(), 1e-6);
+}
+
+TEST(ImageView, PointsOutsideThePictureAreNotSeen) {
+  const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
+  Eigen::Vector2d pixel;
+  double range_m = 0.0;
+  EXPECT_TRUE(view.project({4.9, 0, 10}, pixel, range_m));
+  EXPECT_FALSE(view.project({5.1, 0, 10}, pixel, range_m));
+  EXPECT_FALSE(view.project({0, 0, -10}, pixel, range_m));
+}
+
+TEST(LookAtPoints, TheForegroundHidesTheBackground) {
+  std::vector<Eigen::Vector3f> positions;
+  for (int i = -5; i <= 5; ++i) {  // a board 1 m wide at 5 m
+    for (int j = -5; j <= 5; ++j)
+      positions.emplace_back(0.1F * static_cast<float>(i), 0.1F * static_cast<float>(j), 5.0F);
+  }
+  const std::size_t hidden = positions.size();
+  positions.emplace_back(0.12F, 0.12F, 20.0F);  // behind it
+  const std::size_t beside = positions.size();
+  positions.emplace_back(6.0F, 0.0F, 20.0F);
+  const PointSet points = point_set(positions);
+  const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
+  std::vector<PointLook> looks(points.size());
+  const Coverage coverage = look_at_points(view, plain(0.25F, 0.5F, 0.75F), points, 0.1, 5, looks);
+  for (std::size_t i = 0; i < hidden; ++i) ASSERT_TRUE(std::isfinite(looks[i].range_m)) << i;
+  EXPECT_TRUE(std::isinf(looks[hidden].range_m));
+  ASSERT_TRUE(std::isfinite(looks[beside].range_m));
+  EXPECT_NEAR(looks[beside].footprint_m, looks[beside].range_m / 100.0F, 1e-4F);
+  EXPECT_LT((looks[beside].colour - Eigen::Vector3f(0.25F, 0.5F, 0.75F)).norm(), 1e-5F);
+  EXPECT_EQ(coverage.columns, 20);
+  EXPECT_EQ(coverage.rows, 16);
+  EXPECT_FALSE(coverage.is_empty_around(10, 8));  // the board
+  EXPECT_TRUE(coverage.is_empty_around(0, 0));
+}
+
+TEST(LookAtPoints, TheClosestImageGivesTheColour) {
+  const PointSet points = point_set({{0, 0, 10}});
+  const ImageView far(camera(), at(0, 0, 0), at(0, 0, 0));
+  const ImageView near(camera(), at(0, 0, 4), at(0, 0, 4));
+  for (const bool near_first : {false, true}) {
+    std::vector<PointLook> looks(1);
+    for (const bool is_near : {near_first, !near_first}) {
+      (void)look_at_points(
+          is_near ? near : far, is_near ? plain(1, 0, 0) : plain(0, 1, 0), points, 0.1, 5, looks);
+    }
+    EXPECT_EQ(looks[0].range_m, 6.0F);
+    EXPECT_EQ(looks[0].colour.x(), 1.0F);
+  }
+}
+
+TEST(SampleBilinear, PixelCentresAreAtHalves) {
+  Image image(2, 1, 3);
+  for (int c = 0; c < 3; ++c) image.at(1, 0, c) = 1.0F;
+  EXPECT_FLOAT_EQ(sample_bilinear(image, {0.5, 0.5}).x(), 0.0F);
+  EXPECT_FLOAT_EQ(sample_bilinear(image, {1.0, 0.5}).x(), 0.5F);
+  EXPECT_FLOAT_EQ(sample_bilinear(image, {1.25, 0.2}).y(), 0.75F);
+  EXPECT_FLOAT_EQ(sample_bilinear(image, {2.0, 1.0}).z(), 1.0F);  // the border goes on
+}
+
+TEST(FarShell, DirectionsWithinACellBecomeOnePatch) {
+  FarShell shell(1.0, 500.0);
+  const auto direction = [](double azimuth_deg, double elevation_deg) {
+    const double a = azimuth_deg * std::numbers::pi / 180.0;
+    const double e = elevation_deg * std::numbers::pi / 180.0;
+    return Eigen::Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+  };
+  const Eigen::Vector3d here = Eigen::Vector3d::Zero();
+  shell.add(here, direction(10.2, 30.4), {1, 0, 0});
+  shell.add(here, direction(10.3, 30.6), {0, 1, 0});
+  shell.add(here, direction(14.0, 30.5), {0, 0, 1});
+  const std::vector<FarShell::Patch> patches = shell.patches();
+  ASSERT_EQ(patches.size(), 2U);
+  EXPECT_LT((patches[0].colour - Eigen::Vector3f(0.5F, 0.5F, 0.0F)).norm(), 1e-6F);
+  EXPECT_GT(patches[0].direction.dot(direction(10.25, 30.5).cast<float>()), 0.99999F);
+}
+
+TEST(FarShell, SeenFromElsewhereThePatchIsWhereTheRayMeetsTheShell) {
+  FarShell shell(1.0, 500.0);
+  shell.add({300, 0, 0}, {0, 1, 0}, {1, 1, 1});
+  const std::vector<FarShell::Patch> patches = shell.patches();
+  ASSERT_EQ(patches.size(), 1U);
+  EXPECT_LT((500.0F * patches[0].direction - Eigen::Vector3f(300, 400, 0)).norm(), 1e-3F);
+}
+
+TEST(FarShell, AWholeSphereHasCellsOfEqualSizeAndNoDoubles) {
+  constexpr double kSpacing_deg = 5.0;
+  FarShell shell(kSpacing_deg, 300.0);
+  constexpr int kDirections = 200000;
+  for (int i = 0; i < kDirections; ++i) {  // an even spiral
+    const double z = 1.0 - 2.0 * (i + 0.5) / kDirections;
+    const double a = i * 2.399963229728653;
+    const double r = std::sqrt(1.0 - z * z);
+    shell.add(Eigen::Vector3d::Zero(), {r * std::cos(a), r * std::sin(a), z}, {0.5F, 0.5F, 0.5F});
+  }
+  const double spacing = kSpacing_deg * std::numbers::pi / 180.0;
+  const double cells = 4.0 * std::numbers::pi / (spacing * spacing);
+  // Whole cells per ring: at most one too few of the 72 at the equator, relatively more near the poles.
+  EXPECT_NEAR(static_cast<double>(shell.patches().size()), cells, 0.03 * cells);
+}
+
+TEST(FarShell, AddsOnlyWhatNoPointExplains) {
+  const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
+  std::vector<Eigen::Vector3f> wall;  // fills the right half of the picture
+  for (int x = 0; x < 60; ++x) {
+    for (int y = -45; y < 45; ++y)
+      wall.emplace_back(0.1F * static_cast<float>(x), 0.1F * static_cast<float>(y), 10.0F);
+  }
+  const PointSet points = point_set(wall);
+  std::vector<PointLook> looks(points.size());
+  const Image image = plain(0, 0, 1);
+  FarShell shell(1.0, 500.0);
+  shell.add(view, image, look_at_points(view, image, points, 0.1, 2, looks));
+  const std::vector<FarShell::Patch> patches = shell.patches();
+  ASSERT_GT(patches.size(), 100U);
+  for (const FarShell::Patch& patch : patches) {
+    EXPECT_LT(patch.direction.x(), 0.0F);
+    EXPECT_EQ(patch.colour.z(), 1.0F);
+  }
+}
+
+/// A fisheye of 60 degrees off axis in a picture whose corners it does not reach.
+Camera narrow_fisheye() {
+  Camera fisheye = camera();
+  fisheye.lens = Lens(LensKind::kOpencvFisheye, {0.0, 0.0, 0.0, 0.0, std::numbers::pi / 3});
+  fisheye.fx = fisheye.fy = 38.0;  // 40 px to the edge of the lens, 64 px to the corner
+  return fisheye;
+}
+
+TEST(FarShell, LeavesOutPixelsWithoutARay) {
+  const ImageView view(narrow_fisheye(), at(0, 0, 0), at(0, 0, 0));
+  const PointSet nothing = point_set({});
+  std::vector<PointLook> looks;
+  const Image image = plain(0, 0, 1);
+  FarShell shell(1.0, 500.0);
+  shell.add(view, image, look_at_points(view, image, nothing, 0.1, 2, looks));
+  const std::vector<FarShell::Patch> patches = shell.patches();
+  ASSERT_GT(patches.size(), 100U);
+  for (const FarShell::Patch& patch : patches) {
+    EXPECT_NEAR(patch.direction.norm(), 1.0F, 1e-5F);
+    EXPECT_GT(patch.direction.z(), 0.48F);  // 60 degrees off the axis and a cell
+  }
+}
+
+TEST(ImageView, PixelSizeIsThatOfTheLens) {
+  EXPECT_NEAR(ImageView(camera(), at(0, 0, 0), at(0, 0, 0)).pixel_size_at_1m(), 0.01, 1e-12);
+  Camera unified = camera();
+  // xi = 1: the picture is half as large as a pinhole's of the same fx.
+  unified.lens = Lens(LensKind::kMei, {0.0, 0.0, 0.0, 0.0, 1.0, 1.5});
+  const ImageView view(unified, at(0, 0, 0), at(0, 0, 0));
+  Eigen::Vector2d here, there;
+  double range_m = 0.0;
+  ASSERT_TRUE(view.project({0.0, 0.0, 1.0}, here, range_m));
+  ASSERT_TRUE(view.project({1e-4, 0.0, 1.0}, there, range_m));
+  EXPECT_NEAR((there - here).norm() * view.pixel_size_at_1m(), 1e-4, 1e-8);
+}
+
+TEST(FarShell, RefusesSizesThatAreNone) {
+  EXPECT_THROW(FarShell(0.0, 500.0), Error);
+  EXPECT_THROW(FarShell(1.0, 0.0), Error);
+  FarShell shell(1.0, 500.0);
+  EXPECT_THROW(shell.add({501, 0, 0}, {1, 0, 0}, {0, 0, 0}), Error);
+}
+
+}  // namespace
+}  // namespace simuli

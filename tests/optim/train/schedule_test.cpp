@@ -1,0 +1,100 @@
+#include "optim/train/schedule.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <memory>
+#include <vector>
+
+#include "host/base/lru_cache.hpp"
+
+namespace simuli {
+namespace {
+
+std::vector<std::size_t> epoch(FrameOrder& order, std::uint64_t index) {
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < order.size(); ++i) frames.push_back(order.at(index * order.size() + i));
+  return frames;
+}
+
+TEST(FrameOrder, EveryEpochIsAnotherPermutation) {
+  const std::vector<std::size_t> frames = {0, 1, 2, 3, 5, 6, 7, 8, 10, 11, 12, 13};
+  FrameOrder order(frames, 1, 1);
+  const auto first = epoch(order, 0);
+  const auto second = epoch(order, 1);
+  for (auto e : {first, second}) {
+    std::sort(e.begin(), e.end());
+    EXPECT_EQ(e, frames);
+  }
+  EXPECT_NE(first, second);
+  EXPECT_NE(first, frames);
+}
+
+TEST(FrameOrder, DrawsDependOnSeedStreamAndIterationAlone) {
+  const std::vector<std::size_t> frames = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  FrameOrder order(frames, 1, 1), same(frames, 1, 1), other_seed(frames, 2, 1), other_stream(frames, 1, 2);
+  const auto third = epoch(order, 3);
+  (void)epoch(order, 0);
+  EXPECT_EQ(epoch(order, 3), third);  // asked for out of order
+  EXPECT_EQ(epoch(same, 3), third);
+  EXPECT_NE(epoch(other_seed, 3), third);
+  EXPECT_NE(epoch(other_stream, 3), third);
+}
+
+TEST(FrameOrder, FirstPlacesAreShared) {
+  // Each of 4 frames comes first about equally often; 400 epochs, binomial: 100 +- 8.7, five sigma.
+  FrameOrder order({0, 1, 2, 3}, 7, 1);
+  std::vector<int> count(4, 0);
+  for (std::uint64_t e = 0; e < 400; ++e) ++count[order.at(4 * e)];
+  for (const int c : count) EXPECT_NEAR(c, 100, 44);
+}
+
+TEST(RowRates, EachGroupHasItsRate) {
+  LearningRates rates;
+  rates.mean_m = 1e-2;
+  rates.mean_final_m = 1e-4;
+  rates.final_share = 0.01;
+  const std::vector<double> half = row_rates(rates, 1, 0.5);  // half-way on a logarithmic scale
+  ASSERT_EQ(half.size(), static_cast<std::size_t>(param_rows(1)));
+  EXPECT_NEAR(half[kMeanRow + 2], 1e-3, 1e-12);
+  EXPECT_NEAR(half[kLogScaleRow], 0.1 * rates.log_scale, 1e-12);
+  EXPECT_NEAR(half[kRotationRow + 3], 0.1 * rates.rotation, 1e-12);
+  EXPECT_NEAR(half[kOpacityRow], 0.1 * rates.opacity, 1e-12);
+  EXPECT_NEAR(half[kShRow + 2], 0.1 * rates.sh, 1e-12);
+  EXPECT_NEAR(half[kShRow + 3], 0.1 * rates.sh_rest, 1e-12);
+  EXPECT_EQ(row_rates(rates, 0, 0.0)[kMeanRow], 1e-2);
+  EXPECT_EQ(row_rates(rates, 0, 0.0)[kOpacityRow], rates.opacity);
+  EXPECT_NEAR(row_rates(rates, 0, 1.0)[kMeanRow], 1e-4, 1e-15);
+  EXPECT_NEAR(row_rates(rates, 0, 1.0)[kOpacityRow], 0.01 * rates.opacity, 1e-15);
+}
+
+TEST(LruCache, DropsWhatWasUsedLongestAgo) {
+  LruCache<int> cache(100);
+  int made = 0;
+  const auto get = [&](std::size_t key, std::size_t bytes) {
+    return cache.get(
+        key,
+        [&] {
+          ++made;
+          return static_cast<int>(key);
+        },
+        [bytes](int) { return bytes; });
+  };
+  const std::shared_ptr<const int> held = get(1, 40);
+  get(2, 40);
+  get(1, 40);  // now 2 is the oldest
+  EXPECT_EQ(made, 2);
+  get(3, 40);
+  EXPECT_EQ(cache.used_bytes(), 80U);
+  get(1, 40);
+  EXPECT_EQ(made, 3);
+  get(2, 40);
+  EXPECT_EQ(made, 4);
+  get(4, 101);  // larger than the budget: handed out, not kept, and nothing makes room for it
+  EXPECT_EQ(cache.size(), 2U);
+  get(5, 100);
+  EXPECT_EQ(cache.size(), 1U);
+  EXPECT_EQ(*held, 1);  // dropped from the cache, alive where it is held
+}
+
+}  // namespace
+}  // namespace simuli

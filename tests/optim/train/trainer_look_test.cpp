@@ -1,0 +1,145 @@
+// Environment, colour grids and the losses beside them, in training.
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "io/picture/image.hpp"
+#include "optim/eval/evaluate.hpp"
+#include "optim/train/trainer.hpp"
+#include "tests/optim/small_street.hpp"
+
+namespace simuli {
+namespace {
+
+class TrainerLook : public test::SmallStreet {
+ protected:
+  static TrainOptions options(int iterations) {
+    TrainOptions o;
+    o.iterations = iterations;
+    o.image_scale = 1.0;
+    return o;
+  }
+  static Scene scene_with_environment() {
+    InitOptions init;
+    init.voxel_m = 0.2;
+    init.sweep_depth = false;
+    init.max_shell = 0;
+    init.environment_width = 32;
+    return initialize_scene(log_, init).scene;
+  }
+  /// The street as a camera with a will of its own takes it: every other picture at 0.6 of its brightness.
+  static Log flickering_log() {
+    Log log = log_;
+    log.folder = folder_ / "flickering.log";
+    if (std::filesystem::exists(log.folder)) return log;
+    std::filesystem::create_directories(log.folder / "images");
+    std::filesystem::copy(log_.folder / "sweeps", log.folder / "sweeps");
+    for (std::size_t i = 0; i < log.images.size(); ++i) {
+      Image image = read_image(log_.folder / log.images[i].file);
+      if (i % 2 == 1) {
+        for (float& value : image.data) value *= 0.6F;
+      }
+      write_image(log.folder / log.images[i].file, image);
+    }
+    return log;
+  }
+};
+
+TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
+  TrainOptions o = options(12);
+  o.look.color_grids = true;
+  o.image.dissimilarity = 0.2;
+  o.camera_particles = {0.01, 0.01, 0.0};
+  o.lidar_particles = {0.0, 0.0, 0.01};
+  const auto train = [&] {
+    Trainer trainer(Device::best(), log_, scene_with_environment(), o);
+    EXPECT_EQ(trainer.run().rejected_gradients, 0U);
+    return trainer.scene();
+  };
+  const Scene a = train(), b = train();
+  EXPECT_TRUE((a.camera.params.array() == b.camera.params.array()).all());
+  EXPECT_TRUE((a.lidar.params.array() == b.lidar.params.array()).all());
+  EXPECT_EQ(a.environment.texels, b.environment.texels);
+  EXPECT_EQ(a.color_grids.values, b.color_grids.values);
+  EXPECT_NE(a.environment.texels, scene_with_environment().environment.texels);
+  const auto& frames = a.color_grids.frames;
+  ASSERT_EQ(frames.size(), 5U);  // one per training picture
+  EXPECT_NE(a.color_grids.values, ColorGrids::identity(16, 16, 8, frames).values);
+}
+
+TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
+  Scene scene = scene_with_environment();
+  const EnvironmentMap first_guess = scene.environment;
+  for (float& texel : scene.environment.texels) texel = 0.0F;
+  TrainOptions o = options(80);
+  o.look.environment_rate = 0.05;
+  Trainer trainer(Device::best(), log_, scene, o);
+  const TrainReport report = trainer.run();
+  // The camera looks along +x: the middle of the texture, above the horizon.
+  const EnvironmentMap& learned = trainer.scene().environment;
+  const std::size_t ahead = 3 * static_cast<std::size_t>(5 * learned.width + learned.width / 2);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(learned.texels[ahead + c], first_guess.texels[ahead + c], 0.15);
+  EXPECT_GT(report.last.psnr_db, 15.0);
+}
+
+TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
+  const Log log = flickering_log();
+  const auto train = [&](bool color_grids) {
+    TrainOptions o = options(120);
+    o.look.color_grids = color_grids;
+    o.look.grid_rate = 0.02;
+    Trainer trainer(Device::best(), log, initial_scene(), o);
+    const TrainReport report = trainer.run();
+    return std::pair{trainer.scene(), report.last.psnr_db};
+  };
+  const auto [plain, plain_psnr_db] = train(false);
+  const auto [graded, graded_psnr_db] = train(true);
+  EXPECT_TRUE(plain.color_grids.empty());
+  EXPECT_GT(graded_psnr_db, plain_psnr_db + 1.0);
+  // The dark pictures' grids are darker than their neighbours'.
+  const auto gain = [&scene = graded](std::size_t frame) {
+    const std::size_t count = scene.color_grids.values_per_frame();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i % ColorGrids::kMatrix % 5 == 0) sum += scene.color_grids.values[frame * count + i];
+    }
+    return sum / (static_cast<double>(count) / 4.0);
+  };
+  EXPECT_LT(gain(1), gain(0) - 0.05);
+  EXPECT_LT(gain(3), gain(2) - 0.05);
+  // The held-out picture (a bright one, number 4) is compared with and without its neighbours' grids.
+  EvalOptions once;
+  once.timed_renders = 1;
+  const EvalReport report = evaluate(Device::best(), log, graded, once);
+  EXPECT_TRUE(std::isfinite(report.psnr_ungraded_db));
+  EXPECT_NE(report.psnr_ungraded_db, report.psnr_db);
+  EXPECT_TRUE(std::isnan(evaluate(Device::best(), log, plain, once).psnr_ungraded_db));
+}
+
+TEST_F(TrainerLook, TermsOfParticlesPullAsTheySay) {
+  // Neither clear nor solid: at 1/2 entropy has no slope.
+  Scene start = initial_scene();
+  for (GaussianSet* set : {&start.camera, &start.lidar}) {
+    for (Eigen::Index i = 0; i < set->size(); ++i) set->opacity_logit()(i) = i % 2 == 0 ? 0.5F : -0.5F;
+  }
+  const auto train = [&](const ParticleWeights& weights) {
+    TrainOptions o = options(20);
+    o.lidar_every = 1;
+    o.camera_particles = o.lidar_particles = weights;
+    Trainer trainer(Device::best(), log_, start, o);
+    (void)trainer.run();
+    return trainer.scene();
+  };
+  const Scene plain = train({});
+  const Scene small = train({.scale = 100.0});
+  const Scene faint = train({.opacity = 100.0});
+  EXPECT_LT(small.camera.log_scale().mean(), plain.camera.log_scale().mean() - 0.05F);
+  EXPECT_LT(small.lidar.log_scale().mean(), plain.lidar.log_scale().mean() - 0.05F);
+  EXPECT_LT(faint.camera.opacity_logit().mean(), plain.camera.opacity_logit().mean() - 0.1F);
+  const Scene sure = train({.entropy = 100.0});
+  EXPECT_GT(sure.lidar.opacity_logit().cwiseAbs().mean(),
+            plain.lidar.opacity_logit().cwiseAbs().mean() + 0.1F);
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,247 @@
+#include "optim/train/trainer.hpp"
+
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "host/base/error.hpp"
+#include "tests/optim/small_street.hpp"
+
+namespace simuli {
+namespace {
+
+class TrainerTest : public test::SmallStreet {
+ protected:
+  static TrainOptions options(int iterations) {
+    TrainOptions o;
+    o.iterations = iterations;
+    o.image_scale = 1.0;
+    o.lidar_every = 1;
+    return o;
+  }
+  static Scene train(const TrainOptions& o, TrainReport* report = nullptr) {
+    Trainer trainer(Device::best(), log_, initial_scene(), o);
+    const TrainReport r = trainer.run();
+    if (report != nullptr) *report = r;
+    return trainer.scene();
+  }
+};
+
+TEST_F(TrainerTest, SameSeedGivesTheSameBits) {
+  const Scene a = train(options(20));
+  const Scene b = train(options(20));
+  EXPECT_TRUE((a.camera.params.array() == b.camera.params.array()).all());
+  EXPECT_TRUE((a.lidar.params.array() == b.lidar.params.array()).all());
+
+  TrainOptions other = options(20);
+  other.seed = 2;  // another order of frames
+  EXPECT_FALSE((a.camera.params.array() == train(other).camera.params.array()).all());
+}
+
+TEST_F(TrainerTest, FramesReloadedFromDiskGiveTheSameBits) {
+  TrainOptions no_cache = options(10);
+  no_cache.cache_bytes = 0;
+  const Scene a = train(options(10));
+  const Scene b = train(no_cache);
+  EXPECT_TRUE((a.camera.params.array() == b.camera.params.array()).all());
+  EXPECT_TRUE((a.lidar.params.array() == b.lidar.params.array()).all());
+}
+
+TEST_F(TrainerTest, TrainingRecoversFromWrongColoursAndRanges) {
+  Scene scene = initial_scene();
+  scene.camera.sh(0).setZero();  // grey
+  scene.lidar.mean().col(2).array() += 0.1F;
+  Trainer trainer(Device::best(), log_, scene, options(120));
+  trainer.step();
+  const TrainStatus first = trainer.status();
+  const TrainReport report = trainer.run();
+  EXPECT_EQ(report.last.iteration, 120);
+  EXPECT_GT(report.last.psnr_db, first.psnr_db + 3.0) << first.psnr_db;  // the squared error halves
+  EXPECT_LT(report.last.distance_m, 0.7 * first.distance_m) << first.distance_m;
+  EXPECT_GT(report.last.drop_accuracy, 0.8);
+  EXPECT_EQ(report.rejected_gradients, 0U);
+  EXPECT_EQ(report.images, 5U);
+  EXPECT_EQ(report.sweeps, 5U);
+  EXPECT_FALSE(report.stopped_early);
+}
+
+TEST_F(TrainerTest, HeldOutFramesAreNeverRead) {
+  Log log = log_;
+  log.images[4].file = "images/none.png";
+  log.sweeps[4].file = "sweeps/none.exr";
+  TrainOptions o = options(12);  // more than two epochs
+  EXPECT_NO_THROW((void)Trainer(Device::best(), log, initial_scene(), o).run());
+  o.held_out_every = 0;
+  EXPECT_THROW((void)Trainer(Device::best(), log, initial_scene(), o).run(), Error);
+}
+
+TEST_F(TrainerTest, TimeLimitStopsEarlyAndSaysSo) {
+  TrainOptions o = options(1'000'000);
+  o.max_seconds = 1e-9;
+  TrainReport report;
+  const Scene scene = train(o, &report);
+  EXPECT_TRUE(report.stopped_early);
+  EXPECT_LT(report.last.iteration, 10);
+  EXPECT_EQ(scene.camera.size(), initial_scene().camera.size());
+}
+
+TEST_F(TrainerTest, SweepsTakeTheirTurns) {
+  TrainOptions o = options(2);
+  o.lidar_every = 2;
+  Trainer trainer(Device::best(), log_, initial_scene(), o);
+  trainer.step();
+  const Eigen::MatrixXf first = trainer.scene().lidar.params;
+  trainer.step();
+  EXPECT_TRUE((trainer.scene().lidar.params.array() == first.array()).all());
+  EXPECT_FALSE((initial_scene().lidar.params.array() == first.array()).all());
+}
+
+TEST_F(TrainerTest, MaskedFramesTeachNothing) {
+  // Every voxel moved, so every return and every pixel near one is unknown.
+  const Scene scene = initial_scene();
+  PointSet points;
+  points.position = scene.lidar.mean().transpose();
+  points.intensity.assign(static_cast<std::size_t>(points.position.cols()), 0.5F);
+  const MovingSpace everywhere(50.0, points, std::vector<bool>(points.size(), true));
+  TrainOptions o = options(1);
+  o.weights.drop = 0.0;  // rays without a return are known
+  o.mask_moving = true;
+  Trainer masked(Device::best(), log_, scene, o, everywhere);
+  masked.step();
+  EXPECT_TRUE((masked.scene().lidar.params.array() == scene.lidar.params.array()).all());
+  EXPECT_EQ(masked.status().distance_m, 0.0);
+  o.mask_moving = false;
+  Trainer unmasked(Device::best(), log_, scene, o, everywhere);
+  unmasked.step();
+  EXPECT_FALSE((unmasked.scene().lidar.params.array() == scene.lidar.params.array()).all());
+  EXPECT_NE(unmasked.status().psnr_db, masked.status().psnr_db);
+}
+
+TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
+  TrainOptions o = options(60);
+  o.densify.every = o.densify.first = 10;
+  Scene start = initial_scene();
+  for (Eigen::Index i = 0; i < start.camera.size(); i += 20) start.camera.opacity_logit()(i) = -7.0F;  // dead
+  const Eigen::Index count = start.camera.size() + start.lidar.size();
+  // Room for two times 5 %, and then no more.
+  o.densify.cap = static_cast<std::size_t>(1.08 * static_cast<double>(count));
+  const auto run = [&](TrainReport& report) {
+    Trainer trainer(Device::best(), log_, start, o);
+    report = trainer.run();
+    return trainer.scene();
+  };
+  TrainReport report;
+  const Scene a = run(report);
+  EXPECT_GE(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 20));
+  EXPECT_LE(static_cast<std::size_t>(a.camera.size() + a.lidar.size()), o.densify.cap);
+  EXPECT_GT(static_cast<double>(a.camera.size() + a.lidar.size()), 1.07 * static_cast<double>(count));
+  EXPECT_EQ(a.camera.size() + a.lidar.size(), count + static_cast<Eigen::Index>(report.grown));
+  EXPECT_GT(a.camera.size(), start.camera.size());
+  EXPECT_GT(a.lidar.size(), start.lidar.size());
+  EXPECT_TRUE(a.camera.params.allFinite());
+  EXPECT_TRUE(a.lidar.params.allFinite());
+  EXPECT_EQ(report.unsound_particles, 0U);
+  const Scene b = run(report);
+  EXPECT_EQ(a.camera.params, b.camera.params);
+  EXPECT_EQ(a.lidar.params, b.lidar.params);
+}
+
+TEST_F(TrainerTest, AnchorsHoldTheCameraSetNearTheLidarSet) {
+  const auto anchor_distance = [&](double weight) {
+    TrainOptions o = options(60);
+    o.anchor.weight = weight;
+    o.anchor.every = 25;
+    TrainReport report;
+    (void)train(o, &report);
+    return report.anchor_m;
+  };
+  const double pulled = anchor_distance(10.0);
+  const double hardly = anchor_distance(1e-9);  // measured, but too weak to be felt
+  EXPECT_GT(pulled, 0.0);
+  EXPECT_LT(pulled, 0.7 * hardly) << hardly;
+  EXPECT_EQ(anchor_distance(0.0), 0.0);  // not even measured
+}
+
+TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
+  Scene scene = initial_scene();
+  const float kNaN = std::numeric_limits<float>::quiet_NaN();
+  for (Eigen::Index i = 0; i < scene.camera.size(); i += 50) scene.camera.sh(0)(i, 1) = kNaN;
+  for (Eigen::Index i = 1; i < scene.lidar.size(); i += 50) scene.lidar.mean()(i, 0) = kNaN;
+  for (Eigen::Index i = 2; i < scene.lidar.size(); i += 50) scene.lidar.opacity_logit()(i) = kNaN;
+  for (const bool relocate : {false, true}) {
+    TrainOptions o = options(30);
+    o.densify.every = relocate ? 10 : 0;
+    o.densify.first = 10;
+    o.densify.growth = 0.0;
+    Trainer trainer(Device::best(), log_, scene, o);
+    const TrainReport report = trainer.run();
+    EXPECT_EQ(report.last.iteration, 30);
+    EXPECT_EQ(report.unsound_losses, 0U);
+    EXPECT_TRUE(std::isfinite(report.last.psnr_db));
+    EXPECT_TRUE(std::isfinite(report.last.distance_m));
+    const Scene after = trainer.scene();
+    EXPECT_TRUE(after.lidar.params.allFinite());
+    EXPECT_TRUE(after.camera.params.allFinite());
+    const auto lost = static_cast<std::uint64_t>(scene.camera.size() + scene.lidar.size() -
+                                                 after.camera.size() - after.lidar.size());
+    EXPECT_EQ(report.unsound_particles, lost);
+    if (relocate) {
+      EXPECT_EQ(lost, 0U);
+    } else {
+      EXPECT_GE(lost, static_cast<std::uint64_t>(scene.camera.size() / 50 + 2 * (scene.lidar.size() / 50)));
+    }
+  }
+}
+
+TEST_F(TrainerTest, SetsWithoutParticlesAreLeftAlone) {
+  Scene scene = initial_scene();
+  scene.camera = GaussianSet(SetKind::kCamera, 0, 0);
+  Trainer trainer(Device::best(), log_, scene, options(2));
+  const TrainReport report = trainer.run();
+  EXPECT_TRUE(std::isnan(report.last.psnr_db));
+  EXPECT_TRUE(std::isfinite(report.last.distance_m));
+  EXPECT_EQ(trainer.scene().camera.size(), 0);
+}
+
+TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
+  const double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const auto expect_refused = [](const std::function<void(TrainOptions&)>& change) {
+    TrainOptions o = options(1);
+    change(o);
+    try {
+      Trainer(Device::best(), log_, Scene{}, o).step();
+      ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
+    }
+  };
+  expect_refused([](TrainOptions& o) { o.iterations = -1; });
+  expect_refused([](TrainOptions& o) { o.lidar_every = 0; });
+  expect_refused([](TrainOptions& o) { o.held_out_every = 1; });
+  expect_refused([](TrainOptions& o) { o.image_scale = 0.0; });
+  expect_refused([&](TrainOptions& o) { o.image_scale = kNaN; });
+  expect_refused([&](TrainOptions& o) { o.max_seconds = kNaN; });
+  expect_refused([](TrainOptions& o) { o.camera.mean_m = 0.0; });
+  expect_refused([&](TrainOptions& o) { o.lidar.sh = kNaN; });
+  expect_refused([](TrainOptions& o) { o.weights.drop = -1.0; });
+  expect_refused([](TrainOptions& o) { o.anchor.neighbours = 0; });
+  expect_refused([&](TrainOptions& o) { o.anchor.weight = kNaN; });
+  expect_refused([](TrainOptions& o) { o.densify.every = -1; });
+  expect_refused([](TrainOptions& o) { o.densify.growth = 1.5; });
+}
+
+TEST_F(TrainerTest, LogWithoutTrainingFramesIsAnInputError) {
+  Log log = log_;
+  log.images.clear();
+  log.sweeps.clear();
+  try {
+    Trainer(Device::best(), log, Scene{}, options(1)).step();
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace simuli

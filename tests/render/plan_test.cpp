@@ -1,0 +1,128 @@
+// What a frame does not need compiles to nothing and takes no memory: a part that is said to be absent leaves
+// the same programs, buffers and bits as one that was never mentioned (bench/trade/plan.hpp measures the times).
+#include <gtest/gtest.h>
+#include <set>
+#include <string>
+
+#include "host/render/scene/look.hpp"
+#include "host/runtime/device_state.hpp"
+#include "tests/render/actor_scenes.hpp"
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+/// What a frame leaves behind.
+struct Traces {
+  std::set<std::string> programs;
+  std::uint64_t peak_bytes = 0;
+  std::vector<double> outputs;
+};
+
+/// Renders on a device of its own; with `scene` as the commands do, through its look.
+Traces traces_of(const GaussianSet& set,
+                 const test::Shot& shot,
+                 const RenderOptions& options,
+                 const Scene* scene = nullptr) {
+  const Device device = Device::best();
+  Renderer renderer(device, options);
+  const ParticleBuffers particles(device, set, options);
+  const SensorRays rays = shot.on(device, options);
+  if (scene == nullptr) {
+    renderer.render(particles, rays, shot.view);
+  } else {
+    SceneLook(device, *scene, options.precision).render(renderer, particles, rays, shot.view, "camera", 0.0);
+  }
+  Traces traces;
+  traces.outputs = test::outputs(renderer);
+  traces.peak_bytes = device.memory().peak;
+  for (const auto& [key, program] : device.state().programs) traces.programs.insert(key);
+  return traces;
+}
+
+void expect_same(const Traces& absent, const Traces& never) {
+  EXPECT_EQ(absent.programs, never.programs);
+  EXPECT_EQ(absent.peak_bytes, never.peak_bytes);
+  EXPECT_EQ(absent.outputs, never.outputs);
+}
+
+void expect_more(const Traces& present, const Traces& never) {
+  EXPECT_NE(present.programs, never.programs);
+  EXPECT_GT(present.peak_bytes, never.peak_bytes);
+}
+
+GaussianSet crowd(const test::SceneCase& scene) {
+  return test::set_for(scene, {.count = 300, .low = {-8, -8, -3}, .high = {8, 8, 3}}, 5);
+}
+
+TEST(Plan, ShuttersOfSensorsAtRestAreNotThere) {
+  const GaussianSet set = crowd(test::kCameraSh3);
+  const test::Shot global = test::shot_of(test::kCameraSh3, 72, 50);
+  test::Shot rolling = global;
+  rolling.camera.shutter = ShutterKind::kTopToBottom;
+  const Traces never = traces_of(set, global, {});
+  expect_same(traces_of(set, rolling, {}), never);
+  rolling.view.world_from_sensor_end.translation.x() += 0.3;
+  expect_more(traces_of(set, rolling, {}), never);
+}
+
+TEST(Plan, ActorsWithoutParticlesAreNotThere) {
+  GaussianSet set = crowd(test::kCameraSh3);
+  test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
+  const Traces never = traces_of(set, shot, {});
+  shot.view.actors = test::cars(0.5, 0.1);
+  expect_same(traces_of(set, shot, {}), never);
+  set.actor.assign(static_cast<std::size_t>(set.size()), 0);
+  expect_same(traces_of(set, shot, {}), never);
+  set.actor[7] = 2;
+  expect_more(traces_of(set, shot, {}), never);
+}
+
+TEST(Plan, EmptyLooksAreNotThere) {
+  const GaussianSet set = crowd(test::kCameraSh3);
+  const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
+  const Traces never = traces_of(set, shot, {});
+  Scene scene;
+  expect_same(traces_of(set, shot, {}, &scene), never);
+  scene.color_grids = ColorGrids::identity(4, 4, 4, {{"another camera", 0.0}});
+  expect_same(traces_of(set, shot, {}, &scene), never);
+  scene.color_grids = ColorGrids::identity(4, 4, 4, {{"camera", 0.0}});
+  expect_more(traces_of(set, shot, {}, &scene), never);
+  scene.color_grids = {};
+  scene.environment = {64, 32, std::vector<float>(std::size_t{64} * 32 * 3, 0.5F)};
+  expect_more(traces_of(set, shot, {}, &scene), never);
+}
+
+TEST(Plan, BandsThatAreLeftOutAreNotThere) {
+  const GaussianSet set = crowd(test::kCameraSh3);
+  GaussianSet plain(set.kind, 0, set.size());
+  plain.params = set.params.leftCols(param_rows(0));
+  const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
+  const Traces never = traces_of(plain, shot, {});
+  RenderOptions options;
+  options.sh_degree = ShDegree::k0;
+  expect_same(traces_of(set, shot, options), never);
+  options.sh_direction = ShDirection::kRay;  // colours look alike from everywhere
+  expect_same(traces_of(set, shot, options), never);
+  expect_more(traces_of(set, shot, {}), never);
+}
+
+TEST(Plan, CamerasHaveNoMedianDistance) {
+  const GaussianSet set = crowd(test::kCameraSh3);
+  const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
+  RenderOptions without;
+  without.median_distance = false;
+  expect_same(traces_of(set, shot, {}), traces_of(set, shot, without));
+}
+
+TEST(Plan, SweepsWithoutEmptyCellsAreNotCulled) {
+  const GaussianSet set = crowd(test::kLidarStill);
+  const test::Shot shot = test::shot_of(test::kLidarStill, 1800, 18);
+  RenderOptions always;
+  always.culling = Culling::kAlways;
+  const Traces full = traces_of(set, shot, {});
+  EXPECT_NE(full.programs, traces_of(set, shot, always).programs);
+}
+
+}  // namespace
+}  // namespace simuli
