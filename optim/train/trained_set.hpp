@@ -1,5 +1,5 @@
 #pragma once
-#include "host/render/train/loss_stages.hpp"
+#include "host/render/train/adam.hpp"
 #include "optim/poses/actor_poses.hpp"
 
 namespace simuli {

@@ -20,18 +20,23 @@ void Trainer::step_camera(double progress) {
       renderer_.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
   const bool errors = collects_errors();
   if (errors) {
-    densify_->pixel_error(renderer_.frame(), renderer_.buffers(), renderer_.picture(), truth->truth);
+    densify_->pixel_error(renderer_.frame(),
+                          renderer_.buffers().rays,
+                          renderer_.picture(),
+                          truth->truth,
+                          renderer_.gradients());
   }
   look_.step(renderer_, index, static_cast<std::uint64_t>(status_.iteration), progress);
   renderer_.backward(
       camera_.particles, camera_.grads, {.errors = errors, .ray_gradients = offsets_.contains(frame.camera)});
-  if (errors) densify_->accumulate(renderer_.frame(), renderer_.buffers(), camera_.error);
+  if (errors)
+    densify_->accumulate(renderer_.frame(), renderer_.buffers(), renderer_.gradients(), camera_.error);
   step_pose(frame.camera, camera_.grads, progress);
   regularize(camera_, options_.camera_particles);
   add_anchor_gradient();
   camera_.adam.run(camera_.particles,
                    camera_.grads,
-                   renderer_.buffers().keys,
+                   renderer_.buffers().projected.keys,
                    row_rates(options_.camera, camera_.particles.sh_degree, progress));
   jitter(camera_, kCameraSet, options_.camera, progress);
   step_actors(camera_, frame.time_start_s, frame.time_end_s, progress);

@@ -19,17 +19,22 @@ void Trainer::step_lidar(double progress) {
       renderer_.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
   const bool errors = collects_errors();
   if (errors) {
-    densify_->beam_error(
-        renderer_.frame(), renderer_.buffers(), truth->truth, {w.distance, w.intensity, w.drop});
+    densify_->beam_error(renderer_.frame(),
+                         renderer_.buffers().rays,
+                         renderer_.buffers().blended,
+                         truth->truth,
+                         {w.distance, w.intensity, w.drop},
+                         renderer_.gradients());
   }
   renderer_.backward(
       lidar_.particles, lidar_.grads, {.errors = errors, .ray_gradients = offsets_.contains(frame.lidar)});
-  if (errors) densify_->accumulate(renderer_.frame(), renderer_.buffers(), lidar_.error);
+  if (errors)
+    densify_->accumulate(renderer_.frame(), renderer_.buffers(), renderer_.gradients(), lidar_.error);
   step_pose(frame.lidar, lidar_.grads, progress);
   regularize(lidar_, options_.lidar_particles);
   lidar_.adam.run(lidar_.particles,
                   lidar_.grads,
-                  renderer_.buffers().keys,
+                  renderer_.buffers().projected.keys,
                   row_rates(options_.lidar, lidar_.particles.sh_degree, progress));
   jitter(lidar_, kLidarSet, options_.lidar, progress);
   step_actors(lidar_, frame.time_start_s, frame.time_end_s, progress);

@@ -66,7 +66,7 @@ void Trainer::add_anchor_gradient() {
   // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
   anchor_->add_gradient(camera_.particles,
                         lidar_.particles,
-                        renderer_.buffers().keys,
+                        renderer_.buffers().projected.keys,
                         options_.anchor.weight / camera_.particles.count,
                         status_.iteration % options_.anchor.choose_every == 0,
                         camera_.grads);
@@ -77,7 +77,7 @@ void Trainer::jitter(TrainedSet& set, std::uint32_t number, const LearningRates&
   if (!collects_errors() || !(options_.densify.noise > 0.0)) return;
   const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
   densify_->jitter(set.particles,
-                   renderer_.buffers().keys,
+                   renderer_.buffers().projected.keys,
                    options_.densify.noise * rate_m,
                    {options_.seed, static_cast<std::uint32_t>(status_.iteration), number});
 }

@@ -10,15 +10,14 @@ RaysStage::RaysStage(const Device& device, const Variant& variant)
                                  : 3),
       rays_(Program(device, "kernels/rays.cl", variant.options()), "rays") {}
 
-void RaysStage::run(const shared::FrameParams& frame, const RayBuffers& rays, FrameBuffers& buffers) {
-  buffers.world_ray.reserve(rows_ * frame.slots);
+void RaysStage::run(const shared::FrameParams& frame,
+                    const RayBuffers& rays,
+                    const FrameConstants& constants,
+                    WorldRays& out) {
+  out.reserve({.slots = frame.slots, .ray_rows = rows_});
   const std::size_t items = frame.slots / static_cast<std::size_t>(lanes_);
-  rays_.launch(items,
-               frame.tile_rays / static_cast<std::size_t>(lanes_),
-               frame,
-               buffers.sensor,
-               rays.sensor_ray,
-               buffers.world_ray);
+  rays_.run(
+      items, frame.tile_rays / static_cast<std::size_t>(lanes_), {{"frame", frame}, constants, rays, out});
 }
 
 }  // namespace simuli

@@ -1,8 +1,8 @@
 #pragma once
 // The gradient of a sensor's pose (METHOD section 7).
 #include <Eigen/Core>
+#include <utility>
 
-#include "host/render/frame/stages.hpp"
 #include "host/scene/pose.hpp"
 
 namespace simuli {
@@ -18,21 +18,5 @@ using PoseGradient = PoseTangent;
 
 /// The poses of a frame at its start and end, changed by `tangent`.
 [[nodiscard]] std::pair<Pose, Pose> moved_by(const PoseTangent& tangent, const Pose& start, const Pose& end);
-
-class PoseStage {
- public:
-  PoseStage(const Device& device, const Variant& variant);
-  /// From ray_grads and the gradients of the means. Waits.
-  PoseGradient run(const shared::FrameParams& frame,
-                   const RayBuffers& rays,
-                   const FrameBuffers& buffers,
-                   const RealBuffer& param_grads);
-
- private:
-  Device device_;
-  RealBuffer ray_sums_, particle_sums_;
-  Kernel<shared::FrameParams, std::uint32_t, BufRealConst, BufRealConst, BufRealConst, BufReal> rays_;
-  Kernel<shared::FrameParams, std::uint32_t, Buf<const std::uint32_t>, BufRealConst, BufReal> particles_;
-};
 
 }  // namespace simuli

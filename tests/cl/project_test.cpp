@@ -39,8 +39,8 @@ class ProjectionOption : public testing::TestWithParam<test::SceneCase> {
     Renderer renderer(device_, options);
     const SensorRays rays = shot.on(device_, options);
     renderer.render(ParticleBuffers(device_, set, Precision::kFloat), rays, shot.view);
-    const std::vector<double> records = renderer.buffers().records.download_double();
-    const std::vector<std::uint32_t> keys = renderer.buffers().keys.download();
+    const std::vector<double> records = renderer.buffers().projected.records.download_double();
+    const std::vector<std::uint32_t> keys = renderer.buffers().projected.keys.download();
     std::vector<Box> out;
     for (std::size_t i = 0; i < particles.size(); ++i) {
       EXPECT_NE(keys[i], 0xffffffffU) << "particle " << i << " is not seen";

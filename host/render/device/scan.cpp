@@ -1,5 +1,7 @@
 // Launcher of "kernels/scan.cl".
-#include "host/render/frame/stages.hpp"
+#include "host/render/device/scan.hpp"
+
+#include <algorithm>
 
 namespace simuli {
 namespace {
@@ -10,14 +12,22 @@ std::size_t scan_work_items(const Device& device) {
 
 }  // namespace
 
+Chunks chunks_of(const Device& device, std::size_t n) {
+  const std::size_t target = device.info().compute_units * (device.info().is_cpu ? 4U : 256U);
+  const std::size_t chunk = std::max<std::size_t>(16, (n + target - 1) / target);
+  return {(n + chunk - 1) / chunk, static_cast<std::uint32_t>(chunk)};
+}
+
 ScanStage::ScanStage(const Device& device, std::size_t work_items)
     : work_items_(work_items == 0 ? scan_work_items(device) : work_items),
       scan_(Program(device, "kernels/scan.cl", BuildOptions().define("LS", work_items_)), "scan_exclusive"),
-      total_(device, "scan total", 1) {}
+      buffers_(device) {
+  buffers_.reserve({});
+}
 
 std::uint64_t ScanStage::run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted) {
-  scan_.launch(work_items_, work_items_, data, n, total_);
-  return wanted ? total_.read_back() : 0;
+  scan_.run(work_items_, work_items_, {{"data", data}, {"n", n}, {"total", buffers_.total}});
+  return wanted ? buffers_.total.read_back() : 0;
 }
 
 }  // namespace simuli

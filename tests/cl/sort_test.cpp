@@ -1,4 +1,6 @@
-// Prefix sum and radix sort against the standard library, in the shapes of CPUs and of GPUs.
+// Radix sort against the standard library, in the shapes of CPUs and of GPUs.
+#include "host/render/device/sort.hpp"
+
 #include <algorithm>
 #include <cstdint>
 #include <gtest/gtest.h>
@@ -25,40 +27,14 @@ constexpr double kAll32Bits = 4294967296.0;
 // Around one element per work-item, one chunk, one group, and far more.
 constexpr std::size_t kSizes[] = {0, 1, 2, 15, 16, 17, 63, 64, 65, 255, 256, 257, 1000, 4095, 4097, 50'001};
 
-class Primitives : public testing::TestWithParam<std::size_t> {
+class Sort : public testing::TestWithParam<std::size_t> {
  protected:
   Device device_ = Device::best();
-  ScanStage scan_{device_, GetParam()};
 };
 
-TEST_P(Primitives, ScanMatchesTheStandardLibrary) {
-  for (const std::size_t n : kSizes) {
-    const Words values = random_words(n, 1000.0, n);
-    Words expected(n);
-    std::exclusive_scan(values.begin(), values.end(), expected.begin(), 0U);
-    // One element more than is summed: it stays.
-    Words padded = values;
-    padded.push_back(77);
-    Buffer<std::uint32_t> data(device_, "data", padded);
-    const std::uint64_t total = scan_.run(data, static_cast<std::uint32_t>(n), true);
-    EXPECT_EQ(total, std::accumulate(values.begin(), values.end(), std::uint64_t{0})) << n;
-    Words found = data.download();
-    EXPECT_EQ(found.back(), 77U) << n;
-    found.pop_back();
-    EXPECT_EQ(found, expected) << n;
-  }
-}
-
-TEST_P(Primitives, TotalsExceed32Bits) {
-  const Words values(5, 0xffffffffU);
-  Buffer<std::uint32_t> data(device_, "data", values);
-  EXPECT_EQ(scan_.run(data, 5, true), std::uint64_t{5} * 0xffffffffU);
-}
-
-TEST_P(Primitives, SortIsThatOfTheStandardLibraryAndStable) {
+TEST_P(Sort, IsThatOfTheStandardLibraryAndStable) {
   SortStage sort(device_, GetParam());
   Buffer<std::uint32_t> keys(device_, "keys"), values(device_, "values");
-  Buffer<std::uint32_t> key_scratch(device_, "key scratch"), value_scratch(device_, "value scratch");
   for (const int bits : {1, 5, 11, 12, 22, 32}) {
     for (const std::size_t n : kSizes) {
       // Few distinct keys, so that ties abound; those of all 32 bits differ in their high bits as well.
@@ -69,7 +45,7 @@ TEST_P(Primitives, SortIsThatOfTheStandardLibraryAndStable) {
       std::iota(order.begin(), order.end(), 0U);
       keys.assign(std::span<const std::uint32_t>(key_values));
       values.assign(std::span<const std::uint32_t>(order));
-      sort.run(keys, values, key_scratch, value_scratch, static_cast<std::uint32_t>(n), bits, scan_);
+      sort.run(keys, values, static_cast<std::uint32_t>(n), bits);
       std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
         return key_values[a] < key_values[b];
       });
@@ -82,7 +58,7 @@ TEST_P(Primitives, SortIsThatOfTheStandardLibraryAndStable) {
 }
 
 INSTANTIATE_TEST_SUITE_P(WorkItems,
-                         Primitives,
+                         Sort,
                          testing::Values(std::size_t{1}, std::size_t{64}),
                          [](const auto& instance) {
                            return std::string(instance.param == 1 ? "cpu" : "gpu");

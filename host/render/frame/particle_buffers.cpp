@@ -1,13 +1,15 @@
-// The device memory of a frame and what kernels are specialised for.
+#include "host/render/frame/particle_buffers.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <fmt/format.h>
 #include <numeric>
 
+#include "cl/shared/layout.h"
 #include "host/base/error.hpp"
 #include "host/render/options/sh_degree.hpp"
-#include "host/render/frame/stages.hpp"
+#include "host/runtime/kernel.hpp"
 
 namespace simuli {
 namespace {
@@ -35,55 +37,12 @@ void load_halves(const float* source, Eigen::Ref<Eigen::ArrayXf> row) {
 
 }  // namespace
 
-LaneShape LaneShape::of(const Device& device, Precision precision) {
-  if (!device.quirks().prefers_explicit_vectors) return {1, 4, 64};
-  return precision == Precision::kFloat ? LaneShape{16, 16, 1} : LaneShape{8, 32, 1};
-}
-
-LaneShape LaneShape::for_tile(int tile_rays) const {
-  const int items = std::min(work_items, tile_rays / lanes);
-  return {lanes, tile_rays / lanes / items, items};
-}
-
-BuildOptions Variant::options() const {
-  BuildOptions options;
-  // Only where there are any: programs of scenes without actors are the same as ever.
-  if (actors) options.define("ACTORS", true).define("ACTOR_MOTION", actor_motion);
-  options.real(precision)
-      .define("SENSOR", sensor)
-      .define("LENS", lens)
-      .define("MOVING", moving)
-      .define("ORIGINS", origins)
-      .define("SH_DEGREE", sh_degree)
-      .define("MEDIAN", median)
-      .define("PROJECTION", projection)
-      .define("V", shape.lanes);
-  if (math == Math::kPrecise) options.define("MATH_PRECISE", true);
-  if (sh_storage == ShStorage::kHalf) options.define("SH_HALF", true);
-  return options;
-}
-
-RayBuffers::RayBuffers(const Device& device, const RayGrid& grid, Precision precision)
-    : sensor_ray(device, "sensor rays", precision),
-      u(device, "ray places", precision),
-      row_lut(device, "beam table", grid.row_lut),
-      row_elevation(device, "beam elevations", precision),
-      tile_rows(device, "first rows of tiles", grid.tile_rows),
-      tile_row_of_row(device, "tile rows of rows", grid.tile_row_of_row),
-      column_of_bin(device, "tile columns of places", grid.column_of_bin),
-      mask_row_of_row(device, "mask rows of rows"),
-      areas(device, "ray mask") {
-  sensor_ray.assign(grid.sensor_ray);
-  u.assign(grid.u);
-  row_elevation.assign(grid.row_elevation);
+ParticleSizes ParticleSizes::of(std::uint64_t particles, int sh_degree, std::uint64_t actors) {
+  return {static_cast<std::uint64_t>(param_rows(sh_degree)), round_up(particles, 16), actors};
 }
 
 ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision)
-    : kind(set.kind),
-      params(device, "particles", precision),
-      actor_of(device, "actors of particles"),
-      actor_list(device, "particles of actors"),
-      actor_first(device, "actors in the list") {
+    : BufferTable(device, precision), kind(set.kind) {
   upload(set);
 }
 
@@ -177,30 +136,5 @@ GaussianSet ParticleBuffers::download() const {
   }
   return set;
 }
-
-FrameBuffers::FrameBuffers(const Device& device, Precision precision)
-    : sensor(device, "sensor constants", precision, SIM_SENSOR_REALS),
-      actors(device, "actor poses", precision),
-      world_ray(device, "world rays", precision),
-      records(device, "records", precision),
-      motions(device, "particle motions", precision),
-      footprints(device, "footprints"),
-      keys(device, "range keys"),
-      order(device, "visible particles"),
-      order_keys(device, "visible keys"),
-      emission(device, "emission"),
-      tile(device, "instance tiles"),
-      payload(device, "instances"),
-      first(device, "tile ranges"),
-      out(device, "ray outputs", precision),
-      grad_out(device, "ray gradients", precision),
-      grads(device, "instance gradients", precision),
-      ray_error(device, "ray errors", precision),
-      instance_error(device, "instance errors", precision),
-      ray_grads(device, "ray gradients", precision),
-      pose_grads(device, "pose gradients", precision),
-      counts(device, "counts"),
-      key_scratch(device, "sort keys"),
-      value_scratch(device, "sort values") {}
 
 }  // namespace simuli

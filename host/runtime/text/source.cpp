@@ -1,4 +1,4 @@
-#include "host/runtime/source.hpp"
+#include "host/runtime/text/source.hpp"
 
 #include <algorithm>
 #include <cstdlib>
