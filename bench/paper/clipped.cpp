@@ -53,8 +53,8 @@ Place moving(Place place, const Eigen::Vector3d& step_m, const Eigen::Vector3d& 
   place.name += "_moving";
   // Half of it before the middle of the frame, where particles are placed, and half after.
   const Eigen::Quaterniond half(Eigen::AngleAxisd(0.5 * turn_rad, axis));
-  place.view.world_from_sensor_start = {half.conjugate(), -0.5 * step_m};
-  place.view.world_from_sensor_end = {half, 0.5 * step_m};
+  place.view.scene_from_sensor_start = {half.conjugate(), -0.5 * step_m};
+  place.view.scene_from_sensor_end = {half, 0.5 * step_m};
   place.camera.shutter = ShutterKind::kTopToBottom;
   return place;
 }
@@ -130,7 +130,7 @@ void add_clipped(const Device& device, const Lidar& lidar, const Note& note, std
     exact.extent = Extent::kExact;
     const std::vector<double> whole = gathered(device, place, exact, particles);
     for (const auto& [projection, name] : kProjections) {
-      RenderOptions options;
+      RenderOptions options = paper_options();
       options.projection = projection;
       const std::vector<double> found = gathered(device, place, options, particles);
       for (std::size_t s = 0; s < kSizes.size(); ++s) {

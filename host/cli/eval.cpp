@@ -6,10 +6,9 @@
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/report/report.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
-#include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -46,8 +45,8 @@ Log mounted(Log log, const SceneFile& scene) {
 
 void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
-  apply_settings(command.settings, render_settings(command.options.render));
-  validate(command.options.render);
+  fields_of(command.options).apply(command.settings);
+  check(command.options);
   SceneFile file = read_scene(command.scene);
   apply(command.edits, file.scene);
   const Log log = mounted(read_log(command.log), file);
@@ -68,21 +67,25 @@ void eval(EvalCommand command, const Globals& globals) {
 
 }  // namespace
 
-void add_eval(CLI::App& app, const Globals& globals) {
+void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  CLI::App* sub = app.add_subcommand("eval", "compare a scene with the frames it was not trained on");
-  sub->add_option("SCENE", command->scene, "scene folder")->required();
-  sub->add_option("LOG", command->log, "log folder that the scene was trained on")->required();
+  Command sub = app.command("eval", "compare a scene with the frames it was not trained on");
+  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("LOG", command->log, "log folder that the scene was trained on").required();
   const auto add = [&](const char* name, auto& value, const char* text) {
-    sub->add_option(name, value, text)->capture_default_str();
+    sub.option(name, value, text).with_default();
   };
   add("--scale", command->options.image_scale, "size of the compared pictures over the recorded");
   add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
   add("--repeats", command->options.timed_renders, "timed renders of each sensor");
-  sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
-  sub->add_option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
-  add_edit_options(*sub, command->edits);
-  sub->callback([command, &globals] { eval(*command, globals); });
+  const auto fields = [command, &globals] {
+    command->options.render = options_of(globals.quality);
+    return fields_of(command->options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
+  sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
+  add_edit_options(sub, command->edits);
+  sub.run([command, &globals] { eval(*command, globals); });
 }
 
 }  // namespace simuli::cli

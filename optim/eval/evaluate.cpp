@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
+#include "host/render/options/validate.hpp"
 #include "host/render/scene/look.hpp"
 #include "host/render/scene/seen.hpp"
 #include "optim/base/evaluate_actors.hpp"
@@ -67,7 +69,7 @@ SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, con
     out.intensity.push_back(std::clamp(r.feature[0][i], 0.0F, 1.0F));
     out.drop.push_back(r.drop_probability(i));
     const Pose scene_from_lidar =
-        interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
+        interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, rays.time_fraction[i]);
     const Eigen::Vector3d origin = ray_origin(lidar, rays, i);
     const Eigen::Vector3d direction = Lidar::direction(rays.azimuth[i], rays.elevation[i]);
     out.origin.push_back((scene_from_lidar * origin).cast<float>());
@@ -233,18 +235,17 @@ SweepPair render_sweep(Renderer& renderer,
   return pair;
 }
 
+void check(const EvalOptions& options) {
+  check_fields(options);
+  validate(options.render);
+}
+
 EvalReport evaluate(const Device& device,
                     const Log& log,
                     const Scene& scene,
                     const EvalOptions& options,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
-  if (options.timed_renders < 1 || options.held_out_every < 0 || options.held_out_every == 1) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("evaluate: found held_out_every {}, timed_renders {}, allowed 0 or at least 2, "
-                            "at least 1",
-                            options.held_out_every,
-                            options.timed_renders));
-  }
+  check(options);
   const auto begin = std::chrono::steady_clock::now();
   // Nothing held out: every frame is "not held out", and all of them are compared.
   const bool held_out = options.held_out_every > 0;

@@ -222,7 +222,7 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
   const SceneCase& scene = GetParam();
   const bool camera = scene.kind == SetKind::kCamera;
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const test::SetRecipe recipe{
       .count = 500, .low = {-12, -12, -4}, .high = {12, 12, 4}, .scale_min = 0.05, .scale_max = 0.8};
@@ -281,8 +281,8 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   // fires at it, the particle is a metre behind and reaches the beams.
   test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   shot.lidar.range_min = 0.1;
-  shot.view.world_from_sensor_end = shot.view.world_from_sensor_start;
-  shot.view.world_from_sensor_end.translation.x() -= 2.0;
+  shot.view.scene_from_sensor_end = shot.view.scene_from_sensor_start;
+  shot.view.scene_from_sensor_end.translation.x() -= 2.0;
   const GaussianSet flat =
       test::set_of(SetKind::kLidar,
                    {{.mean = {-1.2, 0.0, -1.2}, .scale = Eigen::Vector3d::Constant(0.3), .opacity = 0.9}});
@@ -290,7 +290,7 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   set.params.leftCols(flat.params.cols()) = flat.params;
 
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);

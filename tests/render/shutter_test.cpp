@@ -30,8 +30,8 @@ Shot camera_shot(ShutterKind shutter, const Vector3d& step_m, const Vector3d& tu
   Shot shot = test::shot_of({"camera", SetKind::kCamera, true, false, 0}, 60, 44);
   shot.camera.shutter = shutter;
   const Pose start = test::forward_from_camera();
-  shot.view.world_from_sensor_start = shot.view.world_from_sensor_end = start;
-  Pose& end = shot.view.world_from_sensor_end;
+  shot.view.scene_from_sensor_start = shot.view.scene_from_sensor_end = start;
+  Pose& end = shot.view.scene_from_sensor_end;
   end.translation += step_m;
   if (turn_rad.norm() > 0.0) {
     end.rotation =
@@ -45,8 +45,8 @@ Shot lidar_shot(SpinDirection spin, const Vector3d& step_m, double yaw_rad) {
   shot.lidar.spin = spin;
   shot.lidar.beam_divergence = 0.02;
   shot.rays = nominal_rays(shot.lidar, 0.1);
-  Pose& end = shot.view.world_from_sensor_end;
-  end = shot.view.world_from_sensor_start;
+  Pose& end = shot.view.scene_from_sensor_end;
+  end = shot.view.scene_from_sensor_start;
   end.translation += step_m;
   end.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ())) * end.rotation;
   return shot;
@@ -155,7 +155,7 @@ TEST(Shutter, LosesNoParticleWhateverTheSpeed) {
 
 TEST(Shutter, LosesNoParticleInDouble) {
   SIMULI_NEEDS_DOUBLE(Device::best());
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = Precision::kDouble;
   for (const double speed : {0.9, 1.0, 3.0}) expect_found_at(speed, options, kClipped);
 }
@@ -167,7 +167,7 @@ TEST(Shutter, LosesNothingInExactExtents) {
 }
 
 TEST(Shutter, BoundsTakeOverWhereOneLookIsNotEnough) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shutter_iterations = 1;
   for (const double speed : {0.3, 1.0}) expect_found_at(speed, options, kClipped);
 }
@@ -210,7 +210,7 @@ struct Found {
 };
 Found find(const Shot& shot, const std::vector<test::SingleParticle>& particles, Precision precision) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);

@@ -2,6 +2,7 @@
 #include <bit>
 
 #include "host/render/backward/backward_stages.hpp"
+#include "host/render/options/lane_shape.hpp"
 
 namespace simuli {
 namespace {
@@ -16,7 +17,7 @@ Program program(const Device& device, Precision precision, int lanes) {
 
 EnvironmentBackwardStage::EnvironmentBackwardStage(const Device& device, Precision precision, int lanes)
     : device_(device),
-      lanes_(lanes == 0 ? LaneShape::of(device, precision).lanes : lanes),
+      lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
       sort_(device),
       scratch_(device, precision),
       cells_(program(device, precision, lanes_), "environment_cells"),

@@ -1,5 +1,6 @@
 // Launcher of "kernels/environment.cl".
 #include "host/render/frame/stages.hpp"
+#include "host/render/options/lane_shape.hpp"
 
 namespace simuli {
 namespace {
@@ -9,7 +10,7 @@ constexpr std::size_t kLocalSize = 32;
 }  // namespace
 
 EnvironmentStage::EnvironmentStage(const Device& device, Precision precision, int lanes)
-    : lanes_(lanes == 0 ? LaneShape::of(device, precision).lanes : lanes),
+    : lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
       environment_(
           Program(device, "kernels/environment.cl", BuildOptions().real(precision).define("V", lanes_)),
           "environment") {}

@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/render/frame/actor_constants.hpp"
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/rays/ray_mask.hpp"
@@ -117,7 +118,7 @@ namespace {
 
 RenderOptions resolve(const Device& device, RenderOptions options) {
   validate(options);
-  if (options.shape.lanes == 0) options.shape = LaneShape::of(device, options.precision);
+  if (options.shape.lanes == 0) options.shape = lane_shape_of(device, options.precision);
   const LaneShape& s = options.shape;
   if (s.lanes * s.vectors * s.work_items != SIM_TILE_RAYS) {
     throw Error(ErrorKind::kInternal, "lane shape: lanes x vectors x work-items is not 256");
@@ -183,10 +184,10 @@ void Renderer::render(const ParticleBuffers& particles,
   bool moving = false;
   const std::array<float, 3> behind = environment == nullptr ? view.background : std::array<float, 3>{};
   const bool still = options_.shutter_iterations == 0;
-  const Pose middle = interpolate(view.world_from_sensor_start, view.world_from_sensor_end, 0.5);
+  const Pose middle = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5);
   const auto constants = frame_constants(grid,
-                                         still ? middle : view.world_from_sensor_start,
-                                         still ? middle : view.world_from_sensor_end,
+                                         still ? middle : view.scene_from_sensor_start,
+                                         still ? middle : view.scene_from_sensor_end,
                                          options_,
                                          behind,
                                          moving);

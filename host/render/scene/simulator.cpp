@@ -5,9 +5,9 @@
 #include <utility>
 #include <variant>
 
+#include "host/render/options/validate.hpp"
 #include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
-#include "host/render/options/validate.hpp"
 
 namespace simuli {
 namespace {
@@ -132,8 +132,8 @@ struct Simulator::State {
               shot.world_from_sensor_end,
               kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
               actors_during(scene.actors, shot.time_start_s, shot.time_end_s, scene.origin)};
-    view.world_from_sensor_start.translation -= scene.origin;
-    view.world_from_sensor_end.translation -= scene.origin;
+    view.scene_from_sensor_start.translation -= scene.origin;
+    view.scene_from_sensor_end.translation -= scene.origin;
     return view;
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/render/options/lane_shape.hpp"
 
 namespace simuli {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::size_t kLocalSize = 32;
 
 BuildOptions adam_options(const Device& device, Precision precision) {
   BuildOptions options;
-  return options.real(precision).define("V", LaneShape::of(device, precision).lanes);
+  return options.real(precision).define("V", lane_shape_of(device, precision).lanes);
 }
 
 }  // namespace
@@ -25,7 +26,7 @@ AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
     : AdamStage(device, particles.params.precision(), particles.params.count()) {}
 
 AdamStage::AdamStage(const Device& device, Precision precision, std::size_t parameters)
-    : lanes_(LaneShape::of(device, precision).lanes),
+    : lanes_(lane_shape_of(device, precision).lanes),
       buffers_(device, precision),
       adam_(Program(device, "kernels/adam.cl", adam_options(device, precision)), "adam") {
   buffers_.reserve({parameters, 1});

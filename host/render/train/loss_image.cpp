@@ -1,4 +1,5 @@
 // Launcher of "kernels/loss_image.cl".
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/train/loss_stages.hpp"
 
 namespace simuli {
@@ -15,7 +16,7 @@ ImageLossStage::ImageLossStage(const Device& device, Precision precision)
       buffers_(device, precision),
       loss_image_(Program(device,
                           "kernels/loss_image.cl",
-                          BuildOptions().real(precision).define("V", LaneShape::of(device, precision).lanes)),
+                          BuildOptions().real(precision).define("V", lane_shape_of(device, precision).lanes)),
                   "loss_image") {}
 
 ImageLoss ImageLossStage::run(const shared::FrameParams& frame,

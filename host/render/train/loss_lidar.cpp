@@ -1,4 +1,5 @@
 // Launcher of "kernels/loss_lidar.cl".
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/train/loss_stages.hpp"
 
 namespace simuli {
@@ -7,7 +8,7 @@ LidarLossStage::LidarLossStage(const Device& device, Precision precision)
     : buffers_(device, precision),
       loss_lidar_(Program(device,
                           "kernels/loss_lidar.cl",
-                          BuildOptions().real(precision).define("V", LaneShape::of(device, precision).lanes)),
+                          BuildOptions().real(precision).define("V", lane_shape_of(device, precision).lanes)),
                   "loss_lidar") {}
 
 LidarLoss LidarLossStage::run(const shared::FrameParams& frame,

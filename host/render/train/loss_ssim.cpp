@@ -1,6 +1,7 @@
 // Launcher of "kernels/loss_ssim.cl".
 #include <cmath>
 
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/train/loss_stages.hpp"
 
 namespace simuli {
@@ -32,7 +33,7 @@ SsimSizes SsimStage::sizes(std::uint32_t tiles_x, std::uint32_t tiles_y, int lan
 }
 
 SsimStage::SsimStage(const Device& device, Precision precision, int lanes)
-    : lanes_(lanes == 0 ? LaneShape::of(device, precision).lanes : lanes),
+    : lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
       buffers_(device, precision),
       planes_(ssim_program(device, precision, lanes_), "ssim_planes"),
       moments_(ssim_program(device, precision, lanes_), "ssim_moments"),

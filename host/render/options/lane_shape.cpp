@@ -1,10 +1,10 @@
-#include "host/render/options/options.hpp"
+#include "host/render/options/lane_shape.hpp"
 
 #include <algorithm>
 
 namespace simuli {
 
-LaneShape LaneShape::of(const Device& device, Precision precision) {
+LaneShape lane_shape_of(const Device& device, Precision precision) {
   if (!device.quirks().prefers_explicit_vectors) return {1, 4, 64};
   return precision == Precision::kFloat ? LaneShape{16, 16, 1} : LaneShape{8, 32, 1};
 }
