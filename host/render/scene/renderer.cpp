@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/render/frame/actor_constants.hpp"
+#include "host/render/frame/room.hpp"
 #include "host/render/options/lane_shape.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
