@@ -72,7 +72,7 @@ class Case {
     const double search_ms = anchor_search_ms(device, scene, options.anchor);
     device.reset_memory_peak();
     const std::uint64_t before = device.memory().now;
-    const MemoryNeed told = training_memory(log, scene, options);
+    const MemoryNeed told = training_memory(device, log, scene, options);
     Trainer trainer(device, log, scene, options);
     for (int i = 0; i < kWarmUp; ++i) {
       trainer.step();
