@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "bench/render/scene.hpp"
 #include "io/synth/street.hpp"
 #include "optim/train/memory.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
