@@ -1,11 +1,10 @@
-#include "optim/train/train_options.hpp"
+#include "optim/train/training_options.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
-#include "host/render/options/quality.hpp"
 
 namespace simuli {
 
@@ -17,8 +16,6 @@ TrainOptions checked(const TrainOptions& o) {
   need(o.iterations >= 0, "iterations", o.iterations, "0 or more");
   need(o.lidar_every >= 1, "lidar_every", o.lidar_every, "1 or more");
   need(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "0 (no limit) or more");
-  need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
-  need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
   if (o.render.precision != Precision::kFloat) {
     throw Error(ErrorKind::kUsage, "train: precision: found double, allowed float");
   }
@@ -87,6 +84,12 @@ TrainOptions checked(const TrainOptions& o) {
        o.actor_margin_m,
        "finite, 0 or more");
   return o;
+}
+
+TrainingOptions checked(const TrainingOptions& options) {
+  validate(options.frames);
+  static_cast<void>(checked(options.train));
+  return options;
 }
 
 }  // namespace simuli

@@ -1,9 +1,8 @@
 #pragma once
 // What a training is told.
 #include <cstddef>
-#include <cstdint>
 
-#include "host/render/options/options.hpp"
+#include "host/render/options/quality.hpp"
 #include "optim/poses/actor_poses.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure_options.hpp"
@@ -49,9 +48,6 @@ struct TrainOptions {
   int iterations = 1500;     // one image each
   int lidar_every = 3;       // iterations per sweep: returns start where they belong, colours do not
   double max_seconds = 0.0;  // stop early after this time; 0: no limit. The schedule follows iterations
-  double image_scale = 0.5;  // (0, 1]
-  int held_out_every = 5;    // frames for which is_held_out() says yes are not read; 0: all are trained on
-  std::uint64_t seed = 1;
   ImageWeights image;
   LookOptions look;
   ParticleWeights camera_particles, lidar_particles;
@@ -67,7 +63,8 @@ struct TrainOptions {
   /// Leave what moved out of the losses. The background gets clean; unmasked, it takes on a smear of what
   /// moved, which is closer to the recorded pictures than nothing.
   bool mask_moving = false;
-  RenderOptions render;  // in float; the median distance has no gradient and is never written
+  /// In float; the median distance has no gradient and is never written.
+  RenderOptions render = training_options_of(Quality::kBalanced);
   PoseOptions poses;
   std::size_t memory_bytes = 0;  // of the device, that the training may need; 0: all it has
   std::size_t cache_bytes = std::size_t{2} << 30U;  // of frames kept on the device, images and sweeps each
