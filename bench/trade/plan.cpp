@@ -90,11 +90,11 @@ std::vector<Part> all_parts(std::int64_t count) {
   {
     Part& p = add("shutter", camera);
     p.ways[0].camera.shutter = p.ways[1].camera.shutter = ShutterKind::kTopToBottom;
-    p.ways[0].view.world_from_sensor_end.translation.x() += 0.3;  // 15 m/s, 20 ms
+    p.ways[0].view.scene_from_sensor_end.translation.x() += 0.3;  // 15 m/s, 20 ms
   }
   {
     Part& p = add("sweep_motion", lidar);
-    p.ways[0].view.world_from_sensor_end.translation.x() += 1.5;
+    p.ways[0].view.scene_from_sensor_end.translation.x() += 1.5;
   }
   {
     Part& p = add("actors", camera);

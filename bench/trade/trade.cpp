@@ -211,7 +211,7 @@ std::vector<RayResults> all_results(Way& way, std::size_t views) {
 
 bool moves(const TradeSensor& sensor) {
   return std::any_of(sensor.views.begin(), sensor.views.end(), [](const TradeView& v) {
-    return (v.view.world_from_sensor_end.translation - v.view.world_from_sensor_start.translation).norm() >
+    return (v.view.scene_from_sensor_end.translation - v.view.scene_from_sensor_start.translation).norm() >
            0.0;
   });
 }

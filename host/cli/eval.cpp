@@ -6,8 +6,8 @@
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/report/report.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
@@ -21,6 +21,8 @@ struct EvalCommand {
   std::vector<std::string> settings;
   Edits edits;
   EvalOptions options;
+  double scale = 1.0;  // where they are given
+  int held_out = 0;
   std::string report;  // file to write; empty: none
 };
 
@@ -46,23 +48,25 @@ void eval(EvalCommand command, const Globals& globals) {
 
 }  // namespace
 
-void add_eval(CLI::App& app, const Globals& globals) {
+void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  CLI::App* sub = app.add_subcommand("eval", "compare a scene with recorded frames, those it was not trained on if there are any");
-  sub->add_option("SCENE", command->scene, "scene folder")->required();
-  sub->add_option("LOG", command->log, "log folder: the one that the scene was trained on, or another of the same place")->required();
-  sub->add_option("--scale",
-                  command->options.image_scale,
-                  "size of the compared pictures over the recorded; default: as in training");
-  sub->add_option("--held-out",
-                  command->options.held_out_every,
-                  "every N-th frame, 0: all frames; default: those that training held out, all of another log");
-  sub->add_option("--repeats", command->options.timed_renders, "timed renders of each sensor")
-      ->capture_default_str();
-  sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
-  sub->add_option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
-  add_edit_options(*sub, command->edits);
-  sub->callback([command, &globals] { eval(*command, globals); });
+  Command sub = app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
+  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
+  const Option scale =
+      sub.option("--scale", command->scale, "size of the compared pictures over the recorded")
+          .shown_as("FLOAT", "as in training");
+  const Option held_out = sub.option("--held-out", command->held_out, "every N-th frame, 0: all frames")
+                              .shown_as("INT", "those that training held out, all of another log");
+  sub.option("--repeats", command->options.timed_renders, "timed renders of each sensor").with_default();
+  sub.option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
+  add_edit_options(sub, command->edits);
+  sub.run([command, scale, held_out, &globals] {
+    if (scale.is_given()) command->options.image_scale = command->scale;
+    if (held_out.is_given()) command->options.held_out_every = command->held_out;
+    eval(*command, globals);
+  });
 }
 
 }  // namespace simuli::cli

@@ -43,8 +43,8 @@ View view_at(const Trajectory& world_from_rig,
             world_from_rig.at(time_end_s) * rig_from_sensor,
             kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
             actors_during(scene.actors, time_start_s, time_end_s, scene.origin)};
-  view.world_from_sensor_start.translation -= scene.origin;
-  view.world_from_sensor_end.translation -= scene.origin;
+  view.scene_from_sensor_start.translation -= scene.origin;
+  view.scene_from_sensor_end.translation -= scene.origin;
   return view;
 }
 

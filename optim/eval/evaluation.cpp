@@ -67,7 +67,7 @@ SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, con
     out.intensity.push_back(std::clamp(r.feature[0][i], 0.0F, 1.0F));
     out.drop.push_back(r.drop_probability(i));
     const Pose scene_from_lidar =
-        interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
+        interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, rays.time_fraction[i]);
     const Eigen::Vector3d origin = ray_origin(lidar, rays, i);
     const Eigen::Vector3d direction = Lidar::direction(rays.azimuth[i], rays.elevation[i]);
     out.origin.push_back((scene_from_lidar * origin).cast<float>());

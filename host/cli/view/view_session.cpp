@@ -72,8 +72,8 @@ ViewRequest parse_view_request(const std::string& json) {
                      o.number("up_m", -kFarthest_m, kFarthest_m)};
     r.yaw_rad = o.number("yaw_rad", -1e3, 1e3);
     r.pitch_rad = o.number("pitch_rad", -1e3, 1e3);
-    if (o.has("world_from_camera")) {
-      r.scene_from_camera = o.object("world_from_camera", [](JsonObject& p) {
+    if (o.has("scene_from_camera")) {
+      r.scene_from_camera = o.object("scene_from_camera", [](JsonObject& p) {
         const Eigen::Vector4d q = p.vector<4>("q");
         if (!(q.norm() > 1e-6)) throw_input_error("request", p.field("q"), "zero", "a quaternion");
         return Pose{Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), p.vector<3>("t")};
@@ -210,7 +210,7 @@ View ViewSession::view_of_request(const ViewRequest& request,
   const Pose rig_from_moved{Eigen::Quaterniond::Identity(), request.rig_shift_m};
   View view = view_at(path, rig_from_moved * rig_from_sensor, start_s, end_s, file_.scene, kind);
   if (request.scene_from_camera && kind == SetKind::kCamera) {
-    view.world_from_sensor_start = view.world_from_sensor_end = *request.scene_from_camera;
+    view.scene_from_sensor_start = view.scene_from_sensor_end = *request.scene_from_camera;
   }
   const std::vector<Actor>& actors = file_.scene.actors;
   for (const std::string& name : request.removed) view.actors[find_actor(actors, name)].is_there = false;
@@ -285,7 +285,7 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   const double render_ms = render.ms();
   // Poses of a view, and so the points, are in the scene's frame.
   const PointCloud cloud =
-      point_cloud(s.lidar, frame, {view.world_from_sensor_start, view.world_from_sensor_end, 0.0, 0.0});
+      point_cloud(s.lidar, frame, {view.scene_from_sensor_start, view.scene_from_sensor_end, 0.0, 0.0});
   const Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> points = cloud.values.leftCols<4>();
   Json actors = Json::array();
   for (std::size_t i = 0; i < view.actors.size(); ++i) {
@@ -298,7 +298,7 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   }
   return reply({{"render_ms", render_ms},
                 {"rays", frame.range.size()},
-                {"world_from_sensor", json_of(view.world_from_sensor_start)},
+                {"scene_from_sensor", json_of(view.scene_from_sensor_start)},
                 {"actors", actors}},
                points.data(),
                static_cast<std::size_t>(points.size()) * sizeof(float));

@@ -132,8 +132,8 @@ struct Simulator::State {
               shot.world_from_sensor_end,
               kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
               actors_during(scene.actors, shot.time_start_s, shot.time_end_s, scene.origin)};
-    view.world_from_sensor_start.translation -= scene.origin;
-    view.world_from_sensor_end.translation -= scene.origin;
+    view.scene_from_sensor_start.translation -= scene.origin;
+    view.scene_from_sensor_end.translation -= scene.origin;
     return view;
   }
 
