@@ -3,15 +3,25 @@
 // unless asked otherwise, its evaluation.
 #include <cstdint>
 
+#include "host/base/allowed.hpp"
+
 namespace simuli {
 
 struct FrameSelection {
-  double image_scale = 0.5;  // (0, 1]: sides of the pictures over the recorded ones
-  int held_out_every = 5;    // frames for which is_held_out() says yes are not read; 0: all are trained on
-  std::uint64_t seed = 1;    // of the frames' order, and of which points go when there are too many
+  double image_scale = 0.5;
+  int held_out_every = 5;  // frames for which is_held_out() says yes are not read
+  std::uint64_t seed = 1;  // of the frames' order, and of which points go when there are too many
 };
 
-/// Error{kUsage} naming the field when one is outside its range.
-void validate(const FrameSelection& frames);
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(FrameSelection& o, F&& field) {
+  field("image_scale", o.image_scale, above(0.0, 1.0), "size of the training pictures over the recorded");
+  field("held_out_every",
+        o.held_out_every,
+        zero_or(at_least(2)),
+        "every so many frames, one is kept for evaluation; 0: all are trained on");
+  field("seed", o.seed, at_least(0), "of the frames' order and of thinning");
+}
 
 }  // namespace simuli

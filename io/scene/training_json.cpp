@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 
 namespace simuli {
 namespace {
@@ -64,10 +65,9 @@ TrainingRecord training_from_json(JsonObject& object) {
   r.version = object.text("simuli");
   r.device = object.text("device");
   r.driver = object.text("driver");
-  try {
-    validate(r.frames);
-  } catch (const Error& error) {
-    throw Error(ErrorKind::kInput, object.file() + ": " + error.what());
+  for (const Field& field : fields_of(r.frames).all()) {
+    if (field.is_sound()) continue;
+    throw_input_error(object.file(), object.field(field.key), field.text(), field.allowed());
   }
   return r;
 }

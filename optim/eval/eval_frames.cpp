@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -53,7 +54,7 @@ EvalFrames select_eval_frames(const Log& log,
   if (other_log) as.held_out_every = 0;
   as.image_scale = image_scale.value_or(as.image_scale);
   as.held_out_every = held_out_every.value_or(as.held_out_every);
-  validate(as);
+  check_fields(as);
   const bool held_out = as.held_out_every > 0;  // else every frame is "not held out", and all are compared
   EvalFrames frames{.held_out_every = as.held_out_every,
                     .image_scale = as.image_scale,

@@ -4,12 +4,12 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/base/fields.hpp"
+#include "host/render/options/validate.hpp"
 #include "host/render/scene/look.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
@@ -107,9 +107,8 @@ Log with_sensors_of(const SceneFile& scene, Log log) {
 }
 
 const EvalOptions& checked(const EvalOptions& options) {
-  if (options.timed_renders >= 1) return options;
-  throw Error(ErrorKind::kUsage,
-              fmt::format("evaluate: timed_renders: found {}, allowed 1 or more", options.timed_renders));
+  check(options);
+  return options;
 }
 
 LidarFrame as_stated(const LidarModel& lidar, Sweep sweep) {
@@ -292,6 +291,11 @@ void Evaluation::Run::sweeps() {
   }
   report_.sweeps_without_chamfer = means.of(&SweepMetrics::chamfer_m).left_out();
   report_.sweeps_without_distance = means.of(&SweepMetrics::distance_median_m).left_out();
+}
+
+void check(const EvalOptions& options) {
+  check_fields(options);
+  validate(options.render);
 }
 
 Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const EvalOptions& options)

@@ -9,23 +9,15 @@
 #include <string>
 
 #include "host/base/image.hpp"
-#include "host/render/options/quality.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/render/scene/seen.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/base/metrics.hpp"
 #include "optim/eval/eval_frames.hpp"
+#include "optim/eval/eval_options.hpp"
 
 namespace simuli {
-
-struct EvalOptions {
-  std::optional<double> image_scale;   // (0, 1], of the compared pictures; nothing: as in training
-  std::optional<int> held_out_every;   // every N-th frame, 0: all; nothing: those not trained on
-  int timed_renders = 5;               // of each sensor, behind a first one that warms up; at least 1
-  double actor_min_travel_m = 1.0;     // actors of the log that get at least that far count as such
-  RenderOptions render = options_of(Quality::kBalanced);
-};
 
 /// Means over frames. NaN where the log has no such frame; a sweep whose value is NaN (nothing predicted,
 /// nothing returned) is left out of that mean and counted.

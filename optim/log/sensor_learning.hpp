@@ -5,9 +5,15 @@
 namespace simuli {
 
 struct SensorLearning {
-  bool range_bias = true;   // how far off each row measures (range_bias.hpp)
-  bool own_vehicle = true;  // where the vehicle hides the world (own_vehicle.hpp)
+  bool range_bias = true;   // see range_bias.hpp
+  bool own_vehicle = true;  // see own_vehicle.hpp
 };
+template <class F>
+constexpr void visit_fields(SensorLearning& o, F&& field) {
+  field("init.range_bias", o.range_bias, "find the LiDARs' range biases by row first");
+  field(
+      "init.own_vehicle", o.own_vehicle, "find the LiDARs' blind arcs, where the own vehicle stands, first");
+}
 
 /// The log with what its training sweeps say of its LiDARs. Error{kInput} when a sweep can't be read.
 [[nodiscard]] Log with_learned_sensors(Log log, int held_out_every, const SensorLearning& what);

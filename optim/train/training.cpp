@@ -30,13 +30,10 @@ const Training::State& Training::prepared() const {
 
 /// All that must be the same for it to be the same training, a line each.
 std::string Training::identity() const {
-  return fmt::format("log={} {}\nscale={}\nheld_out={}\nseed={}\n{}\n",
-                     log_.name,
-                     log_hash_,
-                     options_.frames.image_scale,
-                     options_.frames.held_out_every,
-                     options_.frames.seed,
-                     fmt::join(settings_of(options_), "\n"));
+  TrainingOptions same = options_;  // these two decide where a training ends
+  same.train.iterations = 0;
+  same.train.max_seconds = 0.0;
+  return fmt::format("log={} {}\n{}\n", log_.name, log_hash_, fmt::join(settings_of(same), "\n"));
 }
 
 void Training::prepare(const Progress& progress) {

@@ -14,6 +14,15 @@ struct TrainingOptions {
   TrainOptions train;
 };
 
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(TrainingOptions& o, F&& field) {
+  field.part("", o.frames);
+  field.part("", o.sensors);
+  field.part("", o.init);
+  field.part("", o.train);
+}
+
 /// The options themselves. Error{kUsage} naming the field when one is outside its range.
 [[nodiscard]] TrainingOptions checked(const TrainingOptions& options);
 
