@@ -25,18 +25,6 @@ void need_iterations(const std::string& file, std::span<const std::byte> saved, 
                     fmt::format("of {} or fewer: it can be made longer, not shorter", iterations));
 }
 
-void add_set(StateList& list, const std::string& name, TrainedSet& set) {
-  list.add(name + "/count", set.particles.count);
-  list.add(name + "/stride", set.particles.stride);
-  list.add(name + "/parameters", set.particles.params);
-  list.add(name + "/actors", set.particles.actor_of);
-  list.add(name + "/first_moment", set.adam.first_moment());
-  list.add(name + "/second_moment", set.adam.second_moment());
-  list.add(name + "/steps", set.adam.iteration());
-  list.add(name + "/rejections", set.adam.rejections());
-  list.add(name + "/errors", set.error);
-}
-
 /// What has been learned of the actors' tracks.
 void add_tracks(StateList& list, std::vector<Actor>& actors) {
   list.add_numbers(
@@ -81,21 +69,16 @@ StateList Trainer::state(const std::string& settings) {
   list.add("mean/squared_error", square_);
   list.add("mean/distance", distance_);
   list.add("mean/right_drops", right_);
-  list.add("relocated", relocated_);
-  list.add("grown", grown_);
   list.add("unsound_losses", unsound_losses_);
-  add_set(list, "camera", camera_);
-  add_set(list, "lidar", lidar_);
+  camera_.add_state(list, "camera");
+  lidar_.add_state(list, "lidar");
+  structure_.add_state(list);
   add_tracks(list, scene_.actors);
   for (TrainedSet* set : {&camera_, &lidar_}) {
     list.add_numbers(
         set == &camera_ ? "camera/poses" : "lidar/poses",
         [this, set] { return set->poses.numbers(scene_.actors); },
         [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene_.actors, numbers); });
-  }
-  if (anchor_) {
-    list.add("anchor/candidates", anchor_->candidates());
-    list.add("anchor/nearest", anchor_->nearest());
   }
   look_.add_state(list);
   for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
