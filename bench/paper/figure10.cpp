@@ -145,6 +145,7 @@ std::vector<Row> run_figure10(const std::string& device_request,
     training.init.voxel_m = 0.05;
     TrainOptions& train = training.train;
     train.iterations = options.iterations;
+    train.render = paper_options();
     train.lidar_every = 1;
     train.render.lidar_compensation = v.compensation;
     const Scene scene = fit(device, log, training).scene;

@@ -37,7 +37,7 @@ Picture picture_of(const RayResults& results) {
 }
 
 Picture render(const Device& device, SetKind kind, Precision precision) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   Renderer renderer(device, options);
   const ParticleBuffers particles(device, street_particles(kind, 3, kParticles, 1), precision);

@@ -105,11 +105,12 @@ constexpr void visit_fields(RayMaskSize& o, F&& field) {
         "rows of equally many beams, else of equal intervals of elevation");
 }
 
-/// Every approximation of a frame, named, with its default (speed against accuracy).
+/// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
+/// unless asked (Quality::kBalanced). They are the paper's but for the extents (paper_options()).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
-  Extent extent = Extent::kUnscented;
+  Extent extent = Extent::kExact;  // as accurate as the paper's boxes, and faster where sensors move
   Order order = Order::kRange;
   ShDirection sh_direction = ShDirection::kParticle;
   ShDegree sh_degree = ShDegree::k3;
@@ -205,6 +206,13 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         "LiDARs: also the distance at which half the light is gone; trainings never do");
   field.part("", o.ray_mask);
   field.keyless(o.shape);  // follows from the device
+}
+
+/// The paper's choices: extents from boxes, at which responses are clipped.
+[[nodiscard]] constexpr RenderOptions paper_options() {
+  RenderOptions options;
+  options.extent = Extent::kUnscented;
+  return options;
 }
 
 }  // namespace simuli

@@ -35,13 +35,13 @@ void expect_checked(const std::string& message, const std::function<void(Options
 TEST(Options, DefaultsAreSound) {
   EXPECT_NO_THROW(validate(RenderOptions{}));
   EXPECT_NO_THROW(check(InitOptions{}));
-  EXPECT_NO_THROW(checked(TrainOptions{}));
+  EXPECT_NO_THROW((void)checked(TrainOptions{}));
   EXPECT_NO_THROW(check(EvalOptions{}));
   for (const Quality quality : {Quality::kDraft, Quality::kBalanced, Quality::kExact, Quality::kReference}) {
     EXPECT_NO_THROW(validate(options_of(quality)));
     TrainOptions train;
     train.render = training_options_of(quality);
-    EXPECT_NO_THROW(checked(train));
+    EXPECT_NO_THROW((void)checked(train));
   }
 }
 
