@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -71,8 +70,11 @@ Trainer::Trainer(
       look_(device, log, scene_, options),
       structure_(device, options_, options.frames.seed, camera_, lidar_),
       regularize_(device, Precision::kFloat),
-      images_(select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, kImageStream),
-      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false), options.frames.seed, kSweepStream) {
+      images_(
+          select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, kImageStream),
+      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false),
+              options.frames.seed,
+              kSweepStream) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
