@@ -11,6 +11,7 @@
 #include "host/base/version.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/base/provenance.hpp"
+#include "host/cli/draw/html_report.hpp"
 #include "host/cli/report/html_report.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
@@ -203,31 +204,6 @@ void write_report(const std::filesystem::path& file,
   add_sweeps(html, evaluation);
   add_times(html, globals, evaluation);
   if (evaluation.scene().training) add_record(html, *evaluation.scene().training);
-  html.write(file);
-}
-
-void write_bench_report(const std::filesystem::path& file,
-                        const std::string& title,
-                        const std::vector<bench::Row>& rows) {
-  HtmlReport html(title, std::string("simuli ") + version());
-  std::vector<std::vector<std::string>> cells;
-  std::string table;
-  const auto flush = [&] {
-    if (cells.empty()) return;
-    html.heading(table);
-    html.table({"measured", "value", "unit", "+-"}, cells);
-    cells.clear();
-  };
-  for (const bench::Row& row : rows) {
-    const std::string name = row.name.substr(0, row.name.rfind('/'));
-    if (name != table) flush();
-    table = name;
-    cells.push_back({row.name.substr(std::min(row.name.size(), name.size() + 1)),
-                     fmt::format("{:.5g}", row.value),
-                     row.unit,
-                     row.spread > 0.0 ? fmt::format("{:.2g}", row.spread) : ""});
-  }
-  flush();
   html.write(file);
 }
 

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <string>
 
-#include "bench/render/measure.hpp"
 #include "host/cli/report/training.hpp"
 
 namespace simuli::cli {
@@ -23,10 +22,5 @@ void write_report(const std::filesystem::path& file,
                   Evaluation& evaluation,
                   const EvalReport& report,
                   const TrainedReport* trained = nullptr);
-
-/// The rows of a bench, one table for each thing measured.
-void write_bench_report(const std::filesystem::path& file,
-                        const std::string& title,
-                        const std::vector<bench::Row>& rows);
 
 }  // namespace simuli::cli
