@@ -6,9 +6,9 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/picture/image.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli {
 namespace {

@@ -155,9 +155,7 @@ struct SweepMeans {
 class Evaluation::Run {
  public:
   Run(Evaluation& of, const Progress& progress)
-      : of_(of),
-        progress_(progress),
-        actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)) {
+      : of_(of), progress_(progress), actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)) {
     report_.frames = of.frames_;
     report_.device = of.renderer_.device().info().label();
   }

@@ -8,13 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/version.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/base/provenance.hpp"
-#include "host/base/version.hpp"
+#include "host/cli/draw/html_report.hpp"
+#include "host/cli/report/html_report.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/scene/look.hpp"
-#include "host/cli/draw/html_report.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {
@@ -195,8 +196,8 @@ void write_report(const std::filesystem::path& file,
                   const EvalReport& report,
                   const TrainedReport* trained) {
   const DeviceInfo& info = evaluation.device().info();
-  HtmlReport html(
-      title, fmt::format("simuli {}; {}, driver {}", version(), info.label(), info.driver_version));
+  HtmlReport html(title,
+                  fmt::format("simuli {}; {}, driver {}", version(), info.label(), info.driver_version));
   add_metrics(html, report);
   if (trained != nullptr) add_training(html, *trained);
   add_pictures(html, evaluation);
