@@ -9,7 +9,6 @@
 namespace simuli::bench {
 namespace {
 
-constexpr double kSweep_s = 0.1;
 
 }  // namespace
 
@@ -40,7 +39,7 @@ LidarFrames::LidarFrames(const Device& device,
                          const RenderOptions& options)
     : particles_(particles),
       renderer_(device, options),
-      rays_(device, sensor, nominal_rays(sensor, kSweep_s), options),
+      rays_(device, sensor, nominal_rays(sensor), options),
       view_{world_from_bench_lidar(), world_from_bench_lidar(), {0.0F, 0.0F, 0.0F}} {}
 
 FrameTimes LidarFrames::run() {

@@ -1,6 +1,7 @@
 #include "io/log/log.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <variant>
 
@@ -97,6 +98,23 @@ Json frame_to_json(const Frame& frame,
           {"time_end_ns", to_ns(frame.time_end_s, start_ns, frame.file)}};
 }
 
+/// A LiDAR's turn takes what its recorded sweeps take: their median, as drives differ from their sensor's
+/// nominal rate.
+void set_sweep_durations(Log& log) {
+  for (LogLidar& lidar : log.lidars) {
+    std::vector<std::int64_t> durations_ns;
+    for (const SweepFrame& frame : log.sweeps) {
+      if (frame.lidar != name_of(lidar.model)) continue;
+      durations_ns.push_back(std::llround((frame.time_end_s - frame.time_start_s) * 1e9));
+    }
+    if (durations_ns.empty()) continue;
+    const auto middle = durations_ns.begin() + static_cast<std::ptrdiff_t>(durations_ns.size() / 2);
+    std::nth_element(durations_ns.begin(), middle, durations_ns.end());
+    const double sweep_s = std::min(static_cast<double>(*middle) / 1e9, kLongestSweep_s);
+    std::visit([&](auto& model) { model.sweep_s = sweep_s; }, lidar.model);
+  }
+}
+
 }  // namespace
 
 Log log_from_json(JsonObject& root, const fs::path& folder) {
@@ -132,6 +150,7 @@ Log log_from_json(JsonObject& root, const fs::path& folder) {
   if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
   require_time_order(log.images, root.file(), "images");
   require_time_order(log.sweeps, root.file(), "sweeps");
+  set_sweep_durations(log);
   return log;
 }
 

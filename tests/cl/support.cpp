@@ -51,7 +51,7 @@ Shot shot_of(const SceneCase& scene_case, int width, int height) {
         shot.lidar.rows[r].vertical_offset = 0.1 + 0.003 * static_cast<double>(r);
       }
     }
-    shot.rays = nominal_rays(shot.lidar, kSweep_s);
+    shot.rays = nominal_rays(shot.lidar);
   }
   shot.view.world_from_sensor_start = world_from_sensor;
   shot.view.world_from_sensor_end = world_from_sensor;

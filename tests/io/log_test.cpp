@@ -118,7 +118,7 @@ TEST(Log, HoldsRayLists) {
   log.lidars.push_back({list, Pose{Eigen::Quaterniond::Identity(), {1.0, 2.0, 3.0}}});
   log.sweeps.push_back({"petals", "sweeps/1.exr", 0.06, 0.16});
   write_sweep(scratch / "sweeps/1.exr",
-              {nominal_rays(log.lidars[1].model, 0.1), {1.0F, 0.0F, 3.0F}, {0.5F, 0.0F, 0.25F}});
+              {nominal_rays(log.lidars[1].model), {1.0F, 0.0F, 3.0F}, {0.5F, 0.0F, 0.25F}});
   write_log(log);
 
   const Log read = read_log(scratch.path());

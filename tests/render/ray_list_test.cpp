@@ -97,7 +97,7 @@ TEST(RayListGrid, AnyListIsComplete) {
       }
     }
     const Lidar lidar = test::small_lidar(20, 300);
-    const RayList turn = list_of(lidar, nominal_rays(lidar, 0.1));
+    const RayList turn = list_of(lidar, nominal_rays(lidar));
     expect_complete(turn, make_ray_grid(device, turn, options));
     RayList same = rosette(1000);
     std::fill(same.azimuth.begin(), same.azimuth.end(), 3.0);
@@ -146,7 +146,7 @@ TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
     const Device device = Device::best();
     const std::vector<float> found = transmittance(device,
                                                    test::set_of(SetKind::kLidar, balls),
-                                                   SensorRays(device, list, nominal_rays(list, 0.1), {}),
+                                                   SensorRays(device, list, nominal_rays(list), {}),
                                                    end);
     std::size_t missed = 0;
     for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
@@ -156,7 +156,7 @@ TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
 
 TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
   const Lidar lidar = test::small_lidar(20, 300);
-  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const LidarRays rays = nominal_rays(lidar);
   test::SetRecipe recipe;
   recipe.kind = SetKind::kLidar;
   recipe.count = 300;
