@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/render/scene/look.hpp"
 #include "host/render/scene/seen.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
@@ -42,20 +41,20 @@ class Mean {
 };
 
 /// Median seconds of a render whose results stay on the device.
-double time_render(Renderer& renderer, const std::function<void()>& render, int repeats) {
+double time_render(const Device& device, const std::function<Frame()>& render, int repeats) {
   std::vector<double> seconds;
   for (int i = 0; i <= repeats; ++i) {
-    renderer.device().finish();
+    device.finish();
     const auto begin = std::chrono::steady_clock::now();
-    render();
-    renderer.device().finish();
+    const Frame frame = render();
+    frame.wait();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     if (i > 0) seconds.push_back(elapsed.count());  // the first compiles and allocates
   }
   return median(std::move(seconds));
 }
 
-SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, const View& view) {
+SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, const Shot& in_scene) {
   const LidarRays& rays = pair.recorded.rays;
   const std::size_t count = pair.recorded.range.size();
   SweepComparison out;
@@ -66,8 +65,7 @@ SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, con
     out.range.push_back(best_distance(r, i));
     out.intensity.push_back(std::clamp(r.feature[0][i], 0.0F, 1.0F));
     out.drop.push_back(r.drop_probability(i));
-    const Pose scene_from_lidar =
-        interpolate(view.world_from_sensor_start, view.world_from_sensor_end, rays.time_fraction[i]);
+    const Pose scene_from_lidar = in_scene.pose_at(rays.time_fraction[i]);
     const Eigen::Vector3d origin = ray_origin(lidar, rays, i);
     const Eigen::Vector3d direction = Lidar::direction(rays.azimuth[i], rays.elevation[i]);
     out.origin.push_back((scene_from_lidar * origin).cast<float>());
@@ -91,13 +89,14 @@ struct Evaluation {
   const Log& log;
   const Scene& scene;
   const EvalOptions& options;
-  Renderer& renderer;
+  SceneOnDevice& on_device;
   const std::function<void()>& step;
   EvalReport& report;
   std::vector<Actor> actors;  // of the log, as recorded
 
-  [[nodiscard]] ActorBoxes boxes(View view, double time_start_s, double time_end_s) const {
-    view.actors = actors_during(actors, time_start_s, time_end_s, scene.origin);
+  [[nodiscard]] ActorBoxes boxes(const Shot& shot, SetKind kind) const {
+    View view = view_of(scene, shot, kind);
+    view.actors = actors_during(actors, shot, scene.origin);
     return {actors, view};
   }
   void images(const std::vector<std::size_t>& frames);
@@ -105,32 +104,25 @@ struct Evaluation {
 };
 
 void Evaluation::images(const std::vector<std::size_t>& frames) {
-  const ParticleBuffers particles(renderer.device(), scene.camera, renderer.options());
-  std::map<std::string, std::unique_ptr<SensorRays>> rays_of;
-  SceneLook look(renderer.device(), scene, renderer.options().precision);
-  SceneLook ungraded(renderer.device(), scene, renderer.options().precision, false);
   Mean psnr, ssim_mean, psnr_ungraded;
   double actor_square = 0.0;  // sum over pixels and channels
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const ImageFrame& frame = log.images[frames[k]];
     const Camera model = scaled_camera(log.camera(frame.camera).model, options.image_scale);
-    auto& rays = rays_of[frame.camera];
-    if (!rays) rays = std::make_unique<SensorRays>(renderer.device(), model, renderer.options());
-    const View view = view_of(log, scene, frame);
-    const double time_s = 0.5 * (frame.time_start_s + frame.time_end_s);
-    const auto render = [&] { look.render(renderer, particles, *rays, view, frame.camera, time_s); };
+    const Sensor camera(model);
+    const Shot shot = shot_of(log, frame);
+    const auto render = [&] { return on_device.render(camera, shot); };
     if (k == 0) {
-      const double seconds = time_render(renderer, render, options.timed_renders);
-      report.camera_mp_per_s = static_cast<double>(rays->grid().rays) / seconds / 1e6;
+      const double seconds = time_render(on_device.device(), render, options.timed_renders);
+      report.camera_mp_per_s = static_cast<double>(camera.ray_count()) / seconds / 1e6;
       report.image_width = model.width;
       report.image_height = model.height;
     }
-    render();
-    const Image rendered = picture_of(renderer.results(), model);
+    const Image rendered = render().image();
     const Image truth = load_image(log, frame, model);
     psnr.add(psnr_db(rendered, truth));
     if (!actors.empty()) {
-      const std::vector<bool> on = pixels_on_actors(boxes(view, frame.time_start_s, frame.time_end_s), model);
+      const std::vector<bool> on = pixels_on_actors(boxes(shot, SetKind::kCamera), model);
       for (std::size_t i = 0; i < on.size(); ++i) {
         if (!on[i]) continue;
         ++report.actor_pixels;
@@ -142,8 +134,7 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
     }
     ssim_mean.add(ssim(rendered, truth));
     if (!scene.color_grids.empty()) {
-      ungraded.render(renderer, particles, *rays, view, frame.camera, time_s);
-      psnr_ungraded.add(psnr_db(picture_of(renderer.results(), model), truth));
+      psnr_ungraded.add(psnr_db(on_device.render(camera, shot, {.graded = false}).image(), truth));
     }
     step();
   }
@@ -158,23 +149,22 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
 }
 
 void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
-  const ParticleBuffers particles(renderer.device(), scene.lidar, renderer.options());
   std::vector<double> actor_errors;
   double met = 0.0;
   Mean distance, medl2, rel, intensity, drop, chamfer2, chamfer, expected;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const SweepFrame& frame = log.sweeps[frames[k]];
     const LidarModel& lidar = log.lidar(frame.lidar).model;
-    const View view = view_of(log, scene, frame);
-    const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
+    const Shot shot = shot_of(log, frame);
+    const SweepPair pair = render_sweep(on_device, log, frame);
     if (k == 0) {
-      const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
-      const auto render = [&] { renderer.render(particles, rays, view); };
-      const double seconds = time_render(renderer, render, options.timed_renders);
-      report.lidar_mr_per_s = static_cast<double>(rays.grid().rays) / seconds / 1e6;
+      const Sensor sensor = Sensor(lidar).with_rays(pair.recorded.rays);
+      const auto render = [&] { return on_device.render(sensor, shot); };
+      const double seconds = time_render(on_device.device(), render, options.timed_renders);
+      report.lidar_mr_per_s = static_cast<double>(sensor.ray_count()) / seconds / 1e6;
     }
     if (!actors.empty()) {
-      const ActorBoxes where = boxes(view, frame.time_start_s, frame.time_end_s);
+      const ActorBoxes where = boxes(shot, SetKind::kLidar);
       const auto on = returns_on_actors(where, lidar, pair.recorded.rays, pair.recorded.range);
       for (std::size_t i = 0; i < on.size(); ++i) {
         if (!on[i]) continue;
@@ -182,7 +172,7 @@ void Evaluation::sweeps(const std::vector<std::size_t>& frames) {
         met += is_met(pair, i) ? 1.0 : 0.0;
       }
     }
-    const SweepMetrics m = compare_sweep(compare_rays(pair, lidar, view));
+    const SweepMetrics m = compare_sweep(compare_rays(pair, lidar, shot.relative_to(scene.origin)));
     distance.add(m.distance_median_m);
     medl2.add(m.medl2_m2);
     rel.add(m.mean_rel_l2);
@@ -219,17 +209,12 @@ bool is_met(const SweepPair& pair, std::size_t ray) {
          std::abs(best_distance(r, ray) - pair.recorded.range[ray]) < SweepPair::kSame_m;
 }
 
-SweepPair render_sweep(Renderer& renderer,
-                       const ParticleBuffers& lidar_set,
-                       const Log& log,
-                       const Scene& scene,
-                       const SweepFrame& frame) {
+SweepPair render_sweep(SceneOnDevice& scene, const Log& log, const SweepFrame& frame) {
   const LidarModel& lidar = log.lidar(frame.lidar).model;
   SweepPair pair;
   pair.recorded = read_sweep(log.folder / frame.file, lidar);
-  const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
-  renderer.render(lidar_set, rays, view_of(log, scene, frame));
-  pair.simulated = renderer.results();
+  const Sensor sensor = Sensor(lidar).with_rays(pair.recorded.rays);
+  pair.simulated = scene.render(sensor, shot_of(log, frame)).results();
   return pair;
 }
 
@@ -264,14 +249,14 @@ EvalReport evaluate(const Device& device,
   report.distance_expected_median_m = kNaN;
   report.actor_psnr_db = report.actor_distance_median_m = report.actor_share_met = kNaN;
   report.device = device.info().label();
-  Renderer renderer(device, options.render);
+  SceneOnDevice on_device(device, borrowed(scene), options.render);
   std::size_t done = 0;
   const std::function<void()> step = [&] {
     ++done;
     if (progress) progress(done, images.size() + sweeps.size());
   };
   Evaluation evaluation{
-      log, scene, options, renderer, step, report, moving_actors(log.actors, options.actor_min_travel_m)};
+      log, scene, options, on_device, step, report, moving_actors(log.actors, options.actor_min_travel_m)};
   if (!images.empty()) evaluation.images(images);
   if (!sweeps.empty()) evaluation.sweeps(sweeps);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

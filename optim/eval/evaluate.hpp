@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/base/metrics.hpp"
@@ -57,11 +57,7 @@ struct SweepPair {
 /// Whether the scene has that recorded return, too, within kSame_m of its distance.
 [[nodiscard]] bool is_met(const SweepPair& pair, std::size_t ray);
 /// Renders the rays of a recorded sweep. Error{kInput} when it can't be read.
-[[nodiscard]] SweepPair render_sweep(Renderer& renderer,
-                                     const ParticleBuffers& lidar_set,
-                                     const Log& log,
-                                     const Scene& scene,
-                                     const SweepFrame& frame);
+[[nodiscard]] SweepPair render_sweep(SceneOnDevice& scene, const Log& log, const SweepFrame& frame);
 
 /// Renders each held-out frame and compares it. `progress(done, total)` is called after each frame.
 /// Error{kUsage} for options outside their range, Error{kInput} when no frame is held out or one can't be

@@ -120,7 +120,7 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
   EXPECT_NE(changed("yaw_rad", 0.2), plain);
   EXPECT_NE(changed("width", 128), plain);
   EXPECT_NE(changed("quality", "draft"), plain);
-  EXPECT_NE(changed("world_from_camera", {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}}), plain);
+  EXPECT_NE(changed("scene_from_camera", {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}}), plain);
   // The car is taken away, and moved.
   json view = view_of("top");
   const Reply all = post("/api/sweep", view);

@@ -5,39 +5,20 @@
 #include <cmath>
 #include <utility>
 
-#include "host/render/scene/look.hpp"
-#include "host/render/scene/seen.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {
 
-PicturePair camera_pair(Renderer& renderer,
-                        const ParticleBuffers& camera_set,
-                        const Log& log,
-                        const Scene& scene,
-                        std::size_t index,
-                        const EvalOptions& options) {
+PicturePair camera_pair(SceneOnDevice& scene, const Log& log, std::size_t index, const EvalOptions& options) {
   const ImageFrame& frame = log.images[index];
   const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
-  const SensorRays rays(renderer.device(), camera, renderer.options());
-  SceneLook(renderer.device(), scene, renderer.options().precision)
-      .render(renderer,
-              camera_set,
-              rays,
-              view_of(log, scene, frame),
-              frame.camera,
-              0.5 * (frame.time_start_s + frame.time_end_s));
-  return {picture_of(renderer.results(), camera), load_image(log, frame, camera)};
+  return {scene.render(Sensor(camera), shot_of(log, frame)).image(), load_image(log, frame, camera)};
 }
 
-SweepPictures sweep_pair(Renderer& renderer,
-                         const ParticleBuffers& lidar_set,
-                         const Log& log,
-                         const Scene& scene,
-                         std::size_t index) {
+SweepPictures sweep_pair(SceneOnDevice& scene, const Log& log, std::size_t index) {
   const SweepFrame& frame = log.sweeps[index];
   const LidarModel& lidar = log.lidar(frame.lidar).model;
-  SweepPair pair = render_sweep(renderer, lidar_set, log, scene, frame);
+  SweepPair pair = render_sweep(scene, log, frame);
   // As the sensor would say and has said it: with what its rows' ranges are off.
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
     float& range = pair.recorded.range[i];

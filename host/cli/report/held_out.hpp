@@ -4,11 +4,9 @@
 #include <vector>
 
 #include "host/cli/base/pictures.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/render/scene/seen.hpp"
-#include "host/scene/scene.hpp"
-#include "io/picture/image.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
+#include "io/picture/image.hpp"
 #include "optim/eval/evaluate.hpp"
 
 namespace simuli::cli {
@@ -19,26 +17,20 @@ struct PicturePair {
   Image recorded;
 };
 
-/// Frame `index` of log.images at options.image_scale. `camera_set` of the scene, on the renderer's device.
-[[nodiscard]] PicturePair camera_pair(Renderer& renderer,
-                                      const ParticleBuffers& camera_set,
+/// Frame `index` of log.images at options.image_scale.
+[[nodiscard]] PicturePair camera_pair(SceneOnDevice& scene,
                                       const Log& log,
-                                      const Scene& scene,
                                       std::size_t index,
                                       const EvalOptions& options);
 
-/// Frame `index` of log.sweeps. `lidar_set` of the scene, on the renderer's device.
+/// Frame `index` of log.sweeps.
 struct SweepPictures {
   LidarFrame rendered;
   Sweep recorded;
   /// Ranges as colours.
   PicturePair ranges;
 };
-[[nodiscard]] SweepPictures sweep_pair(Renderer& renderer,
-                                       const ParticleBuffers& lidar_set,
-                                       const Log& log,
-                                       const Scene& scene,
-                                       std::size_t index);
+[[nodiscard]] SweepPictures sweep_pair(SceneOnDevice& scene, const Log& log, std::size_t index);
 
 /// |rendered - recorded| of each pixel, mean over the channels, kErrorGain times as bright.
 [[nodiscard]] Image error_picture(const PicturePair& pair);

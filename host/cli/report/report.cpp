@@ -8,12 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "host/cli/base/progress.hpp"
 #include "host/base/version.hpp"
+#include "host/cli/base/progress.hpp"
 #include "host/cli/report/held_out.hpp"
-#include "host/cli/report/tile_picture.hpp"
-#include "host/render/scene/look.hpp"
 #include "host/cli/report/html_report.hpp"
+#include "host/cli/report/tile_picture.hpp"
+#include "host/render/rays/ray_grid.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {
@@ -78,18 +79,16 @@ double seconds_of(const Log& log, double time_s) {
   return log.world_from_rig.poses().empty() ? time_s : time_s - log.world_from_rig.start_s();
 }
 
-void add_pictures(
-    HtmlReport& html, Renderer& renderer, const Log& log, const Scene& scene, const EvalOptions& options) {
+void add_pictures(HtmlReport& html, SceneOnDevice& scene, const Log& log, const EvalOptions& options) {
   const std::vector<std::size_t> images =
       some_of(select_frames(log.images, options.held_out_every, options.held_out_every > 0), kPictures);
-  if (images.empty() || scene.camera.size() == 0) return;
-  const ParticleBuffers camera_set(renderer.device(), scene.camera, renderer.options());
+  if (images.empty() || scene.scene().camera.size() == 0) return;
   html.heading("Held-out pictures");
   html.paragraph(
       "Drag the line. Error pictures: black is right, pale is off by a quarter of full scale or more.");
   for (const std::size_t index : images) {
     const ImageFrame& frame = log.images[index];
-    const PicturePair pair = camera_pair(renderer, camera_set, log, scene, index, options);
+    const PicturePair pair = camera_pair(scene, log, index, options);
     html.compare(
         pair.rendered,
         "rendered",
@@ -100,16 +99,14 @@ void add_pictures(
   }
 }
 
-void add_sweeps(
-    HtmlReport& html, Renderer& renderer, const Log& log, const Scene& scene, const EvalOptions& options) {
+void add_sweeps(HtmlReport& html, SceneOnDevice& scene, const Log& log, const EvalOptions& options) {
   const std::vector<std::size_t> sweeps =
       some_of(select_frames(log.sweeps, options.held_out_every, options.held_out_every > 0), kPictures);
-  if (sweeps.empty() || scene.lidar.size() == 0) return;
-  const ParticleBuffers lidar_set(renderer.device(), scene.lidar, renderer.options());
+  if (sweeps.empty() || scene.scene().lidar.size() == 0) return;
   html.heading("Held-out sweeps");
   for (const std::size_t index : sweeps) {
     const SweepFrame& frame = log.sweeps[index];
-    const SweepPictures sweep = sweep_pair(renderer, lidar_set, log, scene, index);
+    const SweepPictures sweep = sweep_pair(scene, log, index);
     html.compare(
         sweep.ranges.rendered,
         "rendered",
@@ -129,8 +126,11 @@ void add_sweeps(
 }
 
 /// Milliseconds of each kernel of one frame, the most expensive first.
-std::vector<std::vector<std::string>> kernel_times(Renderer& renderer, const std::function<void()>& render) {
-  Profile& profile = renderer.device().profile();
+std::vector<std::vector<std::string>> kernel_times(SceneOnDevice& scene,
+                                                   const Sensor& sensor,
+                                                   const Shot& shot) {
+  const auto render = [&] { scene.render(sensor, shot).wait(); };
+  Profile& profile = scene.device().profile();
   render();  // kernels are compiled at their first launch
   profile.reset();
   for (int k = 0; k < kProfiledFrames; ++k) render();
@@ -145,36 +145,24 @@ std::vector<std::vector<std::string>> kernel_times(Renderer& renderer, const std
   return rows;
 }
 
-void add_times(HtmlReport& html,
-               const Globals& globals,
-               const Log& log,
-               const Scene& scene,
-               const EvalOptions& options) {
-  const Device device = Device::best(globals.device, {.profiling = true});
-  Renderer renderer(device, options.render);
+void add_times(HtmlReport& html, SceneOnDevice& scene, const Log& log, const EvalOptions& options) {
   const std::vector<std::string> header{"kernel", "ms a frame", "launches"};
   html.heading("Time on the device, by kernel");
-  if (!log.images.empty() && scene.camera.size() > 0) {
+  if (!log.images.empty() && scene.scene().camera.size() > 0) {
     const ImageFrame& frame = log.images.front();
     const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
-    const ParticleBuffers particles(device, scene.camera, renderer.options());
-    const SensorRays rays(device, camera, renderer.options());
-    const View view = view_of(log, scene, frame);
     html.paragraph(fmt::format("A picture of {}, {} x {} px:", frame.camera, camera.width, camera.height));
-    html.table(header, kernel_times(renderer, [&] { renderer.render(particles, rays, view); }));
+    html.table(header, kernel_times(scene, Sensor(camera), shot_of(log, frame)));
   }
-  if (log.sweeps.empty() || scene.lidar.size() == 0) return;
+  if (log.sweeps.empty() || scene.scene().lidar.size() == 0) return;
   const SweepFrame& frame = log.sweeps.front();
-  const LidarModel& lidar = log.lidar(frame.lidar).model;
-  const ParticleBuffers particles(device, scene.lidar, renderer.options());
-  const SensorRays rays(
-      device, lidar, nominal_rays(lidar, frame.time_end_s - frame.time_start_s), renderer.options());
-  const View view = view_of(log, scene, frame);
-  html.paragraph(fmt::format("A sweep of {}, {} rays:", frame.lidar, rays.grid().rays));
-  html.table(header, kernel_times(renderer, [&] { renderer.render(particles, rays, view); }));
+  const Sensor lidar(log.lidar(frame.lidar).model);
+  html.paragraph(fmt::format("A sweep of {}, {} rays:", frame.lidar, lidar.ray_count()));
+  html.table(header, kernel_times(scene, lidar, shot_of(log, frame)));
   html.heading("How the LiDAR's rays fall into tiles");
-  html.picture(tile_picture(rays.grid(), frame.lidar),
-               "the beam pattern, the tiles over it, the rays of each tile");
+  html.picture(
+      tile_picture(make_ray_grid(scene.device(), lidar.lidar(), lidar.rays(), options.render), frame.lidar),
+      "the beam pattern, the tiles over it, the rays of each tile");
 }
 
 }  // namespace
@@ -187,17 +175,18 @@ void write_report(const std::filesystem::path& file,
                   const EvalOptions& options,
                   const EvalReport& report,
                   const TrainedScene* trained) {
-  const Device device = Device::best(globals.device);
+  // One device for pictures and times.
+  const Device device = Device::best(globals.device, {.profiling = true});
   HtmlReport html(
       title,
       fmt::format(
-          "simuli {}; {}, driver {}", version(), device.info().label(), device.info().driver_version));
+          "simuli {}; {}, driver {}", SIMULI_VERSION, device.info().label(), device.info().driver_version));
   add_metrics(html, report);
   if (trained != nullptr) add_training(html, *trained);
-  Renderer renderer(device, options.render);
-  add_pictures(html, renderer, log, scene, options);
-  add_sweeps(html, renderer, log, scene, options);
-  add_times(html, globals, log, scene, options);
+  SceneOnDevice on_device(device, borrowed(scene), options.render);
+  add_pictures(html, on_device, log, options);
+  add_sweeps(html, on_device, log, options);
+  add_times(html, on_device, log, options);
   html.write(file);
 }
 

@@ -70,6 +70,7 @@ enum class ShStorage : int {
 struct LidarTiles {
   int elevation = 0;  // tiles from top to bottom; more where a tile could not hold its beams
   int rays = 0;       // of one tile, at most: 16 to 256
+  bool operator==(const LidarTiles&) const = default;
 };
 
 /// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile instances
@@ -85,6 +86,7 @@ struct RayMaskSize {
   int columns = 1600;
   int rows = 8;
   bool equalized = true;  // rows of equally many beams, else of equal intervals of elevation
+  bool operator==(const RayMaskSize&) const = default;
 };
 
 /// Every approximation of a frame, named, with its default (speed against accuracy).
@@ -111,6 +113,8 @@ struct RenderOptions {
   RayMaskSize ray_mask;
   LaneShape shape{0, 0, 0};                           // 0: LaneShape::of(device)
   std::size_t max_instances = std::size_t{1} << 28U;  // a frame that needs more is refused
+
+  bool operator==(const RenderOptions&) const = default;
 };
 
 }  // namespace simuli

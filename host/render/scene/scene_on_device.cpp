@@ -1,82 +1,48 @@
-#include "host/render/scene/simulator.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 
-#include <deque>
-#include <optional>
+#include <algorithm>
+#include <list>
 #include <utility>
-#include <variant>
+#include <vector>
 
+#include "host/base/lru_cache.hpp"
+#include "host/render/options/validate.hpp"
+#include "host/render/scene/frame_state.hpp"
 #include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
-#include "host/render/options/validate.hpp"
+#include "host/render/scene/view.hpp"
 
 namespace simuli {
 namespace {
 
-/// Everything of a sensor that its rays depend on: equal numbers, equal rays.
-using SensorKey = std::vector<double>;
+/// A particle set with what is kept of it.
+struct Upload {
+  SetKind kind;
+  RenderOptions options;
+  ParticleBuffers particles;
 
-SensorKey key_of(const Camera& c) {
-  SensorKey key{0.0,
-                static_cast<double>(c.width),
-                static_cast<double>(c.height),
-                c.fx,
-                c.fy,
-                c.cx,
-                c.cy,
-                static_cast<double>(c.shutter),
-                static_cast<double>(c.lens.kind())};
-  const std::vector<double>& lens = c.lens.parameters();
-  key.insert(key.end(), lens.begin(), lens.end());
-  return key;
-}
-
-void append(SensorKey& key, const Lidar& l) {
-  key.insert(key.end(),
-             {1.0,
-              static_cast<double>(l.columns),
-              l.azimuth_first,
-              l.azimuth_span,
-              l.spin_sign(),
-              static_cast<double>(l.rows.size())});
-  for (const LidarRow& r : l.rows) {
-    key.insert(key.end(),
-               {r.elevation,
-                r.azimuth_offset,
-                r.vertical_offset,
-                r.horizontal_offset,
-                r.time_offset,
-                r.radial_offset,
-                r.range_bias});
+  [[nodiscard]] bool suits(SetKind of, const RenderOptions& o) const {
+    return of == kind && o.precision == options.precision && o.sh_degree == options.sh_degree &&
+           o.sh_storage == options.sh_storage &&
+           (o.sh_degree != ShDegree::kAuto || o.sh_error == options.sh_error);
   }
-  for (const BlindArc& arc : l.blind) {
-    key.insert(key.end(), {static_cast<double>(arc.row), arc.azimuth_first, arc.azimuth_last});
+};
+
+/// What the rays of a sensor on the device depend on.
+struct RaysKey {
+  Sensor sensor;
+  RenderOptions options;
+  bool operator==(const RaysKey& other) const {
+    return sensor.has_rays_of(other.sensor) && options == other.options;
   }
-}
+};
+struct RaysHash {
+  std::size_t operator()(const RaysKey& key) const { return key.sensor.rays_hash(); }
+};
 
-void append(SensorKey& key, const RayList& l) {
-  key.push_back(2.0);
-  for (const auto* values : {&l.azimuth, &l.elevation, &l.time_fraction}) {
-    key.insert(key.end(), values->begin(), values->end());
-  }
-  for (const Eigen::Vector3d& p : l.origin) key.insert(key.end(), {p.x(), p.y(), p.z()});
-}
-
-SensorKey key_of(const LidarModel& lidar, double duration_s) {
-  SensorKey key{duration_s};
-  std::visit(
-      [&key](const auto& model) {
-        key.insert(key.end(),
-                   {model.range_min, model.range_max, model.beam_divergence, model.divergence_variance});
-        append(key, model);
-      },
-      lidar);
-  return key;
-}
-
-struct KnownSensor {
-  SensorKey key;
-  SensorRays rays;
-  LidarRays fired;  // of a LiDAR
+struct Painter {
+  RenderOptions options;
+  Renderer renderer;
 };
 
 const RenderOptions& valid(const RenderOptions& options) {
@@ -84,120 +50,128 @@ const RenderOptions& valid(const RenderOptions& options) {
   return options;
 }
 
+/// The one of `kept` that suits(), else what make() puts in front; the last used first, at most `most`.
+template <class T, class Suits, class Make>
+T& first_of(std::list<T>& kept, std::size_t most, const Suits& suits, const Make& make) {
+  const auto found = std::find_if(kept.begin(), kept.end(), suits);
+  if (found != kept.end()) {
+    kept.splice(kept.begin(), kept, found);
+    return kept.front();
+  }
+  if (kept.size() >= most) kept.pop_back();  // first, so that the device never holds more
+  make();
+  return kept.front();
+}
+
 }  // namespace
 
-Shot Shot::at(const Pose& world_from_sensor, double time_s, double duration_s) {
-  return {world_from_sensor, world_from_sensor, time_s, time_s + duration_s};
-}
+struct SceneOnDevice::State {
+  // Of the options used last: what a viewer switches between, and a comparison of two.
+  static constexpr std::size_t kMostUploads = 4;
+  static constexpr std::size_t kMostPainters = 2;
 
-Shot Shot::along(const Trajectory& world_from_rig,
-                 const Pose& rig_from_sensor,
-                 double time_start_s,
-                 double time_end_s) {
-  return {world_from_rig.at(time_start_s) * rig_from_sensor,
-          world_from_rig.at(time_end_s) * rig_from_sensor,
-          time_start_s,
-          time_end_s};
-}
+  State(const Device& on, std::shared_ptr<const Scene> of, const RenderOptions& with)
+      : device(on),
+        scene(std::move(of)),
+        options(valid(with)),
+        sensors(static_cast<std::size_t>(on.info().global_bytes / 4)) {}
 
-struct Simulator::State {
-  State(const Device& device, Scene of, const RenderOptions& options)
-      : scene(std::move(of)),
-        renderer(device, valid(options)),
-        look(device, scene, renderer.options().precision) {}
+  const ParticleBuffers& particles(SetKind kind, const RenderOptions& o) {
+    return first_of(
+               uploads,
+               kMostUploads,
+               [&](const Upload& upload) { return upload.suits(kind, o); },
+               [&] {
+                 const GaussianSet& set = kind == SetKind::kCamera ? scene->camera : scene->lidar;
+                 uploads.push_front({kind, o, ParticleBuffers(device, set, o)});
+               })
+        .particles;
+  }
 
-  [[nodiscard]] const ParticleBuffers& particles(SetKind kind) {
-    std::optional<ParticleBuffers>& set = kind == SetKind::kCamera ? camera_set : lidar_set;
-    if (!set) {
-      set.emplace(
-          renderer.device(), kind == SetKind::kCamera ? scene.camera : scene.lidar, renderer.options());
+  Renderer& renderer(const RenderOptions& o) {
+    return first_of(
+               painters,
+               kMostPainters,
+               [&](const Painter& painter) { return painter.options == o; },
+               [&] {
+                 painters.push_front({o, Renderer(device, o)});
+               })
+        .renderer;
+  }
+
+  SensorRays rays(const Sensor& sensor, const Renderer& renderer, const RenderOptions& o) {
+    const auto make = [&] {
+      const RenderOptions& resolved = renderer.options();
+      if (sensor.is_camera()) return SensorRays(device, sensor.camera(), resolved);
+      return SensorRays(device, sensor.lidar(), sensor.rays(), resolved);
+    };
+    return *sensors.get({sensor, o}, make, [](const SensorRays& made) { return made.bytes(); });
+  }
+
+  SceneLook& look_of(Precision precision) {
+    if (!look || look_precision != precision) {
+      look.emplace(device, *scene, precision);
+      look_precision = precision;
     }
-    return *set;
+    return *look;
   }
 
-  /// The sensor with that key, made by make() when it is not one of the last kMost.
-  template <class Make>
-  [[nodiscard]] const KnownSensor& sensor(const SensorKey& key, const Make& make) {
-    constexpr std::size_t kMost = 8;
-    for (const KnownSensor& known : sensors) {
-      if (known.key == key) return known;
-    }
-    if (sensors.size() == kMost) sensors.pop_front();
-    sensors.push_back(make());
-    return sensors.back();
-  }
-
-  [[nodiscard]] View view(const Shot& shot, SetKind kind) const {
-    View view{shot.world_from_sensor_start,
-              shot.world_from_sensor_end,
-              kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
-              actors_during(scene.actors, shot.time_start_s, shot.time_end_s, scene.origin)};
-    view.world_from_sensor_start.translation -= scene.origin;
-    view.world_from_sensor_end.translation -= scene.origin;
-    return view;
-  }
-
-  Scene scene;
-  Renderer renderer;
-  SceneLook look;
-  std::optional<ParticleBuffers> camera_set, lidar_set;
-  std::deque<KnownSensor> sensors;
+  Device device;
+  std::shared_ptr<const Scene> scene;
+  RenderOptions options;
+  std::list<Upload> uploads;
+  std::list<Painter> painters;
+  LruCache<SensorRays, RaysKey, RaysHash> sensors;
+  std::optional<SceneLook> look;
+  Precision look_precision = Precision::kFloat;
+  std::shared_ptr<OutputPool> pool = std::make_shared<OutputPool>();
 };
 
-Simulator::Simulator(const Device& device, Scene scene, const RenderOptions& options)
+SceneOnDevice::SceneOnDevice(const Device& device, Scene scene, const RenderOptions& options)
+    : SceneOnDevice(device, std::make_shared<const Scene>(std::move(scene)), options) {}
+SceneOnDevice::SceneOnDevice(const Device& device,
+                             std::shared_ptr<const Scene> scene,
+                             const RenderOptions& options)
     : state_(std::make_unique<State>(device, std::move(scene), options)) {}
-Simulator::Simulator(Simulator&&) noexcept = default;
-Simulator& Simulator::operator=(Simulator&&) noexcept = default;
-Simulator::~Simulator() = default;
+SceneOnDevice::SceneOnDevice(SceneOnDevice&&) noexcept = default;
+SceneOnDevice& SceneOnDevice::operator=(SceneOnDevice&&) noexcept = default;
+SceneOnDevice::~SceneOnDevice() = default;
 
-Image Simulator::render(const Camera& camera, const Shot& shot) {
+Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
   State& s = *state_;
-  SensorKey key = key_of(camera);
-  const KnownSensor& known = s.sensor(key, [&] {
-    validate(camera, "camera " + camera.name);
-    return KnownSensor{std::move(key), {s.renderer.device(), camera, s.renderer.options()}, {}};
-  });
-  const double middle_s = 0.5 * (shot.time_start_s + shot.time_end_s);
-  s.look.render(s.renderer,
-                s.particles(SetKind::kCamera),
-                known.rays,
-                s.view(shot, SetKind::kCamera),
-                camera.name,
-                middle_s);
-  return picture_of(s.renderer.results(), camera);
-}
-
-LidarFrame Simulator::render(const LidarModel& lidar, const Shot& shot) {
-  State& s = *state_;
-  const double duration_s = shot.time_end_s - shot.time_start_s;  // the beams' firing times are shares of it
-  SensorKey key = key_of(lidar, duration_s);
-  const KnownSensor& known = s.sensor(key, [&] {
-    validate(lidar, "LiDAR " + name_of(lidar));
-    LidarRays fired = nominal_rays(lidar, duration_s);
-    SensorRays rays(s.renderer.device(), lidar, fired, s.renderer.options());
-    return KnownSensor{std::move(key), std::move(rays), std::move(fired)};
-  });
-  s.renderer.render(s.particles(SetKind::kLidar), known.rays, s.view(shot, SetKind::kLidar));
-  return lidar_frame(lidar, known.fired, s.renderer.results());
-}
-
-const Scene& Simulator::scene() const { return state_->scene; }
-const Device& Simulator::device() const { return state_->renderer.device(); }
-Renderer& Simulator::renderer() { return state_->renderer; }
-
-std::vector<Eigen::Vector3d> world_points(const LidarModel& lidar,
-                                          const LidarFrame& frame,
-                                          const Shot& shot) {
-  std::vector<Eigen::Vector3d> points;
-  for (std::size_t i = 0; i < frame.range.size(); ++i) {
-    const Pose world_from_lidar =
-        interpolate(shot.world_from_sensor_start, shot.world_from_sensor_end, frame.rays.time_fraction[i]);
-    points.push_back(world_from_lidar *
-                     (ray_origin(lidar, frame.rays, i) +
-                      static_cast<double>(frame.range[i]) *
-                          Lidar::direction(frame.rays.azimuth[i], frame.rays.elevation[i])));
+  const RenderOptions& options = request.options ? *request.options : s.options;
+  const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
+  const View view = view_of(*s.scene, shot, kind);
+  Renderer& renderer = s.renderer(options);
+  SensorRays rays = s.rays(sensor, renderer, options);
+  rays.request(request.rays);
+  const ParticleBuffers& particles = s.particles(kind, options);
+  auto frame = std::make_shared<Frame::State>(s.device, options.precision, sensor, shot, rays, s.pool);
+  if (sensor.is_camera()) {
+    const std::string& camera = request.graded ? sensor.camera().name : std::string();
+    s.look_of(options.precision).render(renderer, particles, rays, view, camera, shot.middle_s());
+  } else {
+    renderer.render(particles, rays, view);
   }
-  return points;
+  frame->graded = renderer.is_graded();
+  frame->has_median = renderer.has_median();
+  frame->background = view.background;
+  renderer.exchange_outputs(frame->outputs, frame->picture);
+  frame->done.emplace(s.device);
+  return Frame(std::move(frame));
 }
+
+void SceneOnDevice::set_scene(Scene scene) { set_scene(std::make_shared<const Scene>(std::move(scene))); }
+
+void SceneOnDevice::set_scene(std::shared_ptr<const Scene> scene) {
+  state_->uploads.clear();
+  state_->look.reset();
+  state_->scene = std::move(scene);
+}
+
+const Scene& SceneOnDevice::scene() const { return *state_->scene; }
+const Device& SceneOnDevice::device() const { return state_->device; }
+const RenderOptions& SceneOnDevice::options() const { return state_->options; }
+std::size_t SceneOnDevice::sensor_count() const { return state_->sensors.size(); }
 
 }  // namespace simuli

@@ -1,68 +1,72 @@
 #pragma once
-// A scene and a device, ready to be looked at: the call most programs want. `Renderer` below it is for those
-// who need gradients or results that stay on the device.
-#include <Eigen/Core>
+// A scene and a device, ready to be looked at.
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "host/base/image.hpp"
 #include "host/render/options/quality.hpp"
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/frame.hpp"
+#include "host/render/scene/shot.hpp"
 #include "host/runtime/device.hpp"
-#include "host/scene/pose.hpp"
 #include "host/scene/scene.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar_model.hpp"
-#include "host/sensors/trajectory.hpp"
+#include "host/sensors/sensor.hpp"
 
 namespace simuli {
 
-/// Where a sensor is, and when, while it takes one frame. World coordinates (m), seconds of the scene's log.
-struct Shot {
-  Pose world_from_sensor_start;
-  Pose world_from_sensor_end;
-  double time_start_s = 0.0;
-  double time_end_s = 0.0;
+/// A scene that its owner keeps for as long as anybody looks at it.
+[[nodiscard]] inline std::shared_ptr<const Scene> borrowed(const Scene& scene) {
+  return {std::shared_ptr<const Scene>(), &scene};
+}
 
-  /// A sensor at rest. The duration is of a rolling shutter or a LiDAR's turn, in which actors go on.
-  [[nodiscard]] static Shot at(const Pose& world_from_sensor, double time_s, double duration_s = 0.0);
-  /// A sensor that is carried along a path. Errors as Trajectory::at().
-  [[nodiscard]] static Shot along(const Trajectory& world_from_rig,
-                                  const Pose& rig_from_sensor,
-                                  double time_start_s,
-                                  double time_end_s);
+/// What one frame is asked for beside sensor and shot.
+struct FrameRequest {
+  std::optional<RenderOptions> options = {};  // instead of the scene's
+  std::vector<bool> rays = {};  // [rays] those to render, the others show the background; empty: all
+  bool graded = true;           // pictures through the scene's colour grids
 };
 
-/// Renders any camera and any LiDAR in a scene. Movable; used by one thread at a time. Sets go to the device
-/// when a sensor of their kind is first rendered; the rays of the last sensors are kept there.
-class Simulator {
+/// Renders any sensor in a scene. Movable; used by one thread at a time.
+///   SceneOnDevice scene(Device::best(), std::move(file.scene));
+///   const Sensor lidar = SensorRig(file).find("hesai_xt32@20");
+///   const Frame frame = scene.render(lidar, Shot::along(file.world_from_rig, lidar, 1.5));
+///   frame.points();
+/// A particle set goes to the device when a sensor of its kind is first rendered, once for all options that
+/// keep the same of it. What rays a sensor has there is kept until sensors used later have taken a quarter of
+/// the device's memory: those of a rig are made once, whatever the order of its frames.
+class SceneOnDevice {
  public:
   /// Error{kUsage} for options that validate() refuses.
-  Simulator(const Device& device, Scene scene, const RenderOptions& options = options_of(Quality::kBalanced));
-  Simulator(Simulator&&) noexcept;
-  Simulator& operator=(Simulator&&) noexcept;
-  ~Simulator();
+  SceneOnDevice(const Device& device,
+                Scene scene,
+                const RenderOptions& options = options_of(Quality::kBalanced));
+  /// The same for a scene that others look at, too.
+  SceneOnDevice(const Device& device,
+                std::shared_ptr<const Scene> scene,
+                const RenderOptions& options = options_of(Quality::kBalanced));
+  SceneOnDevice(SceneOnDevice&&) noexcept;
+  SceneOnDevice& operator=(SceneOnDevice&&) noexcept;
+  ~SceneOnDevice();
 
-  /// [height][width][3] in [0, 1], over the scene's environment or background; graded by the scene's colour
-  /// grids when camera.name is one that it was trained on. Error{kInput} for a camera that validate()
-  /// refuses.
-  [[nodiscard]] Image render(const Camera& camera, const Shot& shot);
-  /// All rays of one frame. Error{kInput} for a LiDAR that validate() refuses.
-  [[nodiscard]] LidarFrame render(const LidarModel& lidar, const Shot& shot);
+  /// Queues a frame: pictures over the scene's environment or background, graded by the colour grids when the
+  /// sensor's model has the name of a camera that the scene was trained on. Returns while the device may
+  /// still be at work. Error{kUsage} for edits of unknown actors and options that validate() refuses,
+  /// Error{kInput} for poses that are none, Error{kDevice} when the device has no room.
+  [[nodiscard]] Frame render(const Sensor& sensor, const Shot& shot, const FrameRequest& request = {});
+
+  /// From now on this scene is rendered; rays of sensors stay. Frames that were rendered before stay, too.
+  void set_scene(Scene scene);
+  void set_scene(std::shared_ptr<const Scene> scene);
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] const Device& device() const;
-  /// What rendered the last frame; its buffers hold that frame until the next.
-  [[nodiscard]] Renderer& renderer();
+  [[nodiscard]] const RenderOptions& options() const;
+  /// Sensors whose rays are on the device now.
+  [[nodiscard]] std::size_t sensor_count() const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// Where the rays of a frame ended, in the world: [rays] m; of rays without a return the rays' origins.
-[[nodiscard]] std::vector<Eigen::Vector3d> world_points(const LidarModel& lidar,
-                                                        const LidarFrame& frame,
-                                                        const Shot& shot);
 
 }  // namespace simuli

@@ -1,4 +1,4 @@
-#include "host/render/scene/simulator.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -23,42 +23,42 @@ Scene one_particle() {
 }
 
 const Camera kCamera{"any", 16, 12, 12.0, 12.0, 8.0, 6.0};
+const Sensor kSensor(kCamera);
 const Shot kShot = Shot::at({Eigen::Quaterniond::Identity(), {100.0, 0.0, 0.0}}, 0.0);
 
-TEST(Simulator, IsTheRendererWithEverythingInPlace) {
+TEST(SceneOnDevice, IsTheRendererWithEverythingInPlace) {
   const Device device = Device::best();
-  Simulator simulator(device, one_particle());
-  const Image image = simulator.render(kCamera, kShot);
+  SceneOnDevice scene(device, one_particle());
+  const Image image = scene.render(kSensor, kShot).image();
 
   Renderer renderer(device, options_of(Quality::kBalanced));
-  const Scene scene = one_particle();
-  const ParticleBuffers particles(device, scene.camera, Precision::kFloat);
+  const ParticleBuffers particles(device, one_particle().camera, Precision::kFloat);
   // The rays are a temporary: the renderer keeps what results() needs.
   renderer.render(particles, SensorRays(device, kCamera, renderer.options()), View{});
   EXPECT_EQ(image.data, picture_of(renderer.results(), kCamera).data);
   EXPECT_GT(image.at(8, 6, 0), 0.6F);
 }
 
-TEST(Simulator, TellsSensorsApart) {
-  Simulator made(Device::best(), one_particle());
-  Simulator simulator = std::move(made);
-  const Image image = simulator.render(kCamera, kShot);
+TEST(SceneOnDevice, TellsSensorsApart) {
+  SceneOnDevice made(Device::best(), one_particle());
+  SceneOnDevice scene = std::move(made);
+  const Image image = scene.render(kSensor, kShot).image();
   Camera wider = kCamera;
   wider.fx = 6.0;
-  EXPECT_NE(simulator.render(wider, kShot).data, image.data);
+  EXPECT_NE(scene.render(Sensor(wider), kShot).image().data, image.data);
   wider.width = 20;
-  EXPECT_EQ(simulator.render(wider, kShot).width, 20);
-  EXPECT_EQ(simulator.render(kCamera, kShot).data, image.data);
+  EXPECT_EQ(scene.render(Sensor(wider), kShot).image().width, 20);
+  EXPECT_EQ(scene.render(kSensor, kShot).image().data, image.data);
   for (int i = 0; i < 10; ++i) {  // more than are kept
     wider.fy = 7.0 + i;
-    (void)simulator.render(wider, kShot);
+    (void)scene.render(Sensor(wider), kShot).image();
   }
-  EXPECT_EQ(simulator.render(kCamera, kShot).data, image.data);
+  EXPECT_EQ(scene.render(kSensor, kShot).image().data, image.data);
   wider.fy = -1.0;
-  EXPECT_THROW((void)simulator.render(wider, kShot), Error);
+  EXPECT_THROW((void)scene.render(Sensor(wider), kShot).image(), Error);
 }
 
-TEST(Simulator, PutsPointsIntoTheWorld) {
+TEST(SceneOnDevice, PutsPointsIntoTheWorld) {
   Lidar lidar;
   lidar.name = "two";
   lidar.rows = {{}, {}};

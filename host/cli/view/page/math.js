@@ -56,7 +56,7 @@ class Orbit {
     const [x, y] = this.axes;
     this.target = add(this.target, add(scale(x, right), scale(y, down)));
   }
-  // world_from_camera of a camera that looks from there (x right, y down, z forward).
+  // scene_from_camera of a camera that looks from there (x right, y down, z forward).
   get pose() { return {t: this.eye, q: quaternion(...this.axes)}; }
   // Column-major clip_from_world.
   matrix(aspect) {

@@ -60,7 +60,7 @@ const camera = new Live(async live => {
   const sensor = $('camera').value;
   if (!sensor) return;
   const body = request(sensor);
-  if ($('free').checked) body.world_from_camera = orbit.pose;
+  if ($('free').checked) body.scene_from_camera = orbit.pose;
   const [info, buffer, at] = await parts(await call('api/picture', body));
   const bitmap = await createImageBitmap(new Blob([new Uint8Array(buffer, at)], {type: 'image/jpeg'}));
   const canvas = $('picture');
@@ -80,10 +80,10 @@ const lidar = new Live(async live => {
   if (!sensor) return;
   const [info, buffer, at] = await parts(await call('api/sweep', request(sensor)));
   const data = new Float32Array(buffer, at);
-  points.show(data, $('colour').value, info.world_from_sensor.t);
+  points.show(data, $('colour').value, info.scene_from_sensor.t);
   const held = points.boxes.find(box => box.held);
   points.boxes = info.actors.map(actor => ({...actor, shown: actor.is_there, held: held && held.name === actor.name}));
-  if ($('follow').checked) points.orbit.target = info.world_from_sensor.t;
+  if ($('follow').checked) points.orbit.target = info.scene_from_sensor.t;
   points.draw();
   $('lidar-time').textContent = `${data.length / 4} returns of ${info.rays} rays, ${info.render_ms.toFixed(0)} ms` +
     (live.rate ? `, ${live.rate.toFixed(1)} per s` : '');
