@@ -53,8 +53,8 @@ Place moving(Place place, const Eigen::Vector3d& step_m, const Eigen::Vector3d& 
   place.name += "_moving";
   // Half of it before the middle of the frame, where particles are placed, and half after.
   const Eigen::Quaterniond half(Eigen::AngleAxisd(0.5 * turn_rad, axis));
-  place.view.world_from_sensor_start = {half.conjugate(), -0.5 * step_m};
-  place.view.world_from_sensor_end = {half, 0.5 * step_m};
+  place.view.scene_from_sensor_start = {half.conjugate(), -0.5 * step_m};
+  place.view.scene_from_sensor_end = {half, 0.5 * step_m};
   place.camera.shutter = ShutterKind::kTopToBottom;
   return place;
 }

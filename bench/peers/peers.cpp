@@ -108,8 +108,8 @@ class Traced {
         packets_(packets_of(rays.grid())),
         rays_(rays.grid().rays) {
     constants_ = frame_constants(rays.grid(),
-                                 view.world_from_sensor_start,
-                                 view.world_from_sensor_end,
+                                 view.scene_from_sensor_start,
+                                 view.scene_from_sensor_end,
                                  options,
                                  view.background,
                                  frame_.moving);

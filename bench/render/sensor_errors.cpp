@@ -172,7 +172,7 @@ void Rig::ray(const View& view, std::size_t index, Vector3d& origin, Vector3d& d
                                  static_cast<double>(rays.elevation[index]));
     share = static_cast<double>(rays.time_fraction[index]);
   }
-  const Pose pose = interpolate(view.world_from_sensor_start, view.world_from_sensor_end, share);
+  const Pose pose = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, share);
   origin = pose.translation;
   direction = pose.rotation * direction;
 }
@@ -305,8 +305,8 @@ void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& tab
   const Vector3d origin = extreme.world_offset_m * Vector3d(0.5, 0.8, 0.0);
   const Vector3d place = offset + Vector3d(0.3, -0.2, 1.6);  // of the sensor in the scene
   View view = rig.view(origin + place, extreme.range_m);
-  view.world_from_sensor_start.translation -= origin;
-  view.world_from_sensor_end.translation -= origin;
+  view.scene_from_sensor_start.translation -= origin;
+  view.scene_from_sensor_end.translation -= origin;
   Worst worst;
   for (int k = 0; k < kParticles; ++k) {
     const GaussianSet set = particle_on_a_ray(rig, view, extreme, random);

@@ -14,7 +14,7 @@ Pose ActorBoxes::actor_from_sensor(std::size_t actor, double time_fraction) cons
   const Pose scene_from_actor =
       interpolate(poses.scene_from_actor_start, poses.scene_from_actor_end, time_fraction);
   return scene_from_actor.inverse() *
-         interpolate(view_.world_from_sensor_start, view_.world_from_sensor_end, time_fraction);
+         interpolate(view_.scene_from_sensor_start, view_.scene_from_sensor_end, time_fraction);
 }
 
 bool ActorBoxes::are_met(const Eigen::Vector3d& origin,

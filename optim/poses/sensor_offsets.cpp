@@ -27,8 +27,8 @@ void SensorOffset::step(const PoseGradient& gradient, double translation_rate_m,
 
 View moved_by(const SensorOffset& offset, const View& view) {
   View moved = view;
-  std::tie(moved.world_from_sensor_start, moved.world_from_sensor_end) =
-      moved_by(offset.tangent(), view.world_from_sensor_start, view.world_from_sensor_end);
+  std::tie(moved.scene_from_sensor_start, moved.scene_from_sensor_end) =
+      moved_by(offset.tangent(), view.scene_from_sensor_start, view.scene_from_sensor_end);
   return moved;
 }
 

@@ -48,8 +48,8 @@ MovingReturns TruthCache::moving_returns(const SweepFrame& frame, const Sweep& s
   return find_moving_returns(moving_,
                              sweep,
                              log_.lidar(frame.lidar).model,
-                             view.world_from_sensor_start,
-                             view.world_from_sensor_end);
+                             view.scene_from_sensor_start,
+                             view.scene_from_sensor_end);
 }
 
 /// By the training sweep nearest in time. Empty when nothing moved or no sweep is near enough to tell.
@@ -69,7 +69,7 @@ std::vector<bool> TruthCache::hidden_pixels(const ImageFrame& frame) const {
   const Sweep sweep = read_sweep(log_.folder / nearest->file, log_.lidar(nearest->lidar).model);
   const View view = view_of(log_, scene_, frame);
   const ImageView image_view(
-      models_.at(frame.camera), view.world_from_sensor_start, view.world_from_sensor_end);
+      models_.at(frame.camera), view.scene_from_sensor_start, view.scene_from_sensor_end);
   return moving_pixels(image_view, moving_returns(*nearest, sweep).p_scene, kMovingReach_m);
 }
 

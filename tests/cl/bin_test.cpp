@@ -286,8 +286,8 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   // fires at it, the particle is a metre behind and reaches the beams.
   test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   shot.lidar.range_min = 0.1;
-  shot.view.world_from_sensor_end = shot.view.world_from_sensor_start;
-  shot.view.world_from_sensor_end.translation.x() -= 2.0;
+  shot.view.scene_from_sensor_end = shot.view.scene_from_sensor_start;
+  shot.view.scene_from_sensor_end.translation.x() -= 2.0;
   const GaussianSet flat =
       test::set_of(SetKind::kLidar,
                    {{.mean = {-1.2, 0.0, -1.2}, .scale = Eigen::Vector3d::Constant(0.3), .opacity = 0.9}});

@@ -47,8 +47,8 @@ TEST_P(PoseGradientOf, MatchesDifferences) {
     PoseTangent tangent;
     (axis < 3 ? tangent.translation : tangent.rotation)(axis % 3) = step;
     View view = shot.view;
-    std::tie(view.world_from_sensor_start, view.world_from_sensor_end) =
-        moved_by(tangent, shot.view.world_from_sensor_start, shot.view.world_from_sensor_end);
+    std::tie(view.scene_from_sensor_start, view.scene_from_sensor_end) =
+        moved_by(tangent, shot.view.scene_from_sensor_start, shot.view.scene_from_sensor_end);
     renderer.render(particles, rays, view);
     const std::vector<double> out = test::outputs(renderer);
     double loss = 0.0;

@@ -228,8 +228,8 @@ class Comparison {
 
 View drive() {
   View view;
-  view.world_from_sensor_end.translation = {3.0, -0.5, 0.05};
-  view.world_from_sensor_end.rotation =
+  view.scene_from_sensor_end.translation = {3.0, -0.5, 0.05};
+  view.scene_from_sensor_end.rotation =
       Eigen::AngleAxisd(kPi / 15.0, Eigen::Vector3d(0.05, 0.1, 1.0).normalized());
   return view;
 }

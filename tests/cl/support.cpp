@@ -32,16 +32,16 @@ SensorRays Shot::on(const Device& device, const RenderOptions& options) const {
 
 reference::Sensor Shot::reference() const {
   return kind == SetKind::kCamera
-             ? reference::Sensor::of(camera, view.world_from_sensor_start, view.world_from_sensor_end)
-             : reference::Sensor::of(lidar, rays, view.world_from_sensor_start, view.world_from_sensor_end);
+             ? reference::Sensor::of(camera, view.scene_from_sensor_start, view.scene_from_sensor_end)
+             : reference::Sensor::of(lidar, rays, view.scene_from_sensor_start, view.scene_from_sensor_end);
 }
 
 Shot shot_of(const SceneCase& scene_case, int width, int height) {
   Shot shot;
   shot.kind = scene_case.kind;
-  Pose world_from_sensor;
+  Pose scene_from_sensor;
   if (scene_case.kind == SetKind::kCamera) {
-    world_from_sensor = forward_from_camera();
+    scene_from_sensor = forward_from_camera();
     shot.camera =
         small_camera(width, height, scene_case.moving ? ShutterKind::kTopToBottom : ShutterKind::kGlobal);
   } else {
@@ -53,13 +53,13 @@ Shot shot_of(const SceneCase& scene_case, int width, int height) {
     }
     shot.rays = nominal_rays(shot.lidar);
   }
-  shot.view.world_from_sensor_start = world_from_sensor;
-  shot.view.world_from_sensor_end = world_from_sensor;
+  shot.view.scene_from_sensor_start = scene_from_sensor;
+  shot.view.scene_from_sensor_end = scene_from_sensor;
   if (scene_case.moving) {
     const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 0.9, 0.4).normalized();
-    Pose& end = shot.view.world_from_sensor_end;
+    Pose& end = shot.view.scene_from_sensor_end;
     end.translation += Eigen::Vector3d(0.6, 0.1, -0.05);
-    end.rotation = world_from_sensor.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(0.06, axis));
+    end.rotation = scene_from_sensor.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(0.06, axis));
   }
   shot.view.background = {0.2F, -1.0F, 1.5F};
   return shot;

@@ -38,8 +38,8 @@ nlohmann::json dumped(const test::SceneCase& scene, const Device& device) {
   const std::size_t slots = grid.frame.slots;
 
   nlohmann::json out{{"name", scene.name}, {"sh_degree", scene.sh_degree}, {"clamped", camera ? 3 : 1}};
-  const Pose& start = shot.view.world_from_sensor_start;
-  const Pose& end = shot.view.world_from_sensor_end;
+  const Pose& start = shot.view.scene_from_sensor_start;
+  const Pose& end = shot.view.scene_from_sensor_end;
   std::vector<double> weights(5 * slots, 0.0);
   test::Random random(11);
   for (std::size_t slot = 0; slot < slots; ++slot) {

@@ -66,7 +66,7 @@ std::vector<double> brute_transmittance(const GaussianSet& set, const test::Shot
               .normalized();
       // The footprint filter: its variance grows with the range from half-way through the frame.
       const Pose middle =
-          interpolate(shot.view.world_from_sensor_start, shot.view.world_from_sensor_end, 0.5);
+          interpolate(shot.view.scene_from_sensor_start, shot.view.scene_from_sensor_end, 0.5);
       const Vector3d in_scene = actor == 0 ? mean : Vector3d(at(shot.view.actors[actor - 1], 0.5) * mean);
       const double kappa = camera ? 0.3 / (shot.camera.focal_px() * shot.camera.focal_px()) : 0.0;
       const double widen = kappa * (in_scene - middle.translation).squaredNorm();

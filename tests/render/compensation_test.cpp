@@ -30,7 +30,7 @@ TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
   for (const test::SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
     const bool camera = scene.kind == SetKind::kCamera;
     test::Shot shot = test::shot_of(scene, camera ? 64 : 240, camera ? 48 : 16);
-    shot.view.world_from_sensor_end = shot.view.world_from_sensor_start;  // a pose to tell directions by
+    shot.view.scene_from_sensor_end = shot.view.scene_from_sensor_start;  // a pose to tell directions by
     shot.lidar.beam_divergence = 0.04;
     shot.lidar.divergence_variance = 1.0;
     const Eigen::Vector3d place(6.0, 0.8, -0.4);
@@ -55,7 +55,7 @@ TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
       return a;
     };
     const std::vector<double> plain = alpha(false), kept = alpha(true);
-    const Eigen::Vector3d centre = shot.view.world_from_sensor_start.translation;
+    const Eigen::Vector3d centre = shot.view.scene_from_sensor_start.translation;
     const double range = (place - centre).norm();
     const double kappa = camera ? options.camera_filter_px2 / std::pow(shot.camera.focal_px(), 2)
                                 : std::pow(std::tan(0.02), 2);

@@ -184,7 +184,7 @@ TEST_P(Degenerate, ExtremeValuesStayFinite) {
 TEST_P(Degenerate, ParticlesAtAndAroundTheSensor) {
   const test::Shot usual = usual_shot();
   const Eigen::Vector3f centre =
-      interpolate(usual.view.world_from_sensor_start, usual.view.world_from_sensor_end, 0.5)
+      interpolate(usual.view.scene_from_sensor_start, usual.view.scene_from_sensor_end, 0.5)
           .translation.cast<float>();
   GaussianSet at_origin = plain(1);
   at_origin.mean().row(0) = centre.transpose();

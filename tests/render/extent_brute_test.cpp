@@ -64,7 +64,7 @@ void expect_nothing_lost(const Shot& shot, const std::vector<SingleParticle>& pa
   renderer.render(
       ParticleBuffers(device, test::set_of(shot.kind, particles), options.precision), rays, shot.view);
   const RayResults results = renderer.results();
-  const Pose& world_from_sensor = shot.view.world_from_sensor_start;
+  const Pose& scene_from_sensor = shot.view.scene_from_sensor_start;
   std::size_t compared = 0, covered = 0, different = 0;
   double worst = 0.0;
   for (std::size_t i = 0; i < results.rays; ++i) {
@@ -79,8 +79,8 @@ void expect_nothing_lost(const Shot& shot, const std::vector<SingleParticle>& pa
       origin = ray_origin(shot.lidar, shot.rays, i);
     }
     const Decided expected = through(particles,
-                                     world_from_sensor * origin,
-                                     world_from_sensor.rotation * direction,
+                                     scene_from_sensor * origin,
+                                     scene_from_sensor.rotation * direction,
                                      shot.kind == SetKind::kCamera ? 0.01 : shot.lidar.range_min);
     if (!expected.sure) continue;
     const double error =

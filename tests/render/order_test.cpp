@@ -270,8 +270,8 @@ TEST(ShutterOf0, IsAFrameHalfWay) {
     const RayResults found = render(device, crowd(scene), shot, options);
     View& v = shot.view;
     EXPECT_NE(found.transmittance, render(device, crowd(scene), shot, {}).transmittance);
-    v.world_from_sensor_start = v.world_from_sensor_end =
-        interpolate(v.world_from_sensor_start, v.world_from_sensor_end, 0.5);
+    v.scene_from_sensor_start = v.scene_from_sensor_end =
+        interpolate(v.scene_from_sensor_start, v.scene_from_sensor_end, 0.5);
     EXPECT_EQ(found.transmittance, render(device, crowd(scene), shot, {}).transmittance);
   }
 }

@@ -62,7 +62,7 @@ TEST(Plan, ShuttersOfSensorsAtRestAreNotThere) {
   rolling.camera.shutter = ShutterKind::kTopToBottom;
   const Traces never = traces_of(set, global, {});
   expect_same(traces_of(set, rolling, {}), never);
-  rolling.view.world_from_sensor_end.translation.x() += 0.3;
+  rolling.view.scene_from_sensor_end.translation.x() += 0.3;
   expect_more(traces_of(set, rolling, {}), never);
 }
 

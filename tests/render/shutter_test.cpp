@@ -30,8 +30,8 @@ Shot camera_shot(ShutterKind shutter, const Vector3d& step_m, const Vector3d& tu
   Shot shot = test::shot_of({"camera", SetKind::kCamera, true, false, 0}, 60, 44);
   shot.camera.shutter = shutter;
   const Pose start = test::forward_from_camera();
-  shot.view.world_from_sensor_start = shot.view.world_from_sensor_end = start;
-  Pose& end = shot.view.world_from_sensor_end;
+  shot.view.scene_from_sensor_start = shot.view.scene_from_sensor_end = start;
+  Pose& end = shot.view.scene_from_sensor_end;
   end.translation += step_m;
   if (turn_rad.norm() > 0.0) {
     end.rotation =
@@ -45,8 +45,8 @@ Shot lidar_shot(SpinDirection spin, const Vector3d& step_m, double yaw_rad) {
   shot.lidar.spin = spin;
   shot.lidar.beam_divergence = 0.02;
   shot.rays = nominal_rays(shot.lidar);
-  Pose& end = shot.view.world_from_sensor_end;
-  end = shot.view.world_from_sensor_start;
+  Pose& end = shot.view.scene_from_sensor_end;
+  end = shot.view.scene_from_sensor_start;
   end.translation += step_m;
   end.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ())) * end.rotation;
   return shot;

@@ -101,7 +101,7 @@ TEST_P(Stress, MotionsOfAllKinds) {
   const test::SetRecipe recipe{.count = 200, .low = {-8, -8, -3}, .high = {8, 8, 3}};
   const GaussianSet set = test::set_for(GetParam(), recipe, 3);
   test::Shot shot = shot_for(GetParam());
-  const Pose start = shot.view.world_from_sensor_start;
+  const Pose start = shot.view.scene_from_sensor_start;
   struct Motion {
     double turned_rad, driven_m;
   };
@@ -112,7 +112,7 @@ TEST_P(Stress, MotionsOfAllKinds) {
     end.rotation =
         Eigen::AngleAxisd(m.turned_rad, Eigen::Vector3d(0.1, 0.2, 0.97).normalized()) * start.rotation;
     end.translation += m.driven_m * Eigen::Vector3d(0.9, 0.3, 0.3);
-    shot.view.world_from_sensor_end = end;
+    shot.view.scene_from_sensor_end = end;
     const RayResults found = render(set, shot);
     expect_sane(found);
     if (!device_.info().fp64) continue;
@@ -131,14 +131,14 @@ TEST_P(Stress, PosesThatAreNoNumbersAreRefused) {
   const GaussianSet set = queue_of(GetParam(), 20, 1.0F);
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
     test::Shot shot = shot_for(GetParam());
-    shot.view.world_from_sensor_end.translation.y() = bad;
+    shot.view.scene_from_sensor_end.translation.y() = bad;
     expect_error(ErrorKind::kNumeric, "pose", [&] { static_cast<void>(render(set, shot)); });
     shot = shot_for(GetParam());
-    shot.view.world_from_sensor_start.rotation.x() = bad;
+    shot.view.scene_from_sensor_start.rotation.x() = bad;
     expect_error(ErrorKind::kNumeric, "pose", [&] { static_cast<void>(render(set, shot)); });
   }
   test::Shot shot = shot_for(GetParam());
-  shot.view.world_from_sensor_start.rotation.coeffs().setZero();
+  shot.view.scene_from_sensor_start.rotation.coeffs().setZero();
   expect_error(ErrorKind::kNumeric, "pose", [&] { static_cast<void>(render(set, shot)); });
 }
 

@@ -289,8 +289,8 @@ RayGrid make_ray_grid(const Device& device,
 }
 
 std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
-                                                     const Pose& world_from_sensor_start,
-                                                     const Pose& world_from_sensor_end,
+                                                     const Pose& scene_from_sensor_start,
+                                                     const Pose& scene_from_sensor_end,
                                                      const RenderOptions& options,
                                                      const std::array<float, 3>& background,
                                                      bool& moving) {
@@ -301,8 +301,8 @@ std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
   const auto put_rotation = [&c](std::size_t at, const Eigen::Matrix3d& m) {
     for (Eigen::Index k = 0; k < 9; ++k) c[at + static_cast<std::size_t>(k)] = m(k / 3, k % 3);
   };
-  const Pose& a = world_from_sensor_start;
-  const Pose& b = world_from_sensor_end;
+  const Pose& a = scene_from_sensor_start;
+  const Pose& b = scene_from_sensor_end;
   a.check("the sensor");
   b.check("the sensor");
   const Pose middle = interpolate(a, b, 0.5);

@@ -60,8 +60,8 @@ struct RayGrid {
 /// The constants of one frame: model, poses (world relative to the scene origin), cuts, background.
 /// Fills `moving`: start and end differ.
 [[nodiscard]] std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
-                                                                   const Pose& world_from_sensor_start,
-                                                                   const Pose& world_from_sensor_end,
+                                                                   const Pose& scene_from_sensor_start,
+                                                                   const Pose& scene_from_sensor_end,
                                                                    const RenderOptions& options,
                                                                    const std::array<float, 3>& background,
                                                                    bool& moving);

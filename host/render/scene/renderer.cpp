@@ -201,10 +201,10 @@ void Renderer::render(const ParticleBuffers& particles,
   bool moving = false;
   const std::array<float, 3> behind = environment == nullptr ? view.background : std::array<float, 3>{};
   const bool still = options_.shutter_iterations == 0;
-  const Pose middle = interpolate(view.world_from_sensor_start, view.world_from_sensor_end, 0.5);
+  const Pose middle = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5);
   const auto constants = frame_constants(grid,
-                                         still ? middle : view.world_from_sensor_start,
-                                         still ? middle : view.world_from_sensor_end,
+                                         still ? middle : view.scene_from_sensor_start,
+                                         still ? middle : view.scene_from_sensor_end,
                                          options_,
                                          behind,
                                          moving);

@@ -7,10 +7,10 @@
 
 namespace simuli {
 
-/// One view of a sensor. Poses are world_from_sensor with world relative to the scene origin.
+/// One view of a sensor. The scene has the axes of the world and an origin of its own (Scene::origin).
 struct View {
-  Pose world_from_sensor_start;
-  Pose world_from_sensor_end;
+  Pose scene_from_sensor_start;
+  Pose scene_from_sensor_end;
   std::array<float, 3> background{0.0F, 0.0F, 0.0F};
   std::vector<ActorView> actors{};  // of the scene, in its order (actors_during)
 };
