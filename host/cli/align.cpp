@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "host/base/error.hpp"
-#include "host/cli/base/progress.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/progress.hpp"
 #include "io/log/log_json.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"
 
@@ -267,25 +267,23 @@ void align(const AlignCommand& command, const Globals& globals) {
 
 }  // namespace
 
-void add_align(CLI::App& app, const Globals& globals) {
+void add_align(Command app, const Globals& globals) {
   const auto command = std::make_shared<AlignCommand>();
-  CLI::App* sub =
-      app.add_subcommand("align", "find a log's path from its LiDAR alone, and its cameras' places");
-  sub->add_option("LOG", command->log, "log folder")->required();
-  sub->add_option("-o,--output", command->output, "log folder to write; default: report only");
-  sub->add_option("--lidar", command->align.lidar, "name of the LiDAR; default: the log's first");
-  sub->add_flag(
-      "--prior", command->align.use_prior, "believe the log's own poses (GNSS/IMU) as far as follows");
-  sub->add_option("--prior-position", command->align.prior_sigma_m, "their standard deviation, m")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  sub->add_option("--prior-rotation", command->prior_deg, "their standard deviation, degrees")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  sub->add_flag("--keep-path", command->keep_path, "use the log's path; calibrate cameras only");
-  sub->add_option("--camera", command->cameras, "find this camera's mounting and clock; may be repeated");
-  sub->add_flag("--apply-cameras", command->apply_cameras, "write what was found for the cameras too");
-  sub->callback([command, &globals] { align(*command, globals); });
+  Command sub = app.command("align", "find a log's path from its LiDAR alone, and its cameras' places");
+  sub.option("LOG", command->log, "log folder").required();
+  sub.option("-o,--output", command->output, "log folder to write; default: report only");
+  sub.option("--lidar", command->align.lidar, "name of the LiDAR; default: the log's first");
+  sub.flag("--prior", command->align.use_prior, "believe the log's own poses (GNSS/IMU) as far as follows");
+  sub.option("--prior-position", command->align.prior_sigma_m, "their standard deviation, m")
+      .positive()
+      .with_default();
+  sub.option("--prior-rotation", command->prior_deg, "their standard deviation, degrees")
+      .positive()
+      .with_default();
+  sub.flag("--keep-path", command->keep_path, "use the log's path; calibrate cameras only");
+  sub.option("--camera", command->cameras, "find this camera's mounting and clock; may be repeated");
+  sub.flag("--apply-cameras", command->apply_cameras, "write what was found for the cameras too");
+  sub.run([command, &globals] { align(*command, globals); });
 }
 
 }  // namespace simuli::cli

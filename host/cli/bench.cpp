@@ -9,23 +9,23 @@
 #include <vector>
 
 #include "bench/paper/actors.hpp"
-#include "bench/render/agreement.hpp"
 #include "bench/paper/figure10.hpp"
 #include "bench/paper/figure11.hpp"
+#include "bench/paper/table5.hpp"
+#include "bench/paper/table8.hpp"
+#include "bench/paper/training.hpp"
 #include "bench/peers/peers.hpp"
-#include "bench/trade/plan.hpp"
+#include "bench/render/agreement.hpp"
 #include "bench/render/sensor_errors.hpp"
 #include "bench/render/stages.hpp"
-#include "bench/paper/table5.hpp"
 #include "bench/render/table6.hpp"
 #include "bench/render/table7.hpp"
-#include "bench/paper/table8.hpp"
+#include "bench/trade/plan.hpp"
 #include "bench/trade/trade.hpp"
-#include "bench/paper/training.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
-#include "host/cli/report/report.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/report/report.hpp"
 #include "host/cli/report/trade_picture.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
@@ -152,76 +152,76 @@ void run_bench(BenchCommand command, const Globals& globals) {
 
 }  // namespace
 
-void add_bench(CLI::App& app, const Globals& globals) {
+void add_bench(Command app, const Globals& globals) {
   const auto options = std::make_shared<BenchCommand>();
-  CLI::App* command = app.add_subcommand("bench", "measure: times, and the numbers of the paper's tables");
-  command->add_flag(
-      "--stages", options->stages, "each stage of a camera and a LiDAR frame, forward and backward");
-  command->add_flag(
+  Command command = app.command("bench", "measure: times, and the numbers of the paper's tables");
+  command.flag("--stages", options->stages, "each stage of a camera and a LiDAR frame, forward and backward");
+  command.flag(
       "--extremes", options->extremes, "float against double at the ends of range, size and position");
-  command->add_flag("--training",
-                    options->training,
-                    "an iteration of training by stage, anchoring, memory; 50 k, 200 k and 1 M particles");
-  command->add_flag("--lidar-rates",
-                    options->lidar_rates,
-                    "rays per second of three LiDARs, as they were tiled and as they are");
-  command->add_flag("--actors",
-                    options->actors,
-                    "the street's moving car: with actors, without, edited, with a noisy track");
+  command.flag("--training",
+               options->training,
+               "an iteration of training by stage, anchoring, memory; 50 k, 200 k and 1 M particles");
+  command.flag("--lidar-rates",
+               options->lidar_rates,
+               "rays per second of three LiDARs, as they were tiled and as they are");
+  command.flag("--actors",
+               options->actors,
+               "the street's moving car: with actors, without, edited, with a noisy track");
   command
-      ->add_option("--table",
-                   options->table,
-                   "5: factorised sets against one; 6: LiDAR tiles; 7: ray-based culling; 8: unscented, "
-                   "linearised and Monte Carlo projection")
-      ->check(CLI::IsMember({5, 6, 7, 8}));
+      .option("--table",
+              options->table,
+              "5: factorised sets against one; 6: LiDAR tiles; 7: ray-based culling; 8: unscented, "
+              "linearised and Monte Carlo projection")
+      .one_of({5, 6, 7, 8});
   command
-      ->add_option("--figure",
-                   options->figure,
-                   "10: thin poles and the footprint filter; 11: motion during a frame, modelled and ignored")
-      ->check(CLI::IsMember({10, 11}));
-  command->add_option("--log", options->log, "tables 5 and 8: a log folder instead of the embedded street");
-  command->add_option("--iterations", options->iterations, "of each training of a table or figure")
-      ->check(CLI::Range(1, 1'000'000));
-  command->add_option("--particles", options->stage_options.particles, "Gaussians of the synthetic street")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{16'000'000}))
-      ->capture_default_str();
-  command->add_option("--frames", options->stage_options.frames, "frames timed; the median is told")
-      ->check(CLI::Range(5, 10'000))
-      ->capture_default_str();
-  command->add_flag("--plan",
-                    options->plan,
-                    "each optional part of a frame present, absent, and never mentioned: time and memory");
-  command->add_flag("--trade",
-                    options->trade,
-                    "speed against accuracy: every option alone and the qualities, against the reference");
-  command->add_flag("--peers",
-                    options->peers,
-                    "the same particles ray traced with Embree, in turns with ours; 50 k, 200 k and 1 M");
-  command->add_option("--agreement",
-                      options->agreement,
-                      "every ray of a camera and a LiDAR frame against FILE, which another OpenCL "
-                      "implementation wrote this way; written when it is not there");
+      .option("--figure",
+              options->figure,
+              "10: thin poles and the footprint filter; 11: motion during a frame, modelled and ignored")
+      .one_of({10, 11});
+  command.option("--log", options->log, "tables 5 and 8: a log folder instead of the embedded street");
+  command.option("--iterations", options->iterations, "of each training of a table or figure")
+      .range(1, 1'000'000);
+  const Option particles =
+      command.option("--particles", options->stage_options.particles, "Gaussians of the synthetic street")
+          .range(std::int64_t{1}, std::int64_t{16'000'000})
+          .with_default();
+  const Option frames =
+      command.option("--frames", options->stage_options.frames, "frames timed; the median is told")
+          .range(5, 10'000)
+          .with_default();
+  command.flag("--plan",
+               options->plan,
+               "each optional part of a frame present, absent, and never mentioned: time and memory");
+  command.flag("--trade",
+               options->trade,
+               "speed against accuracy: every option alone and the qualities, against the reference");
+  command.flag("--peers",
+               options->peers,
+               "the same particles ray traced with Embree, in turns with ours; 50 k, 200 k and 1 M");
+  command.option("--agreement",
+                 options->agreement,
+                 "every ray of a camera and a LiDAR frame against FILE, which another OpenCL "
+                 "implementation wrote this way; written when it is not there");
   command
-      ->add_option("FOLDERS",
-                   options->trade_options.folders,
-                   "--trade: a scene, and the log of its frames; default: the bench street")
-      ->expected(0, 2);
-  command->add_option(
+      .option("FOLDERS",
+              options->trade_options.folders,
+              "--trade: a scene, and the log of its frames; default: the bench street")
+      .values(0, 2);
+  command.option(
       "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
-  command->add_option("--picture", options->picture, "--trade: a PNG of time and error, with the front");
-  command->add_option(
+  command.option("--picture", options->picture, "--trade: a PNG of time and error, with the front");
+  command.option(
       "--set", options->settings, "--trade: render.KEY=VALUE; only these together, and the qualities");
-  command->add_option("--repeats", options->trade_options.repeats, "--trade: timed renders of each view")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--sensor", options->trade_options.sensor, "--trade: only this sensor");
-  command->add_option("--scale", options->trade_options.image_scale, "--trade: size of the scene's pictures")
-      ->capture_default_str();
-  command->callback([options, command, &globals] {
+  command.option("--repeats", options->trade_options.repeats, "--trade: timed renders of each view")
+      .range(1, 1000)
+      .with_default();
+  command.option("--sensor", options->trade_options.sensor, "--trade: only this sensor");
+  command.option("--scale", options->trade_options.image_scale, "--trade: size of the scene's pictures")
+      .with_default();
+  command.run([options, particles, frames, &globals] {
     // Peers have numbers of their own unless one is asked for.
-    if (command->count("--particles") > 0)
-      options->peer_options.particles = {options->stage_options.particles};
-    if (command->count("--frames") > 0) options->peer_options.frames = options->stage_options.frames;
+    if (particles.is_given()) options->peer_options.particles = {options->stage_options.particles};
+    if (frames.is_given()) options->peer_options.frames = options->stage_options.frames;
     run_bench(*options, globals);
   });
 }

@@ -84,12 +84,12 @@ void demo(const DemoCommand& command, const Globals& globals) {
 
 }  // namespace
 
-void add_demo(CLI::App& app, const Globals& globals) {
+void add_demo(Command app, const Globals& globals) {
   const auto command = std::make_shared<DemoCommand>();
-  CLI::App* sub = app.add_subcommand("demo", "the whole system on an embedded street, in two minutes");
-  sub->add_option("-o,--output", command->output, "folder to make; default: a new temporary one");
-  sub->add_option("--iterations", command->iterations, "of training")->capture_default_str();
-  sub->callback([command, &globals] { demo(*command, globals); });
+  Command sub = app.command("demo", "the whole system on an embedded street, in two minutes");
+  sub.option("-o,--output", command->output, "folder to make; default: a new temporary one");
+  sub.option("--iterations", command->iterations, "of training").with_default();
+  sub.run([command, &globals] { demo(*command, globals); });
 }
 
 }  // namespace simuli::cli

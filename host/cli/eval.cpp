@@ -6,8 +6,8 @@
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/report/report.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
@@ -68,21 +68,21 @@ void eval(EvalCommand command, const Globals& globals) {
 
 }  // namespace
 
-void add_eval(CLI::App& app, const Globals& globals) {
+void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  CLI::App* sub = app.add_subcommand("eval", "compare a scene with the frames it was not trained on");
-  sub->add_option("SCENE", command->scene, "scene folder")->required();
-  sub->add_option("LOG", command->log, "log folder that the scene was trained on")->required();
+  Command sub = app.command("eval", "compare a scene with the frames it was not trained on");
+  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("LOG", command->log, "log folder that the scene was trained on").required();
   const auto add = [&](const char* name, auto& value, const char* text) {
-    sub->add_option(name, value, text)->capture_default_str();
+    sub.option(name, value, text).with_default();
   };
   add("--scale", command->options.image_scale, "size of the compared pictures over the recorded");
   add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
   add("--repeats", command->options.timed_renders, "timed renders of each sensor");
-  sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
-  sub->add_option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
-  add_edit_options(*sub, command->edits);
-  sub->callback([command, &globals] { eval(*command, globals); });
+  sub.option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
+  add_edit_options(sub, command->edits);
+  sub.run([command, &globals] { eval(*command, globals); });
 }
 
 }  // namespace simuli::cli

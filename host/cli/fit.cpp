@@ -229,29 +229,28 @@ void fit_lens(const LensCommand& command, const Globals& globals) {
 
 }  // namespace
 
-void add_fit(CLI::App& app, const Globals& globals) {
-  CLI::App* fit = app.add_subcommand("fit", "fit a sensor model to data or to another model");
-  fit->require_subcommand(1);
+void add_fit(Command app, const Globals& globals) {
+  Command fit = app.command("fit", "fit a sensor model to data or to another model");
+  fit.require_command();
 
   const auto beams = std::make_shared<BeamsCommand>();
-  CLI::App* table = fit->add_subcommand("beams", "the beam table of a spinning LiDAR, from bare points");
-  table->add_option("DIR", beams->folder, "folder of sweeps: *.bin, float32 x y z reflectance")->required();
-  table->add_option("-o,--output", beams->output, "LiDAR file to write");
-  table->add_option("--name", beams->name, "of the sensor")->capture_default_str();
-  table->add_option("--sweeps", beams->most_sweeps, "evenly taken, at most")->capture_default_str();
-  table->add_option("--spin-hz", beams->spin_hz, "turns per second, for the spin direction")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->capture_default_str();
-  table->callback([beams, &globals] { fit_beams(*beams, globals); });
+  Command table = fit.command("beams", "the beam table of a spinning LiDAR, from bare points");
+  table.option("DIR", beams->folder, "folder of sweeps: *.bin, float32 x y z reflectance").required();
+  table.option("-o,--output", beams->output, "LiDAR file to write");
+  table.option("--name", beams->name, "of the sensor").with_default();
+  table.option("--sweeps", beams->most_sweeps, "evenly taken, at most").with_default();
+  table.option("--spin-hz", beams->spin_hz, "turns per second, for the spin direction")
+      .range(0.1, 1000.0)
+      .with_default();
+  table.run([beams, &globals] { fit_beams(*beams, globals); });
 
   const auto lens = std::make_shared<LensCommand>();
-  CLI::App* model = fit->add_subcommand("lens", "a camera in terms of another lens model");
-  model->add_option("TARGET", lens->target, "built-in camera, or a log")->required();
-  model->add_option("SENSOR", lens->sensor, "camera of that log");
-  model->add_option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...")
-      ->required();
-  model->add_option("-o,--output", lens->output, "JSON file to write");
-  model->callback([lens, &globals] { fit_lens(*lens, globals); });
+  Command model = fit.command("lens", "a camera in terms of another lens model");
+  model.option("TARGET", lens->target, "built-in camera, or a log").required();
+  model.option("SENSOR", lens->sensor, "camera of that log");
+  model.option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...").required();
+  model.option("-o,--output", lens->output, "JSON file to write");
+  model.run([lens, &globals] { fit_lens(*lens, globals); });
 }
 
 }  // namespace simuli::cli

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "host/cli/base/commands.hpp"
-#include "host/cli/report/report.hpp"
 #include "host/cli/base/train_settings.hpp"
+#include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "host/cli/view/view_server.hpp"
 #include "host/render/options/validate.hpp"
@@ -152,13 +152,13 @@ void train(TrainCommand command, const Globals& globals) {
 
 }  // namespace
 
-void add_train(CLI::App& app, const Globals& globals) {
+void add_train(Command app, const Globals& globals) {
   const auto command = std::make_shared<TrainCommand>();
-  CLI::App* sub = app.add_subcommand("train", "fit a scene to a log");
-  sub->add_option("LOG", command->log, "log folder")->required();
-  sub->add_option("-o,--output", command->output, "scene folder to write")->required();
+  Command sub = app.command("train", "fit a scene to a log");
+  sub.option("LOG", command->log, "log folder").required();
+  sub.option("-o,--output", command->output, "scene folder to write").required();
   const auto add = [&](const char* name, auto& value, const char* text) {
-    sub->add_option(name, value, text)->capture_default_str();
+    sub.option(name, value, text).with_default();
   };
   add("--iterations", command->train.iterations, "one image each, a sweep every lidar_every");
   add("--max-seconds", command->train.max_seconds, "stop training early after this time; 0: never");
@@ -168,15 +168,13 @@ void add_train(CLI::App& app, const Globals& globals) {
   add("--checkpoint-every",
       command->outputs.checkpoints.every,
       "iterations between states in OUTPUT.checkpoint; 0: none");
-  sub->add_flag(
-      "--resume", command->outputs.checkpoints.resume, "go on from OUTPUT.checkpoint, if it is there");
-  sub->add_option(
-      "--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
-  sub->add_option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
-      ->check(CLI::Range(0, 65535));
-  sub->add_option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
-  sub->add_option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
-  sub->callback([command, &globals] { train(*command, globals); });
+  sub.flag("--resume", command->outputs.checkpoints.resume, "go on from OUTPUT.checkpoint, if it is there");
+  sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
+  sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
+      .range(0, 65535);
+  sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
+  sub.option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
+  sub.run([command, &globals] { train(*command, globals); });
 }
 
 }  // namespace simuli::cli

@@ -11,8 +11,9 @@
 namespace simuli {
 
 /// Weights of the LiDAR set's losses, each a mean over its rays (METHOD section 10). Only their ratios
-/// matter: the set has no other loss, and Adam's steps do not depend on the loss's scale. METHOD's 0.01 is
-/// the weight beside a picture's loss; alone, distances need more to hold their own against the drops.
+/// matter: Adam's steps do not depend on the loss's scale, and unless asked for the set has no other loss.
+/// The paper's 0.01 is the weight beside a picture's loss; alone, distances need more to hold their own
+/// against the drops.
 struct LidarWeights {
   double distance = 0.5;   // |d^ - d| in m, returned rays
   double intensity = 0.1;  // |i^ - i|, returned rays
