@@ -7,11 +7,6 @@
 #include "bench/render/stages.hpp"
 
 namespace simuli::bench {
-namespace {
-
-
-}  // namespace
-
 Device profiled_device(const std::string& request, const Progress& note) {
   DeviceOptions options;
   options.profiling = true;

@@ -51,15 +51,12 @@ void demo(const DemoCommand& command, const Globals& globals) {
     EvalOptions eval;
     eval.render = options_of(globals.quality);
     report = evaluate_scene(device, log, trained.file.scene, eval, globals);
-    Renderer renderer(device, eval.render);
+    SceneOnDevice scene(device, borrowed(trained.file.scene), eval.render);
     const std::size_t image = select_frames(log.images, eval.held_out_every, true).front();
-    const Scene& scene = trained.file.scene;
-    const PicturePair picture =
-        camera_pair(renderer, ParticleBuffers(device, scene.camera, eval.render), log, scene, image, eval);
+    const PicturePair picture = camera_pair(scene, log, image, eval);
     write_image(folder / "camera.png", joined(picture.rendered, picture.recorded, Layout::kBeside));
     const std::size_t index = select_frames(log.sweeps, eval.held_out_every, true).front();
-    const SweepPictures sweep =
-        sweep_pair(renderer, ParticleBuffers(device, scene.lidar, eval.render), log, scene, index);
+    const SweepPictures sweep = sweep_pair(scene, log, index);
     write_image(folder / "lidar_range.png",
                 joined(sweep.ranges.rendered, sweep.ranges.recorded, Layout::kBelow));
     write_report(folder / "report.html",

@@ -19,8 +19,6 @@ class SharedPrograms : public testing::Environment {
 const testing::Environment* const kSharedPrograms =
     testing::AddGlobalTestEnvironment(new SharedPrograms);  // GoogleTest owns it
 
-constexpr double kSweep_s = 0.1;
-
 }  // namespace
 
 void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
