@@ -143,6 +143,7 @@ std::vector<Row> run_figure10(const std::string& device_request,
     init.voxel_m = 0.05;
     TrainOptions train;
     train.iterations = options.iterations;
+    train.render = paper_options();
     train.lidar_every = 1;
     train.render.lidar_compensation = v.compensation;
     const Scene scene = trained(device, log, initialize_scene(log, init).scene, train);

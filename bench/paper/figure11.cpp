@@ -82,6 +82,7 @@ class Trial {
   Trial(const Device& device, const Figure11Options& options) : device_(device) {
     train_.iterations = options.iterations;
     train_.image_scale = 1.0;
+    train_.render = paper_options();
   }
   /// Particles from all frames of `log`, trained on the pictures (or sweeps) alone.
   [[nodiscard]] Scene fit_camera(const Log& log) const {
@@ -106,6 +107,7 @@ class Trial {
   }
   [[nodiscard]] EvalReport compare(const Log& log, const Scene& scene) const {
     EvalOptions options;
+    options.render = train_.render;
     options.timed_renders = 1;
     return evaluate(device_, log, scene, options);
   }

@@ -16,6 +16,7 @@ class Table {
   Table(const Device& device, const Log& log, const Table5Options& options, Note note)
       : device_(device), log_(log), note_(std::move(note)) {
     train_.iterations = options.iterations;
+    train_.render = paper_options();
     train_.image_scale = options.log.empty() ? 1.0 : 0.5;
     InitOptions init;
     init.image_scale = train_.image_scale;
@@ -41,6 +42,7 @@ class Table {
   void add(const std::string& name, const Scene& scene) {
     EvalOptions eval;
     eval.image_scale = train_.image_scale;
+    eval.render = train_.render;
     eval.timed_renders = 11;
     const EvalReport report = evaluate(device_, log_, scene, eval);
     const auto row = [&](const char* metric, double value, const char* unit) {

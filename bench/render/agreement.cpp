@@ -37,7 +37,7 @@ Picture picture_of(const RayResults& results) {
 }
 
 Picture render(const Device& device, SetKind kind, Precision precision) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   Scene street;
   (kind == SetKind::kCamera ? street.camera : street.lidar) = street_particles(kind, 3, kParticles, 1);

@@ -91,7 +91,7 @@ class Case {
     return {device, lidar, nominal_rays(lidar), options_};
   }
 
-  RenderOptions options_;
+  RenderOptions options_ = paper_options();
   Renderer renderer_;
   ParticleBuffers particles_;
   SensorRays rays_;
@@ -123,7 +123,7 @@ std::vector<Row> run_stages(const std::string& device_request,
     const std::string base = fmt::format("stages/{}_{}k",
                                          kind == SetKind::kCamera ? "camera_640x360" : "lidar_64x2650",
                                          options.particles / 1000);
-    RenderOptions one_ray_per_item, no_ray_done;
+    RenderOptions one_ray_per_item = paper_options(), no_ray_done = one_ray_per_item;
     one_ray_per_item.shape = LaneShape{1, 1, 256};
     no_ray_done.transmittance_cut = 0.0;
     Case shaped(device, kind, options, {}), one_ray(device, kind, options, one_ray_per_item);

@@ -15,7 +15,7 @@ constexpr int kBriefFrames = 3;
 constexpr std::size_t kFinalists = 4;
 
 RenderOptions options_with(const LidarTiles& tiles) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.lidar_tiles = tiles;
   return options;
 }

@@ -67,7 +67,7 @@ void run_trade(const BenchCommand& command, const Globals& globals, const bench:
   if (!command.settings.empty()) {
     options.own_name = fmt::format("{}", fmt::join(command.settings, " "));
     options.own = options_of(globals.quality);
-    apply_settings(command.settings, render_settings(options.own));
+    fields_of(options.own).apply(command.settings);
     validate(options.own);
   }
   const std::vector<bench::TradePoint> points = bench::run_trade(globals.device, options, note);
@@ -210,8 +210,15 @@ void add_bench(Command app, const Globals& globals) {
   command.option(
       "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
   command.option("--picture", options->picture, "--trade: a PNG of time and error, with the front");
-  command.option(
-      "--set", options->settings, "--trade: render.KEY=VALUE; only these together, and the qualities");
+  const auto fields = [options, &globals] {
+    options->trade_options.own = options_of(globals.quality);
+    return fields_of(options->trade_options.own);
+  };
+  add_settings(command,
+               options->settings,
+               globals,
+               fields,
+               "--trade: KEY=VALUE..., only these together, and the qualities; help: lists the keys");
   command.option("--repeats", options->trade_options.repeats, "--trade: timed renders of each view")
       .range(1, 1000)
       .with_default();

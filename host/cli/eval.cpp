@@ -9,7 +9,6 @@
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
-#include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -46,8 +45,8 @@ Log mounted(Log log, const SceneFile& scene) {
 
 void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
-  apply_settings(command.settings, render_settings(command.options.render));
-  validate(command.options.render);
+  fields_of(command.options).apply(command.settings);
+  check(command.options);
   SceneFile file = read_scene(command.scene);
   apply(command.edits, file.scene);
   const Log log = mounted(read_log(command.log), file);
@@ -79,7 +78,11 @@ void add_eval(Command app, const Globals& globals) {
   add("--scale", command->options.image_scale, "size of the compared pictures over the recorded");
   add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
   add("--repeats", command->options.timed_renders, "timed renders of each sensor");
-  sub.option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  const auto fields = [command, &globals] {
+    command->options.render = options_of(globals.quality);
+    return fields_of(command->options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
   add_edit_options(sub, command->edits);
   sub.run([command, &globals] { eval(*command, globals); });

@@ -252,7 +252,7 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
 
 void render(const RenderCommand& command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
-  apply_settings(command.settings, render_settings(options));
+  fields_of(options).apply(command.settings);
   validate(options);
   SceneFile file = read_scene(command.scene);
   apply(command.edits, file.scene);
@@ -337,7 +337,12 @@ void add_render(Command app, const Globals& globals) {
       .range(0.01, 100.0);
   add_edit_options(sub, command->edits);
   sub.option("--scale", command->scale, "size of the pictures over the camera's own");
-  sub.option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  const auto options = std::make_shared<RenderOptions>();
+  const auto fields = [options, &globals] {
+    *options = options_of(globals.quality);
+    return fields_of(*options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.run([command, &globals] { render(*command, globals); });
 }
 

@@ -6,11 +6,10 @@
 #include <utility>
 
 #include "host/cli/base/commands.hpp"
-#include "host/cli/base/train_settings.hpp"
+#include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "host/cli/view/view_server.hpp"
-#include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/log/own_vehicle.hpp"
 #include "optim/log/range_bias.hpp"
@@ -27,6 +26,13 @@ struct TrainCommand {
   TrainOutputs outputs;
   std::string report;  // file to write; empty: none
   int view_port = -1;  // of the viewer; below 0: none
+
+  /// What --set sets.
+  Fields fields() {
+    Fields all = fields_of(train);
+    all.part("", init);
+    return all;
+  }
 };
 
 void print_report(const TrainedScene& trained, const TrainCommand& command, bool json) {
@@ -108,19 +114,19 @@ void write_train_report(const TrainCommand& command,
 
 void train(TrainCommand command, const Globals& globals) {
   command.train.render = training_options_of(globals.quality);
-  apply_settings(command.settings, train_settings(command.init, command.train));
-  validate(command.train.render);
+  command.fields().apply(command.settings);
   command.init.image_scale = command.train.image_scale;
   command.init.held_out_every = command.train.held_out_every;
   command.init.seed = command.train.seed;
+  (void)checked(command.train);
+  check(command.init);
   Log log = read_log(command.log);
   if (command.init.range_bias) log = with_range_bias(std::move(log), command.init.held_out_every);
   if (command.init.own_vehicle) log = with_blind_arcs(std::move(log), command.init.held_out_every);
   const Device device = Device::best(globals.device);
   if (globals.verbose) {
-    std::cerr << fmt::format("simuli: {}; {}\n",
-                             device.info().label(),
-                             fmt::join(list_settings(train_settings(command.init, command.train)), " "));
+    std::cerr << fmt::format(
+        "simuli: {}; {}\n", device.info().label(), fmt::join(command.fields().lines(), " "));
   }
   std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
   checkpoint = std::filesystem::path(command.output).lexically_normal();
@@ -173,7 +179,11 @@ void add_train(Command app, const Globals& globals) {
   sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
       .range(0, 65535);
   sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
-  sub.option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
+  const auto fields = [command, &globals] {
+    command->train.render = training_options_of(globals.quality);
+    return command->fields();
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.run([command, &globals] { train(*command, globals); });
 }
 

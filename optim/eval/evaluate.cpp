@@ -218,18 +218,17 @@ SweepPair render_sweep(SceneOnDevice& scene, const Log& log, const SweepFrame& f
   return pair;
 }
 
+void check(const EvalOptions& options) {
+  check_fields(options);
+  validate(options.render);
+}
+
 EvalReport evaluate(const Device& device,
                     const Log& log,
                     const Scene& scene,
                     const EvalOptions& options,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
-  if (options.timed_renders < 1 || options.held_out_every < 0 || options.held_out_every == 1) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("evaluate: found held_out_every {}, timed_renders {}, allowed 0 or at least 2, "
-                            "at least 1",
-                            options.held_out_every,
-                            options.timed_renders));
-  }
+  check(options);
   const auto begin = std::chrono::steady_clock::now();
   // Nothing held out: every frame is "not held out", and all of them are compared.
   const bool held_out = options.held_out_every > 0;

@@ -8,16 +8,9 @@
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/base/metrics.hpp"
+#include "optim/eval/eval_options.hpp"
 
 namespace simuli {
-
-struct EvalOptions {
-  double image_scale = 1.0;         // (0, 1]: pictures are compared at this size
-  int held_out_every = 5;           // as in training; 0: nothing was held out, all frames are compared
-  int timed_renders = 5;            // of each sensor, behind a first one that warms up; at least 1
-  double actor_min_travel_m = 1.0;  // actors of the log that get at least that far count as such
-  RenderOptions render;             // e.g. another projection than the default one
-};
 
 /// Means over frames. NaN where the log has no such frame; a sweep whose value is NaN (nothing predicted,
 /// nothing returned) is left out of that mean and counted.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "io/picture/image.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/frames.hpp"
@@ -27,35 +28,6 @@ namespace {
 constexpr double kShellExtents = 3.0;      // the shell stands at three times the farthest point ...
 constexpr double kShellNearest_m = 200.0;  // ... but never nearer than this
 constexpr double kInfinitelyFar_m = 1e9;   // a drive moves no direction there
-
-void check(const InitOptions& o) {
-  const auto need = [](bool holds, const char* field, double found, const char* allowed) {
-    if (!holds) {
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("initialise: {}: found {}, allowed {}", field, found, allowed));
-    }
-  };
-  need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
-  need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
-  need(o.camera_sh_degree >= 0 && o.camera_sh_degree <= 3, "camera_sh_degree", o.camera_sh_degree, "0 to 3");
-  need(o.lidar_sh_degree >= 0 && o.lidar_sh_degree <= 3, "lidar_sh_degree", o.lidar_sh_degree, "0 to 3");
-  need(o.min_scale_m > 0.0, "min_scale_m", o.min_scale_m, "above 0");
-  need(o.max_scale_m >= o.min_scale_m && std::isfinite(o.max_scale_m),
-       "max_scale_m",
-       o.max_scale_m,
-       "finite and at least min_scale_m");
-  for (const double scale : {o.camera_scale, o.lidar_scale}) {
-    need(scale > 0.0 && scale <= 10.0, "scale over spacing", scale, "above 0, at most 10");
-  }
-  const int width = o.environment_width;
-  need(width == 0 || (width >= 8 && width <= 7200 && width % 2 == 0),
-       "environment_width",
-       width,
-       "0, or even and 8 to 7200");
-  need(o.actor_min_travel_m >= 0.0, "actor_min_travel_m", o.actor_min_travel_m, "0 or more");
-  need(o.actor_margin_m >= 0.0, "actor_margin_m", o.actor_margin_m, "0 or more");
-  need(o.sweep_cell_px >= 1 && o.sweep_cell_px <= 64, "sweep_cell_px", o.sweep_cell_px, "1 to 64");
-}
 
 /// Mean sensor position in whole metres: offsets from it are small and exact in float.
 Eigen::Vector3d scene_origin(const Trajectory& world_from_rig) {
@@ -228,6 +200,19 @@ double farthest_m(const PointSet& points, const Trajectory& trajectory, const Ei
 }
 
 }  // namespace
+
+void check(const InitOptions& o) {
+  check_fields(o);
+  const auto need = [](bool holds, const char* key, double found, const std::string& allowed) {
+    if (!holds) throw Error(ErrorKind::kUsage, fmt::format("{}: found {}, allowed {}", key, found, allowed));
+  };
+  need(o.max_scale_m >= o.min_scale_m,
+       "init.max_scale_m",
+       o.max_scale_m,
+       fmt::format("init.min_scale_m ({}) or more", o.min_scale_m));
+  need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0, or 2 or more");
+  need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
+}
 
 SceneInit initialize_scene(const Log& log,
                            const InitOptions& options,

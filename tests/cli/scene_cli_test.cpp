@@ -130,7 +130,17 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
       run("synth street -o s.log --frames 2 --image-width 32 --image-height 18 --lidar-columns 36").exit_code,
       0);
   expect_failure("train nowhere.log -o x", kInput, "nowhere.log");
-  expect_failure("train s.log -o x --set speed=1", kUsage, "camera.rate.mean_m");  // lists the keys
+  expect_failure(
+      "train s.log -o x --set speed=1", kUsage, "no key \"speed\", allowed those that \"--set help\" lists");
+  expect_failure(
+      "train s.log -o x --set init.voxle_m=1", kUsage, "allowed init.voxel_m (\"--set help\" lists all)");
+  expect_failure("train s.log -o x --set camera.rate.opacity=-1",
+                 kUsage,
+                 "--set camera.rate.opacity: found -1, allowed 0 or more");
+  expect_failure(
+      "train s.log -o x --set init.actor_voxel_m=0", kUsage, "init.actor_voxel_m: found 0, allowed 0.001");
+  expect_failure(
+      "train s.log -o x --set init.max_scale_m=0.01", kUsage, "allowed init.min_scale_m (0.03) or more");
   expect_failure("train s.log -o x --set init.voxel_m=wide", kUsage, "init.voxel_m: found \"wide\"");
   expect_failure("train s.log -o x --set init.voxel_m", kUsage, "KEY=VALUE");
   expect_failure("train s.log -o x --set init.voxel_m=0.2 --set init.voxel_m=0.3", kUsage, "twice");
@@ -139,11 +149,11 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
   const std::string projections = "allowed unscented, linearized, monte_carlo";
   expect_failure("train s.log -o x --set render.projection=exact", kUsage, projections);
   expect_failure(
-      "train s.log -o x --set render.projection=linearized", kUsage, "allowed with extent=unscented");
+      "train s.log -o x --set render.projection=linearized", kUsage, "allowed with render.extent=unscented");
   expect_failure("train s.log -o x --set render.alpha_cut=2", kUsage, "render.alpha_cut: found 2");
   expect_failure("eval x s.log --set render.shutter_iterations=65", kUsage, "allowed 0 to 64");
   expect_failure("eval x s.log --set render.extent=box", kUsage, "allowed unscented, exact");
-  expect_failure("eval x s.log --set init.voxel_m=1", kUsage, "render.transmittance_cut");  // lists the keys
+  expect_failure("eval x s.log --set init.voxel_m=1", kUsage, "no key \"init.voxel_m\"");
   expect_failure("render x --sensor top -o y --set render.extent", kUsage, "KEY=VALUE");
   EXPECT_FALSE(fs::exists(folder_ / "x"));
   expect_failure("eval nowhere.scene s.log", kInput, "nowhere.scene");

@@ -92,7 +92,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
   }
 
   Device device_ = Device::best();
-  RenderOptions options_;
+  RenderOptions options_ = paper_options();
   Renderer renderer_{device_, options_};
   std::vector<float> gradients_;
 };

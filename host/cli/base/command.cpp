@@ -21,6 +21,11 @@ CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(
   return {check, name};
 }
 
+/// Leaves the library's parsing with what is to be run instead.
+struct Answer {
+  std::function<void()> run;
+};
+
 }  // namespace
 
 Option& Option::required() {
@@ -75,6 +80,13 @@ Option& Option::one_of(std::initializer_list<int> values) {
 
 Option& Option::values(int least, int most) {
   option_->expected(least, most);
+  return *this;
+}
+
+Option& Option::answers(const std::string& value, std::function<void()> answer) {
+  option_->each([value, answer = std::move(answer)](const std::string& given) {
+    if (given == value) throw Answer{answer};
+  });
   return *this;
 }
 
@@ -166,6 +178,9 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   CLI::App& app = impl_->app;
   try {
     app.parse(argc, argv);
+  } catch (const Answer& answer) {
+    answer.run();
+    return false;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // --help, --version
       app.exit(error);

@@ -10,9 +10,9 @@
 #include <optional>
 #include <utility>
 
-#include "host/cli/base/progress.hpp"
+#include "host/base/fields.hpp"
 #include "host/cli/base/file_progress.hpp"
-#include "host/cli/base/train_settings.hpp"
+#include "host/cli/base/progress.hpp"
 #include "host/cli/view/view_session.hpp"
 #include "io/base/event_file.hpp"
 
@@ -133,17 +133,12 @@ TrainedScene train_scene(const Device& device,
                          const TrainOutputs& outputs) {
   const Checkpoints& checkpoints = outputs.checkpoints;
   // Saved states are of this very training: the start is made again from the same log and settings.
-  InitOptions own_init = init;
-  TrainOptions own_options = options;
-  const std::string settings =
-      fmt::format("iterations={}\nscale={}\nheld_out={}\nseed={}\nimages={}\nsweeps={}\n{}\n",
-                  options.iterations,
-                  options.image_scale,
-                  options.held_out_every,
-                  options.seed,
-                  log.images.size(),
-                  log.sweeps.size(),
-                  fmt::join(list_settings(train_settings(own_init, own_options)), "\n"));
+  std::vector<std::string> settings_lines = lines_of(init);
+  for (std::string& line : lines_of(options)) {
+    if (!line.starts_with("max_seconds=")) settings_lines.push_back(std::move(line));
+  }
+  const std::string settings = fmt::format(
+      "images={}\nsweeps={}\n{}\n", log.images.size(), log.sweeps.size(), fmt::join(settings_lines, "\n"));
   const bool resumes = checkpoints.resume && std::filesystem::exists(checkpoints.file);
   if (resumes) {
     Trainer::need_settings(checkpoints.file, settings);

@@ -1,0 +1,35 @@
+#pragma once
+// What an evaluation is told.
+#include "host/base/allowed.hpp"
+#include "host/render/options/options.hpp"
+
+namespace simuli {
+
+struct EvalOptions {
+  double image_scale = 1.0;
+  int held_out_every = 5;
+  int timed_renders = 5;  // behind a first one that warms up
+  double actor_min_travel_m = 1.0;
+  RenderOptions render;
+};
+
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(EvalOptions& o, F&& field) {
+  field("image_scale", o.image_scale, above(0.0, 1.0), "size of the compared pictures over the recorded");
+  field("held_out_every",
+        o.held_out_every,
+        zero_or(at_least(2)),
+        "as in training; 0: nothing was held out, all frames are compared");
+  field("timed_renders", o.timed_renders, at_least(1), "of each sensor, for its speed");
+  field("actor_min_travel_m",
+        o.actor_min_travel_m,
+        at_least(0.0),
+        "m, actors of the log that get less far do not count as such");
+  field.part("", o.render);
+}
+
+/// Error{kUsage} naming the key when one is outside its range.
+void check(const EvalOptions& options);
+
+}  // namespace simuli
