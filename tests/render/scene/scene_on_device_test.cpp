@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/render/options/quality.hpp"
 #include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "tests/render/scene/two_cars.hpp"
