@@ -180,7 +180,7 @@ void write_report(const std::filesystem::path& file,
   HtmlReport html(
       title,
       fmt::format(
-          "simuli {}; {}, driver {}", SIMULI_VERSION, device.info().label(), device.info().driver_version));
+          "simuli {}; {}, driver {}", version(), device.info().label(), device.info().driver_version));
   add_metrics(html, report);
   if (trained != nullptr) add_training(html, *trained);
   SceneOnDevice on_device(device, borrowed(scene), options.render);

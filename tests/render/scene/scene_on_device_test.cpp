@@ -212,7 +212,8 @@ TEST(SceneOnDevice, RendersTheRaysThatAreAskedFor) {
     const RayResults part = scene.render(sensor, shot, {.rays = some}).results();
     for (std::size_t i = 0; i < some.size(); ++i) {
       ASSERT_EQ(part.transmittance[i], some[i] ? all.transmittance[i] : 1.0F) << i;
-      if (some[i]) ASSERT_EQ(part.feature[0][i], all.feature[0][i]) << i;
+      if (!some[i]) continue;
+      ASSERT_EQ(part.feature[0][i], all.feature[0][i]) << i;
     }
     expect_same(scene.render(sensor, shot).results(), all);
     EXPECT_THROW((void)scene.render(sensor, shot, {.rays = {true}}), Error);

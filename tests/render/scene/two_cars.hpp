@@ -48,6 +48,7 @@ inline Scene two_cars() {
   scene.lidar = background_and_cars(SetKind::kLidar);
   scene.actors = {driving("near", {6.0, 1.0, -0.4}, 0.3), driving("far", {9.0, -2.5, 0.2}, -2.0)};
   scene.camera_background = {0.1F, 0.2F, 0.4F};
+  scene.lidar_background = {0.5F, 2.0F, -2.0F};  // rays that meet something return
   return scene;
 }
 
