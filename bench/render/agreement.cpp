@@ -12,6 +12,7 @@
 #include "bench/render/scene.hpp"
 #include "host/base/error.hpp"
 #include "host/render/scene/scene_on_device.hpp"
+#include "host/scene/particle_street.hpp"
 #include "host/sensors/lidar.hpp"
 
 namespace simuli::bench {
@@ -49,7 +50,7 @@ Picture render(const Device& device, SetKind kind, Precision precision) {
   const Sensor sensor =
       kind == SetKind::kCamera ? Sensor(camera, {}, 0.02) : Sensor(builtin_lidar("generic64"));
   const double seconds = sensor.duration_s();
-  const Pose start = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_bench_lidar();
+  const Pose start = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
   const Eigen::AngleAxisd turn(0.5236 * seconds, Eigen::Vector3d::UnitZ());
   Pose end = start;
   end.translation.x() += 15.0 * seconds;

@@ -123,6 +123,7 @@ struct RenderOptions {
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
   double camera_filter_px2 = 0.3;
+  double camera_near_m = 0.01;
   bool camera_compensation = false;
   bool lidar_compensation = false;  // blends thin things with what is behind
   bool median_distance = true;
@@ -187,6 +188,10 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         o.camera_filter_px2,
         range(0.0, 100.0),
         "px^2, variance of a pixel's footprint");
+  field("render.camera_near_m",
+        o.camera_near_m,
+        range(0.01, 1000.0),
+        "m, cameras see nothing nearer; a LiDAR's nearest range is its own");
   field("render.camera_compensation",
         o.camera_compensation,
         "particles that a pixel's footprint widens lose opacity in proportion");

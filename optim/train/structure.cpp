@@ -1,15 +1,10 @@
-// What holds particles in place and what changes their number: anchors, relocation, growth, noise.
+#include "optim/train/structure.hpp"
+
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-
-#include "optim/base/frames.hpp"
-#include "optim/train/trainer.hpp"
 
 namespace simuli {
 namespace {
-
-constexpr double kPoseFinalShare = 0.01;  // of the offsets' rates, at the end
 
 /// Adds the time until it goes, the device's work included.
 class Stopwatch {
@@ -31,66 +26,65 @@ class Stopwatch {
 
 }  // namespace
 
-template <class Frame>
-View Trainer::view(const Frame& frame, const std::string& sensor) const {
-  const View from_log = view_of(log_, scene_, frame);
-  const auto offset = offsets_.find(sensor);
-  return offset == offsets_.end() ? from_log : moved_by(offset->second, from_log);
-}
-template View Trainer::view(const ImageFrame& frame, const std::string& sensor) const;
-template View Trainer::view(const SweepFrame& frame, const std::string& sensor) const;
-
-void Trainer::step_pose(const std::string& sensor, const RealBuffer& grads, double progress) {
-  const auto offset = offsets_.find(sensor);
-  if (offset == offsets_.end()) return;
-  const double share = std::pow(kPoseFinalShare, progress);
-  offset->second.step(renderer_.pose_gradient(grads),
-                      share * options_.poses.translation_m,
-                      share * options_.poses.rotation_rad);
+Structure::Structure(const Device& device,
+                     const TrainOptions& options,
+                     std::uint64_t seed,
+                     TrainedSet& camera,
+                     TrainedSet& lidar)
+    : device_(device), options_(options), seed_(seed), camera_(camera), lidar_(lidar) {
+  if (options.anchor.weight > 0.0 && camera.particles.count > 0 && lidar.particles.count > 0) {
+    anchor_.emplace(device, Precision::kFloat, static_cast<std::uint32_t>(options.anchor.neighbours));
+  }
+  if (options.densify.every > 0) densify_.emplace(device, Precision::kFloat);
 }
 
-bool Trainer::collects_errors() const {
-  return densify_ && status_.iteration < options_.densify.last_share * options_.iterations;
+bool Structure::collects_errors(int iteration) const {
+  return densify_ && iteration < options_.densify.last_share * options_.iterations;
 }
 
-void Trainer::find_anchors() {
-  if (!anchor_ || status_.iteration % options_.anchor.every != 0) return;
+void Structure::find_anchors(int iteration) {
+  if (!anchor_ || iteration % options_.anchor.every != 0) return;
   Stopwatch watch(device_, anchor_seconds_);
   anchor_->assign(camera_.particles, lidar_.particles, options_.anchor.reach_m);
   watch.stop();
 }
 
-void Trainer::add_anchor_gradient() {
+void Structure::add_anchor_gradient(const Renderer& renderer, int iteration) {
   if (!anchor_) return;
   Stopwatch watch(device_, anchor_seconds_);
   // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
   anchor_->add_gradient(camera_.particles,
                         lidar_.particles,
-                        renderer_.buffers().keys,
+                        renderer.buffers().keys,
                         options_.anchor.weight / camera_.particles.count,
-                        status_.iteration % options_.anchor.choose_every == 0,
+                        iteration % options_.anchor.choose_every == 0,
                         camera_.grads);
   watch.stop();
 }
 
-void Trainer::jitter(TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress) {
-  if (!collects_errors() || !(options_.densify.noise > 0.0)) return;
+void Structure::jitter(TrainedSet& set,
+                       SetNumber number,
+                       const LearningRates& rates,
+                       const Renderer& renderer,
+                       int iteration,
+                       double progress) {
+  if (!collects_errors(iteration) || !(options_.densify.noise > 0.0)) return;
   const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
   densify_->jitter(set.particles,
-                   renderer_.buffers().keys,
+                   renderer.buffers().keys,
                    options_.densify.noise * rate_m,
-                   {options_.seed, static_cast<std::uint32_t>(status_.iteration), number});
+                   {seed_, static_cast<std::uint32_t>(iteration), number});
 }
 
-void Trainer::densify() {
+void Structure::densify(int iteration) {
   const DensifyOptions& o = options_.densify;
-  if (!collects_errors() || status_.iteration < o.first || status_.iteration % o.every != 0) return;
+  if (!collects_errors(iteration) || iteration < o.first || iteration % o.every != 0) return;
   Stopwatch watch(device_, densify_seconds_);
   const double count = static_cast<double>(camera_.particles.count) + lidar_.particles.count;
   // What is left to the cap is shared as the growth would be.
   const double room = std::max(0.0, static_cast<double>(o.cap) - count);
   const double growth = std::min(o.growth, room / std::max(count, 1.0));
-  for (const std::uint32_t number : {kCameraSet, kLidarSet}) {
+  for (const SetNumber number : {kCameraSet, kLidarSet}) {
     TrainedSet& set = number == kCameraSet ? camera_ : lidar_;
     RealBuffer* const moments[] = {&set.adam.first_moment(), &set.adam.second_moment()};
     const DensifyCounts counts =
@@ -98,7 +92,7 @@ void Trainer::densify() {
                            moments,
                            set.error,
                            static_cast<std::uint32_t>(growth * set.particles.count),
-                           {options_.seed, static_cast<std::uint32_t>(status_.iteration), number});
+                           {seed_, static_cast<std::uint32_t>(iteration), number});
     set.fit_gradients();
     if (number == kCameraSet && anchor_) {
       densify_->follow(anchor_->candidates(), anchor_->neighbours());
@@ -107,9 +101,23 @@ void Trainer::densify() {
     relocated_ += counts.relocated;
     grown_ += counts.grown;
   }
-  status_.camera_particles = camera_.particles.count;
-  status_.lidar_particles = lidar_.particles.count;
   watch.stop();
+}
+
+void Structure::report(TrainReport& report) const {
+  report.relocated = relocated_;
+  report.grown = grown_;
+  if (anchor_) report.anchor_m = anchor_->loss().mean_m();
+  report.anchor_seconds = anchor_seconds_;
+  report.densify_seconds = densify_seconds_;
+}
+
+void Structure::add_state(StateList& list) {
+  list.add("relocated", relocated_);
+  list.add("grown", grown_);
+  if (!anchor_) return;
+  list.add("anchor/candidates", anchor_->candidates());
+  list.add("anchor/nearest", anchor_->nearest());
 }
 
 }  // namespace simuli

@@ -1,4 +1,4 @@
-#include "host/cli/report/canvas.hpp"
+#include "host/cli/draw/canvas.hpp"
 
 #include <algorithm>
 #include <cctype>

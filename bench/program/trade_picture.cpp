@@ -1,17 +1,18 @@
-#include "host/cli/report/trade_picture.hpp"
+#include "bench/program/trade_picture.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <string>
 
-#include "host/cli/report/canvas.hpp"
+#include "host/cli/draw/canvas.hpp"
 #include "host/render/options/quality.hpp"
 
-namespace simuli::cli {
+namespace simuli::bench {
 namespace {
 
-using bench::TradePoint;
+using cli::Canvas;
+using cli::Colour;
 
 constexpr int kLeft = 120, kPlot = 900, kList = 400, kTop = 56, kPanel = 560, kGap = 110, kBottom = 90;
 constexpr int kWidth = kLeft + kPlot + kList;
@@ -144,4 +145,4 @@ Image trade_picture(const std::vector<TradePoint>& points) {
   return canvas.image();
 }
 
-}  // namespace simuli::cli
+}  // namespace simuli::bench
