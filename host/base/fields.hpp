@@ -32,7 +32,7 @@ namespace detail {
 template <class Options>
 struct AnyMember {
   template <class T>
-  requires(!std::same_as<T, Options>) constexpr operator T() const;  // NOLINT: a conversion is what it is for
+  requires(!std::same_as<T, Options>) constexpr operator T() const { return T(); }  // NOLINT: it converts
 };
 
 /// Members of an aggregate, a nested struct counting as one.
@@ -139,7 +139,7 @@ class Fields {
   [[nodiscard]] std::vector<std::string> lines() const;
   /// Error{kUsage} "KEY: found, allowed" for the first value outside its range.
   void check() const;
-  /// A table for people: key, value, allowed values, meaning.
+  /// A table for people: key, value (as the default), allowed values, meaning.
   [[nodiscard]] std::string help() const;
 
  private:

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <fmt/format.h>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 
 namespace simuli::detail {

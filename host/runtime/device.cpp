@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 
 namespace simuli {

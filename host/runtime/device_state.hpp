@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/runtime/build_options.hpp"
-#include "host/runtime/cl.hpp"
+#include "host/runtime/cl/cl.hpp"
 #include "host/runtime/device.hpp"
 #include "host/runtime/text/declaration.hpp"
 

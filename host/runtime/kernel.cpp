@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 
 namespace simuli {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 #include "host/runtime/disk_cache.hpp"
 #include "host/runtime/text/source.hpp"

@@ -56,10 +56,10 @@ struct Rays {
   std::uint64_t frames = 0;
 };
 
-Rays image_rays(const Log& log, const TrainOptions& options) {
+Rays image_rays(const Log& log, const FrameSelection& frames) {
   Rays rays;
-  for (const std::size_t index : select_frames(log.images, options.held_out_every, false)) {
-    const Camera camera = scaled_camera(log.camera(log.images[index].camera).model, options.image_scale);
+  for (const std::size_t index : select_frames(log.images, frames.held_out_every, false)) {
+    const Camera camera = scaled_camera(log.camera(log.images[index].camera).model, frames.image_scale);
     const auto pixels = static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
     rays.largest = std::max(rays.largest, pixels);
     rays.slots += slots_of(pixels);
@@ -68,9 +68,9 @@ Rays image_rays(const Log& log, const TrainOptions& options) {
   return rays;
 }
 
-Rays sweep_rays(const Log& log, const TrainOptions& options) {
+Rays sweep_rays(const Log& log, const FrameSelection& frames) {
   Rays rays;
-  for (const std::size_t index : select_frames(log.sweeps, options.held_out_every, false)) {
+  for (const std::size_t index : select_frames(log.sweeps, frames.held_out_every, false)) {
     const auto beams = static_cast<std::uint64_t>(ray_count(log.lidar(log.sweeps[index].lidar).model));
     rays.largest = std::max(rays.largest, beams);
     rays.slots += slots_of(beams);
@@ -214,14 +214,15 @@ void add_structure(const Device& device, Tally& tally, const Counts& counts, con
 MemoryNeed training_memory(const Device& device,
                            const Log& log,
                            const Scene& scene,
-                           const TrainOptions& options) {
+                           const TrainingOptions& training) {
+  const TrainOptions& options = training.train;
   MemoryNeed need;
   Tally tally(need);
   const Counts counts{grown(scene.camera.size(), scene.lidar.size(), options),
                       grown(scene.lidar.size(), scene.camera.size(), options),
                       scene.actors.size(),
-                      image_rays(log, options),
-                      sweep_rays(log, options)};
+                      image_rays(log, training.frames),
+                      sweep_rays(log, training.frames)};
   add_set(device, tally, "camera set", scene.camera, counts.camera, counts, options);
   add_set(device, tally, "LiDAR set", scene.lidar, counts.lidar, counts, options);
   add_frame(device, tally, counts, options);
@@ -234,18 +235,18 @@ MemoryNeed training_memory(const Device& device,
   return need;
 }
 
-void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainOptions& options) {
+void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options) {
   const MemoryNeed need = training_memory(device, log, scene, options);
   const DeviceInfo& info = device.info();
-  const bool limited = options.memory_bytes > 0;
-  const std::uint64_t allowed = limited ? options.memory_bytes : info.global_bytes;
+  const std::size_t limit = options.train.memory_bytes;
+  const std::uint64_t allowed = limit > 0 ? limit : info.global_bytes;
   if (need.total > allowed) {
     throw Error(ErrorKind::kDevice,
                 fmt::format("train: device memory: found a need of {}; allowed {:.3f} GB{} (fewer particles: "
                             "init.max_camera, init.max_lidar, densify.cap; fewer frames kept: cache_bytes)",
                             need.text(),
                             giga(allowed),
-                            limited ? " by memory_bytes" : " of " + info.label()));
+                            limit > 0 ? " by memory_bytes" : " of " + info.label()));
   }
   if (need.largest_buffer > info.max_alloc_bytes) {
     throw Error(ErrorKind::kDevice,

@@ -47,7 +47,7 @@ TEST_F(Cli, SetHelpListsKeysWithDefaultsRangesAndMeanings) {
   const Outcome render = run("--json render --set help");
   const auto rows = nlohmann::json::parse(render.out);
   EXPECT_EQ(rows.at(0).at("key"), "render.projection");
-  EXPECT_EQ(rows.at(0).at("value"), "unscented");
+  EXPECT_EQ(rows.at(0).at("default"), "unscented");
 }
 
 TEST_F(Cli, HelpAndVersionGoToStdout) {

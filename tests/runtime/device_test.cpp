@@ -4,7 +4,7 @@
 #include <cctype>
 
 #include "host/runtime/buffer.hpp"
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/opencl.hpp"
 #include "tests/runtime/support.hpp"
 

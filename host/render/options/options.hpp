@@ -69,6 +69,7 @@ enum class ShStorage : int {
 struct LidarTiles {
   int elevation = 0;
   int rays = 0;
+  bool operator==(const LidarTiles&) const = default;
 };
 template <class F>
 constexpr void visit_fields(LidarTiles& o, F&& field) {
@@ -95,6 +96,7 @@ struct RayMaskSize {
   int columns = 1600;
   int rows = 8;
   bool equalized = true;
+  bool operator==(const RayMaskSize&) const = default;
 };
 template <class F>
 constexpr void visit_fields(RayMaskSize& o, F&& field) {
@@ -121,6 +123,7 @@ struct RenderOptions {
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
   double camera_filter_px2 = 0.3;
+  double camera_near_m = 0.01;
   bool camera_compensation = false;
   bool lidar_compensation = false;  // blends thin things with what is behind
   bool median_distance = true;
@@ -129,6 +132,7 @@ struct RenderOptions {
   RayMaskSize ray_mask;
   LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
   std::size_t max_instances = std::size_t{1} << 28U;
+  bool operator==(const RenderOptions&) const = default;
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
@@ -184,6 +188,10 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         o.camera_filter_px2,
         range(0.0, 100.0),
         "px^2, variance of a pixel's footprint");
+  field("render.camera_near_m",
+        o.camera_near_m,
+        range(0.01, 1000.0),
+        "m, cameras see nothing nearer; a LiDAR's nearest range is its own");
   field("render.camera_compensation",
         o.camera_compensation,
         "particles that a pixel's footprint widens lose opacity in proportion");
