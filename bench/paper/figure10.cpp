@@ -9,6 +9,7 @@
 #include "host/render/scene/seen.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/sweep_pair.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -97,11 +98,10 @@ Errors measure(const Device& device,
                const RenderOptions& options,
                int held_out_every) {
   constexpr double kFound_m = 0.1;
-  Renderer renderer(device, options);
-  const ParticleBuffers particles(device, scene.lidar, options.precision);
+  SceneOnDevice on_device(device, borrowed(scene), options);
   std::vector<double> poles, all;
   for (const std::size_t index : select_frames(log.sweeps, held_out_every, true)) {
-    const SweepPair pair = render_sweep(renderer, particles, log, scene, log.sweeps[index]);
+    const SweepPair pair = render_sweep(on_device, log, log.sweeps[index]);
     for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
       const double range = pair.recorded.range[i];
       if (!(range > 0.0)) continue;
@@ -140,15 +140,16 @@ std::vector<Row> run_figure10(const std::string& device_request,
                            Variant{"filter_compensated", true, true}}) {
     Log log = recording.log;
     if (!v.filter) std::get<Lidar>(log.lidars[0].model).beam_divergence = 0.0;
-    InitOptions init;
-    init.voxel_m = 0.05;
-    TrainOptions train;
+    TrainingOptions training;
+    training.init.voxel_m = 0.05;
+    TrainOptions& train = training.train;
     train.iterations = options.iterations;
     train.render = paper_options();
     train.lidar_every = 1;
     train.render.lidar_compensation = v.compensation;
-    const Scene scene = trained(device, log, initialize_scene(log, init).scene, train);
-    const Errors e = measure(device, log, recording.on_pole, scene, train.render, train.held_out_every);
+    const Scene scene = fit(device, log, training).scene;
+    const Errors e =
+        measure(device, log, recording.on_pole, scene, train.render, training.frames.held_out_every);
     rows.push_back({fmt::format("figure10/{}/pole_error", v.name), 100.0 * e.pole_m, "cm", 0.0});
     rows.push_back({fmt::format("figure10/{}/pole_found", v.name), e.pole_found, "of 1", 0.0});
     rows.push_back({fmt::format("figure10/{}/all_error", v.name), 100.0 * e.all_m, "cm", 0.0});

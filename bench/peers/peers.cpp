@@ -15,13 +15,13 @@
 #include "bench/render/stages.hpp"
 #include "host/render/rays/ray_grid.hpp"
 #include "host/sensors/lidar_library.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
 
 constexpr int kShDegree = 3;
 constexpr std::uint64_t kSeed = 1;
-constexpr double kSweep_s = 0.1;
 constexpr std::size_t kBlock = 8;  // packets along x and y that are traced one after the other
 
 struct PacketShape {
@@ -158,7 +158,7 @@ class Ours {
   static SensorRays rays_of(const Device& device, SetKind kind, const RenderOptions& options) {
     if (kind == SetKind::kCamera) return {device, bench_camera(), options};
     const Lidar lidar = builtin_lidar("generic64");
-    return {device, lidar, nominal_rays(lidar, kSweep_s), options};
+    return {device, lidar, nominal_rays(lidar), options};
   }
 
   const ParticleBuffers& particles_;
@@ -181,7 +181,7 @@ PeerCase compare(const Device& device, SetKind kind, std::int64_t count, int fra
   const bool is_camera = kind == SetKind::kCamera;
   const GaussianSet set = street_particles(kind, kShDegree, count, kSeed);
   const ParticleBuffers particles(device, set, Precision::kFloat);
-  const Pose pose = is_camera ? world_from_bench_camera() : world_from_bench_lidar();
+  const Pose pose = is_camera ? world_from_bench_camera() : world_from_street_lidar();
   const View view{pose, pose, {0.0F, 0.0F, 0.0F}};
   RenderOptions alike_options;
   alike_options.extent = Extent::kExact;

@@ -5,6 +5,7 @@
 
 #include "bench/render/scene.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -44,7 +45,7 @@ class Case {
                    Precision::kFloat),
         rays_(kind == SetKind::kCamera ? SensorRays(device, bench_camera(), options_) : lidar_rays(device)),
         param_grads_(device, "parameter gradients", Precision::kFloat) {
-    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_bench_lidar();
+    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
     view_ = {pose, pose, {0.0F, 0.0F, 0.0F}};
   }
 
@@ -88,7 +89,7 @@ class Case {
  private:
   SensorRays lidar_rays(const Device& device) const {
     const Lidar lidar = builtin_lidar("generic64");
-    return {device, lidar, nominal_rays(lidar, 0.1), options_};
+    return {device, lidar, nominal_rays(lidar), options_};
   }
 
   RenderOptions options_ = paper_options();

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "bench/render/table6.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/tile_choice.hpp"
-#include "io/log/lidar_file.hpp"
+#include "host/render/scene/tile_tuning.hpp"
+#include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -25,13 +25,6 @@ struct TileCommand {
   std::int64_t particles = 200'000;
 };
 
-/// A file by its path, else a built-in sensor.
-LidarModel sensor_named(const std::string& name) {
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(name, ignored)) return read_lidar_file(name).model;
-  return builtin_lidar(name);
-}
-
 TileChoiceKey key_of(const LidarModel& sensor) {
   if (const auto* const list = std::get_if<RayList>(&sensor)) return {list->name, 0, list->ray_count()};
   const auto& lidar = std::get<Lidar>(sensor);
@@ -41,7 +34,7 @@ TileChoiceKey key_of(const LidarModel& sensor) {
 RayGrid grid_of(const Device& device, const LidarModel& sensor, const LidarTiles& tiles) {
   RenderOptions options;
   options.lidar_tiles = tiles;
-  return make_ray_grid(device, sensor, nominal_rays(sensor, 0.1), options);
+  return make_ray_grid(device, sensor, nominal_rays(sensor), options);
 }
 
 struct TileFacts {
@@ -107,9 +100,9 @@ void print(const std::string& name, const RayGrid& grid, bool json) {
 
 void tune(const Device& device, const LidarModel& sensor, std::int64_t particles) {
   constexpr int kFrames = 15;
-  const bench::TileGrid grid = bench::time_tiles(device, sensor, particles, kFrames);
+  const TileGrid grid = time_tiles(device, sensor, particles, kFrames);
   for (std::size_t i = 0; i < grid.times.size(); ++i) {
-    const bench::TileTime& t = grid.times[i];
+    const TileTime& t = grid.times[i];
     std::cerr << fmt::format(
         "{:>3} elevation tiles x {:>3} rays: {:>4} x {:>5} tiles of {:>3} slots {:>9.3f} ms{}\n",
         t.tiles.elevation,
@@ -124,7 +117,7 @@ void tune(const Device& device, const LidarModel& sensor, std::int64_t particles
 }
 
 void tile(const TileCommand& command, const Globals& globals) {
-  const LidarModel sensor = sensor_named(command.sensor);
+  const LidarModel sensor = named_sensor(command.sensor).lidar();
   const Device device = Device::best(globals.device);
   if (command.tune) {
     if (command.tiles.elevation != 0 || command.tiles.rays != 0) {

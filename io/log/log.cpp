@@ -1,14 +1,15 @@
 #include "io/log/log.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <variant>
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/picture/image.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli {
 namespace {
@@ -97,6 +98,39 @@ Json frame_to_json(const Frame& frame,
           {"time_end_ns", to_ns(frame.time_end_s, start_ns, frame.file)}};
 }
 
+/// Whose turns the sweeps tell of.
+bool has_sweeps(const Log& log, const LidarModel& lidar) {
+  return std::any_of(log.sweeps.begin(), log.sweeps.end(), [&](const SweepFrame& frame) {
+    return frame.lidar == name_of(lidar);
+  });
+}
+
+/// A LiDAR's turn takes what its recorded sweeps take: their median, as drives differ from their sensor's
+/// nominal rate.
+void set_sweep_durations(Log& log) {
+  for (LogLidar& lidar : log.lidars) {
+    std::vector<std::int64_t> durations_ns;
+    for (const SweepFrame& frame : log.sweeps) {
+      if (frame.lidar != name_of(lidar.model)) continue;
+      durations_ns.push_back(std::llround((frame.time_end_s - frame.time_start_s) * 1e9));
+    }
+    if (durations_ns.empty()) continue;
+    const auto middle = durations_ns.begin() + static_cast<std::ptrdiff_t>(durations_ns.size() / 2);
+    std::nth_element(durations_ns.begin(), middle, durations_ns.end());
+    const double sweep_s = std::min(static_cast<double>(*middle) / 1e9, kLongestSweep_s);
+    std::visit([&](auto& model) { model.sweep_s = sweep_s; }, lidar.model);
+  }
+}
+
+/// log.json as text.
+std::string text_of(const Log& log) {
+  try {
+    return to_json(log).dump(1) + '\n';
+  } catch (const Json::exception& error) {
+    throw_input_error((log.folder / "log.json").string(), "JSON", error.what(), "names in UTF-8");
+  }
+}
+
 }  // namespace
 
 Log log_from_json(JsonObject& root, const fs::path& folder) {
@@ -132,6 +166,7 @@ Log log_from_json(JsonObject& root, const fs::path& folder) {
   if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
   require_time_order(log.images, root.file(), "images");
   require_time_order(log.sweeps, root.file(), "sweeps");
+  set_sweep_durations(log);
   return log;
 }
 
@@ -154,9 +189,14 @@ Log read_log(const fs::path& folder) {
       read_file(file), file.string(), [&](JsonObject& root) { return log_from_json(root, folder); });
 }
 
-void write_log(const Log& log) {
+Json to_json(const Log& log) {
   Json root{{"format", kLogFormat}, {"version", kLogVersion}, {"name", log.name}, {"start_ns", log.start_ns}};
-  add_sensors(root, log.cameras, log.lidars);
+  std::vector<LogLidar> lidars = log.lidars;
+  for (LogLidar& lidar : lidars) {
+    if (!has_sweeps(log, lidar.model)) continue;
+    std::visit([](auto& model) { model.sweep_s = kUsualSweep_s; }, lidar.model);  // left out
+  }
+  add_sensors(root, log.cameras, lidars);
   root["world_from_rig"] = to_json(log.world_from_rig, log.start_ns);
   root["images"] = Json::array();
   root["sweeps"] = Json::array();
@@ -168,13 +208,27 @@ void write_log(const Log& log) {
   }
   if (!log.points.empty()) root["points"] = log.points;
   if (!log.actors.empty()) root["actors"] = to_json(log.actors, log.start_ns);
-  std::string text;
-  try {
-    text = root.dump(1) + '\n';
-  } catch (const Json::exception& error) {
-    throw_input_error((log.folder / "log.json").string(), "JSON", error.what(), "names in UTF-8");
+  return root;
+}
+
+void write_log(const Log& log) { write_file_atomically(log.folder / "log.json", text_of(log)); }
+
+std::string log_hash(const Log& log) {
+  std::string text = text_of(log);
+  const auto add_size = [&](const std::string& file) {
+    std::error_code absent;  // as if it were empty: whoever reads it says so
+    const std::uintmax_t bytes = fs::file_size(log.folder / file, absent);
+    text += fmt::format("{}\n", absent ? 0 : bytes);
+  };
+  for (const ImageFrame& frame : log.images) add_size(frame.file);
+  for (const SweepFrame& frame : log.sweeps) add_size(frame.file);
+  if (!log.points.empty()) add_size(log.points);
+  std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
+  for (const char c : text) {
+    hash ^= static_cast<unsigned char>(c);
+    hash *= 0x100000001b3U;
   }
-  write_file_atomically(log.folder / "log.json", text);
+  return fmt::format("{:016x}", hash);
 }
 
 void copy_picture(const fs::path& from, const fs::path& to, const Camera& camera, const std::string& source) {

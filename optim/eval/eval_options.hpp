@@ -1,26 +1,27 @@
 #pragma once
 // What an evaluation is told.
+#include <optional>
+
 #include "host/base/allowed.hpp"
 #include "host/render/options/options.hpp"
 
 namespace simuli {
 
 struct EvalOptions {
-  double image_scale = 1.0;
-  int held_out_every = 5;
+  std::optional<double> image_scale =
+      {};  // of the compared pictures over the recorded; nothing: as in training
+  std::optional<int> held_out_every =
+      {};                 // every N-th frame, 0: all; nothing: those that were not trained on
   int timed_renders = 5;  // behind a first one that warms up
   double actor_min_travel_m = 1.0;
-  RenderOptions render;
+  RenderOptions render = {};
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(EvalOptions& o, F&& field) {
-  field("image_scale", o.image_scale, above(0.0, 1.0), "size of the compared pictures over the recorded");
-  field("held_out_every",
-        o.held_out_every,
-        zero_or(at_least(2)),
-        "as in training; 0: nothing was held out, all frames are compared");
+  field.keyless(o.image_scale);  // checked as those of a FrameSelection
+  field.keyless(o.held_out_every);
   field("timed_renders", o.timed_renders, at_least(1), "of each sensor, for its speed");
   field("actor_min_travel_m",
         o.actor_min_travel_m,

@@ -1,7 +1,6 @@
 #pragma once
 // What the first guess of a scene is told.
 #include <cstddef>
-#include <cstdint>
 
 #include "host/base/allowed.hpp"
 
@@ -9,8 +8,6 @@ namespace simuli {
 
 struct InitOptions {
   double voxel_m = 0.1;
-  int held_out_every = 5;    // frames for which is_held_out() says yes are not read; 0: read all
-  double image_scale = 1.0;  // (0, 1]: size of the pictures the camera set will be trained on
   int camera_sh_degree = 2;
   int lidar_sh_degree = 1;
   std::size_t max_camera = 1'000'000;
@@ -24,8 +21,6 @@ struct InitOptions {
   double max_scale_m = 0.5;
   bool sweep_depth = true;
   int sweep_cell_px = 4;
-  bool range_bias = true;   // commands look for them first (range_bias.hpp)
-  bool own_vehicle = true;  // commands look for them first (own_vehicle.hpp)
   bool drop_moving = true;  // see initialize_moving.hpp
   bool actors = true;
   double actor_min_travel_m = 1.0;
@@ -33,7 +28,6 @@ struct InitOptions {
   double actor_margin_m = 0.1;  // the road below stays outside
   bool mirror_actors = false;
   bool register_tracks = true;  // see actor_tracks.hpp
-  std::uint64_t seed = 1;       // which points go when there are more than max_*
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
@@ -70,9 +64,6 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         "m, largest standard deviation; init.min_scale_m or more");
   field("init.sweep_depth", o.sweep_depth, "camera particles also where only pictures tell the depth");
   field("init.sweep_cell_px", o.sweep_cell_px, range(1, 64), "px of the training picture between those");
-  field("init.range_bias", o.range_bias, "find the LiDARs' range biases by row first");
-  field(
-      "init.own_vehicle", o.own_vehicle, "find the LiDARs' blind arcs, where the own vehicle stands, first");
   field("init.drop_moving", o.drop_moving, "leave out points that other sweeps look through");
   field("init.environment_width",
         o.environment_width,
@@ -88,9 +79,6 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
       "init.actor_margin_m", o.actor_margin_m, at_least(0.0), "m by which boxes reach farther than labelled");
   field("init.mirror_actors", o.mirror_actors, "vehicles: also the mirror image of each point");
   field("init.register_tracks", o.register_tracks, "correct the actors' tracks by what the laser measured");
-  field.keyless(o.held_out_every);  // as the training's
-  field.keyless(o.image_scale);
-  field.keyless(o.seed);
 }
 
 /// Error{kUsage} naming the key when one is outside its range.

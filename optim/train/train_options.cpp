@@ -1,10 +1,9 @@
-#include "optim/train/train_options.hpp"
-
 #include <string>
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "host/render/options/validate.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli {
 
@@ -23,6 +22,13 @@ TrainOptions checked(const TrainOptions& o) {
   need(r.sh_degree == ShDegree::k3, "render.sh_degree", "3");
   need(r.sh_storage == ShStorage::kFull, "render.sh_storage", "full");
   return o;
+}
+
+TrainingOptions checked(const TrainingOptions& options) {
+  check_fields(options.frames);
+  check(options.init);
+  static_cast<void>(checked(options.train));
+  return options;
 }
 
 }  // namespace simuli

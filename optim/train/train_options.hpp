@@ -1,7 +1,6 @@
 #pragma once
 // What a training is told.
 #include <cstddef>
-#include <cstdint>
 
 #include "host/base/allowed.hpp"
 #include "host/render/options/options.hpp"
@@ -12,9 +11,8 @@
 namespace simuli {
 
 /// Weights of the LiDAR set's losses, each a mean over its rays (METHOD section 10). Only their ratios
-/// matter: Adam's steps do not depend on the loss's scale, and unless asked for the set has no other loss.
-/// The paper's 0.01 is the weight beside a picture's loss; alone, distances need more to hold their own
-/// against the drops.
+/// matter: the set has no other loss, and Adam's steps do not depend on the loss's scale. METHOD's 0.01 is
+/// the weight beside a picture's loss; alone, distances need more to hold their own against the drops.
 struct LidarWeights {
   double distance = 0.5;
   double intensity = 0.1;
@@ -87,9 +85,6 @@ struct TrainOptions {
   int iterations = 1500;
   int lidar_every = 3;  // returns start where they belong, colours do not
   double max_seconds = 0.0;
-  double image_scale = 0.5;
-  int held_out_every = 5;  // frames for which is_held_out() says yes
-  std::uint64_t seed = 1;
   ImageWeights image;
   LookOptions look;
   ParticleWeights camera_particles;
@@ -106,7 +101,8 @@ struct TrainOptions {
   /// The background gets clean; unmasked, it takes on a smear of what moved, which is closer to the recorded
   /// pictures than nothing.
   bool mask_moving = false;
-  RenderOptions render;  // in float; the median distance has no gradient and is never written
+  /// In float; the median distance has no gradient and is never written.
+  RenderOptions render;
   PoseOptions poses;
   std::size_t memory_bytes = 0;
   std::size_t cache_bytes = std::size_t{2} << 30U;
@@ -120,12 +116,6 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
         o.max_seconds,
         at_least(0.0),
         "s, stop training early after this time, the rates not yet run down; 0: never");
-  field("image_scale", o.image_scale, above(0.0, 1.0), "size of the training pictures over the recorded");
-  field("held_out_every",
-        o.held_out_every,
-        zero_or(at_least(2)),
-        "every so many frames, one is kept for evaluation; 0: all are trained on");
-  field("seed", o.seed, at_least(0), "of the frames' order and of thinning");
   field("lidar_every", o.lidar_every, at_least(1), "iterations per sweep");
   field.part("", o.image);
   field.part("", o.look);

@@ -44,7 +44,7 @@ Shot lidar_shot(SpinDirection spin, const Vector3d& step_m, double yaw_rad) {
   Shot shot = test::shot_of({"lidar", SetKind::kLidar, true, false, 0}, 240, 24);
   shot.lidar.spin = spin;
   shot.lidar.beam_divergence = 0.02;
-  shot.rays = nominal_rays(shot.lidar, 0.1);
+  shot.rays = nominal_rays(shot.lidar);
   Pose& end = shot.view.scene_from_sensor_end;
   end = shot.view.scene_from_sensor_start;
   end.translation += step_m;

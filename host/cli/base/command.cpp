@@ -131,6 +131,8 @@ Command Command::command(const std::string& name, const std::string& help) const
 
 void Command::require_command() const { app_->require_subcommand(1); }
 
+void Command::take_anything() const { app_->allow_extras()->fallthrough(false); }
+
 void Command::run(std::function<void()> work) const { app_->callback(std::move(work)); }
 
 struct CommandLine::Impl {

@@ -75,6 +75,8 @@ class Command {
   [[nodiscard]] Command command(const std::string& name, const std::string& help) const;
   /// One of its commands has to be named.
   void require_command() const;
+  /// Arguments that it does not know are passed over.
+  void take_anything() const;
   /// What it does, once the whole command line has been read.
   void run(std::function<void()> work) const;
 

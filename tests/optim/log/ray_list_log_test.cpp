@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <variant>
 
-#include "optim/eval/evaluate.hpp"
+#include "optim/eval/evaluation.hpp"
 #include "optim/log/own_vehicle.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"
 
 namespace simuli {
@@ -18,7 +18,7 @@ RayList ahead_of(const Lidar& lidar) {
   list.name = "ahead";
   list.range_min = lidar.range_min;
   list.range_max = lidar.range_max;
-  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const LidarRays rays = nominal_rays(lidar);
   for (std::size_t k = 0; k < rays.azimuth.size(); ++k) {
     const std::size_t i = k * 7 % rays.azimuth.size();  // 7 divides no such grid: every ray once
     if (std::abs(rays.azimuth[i]) > 1.2F) continue;
@@ -55,15 +55,14 @@ TEST_F(RayListLog, IsTrainedAndComparedLikeAnyOther) {
   const Log log = listed();
   const auto& list = std::get<RayList>(log.lidars.at(0).model);
   ASSERT_GT(list.ray_count(), 500U);
-  InitOptions init;
-  init.voxel_m = 0.2;
-  init.sweep_depth = false;
-  TrainOptions train;
-  train.iterations = 40;
+  TrainingOptions options;
+  options.init.voxel_m = 0.2;
+  options.init.sweep_depth = false;
+  options.train.iterations = 40;
   const Device device = Device::best();
-  Trainer trainer(device, log, initialize_scene(log, init).scene, train, {});
-  trainer.run({});
-  const EvalReport report = evaluate(device, log, trainer.scene(), {});
+  Training training(device, log, options);
+  training.run();
+  const EvalReport report = Evaluation(device, training.result(), log).run();
   EXPECT_EQ(report.sweeps, 1U);
   EXPECT_LT(report.lidar.distance_median_m, 0.1);
   EXPECT_GT(report.lidar.raydrop_accuracy, 0.8);

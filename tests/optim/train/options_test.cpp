@@ -9,7 +9,7 @@
 #include "io/base/fields_json.hpp"
 #include "optim/eval/eval_options.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/train/train_options.hpp"
+#include "optim/train/training_options.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
@@ -46,11 +46,8 @@ TEST(Options, DefaultsAreSound) {
 }
 
 TEST(Options, KeysAreDifferentAndHaveAMeaning) {
-  InitOptions init;
-  TrainOptions train;
-  Fields all;
-  all.part("", init);
-  all.part("", train);
+  TrainingOptions training;
+  const Fields all = fields_of(training);
   std::set<std::string> keys;
   for (const Field& field : all.all()) {
     EXPECT_TRUE(keys.insert(field.key).second) << field.key;
@@ -62,6 +59,8 @@ TEST(Options, KeysAreDifferentAndHaveAMeaning) {
                           "lidar.loss.entropy",
                           "loss.colour_absolute",
                           "color_grids",
+                          "image_scale",
+                          "init.range_bias",
                           "look.rate.grid",
                           "actors.rate.shift_m",
                           "actors.margin_m",
@@ -124,7 +123,6 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("poses.rotation_rad: found -1", [](auto& o) { o.poses.rotation_rad = -1.0; });
   refused("actors.rate.turn_rad: found -1", [](auto& o) { o.actor_poses.turn_rad = -1.0; });
   refused("actors.margin_m: found -1", [](auto& o) { o.actor_margin_m = -1.0; });
-  refused("held_out_every: found 1, allowed 0, or 2 or more", [](auto& o) { o.held_out_every = 1; });
   refused("iterations: found -1", [](auto& o) { o.iterations = -1; });
   refused("render.alpha_cut: found 1", [](auto& o) { o.render.alpha_cut = 1.0; });
   refused("render.order: found a choice without gradients, allowed range",
@@ -133,11 +131,21 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("render.sh_storage: found", [](auto& o) { o.render.sh_storage = ShStorage::kHalf; });
 }
 
+TEST(Options, OfFramesAreCheckedByKey) {
+  const auto refused = [](const std::string& message, const std::function<void(FrameSelection&)>& spoil) {
+    TrainingOptions options;
+    spoil(options.frames);
+    expect_error(ErrorKind::kUsage, message, [&] { (void)checked(options); });
+  };
+  refused("held_out_every: found 1, allowed 0, or 2 or more", [](auto& o) { o.held_out_every = 1; });
+  refused("held_out_every: found -5", [](auto& o) { o.held_out_every = -5; });
+  refused("image_scale: found 0, allowed above 0, at most 1", [](auto& o) { o.image_scale = 0.0; });
+  refused("image_scale: found nan", [](auto& o) { o.image_scale = kNaN; });
+}
+
 TEST(Options, OfEvaluationAreCheckedByKey) {
   const auto refused = expect_checked<EvalOptions>;
   refused("timed_renders: found 0, allowed 1 or more", [](auto& o) { o.timed_renders = 0; });
-  refused("held_out_every: found 1", [](auto& o) { o.held_out_every = 1; });
-  refused("image_scale: found 0, allowed above 0, at most 1", [](auto& o) { o.image_scale = 0.0; });
   refused("render.sh_error: found 0", [](auto& o) { o.render.sh_error = 0.0; });
 }
 
