@@ -12,7 +12,6 @@
 #include "host/cli/base/progress.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/draw/html_report.hpp"
-#include "host/cli/report/html_report.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/scene/look.hpp"
