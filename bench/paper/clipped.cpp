@@ -33,7 +33,7 @@ struct Place {
 
   [[nodiscard]] SensorRays on(const Device& device, const RenderOptions& options) const {
     if (kind == SetKind::kCamera) return {device, camera, options};
-    return {device, lidar, nominal_rays(lidar, 0.1), options};
+    return {device, lidar, nominal_rays(lidar), options};
   }
 };
 

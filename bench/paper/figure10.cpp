@@ -98,11 +98,10 @@ Errors measure(const Device& device,
                const RenderOptions& options,
                int held_out_every) {
   constexpr double kFound_m = 0.1;
-  Renderer renderer(device, options);
-  const ParticleBuffers particles(device, scene.lidar, options.precision);
+  SceneOnDevice on_device(device, borrowed(scene), options);
   std::vector<double> poles, all;
   for (const std::size_t index : select_frames(log.sweeps, held_out_every, true)) {
-    const SweepPair pair = render_sweep(renderer, particles, log, scene, log.sweeps[index]);
+    const SweepPair pair = render_sweep(on_device, log, log.sweeps[index]);
     for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
       const double range = pair.recorded.range[i];
       if (!(range > 0.0)) continue;

@@ -22,7 +22,6 @@ namespace {
 
 constexpr int kShDegree = 3;
 constexpr std::uint64_t kSeed = 1;
-constexpr double kSweep_s = 0.1;
 constexpr std::size_t kBlock = 8;  // packets along x and y that are traced one after the other
 
 struct PacketShape {
@@ -159,7 +158,7 @@ class Ours {
   static SensorRays rays_of(const Device& device, SetKind kind, const RenderOptions& options) {
     if (kind == SetKind::kCamera) return {device, bench_camera(), options};
     const Lidar lidar = builtin_lidar("generic64");
-    return {device, lidar, nominal_rays(lidar, kSweep_s), options};
+    return {device, lidar, nominal_rays(lidar), options};
   }
 
   const ParticleBuffers& particles_;

@@ -28,7 +28,7 @@ BENCHMARK(BM_RayGridCamera)->Arg(640)->Arg(1920)->Unit(benchmark::kMillisecond);
 /// ... and once per sweep, as measured rays differ from sweep to sweep.
 void BM_RayGridLidar(benchmark::State& state) {
   const Lidar lidar = builtin_lidar("generic64");
-  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const LidarRays rays = nominal_rays(lidar);
   const Device device = Device::best();
   for (auto _ : state) benchmark::DoNotOptimize(make_ray_grid(device, lidar, rays, RenderOptions{}));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(lidar.ray_count()));

@@ -7,12 +7,6 @@
 #include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
-namespace {
-
-constexpr double kSweep_s = 0.1;
-
-}  // namespace
-
 Device profiled_device(const std::string& request, const Progress& note) {
   DeviceOptions options;
   options.profiling = true;
@@ -40,7 +34,7 @@ LidarFrames::LidarFrames(const Device& device,
                          const RenderOptions& options)
     : particles_(particles),
       renderer_(device, options),
-      rays_(device, sensor, nominal_rays(sensor, kSweep_s), options),
+      rays_(device, sensor, nominal_rays(sensor), options),
       view_{world_from_street_lidar(), world_from_street_lidar(), {0.0F, 0.0F, 0.0F}} {}
 
 FrameTimes LidarFrames::run() {

@@ -136,7 +136,8 @@ Rig::Rig(SetKind set_kind, const Motion& how) : kind(set_kind), motion(how) {
   lidar.range_min = 0.01;
   lidar.range_max = 1.1e4;
   lidar.beam_divergence = 2e-3;
-  rays = nominal_rays(lidar, how.lidar_s);
+  lidar.sweep_s = how.lidar_s;
+  rays = nominal_rays(lidar);
 }
 
 View Rig::view(const Vector3d& centre, double range_m) const {

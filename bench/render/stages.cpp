@@ -89,7 +89,7 @@ class Case {
  private:
   SensorRays lidar_rays(const Device& device) const {
     const Lidar lidar = builtin_lidar("generic64");
-    return {device, lidar, nominal_rays(lidar, 0.1), options_};
+    return {device, lidar, nominal_rays(lidar), options_};
   }
 
   RenderOptions options_ = paper_options();

@@ -3,70 +3,49 @@
 #include <array>
 #include <fmt/format.h>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "bench/render/scene.hpp"
-#include "host/render/scene/look.hpp"
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
 
-constexpr double kSpin_s = 0.1;
-constexpr char kCameraName[] = "bench";
-
 /// One frame, ready to be rendered again and again.
 struct Setup {
   Scene scene;
   bool is_camera = true;
-  bool looks = false;  // through SceneLook, even if there is nothing to add
   Camera camera = bench_camera();
   Lidar lidar = builtin_lidar("generic64");
   RenderOptions options;
-  View view{world_from_bench_camera(), world_from_bench_camera()};
+  Shot shot{world_from_bench_camera(), world_from_bench_camera()};
 };
 
-class Frame {
+class FrameOf {
  public:
-  Frame(const Device& device, Setup setup)
+  FrameOf(const Device& device, const Setup& setup)
       : before_(device.memory().now),
-        setup_(std::move(setup)),
-        renderer_(device, setup_.options),
-        particles_(device, setup_.is_camera ? setup_.scene.camera : setup_.scene.lidar, setup_.options),
-        rays_(setup_.is_camera
-                  ? SensorRays(device, setup_.camera, renderer_.options())
-                  : SensorRays(
-                        device, setup_.lidar, nominal_rays(setup_.lidar, kSpin_s), renderer_.options())) {
-    if (setup_.looks) look_.emplace(device, setup_.scene, setup_.options.precision);
-    render();
+        sensor_(setup.is_camera ? Sensor(setup.camera) : Sensor(setup.lidar)),
+        shot_(setup.shot),
+        scene_(device, setup.scene, setup.options) {
+    scene_.render(sensor_, shot_).wait();
     memory_ = device.memory().now - before_;
   }
-  Frame(const Frame&) = delete;
-  Frame& operator=(const Frame&) = delete;
+  FrameOf(const FrameOf&) = delete;
+  FrameOf& operator=(const FrameOf&) = delete;
 
   double frame_ms() {
-    return time_ms([&] { render(); });
+    return time_ms([&] { scene_.render(sensor_, shot_).wait(); });
   }
   [[nodiscard]] double memory_mb() const { return static_cast<double>(memory_) / 1e6; }
 
  private:
-  void render() {
-    if (look_) {
-      look_->render(renderer_, particles_, rays_, setup_.view, kCameraName, 0.0);
-    } else {
-      renderer_.render(particles_, rays_, setup_.view);
-    }
-    renderer_.device().finish();
-  }
   std::uint64_t before_, memory_ = 0;
-  Setup setup_;
-  Renderer renderer_;
-  ParticleBuffers particles_;
-  SensorRays rays_;
-  std::optional<SceneLook> look_;
+  Sensor sensor_;
+  Shot shot_;
+  SceneOnDevice scene_;
 };
 
 struct Part {
@@ -81,7 +60,8 @@ std::vector<Part> all_parts(std::int64_t count) {
   Setup lidar;
   lidar.is_camera = false;
   lidar.scene.lidar = street_particles(SetKind::kLidar, 3, count, 1);
-  lidar.view = {world_from_street_lidar(), world_from_street_lidar()};
+  lidar.scene.lidar_background = {0.0F, 0.0F, 0.0F};
+  lidar.shot = {world_from_street_lidar(), world_from_street_lidar()};
 
   std::vector<Part> parts;
   const auto add = [&parts](const std::string& name, const Setup& base) -> Part& {
@@ -91,17 +71,21 @@ std::vector<Part> all_parts(std::int64_t count) {
   {
     Part& p = add("shutter", camera);
     p.ways[0].camera.shutter = p.ways[1].camera.shutter = ShutterKind::kTopToBottom;
-    p.ways[0].view.scene_from_sensor_end.translation.x() += 0.3;  // 15 m/s, 20 ms
+    p.ways[0].shot.world_from_sensor_end.translation.x() += 0.3;  // 15 m/s, 20 ms
   }
   {
     Part& p = add("sweep_motion", lidar);
-    p.ways[0].view.scene_from_sensor_end.translation.x() += 1.5;
+    p.ways[0].shot.world_from_sensor_end.translation.x() += 1.5;
   }
   {
     Part& p = add("actors", camera);
-    Pose start, end;
-    end.translation.x() += 0.2;
-    p.ways[0].view.actors = p.ways[1].view.actors = {{true, start, end}};
+    // 2 m/s at the time of the frame, which takes 0.1 s.
+    KeyPose start, end;
+    end.time_s = 0.1;
+    end.world_from_actor.translation.x() += 0.2;
+    const Actor driving{"car", "car", Eigen::Vector3d::Ones(), {start, end}};
+    p.ways[0].scene.actors = p.ways[1].scene.actors = {driving};
+    p.ways[0].shot.time_end_s = p.ways[1].shot.time_end_s = 0.1;
     std::vector<std::uint32_t>& actor = p.ways[0].scene.camera.actor;
     actor.assign(static_cast<std::size_t>(count), 0);
     for (std::size_t i = 0; i < actor.size(); i += 10) actor[i] = 1;
@@ -109,13 +93,11 @@ std::vector<Part> all_parts(std::int64_t count) {
   }
   {
     Part& p = add("environment", camera);
-    p.ways[0].looks = p.ways[1].looks = true;
     p.ways[0].scene.environment = {512, 256, std::vector<float>(std::size_t{512} * 256 * 3, 0.5F)};
   }
   {
     Part& p = add("colour_grid", camera);
-    p.ways[0].looks = p.ways[1].looks = true;
-    p.ways[0].scene.color_grids = ColorGrids::identity(16, 16, 8, {{kCameraName, 0.0}});
+    p.ways[0].scene.color_grids = ColorGrids::identity(16, 16, 8, {{p.ways[0].camera.name, 0.0}});
   }
   {
     Part& p = add("sh_degree_3", camera);
@@ -144,9 +126,9 @@ std::vector<Row> run_plan(const std::string& device_request, const PlanOptions& 
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
   std::vector<Row> rows;
   for (const Part& part : all_parts(options.particles)) {
-    std::array<std::unique_ptr<Frame>, kWays.size()> frames;
+    std::array<std::unique_ptr<FrameOf>, kWays.size()> frames;
     for (std::size_t way = 0; way < kWays.size(); ++way) {
-      frames[way] = std::make_unique<Frame>(device, part.ways[way]);
+      frames[way] = std::make_unique<FrameOf>(device, part.ways[way]);
     }
     std::array<std::vector<double>, kWays.size()> ms, ratios;
     for (int i = 0; i < options.repeats; ++i) {

@@ -10,8 +10,7 @@
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "host/render/options/quality.hpp"
-#include "host/render/scene/look.hpp"
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -72,43 +71,24 @@ std::vector<Candidate> candidates(const TradeOptions& options, bool is_camera, b
 class Way {
  public:
   Way(const Device& device, const TradeScene& scene, const TradeSensor& sensor, const RenderOptions& options)
-      : sensor_(sensor),
-        renderer_(device, options),
-        look_(device, scene.scene, options.precision),
-        particles_(device, sensor.is_camera ? scene.scene.camera : scene.scene.lidar, options) {
-    for (const TradeView& view : sensor.views) rays_.push_back(sensor.on(device, view, renderer_.options()));
-  }
+      : sensor_(sensor), scene_(device, borrowed(scene.scene), options) {}
 
-  void render(std::size_t view) {
-    const TradeView& v = sensor_.views[view];
-    if (sensor_.is_camera) {
-      look_.render(renderer_, particles_, rays_[view], v.view, sensor_.name, v.time_s);
-    } else {
-      renderer_.render(particles_, rays_[view], v.view);
-    }
+  Frame render(std::size_t view) {
+    return scene_.render(sensor_.views[view].sensor, sensor_.views[view].shot);
   }
-  RayResults results(std::size_t view) {
-    render(view);
-    return renderer_.results();
-  }
+  RayResults results(std::size_t view) { return render(view).results(); }
   /// Adds up device times by stage.
   double frame_ms(std::size_t view, std::map<std::string, double>& stage_ms) {
-    Profile& profile = renderer_.device().profile();
+    Profile& profile = scene_.device().profile();
     profile.reset();
-    const double ms = time_ms([&] {
-      render(view);
-      renderer_.device().finish();
-    });
+    const double ms = time_ms([&] { render(view).wait(); });
     for (const auto& [stage, time] : stage_times(profile)) stage_ms[stage] += time;
     return ms;
   }
 
  private:
   const TradeSensor& sensor_;
-  Renderer renderer_;
-  SceneLook look_;
-  ParticleBuffers particles_;
-  std::vector<SensorRays> rays_;
+  SceneOnDevice scene_;
 };
 
 double in_picture(float value) { return std::clamp(static_cast<double>(value), 0.0, 1.0); }
@@ -200,7 +180,7 @@ std::vector<RayResults> all_results(Way& way, std::size_t views) {
 
 bool moves(const TradeSensor& sensor) {
   return std::any_of(sensor.views.begin(), sensor.views.end(), [](const TradeView& v) {
-    return (v.view.scene_from_sensor_end.translation - v.view.scene_from_sensor_start.translation).norm() >
+    return (v.shot.world_from_sensor_end.translation - v.shot.world_from_sensor_start.translation).norm() >
            0.0;
   });
 }

@@ -13,7 +13,7 @@
 #include "host/base/error.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "io/log/log.hpp"
-#include "io/scene/scene_folder.hpp"
+#include "io/scene/sensor_rig.hpp"
 #include "optim/base/frames.hpp"
 #include "host/scene/particle_street.hpp"
 
@@ -21,15 +21,14 @@ namespace simuli::bench {
 namespace {
 
 constexpr std::int64_t kParticles = 200'000;
-constexpr double kSpin_s = 0.1;  // one turn of most automotive LiDARs
 
 /// 15 m/s along the street and 20 degrees/s, for so long.
-View driven(const Pose& start, double seconds) {
+Shot driven(const Pose& start, double seconds) {
   Pose end = start;
   end.translation += 15.0 * seconds * Eigen::Vector3d::UnitX();
   const double turned_rad = 20.0 * seconds * std::numbers::pi / 180.0;
   end.rotation = Eigen::AngleAxisd(turned_rad, Eigen::Vector3d::UnitZ()) * start.rotation;
-  return {start, end};
+  return {start, end, 0.0, 0.0};
 }
 
 /// Up to `count` of them, spread evenly.
@@ -47,33 +46,28 @@ struct Span {
 };
 
 /// Frames of a sensor in the log; without a log, at the poses of the scene's path.
-std::vector<Span> spans_of(const TradeSensor& sensor, const SceneFile& scene, const std::optional<Log>& log) {
+std::vector<Span> spans_of(const Sensor& sensor, const SceneFile& scene, const std::optional<Log>& log) {
   std::vector<Span> spans;
   if (!log) {
-    const bool global = sensor.is_camera;  // how long a picture takes is in the log alone
     for (const TimedPose& p : scene.world_from_rig.poses()) {
-      const double end_s = p.time_s + (global ? 0.0 : kSpin_s);
+      const double end_s = p.time_s + sensor.duration_s();
       if (end_s <= scene.world_from_rig.end_s()) spans.push_back({p.time_s, end_s, {}});
     }
     return spans;
   }
-  if (sensor.is_camera) {
+  if (sensor.is_camera()) {
     for (const ImageFrame& f : log->images) {
-      if (f.camera == sensor.name) spans.push_back({f.time_start_s, f.time_end_s, {}});
+      if (f.camera == sensor.name()) spans.push_back({f.time_start_s, f.time_end_s, {}});
     }
     return spans;
   }
   for (const SweepFrame& f : log->sweeps) {
-    if (f.lidar == sensor.name) spans.push_back({f.time_start_s, f.time_end_s, f.file});
+    if (f.lidar == sensor.name()) spans.push_back({f.time_start_s, f.time_end_s, f.file});
   }
   return spans;
 }
 
 }  // namespace
-
-SensorRays TradeSensor::on(const Device& device, const TradeView& view, const RenderOptions& options) const {
-  return is_camera ? SensorRays(device, camera, options) : SensorRays(device, lidar, view.rays, options);
-}
 
 TradeScene moving_street() {
   constexpr double kReadOut_s = 0.02;
@@ -81,16 +75,12 @@ TradeScene moving_street() {
   TradeScene out;
   out.scene.camera = street_particles(SetKind::kCamera, kShDegree, kParticles, 1);
   out.scene.lidar = street_particles(SetKind::kLidar, kShDegree, kParticles, 1);
-  TradeSensor camera;
-  camera.name = "camera";
-  camera.is_camera = true;
-  camera.camera = bench_camera();
-  camera.camera.shutter = ShutterKind::kTopToBottom;
-  camera.views.push_back({driven(world_from_bench_camera(), kReadOut_s), {}, 0.0});
-  TradeSensor lidar;
-  lidar.name = "lidar";
-  lidar.lidar = builtin_lidar("generic64");
-  lidar.views.push_back({driven(world_from_street_lidar(), kSpin_s), nominal_rays(lidar.lidar, kSpin_s), 0.0});
+  out.scene.lidar_background = {0.0F, 0.0F, 0.0F};
+  Camera rolling = bench_camera();
+  rolling.shutter = ShutterKind::kTopToBottom;
+  const Sensor spinning(builtin_lidar("generic64"));
+  TradeSensor camera{"camera", true, {{Sensor(rolling), driven(world_from_bench_camera(), kReadOut_s)}}};
+  TradeSensor lidar{"lidar", false, {{spinning, driven(world_from_street_lidar(), spinning.duration_s())}}};
   out.sensors = {std::move(camera), std::move(lidar)};
   return out;
 }
@@ -111,18 +101,9 @@ TradeScene trade_scene(const TradeOptions& options) {
   std::optional<Log> log;
   if (options.folders.size() > 1) log = read_log(options.folders[1]);
   TradeScene out;
-  for (const LogCamera& c : file.cameras) {
-    TradeSensor sensor;
-    sensor.name = c.model.name;
-    sensor.is_camera = true;
-    sensor.camera = scaled_camera(c.model, options.image_scale);
-    out.sensors.push_back(std::move(sensor));
-  }
-  for (const LogLidar& l : file.lidars) {
-    TradeSensor sensor;
-    sensor.name = name_of(l.model);
-    sensor.lidar = l.model;
-    out.sensors.push_back(std::move(sensor));
+  const SensorRig rig(file);
+  for (const Sensor& sensor : rig.sensors()) {
+    out.sensors.push_back({sensor.name(), sensor.is_camera(), {}});
   }
   std::vector<std::string> known;
   for (const TradeSensor& s : out.sensors) known.push_back(s.name);
@@ -133,31 +114,22 @@ TradeScene trade_scene(const TradeOptions& options) {
   std::erase_if(out.sensors,
                 [&](const TradeSensor& s) { return !options.sensor.empty() && s.name != options.sensor; });
   for (TradeSensor& sensor : out.sensors) {
-    const std::vector<Span> spans = spread_over(spans_of(sensor, file, log), options.views);
+    Sensor mounted = rig.find(sensor.name);
+    const std::vector<Span> spans = spread_over(spans_of(mounted, file, log), options.views);
     if (spans.empty()) {
       throw_input_error(options.folders.back(), "frames of " + sensor.name, "none", "at least one");
     }
-    Pose rig_from_sensor;
-    for (const LogCamera& c : file.cameras) {
-      if (c.model.name == sensor.name) rig_from_sensor = c.rig_from_camera;
+    if (sensor.is_camera) {
+      const Camera scaled = scaled_camera(mounted.camera(), options.image_scale);
+      mounted = mounted.resized(scaled.width, scaled.height);
     }
-    for (const LogLidar& l : file.lidars) {
-      if (name_of(l.model) == sensor.name) rig_from_sensor = l.rig_from_lidar;
-    }
+    const Trajectory& path = log ? log->world_from_rig : file.world_from_rig;
     for (const Span& span : spans) {
-      TradeView view;
-      view.time_s = 0.5 * (span.start_s + span.end_s);
-      view.view = view_at(log ? log->world_from_rig : file.world_from_rig,
-                          rig_from_sensor,
-                          span.start_s,
-                          span.end_s,
-                          file.scene,
-                          sensor.is_camera ? SetKind::kCamera : SetKind::kLidar);
-      if (!sensor.is_camera) {
-        view.rays = span.file.empty() ? nominal_rays(sensor.lidar, span.end_s - span.start_s)
-                                      : read_sweep(log->folder / span.file, sensor.lidar).rays;
-      }
-      sensor.views.push_back(std::move(view));
+      const bool is_recorded = !span.file.empty();
+      sensor.views.push_back(
+          {is_recorded ? mounted.with_rays(read_sweep(log->folder / span.file, mounted.lidar()).rays)
+                       : mounted,
+           Shot::along(path, mounted.rig_from_sensor(), span.start_s, span.end_s)});
     }
   }
   out.scene = std::move(file.scene);

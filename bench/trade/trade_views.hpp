@@ -5,29 +5,22 @@
 #include <vector>
 
 #include "bench/trade/trade.hpp"
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/shot.hpp"
 #include "host/scene/scene.hpp"
-#include "host/sensors/lidar_model.hpp"
+#include "host/sensors/sensor.hpp"
 
 namespace simuli::bench {
 
-/// One frame of one sensor.
+/// One frame of one sensor; a LiDAR with the rays of that frame.
 struct TradeView {
-  View view;
-  LidarRays rays;  // of a LiDAR
-  double time_s = 0.0;
+  Sensor sensor;
+  Shot shot;
 };
 
 struct TradeSensor {
   std::string name;
   bool is_camera = false;
-  Camera camera;
-  LidarModel lidar;
   std::vector<TradeView> views;
-
-  [[nodiscard]] SensorRays on(const Device& device,
-                              const TradeView& view,
-                              const RenderOptions& options) const;
 };
 
 struct TradeScene {

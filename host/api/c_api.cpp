@@ -1,18 +1,18 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <filesystem>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "host/api/simuli.h"
 #include "host/base/error.hpp"
 #include "host/base/version.hpp"
-#include "host/render/scene/simulator.hpp"
-#include "io/log/lidar_file.hpp"
-#include "io/scene/scene_folder.hpp"
+#include "host/render/scene/scene_on_device.hpp"
+#include "io/scene/sensor_rig.hpp"
 
 struct simuli_device {
   simuli::Device device;
@@ -20,8 +20,9 @@ struct simuli_device {
 };
 
 struct simuli_scene {
-  simuli::SceneFile file;  // without its scene, which the simulator has
-  simuli::Simulator simulator;
+  simuli::SensorRig rig;
+  simuli::Trajectory world_from_rig;
+  simuli::SceneOnDevice on_device;
 };
 
 namespace {
@@ -90,12 +91,18 @@ simuli::Shot shot_of(const simuli_shot& s) {
   return {pose_of(s.world_from_sensor_start), pose_of(s.world_from_sensor_end), s.time_start_s, s.time_end_s};
 }
 
-[[noreturn]] void refuse_sensor(const char* kind, const std::string& name) {
-  throw Error(ErrorKind::kUsage, fmt::format("name: found \"{}\", allowed a {} of the scene", name, kind));
+/// A sensor of the scene, those that were added among them.
+simuli::Sensor sensor_of(const simuli_scene& scene, const char* name) {
+  const std::string wanted = &need(name, "name");
+  if (scene.rig.has(wanted)) return scene.rig.find(wanted);
+  std::vector<std::string> known;
+  for (const simuli::Sensor& sensor : scene.rig.sensors()) known.push_back(sensor.name());
+  throw Error(ErrorKind::kUsage,
+              fmt::format("name: found \"{}\", allowed {}", wanted, fmt::join(known, ", ")));
 }
 
 const simuli::Trajectory& path_of(const simuli_scene& scene) {
-  if (!scene.file.world_from_rig.poses().empty()) return scene.file.world_from_rig;
+  if (!scene.world_from_rig.poses().empty()) return scene.world_from_rig;
   throw Error(ErrorKind::kInput, "scene: found no recorded path");
 }
 
@@ -127,39 +134,32 @@ simuli_status simuli_scene_open(const simuli_device* device, const char* folder,
     const simuli::Device& on = need(device, "device").device;
     simuli_scene*& out = need(scene, "scene");
     simuli::SceneFile file = simuli::read_scene(&need(folder, "folder"));
-    simuli::Simulator simulator(on, std::move(file.scene));
-    out = new simuli_scene{std::move(file), std::move(simulator)};
+    simuli::SensorRig rig(file);
+    simuli::SceneOnDevice on_device(on, std::move(file.scene));
+    out = new simuli_scene{std::move(rig), std::move(file.world_from_rig), std::move(on_device)};
   });
 }
 
 void simuli_scene_close(simuli_scene* scene) { delete scene; }
 
 size_t simuli_scene_sensor_count(const simuli_scene* scene) {
-  return scene == nullptr ? 0 : scene->file.cameras.size() + scene->file.lidars.size();
+  return scene == nullptr ? 0 : scene->rig.sensors().size();
 }
 
 simuli_status simuli_scene_sensor(const simuli_scene* scene, size_t index, simuli_sensor* sensor) {
   return guarded([&] {
-    const auto& cameras = need(scene, "scene").file.cameras;
-    const auto& lidars = scene->file.lidars;
+    const std::vector<simuli::Sensor>& sensors = need(scene, "scene").rig.sensors();
     simuli_sensor& out = need(sensor, "sensor");
-    if (index < cameras.size()) {
-      const simuli::LogCamera& c = cameras[index];
-      out = {c.model.name.c_str(),
-             1,
-             static_cast<std::size_t>(c.model.width),
-             static_cast<std::size_t>(c.model.height),
-             to_c(c.rig_from_camera)};
-      return;
+    if (index >= sensors.size()) {
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("index: found {}, allowed less than {}", index, sensors.size()));
     }
-    if (index - cameras.size() >= lidars.size()) {
-      throw Error(
-          ErrorKind::kUsage,
-          fmt::format("index: found {}, allowed less than {}", index, cameras.size() + lidars.size()));
-    }
-    const simuli::LogLidar& l = lidars[index - cameras.size()];
-    const std::size_t rows = row_count(l.model);
-    out = {name_of(l.model).c_str(), 0, ray_count(l.model) / rows, rows, to_c(l.rig_from_lidar)};
+    const simuli::Sensor& found = sensors[index];
+    out = {found.name().c_str(),
+           found.is_camera() ? 1 : 0,
+           found.columns(),
+           found.rows(),
+           to_c(found.rig_from_sensor())};
   });
 }
 
@@ -170,15 +170,9 @@ simuli_status simuli_scene_add_lidar(simuli_scene* scene,
     const std::string what = &need(name_or_file, "name_or_file");
     const simuli::Pose mount = pose_of(need(rig_from_sensor, "rig_from_sensor"));
     simuli_scene& s = need(scene, "scene");
-    std::error_code ignored;
-    simuli::LidarModel model = std::filesystem::is_regular_file(what, ignored)
-                                   ? simuli::read_lidar_file(what).model
-                                   : simuli::LidarModel(simuli::builtin_lidar(what));
-    if (s.file.find_camera(name_of(model)) != nullptr || s.file.find_lidar(name_of(model)) != nullptr) {
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("name_or_file: found {}, which the scene has already", name_of(model)));
-    }
-    s.file.lidars.push_back({std::move(model), mount});
+    const simuli::Sensor sensor = simuli::named_sensor(what).mounted(mount);
+    (void)sensor.lidar();  // no camera
+    s.rig.add(sensor);
   });
 }
 
@@ -194,12 +188,8 @@ simuli_status simuli_scene_shot(
     const simuli_scene* scene, const char* name, double time_start_s, double time_end_s, simuli_shot* shot) {
   return guarded([&] {
     const simuli::Trajectory& path = path_of(need(scene, "scene"));
-    const std::string sensor = &need(name, "name");
-    const simuli::LogCamera* camera = scene->file.find_camera(sensor);
-    const simuli::LogLidar* lidar = scene->file.find_lidar(sensor);
-    if (camera == nullptr && lidar == nullptr) refuse_sensor("sensor", sensor);
-    const simuli::Pose& mount = camera != nullptr ? camera->rig_from_camera : lidar->rig_from_lidar;
-    const auto s = simuli::Shot::along(path, mount, time_start_s, time_end_s);
+    const simuli::Sensor sensor = sensor_of(*scene, name);
+    const auto s = simuli::Shot::along(path, sensor.rig_from_sensor(), time_start_s, time_end_s);
     need(shot, "shot") = {
         to_c(s.world_from_sensor_start), to_c(s.world_from_sensor_end), s.time_start_s, s.time_end_s};
   });
@@ -208,13 +198,10 @@ simuli_status simuli_scene_shot(
 simuli_status simuli_render_camera(
     simuli_scene* scene, const char* name, const simuli_shot* shot, float* rgb, size_t values) {
   return guarded([&] {
-    const std::string sensor = &need(name, "name");
-    const simuli::LogCamera* camera = need(scene, "scene").file.find_camera(sensor);
-    if (camera == nullptr) refuse_sensor("camera", sensor);
-    const auto pixels =
-        static_cast<std::size_t>(camera->model.width) * static_cast<std::size_t>(camera->model.height);
-    need_length("values", values, 3 * pixels);
-    const simuli::Image image = scene->simulator.render(camera->model, shot_of(need(shot, "shot")));
+    const simuli::Sensor camera = sensor_of(need(scene, "scene"), name);
+    (void)camera.camera();  // no LiDAR
+    need_length("values", values, 3 * camera.ray_count());
+    const simuli::Image image = scene->on_device.render(camera, shot_of(need(shot, "shot"))).image();
     std::copy(image.data.begin(), image.data.end(), &need(rgb, "rgb"));
   });
 }
@@ -224,19 +211,18 @@ simuli_status simuli_render_lidar(simuli_scene* scene,
                                   const simuli_shot* shot,
                                   const simuli_lidar_frame* frame) {
   return guarded([&] {
-    const std::string sensor = &need(name, "name");
-    const simuli::LogLidar* lidar = need(scene, "scene").file.find_lidar(sensor);
-    if (lidar == nullptr) refuse_sensor("LiDAR", sensor);
+    const simuli::Sensor lidar = sensor_of(need(scene, "scene"), name);
+    (void)lidar.lidar();  // no camera
     const simuli_lidar_frame& out = need(frame, "frame");
-    need_length("rays", out.rays, ray_count(lidar->model));
-    const simuli::Shot at = shot_of(need(shot, "shot"));
-    const simuli::LidarFrame seen = scene->simulator.render(lidar->model, at);
+    need_length("rays", out.rays, lidar.ray_count());
+    const simuli::Frame rendered = scene->on_device.render(lidar, shot_of(need(shot, "shot")));
+    const simuli::LidarFrame seen = rendered.lidar();
     if (out.range_m != nullptr) std::copy(seen.range.begin(), seen.range.end(), out.range_m);
     if (out.intensity != nullptr) std::copy(seen.intensity.begin(), seen.intensity.end(), out.intensity);
     if (out.drop != nullptr) std::copy(seen.drop.begin(), seen.drop.end(), out.drop);
     if (out.points_m == nullptr) return;
     float* to = out.points_m;
-    for (const Eigen::Vector3d& p : world_points(lidar->model, seen, at)) {
+    for (const Eigen::Vector3d& p : rendered.points()) {
       for (int i = 0; i < 3; ++i) *to++ = static_cast<float>(p[i]);
     }
   });

@@ -5,16 +5,15 @@
 //
 //   const auto device = simuli::Device::best();
 //   simuli::SceneFile file = simuli::read_scene("drive.scene");
-//   simuli::Simulator simulator(device, std::move(file.scene));
-//   const auto frame = simulator.render(simuli::builtin_lidar("hesai_pandar128"), shot);   // LidarFrame
-//   const auto image = simulator.render(camera, shot);                                     // Image
+//   const simuli::Sensor lidar = simuli::SensorRig(file).find("hesai_pandar128");
+//   simuli::SceneOnDevice scene(device, std::move(file.scene));
+//   const simuli::Frame frame = scene.render(lidar, simuli::Shot::along(file.world_from_rig, lidar, 1.5));
+//   frame.points();
 //
-// Devices: Device::adopt() works on a cl_context and queue of the caller's; Simulator::renderer().buffers()
-// are the cl_mem of the last frame.
+// Devices: Device::adopt() works on a cl_context and queue of the caller's.
 #include "host/base/error.hpp"
 #include "host/base/image.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/render/scene/simulator.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "host/runtime/device.hpp"
 #include "host/scene/edit.hpp"
 #include "host/scene/pose.hpp"
@@ -26,6 +25,7 @@
 #include "io/log/log.hpp"
 #include "io/picture/image.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/scene/sensor_rig.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/train/training.hpp"

@@ -10,14 +10,14 @@ namespace simuli {
 
 /// Keeps what was used last within a budget of bytes. What a caller still holds stays alive when it is
 /// dropped from the cache; an entry larger than the whole budget is handed out and not kept.
-template <class T>
+template <class T, class Key = std::size_t, class Hash = std::hash<Key>>
 class LruCache {
  public:
   explicit LruCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
   /// The entry under `key`, made by `make()` unless it is here. `bytes_of(entry)` is its size.
   template <class Make, class BytesOf>
-  std::shared_ptr<const T> get(std::size_t key, const Make& make, const BytesOf& bytes_of) {
+  std::shared_ptr<const T> get(const Key& key, const Make& make, const BytesOf& bytes_of) {
     if (const auto found = where_.find(key); found != where_.end()) {
       entries_.splice(entries_.begin(), entries_, found->second);
       return found->second->value;
@@ -40,14 +40,14 @@ class LruCache {
 
  private:
   struct Entry {
-    std::size_t key;
+    Key key;
     std::size_t bytes;
     std::shared_ptr<const T> value;
   };
   std::size_t budget_bytes_;
   std::size_t used_bytes_ = 0;
   std::list<Entry> entries_;  // last used first
-  std::unordered_map<std::size_t, typename std::list<Entry>::iterator> where_;
+  std::unordered_map<Key, typename std::list<Entry>::iterator, Hash> where_;
 };
 
 }  // namespace simuli

@@ -10,7 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -32,18 +32,23 @@ GaussianSet test_set(SetKind kind) {
   return set;
 }
 
+Scene test_scene() {
+  Scene scene;
+  scene.camera = test_set(SetKind::kCamera);
+  scene.lidar = test_set(SetKind::kLidar);
+  scene.camera_background = {0.25F, 0.5F, 1.0F};
+  return scene;
+}
+
 /// Largest deviation of the central ray from what the blending formula says.
-double camera_error(Renderer& renderer) {
+double camera_error(SceneOnDevice& scene) {
   Camera camera;
   camera.name = "check";
   camera.width = camera.height = 33;  // odd: one pixel looks straight ahead
   camera.fx = camera.fy = 40.0;
   camera.cx = camera.cy = 16.5;
-  const ParticleBuffers particles(
-      renderer.device(), test_set(SetKind::kCamera), renderer.options().precision);
-  const SensorRays rays(renderer.device(), camera, renderer.options());
-  renderer.render(particles, rays, View{Pose{}, Pose{}, {0.25F, 0.5F, 1.0F}});
-  const RayResults r = renderer.results();
+  const Frame frame = scene.render(Sensor(camera), {});
+  const RayResults& r = frame.results();
   const std::size_t centre = 16 * 33 + 16;
   const double left = 1.0 - kOpacity;
   const std::array<double, 5> expected = {kOpacity * 0.8 + left * 0.25,
@@ -65,7 +70,7 @@ double camera_error(Renderer& renderer) {
   return worst;
 }
 
-double lidar_error(Renderer& renderer) {
+double lidar_error(SceneOnDevice& scene) {
   Lidar lidar;
   lidar.name = "check";
   for (const double elevation : {0.02, 0.0, -0.02}) {
@@ -78,13 +83,11 @@ double lidar_error(Renderer& renderer) {
   lidar.azimuth_span = 6.2831853071795862;
   lidar.range_min = 0.5;
   lidar.range_max = 100.0;
-  LidarRays nominal = nominal_rays(lidar, 0.1);
+  LidarRays nominal = nominal_rays(lidar);
   const std::size_t ahead = 90 + 45;
   nominal.azimuth[ahead] = 0.0F;
-  const ParticleBuffers particles(renderer.device(), test_set(SetKind::kLidar), renderer.options().precision);
-  const SensorRays rays(renderer.device(), lidar, nominal, renderer.options());
-  renderer.render(particles, rays, View{Pose{}, Pose{}, {0.0F, -4.0F, 4.0F}});
-  const RayResults r = renderer.results();
+  const Frame frame = scene.render(Sensor(lidar).with_rays(nominal), {});
+  const RayResults& r = frame.results();
   const double intensity = std::abs(static_cast<double>(r.feature[0][ahead]) - kOpacity * 0.8);
   const double distance = std::abs(static_cast<double>(r.expected_distance(ahead)) / kDistance_m - 1.0);
   return distance <= intensity ? intensity : distance;
@@ -104,8 +107,8 @@ Check check_device(std::size_t index) {
       if (precision == Precision::kDouble && !device.info().fp64) continue;
       RenderOptions options;
       options.precision = precision;
-      Renderer renderer(device, options);
-      for (const double error : {camera_error(renderer), lidar_error(renderer)}) {
+      SceneOnDevice scene(device, test_scene(), options);
+      for (const double error : {camera_error(scene), lidar_error(scene)}) {
         worst = error <= worst ? worst : error;
       }
     }

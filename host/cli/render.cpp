@@ -20,10 +20,9 @@
 #include "host/cli/base/settings.hpp"
 #include "host/cli/base/video.hpp"
 #include "host/render/options/validate.hpp"
-#include "host/render/scene/simulator.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "io/base/file.hpp"
-#include "io/log/lidar_file.hpp"
-#include "io/scene/scene_folder.hpp"
+#include "io/scene/sensor_rig.hpp"
 #include "io/splat/cloud_file.hpp"
 #include "optim/base/frames.hpp"
 
@@ -52,15 +51,6 @@ struct RenderCommand {
   std::vector<std::string> settings;
 };
 
-/// What is rendered: one of the two.
-struct Sensor {
-  std::string name;  // that its files begin with
-  bool is_camera = false;
-  Camera camera;
-  LidarModel lidar;
-  Pose rig_from_sensor;
-};
-
 struct Span {
   double start_s = 0.0;
   double end_s = 0.0;
@@ -70,40 +60,14 @@ struct Span {
   throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
 }
 
+/// The sensor as asked for: pictures at --scale, frames of --duration.
 Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
-  if (const LogCamera* const c = file.find_camera(command.sensor)) {
-    return {command.sensor, true, scaled_camera(c->model, command.scale), {}, c->rig_from_camera};
+  Sensor sensor = SensorRig(file).find(command.sensor);
+  if (sensor.is_camera()) {
+    const Camera scaled = scaled_camera(sensor.camera(), command.scale);
+    sensor = sensor.resized(scaled.width, scaled.height);
   }
-  if (const LogLidar* const l = file.find_lidar(command.sensor)) {
-    return {command.sensor, false, {}, l->model, l->rig_from_lidar};
-  }
-  const auto mount_of = [&](const auto& sensors, const char* field, auto member) {
-    if (!sensors.empty()) return sensors.front().*member;
-    throw_input_error(command.scene, field, "none", "one, in whose place another is to be mounted");
-  };
-  const auto mounted_lidar = [&](const std::string& name, LidarModel model) {
-    return Sensor{
-        name, false, {}, std::move(model), mount_of(file.lidars, "lidars", &LogLidar::rig_from_lidar)};
-  };
-  std::error_code ignored;
-  if (fs::is_regular_file(command.sensor, ignored)) {
-    return mounted_lidar(fs::path(command.sensor).stem().string(), read_lidar_file(command.sensor).model);
-  }
-  const std::vector<std::string> lidars = builtin_lidar_names(), cameras = builtin_camera_names();
-  const std::string model = command.sensor.substr(0, command.sensor.find('@'));  // "xt32@20": at 20 Hz
-  if (std::find(lidars.begin(), lidars.end(), model) != lidars.end()) {
-    return mounted_lidar(command.sensor, builtin_lidar(command.sensor));
-  }
-  if (std::find(cameras.begin(), cameras.end(), command.sensor) != cameras.end()) {
-    const Pose mount = mount_of(file.cameras, "cameras", &LogCamera::rig_from_camera);
-    return {command.sensor, true, scaled_camera(builtin_camera(command.sensor), command.scale), {}, mount};
-  }
-  std::vector<std::string> known;
-  for (const LogCamera& c : file.cameras) known.push_back(c.model.name);
-  for (const LogLidar& l : file.lidars) known.push_back(name_of(l.model));
-  known.insert(known.end(), lidars.begin(), lidars.end());
-  known.insert(known.end(), cameras.begin(), cameras.end());
-  refuse("--sensor", command.sensor, fmt::format("{}", fmt::join(known, ", ")));
+  return command.duration_s < 0.0 ? sensor : sensor.with_duration(command.duration_s);
 }
 
 /// "a:b:c" as `count` numbers.
@@ -126,12 +90,12 @@ std::vector<double> parse_numbers(const char* option, const std::string& text, s
 
 /// How long one frame takes when it is not a recorded one.
 double duration_of(const Sensor& sensor, const RenderCommand& command) {
-  if (command.duration_s >= 0.0) return command.duration_s;
-  constexpr double kSpin_s = 0.1;  // one turn at the 10 Hz of most automotive LiDARs
-  if (!sensor.is_camera) return kSpin_s;
-  if (sensor.camera.shutter == ShutterKind::kGlobal) return 0.0;
-  refuse(
-      "--duration", "", "the read-out time in s, as camera " + sensor.camera.name + " has a rolling shutter");
+  const bool is_known = command.duration_s >= 0.0 || !sensor.is_camera() ||
+                        sensor.camera().shutter == ShutterKind::kGlobal || sensor.duration_s() > 0.0;
+  if (is_known) return sensor.duration_s();
+  refuse("--duration",
+         "",
+         "the read-out time in s, as camera " + sensor.camera().name + " has a rolling shutter");
 }
 
 std::vector<Span> spans_at(const std::vector<double>& starts_s, double duration_s) {
@@ -153,19 +117,21 @@ std::vector<double> parse_times(const std::string& text) {
   return times;
 }
 
-/// Times of the log's frames of this sensor, or of the log's first sensor of its kind.
+/// Times of the log's frames of this sensor, or the starts of those of the log's first LiDAR.
 std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor) {
   std::vector<Span> spans;
-  if (sensor.is_camera) {
+  if (sensor.is_camera()) {
     for (const ImageFrame& f : log.images) {
-      if (f.camera == sensor.camera.name) spans.push_back({f.time_start_s, f.time_end_s});
+      if (f.camera == sensor.camera().name) spans.push_back({f.time_start_s, f.time_end_s});
     }
   } else if (!log.lidars.empty()) {
-    const auto same = [&](const LogLidar& l) { return name_of(l.model) == name_of(sensor.lidar); };
-    const bool is_there = std::any_of(log.lidars.begin(), log.lidars.end(), same);
-    const std::string& name = name_of(is_there ? sensor.lidar : log.lidars.front().model);
+    const std::string& own = name_of(sensor.lidar());
+    const bool is_there = std::any_of(
+        log.lidars.begin(), log.lidars.end(), [&](const LogLidar& l) { return name_of(l.model) == own; });
+    const std::string& name = is_there ? own : name_of(log.lidars.front().model);
     for (const SweepFrame& f : log.sweeps) {
-      if (f.lidar == name) spans.push_back({f.time_start_s, f.time_end_s});
+      if (f.lidar != name) continue;
+      spans.push_back({f.time_start_s, is_there ? f.time_end_s : f.time_start_s + sensor.duration_s()});
     }
   }
   return spans;
@@ -243,21 +209,19 @@ Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand&
 /// Renders the plan's frames one after the other: use(frame index, picture) gets a camera's picture or a
 /// LiDAR's ranges as one, and clouds(index, points) the returns.
 template <class Use, class UseCloud>
-void render_plan(Simulator& simulator,
-                 const Sensor& sensor,
-                 const Plan& plan,
-                 const Pose& rig_from_sensor,
-                 const Use& use,
-                 const UseCloud& use_cloud) {
+void render_plan(
+    SceneOnDevice& scene, const Sensor& sensor, const Plan& plan, const Use& use, const UseCloud& use_cloud) {
   for (std::size_t i = 0; i < plan.spans.size(); ++i) {
-    const Shot shot =
-        Shot::along(plan.world_from_rig, rig_from_sensor, plan.spans[i].start_s, plan.spans[i].end_s);
-    if (sensor.is_camera) {
-      use(i, simulator.render(sensor.camera, shot));
+    const Frame frame = scene.render(
+        sensor,
+        Shot::along(
+            plan.world_from_rig, sensor.rig_from_sensor(), plan.spans[i].start_s, plan.spans[i].end_s));
+    if (sensor.is_camera()) {
+      use(i, frame.image());
     } else {
-      const LidarFrame frame = simulator.render(sensor.lidar, shot);
-      use_cloud(i, point_cloud(sensor.lidar, frame, shot));
-      use(i, range_image(sensor.lidar, frame.rays, frame.range));
+      use_cloud(i, point_cloud(frame));
+      const LidarFrame sweep = frame.lidar();
+      use(i, range_image(sensor.lidar(), sweep.rays, sweep.range));
     }
   }
 }
@@ -275,7 +239,7 @@ double frame_rate(const Plan& plan, const RenderCommand& command) {
 constexpr double kFarthestFloat_m = 8192.0;
 
 void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
-  if (sensor.is_camera) return;
+  if (sensor.is_camera()) return;
   double farthest_m = 0.0;
   for (const TimedPose& p : plan.world_from_rig.poses()) {
     farthest_m = std::max(farthest_m, p.pose.translation.norm());
@@ -294,21 +258,20 @@ void render(const RenderCommand& command, const Globals& globals) {
   SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, options);
   apply(command.edits, file.scene);
-  const Sensor sensor = find_sensor(file, command);
+  const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
+  Sensor sensor = find_sensor(file, command);
+  sensor = sensor.mounted(rig_from_shifted * sensor.rig_from_sensor());
   const Plan plan = make_plan(file, sensor, command);
   warn_of_rounding(plan, sensor);
-  const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
-  const Pose rig_from_sensor = rig_from_shifted * sensor.rig_from_sensor;
 
-  Simulator simulator(Device::best(globals.device), std::move(file.scene), options);
+  SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
   FileProgress progress("render", globals);
   const auto on_frame = progress.callback();
   const auto run = [&](const auto& use, const auto& use_cloud) {
     render_plan(
-        simulator,
+        scene,
         sensor,
         plan,
-        rig_from_sensor,
         [&](std::size_t i, const Image& image) {
           use(i, image);
           on_frame(i + 1, plan.spans.size());
@@ -322,11 +285,11 @@ void render(const RenderCommand& command, const Globals& globals) {
   } else {
     write_folder_atomically(command.output, [&](const fs::path& folder) {
       const auto name = [&](std::size_t i, const std::string& ending) {
-        return folder / fmt::format("{}_{:06d}{}", sensor.name, i, ending);
+        return folder / fmt::format("{}_{:06d}{}", sensor.name(), i, ending);
       };
       run(
           [&](std::size_t i, const Image& image) {
-            write_image(name(i, sensor.is_camera ? "." + command.images : "_range.png"), image);
+            write_image(name(i, sensor.is_camera() ? "." + command.images : "_range.png"), image);
           },
           [&](std::size_t i, const PointCloud& cloud) {
             write_point_cloud(name(i, "." + command.clouds), cloud);
@@ -336,12 +299,12 @@ void render(const RenderCommand& command, const Globals& globals) {
   progress.finish();
   if (globals.json) {
     const nlohmann::ordered_json out = {{"folder", command.output},
-                                        {"sensor", sensor.name},
+                                        {"sensor", sensor.name()},
                                         {"frames", plan.spans.size()},
-                                        {"device", simulator.device().info().label()}};
+                                        {"device", scene.device().info().label()}};
     std::cout << out.dump(2) << '\n';
   } else {
-    std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), sensor.name, command.output);
+    std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), sensor.name(), command.output);
   }
 }
 

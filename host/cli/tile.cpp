@@ -12,7 +12,7 @@
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/tile_choice.hpp"
 #include "host/render/scene/tile_tuning.hpp"
-#include "io/log/lidar_file.hpp"
+#include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -25,13 +25,6 @@ struct TileCommand {
   std::int64_t particles = 200'000;
 };
 
-/// A file by its path, else a built-in sensor.
-LidarModel sensor_named(const std::string& name) {
-  std::error_code ignored;
-  if (std::filesystem::is_regular_file(name, ignored)) return read_lidar_file(name).model;
-  return builtin_lidar(name);
-}
-
 TileChoiceKey key_of(const LidarModel& sensor) {
   if (const auto* const list = std::get_if<RayList>(&sensor)) return {list->name, 0, list->ray_count()};
   const auto& lidar = std::get<Lidar>(sensor);
@@ -41,7 +34,7 @@ TileChoiceKey key_of(const LidarModel& sensor) {
 RayGrid grid_of(const Device& device, const LidarModel& sensor, const LidarTiles& tiles) {
   RenderOptions options;
   options.lidar_tiles = tiles;
-  return make_ray_grid(device, sensor, nominal_rays(sensor, 0.1), options);
+  return make_ray_grid(device, sensor, nominal_rays(sensor), options);
 }
 
 struct TileFacts {
@@ -124,7 +117,7 @@ void tune(const Device& device, const LidarModel& sensor, std::int64_t particles
 }
 
 void tile(const TileCommand& command, const Globals& globals) {
-  const LidarModel sensor = sensor_named(command.sensor);
+  const LidarModel sensor = named_sensor(command.sensor).lidar();
   const Device device = Device::best(globals.device);
   if (command.tune) {
     if (command.tiles.elevation != 0 || command.tiles.rays != 0) {

@@ -15,10 +15,10 @@
 
 #include "host/base/error.hpp"
 #include "host/base/version.hpp"
-#include "host/render/scene/simulator.hpp"
-#include "io/log/lidar_file.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/scene/sensor_rig.hpp"
 #include "optim/train/training.hpp"
 
 namespace py = pybind11;
@@ -48,106 +48,91 @@ Eigen::MatrixXd matrix_of(const Pose& pose) { return pose.matrix(); }
 
 class Scenery {
  public:
-  Scenery(const std::string& folder, const std::string& device)
-      : file_(read_scene(folder)), simulator_(Device::best(device), std::move(file_.scene)) {}
+  Scenery(const std::string& folder, const std::string& device) : Scenery(read_scene(folder), device) {}
 
-  [[nodiscard]] std::string device() const { return simulator_.device().info().label(); }
-  [[nodiscard]] std::map<std::string, std::pair<int, int>> cameras() const {
-    std::map<std::string, std::pair<int, int>> out;
-    for (const LogCamera& c : file_.cameras) out[c.model.name] = {c.model.height, c.model.width};
-    return out;
-  }
-  [[nodiscard]] std::map<std::string, std::pair<std::size_t, std::size_t>> lidars() const {
+  [[nodiscard]] std::string device() const { return scene_.device().info().label(); }
+  [[nodiscard]] std::map<std::string, std::pair<std::size_t, std::size_t>> sensors(bool cameras) const {
     std::map<std::string, std::pair<std::size_t, std::size_t>> out;
-    for (const LogLidar& l : file_.lidars) {
-      out[name_of(l.model)] = {row_count(l.model), ray_count(l.model) / row_count(l.model)};
+    for (const Sensor& s : rig_.sensors()) {
+      if (s.is_camera() == cameras) out[s.name()] = {s.rows(), s.columns()};
     }
     return out;
   }
   [[nodiscard]] std::pair<double, double> span() const {
-    if (file_.world_from_rig.poses().empty()) throw Error(ErrorKind::kInput, "scene: found no recorded path");
-    return {file_.world_from_rig.start_s(), file_.world_from_rig.end_s()};
+    if (world_from_rig_.poses().empty()) throw Error(ErrorKind::kInput, "scene: found no recorded path");
+    return {world_from_rig_.start_s(), world_from_rig_.end_s()};
   }
   [[nodiscard]] Eigen::MatrixXd world_from_rig(double time_s) const {
     (void)span();
-    return matrix_of(file_.world_from_rig.at(time_s));
+    return matrix_of(world_from_rig_.at(time_s));
   }
   [[nodiscard]] Eigen::MatrixXd rig_from_sensor(const std::string& name) const {
-    if (const LogCamera* const c = file_.find_camera(name)) return matrix_of(c->rig_from_camera);
-    if (const LogLidar* const l = file_.find_lidar(name)) return matrix_of(l->rig_from_lidar);
-    refuse(name);
+    return matrix_of(rig_.find(name).rig_from_sensor());
   }
 
   [[nodiscard]] Array render_camera(const std::string& name,
                                     const std::optional<Eigen::MatrixXd>& world_from_sensor,
                                     double time_s,
-                                    double duration_s) {
-    const LogCamera* const c = file_.find_camera(name);
-    if (c == nullptr) refuse(name);
-    const Image image =
-        simulator_.render(c->model, shot(c->rig_from_camera, world_from_sensor, time_s, duration_s));
+                                    std::optional<double> duration_s) {
+    const Image image = frame(name, world_from_sensor, time_s, duration_s).image();
     return array_of(image.data, {image.height, image.width, 3});
   }
 
   [[nodiscard]] py::dict render_lidar(const std::string& name,
                                       const std::optional<Eigen::MatrixXd>& world_from_sensor,
                                       double time_s,
-                                      double duration_s) {
-    const LogLidar* const own = file_.find_lidar(name);
-    if (own == nullptr && file_.lidars.empty() && !world_from_sensor) refuse(name);
-    const LidarModel model = own != nullptr ? own->model : named(name);
-    const Pose mount = own != nullptr         ? own->rig_from_lidar
-                       : file_.lidars.empty() ? Pose{}
-                                              : file_.lidars.front().rig_from_lidar;
-    const Shot at = shot(mount, world_from_sensor, time_s, duration_s);
-    const LidarFrame frame = simulator_.render(model, at);
-    const auto rows = static_cast<py::ssize_t>(row_count(model));
-    const auto columns = static_cast<py::ssize_t>(frame.range.size()) / rows;
-    std::vector<float> points;
-    for (const Eigen::Vector3d& p : world_points(model, frame, at)) {
-      for (int i = 0; i < 3; ++i) points.push_back(static_cast<float>(p[i]));
-    }
+                                      std::optional<double> duration_s) {
+    const Frame rendered = frame(name, world_from_sensor, time_s, duration_s);
+    const LidarFrame sweep = rendered.lidar();
+    const auto rows = static_cast<py::ssize_t>(rendered.sensor().rows());
+    const auto columns = static_cast<py::ssize_t>(rendered.sensor().columns());
+    py::array_t<double> points({rows, columns, py::ssize_t{3}});
+    double* to = points.mutable_data();
+    for (const Eigen::Vector3d& p : rendered.points()) to = std::copy(p.begin(), p.end(), to);
     py::dict out;
-    out["range_m"] = array_of(frame.range, {rows, columns});
-    out["intensity"] = array_of(frame.intensity, {rows, columns});
-    out["drop"] = array_of(frame.drop, {rows, columns});
-    out["points_m"] = array_of(points, {rows, columns, 3});
+    out["range_m"] = array_of(sweep.range, {rows, columns});
+    out["intensity"] = array_of(sweep.intensity, {rows, columns});
+    out["drop"] = array_of(sweep.drop, {rows, columns});
+    out["points_m"] = points;
     return out;
   }
 
   [[nodiscard]] Eigen::MatrixXf particles(bool of_lidar) const {
-    const Scene& scene = simulator_.scene();
+    const Scene& scene = scene_.scene();
     return of_lidar ? scene.lidar.params : scene.camera.params;
   }
   void set_particles(const Eigen::MatrixXf& params, bool of_lidar) {
-    Scene scene = simulator_.scene();
+    Scene scene = scene_.scene();
     GaussianSet& set = of_lidar ? scene.lidar : scene.camera;
     if (params.cols() != set.params.cols() || (!set.actor.empty() && params.rows() != set.params.rows())) {
       throw Error(ErrorKind::kUsage, "particles: found another shape than particles() gives");
     }
     set.params = params;
-    simulator_ = Simulator(simulator_.device(), std::move(scene));
+    scene_.set_scene(std::move(scene));
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& name) const {
-    throw Error(ErrorKind::kUsage, fmt::format("sensor: found \"{}\", allowed those of the scene", name));
-  }
-  static LidarModel named(const std::string& name) {
-    if (name.ends_with(".json")) return read_lidar_file(name).model;
-    return builtin_lidar(name);
-  }
-  [[nodiscard]] Shot shot(const Pose& mount,
-                          const std::optional<Eigen::MatrixXd>& world_from_sensor,
-                          double time_s,
-                          double duration_s) const {
-    if (world_from_sensor) return Shot::at(pose_of(*world_from_sensor), time_s, duration_s);
+  Scenery(SceneFile file, const std::string& device)
+      : rig_(file),
+        world_from_rig_(std::move(file.world_from_rig)),
+        scene_(Device::best(device), std::move(file.scene)) {}
+
+  [[nodiscard]] Frame frame(const std::string& name,
+                            const std::optional<Eigen::MatrixXd>& world_from_sensor,
+                            double time_s,
+                            std::optional<double> duration_s) {
+    Sensor sensor = world_from_sensor ? rig_.find(name, Pose{}) : rig_.find(name);
+    if (duration_s) sensor = sensor.with_duration(*duration_s);
+    if (world_from_sensor) {
+      return scene_.render(sensor, Shot::at(pose_of(*world_from_sensor), time_s, sensor.duration_s()));
+    }
     (void)span();
-    return Shot::along(file_.world_from_rig, mount, time_s, time_s + duration_s);
+    return scene_.render(sensor, Shot::along(world_from_rig_, sensor, time_s));
   }
 
-  SceneFile file_;  // without its scene, which the simulator has
-  Simulator simulator_;
+  SensorRig rig_;
+  Trajectory world_from_rig_;
+  SceneOnDevice scene_;
 };
 
 /// Trains like `simuli train` with its default settings, and returns what the last frames were off by.
@@ -198,8 +183,10 @@ PYBIND11_MODULE(simuli, m) {
   py::class_<Scenery>(m, "Scene", "A scene folder on a device, ready to render.")
       .def(py::init<const std::string&, const std::string&>(), py::arg("folder"), py::arg("device") = "")
       .def_property_readonly("device", &Scenery::device)
-      .def_property_readonly("cameras", &Scenery::cameras, "name -> (height, width), px")
-      .def_property_readonly("lidars", &Scenery::lidars, "name -> (beams, firings)")
+      .def_property_readonly(
+          "cameras", [](const Scenery& s) { return s.sensors(true); }, "name -> (height, width), px")
+      .def_property_readonly(
+          "lidars", [](const Scenery& s) { return s.sensors(false); }, "name -> (beams, firings)")
       .def_property_readonly("span", &Scenery::span, "first and last time of the recorded path, s")
       .def("world_from_rig", &Scenery::world_from_rig, py::arg("time_s"), "4 x 4, on the recorded path")
       .def("rig_from_sensor", &Scenery::rig_from_sensor, py::arg("name"), "4 x 4")
@@ -208,16 +195,16 @@ PYBIND11_MODULE(simuli, m) {
            py::arg("name"),
            py::arg("world_from_sensor") = py::none(),
            py::arg("time_s") = 0.0,
-           py::arg("duration_s") = 0.0,
+           py::arg("duration_s") = py::none(),
            "float32 [height, width, 3] in [0, 1]; without a pose where the sensor was on the recorded path.")
       .def("render_lidar",
            &Scenery::render_lidar,
            py::arg("name"),
            py::arg("world_from_sensor") = py::none(),
            py::arg("time_s") = 0.0,
-           py::arg("duration_s") = 0.1,
+           py::arg("duration_s") = py::none(),
            "A LiDAR of the scene, a built-in one or a LiDAR file (.json): range_m, intensity, drop "
-           "[beams, firings], points_m [beams, firings, 3] in the world; range 0: no return.")
+           "[beams, firings], points_m float64 [beams, firings, 3] in the world; range 0: no return.")
       .def("particles",
            &Scenery::particles,
            py::arg("lidar") = false,

@@ -63,7 +63,52 @@ void need_new_name(const Scene& scene, const std::string& name) {
   throw Error(ErrorKind::kUsage, fmt::format("actor: found the name \"{}\", allowed one that is new", name));
 }
 
+// How each edit changes a track: the one place, for scenes and for single frames.
+
+void change(Actor& actor, const ActorEdit::Remove&) { actor.track.clear(); }
+
+void change(Actor& actor, const ActorEdit::Move& move) {
+  if (!move.by_m.allFinite()) {
+    throw Error(ErrorKind::kUsage, fmt::format("move {}: found NaN or Inf, allowed finite", actor.name));
+  }
+  for (KeyPose& key : actor.track) {
+    key.world_from_actor.translation += key.corrected().rotation * move.by_m;
+  }
+}
+
+void change(Actor& actor, const ActorEdit::Retime& retime) {
+  if (!(retime.rate > 0.0 && std::isfinite(retime.rate) && std::isfinite(retime.delay_s))) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("retime {}: found {} times as fast, {} s later, allowed above 0 and finite",
+                            actor.name,
+                            retime.rate,
+                            retime.delay_s));
+  }
+  if (actor.track.empty()) return;
+  const double start_s = actor.track.front().time_s;
+  for (KeyPose& key : actor.track) {
+    key.time_s = start_s + retime.delay_s + (key.time_s - start_s) / retime.rate;
+  }
+}
+
+void change(Actor& actor, const ActorEdit::Retrack& retrack) {
+  Actor moved = actor;
+  moved.track = retrack.track;
+  validate(moved, "track");
+  actor = std::move(moved);
+}
+
+void change_track(std::vector<Actor>& actors, const std::string& name, const ActorEdit::Change& what) {
+  Actor& actor = actors[find_actor(actors, name)];
+  std::visit([&](const auto& one) { change(actor, one); }, what);
+}
+
 }  // namespace
+
+std::vector<Actor> edited(std::vector<Actor> actors, const std::vector<ActorEdit>& edits) {
+  for (const ActorEdit& edit : edits) change_track(actors, edit.actor, edit.change);
+  return actors;
+}
 
 void remove_actor(Scene& scene, const std::string& name) {
   const std::uint32_t number = number_of(scene.actors, name);
@@ -73,30 +118,15 @@ void remove_actor(Scene& scene, const std::string& name) {
 }
 
 void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m) {
-  for (KeyPose& key : scene.actors[find_actor(scene.actors, name)].track) {
-    key.world_from_actor.translation += key.corrected().rotation * by_m;
-  }
+  change_track(scene.actors, name, ActorEdit::Move{by_m});
 }
 
 void retime_actor(Scene& scene, const std::string& name, double rate, double delay_s) {
-  if (!(rate > 0.0 && std::isfinite(rate) && std::isfinite(delay_s))) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("retime {}: found {} times as fast, {} s later, allowed above 0 and finite",
-                            name,
-                            rate,
-                            delay_s));
-  }
-  std::vector<KeyPose>& track = scene.actors[find_actor(scene.actors, name)].track;
-  const double start_s = track.front().time_s;
-  for (KeyPose& key : track) key.time_s = start_s + delay_s + (key.time_s - start_s) / rate;
+  change_track(scene.actors, name, ActorEdit::Retime{rate, delay_s});
 }
 
 void retrack_actor(Scene& scene, const std::string& name, std::vector<KeyPose> track) {
-  Actor& actor = scene.actors[find_actor(scene.actors, name)];
-  Actor moved = actor;
-  moved.track = std::move(track);
-  validate(moved, "track");
-  actor = std::move(moved);
+  change_track(scene.actors, name, ActorEdit::Retrack{std::move(track)});
 }
 
 void duplicate_actor(Scene& scene, const std::string& name, const std::string& copy_name) {

@@ -1,23 +1,50 @@
 #pragma once
 // Edits of a trained scene: what its actors do, and which there are. All sensors see the same edit; nothing
 // is trained again. Error{kUsage} for names that the scene does not have, or already has.
+#include <Eigen/Core>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "host/scene/scene.hpp"
 
 namespace simuli {
 
+/// One change of what an actor does. Its particles stay as they are, so that a single frame can be edited
+/// without a scene of its own.
+struct ActorEdit {
+  struct Remove {};                                  // it is nowhere
+  struct Move {                                      // throughout its track, in its own frame
+    Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // forward, left, up
+  };
+  struct Retime {          // the track again, from where it begins
+    double rate = 1.0;     // times as fast, above 0
+    double delay_s = 0.0;  // later than recorded
+  };
+  struct Retrack {
+    std::vector<KeyPose> track;
+  };
+  using Change = std::variant<Remove, Move, Retime, Retrack>;
+
+  std::string actor;
+  Change change;
+};
+
+/// `actors` after the edits, in their order: one that is removed has no track left. Error{kUsage} for a
+/// name that there is not and numbers that are not allowed, Error{kInput} for a track that validate()
+/// refuses.
+[[nodiscard]] std::vector<Actor> edited(std::vector<Actor> actors, const std::vector<ActorEdit>& edits);
+
 /// Takes an actor and its particles away.
 void remove_actor(Scene& scene, const std::string& name);
 
-/// Moves an actor by (forward, left, up) metres in its own frame, throughout its track.
+/// ActorEdit::Move for good.
 void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m);
 
-/// Replays the track `rate` times as fast (above 0), starting delay_s later than recorded.
+/// ActorEdit::Retime for good.
 void retime_actor(Scene& scene, const std::string& name, double rate, double delay_s);
 
-/// Sends an actor along other poses.
+/// ActorEdit::Retrack for good.
 void retrack_actor(Scene& scene, const std::string& name, std::vector<KeyPose> track);
 
 /// Adds a second actor `copy_name` with the particles and the track of `name`.

@@ -32,6 +32,7 @@ struct Camera {
   [[nodiscard]] double exposure_fraction(const Eigen::Vector2d& pixel) const;
   /// The same camera with a picture of new_width x new_height (continuous coordinates are scaled).
   [[nodiscard]] Camera resized(int new_width, int new_height) const;
+  bool operator==(const Camera&) const = default;
 };
 
 /// A polynomial of the radius in pixels (kFtheta) or of the angle over pixels (kFthetaInverse), coefficients

@@ -60,6 +60,8 @@ class Lens {
   /// Focal lengths per rad at the axis.
   [[nodiscard]] double centre_slope() const;
 
+  bool operator==(const Lens&) const = default;
+
  private:
   [[nodiscard]] double constant(int index) const { return constants_[static_cast<std::size_t>(index)]; }
   bool forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;  // whether it has an image

@@ -14,10 +14,9 @@ double Lidar::azimuth(int row, int column) const {
   return azimuth_first + spin_sign() * step * column + rows[static_cast<std::size_t>(row)].azimuth_offset;
 }
 
-double Lidar::time_fraction(int row, int column, double sweep_duration_s) const {
+double Lidar::time_fraction(int row, int column) const {
   const double column_fraction = (column + 0.5) / columns;
-  if (!(sweep_duration_s > 0.0)) return column_fraction;
-  return column_fraction + rows[static_cast<std::size_t>(row)].time_offset / sweep_duration_s;
+  return column_fraction + rows[static_cast<std::size_t>(row)].time_offset / sweep_s;
 }
 
 Eigen::Vector3d Lidar::direction(double azimuth, double elevation) {
@@ -93,6 +92,9 @@ void validate(const Lidar& lidar, const std::string& file) {
   if (!(lidar.azimuth_span > 0.0 && lidar.azimuth_span <= 2.0 * std::numbers::pi + 1e-9)) {
     refuse("azimuth_span_rad", lidar.azimuth_span, "above 0, at most 2 pi");
   }
+  if (!(lidar.sweep_s > 0.0 && lidar.sweep_s <= kLongestSweep_s)) {
+    refuse("sweep_s", lidar.sweep_s, "above 0, at most 1000");
+  }
   if (!(lidar.range_min >= 0.0)) refuse("range_min_m", lidar.range_min, "at least 0");
   if (!(lidar.range_max > lidar.range_min && std::isfinite(lidar.range_max))) {
     refuse("range_max_m", lidar.range_max, "finite and above range_min_m");
@@ -106,7 +108,7 @@ void validate(const Lidar& lidar, const std::string& file) {
   validate_blind_arcs(lidar, refuse);
 }
 
-LidarRays nominal_rays(const Lidar& lidar, double sweep_duration_s) {
+LidarRays nominal_rays(const Lidar& lidar) {
   LidarRays rays{lidar.row_count(), lidar.columns, {}, {}, {}};
   const std::size_t count = lidar.ray_count();
   rays.azimuth.reserve(count);
@@ -117,7 +119,7 @@ LidarRays nominal_rays(const Lidar& lidar, double sweep_duration_s) {
       const double azimuth = std::remainder(lidar.azimuth(r, c), 2.0 * std::numbers::pi);
       rays.azimuth.push_back(static_cast<float>(azimuth));
       rays.elevation.push_back(static_cast<float>(lidar.rows[static_cast<std::size_t>(r)].elevation));
-      rays.time_fraction.push_back(static_cast<float>(lidar.time_fraction(r, c, sweep_duration_s)));
+      rays.time_fraction.push_back(static_cast<float>(lidar.time_fraction(r, c)));
     }
   }
   return rays;

@@ -20,6 +20,8 @@ struct LidarRow {
   double time_offset = 0.0;        // s, added to the column's firing time
   double radial_offset = 0.0;      // m, away from the spin axis
   double range_bias = 0.0;         // m, recorded less true distance; sweeps are corrected when read
+
+  bool operator==(const LidarRow&) const = default;
 };
 
 /// Azimuths [first, last] of a row, in the sensor frame, in which its beam meets the vehicle it is mounted
@@ -28,7 +30,13 @@ struct BlindArc {
   int row = 0;
   double azimuth_first = 0.0;  // rad, 0 to 2 pi
   double azimuth_last = 0.0;   // rad, azimuth_first to 2 pi
+
+  bool operator==(const BlindArc&) const = default;
 };
+
+/// One turn at the 10 Hz of most automotive LiDARs: what a sensor takes that doesn't say.
+inline constexpr double kUsualSweep_s = 0.1;
+inline constexpr double kLongestSweep_s = 1000.0;
 
 struct Lidar {
   std::string name;
@@ -37,6 +45,7 @@ struct Lidar {
   double azimuth_first = 0.0;  // rad, azimuth of column 0
   double azimuth_span = 0.0;   // rad > 0, swept by all columns; 2 pi for a full turn
   SpinDirection spin = SpinDirection::kCounterClockwise;
+  double sweep_s = kUsualSweep_s;     // s > 0, from the start of one turn (or pass) to the next: of a frame
   double range_min = 0.0;             // m
   double range_max = 0.0;             // m
   double beam_divergence = 0.0;       // rad, full angle; 0: an ideal ray
@@ -48,12 +57,13 @@ struct Lidar {
   [[nodiscard]] double spin_sign() const { return spin == SpinDirection::kCounterClockwise ? 1.0 : -1.0; }
   /// Azimuth of (row, column) at the centre of its firing, not wrapped.
   [[nodiscard]] double azimuth(int row, int column) const;
-  /// Share of the sweep at which (row, column) fires; sweep_duration_s scales the row's time offset.
-  [[nodiscard]] double time_fraction(int row, int column, double sweep_duration_s) const;
+  /// Share of the sweep at which (row, column) fires.
+  [[nodiscard]] double time_fraction(int row, int column) const;
   /// Unit direction for a measured or nominal (azimuth, elevation).
   [[nodiscard]] static Eigen::Vector3d direction(double azimuth, double elevation);
   /// Origin in the sensor frame of the ray of `row` at `azimuth`.
   [[nodiscard]] Eigen::Vector3d origin(int row, double azimuth) const;
+  bool operator==(const Lidar&) const = default;
 };
 
 /// Throws Error{kInput} naming `file` and field for a model that no sensor has.
@@ -72,9 +82,11 @@ struct LidarRays {
   std::vector<float> azimuth;        // [rows*columns] rad
   std::vector<float> elevation;      // [rows*columns] rad, from the ray's own origin
   std::vector<float> time_fraction;  // [rows*columns] 0 at the sweep's start, 1 at its end
+
+  bool operator==(const LidarRays&) const = default;
 };
 
-[[nodiscard]] LidarRays nominal_rays(const Lidar& lidar, double sweep_duration_s);
+[[nodiscard]] LidarRays nominal_rays(const Lidar& lidar);
 
 /// Whether a ray of `row` at `azimuth` (rad, any turn) lies in a blind arc.
 [[nodiscard]] bool is_blind(const Lidar& lidar, int row, double azimuth);

@@ -209,6 +209,7 @@ BuiltinLidar builtin_lidar_with_facts(const std::string& name) {
   Lidar& lidar = sensor.model;
   lidar.name = name;
   lidar.columns = facts.mode.columns;
+  lidar.sweep_s = 1.0 / facts.mode.spin_hz;
   const LidarTable* table = find_table(base);
   if (table == nullptr || table->azimuth_first_urad == LidarTable::kFromBehind) {
     lidar.azimuth_first = std::numbers::pi * (1.0 - 1.0 / lidar.columns);

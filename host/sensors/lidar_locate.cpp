@@ -15,8 +15,7 @@ constexpr double kTimeTolerance = 1e-12;  // of the sweep
 /// The hit with a column that may lie outside the sweep: turned back by at most half a turn from its middle.
 std::optional<LidarHit> locate_unbounded(const Lidar& lidar,
                                          int row,
-                                         const Eigen::Vector3d& p_sensor,
-                                         double sweep_duration_s) {
+                                         const Eigen::Vector3d& p_sensor) {
   const LidarRow& beam = lidar.rows[static_cast<std::size_t>(row)];
   const double flat = std::hypot(p_sensor.x(), p_sensor.y());
   if (!(flat > std::abs(beam.horizontal_offset))) return std::nullopt;
@@ -36,7 +35,7 @@ std::optional<LidarHit> locate_unbounded(const Lidar& lidar,
   const double turned = (hit.azimuth - lidar.azimuth_first - beam.azimuth_offset) * lidar.spin_sign();
   hit.column = (middle + std::remainder(turned - middle, 2.0 * kPi)) / step;
   hit.time_fraction = (hit.column + 0.5) / lidar.columns;
-  if (sweep_duration_s > 0.0) hit.time_fraction += beam.time_offset / sweep_duration_s;
+  hit.time_fraction += beam.time_offset / lidar.sweep_s;
   return hit;
 }
 
@@ -54,18 +53,17 @@ int LidarHit::nearest_column(const Lidar& lidar) const {
 
 std::optional<LidarHit> locate_in_row(const Lidar& lidar,
                                       int row,
-                                      const Eigen::Vector3d& p_sensor,
-                                      double sweep_duration_s) {
-  const auto hit = locate_unbounded(lidar, row, p_sensor, sweep_duration_s);
+                                      const Eigen::Vector3d& p_sensor) {
+  const auto hit = locate_unbounded(lidar, row, p_sensor);
   return hit && in_sweep(lidar, *hit) ? hit : std::nullopt;
 }
 
-std::optional<LidarHit> locate(const Lidar& lidar, const Eigen::Vector3d& p_sensor, double sweep_duration_s) {
+std::optional<LidarHit> locate(const Lidar& lidar, const Eigen::Vector3d& p_sensor) {
   const double step = lidar.azimuth_span / lidar.columns;
   std::optional<LidarHit> best;
   double smallest = 0.0;
   for (int row = 0; row < lidar.row_count(); ++row) {
-    const auto hit = locate_in_row(lidar, row, p_sensor, sweep_duration_s);
+    const auto hit = locate_in_row(lidar, row, p_sensor);
     if (!hit) continue;
     const double elevation = lidar.rows[static_cast<std::size_t>(row)].elevation;
     const double sideways = (hit->column - std::round(hit->column)) * step * std::cos(elevation);
@@ -87,18 +85,16 @@ class MovingSearch {
                int row,
                const Eigen::Vector3d& p_world,
                const Pose& world_from_sensor_start,
-               const Pose& world_from_sensor_end,
-               double sweep_duration_s)
+               const Pose& world_from_sensor_end)
       : lidar_(lidar),
         row_(row),
         p_world_(p_world),
         start_(world_from_sensor_start),
         end_(world_from_sensor_end),
-        sweep_duration_s_(sweep_duration_s),
         turn_(2.0 * kPi / lidar.azimuth_span) {}
 
   std::vector<LidarHit> run() {
-    const double first = lidar_.time_fraction(row_, 0, sweep_duration_s_) - 0.5 / lidar_.columns;
+    const double first = lidar_.time_fraction(row_, 0) - 0.5 / lidar_.columns;
     Sample before = sample(first);
     for (int i = 1; i <= kTimeSamples; ++i) {
       const Sample after = sample(first + static_cast<double>(i) / kTimeSamples);
@@ -119,7 +115,7 @@ class MovingSearch {
     const Pose world_from_sensor = interpolate(start_, end_, time);
     Sample s;
     s.time = time;
-    s.hit = locate_unbounded(lidar_, row_, world_from_sensor.inverse() * p_world_, sweep_duration_s_);
+    s.hit = locate_unbounded(lidar_, row_, world_from_sensor.inverse() * p_world_);
     if (s.hit) s.late = std::remainder(s.hit->time_fraction - time, turn_);
     return s;
   }
@@ -160,7 +156,6 @@ class MovingSearch {
   Eigen::Vector3d p_world_;
   Pose start_;
   Pose end_;
-  double sweep_duration_s_;
   double turn_;  // a full turn as a share of the sweep
   std::vector<LidarHit> hits_;
 };
@@ -171,9 +166,8 @@ std::vector<LidarHit> locate_moving(const Lidar& lidar,
                                     int row,
                                     const Eigen::Vector3d& p_world,
                                     const Pose& world_from_sensor_start,
-                                    const Pose& world_from_sensor_end,
-                                    double sweep_duration_s) {
-  return MovingSearch(lidar, row, p_world, world_from_sensor_start, world_from_sensor_end, sweep_duration_s)
+                                    const Pose& world_from_sensor_end) {
+  return MovingSearch(lidar, row, p_world, world_from_sensor_start, world_from_sensor_end)
       .run();
 }
 

@@ -28,14 +28,12 @@ struct LidarHit {
 /// the beam passes.
 [[nodiscard]] std::optional<LidarHit> locate_in_row(const Lidar& lidar,
                                                     int row,
-                                                    const Eigen::Vector3d& p_sensor,
-                                                    double sweep_duration_s);
+                                                    const Eigen::Vector3d& p_sensor);
 
 /// The firing whose ray passes `p_sensor` at the smallest angle, among all rows. With lever arms a point
 /// may lie on rays of two rows; then either is returned.
 [[nodiscard]] std::optional<LidarHit> locate(const Lidar& lidar,
-                                             const Eigen::Vector3d& p_sensor,
-                                             double sweep_duration_s);
+                                             const Eigen::Vector3d& p_sensor);
 
 /// Every time at which `row` passes the azimuth of a resting point while the sensor moves from
 /// world_from_sensor_start to _end during the sweep (host/scene/pose.hpp, interpolate): mostly one; none
@@ -45,7 +43,6 @@ struct LidarHit {
                                                   int row,
                                                   const Eigen::Vector3d& p_world,
                                                   const Pose& world_from_sensor_start,
-                                                  const Pose& world_from_sensor_end,
-                                                  double sweep_duration_s);
+                                                  const Pose& world_from_sensor_end);
 
 }  // namespace simuli

@@ -37,8 +37,12 @@ double range_max(const LidarModel& model) {
   return std::visit([](const auto& m) { return m.range_max; }, model);
 }
 
-LidarRays nominal_rays(const LidarModel& model, double sweep_duration_s) {
-  if (const auto* const lidar = std::get_if<Lidar>(&model)) return nominal_rays(*lidar, sweep_duration_s);
+double sweep_s(const LidarModel& model) {
+  return std::visit([](const auto& m) { return m.sweep_s; }, model);
+}
+
+LidarRays nominal_rays(const LidarModel& model) {
+  if (const auto* const lidar = std::get_if<Lidar>(&model)) return nominal_rays(*lidar);
   const auto& list = std::get<RayList>(model);
   LidarRays rays{1, static_cast<int>(list.ray_count()), {}, {}, {}};
   for (std::size_t i = 0; i < list.ray_count(); ++i) {

@@ -21,8 +21,11 @@ using LidarModel = std::variant<Lidar, RayList>;
 [[nodiscard]] double range_min(const LidarModel& model);
 [[nodiscard]] double range_max(const LidarModel& model);
 
-/// The rays of one frame as the model has them; a list's times are shares of the frame already.
-[[nodiscard]] LidarRays nominal_rays(const LidarModel& model, double sweep_duration_s);
+/// Seconds that one frame takes.
+[[nodiscard]] double sweep_s(const LidarModel& model);
+
+/// The rays of one frame as the model has them.
+[[nodiscard]] LidarRays nominal_rays(const LidarModel& model);
 /// Origin of a ray in the sensor frame, m; `rays` are the model's nominal or measured ones.
 [[nodiscard]] Eigen::Vector3d ray_origin(const LidarModel& model, const LidarRays& rays, std::size_t ray);
 /// Distances are how far light went: what particles are made of and compared with (Sweep). What a sensor

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
-#include "host/sensors/lidar.hpp"
 
 namespace simuli {
 
@@ -50,6 +49,9 @@ void validate(const RayList& list, const std::string& file) {
     if (!(list.origin[i].cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 10.0)) {
       refuse(fmt::format("origin_m[{}]", i), "a value beyond 10 or NaN", "-10 to 10");
     }
+  }
+  if (!(list.sweep_s > 0.0 && list.sweep_s <= kLongestSweep_s)) {
+    refuse("sweep_s", fmt::format("{}", list.sweep_s), "above 0, at most 1000");
   }
   need("range_min_m", list.range_min, 0.0, 1e6);
   if (!(list.range_max > list.range_min && list.range_max <= 1e6)) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/sensors/lidar.hpp"
+
 namespace simuli {
 
 struct RayList {
@@ -13,6 +15,7 @@ struct RayList {
   std::vector<double> elevation;        // [rays] rad, -pi/2 to pi/2
   std::vector<double> time_fraction;    // [rays] share of the frame at which the ray fires, -1 to 2
   std::vector<Eigen::Vector3d> origin;  // [rays] m, sensor frame; empty: all at the sensor's origin
+  double sweep_s = kUsualSweep_s;       // s > 0, that a frame takes
   double range_min = 0.0;               // m
   double range_max = 0.0;               // m
   double beam_divergence = 0.0;         // rad, full angle; 0: an ideal ray
@@ -23,6 +26,7 @@ struct RayList {
   [[nodiscard]] Eigen::Vector3d direction(std::size_t ray) const;
   /// Origin of a ray in the sensor frame, m.
   [[nodiscard]] Eigen::Vector3d ray_origin(std::size_t ray) const;
+  bool operator==(const RayList&) const = default;
 };
 
 /// Throws Error{kInput} naming `file` and field for lists of different lengths, none or more than 2^24

@@ -38,6 +38,7 @@ Json ray_list_json(const RayList& list) {
             {"azimuth_rad", list.azimuth},
             {"elevation_rad", list.elevation},
             {"time_fraction", list.time_fraction}};
+  if (list.sweep_s != kUsualSweep_s) json["sweep_s"] = list.sweep_s;
   if (!list.origin.empty()) {
     Json origins = Json::array();
     for (const Eigen::Vector3d& origin : list.origin) {
@@ -51,6 +52,7 @@ Json ray_list_json(const RayList& list) {
 RayList ray_list_from_json(JsonObject& object) {
   RayList list;
   list.name = object.text("name");
+  if (object.has("sweep_s")) list.sweep_s = object.number("sweep_s");
   list.range_min = object.number("range_min_m");
   list.range_max = object.number("range_max_m");
   list.beam_divergence = object.number("beam_divergence_rad");
@@ -96,6 +98,7 @@ Json row_model_json(const Lidar& model) {
             {"beam_divergence_rad", model.beam_divergence},
             {"divergence_variance", model.divergence_variance},
             {"rows", rows}};
+  if (model.sweep_s != kUsualSweep_s) json["sweep_s"] = model.sweep_s;
   if (model.blind.empty()) return json;
   Json& arcs = json["blind_arcs"] = Json::array();
   for (const BlindArc& arc : model.blind) {
@@ -109,6 +112,7 @@ Lidar row_model_from_json(JsonObject& object) {
   Lidar model;
   model.name = object.text("name");
   model.columns = static_cast<int>(object.integer("columns", 1, kMostColumns));
+  if (object.has("sweep_s")) model.sweep_s = object.number("sweep_s");
   model.azimuth_first = object.number("azimuth_first_rad");
   model.azimuth_span = object.number("azimuth_span_rad");
   model.spin = read_spin(object);
@@ -171,7 +175,11 @@ LidarFile file_from_json(JsonObject& object) {
   LidarFile file;
   (void)object.text("kind");  // here no other is meant when it is missing
   file.facts = facts_from_json(object);
+  const bool says_sweep = object.has("sweep_s");
   file.model = lidar_model_from_json(object);
+  if (!says_sweep && !file.facts.modes.empty()) {
+    std::visit([&](auto& model) { model.sweep_s = 1.0 / file.facts.mode.spin_hz; }, file.model);
+  }
   const auto* const lidar = std::get_if<Lidar>(&file.model);
   if (lidar != nullptr && !file.facts.modes.empty() && file.facts.mode.columns != lidar->columns) {
     throw_input_error(object.file(),

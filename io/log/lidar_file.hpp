@@ -5,6 +5,7 @@
 //   {"kind": "lidar", "name": "my sensor",
 //    "source": "...", "licence": "...", "note": "...",               these four may be missing
 //    "modes": [{"spin_hz": 10, "columns": 2000}, ...],               the model's own mode first
+//    "sweep_s": 0.1,                                                 may be missing: one turn of that mode
 //    "columns": 2000, "azimuth_first_rad": 3.14, "azimuth_span_rad": 6.283185307179586,
 //    "spin": "clockwise" or "counter_clockwise",
 //    "range_min_m": 0.5, "range_max_m": 120, "beam_divergence_rad": 0.003, "divergence_variance": 0.25,
@@ -13,12 +14,13 @@
 //
 // with rows from top to bottom, fields as in host/sensors/lidar.hpp; and for a sensor without rows
 //
-//   {"kind": "ray_list", "name": "my sensor", "range_min_m": 0.5, "range_max_m": 120,
+//   {"kind": "ray_list", "name": "my sensor", "sweep_s": 0.1, "range_min_m": 0.5, "range_max_m": 120,
 //    "beam_divergence_rad": 0.003, "divergence_variance": 0.25,
 //    "azimuth_rad": [...], "elevation_rad": [...], "time_fraction": [...],      one value per ray
 //    "origin_m": [x0, y0, z0, x1, ...]}                                        may be missing: the sensor's
 //
-// fields as in host/sensors/ray_list.hpp. Any other key is an error.
+// fields as in host/sensors/ray_list.hpp. A sweep_s that no mode tells either is 0.1. Any other key is an
+// error.
 #include <filesystem>
 
 #include "host/sensors/lidar_library.hpp"
@@ -41,7 +43,8 @@ struct LidarFile {
 
 /// The part that logs and scenes share with it: kind to rows or to the list.
 [[nodiscard]] Json to_json(const LidarModel& model);
-/// Reads that part and validates it. A missing kind is "lidar", a missing radial_offset_m or range_bias_m 0.
+/// Reads that part and validates it. A missing kind is "lidar", a missing radial_offset_m or range_bias_m 0,
+/// a missing sweep_s 0.1.
 [[nodiscard]] LidarModel lidar_model_from_json(JsonObject& object);
 
 }  // namespace simuli

@@ -1,6 +1,7 @@
 #include "io/log/log.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <variant>
 
@@ -97,6 +98,30 @@ Json frame_to_json(const Frame& frame,
           {"time_end_ns", to_ns(frame.time_end_s, start_ns, frame.file)}};
 }
 
+/// Whose turns the sweeps tell of.
+bool has_sweeps(const Log& log, const LidarModel& lidar) {
+  return std::any_of(log.sweeps.begin(), log.sweeps.end(), [&](const SweepFrame& frame) {
+    return frame.lidar == name_of(lidar);
+  });
+}
+
+/// A LiDAR's turn takes what its recorded sweeps take: their median, as drives differ from their sensor's
+/// nominal rate.
+void set_sweep_durations(Log& log) {
+  for (LogLidar& lidar : log.lidars) {
+    std::vector<std::int64_t> durations_ns;
+    for (const SweepFrame& frame : log.sweeps) {
+      if (frame.lidar != name_of(lidar.model)) continue;
+      durations_ns.push_back(std::llround((frame.time_end_s - frame.time_start_s) * 1e9));
+    }
+    if (durations_ns.empty()) continue;
+    const auto middle = durations_ns.begin() + static_cast<std::ptrdiff_t>(durations_ns.size() / 2);
+    std::nth_element(durations_ns.begin(), middle, durations_ns.end());
+    const double sweep_s = std::min(static_cast<double>(*middle) / 1e9, kLongestSweep_s);
+    std::visit([&](auto& model) { model.sweep_s = sweep_s; }, lidar.model);
+  }
+}
+
 /// log.json as text.
 std::string text_of(const Log& log) {
   try {
@@ -141,6 +166,7 @@ Log log_from_json(JsonObject& root, const fs::path& folder) {
   if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
   require_time_order(log.images, root.file(), "images");
   require_time_order(log.sweeps, root.file(), "sweeps");
+  set_sweep_durations(log);
   return log;
 }
 
@@ -165,7 +191,12 @@ Log read_log(const fs::path& folder) {
 
 Json to_json(const Log& log) {
   Json root{{"format", kLogFormat}, {"version", kLogVersion}, {"name", log.name}, {"start_ns", log.start_ns}};
-  add_sensors(root, log.cameras, log.lidars);
+  std::vector<LogLidar> lidars = log.lidars;
+  for (LogLidar& lidar : lidars) {
+    if (!has_sweeps(log, lidar.model)) continue;
+    std::visit([](auto& model) { model.sweep_s = kUsualSweep_s; }, lidar.model);  // left out
+  }
+  add_sensors(root, log.cameras, lidars);
   root["world_from_rig"] = to_json(log.world_from_rig, log.start_ns);
   root["images"] = Json::array();
   root["sweeps"] = Json::array();

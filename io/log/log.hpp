@@ -68,7 +68,7 @@ struct Sweep {
   std::vector<float> intensity;  // [rows*columns] in [0, 1]
 };
 
-/// Reads log.json. Unknown keys, missing keys, wrong types or units, dangling names are Error{kInput}.
+/// Reads log.json. LiDARs take as long for a turn as their sweeps did (the median). Unknown keys, missing keys, wrong types or units, dangling names are Error{kInput}.
 [[nodiscard]] Log read_log(const std::filesystem::path& folder);
 /// Writes log.json (temporary name, sync, rename); images and sweeps are written by their writers.
 void write_log(const Log& log);

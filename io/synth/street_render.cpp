@@ -193,7 +193,7 @@ Sweep scan_street(const Street& street,
                   int threads) {
   const LidarModel& model = lidar.model;
   Sweep sweep;
-  sweep.rays = nominal_rays(model, time_end_s - time_start_s);
+  sweep.rays = nominal_rays(model);
   sweep.range.resize(ray_count(model));
   sweep.intensity.resize(ray_count(model));
   const int columns = sweep.rays.columns;

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/view.hpp"
 #include "host/scene/actor.hpp"
 #include "host/sensors/camera.hpp"
 #include "host/sensors/lidar_model.hpp"

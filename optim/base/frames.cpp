@@ -33,31 +33,22 @@ Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) 
   return resize_area(image, scaled.width, scaled.height);
 }
 
-View view_at(const Trajectory& world_from_rig,
-             const Pose& rig_from_sensor,
-             double time_start_s,
-             double time_end_s,
-             const Scene& scene,
-             SetKind kind) {
-  View view{world_from_rig.at(time_start_s) * rig_from_sensor,
-            world_from_rig.at(time_end_s) * rig_from_sensor,
-            kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
-            actors_during(scene.actors, time_start_s, time_end_s, scene.origin)};
-  view.scene_from_sensor_start.translation -= scene.origin;
-  view.scene_from_sensor_end.translation -= scene.origin;
-  return view;
+Shot shot_of(const Log& log, const ImageFrame& frame) {
+  const Pose& rig_from_camera = log.camera(frame.camera).rig_from_camera;
+  return Shot::along(log.world_from_rig, rig_from_camera, frame.time_start_s, frame.time_end_s);
+}
+
+Shot shot_of(const Log& log, const SweepFrame& frame) {
+  const Pose& rig_from_lidar = log.lidar(frame.lidar).rig_from_lidar;
+  return Shot::along(log.world_from_rig, rig_from_lidar, frame.time_start_s, frame.time_end_s);
 }
 
 View view_of(const Log& log, const Scene& scene, const ImageFrame& frame) {
-  const Pose& rig_from_camera = log.camera(frame.camera).rig_from_camera;
-  return view_at(
-      log.world_from_rig, rig_from_camera, frame.time_start_s, frame.time_end_s, scene, SetKind::kCamera);
+  return view_of(scene, shot_of(log, frame), SetKind::kCamera);
 }
 
 View view_of(const Log& log, const Scene& scene, const SweepFrame& frame) {
-  const Pose& rig_from_lidar = log.lidar(frame.lidar).rig_from_lidar;
-  return view_at(
-      log.world_from_rig, rig_from_lidar, frame.time_start_s, frame.time_end_s, scene, SetKind::kLidar);
+  return view_of(scene, shot_of(log, frame), SetKind::kLidar);
 }
 
 std::vector<float> planar(const Image& image) {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/view.hpp"
 #include "host/scene/scene.hpp"
-#include "io/picture/image.hpp"
 #include "io/log/log.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli {
 
@@ -20,14 +20,10 @@ namespace simuli {
 /// Error{kInput} when the file's size is not the log camera's.
 [[nodiscard]] Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled);
 
-/// Poses of a sensor and of the scene's actors at the start and the end of a frame, relative to the scene
-/// origin, before the background of that set.
-[[nodiscard]] View view_at(const Trajectory& world_from_rig,
-                           const Pose& rig_from_sensor,
-                           double time_start_s,
-                           double time_end_s,
-                           const Scene& scene,
-                           SetKind kind);
+/// Where the frame's sensor was when it was taken.
+[[nodiscard]] Shot shot_of(const Log& log, const ImageFrame& frame);
+[[nodiscard]] Shot shot_of(const Log& log, const SweepFrame& frame);
+/// The same as the scene's renderer takes it.
 [[nodiscard]] View view_of(const Log& log, const Scene& scene, const ImageFrame& frame);
 [[nodiscard]] View view_of(const Log& log, const Scene& scene, const SweepFrame& frame);
 

@@ -10,7 +10,6 @@
 
 #include "host/base/fields.hpp"
 #include "host/render/options/validate.hpp"
-#include "host/render/scene/look.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/sweep_pair.hpp"
@@ -42,20 +41,19 @@ class Mean {
 };
 
 /// Median seconds of a render whose results stay on the device.
-double time_render(Renderer& renderer, const std::function<void()>& render, int repeats) {
+double time_render(const Device& device, const std::function<Frame()>& render, int repeats) {
   std::vector<double> seconds;
   for (int i = 0; i <= repeats; ++i) {
-    renderer.device().finish();
+    device.finish();
     const auto begin = std::chrono::steady_clock::now();
-    render();
-    renderer.device().finish();
+    render().wait();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     if (i > 0) seconds.push_back(elapsed.count());  // the first compiles and allocates
   }
   return median(std::move(seconds));
 }
 
-SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, const View& view) {
+SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, const Shot& in_scene) {
   const LidarRays& rays = pair.recorded.rays;
   const std::size_t count = pair.recorded.range.size();
   SweepComparison out;
@@ -66,8 +64,7 @@ SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, con
     out.range.push_back(best_distance(r, i));
     out.intensity.push_back(std::clamp(r.feature[0][i], 0.0F, 1.0F));
     out.drop.push_back(r.drop_probability(i));
-    const Pose scene_from_lidar =
-        interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, rays.time_fraction[i]);
+    const Pose scene_from_lidar = in_scene.pose_at(rays.time_fraction[i]);
     const Eigen::Vector3d origin = ray_origin(lidar, rays, i);
     const Eigen::Vector3d direction = Lidar::direction(rays.azimuth[i], rays.elevation[i]);
     out.origin.push_back((scene_from_lidar * origin).cast<float>());
@@ -157,7 +154,7 @@ class Evaluation::Run {
   Run(Evaluation& of, const Progress& progress)
       : of_(of), progress_(progress), actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)) {
     report_.frames = of.frames_;
-    report_.device = of.renderer_.device().info().label();
+    report_.device = of.on_device_.device().info().label();
   }
   [[nodiscard]] EvalReport run() && {
     const auto begin = std::chrono::steady_clock::now();
@@ -168,8 +165,9 @@ class Evaluation::Run {
   }
 
  private:
-  [[nodiscard]] ActorBoxes boxes(View view, double time_start_s, double time_end_s) const {
-    view.actors = actors_during(actors_, time_start_s, time_end_s, of_.scene_.scene.origin);
+  [[nodiscard]] ActorBoxes boxes(const Shot& shot, SetKind kind) const {
+    View view = view_of(of_.scene_.scene, shot, kind);
+    view.actors = actors_during(actors_, shot, of_.scene_.scene.origin);
     return {actors_, view};
   }
   void step() {
@@ -203,37 +201,30 @@ void Evaluation::Run::add_actor_pixels(const std::vector<bool>& on,
 }
 
 void Evaluation::Run::images() {
-  Renderer& renderer = of_.renderer_;
+  SceneOnDevice& on_device = of_.on_device_;
   const Scene& scene = of_.scene_.scene;
-  const ParticleBuffers& particles = of_.particles(SetKind::kCamera);
-  SceneLook look(renderer.device(), scene, renderer.options().precision);
-  SceneLook ungraded(renderer.device(), scene, renderer.options().precision, false);
   Mean psnr, ssim_mean, psnr_ungraded;
   for (const std::size_t index : of_.frames_.images) {
     const ImageFrame& frame = of_.log_.images[index];
     const Camera model = of_.camera(frame);
-    const SensorRays& rays = of_.rays(frame);
-    const View view = view_of(of_.log_, scene, frame);
-    const double time_s = 0.5 * (frame.time_start_s + frame.time_end_s);
-    const auto render = [&] { look.render(renderer, particles, rays, view, frame.camera, time_s); };
+    const Sensor camera(model);
+    const Shot shot = shot_of(of_.log_, frame);
+    const auto render = [&] { return on_device.render(camera, shot); };
     if (index == of_.frames_.images.front()) {
-      const double seconds = time_render(renderer, render, of_.options_.timed_renders);
-      report_.camera_mp_per_s = static_cast<double>(rays.grid().rays) / seconds / 1e6;
+      const double seconds = time_render(on_device.device(), render, of_.options_.timed_renders);
+      report_.camera_mp_per_s = static_cast<double>(camera.ray_count()) / seconds / 1e6;
       report_.image_width = model.width;
       report_.image_height = model.height;
     }
-    render();
-    const Image rendered = picture_of(renderer.results(), model);
+    const Image rendered = render().image();
     const Image truth = load_image(of_.log_, frame, model);
     psnr.add(psnr_db(rendered, truth));
     if (!actors_.empty()) {
-      const ActorBoxes where = boxes(view, frame.time_start_s, frame.time_end_s);
-      add_actor_pixels(pixels_on_actors(where, model), rendered, truth);
+      add_actor_pixels(pixels_on_actors(boxes(shot, SetKind::kCamera), model), rendered, truth);
     }
     ssim_mean.add(ssim(rendered, truth));
     if (!scene.color_grids.empty()) {
-      ungraded.render(renderer, particles, rays, view, frame.camera, time_s);
-      psnr_ungraded.add(psnr_db(picture_of(renderer.results(), model), truth));
+      psnr_ungraded.add(psnr_db(on_device.render(camera, shot, {.graded = false}).image(), truth));
     }
     step();
   }
@@ -248,26 +239,24 @@ void Evaluation::Run::images() {
 }
 
 void Evaluation::Run::sweeps() {
-  Renderer& renderer = of_.renderer_;
-  const Scene& scene = of_.scene_.scene;
+  SceneOnDevice& on_device = of_.on_device_;
   std::vector<double> actor_errors;
   double met = 0.0;
   SweepMeans means;
   Mean expected;
   for (const std::size_t index : of_.frames_.sweeps) {
-    const ParticleBuffers& particles = of_.particles(SetKind::kLidar);
     const SweepFrame& frame = of_.log_.sweeps[index];
     const LidarModel& lidar = of_.log_.lidar(frame.lidar).model;
-    const View view = view_of(of_.log_, scene, frame);
-    const SweepPair pair = render_sweep(renderer, particles, of_.log_, scene, frame);
+    const Shot shot = shot_of(of_.log_, frame);
+    const SweepPair pair = render_sweep(on_device, of_.log_, frame);
     if (index == of_.frames_.sweeps.front()) {
-      const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
-      const auto render = [&] { renderer.render(particles, rays, view); };
-      const double seconds = time_render(renderer, render, of_.options_.timed_renders);
-      report_.lidar_mr_per_s = static_cast<double>(rays.grid().rays) / seconds / 1e6;
+      const Sensor sensor = Sensor(lidar).with_rays(pair.recorded.rays);
+      const auto render = [&] { return on_device.render(sensor, shot); };
+      const double seconds = time_render(on_device.device(), render, of_.options_.timed_renders);
+      report_.lidar_mr_per_s = static_cast<double>(sensor.ray_count()) / seconds / 1e6;
     }
     if (!actors_.empty()) {
-      const ActorBoxes where = boxes(view, frame.time_start_s, frame.time_end_s);
+      const ActorBoxes where = boxes(shot, SetKind::kLidar);
       const auto on = returns_on_actors(where, lidar, pair.recorded.rays, pair.recorded.range);
       for (std::size_t i = 0; i < on.size(); ++i) {
         if (!on[i]) continue;
@@ -275,7 +264,7 @@ void Evaluation::Run::sweeps() {
         met += is_met(pair, i) ? 1.0 : 0.0;
       }
     }
-    means.add(compare_sweep(compare_rays(pair, lidar, view)));
+    means.add(compare_sweep(compare_rays(pair, lidar, shot.relative_to(of_.scene_.scene.origin))));
     expected.add(expected_median_m(pair));
     step();
   }
@@ -301,49 +290,24 @@ Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const Eva
       options_(checked(options)),
       frames_(select_eval_frames(log, scene_, options.image_scale, options.held_out_every)),
       log_(with_sensors_of(scene_, std::move(log))),
-      renderer_(device, options.render) {}
-
-Evaluation::~Evaluation() = default;
+      on_device_(device, borrowed(scene_.scene), options.render) {}
 
 Camera Evaluation::camera(const ImageFrame& frame) const {
   return scaled_camera(log_.camera(frame.camera).model, frames_.image_scale);
-}
-
-const SensorRays& Evaluation::rays(const ImageFrame& frame) {
-  auto& known = camera_rays_[frame.camera];
-  if (!known) known = std::make_unique<SensorRays>(renderer_.device(), camera(frame), renderer_.options());
-  return *known;
-}
-
-const ParticleBuffers& Evaluation::particles(SetKind kind) {
-  const bool is_camera = kind == SetKind::kCamera;
-  std::optional<ParticleBuffers>& set = is_camera ? camera_set_ : lidar_set_;
-  if (!set) {
-    set.emplace(
-        renderer_.device(), is_camera ? scene_.scene.camera : scene_.scene.lidar, renderer_.options());
-  }
-  return *set;
 }
 
 EvalReport Evaluation::run(const Progress& progress) { return Run(*this, progress).run(); }
 
 PicturePair Evaluation::picture(std::size_t index) {
   const ImageFrame& frame = log_.images[index];
-  SceneLook(renderer_.device(), scene_.scene, renderer_.options().precision)
-      .render(renderer_,
-              particles(SetKind::kCamera),
-              rays(frame),
-              view_of(log_, scene_.scene, frame),
-              frame.camera,
-              0.5 * (frame.time_start_s + frame.time_end_s));
   const Camera model = camera(frame);
-  return {picture_of(renderer_.results(), model), load_image(log_, frame, model)};
+  return {on_device_.render(Sensor(model), shot_of(log_, frame)).image(), load_image(log_, frame, model)};
 }
 
 LidarPair Evaluation::sweep(std::size_t index) {
   const SweepFrame& frame = log_.sweeps[index];
   const LidarModel& lidar = log_.lidar(frame.lidar).model;
-  SweepPair pair = render_sweep(renderer_, particles(SetKind::kLidar), log_, scene_.scene, frame);
+  SweepPair pair = render_sweep(on_device_, log_, frame);
   LidarFrame rendered = lidar_frame(lidar, pair.recorded.rays, pair.simulated);
   return {std::move(rendered), as_stated(lidar, std::move(pair.recorded))};
 }

@@ -3,14 +3,10 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
-#include <map>
-#include <memory>
-#include <optional>
 #include <string>
 
 #include "host/base/image.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/base/metrics.hpp"
@@ -70,11 +66,10 @@ class Evaluation {
   /// have learned better. Error{kUsage} for options outside their range, Error{kInput} when no frame is left
   /// to compare.
   Evaluation(const Device& device, SceneFile scene, Log log, const EvalOptions& options = {});
-  ~Evaluation();
-  Evaluation(const Evaluation&) = delete;
+  Evaluation(const Evaluation&) = delete;  // scene_on_device() looks at scene()
   Evaluation& operator=(const Evaluation&) = delete;
 
-  [[nodiscard]] const Device& device() const { return renderer_.device(); }
+  [[nodiscard]] const Device& device() const { return on_device_.device(); }
   [[nodiscard]] const SceneFile& scene() const { return scene_; }
   [[nodiscard]] const Log& log() const { return log_; }
   [[nodiscard]] const EvalOptions& options() const { return options_; }
@@ -90,18 +85,14 @@ class Evaluation {
  private:
   class Run;  // over all frames
 
+  /// A frame's camera, at the size that is compared.
   [[nodiscard]] Camera camera(const ImageFrame& frame) const;
-  /// The rays of a frame's camera, at the size that is compared.
-  [[nodiscard]] const SensorRays& rays(const ImageFrame& frame);
-  [[nodiscard]] const ParticleBuffers& particles(SetKind kind);
 
   SceneFile scene_;
   EvalOptions options_;
   EvalFrames frames_;
   Log log_;
-  Renderer renderer_;
-  std::optional<ParticleBuffers> camera_set_, lidar_set_;
-  std::map<std::string, std::unique_ptr<SensorRays>> camera_rays_;
+  SceneOnDevice on_device_;
 };
 
 }  // namespace simuli

@@ -13,17 +13,12 @@ bool is_met(const SweepPair& pair, std::size_t ray) {
          std::abs(best_distance(r, ray) - pair.recorded.range[ray]) < SweepPair::kSame_m;
 }
 
-SweepPair render_sweep(Renderer& renderer,
-                       const ParticleBuffers& lidar_set,
-                       const Log& log,
-                       const Scene& scene,
-                       const SweepFrame& frame) {
+SweepPair render_sweep(SceneOnDevice& scene, const Log& log, const SweepFrame& frame) {
   const LidarModel& lidar = log.lidar(frame.lidar).model;
   SweepPair pair;
   pair.recorded = read_sweep(log.folder / frame.file, lidar);
-  const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
-  renderer.render(lidar_set, rays, view_of(log, scene, frame));
-  pair.simulated = renderer.results();
+  const Sensor sensor = Sensor(lidar).with_rays(pair.recorded.rays);
+  pair.simulated = scene.render(sensor, shot_of(log, frame)).results();
   return pair;
 }
 

@@ -2,8 +2,7 @@
 // A recorded sweep beside what a scene says of its rays.
 #include <cstddef>
 
-#include "host/render/scene/renderer.hpp"
-#include "host/scene/scene.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -17,10 +16,6 @@ struct SweepPair {
 /// Whether the scene has that recorded return, too, within kSame_m of its distance.
 [[nodiscard]] bool is_met(const SweepPair& pair, std::size_t ray);
 /// Renders the rays of a recorded sweep. Error{kInput} when it can't be read.
-[[nodiscard]] SweepPair render_sweep(Renderer& renderer,
-                                     const ParticleBuffers& lidar_set,
-                                     const Log& log,
-                                     const Scene& scene,
-                                     const SweepFrame& frame);
+[[nodiscard]] SweepPair render_sweep(SceneOnDevice& scene, const Log& log, const SweepFrame& frame);
 
 }  // namespace simuli

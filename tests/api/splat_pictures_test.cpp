@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <iostream>
 
-#include "host/render/scene/simulator.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "io/base/gzip.hpp"
 #include "io/splat/splat_file.hpp"
 
@@ -19,10 +19,10 @@ Image picture_of_splats(const Device& device, const fs::path& file) {
   Scene scene;
   scene.camera = read_splats(file);
   scene.camera_background = {0.5F, 0.5F, 0.5F};
-  Simulator simulator(device, std::move(scene));
+  SceneOnDevice on_device(device, std::move(scene));
   // The biker stands 3 m tall on y = 0, y down: seen from 4.5 m in front.
-  const Camera camera{"any", 480, 480, 480.0, 480.0, 240.0, 240.0};
-  return simulator.render(camera, Shot::at({Eigen::Quaterniond::Identity(), {0.0, -1.6, -4.5}}, 0.0));
+  const Sensor camera(Camera{"any", 480, 480, 480.0, 480.0, 240.0, 240.0});
+  return on_device.render(camera, Shot::at({Eigen::Quaterniond::Identity(), {0.0, -1.6, -4.5}}, 0.0)).image();
 }
 
 TEST(SplatPictures, SpzAndCompressedPlyOfOneModelAreAlike) {

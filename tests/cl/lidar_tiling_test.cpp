@@ -210,7 +210,7 @@ TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
   const auto tile_rows = [&](const LidarTiles& tiles) {
     RenderOptions options = paper_options();
     options.lidar_tiles = tiles;
-    return make_ray_grid(device, lidar, nominal_rays(lidar, 0.1), options).frame.tiles_y;
+    return make_ray_grid(device, lidar, nominal_rays(lidar), options).frame.tiles_y;
   };
   store_tiles(device, key, {8, 64});
   ASSERT_TRUE(stored_tiles(device, key).has_value());
@@ -245,7 +245,7 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
   const Device device = Device::best();
   for (const std::string& name : builtin_lidar_names()) {
     const Lidar lidar = builtin_lidar(name);
-    const LidarRays nominal = nominal_rays(lidar, 0.1);
+    const LidarRays nominal = nominal_rays(lidar);
     std::vector<std::uint32_t> chosen;
     std::vector<test::SingleParticle> particles;
     for (int row = 0; row < lidar.row_count(); row += std::max(1, lidar.row_count() / 16)) {

@@ -54,7 +54,7 @@ TEST(RayMask, AreasCountOccupiedCells) {
        {RayMaskSize{1601, 8, true}, {1601, 8, false}, {7, 3, true}, {1, 1, true}, {333, 20, true}}) {
     RenderOptions options = paper_options();
     options.ray_mask = size;
-    SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
+    SensorRays rays(device, lidar, nominal_rays(lidar), options);
     for (const Request& request : requests()) {
       SCOPED_TRACE(std::string(request.name) + ", " + std::to_string(size.columns));
       rays.request(flags_of(request, 3000, 150));
@@ -99,7 +99,7 @@ TEST(RayMask, SomeRaysGetARowPerBeamAndTwoColumnsPerFiring) {
   const Device device = Device::best();
   const Lidar lidar = test::small_lidar(20, 900);
   RenderOptions options = paper_options();
-  SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
+  SensorRays rays(device, lidar, nominal_rays(lidar), options);
   EXPECT_EQ(rays.buffers().areas.count(), std::size_t{9} * 1601);
   std::vector<bool> some(lidar.ray_count(), true);
   some[7] = false;
@@ -108,7 +108,7 @@ TEST(RayMask, SomeRaysGetARowPerBeamAndTwoColumnsPerFiring) {
   rays.request(std::vector<bool>(lidar.ray_count(), true));
   EXPECT_EQ(rays.buffers().areas.count(), std::size_t{9} * 1601);
   options.ray_mask = {800, 4, true};
-  SensorRays asked(device, lidar, nominal_rays(lidar, 0.1), options);
+  SensorRays asked(device, lidar, nominal_rays(lidar), options);
   asked.request(some);
   EXPECT_EQ(asked.buffers().areas.count(), std::size_t{5} * 801);
 }
@@ -119,7 +119,7 @@ TEST(RayMask, RowsHoldEqualNumbersOfBeamsOrEqualElevations) {
   for (std::size_t r = 0; r < 12; ++r) lidar.rows[r].elevation = 0.1 - 0.001 * static_cast<double>(r);
   RenderOptions options = paper_options();
   options.ray_mask = {100, 4, true};
-  const LidarRays nominal = nominal_rays(lidar, 0.1);
+  const LidarRays nominal = nominal_rays(lidar);
   const auto equal = SensorRays(device, lidar, nominal, options).buffers().mask_row_of_row.download();
   for (std::size_t row = 0; row < 16; ++row) EXPECT_EQ(equal[row], row / 4);
   options.ray_mask.equalized = false;
@@ -197,7 +197,7 @@ class Comparison {
                    std::uint64_t seed,
                    const std::vector<Request>& requested) {
     const ParticleBuffers particles(device_, crowd(seed, 0), Precision::kFloat);
-    SensorRays rays(device_, lidar, nominal_rays(lidar, 0.1), always_);
+    SensorRays rays(device_, lidar, nominal_rays(lidar), always_);
     const auto columns = static_cast<std::size_t>(lidar.columns);
     for (const Request& request : requested) {
       const std::string name = request.name;
@@ -275,7 +275,7 @@ TEST(RayMask, AFullMaskIsNotAsked) {
   const Device device = Device::best();
   RenderOptions options = paper_options();
   const Lidar lidar = builtin_lidar("generic64");
-  SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
+  SensorRays rays(device, lidar, nominal_rays(lidar), options);
   EXPECT_TRUE(rays.marked());
   EXPECT_FALSE(rays.can_cull());
   rays.request(flags_of(requests()[1], lidar.ray_count(), static_cast<std::size_t>(lidar.columns)));
@@ -283,7 +283,7 @@ TEST(RayMask, AFullMaskIsNotAsked) {
   rays.request(std::vector<bool>(lidar.ray_count(), true));
   EXPECT_FALSE(rays.can_cull());
   options.culling = Culling::kOff;
-  EXPECT_FALSE(SensorRays(device, lidar, nominal_rays(lidar, 0.1), options).marked());
+  EXPECT_FALSE(SensorRays(device, lidar, nominal_rays(lidar), options).marked());
 }
 
 TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {

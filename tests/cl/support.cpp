@@ -19,8 +19,6 @@ class SharedPrograms : public testing::Environment {
 const testing::Environment* const kSharedPrograms =
     testing::AddGlobalTestEnvironment(new SharedPrograms);  // GoogleTest owns it
 
-constexpr double kSweep_s = 0.1;
-
 }  // namespace
 
 void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
@@ -51,7 +49,7 @@ Shot shot_of(const SceneCase& scene_case, int width, int height) {
         shot.lidar.rows[r].vertical_offset = 0.1 + 0.003 * static_cast<double>(r);
       }
     }
-    shot.rays = nominal_rays(shot.lidar, kSweep_s);
+    shot.rays = nominal_rays(shot.lidar);
   }
   shot.view.scene_from_sensor_start = scene_from_sensor;
   shot.view.scene_from_sensor_end = scene_from_sensor;

@@ -182,6 +182,21 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000.ply"));
   EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000_range.png"));
 
+  // A LiDAR that turns 20 times a second moves for a twentieth of a second.
+  const auto cloud_of = [&](const std::string& options, const std::string& to) {
+    const Outcome turn =
+        run("render s.scene --sensor hesai_xt32@20 --times 0.1:0.1:1 " + options + "-o " + to);
+    EXPECT_EQ(turn.exit_code, 0) << turn.err;
+    std::ifstream file(folder_ / to / "hesai_xt32@20_000000.ply", std::ios::binary);
+    std::stringstream bytes;
+    bytes << file.rdbuf();
+    EXPECT_GT(bytes.str().size(), 1000U);
+    return bytes.str();
+  };
+  const std::string twentieth = cloud_of("--duration 0.05 ", "twentieth");
+  EXPECT_EQ(cloud_of("", "as_it_says"), twentieth);
+  EXPECT_NE(cloud_of("--duration 0.1 ", "tenth"), twentieth);
+
   expect_failure("render s.scene --sensor rear -o x", kUsage, "allowed front, top, ");
   expect_failure("render s.scene --sensor front --frames 9:9 --trajectory s.log -o x", kUsage, "--frames");
   expect_failure("render s.scene --sensor front --times 0:1 -o x", kUsage, "--times");

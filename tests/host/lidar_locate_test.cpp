@@ -47,20 +47,19 @@ TEST(LidarLocate, EveryRowOfEveryTableAtRest) {
   for (const std::string& name : builtin_lidar_names()) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     const Lidar& lidar = sensor.model;
-    const double duration_s = 1.0 / sensor.facts.mode.spin_hz;
     double worst = 0.0;
     int shared = 0;
     for (int row = 0; row < lidar.row_count(); ++row) {
       for (const int column : some_columns(lidar, row)) {
         for (const double range : kRanges_m) {
           const Eigen::Vector3d p = point_on_ray(lidar, row, column, range);
-          const auto own = locate_in_row(lidar, row, p, duration_s);
+          const auto own = locate_in_row(lidar, row, p);
           ASSERT_TRUE(own) << name << " row " << row << " column " << column;
           worst = std::max(worst, error_in_steps(lidar, *own, row, column));
           EXPECT_NEAR(own->range, range, 1e-9) << name;
-          EXPECT_NEAR(own->time_fraction, lidar.time_fraction(row, column, duration_s), 1e-9) << name;
+          EXPECT_NEAR(own->time_fraction, lidar.time_fraction(row, column), 1e-9) << name;
           EXPECT_EQ(own->nearest_column(lidar), column) << name;
-          const auto best = locate(lidar, p, duration_s);
+          const auto best = locate(lidar, p);
           ASSERT_TRUE(best);
           if (best->row == row) continue;
           // Only a ray of another row through the very same point may win.
@@ -90,7 +89,6 @@ TEST(LidarLocate, EveryRowOfEveryTableInMotion) {
   for (const std::string& name : builtin_lidar_names()) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     const Lidar& lidar = sensor.model;
-    const double duration_s = 1.0 / sensor.facts.mode.spin_hz;
     Pose start, end;
     motion(duration_s, start, end);
     double worst = 0.0;
@@ -98,10 +96,10 @@ TEST(LidarLocate, EveryRowOfEveryTableInMotion) {
       for (const int column : some_columns(lidar, row)) {
         for (const double range : kRanges_m) {
           const Pose world_from_sensor =
-              interpolate(start, end, lidar.time_fraction(row, column, duration_s));
+              interpolate(start, end, lidar.time_fraction(row, column));
           const Eigen::Vector3d p_world = world_from_sensor * point_on_ray(lidar, row, column, range);
           double closest = 1e9;
-          for (const LidarHit& hit : locate_moving(lidar, row, p_world, start, end, duration_s)) {
+          for (const LidarHit& hit : locate_moving(lidar, row, p_world, start, end)) {
             closest = std::min(closest, error_in_steps(lidar, hit, row, column));
           }
           EXPECT_LT(closest, kSteps) << name << " row " << row << " column " << column << " at " << range;
@@ -135,33 +133,33 @@ TEST(LidarLocate, PointAtTheCutIsSeenTwiceOrNever) {
     // The cut is behind. Turning with the spin (clockwise: yaw < 0) the sweep covers more than a turn.
     const double behind = kPi + yaw / 2.0;
     const Eigen::Vector3d p = 10.0 * Eigen::Vector3d(std::cos(behind), std::sin(behind), 0.0);
-    EXPECT_EQ(locate_moving(lidar, 0, p, start, end, 0.1).size(), yaw < 0.0 ? 2U : 0U);
-    EXPECT_EQ(locate_moving(lidar, 0, -p, start, end, 0.1).size(), 1U);
+    EXPECT_EQ(locate_moving(lidar, 0, p, start, end).size(), yaw < 0.0 ? 2U : 0U);
+    EXPECT_EQ(locate_moving(lidar, 0, -p, start, end).size(), 1U);
   }
-  EXPECT_EQ(locate_moving(lidar, 0, {0.0, 5.0, 0.0}, start, start, 0.1).size(), 1U);
+  EXPECT_EQ(locate_moving(lidar, 0, {0.0, 5.0, 0.0}, start, start).size(), 1U);
 }
 
 TEST(LidarLocate, OutsideAPartialFieldOfViewIsNothing) {
   Lidar lidar = one_row(2.0, 200);
   lidar.azimuth_first = 1.0 - 0.005;  // 0.995 down to -0.995
   const auto at = [](double azimuth) { return Eigen::Vector3d(8.0 * Lidar::direction(azimuth, 0.0)); };
-  EXPECT_TRUE(locate(lidar, at(0.999), 0.1));
-  EXPECT_TRUE(locate(lidar, at(-0.999), 0.1));
-  EXPECT_FALSE(locate(lidar, at(1.001), 0.1));
-  EXPECT_FALSE(locate(lidar, at(-1.001), 0.1));
-  EXPECT_FALSE(locate(lidar, at(kPi), 0.1));
-  EXPECT_EQ(locate(lidar, at(0.995), 0.1)->nearest_column(lidar), 0);
-  EXPECT_EQ(locate(lidar, at(-0.995), 0.1)->nearest_column(lidar), 199);
+  EXPECT_TRUE(locate(lidar, at(0.999)));
+  EXPECT_TRUE(locate(lidar, at(-0.999)));
+  EXPECT_FALSE(locate(lidar, at(1.001)));
+  EXPECT_FALSE(locate(lidar, at(-1.001)));
+  EXPECT_FALSE(locate(lidar, at(kPi)));
+  EXPECT_EQ(locate(lidar, at(0.995))->nearest_column(lidar), 0);
+  EXPECT_EQ(locate(lidar, at(-0.995))->nearest_column(lidar), 199);
 }
 
 TEST(LidarLocate, PointInsideTheCircleOfBeamsHasNoRay) {
   Lidar lidar = one_row(2.0 * kPi, 360);
   lidar.rows[0].horizontal_offset = 0.05;
-  EXPECT_FALSE(locate(lidar, {0.03, 0.0, 0.0}, 0.1));
-  EXPECT_FALSE(locate(lidar, {0.0, 0.0, 1.0}, 0.1));
-  EXPECT_TRUE(locate(lidar, {0.06, 0.0, 0.0}, 0.1));
+  EXPECT_FALSE(locate(lidar, {0.03, 0.0, 0.0}));
+  EXPECT_FALSE(locate(lidar, {0.0, 0.0, 1.0}));
+  EXPECT_TRUE(locate(lidar, {0.06, 0.0, 0.0}));
   lidar.rows[0].radial_offset = 0.05;
-  EXPECT_FALSE(locate(lidar, {0.06, 0.0, 0.0}, 0.1));
+  EXPECT_FALSE(locate(lidar, {0.06, 0.0, 0.0}));
 }
 
 TEST(LidarLocate, ColumnsWrapAtTheCutOfAFullTurn) {

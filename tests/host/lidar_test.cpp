@@ -40,9 +40,8 @@ TEST(Lidar, AzimuthRunsWithTheSpin) {
 TEST(Lidar, TimeRunsForwardInEitherSpin) {
   for (const SpinDirection spin : {SpinDirection::kCounterClockwise, SpinDirection::kClockwise}) {
     const Lidar lidar = two_rows(spin);
-    for (int c = 0; c < 4; ++c) EXPECT_NEAR(lidar.time_fraction(1, c, 0.1), (c + 0.5) / 4, kRounding);
-    EXPECT_NEAR(lidar.time_fraction(0, 1, 0.1), 0.375 + 3e-5, kRounding);  // 3 us of 0.1 s
-    EXPECT_NEAR(lidar.time_fraction(0, 1, 0.0), 0.375, kRounding);         // no duration: nothing to scale by
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(lidar.time_fraction(1, c), (c + 0.5) / 4, kRounding);
+    EXPECT_NEAR(lidar.time_fraction(0, 1), 0.375 + 3e-5, kRounding);  // 3 us of 0.1 s
   }
 }
 
@@ -78,7 +77,7 @@ TEST(Lidar, RadialOffsetMovesTheOriginAlongTheBeam) {
 
 TEST(Lidar, NominalRaysAreRowMajorAndWrapped) {
   const Lidar lidar = two_rows(SpinDirection::kCounterClockwise);
-  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const LidarRays rays = nominal_rays(lidar);
   EXPECT_EQ(rays.rows, 2);
   EXPECT_EQ(rays.columns, 4);
   ASSERT_EQ(rays.azimuth.size(), lidar.ray_count());
@@ -91,7 +90,7 @@ TEST(Lidar, NominalRaysAreRowMajorAndWrapped) {
       EXPECT_NEAR(turns, std::round(turns), 1e-6);  // float angles
       EXPECT_LE(std::abs(rays.azimuth[i]), static_cast<float>(kPi));
       EXPECT_FLOAT_EQ(rays.elevation[i], r == 0 ? 0.1F : -0.1F);
-      EXPECT_FLOAT_EQ(rays.time_fraction[i], static_cast<float>(lidar.time_fraction(r, c, 0.1)));
+      EXPECT_FLOAT_EQ(rays.time_fraction[i], static_cast<float>(lidar.time_fraction(r, c)));
     }
   }
 }

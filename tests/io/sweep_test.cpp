@@ -29,7 +29,7 @@ Lidar some_lidar() {
 
 Sweep some_sweep(const Lidar& lidar) {
   Sweep sweep;
-  sweep.rays = nominal_rays(lidar, 0.1);
+  sweep.rays = nominal_rays(lidar);
   for (std::size_t i = 0; i < lidar.ray_count(); ++i) {
     const bool returned = i % 5 != 0;
     sweep.range.push_back(returned ? 1.0F + 0.37F * static_cast<float>(i) : 0.0F);

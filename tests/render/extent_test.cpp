@@ -118,7 +118,7 @@ Shot lidar_shot(bool moving, bool measured, SpinDirection spin) {
   Shot shot = test::shot_of({"lidar", SetKind::kLidar, moving, measured, 0}, 120, 16);
   shot.lidar.beam_divergence = 0.012;
   shot.lidar.spin = spin;
-  shot.rays = nominal_rays(shot.lidar, 0.1);
+  shot.rays = nominal_rays(shot.lidar);
   if (measured) {
     test::Random random(3);
     for (std::size_t i = 0; i < shot.rays.elevation.size(); ++i) {
@@ -151,7 +151,7 @@ TEST(ExactExtent, LosesNothingInFloat) {
 }
 
 TEST(ExactExtent, UnscentedLosesSomething) {
-  const Comparison c = compare(camera_shot(false), {}, kFloatRounding);
+  const Comparison c = compare(camera_shot(false), paper_options(), kFloatRounding);
   EXPECT_GT(c.different, 0U) << "of " << c.compared << " rays";
   EXPECT_GT(c.worst, kAlphaCut);
 }

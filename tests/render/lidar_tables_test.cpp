@@ -21,7 +21,7 @@ TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
   const Device device = Device::best();
   for (const std::string& name : builtin_lidar_names()) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
-    const LidarRays rays = nominal_rays(sensor.model, 1.0 / sensor.facts.mode.spin_hz);
+    const LidarRays rays = nominal_rays(sensor.model);
     const RayGrid grid = make_ray_grid(device, sensor.model, rays, {});
     ASSERT_EQ(grid.rays, sensor.model.ray_count()) << name;
     std::vector<int> seen(grid.rays, 0);
@@ -56,7 +56,7 @@ GaussianSet balls_on_rays(const BuiltinLidar& sensor,
       const double azimuth = lidar.azimuth(row, column);
       const double range = row % 2 == 0 ? 6.0 : 25.0;
       const Pose scene_from_sensor =
-          interpolate(start, end, lidar.time_fraction(row, column, 1.0 / sensor.facts.mode.spin_hz));
+          interpolate(start, end, lidar.time_fraction(row, column));
       test::SingleParticle ball;
       ball.mean = scene_from_sensor *
                   Eigen::Vector3d(
@@ -81,7 +81,7 @@ void expect_hits(const Pose& start, const Pose& end) {
     std::vector<std::size_t> chosen;
     const GaussianSet set = balls_on_rays(sensor, start, end, chosen);
     const SensorRays rays(
-        device, sensor.model, nominal_rays(sensor.model, 1.0 / sensor.facts.mode.spin_hz), options);
+        device, sensor.model, nominal_rays(sensor.model), options);
     renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}});
     const std::vector<float> found = renderer.results().transmittance;
     std::size_t missed = 0;
@@ -117,7 +117,7 @@ std::vector<float> past_ball(const Lidar& lidar, const LidarRays& rays, const Ei
 
 TEST(LidarTables, NothingIsSeenOutsideTheRangeLimits) {
   const Lidar lidar = builtin_lidar("velodyne_vlp16");  // 0.5 to 100 m
-  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const LidarRays rays = nominal_rays(lidar);
   const std::size_t ray = 3 * static_cast<std::size_t>(lidar.columns) + 500;
   const Eigen::Vector3d direction = Lidar::direction(lidar.azimuth(3, 500), lidar.rows[3].elevation);
   for (const double range : {0.52, 5.0, 99.9}) {
@@ -130,7 +130,7 @@ TEST(LidarTables, NothingIsSeenOutsideTheRangeLimits) {
 
 TEST(LidarTables, MeasuredRaysTakeTheSameRoad) {
   const Lidar lidar = builtin_lidar("velodyne_hdl64e_s2_sztaki");
-  LidarRays rays = nominal_rays(lidar, 0.1);
+  LidarRays rays = nominal_rays(lidar);
   const std::size_t ray = 20 * static_cast<std::size_t>(lidar.columns) + 1234;
   // A measured ray off its nominal direction by half a column, with its own time.
   rays.azimuth[ray] += static_cast<float>(0.5 * lidar.azimuth_span / lidar.columns);
@@ -139,7 +139,7 @@ TEST(LidarTables, MeasuredRaysTakeTheSameRoad) {
   const Eigen::Vector3d p_sensor =
       lidar.origin(20, azimuth) + 60.0 * Lidar::direction(azimuth, lidar.rows[20].elevation);
   const float measured = past_ball(lidar, rays, p_sensor)[ray];
-  const float nominal = past_ball(lidar, nominal_rays(lidar, 0.1), p_sensor)[ray];
+  const float nominal = past_ball(lidar, nominal_rays(lidar), p_sensor)[ray];
   EXPECT_LT(measured, kHit);
   EXPECT_GT(nominal, measured + 0.3F);  // half a column is 9 cm there
 }

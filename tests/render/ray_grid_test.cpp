@@ -71,7 +71,7 @@ void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
 }
 
 LidarRays jittered(const Lidar& lidar, double share_of_column, std::uint64_t seed) {
-  LidarRays rays = nominal_rays(lidar, 0.1);
+  LidarRays rays = nominal_rays(lidar);
   test::Random random(seed);
   const double column_rad = lidar.azimuth_span / lidar.columns;
   for (float& azimuth : rays.azimuth) {
@@ -110,7 +110,7 @@ TEST(RayGrid, SweepsAreCompleteInEveryTileHeight) {
     options.lidar_tiles = tiles;
     for (const auto& [rows, columns] : {std::pair(1, 1), {1, 500}, {20, 150}, {33, 7}, {64, 257}}) {
       const Lidar lidar = test::small_lidar(rows, columns);
-      const LidarRays nominal = nominal_rays(lidar, 0.1);
+      const LidarRays nominal = nominal_rays(lidar);
       const RayGrid grid = make_ray_grid(Device::best(), lidar, nominal, options);
       expect_complete(grid);
       expect_lidar_places(grid, nominal);
@@ -126,7 +126,7 @@ TEST(RayGrid, BuiltInLidarsAreComplete) {
   for (const std::string& name : builtin_lidar_names()) {
     SCOPED_TRACE(name);
     const Lidar lidar = builtin_lidar(name);
-    const LidarRays rays = nominal_rays(lidar, 0.1);
+    const LidarRays rays = nominal_rays(lidar);
     const RayGrid grid = make_ray_grid(Device::best(), lidar, rays, {});
     expect_complete(grid);
     expect_lidar_places(grid, rays);
@@ -137,14 +137,14 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   Lidar lidar = test::small_lidar(8, 400);
   lidar.azimuth_first = -0.4;
   lidar.azimuth_span = 0.8;
-  const LidarRays narrow = nominal_rays(lidar, 0.1);
+  const LidarRays narrow = nominal_rays(lidar);
   const RayGrid grid = make_ray_grid(Device::best(), lidar, narrow, {});
   expect_complete(grid);
   expect_lidar_places(grid, narrow);
 
   // Counted from 0 to 2 pi instead of from -pi to pi: the same tiles, the same places.
   const Lidar full = test::small_lidar(8, 400);
-  const LidarRays centred = nominal_rays(full, 0.1);
+  const LidarRays centred = nominal_rays(full);
   LidarRays turned = centred;
   for (float& a : turned.azimuth) {
     if (a < 0.0F) a = static_cast<float>(static_cast<double>(a) + 2.0 * kPi);
@@ -168,7 +168,7 @@ std::string refusal(const std::function<void()>& f) {
 
 TEST(RayGrid, WrongRaysAreRefused) {
   const Lidar lidar = test::small_lidar(4, 30);
-  const LidarRays good = nominal_rays(lidar, 0.1);
+  const LidarRays good = nominal_rays(lidar);
   const auto refused = [&](const std::function<void(LidarRays&)>& spoil, const std::string& part) {
     LidarRays rays = good;
     spoil(rays);
@@ -196,7 +196,7 @@ TEST(RayGrid, WrongRaysAreRefused) {
   }
   // More rays of one beam in one direction than any tile holds.
   const Lidar dense = test::small_lidar(4, 3000);
-  LidarRays bundled = nominal_rays(dense, 0.1);
+  LidarRays bundled = nominal_rays(dense);
   std::fill(bundled.azimuth.begin(), bundled.azimuth.end(), 0.5F);
   EXPECT_NE(refusal([&] {
               static_cast<void>(make_ray_grid(Device::best(), dense, bundled, {}));

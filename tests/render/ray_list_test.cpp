@@ -97,7 +97,7 @@ TEST(RayListGrid, AnyListIsComplete) {
       }
     }
     const Lidar lidar = test::small_lidar(20, 300);
-    const RayList turn = list_of(lidar, nominal_rays(lidar, 0.1));
+    const RayList turn = list_of(lidar, nominal_rays(lidar));
     expect_complete(turn, make_ray_grid(device, turn, options));
     RayList same = rosette(1000);
     std::fill(same.azimuth.begin(), same.azimuth.end(), 3.0);
@@ -147,7 +147,7 @@ TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
     const std::vector<float> found =
         transmittance(device,
                       test::set_of(SetKind::kLidar, balls),
-                      SensorRays(device, list, nominal_rays(list, 0.1), paper_options()),
+                      SensorRays(device, list, nominal_rays(list), paper_options()),
                       end);
     std::size_t missed = 0;
     for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
@@ -157,7 +157,7 @@ TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
 
 TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
   const Lidar lidar = test::small_lidar(20, 300);
-  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const LidarRays rays = nominal_rays(lidar);
   test::SetRecipe recipe;
   recipe.kind = SetKind::kLidar;
   recipe.count = 300;

@@ -18,7 +18,7 @@ std::vector<float> sweep(const GaussianSet& set, const Lidar& lidar, const Pose&
   const Device device = Device::best();
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
-  const SensorRays rays(device, lidar, nominal_rays(lidar, 0.1), options);
+  const SensorRays rays(device, lidar, nominal_rays(lidar), options);
   renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}});
   return renderer.results().transmittance;
 }

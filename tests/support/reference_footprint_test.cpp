@@ -34,7 +34,7 @@ Footprint camera_footprint(const SingleParticle& particle) {
 
 Footprint lidar_footprint(const SingleParticle& particle, const Lidar& lidar) {
   const Particles set(test::set_of(SetKind::kLidar, {particle}));
-  return project(set, Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), Pose()))[0];
+  return project(set, Sensor::of(lidar, nominal_rays(lidar), Pose(), Pose()))[0];
 }
 
 TEST(CameraFootprint, OfASmallParticleIsItsScaledCovariance) {
@@ -123,7 +123,7 @@ TEST(LidarFootprint, StandsAtBothEndsOfTheSweep) {
   const auto footprint = [&](const Vector3d& motion) {
     Pose end;
     end.translation = motion;
-    const Sensor sensor = Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), end);
+    const Sensor sensor = Sensor::of(lidar, nominal_rays(lidar), Pose(), end);
     return project(Particles(test::set_of(SetKind::kLidar, {small_at({-10.0, 0.0, 0.0}, 0.4)})), sensor)[0];
   };
   const Footprint still = footprint({0.0, 0.0, 0.0});
@@ -183,7 +183,7 @@ TEST(Time, ProjectionFindsTheRayThatSeesThePointWithASpinningLidar) {
   for (const SpinDirection spin : {SpinDirection::kCounterClockwise, SpinDirection::kClockwise}) {
     lidar.spin = spin;
     // Inside the sweep: at the cut the time jumps, and a point may be seen twice or never.
-    LidarRays sweep = nominal_rays(lidar, 0.1);
+    LidarRays sweep = nominal_rays(lidar);
     std::vector<std::size_t> inner;
     for (int r = 0; r < 4; ++r) {
       for (int c = 2; c < 38; ++c) inner.push_back(static_cast<std::size_t>(r * 40 + c));
@@ -235,7 +235,7 @@ TEST(Rays, AgreeWithTheSensorModels) {
   Lidar lidar = test::small_lidar(3, 5);
   lidar.rows[1] = {
       .elevation = -0.1, .azimuth_offset = 0.02, .vertical_offset = 0.1, .horizontal_offset = 0.03};
-  const LidarRays sweep = nominal_rays(lidar, 0.1);
+  const LidarRays sweep = nominal_rays(lidar);
   const std::vector<Ray> beams = rays(Sensor::of(lidar, sweep, start, end));
   ASSERT_EQ(beams.size(), 15U);
   for (std::size_t i = 0; i < beams.size(); ++i) {
@@ -264,7 +264,7 @@ TEST(Rays, TurnOnTheShorterArc) {
 
 TEST(Rays, PointAtTheMeasuredElevationAndStandAtTheNominalOne) {
   const Lidar lidar = test::small_lidar(2, 3);
-  LidarRays sweep = nominal_rays(lidar, 0.1);
+  LidarRays sweep = nominal_rays(lidar);
   sweep.elevation[4] += 0.01F;  // row 1
   const Ray ray = rays(Sensor::of(lidar, sweep, Pose(), Pose()))[4];
   EXPECT_NEAR(std::asin(ray.direction.z()), static_cast<double>(sweep.elevation[4]), kDouble);
@@ -274,11 +274,11 @@ TEST(Rays, PointAtTheMeasuredElevationAndStandAtTheNominalOne) {
 TEST(Refusals, NameTheReason) {
   GaussianSet set = test::set_of(SetKind::kCamera, {small_at({0, 0, 5})});
   const Lidar lidar = test::small_lidar(2, 8);
-  const Sensor sweep = Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), Pose());
+  const Sensor sweep = Sensor::of(lidar, nominal_rays(lidar), Pose(), Pose());
   EXPECT_THROW((void)project(Particles(set), sweep), Error);
   set.rotation().setZero();
   EXPECT_THROW((void)project(Particles(set), Sensor::of(test::small_camera(5, 5), Pose(), Pose())), Error);
-  EXPECT_THROW((void)Sensor::of(test::small_lidar(3, 8), nominal_rays(lidar, 0.1), Pose(), Pose()), Error);
+  EXPECT_THROW((void)Sensor::of(test::small_lidar(3, 8), nominal_rays(lidar), Pose(), Pose()), Error);
 }
 
 }  // namespace

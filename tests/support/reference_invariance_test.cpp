@@ -60,7 +60,7 @@ Lidar offset_lidar() {
 
 Sensor moving_lidar() {
   const Lidar lidar = offset_lidar();
-  return Sensor::of(lidar, nominal_rays(lidar, 0.1), drive(0.0), drive(1.0));
+  return Sensor::of(lidar, nominal_rays(lidar), drive(0.0), drive(1.0));
 }
 
 /// Compares ray by ray where no decision hangs on a rounding, and demands that those are nearly all.
@@ -154,7 +154,7 @@ TEST(Invariance, TurningTheLidarsFrameUnderItsAzimuths) {
     Lidar lidar = sensor.lidar;
     lidar.azimuth_first += turn;
     const Sensor turned = Sensor::of(lidar,
-                                     nominal_rays(lidar, 0.1),
+                                     nominal_rays(lidar),
                                      sensor.scene_from_sensor_start * old_from_turned,
                                      sensor.scene_from_sensor_end * old_from_turned);
     expect_same(expected, render(set, turned, {}, kLidarBackground), kAzimuth, kAzimuthMargin);

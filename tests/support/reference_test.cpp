@@ -125,7 +125,7 @@ TEST(Reference, ParticlesOutsideTheRangeOfTauAreLeftOut) {
 
   Lidar lidar = test::small_lidar(1, 4);  // azimuths pi, 3 pi/2, 0, pi/2; range 1 to 80 m
   lidar.rows[0].elevation = 0.0;
-  const Sensor sensor = Sensor::of(lidar, nominal_rays(lidar, 0.1), Pose(), Pose());
+  const Sensor sensor = Sensor::of(lidar, nominal_rays(lidar), Pose(), Pose());
   for (const auto& [distance, expected] : {std::pair{0.9, 0}, {1.1, 1}, {79.0, 1}, {81.0, 0}}) {
     SingleParticle particle;
     particle.mean = {distance, 0.0, 0.0};
@@ -228,7 +228,7 @@ TEST(Features, AreBiasedForColoursAndBareForLogits) {
 
   const Lidar model = test::small_lidar(2, 8);
   const Footprint scanned = project(
-      Particles(lidar), Sensor::of(model, nominal_rays(model, 0.1), scene_from_camera, scene_from_camera))[0];
+      Particles(lidar), Sensor::of(model, nominal_rays(model), scene_from_camera, scene_from_camera))[0];
   EXPECT_EQ(scanned.feature[0], 0.0);
   EXPECT_NEAR(scanned.feature[1], -4.0 * c0, kDouble);
   EXPECT_NEAR(scanned.feature[2], 0.5 * c0 - 0.25 * c1, kDouble);

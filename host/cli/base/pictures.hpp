@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "host/render/scene/simulator.hpp"
+#include "host/render/scene/frame.hpp"
 #include "host/sensors/lidar_model.hpp"
 #include "io/picture/image.hpp"
 #include "io/splat/ply.hpp"
@@ -22,7 +22,7 @@ namespace simuli::cli {
 inline constexpr int kBeam_px = 4;
 
 /// Returned rays as points: x y z in world, intensity, range, drop.
-[[nodiscard]] PointCloud point_cloud(const LidarModel& lidar, const LidarFrame& frame, const Shot& shot);
+[[nodiscard]] PointCloud point_cloud(const Frame& frame);
 
 enum class Layout { kBeside, kBelow };
 /// Two pictures of the same height beside each other, or of the same width one below the other, with a gap.

@@ -14,7 +14,8 @@
 #include "host/cli/draw/html_report.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
-#include "host/render/scene/look.hpp"
+#include "host/render/rays/ray_grid.hpp"
+#include "host/render/scene/scene_on_device.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {
@@ -140,8 +141,11 @@ void add_sweeps(HtmlReport& html, Evaluation& evaluation) {
 }
 
 /// Milliseconds of each kernel of one frame, the most expensive first.
-std::vector<std::vector<std::string>> kernel_times(Renderer& renderer, const std::function<void()>& render) {
-  Profile& profile = renderer.device().profile();
+std::vector<std::vector<std::string>> kernel_times(SceneOnDevice& scene,
+                                                   const Sensor& sensor,
+                                                   const Shot& shot) {
+  const auto render = [&] { scene.render(sensor, shot).wait(); };
+  Profile& profile = scene.device().profile();
   render();  // kernels are compiled at their first launch
   profile.reset();
   for (int k = 0; k < kProfiledFrames; ++k) render();
@@ -158,31 +162,24 @@ std::vector<std::vector<std::string>> kernel_times(Renderer& renderer, const std
 
 void add_times(HtmlReport& html, const Globals& globals, const Evaluation& evaluation) {
   const Log& log = evaluation.log();
-  const Scene& scene = evaluation.scene().scene;
-  const Device device = Device::best(globals.device, {.profiling = true});
-  Renderer renderer(device, evaluation.options().render);
+  const RenderOptions& options = evaluation.options().render;
+  SceneOnDevice scene(
+      Device::best(globals.device, {.profiling = true}), borrowed(evaluation.scene().scene), options);
   const std::vector<std::string> header{"kernel", "ms a frame", "launches"};
   html.heading("Time on the device, by kernel");
-  if (!log.images.empty() && scene.camera.size() > 0) {
+  if (!log.images.empty() && scene.scene().camera.size() > 0) {
     const ImageFrame& frame = log.images.front();
     const Camera camera = scaled_camera(log.camera(frame.camera).model, evaluation.frames().image_scale);
-    const ParticleBuffers particles(device, scene.camera, renderer.options());
-    const SensorRays rays(device, camera, renderer.options());
-    const View view = view_of(log, scene, frame);
     html.paragraph(fmt::format("A picture of {}, {} x {} px:", frame.camera, camera.width, camera.height));
-    html.table(header, kernel_times(renderer, [&] { renderer.render(particles, rays, view); }));
+    html.table(header, kernel_times(scene, Sensor(camera), shot_of(log, frame)));
   }
-  if (log.sweeps.empty() || scene.lidar.size() == 0) return;
+  if (log.sweeps.empty() || scene.scene().lidar.size() == 0) return;
   const SweepFrame& frame = log.sweeps.front();
-  const LidarModel& lidar = log.lidar(frame.lidar).model;
-  const ParticleBuffers particles(device, scene.lidar, renderer.options());
-  const SensorRays rays(
-      device, lidar, nominal_rays(lidar, frame.time_end_s - frame.time_start_s), renderer.options());
-  const View view = view_of(log, scene, frame);
-  html.paragraph(fmt::format("A sweep of {}, {} rays:", frame.lidar, rays.grid().rays));
-  html.table(header, kernel_times(renderer, [&] { renderer.render(particles, rays, view); }));
+  const Sensor lidar(log.lidar(frame.lidar).model);
+  html.paragraph(fmt::format("A sweep of {}, {} rays:", frame.lidar, lidar.ray_count()));
+  html.table(header, kernel_times(scene, lidar, shot_of(log, frame)));
   html.heading("How the LiDAR's rays fall into tiles");
-  html.picture(tile_picture(rays.grid(), frame.lidar),
+  html.picture(tile_picture(make_ray_grid(scene.device(), lidar.lidar(), lidar.rays(), options), frame.lidar),
                "the beam pattern, the tiles over it, the rays of each tile");
 }
 

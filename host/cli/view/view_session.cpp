@@ -13,18 +13,14 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/cli/base/pictures.hpp"
 #include "host/render/options/quality.hpp"
-#include "host/render/scene/seen.hpp"
 #include "host/sensors/lidar_library.hpp"
-#include "io/picture/image.hpp"
 #include "io/base/json_reader.hpp"
-#include "optim/base/frames.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli::cli {
 namespace {
 
-constexpr double kSweep_s = 0.1;  // one turn at the 10 Hz of most automotive LiDARs
 constexpr int kJpegQuality = 90;
 
 double now_s() {
@@ -57,6 +53,13 @@ std::string reply(const Json& info, const void* payload, std::size_t bytes) {
   return out;
 }
 
+RenderOptions options_named(const std::string& quality) {
+  const std::optional<Quality> known = find_quality(quality);
+  if (known) return options_of(*known);
+  throw Error(ErrorKind::kUsage,
+              fmt::format("quality: found \"{}\", allowed {}", quality, fmt::join(quality_names(), ", ")));
+}
+
 }  // namespace
 
 ViewRequest parse_view_request(const std::string& json) {
@@ -87,42 +90,19 @@ ViewRequest parse_view_request(const std::string& json) {
   });
 }
 
-struct ViewSession::Stage {
-  Stage(const Device& device, const Scene& scene, Quality wanted)
-      : quality(wanted),
-        options(options_of(wanted)),
-        camera_renderer(device, options),
-        lidar_renderer(device, options),
-        camera_set(device, scene.camera, options),
-        lidar_set(device, scene.lidar, options),
-        look(device, scene, options.precision) {}
-
-  Quality quality;
-  RenderOptions options;
-  Renderer camera_renderer, lidar_renderer;
-  ParticleBuffers camera_set, lidar_set;
-  SceneLook look;
-  // Of the sensors shown last.
-  Camera camera;
-  std::unique_ptr<SensorRays> camera_rays;
-  LidarModel lidar;
-  LidarRays beams;
-  std::unique_ptr<SensorRays> lidar_rays;
-};
-
 ViewSession::ViewSession(const Globals& globals, SceneFile file)
     : globals_(globals),
       file_(std::move(file)),
-      device_(Device::best(globals.device)),
-      asked_s_(-std::numeric_limits<double>::infinity()) {}
-
-ViewSession::~ViewSession() = default;
+      rig_(file_),
+      scene_(Device::best(globals.device), std::move(file_.scene)),
+      asked_s_(-std::numeric_limits<double>::infinity()) {
+  rig_.refuse_files();
+}
 
 void ViewSession::show(Scene scene) {
   {
     const std::lock_guard lock(mutex_);
-    stage_.reset();
-    file_.scene = std::move(scene);
+    scene_.set_scene(std::move(scene));
   }
   const std::lock_guard lock(progress_mutex_);
   ++version_;
@@ -145,7 +125,7 @@ void ViewSession::touch() {
 
 std::string ViewSession::describe() const {
   const std::lock_guard lock(mutex_);
-  const Scene& scene = file_.scene;
+  const Scene& scene = scene_.scene();
   std::vector<std::string> cameras, lidars;
   for (const LogCamera& c : file_.cameras) cameras.push_back(c.model.name);
   for (const LogLidar& l : file_.lidars) lidars.push_back(name_of(l.model));
@@ -158,7 +138,7 @@ std::string ViewSession::describe() const {
   for (const TimedPose& p : poses) path.push_back(json_of(p.pose.translation - scene.origin));
   const Eigen::Vector3d ahead = poses.front().pose.rotation * Eigen::Vector3d::UnitX();
   const Json out = {{"name", scene.name},
-                    {"device", device_.info().label()},
+                    {"device", scene_.device().info().label()},
                     {"cameras", cameras},
                     {"builtin_cameras", builtin_camera_names()},
                     {"lidars", lidars},
@@ -187,73 +167,43 @@ std::string ViewSession::progress() const {
   return out.dump();
 }
 
-ViewSession::Stage& ViewSession::stage(const std::string& quality) {
-  const std::optional<Quality> known = find_quality(quality);
-  if (!known) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("quality: found \"{}\", allowed {}", quality, fmt::join(quality_names(), ", ")));
-  }
-  if (!stage_ || stage_->quality != *known) {
-    stage_.reset();  // first, so that two scenes are never on the device at once
-    stage_ = std::make_unique<Stage>(device_, file_.scene, *known);
-  }
-  return *stage_;
-}
-
-View ViewSession::view_of_request(const ViewRequest& request,
-                                  const Pose& rig_from_sensor,
-                                  double duration_s,
-                                  SetKind kind) const {
+Shot ViewSession::shot_of(const ViewRequest& request, const Sensor& sensor) const {
   const Trajectory& path = file_.world_from_rig;
   const double start_s = std::clamp(request.time_s, path.start_s(), path.end_s());
-  const double end_s = std::min(start_s + duration_s, path.end_s() + Trajectory::kExtrapolation_s);
+  const double end_s = std::min(start_s + sensor.duration_s(), path.end_s() + Trajectory::kExtrapolation_s);
   const Pose rig_from_moved{Eigen::Quaterniond::Identity(), request.rig_shift_m};
-  View view = view_at(path, rig_from_moved * rig_from_sensor, start_s, end_s, file_.scene, kind);
-  if (request.scene_from_camera && kind == SetKind::kCamera) {
-    view.scene_from_sensor_start = view.scene_from_sensor_end = *request.scene_from_camera;
+  Shot shot = Shot::along(path, rig_from_moved * sensor.rig_from_sensor(), start_s, end_s);
+  if (request.scene_from_camera && sensor.is_camera()) {
+    Pose free = *request.scene_from_camera;
+    free.translation += scene_.scene().origin;
+    shot.world_from_sensor_start = shot.world_from_sensor_end = free;
   }
-  const std::vector<Actor>& actors = file_.scene.actors;
-  for (const std::string& name : request.removed) view.actors[find_actor(actors, name)].is_there = false;
-  for (const auto& [name, by_m] : request.moved) {
-    ActorView& actor = view.actors[find_actor(actors, name)];
-    const Pose actor_from_moved{Eigen::Quaterniond::Identity(), by_m};
-    actor.scene_from_actor_start = actor.scene_from_actor_start * actor_from_moved;
-    actor.scene_from_actor_end = actor.scene_from_actor_end * actor_from_moved;
-  }
-  return view;
+  for (const auto& [name, by_m] : request.moved) shot.edits.push_back({name, ActorEdit::Move{by_m}});
+  for (const std::string& name : request.removed) shot.edits.push_back({name, ActorEdit::Remove{}});
+  return shot;
 }
 
 std::string ViewSession::picture(const ViewRequest& request) {
   touch();
   std::unique_lock lock(mutex_);
-  if (file_.scene.camera.size() == 0)
+  if (scene_.scene().camera.size() == 0)
     throw_input_error("scene", "camera set", "no particles", "at least one");
-  LogCamera camera;
-  if (const LogCamera* const own = file_.find_camera(request.sensor)) {
-    camera = *own;
-  } else {
-    camera.model = builtin_camera(request.sensor);
-    if (!file_.cameras.empty()) camera.rig_from_camera = file_.cameras.front().rig_from_camera;
-  }
-  const double aspect = static_cast<double>(camera.model.height) / camera.model.width;
+  const FrameRequest how{.options = options_named(request.quality)};
+  const Sensor own = rig_.find(request.sensor, Pose{});
+  const double aspect = static_cast<double>(own.rows()) / static_cast<double>(own.columns());
   const int height = std::max(1, static_cast<int>(std::lround(request.width * aspect)));
-  const Camera model = camera.model.resized(request.width, height);
-  Stage& s = stage(request.quality);
-  if (!s.camera_rays || s.camera.name != model.name || s.camera.width != model.width) {
-    s.camera_rays = std::make_unique<SensorRays>(device_, model, s.options);
-    s.camera = model;
-  }
   // To the left is about the camera's -y, which is up; down about its x.
   const Pose camera_from_turned{
       Eigen::Quaterniond(Eigen::AngleAxisd(-request.yaw_rad, Eigen::Vector3d::UnitY()) *
                          Eigen::AngleAxisd(-request.pitch_rad, Eigen::Vector3d::UnitX())),
       Eigen::Vector3d::Zero()};
   // A still: the shutter is not followed.
-  const View view =
-      view_of_request(request, camera.rig_from_camera * camera_from_turned, 0.0, SetKind::kCamera);
+  const Sensor camera = own.resized(request.width, height)
+                            .mounted(own.rig_from_sensor() * camera_from_turned)
+                            .with_duration(0.0);
+  const Shot shot = shot_of(request, camera);
   const Stopwatch render;
-  s.look.render(s.camera_renderer, s.camera_set, *s.camera_rays, view, request.sensor, request.time_s);
-  const Image image = picture_of(s.camera_renderer.results(), model);
+  const Image image = scene_.render(camera, shot, how).image();
   const double render_ms = render.ms();
   lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
@@ -264,44 +214,39 @@ std::string ViewSession::picture(const ViewRequest& request) {
 std::string ViewSession::sweep(const ViewRequest& request) {
   touch();
   const std::lock_guard lock(mutex_);
-  if (file_.scene.lidar.size() == 0) throw_input_error("scene", "LiDAR set", "no particles", "at least one");
-  LogLidar lidar;
-  if (const LogLidar* const own = file_.find_lidar(request.sensor)) {
-    lidar = *own;
-  } else {
-    lidar.model = builtin_lidar(request.sensor);
-    if (!file_.lidars.empty()) lidar.rig_from_lidar = file_.lidars.front().rig_from_lidar;
-  }
-  Stage& s = stage(request.quality);
-  if (!s.lidar_rays || name_of(s.lidar) != request.sensor) {
-    s.lidar = lidar.model;
-    s.beams = nominal_rays(s.lidar, kSweep_s);
-    s.lidar_rays = std::make_unique<SensorRays>(device_, s.lidar, s.beams, s.options);
-  }
-  const View view = view_of_request(request, lidar.rig_from_lidar, kSweep_s, SetKind::kLidar);
+  const Scene& scene = scene_.scene();
+  if (scene.lidar.size() == 0) throw_input_error("scene", "LiDAR set", "no particles", "at least one");
+  const FrameRequest how{.options = options_named(request.quality)};
+  const Sensor lidar = rig_.find(request.sensor, Pose{});
+  const Shot shot = shot_of(request, lidar);
   const Stopwatch render;
-  s.lidar_renderer.render(s.lidar_set, *s.lidar_rays, view);
-  const LidarFrame frame = lidar_frame(s.lidar, s.beams, s.lidar_renderer.results());
+  const Frame rendered = scene_.render(lidar, shot, how);
+  const LidarFrame frame = rendered.lidar();
   const double render_ms = render.ms();
-  // Poses of a view, and so the points, are in the scene's frame.
-  const PointCloud cloud =
-      point_cloud(s.lidar, frame, {view.scene_from_sensor_start, view.scene_from_sensor_end, 0.0, 0.0});
-  const Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> points = cloud.values.leftCols<4>();
+  const Shot in_scene = shot.relative_to(scene.origin);
+  const std::vector<Eigen::Vector3d> ends = world_points(lidar.lidar(), frame, in_scene);
+  std::vector<float> points;  // x, y, z, intensity
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (!frame.is_return(i)) continue;
+    for (const double value : ends[i]) points.push_back(static_cast<float>(value));
+    points.push_back(frame.intensity[i]);
+  }
+  const std::vector<ActorView> views = actors_during(scene.actors, shot, scene.origin);
   Json actors = Json::array();
-  for (std::size_t i = 0; i < view.actors.size(); ++i) {
-    const Actor& actor = file_.scene.actors[i];
-    Json entry = json_of(view.actors[i].scene_from_actor_start);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Actor& actor = scene.actors[i];
+    Json entry = json_of(views[i].scene_from_actor_start);
     entry["name"] = actor.name;
     entry["size"] = json_of(actor.size_m);
-    entry["is_there"] = view.actors[i].is_there;
+    entry["is_there"] = views[i].is_there;
     actors.push_back(std::move(entry));
   }
   return reply({{"render_ms", render_ms},
                 {"rays", frame.range.size()},
-                {"scene_from_sensor", json_of(view.scene_from_sensor_start)},
+                {"scene_from_sensor", json_of(in_scene.world_from_sensor_start)},
                 {"actors", actors}},
                points.data(),
-               static_cast<std::size_t>(points.size()) * sizeof(float));
+               points.size() * sizeof(float));
 }
 
 }  // namespace simuli::cli

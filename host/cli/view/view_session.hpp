@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "host/cli/base/commands.hpp"
-#include "host/render/scene/look.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "io/scene/scene_folder.hpp"
+#include "host/render/scene/scene_on_device.hpp"
+#include "io/scene/sensor_rig.hpp"
 #include "optim/train/train_report.hpp"
 
 namespace simuli::cli {
@@ -45,7 +44,6 @@ class ViewSession {
  public:
   /// `file` may have empty sets, of a training that has not begun: views are then refused.
   ViewSession(const Globals& globals, SceneFile file);
-  ~ViewSession();
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;
 
@@ -66,19 +64,15 @@ class ViewSession {
   [[nodiscard]] std::string sweep(const ViewRequest& request);
 
  private:
-  struct Stage;  // what one quality and one scene need on the device
-  Stage& stage(const std::string& quality);
-  [[nodiscard]] View view_of_request(const ViewRequest& request,
-                                     const Pose& rig_from_sensor,
-                                     double duration_s,
-                                     SetKind kind) const;
+  /// The request's shot of that sensor; a camera's may be a free one.
+  [[nodiscard]] Shot shot_of(const ViewRequest& request, const Sensor& sensor) const;
   void touch();
 
   Globals globals_;
   mutable std::mutex mutex_;  // of everything below but the progress
-  SceneFile file_;
-  Device device_;
-  std::unique_ptr<Stage> stage_;
+  SceneFile file_;            // without its scene, which is on the device
+  SensorRig rig_;
+  SceneOnDevice scene_;
   mutable std::mutex progress_mutex_;
   ViewProgress progress_;
   std::uint64_t version_ = 0;

@@ -69,6 +69,7 @@ enum class ShStorage : int {
 struct LidarTiles {
   int elevation = 0;
   int rays = 0;
+  bool operator==(const LidarTiles&) const = default;
 };
 template <class F>
 constexpr void visit_fields(LidarTiles& o, F&& field) {
@@ -95,6 +96,7 @@ struct RayMaskSize {
   int columns = 1600;
   int rows = 8;
   bool equalized = true;
+  bool operator==(const RayMaskSize&) const = default;
 };
 template <class F>
 constexpr void visit_fields(RayMaskSize& o, F&& field) {
@@ -130,6 +132,7 @@ struct RenderOptions {
   RayMaskSize ray_mask;
   LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
   std::size_t max_instances = std::size_t{1} << 28U;
+  bool operator==(const RenderOptions&) const = default;
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).

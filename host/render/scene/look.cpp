@@ -4,8 +4,8 @@
 
 namespace simuli {
 
-SceneLook::SceneLook(const Device& device, const Scene& scene, Precision precision, bool graded)
-    : device_(device), scene_(scene), precision_(precision), graded_(graded && !scene.color_grids.empty()) {
+SceneLook::SceneLook(const Device& device, const Scene& scene, Precision precision)
+    : device_(device), scene_(scene), precision_(precision) {
   if (scene.environment.empty()) return;
   environment_ = std::make_unique<EnvironmentBuffers>(device, scene.environment, precision);
 }
@@ -17,8 +17,8 @@ void SceneLook::render(Renderer& renderer,
                        const std::string& camera,
                        double time_s) {
   renderer.render(camera_set, rays, view, environment_.get());
-  if (!graded_) return;
   const ColorGrids& all = scene_.color_grids;
+  if (all.empty() || camera.empty()) return;
   ColorGrids one = ColorGrids::identity(all.size_x, all.size_y, all.size_z, {});
   one.values = all.at(camera, time_s);
   if (one.values.empty()) return;

@@ -11,12 +11,12 @@ namespace simuli {
 /// them.
 class SceneLook {
  public:
-  /// `graded`: through colour grids; without, colours are those that all pictures share. `scene` must outlive
-  /// it.
-  SceneLook(const Device& device, const Scene& scene, Precision precision, bool graded = true);
+  /// `scene` must outlive it.
+  SceneLook(const Device& device, const Scene& scene, Precision precision);
 
   /// Renders the camera set as `camera` sees it at time_s (of the log): through the grid that
-  /// ColorGrids::at gives, and none for cameras that were not trained on.
+  /// ColorGrids::at gives, and none for cameras that were not trained on. No name: colours are those that all
+  /// pictures share.
   void render(Renderer& renderer,
               const ParticleBuffers& camera_set,
               const SensorRays& rays,
@@ -28,7 +28,6 @@ class SceneLook {
   Device device_;
   const Scene& scene_;
   Precision precision_;
-  bool graded_;
   std::unique_ptr<EnvironmentBuffers> environment_;
 };
 

@@ -64,26 +64,57 @@ SensorRays::SensorRays(const Device& device,
     const auto row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
     s.blind[i] = is_blind(lidar, row, static_cast<double>(rays.azimuth[i]));
   }
-  request(std::vector<bool>(s.grid.rays, true));
+  s.place_requested();
 }
 
 void SensorRays::request(const std::vector<bool>& requested) {
   State& s = *state_;
-  if (requested.size() != s.grid.rays) {
+  if (!requested.empty() && requested.size() != s.grid.rays) {
     throw Error(ErrorKind::kInternal, "request: one flag per ray is needed");
   }
-  std::vector<float> sensor_ray = s.grid.sensor_ray;
-  const std::size_t slots = s.grid.frame.slots;
+  if (requested == s.requested) return;
+  s.requested = requested;
+  s.place_requested();
+}
+
+void SensorRays::State::place_requested() {
+  std::vector<float> sensor_ray = grid.sensor_ray;
+  const std::size_t slots = grid.frame.slots;
   bool all = true;
   for (std::size_t slot = 0; slot < slots; ++slot) {
-    const std::int32_t of_slot = s.grid.ray_of_slot[slot];
+    const std::int32_t of_slot = grid.ray_of_slot[slot];
     const auto ray = static_cast<std::size_t>(of_slot);
-    if (of_slot < 0 || (requested[ray] && (s.blind.empty() || !s.blind[ray]))) continue;
+    const bool is_wanted =
+        of_slot < 0 || ((requested.empty() || requested[ray]) && (blind.empty() || !blind[ray]));
+    if (is_wanted) continue;
     all = false;
     for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
   }
-  s.buffers.sensor_ray.assign(sensor_ray);
-  s.mark_rays(all ? s.mask_size : of_some_rays(s.mask_size, s.grid));
+  buffers.sensor_ray.assign(sensor_ray);
+  mark_rays(all ? mask_size : of_some_rays(mask_size, grid));
+}
+
+RayMap::RayMap(const Device& device, const RayGrid& grid)
+    : ray_of_slot(device, "rays of slots", grid.ray_of_slot), slot_of_ray(device, "slots of rays") {
+  std::vector<std::int32_t> slots(grid.rays, -1);
+  for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+    const std::int32_t ray = grid.ray_of_slot[slot];
+    if (ray >= 0) slots[static_cast<std::size_t>(ray)] = static_cast<std::int32_t>(slot);
+  }
+  slot_of_ray.assign(slots);
+}
+
+const RayMap& SensorRays::map() const {
+  if (!state_->map) state_->map.emplace(state_->device, state_->grid);
+  return *state_->map;
+}
+
+std::size_t SensorRays::bytes() const {
+  const RayBuffers& b = state_->buffers;
+  const std::size_t real = state_->precision == Precision::kFloat ? sizeof(float) : sizeof(double);
+  return real * (b.sensor_ray.capacity() + b.u.capacity() + b.row_elevation.capacity()) + b.row_lut.bytes() +
+         b.tile_rows.bytes() + b.tile_row_of_row.bytes() + b.column_of_bin.bytes() +
+         b.mask_row_of_row.bytes() + b.areas.bytes();
 }
 
 std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {
@@ -101,15 +132,6 @@ std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::s
     }
   }
   return out;
-}
-
-float RayResults::drop_probability(std::size_t ray) const {
-  return 1.0F / (1.0F + std::exp(feature[1][ray] - feature[2][ray]));
-}
-
-float RayResults::expected_distance(std::size_t ray) const {
-  const float opacity = 1.0F - transmittance[ray];
-  return opacity > 0.0F ? distance[ray] / opacity : 0.0F;
 }
 
 namespace {
@@ -296,32 +318,17 @@ void Renderer::environment_backward(const EnvironmentBuffers& environment,
 
 RayResults Renderer::results() const {
   if (!rays_) throw Error(ErrorKind::kInternal, "results: nothing has been rendered");
-  const RayGrid& grid = rays_->grid();
-  const std::vector<float> out = buffers_.out.download_float();
-  const std::vector<float> picture = graded_ ? picture_.download_float() : std::vector<float>{};
-  const std::size_t slots = grid.frame.slots;
-  RayResults results;
-  results.rays = grid.rays;
-  std::vector<float>* rows[SIM_OUTPUTS] = {&results.feature[0],
-                                           &results.feature[1],
-                                           &results.feature[2],
-                                           &results.transmittance,
-                                           &results.distance,
-                                           &results.median};
-  const std::size_t used = median_ ? SIM_OUTPUTS : SIM_O_MEDIAN;
-  for (std::size_t row = 0; row < used; ++row) {
-    // What a pixel without a ray shows.
-    const float empty = row < SIM_O_TRANSMITTANCE    ? background_[row]
-                        : row == SIM_O_TRANSMITTANCE ? 1.0F
-                                                     : 0.0F;
-    rows[row]->assign(grid.rays, empty);
-    const std::vector<float>& shown = graded_ && row < SIM_O_TRANSMITTANCE ? picture : out;
-    for (std::size_t slot = 0; slot < slots; ++slot) {
-      const std::int32_t ray = grid.ray_of_slot[slot];
-      if (ray >= 0) (*rows[row])[static_cast<std::size_t>(ray)] = shown[row * slots + slot];
-    }
-  }
-  return results;
+  return results_of(rays_->grid(),
+                    buffers_.out.download_float(),
+                    graded_ ? picture_.download_float() : std::vector<float>{},
+                    background_,
+                    median_);
+}
+
+void Renderer::exchange_outputs(RealBuffer& outputs, RealBuffer& picture) {
+  std::swap(buffers_.out, outputs);
+  if (graded_) std::swap(picture_, picture);
+  rays_.reset();
 }
 
 void Renderer::set_output_gradients(const std::vector<double>& gradients) {

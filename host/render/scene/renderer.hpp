@@ -10,10 +10,17 @@
 #include "host/render/frame/picture_stages.hpp"
 #include "host/render/train/pose_gradient.hpp"
 #include "host/render/frame/stages.hpp"
-#include "host/scene/actor.hpp"
-#include "host/scene/pose.hpp"
+#include "host/render/scene/ray_results.hpp"
+#include "host/render/scene/view.hpp"
 
 namespace simuli {
+
+/// The map between slots and rays on the device.
+struct RayMap {
+  RayMap(const Device& device, const RayGrid& grid);
+  Buffer<std::int32_t> ray_of_slot;  // [slots], -1: none
+  Buffer<std::int32_t> slot_of_ray;  // [rays], -1: none, of a pixel that the lens sees nothing through
+};
 
 /// A sensor ready to render: its ray grid, on host and device. A handle: copies refer to the same rays, and a
 /// Renderer keeps those of its last frame alive, so that a temporary may be rendered.
@@ -27,7 +34,8 @@ class SensorRays {
              const RenderOptions& options);
 
   /// From now on only the rays with requested[ray] are rendered; the others are slots without a ray, and
-  /// their results the background. requested[rays]; a LiDAR's ray mask is rebuilt. Waits.
+  /// their results the background. requested[rays]; empty: all. A LiDAR's ray mask is rebuilt. Waits, unless
+  /// that is so already.
   void request(const std::vector<bool>& requested);
 
   [[nodiscard]] const RayGrid& grid() const { return state_->grid; }
@@ -35,6 +43,10 @@ class SensorRays {
   [[nodiscard]] bool marked() const { return state_->marks; }
   [[nodiscard]] bool can_cull() const { return state_->can_cull; }
   [[nodiscard]] const RayBuffers& buffers() const { return state_->buffers; }
+  /// The map between slots and rays on the device, made when first asked for.
+  [[nodiscard]] const RayMap& map() const;
+  /// Device memory, and as much on the host.
+  [[nodiscard]] std::size_t bytes() const;
   /// values[channels][rays] in ray order -> [channels][slots] in slot order; slots without a ray get 0.
   [[nodiscard]] std::vector<float> to_slots(const std::vector<float>& values, std::size_t channels) const;
 
@@ -42,39 +54,20 @@ class SensorRays {
   struct State {
     State(const Device& device, RayGrid rays, const RenderOptions& options);
     void mark_rays(RayMaskSize size);
+    void place_requested();
     Device device;
     Precision precision;
     bool marks;  // a LiDAR's that culls
     RayMaskSize mask_size;
-    std::vector<bool> blind;  // [rays] of a LiDAR with blind arcs, else empty
+    std::vector<bool> blind;      // [rays] of a LiDAR with blind arcs, else empty
+    std::vector<bool> requested;  // [rays]; empty: all that there are
+    std::optional<RayMap> map;
     RayGrid grid;
     RayBuffers buffers;
     bool can_cull = false;
   };
   SensorRays(const Device& device, RayGrid grid, const RenderOptions& options);
   std::shared_ptr<State> state_;
-};
-
-/// One view of a sensor. The scene has the axes of the world and an origin of its own (Scene::origin).
-struct View {
-  Pose scene_from_sensor_start;
-  Pose scene_from_sensor_end;
-  std::array<float, 3> background{0.0F, 0.0F, 0.0F};
-  std::vector<ActorView> actors{};  // of the scene, in its order (actors_during)
-};
-
-/// What every ray saw, in ray order (pixels or beams row-major).
-struct RayResults {
-  std::size_t rays = 0;
-  std::vector<float> feature[3];     // [rays] colour, or intensity, hit logit, drop logit
-  std::vector<float> transmittance;  // [rays]
-  std::vector<float> distance;       // [rays] sum of w tau, m; divide by 1 - transmittance for the mean
-  std::vector<float> median;         // [rays] m, 0 where transmittance stays above 1/2; may be empty
-
-  /// softmax(hit, drop)[drop] of a LiDAR ray.
-  [[nodiscard]] float drop_probability(std::size_t ray) const;
-  /// Expected distance in m; 0 where nothing at all was met.
-  [[nodiscard]] float expected_distance(std::size_t ray) const;
 };
 
 /// Renders one particle set, and takes gradients back to it. One frame at a time; the buffers of the last
@@ -93,6 +86,13 @@ class Renderer {
   void grade(const ColorGridBuffers& grids, std::size_t index);
   /// Results of the last render, in ray order. Waits.
   [[nodiscard]] RayResults results() const;
+
+  /// What the last render wrote changes hands: the caller has it from now on, and the next render writes to
+  /// `outputs` and `picture`. results() then waits for that render.
+  void exchange_outputs(RealBuffer& outputs, RealBuffer& picture);
+  /// What results() need beside the outputs.
+  [[nodiscard]] bool has_median() const { return median_; }
+  [[nodiscard]] bool is_graded() const { return graded_; }
 
   /// Losses of the last render; they leave dL/d(outputs) for backward(). truth in slot order.
   ImageLoss image_loss(const RealBuffer& truth, const ImageLossScale& scale) {

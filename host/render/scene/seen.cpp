@@ -37,4 +37,18 @@ LidarFrame lidar_frame(const LidarModel& lidar, LidarRays rays, const RayResults
   return out;
 }
 
+std::vector<Eigen::Vector3d> world_points(const LidarModel& lidar,
+                                          const LidarFrame& frame,
+                                          const Shot& shot) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(frame.range.size());
+  for (std::size_t i = 0; i < frame.range.size(); ++i) {
+    points.push_back(shot.pose_at(frame.rays.time_fraction[i]) *
+                     (ray_origin(lidar, frame.rays, i) +
+                      static_cast<double>(frame.range[i]) *
+                          Lidar::direction(frame.rays.azimuth[i], frame.rays.elevation[i])));
+  }
+  return points;
+}
+
 }  // namespace simuli

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "host/base/image.hpp"
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/ray_results.hpp"
+#include "host/render/scene/shot.hpp"
 #include "host/sensors/camera.hpp"
 #include "host/sensors/lidar_model.hpp"
 
@@ -31,5 +32,10 @@ struct LidarFrame {
 
 /// A ray returns when dropping it is at most as likely as not. Ranges include the row's range bias.
 [[nodiscard]] LidarFrame lidar_frame(const LidarModel& lidar, LidarRays rays, const RayResults& results);
+
+/// Where the rays of a frame ended, in the world: [rays] m; of rays without a return the rays' origins.
+[[nodiscard]] std::vector<Eigen::Vector3d> world_points(const LidarModel& lidar,
+                                                        const LidarFrame& frame,
+                                                        const Shot& shot);
 
 }  // namespace simuli

@@ -16,8 +16,6 @@ constexpr int kRays[] = {32, 64, 128, 256};
 constexpr int kBriefFrames = 3;
 constexpr std::size_t kFinalists = 4;
 
-constexpr double kSweep_s = 0.1;
-
 RenderOptions options_with(const LidarTiles& tiles) {
   RenderOptions options;
   options.lidar_tiles = tiles;
@@ -33,7 +31,7 @@ class LidarTimer {
              const RenderOptions& options)
       : particles_(particles),
         renderer_(device, options),
-        rays_(device, sensor, nominal_rays(sensor, kSweep_s), options),
+        rays_(device, sensor, nominal_rays(sensor), options),
         view_{world_from_street_lidar(), world_from_street_lidar(), {0.0F, 0.0F, 0.0F}} {}
 
   /// From the call to the result on the device.

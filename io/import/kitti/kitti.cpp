@@ -117,13 +117,13 @@ Log import_kitti(const KittiOptions& options,
     }
     log.actors = read_tracking(options.tracking, calibration.rect00_from_velo, sweeps);
   }
-  const double sweep_duration_s =
+  const double sweep_s =
       static_cast<double>(times.end_ns[frames - 1] - times.start_ns[0]) * 1e-9 / static_cast<double>(frames);
   KittiReport counts;
   log.cameras = {{calibration.camera, calibration.cam02_from_velo.inverse()}};
   std::vector<fs::path> sweeps;
   for (std::size_t i = 0; i < frames; ++i) sweeps.push_back(files.sweep(i));
-  log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, sweep_duration_s), counts),
+  log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, sweep_s), counts),
                  Pose{}}};  // the rig's frame is the velodyne's
 
   Log imported;
@@ -136,7 +136,7 @@ Log import_kitti(const KittiOptions& options,
       const std::string image_file = fmt::format("images/{:010}.png", i);
       const std::string sweep_file = fmt::format("sweeps/{:010}.exr", i);
       copy_picture(files.image(i), folder / image_file, calibration.camera, "S_rect_02");
-      write_sweep(folder / sweep_file, read_turn(sweeps[i], lidar, sweep_duration_s, counts));
+      write_sweep(folder / sweep_file, read_turn(sweeps[i], lidar, counts));
       const double image_s = seconds(times.image_ns[i]);
       log.images.push_back({calibration.camera.name, image_file, image_s, image_s});
       log.sweeps.push_back({lidar.name, sweep_file, seconds(times.start_ns[i]), seconds(times.end_ns[i])});

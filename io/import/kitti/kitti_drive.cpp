@@ -43,8 +43,12 @@ void add_to_report(const Sweep& sweep, const Lidar& lidar, KittiReport& report) 
 
 }  // namespace
 
-Lidar read_beam_table(const fs::path& file, double sweep_duration_s) {
-  if (file.empty()) return builtin_lidar("kitti_hdl64e");
+Lidar read_beam_table(const fs::path& file, double sweep_s) {
+  if (file.empty()) {
+    Lidar lidar = builtin_lidar("kitti_hdl64e");
+    lidar.sweep_s = sweep_s;
+    return lidar;
+  }
   const LidarFile read = read_lidar_file(file);
   const auto* const table = std::get_if<Lidar>(&read.model);
   if (table == nullptr || table->spin != SpinDirection::kClockwise) {
@@ -55,10 +59,11 @@ Lidar read_beam_table(const fs::path& file, double sweep_duration_s) {
   }
   Lidar lidar = *table;
   for (LidarRow& row : lidar.rows) {
-    row.time_offset += row.azimuth_offset / (2.0 * std::numbers::pi) * sweep_duration_s;
+    row.time_offset += row.azimuth_offset / (2.0 * std::numbers::pi) * sweep_s;
     row.azimuth_offset = 0.0;
   }
   lidar.azimuth_span = 2.0 * std::numbers::pi;
+  lidar.sweep_s = sweep_s;
   return lidar;
 }
 
@@ -107,9 +112,9 @@ Lidar fit_lidar(const std::vector<fs::path>& files, Lidar lidar, KittiReport& re
   return lidar;
 }
 
-Sweep read_turn(const fs::path& file, const Lidar& lidar, double sweep_duration_s, KittiReport& report) {
+Sweep read_turn(const fs::path& file, const Lidar& lidar, KittiReport& report) {
   std::size_t points = 0;
-  const Sweep sweep = make_sweep(read_beams(file, lidar, points), lidar, sweep_duration_s);
+  const Sweep sweep = make_sweep(read_beams(file, lidar, points), lidar);
   add_to_report(sweep, lidar, report);
   return sweep;
 }

@@ -123,15 +123,15 @@ struct BeamPoints {
 [[nodiscard]] std::vector<int> assign_columns(const std::vector<double>& azimuths_rad, int columns);
 
 /// The full firing grid: measured rays as measured from their beam's origin, all others with the azimuth
-/// between their neighbours, the beam's elevation, range 0. The rows' time offsets count where the duration
-/// is given.
-[[nodiscard]] Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar, double sweep_duration_s = 0.0);
+/// between their neighbours, the beam's elevation, range 0.
+[[nodiscard]] Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar);
 
 // ---- the sensor of a drive (kitti_drive.cpp) ----
 
 /// The beam table to read the sweeps with. Files are cut where a point's own azimuth is pi, whichever beam it
 /// came from: a beam that looks further round fires there later, which the log's grid tells as a time offset.
-[[nodiscard]] Lidar read_beam_table(const std::filesystem::path& file, double sweep_duration_s);
+/// A turn takes sweep_s.
+[[nodiscard]] Lidar read_beam_table(const std::filesystem::path& file, double sweep_s);
 
 /// The model with the firings per turn of these sweeps and range limits that hold their points, which are
 /// counted in the report. Error{kInput} when more than 0.5 % of a sweep's points are on no beam, or a turn
@@ -143,7 +143,6 @@ struct BeamPoints {
 /// make_sweep() of a file, counted in the report.
 [[nodiscard]] Sweep read_turn(const std::filesystem::path& file,
                               const Lidar& lidar,
-                              double sweep_duration_s,
                               KittiReport& report);
 
 }  // namespace simuli::kitti

@@ -205,9 +205,9 @@ std::vector<int> assign_columns(const std::vector<double>& azimuths_rad, int col
   return out;
 }
 
-Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar, double sweep_duration_s) {
+Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar) {
   Sweep sweep;
-  sweep.rays = nominal_rays(lidar, sweep_duration_s);
+  sweep.rays = nominal_rays(lidar);
   sweep.range.assign(lidar.ray_count(), 0.0F);
   sweep.intensity.assign(lidar.ray_count(), 0.0F);
   const auto columns = static_cast<std::size_t>(lidar.columns);
@@ -220,7 +220,7 @@ Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar, double sweep_durat
     for (const Point& point : points) azimuths.push_back(beam_azimuth(row, point.position));
     const std::vector<int> column_of = assign_columns(azimuths, lidar.columns);
 
-    const double late = sweep_duration_s > 0.0 ? row.time_offset / sweep_duration_s : 0.0;
+    const double late = row.time_offset / lidar.sweep_s;
     const auto put_direction = [&](int column, double azimuth) {
       const std::size_t ray = r * columns + static_cast<std::size_t>(column);
       sweep.rays.azimuth[ray] = static_cast<float>(azimuth);

@@ -204,7 +204,7 @@ Log import_kitti360(const Kitti360Options& options,
     for (const Recording& sweep : sweeps) {
       const Lidar& lidar = log.lidars[0].with_rows();
       const std::string file = fmt::format("sweeps/{:010}.exr", sweep.frame);
-      write_sweep(folder / file, kitti::read_turn(sweep.file, lidar, kTurn_s, report.points));
+      write_sweep(folder / file, kitti::read_turn(sweep.file, lidar, report.points));
       log.sweeps.push_back({lidar.name, file, sweep.start_s, sweep.end_s});
       step();
     }

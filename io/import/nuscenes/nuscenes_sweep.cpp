@@ -136,7 +136,9 @@ Sweep read_turn(const fs::path& file, const Lidar& lidar, const Pose& start_from
     throw_input_error(file.string(), "firings", "fewer", fmt::format("at least {}", columns));
   }
   Sweep sweep;
-  sweep.rays = nominal_rays(lidar, 0.0);
+  Lidar firings = lidar;  // the file has one time per firing, not per beam
+  for (LidarRow& row : firings.rows) row.time_offset = 0.0;
+  sweep.rays = nominal_rays(firings);
   sweep.range.assign(lidar.ray_count(), 0.0F);
   sweep.intensity.assign(lidar.ray_count(), 0.0F);
   const std::vector<Point> points = points_of(bytes, file, lidar, start_from_end);

@@ -129,7 +129,6 @@ double column_of(const Lidar& lidar, int row, double azimuth) {
 
 Sweep grid_points(const std::vector<MeasuredPoint>& points,
                   const Lidar& lidar,
-                  double sweep_duration_s,
                   PointReport& report) {
   std::vector<std::vector<Placed>> rows(lidar.rows.size());
   const std::vector<double> tolerance = tolerances(lidar);
@@ -150,7 +149,7 @@ Sweep grid_points(const std::vector<MeasuredPoint>& points,
   }
 
   Sweep sweep;
-  sweep.rays = nominal_rays(lidar, sweep_duration_s);
+  sweep.rays = nominal_rays(lidar);
   sweep.range.assign(lidar.ray_count(), 0.0F);
   sweep.intensity.assign(lidar.ray_count(), 0.0F);
   report.rays += lidar.ray_count();

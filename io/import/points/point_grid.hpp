@@ -34,7 +34,6 @@ struct PointReport {
 /// than half the distance of the beams beside it from its own, 0.01 rad at least, is on none.
 [[nodiscard]] Sweep grid_points(const std::vector<MeasuredPoint>& points,
                                 const Lidar& lidar,
-                                double sweep_duration_s,
                                 PointReport& report);
 
 }  // namespace simuli

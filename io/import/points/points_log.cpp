@@ -120,8 +120,7 @@ Log read_description(const fs::path& folder, Layout& layout) {
 /// The points of a file; those in the world are still there.
 std::vector<MeasuredPoint> read_points(const fs::path& file,
                                        const Layout& layout,
-                                       const Lidar& lidar,
-                                       double duration_s) {
+                                       const Lidar& lidar) {
   static_assert(std::endian::native == std::endian::little, "the files are little endian");
   const std::string bytes = read_file(file, std::size_t{1} << 30U);
   const std::size_t point_bytes = 4 * layout.width;
@@ -162,8 +161,8 @@ std::vector<MeasuredPoint> read_points(const fs::path& file,
     }
     if (layout.at[5] >= 0) {
       const float time_s = value(5, 0.0F);
-      need(5, time_s, -duration_s, 2.0 * duration_s);
-      point.time_fraction = time_s / duration_s;
+      need(5, time_s, -lidar.sweep_s, 2.0 * lidar.sweep_s);
+      point.time_fraction = time_s / lidar.sweep_s;
     }
     points.push_back(point);
   }
@@ -199,12 +198,12 @@ Log import_points(const PointsOptions& options,
     };
     for (std::size_t i = 0; i < log.sweeps.size(); ++i) {
       SweepFrame& sweep = log.sweeps[i];
-      const Lidar& lidar = log.lidar(sweep.lidar).with_rows();
-      const double duration_s = sweep.time_end_s - sweep.time_start_s;
-      std::vector<MeasuredPoint> points = read_points(options.folder / sweep.file, layout, lidar, duration_s);
+      Lidar lidar = log.lidar(sweep.lidar).with_rows();
+      lidar.sweep_s = sweep.time_end_s - sweep.time_start_s;
+      std::vector<MeasuredPoint> points = read_points(options.folder / sweep.file, layout, lidar);
       if (layout.in_world) put_into_sensor(points, sweep, log);
       sweep.file = fmt::format("sweeps/{:06}.exr", i);
-      write_sweep(folder / sweep.file, grid_points(points, lidar, duration_s, report));
+      write_sweep(folder / sweep.file, grid_points(points, lidar, report));
       step();
     }
     if (static_cast<double>(report.unplaced) > kMostUnplaced * static_cast<double>(report.points)) {

@@ -208,7 +208,7 @@ Box Reader::box(std::string_view bytes) const {
 
 Sweep sweep_of(const Grid& grid, const Lidar& lidar) {
   Sweep sweep;
-  sweep.rays = nominal_rays(lidar, 0.0);
+  sweep.rays = nominal_rays(lidar);
   for (std::size_t i = 0; i < grid.rows * grid.columns; ++i) {
     const float range = grid.values[i * grid.channels];
     const bool returned = range > 0.0F && range < 1e4F;

@@ -157,7 +157,7 @@ TEST(PointsLog, TablesByNameAndWhatIsOffThem) {
                                     {{0.0, 0.0, 20.0}, 0.5F},  // straight up
                                     {{0.01, 0.0, 0.0}, 0.5F}};
   PointReport report;
-  const Sweep sweep = grid_points(points, lidar, 0.1, report);
+  const Sweep sweep = grid_points(points, lidar, report);
   EXPECT_EQ(report.points, 6U);
   EXPECT_EQ(report.unplaced, 2U);
   EXPECT_EQ(report.echoes, 1U);

@@ -121,7 +121,7 @@ TEST(DepthEdges, LieOnTheRimsOfAPole) {
   model.range_max = 50.0;
   const LogLidar lidar{model, Pose{}};
   Sweep sweep;
-  sweep.rays = nominal_rays(model, 0.1);
+  sweep.rays = nominal_rays(model);
   for (int c = 0; c < 81; ++c) {
     const bool on_pole = c >= 38 && c <= 44;
     sweep.range.push_back(on_pole ? 4.0F : 10.0F);

@@ -19,7 +19,7 @@ Lidar lidar() {
 
 /// What the laser meets on a road inside a round wall, and when `pole`, a pole of 0.2 m at (10, 0).
 Sweep sweep(bool pole = false) {
-  Sweep sweep{nominal_rays(lidar(), 0.1), {}, {}};
+  Sweep sweep{nominal_rays(lidar()), {}, {}};
   for (std::size_t i = 0; i < sweep.rays.azimuth.size(); ++i) {
     const Eigen::Vector3d d = Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
     const double across = std::hypot(d.x(), d.y());

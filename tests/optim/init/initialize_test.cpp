@@ -72,7 +72,7 @@ class InitializeScene : public testing::Test {
     return image;
   }
   static Sweep sweep() {
-    Sweep sweep{nominal_rays(lidar(), 0.1), {}, {}};
+    Sweep sweep{nominal_rays(lidar()), {}, {}};
     for (std::size_t i = 0; i < sweep.rays.azimuth.size(); ++i) {
       const Eigen::Vector3d d = Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
       const bool is_returned = i % 10 != 0;

@@ -43,7 +43,7 @@ Log log_of(const Scratch& folder, int sweeps, double speed_mps, const Returns& r
   }
   log.world_from_rig = Trajectory(poses);
   for (int i = 0; i < sweeps; ++i) {
-    Sweep sweep{nominal_rays(three_rows(), 0.1), {}, {}};
+    Sweep sweep{nominal_rays(three_rows()), {}, {}};
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < kColumns; ++column) {
         sweep.range.push_back(returns(i, row, column) ? 9.0F : 0.0F);

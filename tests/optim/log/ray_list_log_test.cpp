@@ -18,7 +18,7 @@ RayList ahead_of(const Lidar& lidar) {
   list.name = "ahead";
   list.range_min = lidar.range_min;
   list.range_max = lidar.range_max;
-  const LidarRays rays = nominal_rays(lidar, 0.1);
+  const LidarRays rays = nominal_rays(lidar);
   for (std::size_t k = 0; k < rays.azimuth.size(); ++k) {
     const std::size_t i = k * 7 % rays.azimuth.size();  // 7 divides no such grid: every ray once
     if (std::abs(rays.azimuth[i]) > 1.2F) continue;

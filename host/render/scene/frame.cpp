@@ -1,0 +1,91 @@
+#include "host/render/scene/frame.hpp"
+
+#include <utility>
+
+#include "host/render/scene/frame_state.hpp"
+
+namespace simuli {
+
+RealBuffer OutputPool::take(const Device& device, const char* name, Precision precision) {
+  for (std::size_t i = free_.size(); i-- > 0;) {
+    if (free_[i].precision() != precision || free_[i].name() != name) continue;
+    RealBuffer found = std::move(free_[i]);
+    free_.erase(free_.begin() + static_cast<std::ptrdiff_t>(i));
+    return found;
+  }
+  return {device, name, precision};
+}
+
+void OutputPool::give_back(RealBuffer buffer) {
+  if (buffer.capacity() == 0) return;
+  if (free_.size() == kMost) free_.erase(free_.begin());
+  free_.push_back(std::move(buffer));
+}
+
+Frame::State::State(const Device& device,
+                    Precision precision,
+                    Sensor of,
+                    Shot at,
+                    SensorRays on,
+                    std::shared_ptr<OutputPool> from)
+    : sensor(std::move(of)),
+      shot(std::move(at)),
+      rays(std::move(on)),
+      pool(std::move(from)),
+      outputs(pool->take(device, "ray outputs", precision)),
+      picture(pool->take(device, "graded picture", precision)) {}
+
+// What the device still does with the buffers comes before anything that the next frame does.
+Frame::State::~State() {
+  pool->give_back(std::move(outputs));
+  pool->give_back(std::move(picture));
+}
+
+const Sensor& Frame::sensor() const { return state_->sensor; }
+const Shot& Frame::shot() const { return state_->shot; }
+bool Frame::is_ready() const { return state_->done->is_done(); }
+void Frame::wait() const { state_->done->wait(); }
+
+void Frame::fetch() const {
+  State& s = *state_;
+  if (s.results || s.outputs_coming) return;
+  s.outputs_coming.emplace(s.outputs);
+  if (s.graded) s.picture_coming.emplace(s.picture);
+}
+
+const RayResults& Frame::results() const {
+  State& s = *state_;
+  if (s.results) return *s.results;
+  fetch();
+  const std::vector<float> outputs = s.outputs_coming->take();
+  const std::vector<float> picture = s.graded ? s.picture_coming->take() : std::vector<float>{};
+  s.results = results_of(s.rays.grid(), outputs, picture, s.background, s.has_median);
+  s.outputs_coming.reset();
+  s.picture_coming.reset();
+  return *s.results;
+}
+
+Image Frame::image() const {
+  const Camera& camera = sensor().camera();
+  return picture_of(results(), camera);
+}
+
+LidarFrame Frame::lidar() const {
+  const LidarModel& model = sensor().lidar();
+  return lidar_frame(model, sensor().rays(), results());
+}
+
+std::vector<Eigen::Vector3d> Frame::points() const { return world_points(sensor().lidar(), lidar(), shot()); }
+
+FrameBuffersOfRays FrameAccess::buffers(const Frame& frame) {
+  const Frame::State& s = *frame.state_;
+  const RayMap& map = s.rays.map();
+  return {s.outputs,
+          s.graded ? &s.picture : nullptr,
+          map.ray_of_slot,
+          map.slot_of_ray,
+          s.rays.grid().frame.slots,
+          s.rays.grid().rays};
+}
+
+}  // namespace simuli

@@ -1,0 +1,57 @@
+#pragma once
+// What a sensor saw in one shot.
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "host/base/image.hpp"
+#include "host/render/scene/ray_results.hpp"
+#include "host/render/scene/seen.hpp"
+#include "host/render/scene/shot.hpp"
+#include "host/sensors/sensor.hpp"
+
+namespace simuli {
+
+/// A frame that SceneOnDevice renders. A handle: copies are the same frame. It has its results to itself:
+/// frames that are rendered later leave it as it is, and any number of them may be on their way at once.
+///   std::vector<Frame> frames;
+///   for (const Sensor& sensor : rig) {
+///     frames.push_back(scene.render(sensor, shot_of(sensor)));
+///     frames.back().fetch();  // while the next one is rendered
+///   }
+///   for (const Frame& frame : frames) use(frame.results());
+/// Used by the thread that uses the scene. Errors of the device come from the call that waits:
+/// Error{kDevice}.
+class Frame {
+ public:
+  [[nodiscard]] const Sensor& sensor() const;
+  [[nodiscard]] const Shot& shot() const;
+
+  /// Whether the device has rendered it; does not wait.
+  [[nodiscard]] bool is_ready() const;
+  /// Until the device has rendered it.
+  void wait() const;
+  /// Starts bringing the results to the host; does not wait. Without it, results() starts when it is called,
+  /// and comes behind whatever is queued by then.
+  void fetch() const;
+
+  /// By ray, in the sensor's order: pixels row-major, beams x firings, a list's rays. Waits; brought to the
+  /// host once.
+  [[nodiscard]] const RayResults& results() const;
+  /// Of a camera, clipped to [0, 1]: [height][width][3]. Error{kUsage} of a LiDAR.
+  [[nodiscard]] Image image() const;
+  /// Of a LiDAR: what it states of each ray. Error{kUsage} of a camera.
+  [[nodiscard]] LidarFrame lidar() const;
+  /// Where a LiDAR's rays ended, in the world: [rays] m; of rays without a return the rays' origins.
+  [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
+
+ private:
+  friend class SceneOnDevice;
+  friend struct FrameAccess;
+  struct State;
+  explicit Frame(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace simuli

@@ -1,0 +1,21 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "host/render/scene/shot.hpp"
+#include "host/scene/scene.hpp"
+
+namespace simuli {
+
+/// One view of a sensor. The scene has the axes of the world and an origin of its own (Scene::origin).
+struct View {
+  Pose scene_from_sensor_start;
+  Pose scene_from_sensor_end;
+  std::array<float, 3> background{0.0F, 0.0F, 0.0F};
+  std::vector<ActorView> actors{};  // of the scene, in its order (actors_during)
+};
+
+/// What a sensor of that set sees from: the shot, relative to the scene's origin, before its background.
+[[nodiscard]] View view_of(const Scene& scene, const Shot& shot, SetKind kind);
+
+}  // namespace simuli

@@ -1,0 +1,116 @@
+#include "io/scene/sensor_rig.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <system_error>
+
+#include "host/base/close_names.hpp"
+#include "host/base/error.hpp"
+#include "io/log/lidar_file.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Built in, or a file when that may be; `own` names what else the user may have meant.
+Sensor find_named(const std::string& name, bool reads_files, std::vector<std::string> own) {
+  std::error_code ignored;
+  if (reads_files && (name.ends_with(".json") || fs::is_regular_file(name, ignored))) {
+    return Sensor(read_lidar_file(name).model).named(fs::path(name).stem().string());
+  }
+  const std::vector<std::string> lidars = builtin_lidar_names(), cameras = builtin_camera_names();
+  const std::string model = name.substr(0, name.find('@'));
+  if (holds(lidars, model)) return Sensor(builtin_lidar(name));
+  if (holds(cameras, name)) return Sensor(builtin_camera(name));
+  std::vector<std::string> built_in = lidars;
+  built_in.insert(built_in.end(), cameras.begin(), cameras.end());
+  // Few of them and the user's: those of the rig are always named.
+  const std::vector<std::string> close = close_names(model, built_in);
+  if (own.empty() && !close.empty()) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("sensor: found \"{}\", did you mean {}?", name, fmt::join(close, ", ")));
+  }
+  const std::vector<std::string>& others = close.empty() ? built_in : close;
+  own.insert(own.end(), others.begin(), others.end());
+  throw Error(ErrorKind::kUsage,
+              fmt::format("sensor: found \"{}\", allowed {}{}",
+                          name,
+                          fmt::join(own, ", "),
+                          close.empty() ? "" : ", and others that are built in"));
+}
+
+double median_s(std::vector<double> seconds) {
+  if (seconds.empty()) return 0.0;
+  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  return *middle;
+}
+
+}  // namespace
+
+Sensor named_sensor(const std::string& name) { return find_named(name, true, {}); }
+
+SensorRig::SensorRig(const SceneFile& scene) {
+  for (const LogCamera& c : scene.cameras) sensors_.emplace_back(c.model, c.rig_from_camera);
+  for (const LogLidar& l : scene.lidars) sensors_.emplace_back(l.model, l.rig_from_lidar);
+}
+
+SensorRig::SensorRig(const Log& log) {
+  for (const LogCamera& c : log.cameras) {
+    std::vector<double> seconds;
+    for (const ImageFrame& frame : log.images) {
+      if (frame.camera == c.model.name) seconds.push_back(frame.time_end_s - frame.time_start_s);
+    }
+    sensors_.emplace_back(c.model, c.rig_from_camera, median_s(std::move(seconds)));
+  }
+  for (const LogLidar& l : log.lidars) sensors_.emplace_back(l.model, l.rig_from_lidar);
+}
+
+const Sensor* SensorRig::own(const std::string& name) const {
+  const auto found =
+      std::find_if(sensors_.begin(), sensors_.end(), [&](const Sensor& s) { return s.name() == name; });
+  return found == sensors_.end() ? nullptr : &*found;
+}
+
+bool SensorRig::has(const std::string& name) const { return own(name) != nullptr; }
+
+Sensor SensorRig::other(const std::string& name) const {
+  std::vector<std::string> known;
+  for (const Sensor& sensor : sensors_) known.push_back(sensor.name());
+  return find_named(name, reads_files_, std::move(known));
+}
+
+Sensor SensorRig::find(const std::string& name) const {
+  if (const Sensor* const found = own(name)) return *found;
+  const Sensor sensor = other(name);
+  const auto place = std::find_if(
+      sensors_.begin(), sensors_.end(), [&](const Sensor& s) { return s.is_camera() == sensor.is_camera(); });
+  if (place == sensors_.end()) {
+    throw_input_error("sensor " + name,
+                      sensor.is_camera() ? "cameras" : "lidars",
+                      "none",
+                      "one, in whose place another is to be mounted");
+  }
+  return sensor.mounted(place->rig_from_sensor());
+}
+
+Sensor SensorRig::find(const std::string& name, const Pose& rig_from_sensor) const {
+  const Sensor* const found = own(name);
+  return found != nullptr ? *found : other(name).mounted(rig_from_sensor);
+}
+
+void SensorRig::add(const Sensor& sensor) {
+  if (has(sensor.name())) {
+    throw Error(ErrorKind::kUsage, fmt::format("sensor: found \"{}\", which there is already", sensor.name()));
+  }
+  sensors_.push_back(sensor);
+}
+
+}  // namespace simuli

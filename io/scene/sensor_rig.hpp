@@ -1,0 +1,46 @@
+#pragma once
+// Sensors by name, for all who ask for one.
+#include <string>
+#include <vector>
+
+#include "host/sensors/sensor.hpp"
+#include "io/scene/scene_folder.hpp"
+
+namespace simuli {
+
+/// A built-in camera ("tum_vi_cam0") or LiDAR ("hesai_xt32", "hesai_xt32@20": in another mode), or the LiDAR
+/// of a JSON file (io/log/lidar_file.hpp; named by its stem) at the origin of no rig. Error{kUsage} naming
+/// the closest names for one that is not there, Error{kInput} for a file that can't be read.
+[[nodiscard]] Sensor named_sensor(const std::string& name);
+
+/// The sensors of a scene or a log, and in their place any other.
+class SensorRig {
+ public:
+  SensorRig() = default;
+  explicit SensorRig(const SceneFile& scene);
+  /// Cameras take for a picture what they took in the log (the median).
+  explicit SensorRig(const Log& log);
+
+  /// Its own sensors: cameras first.
+  [[nodiscard]] const std::vector<Sensor>& sensors() const { return sensors_; }
+  [[nodiscard]] bool has(const std::string& name) const;
+  /// A sensor of its own, else named_sensor() mounted where its first sensor of that kind is. Errors as
+  /// those; Error{kInput} where it has none of that kind.
+  [[nodiscard]] Sensor find(const std::string& name) const;
+  /// The same; what isn't its own is mounted there instead.
+  [[nodiscard]] Sensor find(const std::string& name, const Pose& rig_from_sensor) const;
+  /// From now on no name is a file: for names that others send.
+  void refuse_files() { reads_files_ = false; }
+  /// One more of its own. Error{kUsage} for a name that it has already.
+  void add(const Sensor& sensor);
+
+ private:
+  [[nodiscard]] const Sensor* own(const std::string& name) const;
+  /// named_sensor() that also knows the rig's own names.
+  [[nodiscard]] Sensor other(const std::string& name) const;
+
+  std::vector<Sensor> sensors_;
+  bool reads_files_ = true;
+};
+
+}  // namespace simuli
