@@ -49,8 +49,11 @@ struct SensorSide {
 
 class UnifiedTrainer {
  public:
-  UnifiedTrainer(
-      const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight)
+  UnifiedTrainer(const Device& device,
+                 const Log& log,
+                 Scene start,
+                 const TrainingOptions& options,
+                 double distance_weight)
       : log_(log),
         scene_(with_twin(std::move(start))),
         options_(checked(options).train),
@@ -148,8 +151,11 @@ class UnifiedTrainer {
 
 }  // namespace
 
-Scene fit_unified(
-    const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight) {
+Scene fit_unified(const Device& device,
+                  const Log& log,
+                  Scene start,
+                  const TrainingOptions& options,
+                  double distance_weight) {
   UnifiedTrainer trainer(device, log, std::move(start), options, distance_weight);
   for (int i = 0; i < options.train.iterations; ++i) trainer.step(i);
   return trainer.scene();

@@ -59,7 +59,8 @@ void eval(EvalCommand command, const Globals& globals) {
 
 void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  Command sub = app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
+  Command sub =
+      app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
   sub.option("SCENE", command->scene, "scene folder").required();
   sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
   const Option scale =

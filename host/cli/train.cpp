@@ -90,8 +90,7 @@ void write_train_report(const TrainCommand& command,
                         Log log,
                         const TrainedReport& trained,
                         const Globals& globals) {
-  Evaluation evaluation(
-      device, std::move(scene), std::move(log), {.render = command.options.train.render});
+  Evaluation evaluation(device, std::move(scene), std::move(log), {.render = command.options.train.render});
   const EvalReport report = run_evaluation(evaluation, globals);
   write_report(command.report,
                fmt::format("simuli train: {} from {}", command.output, command.log),

@@ -87,12 +87,11 @@ void Structure::densify(int iteration) {
   for (const SetNumber number : {kCameraSet, kLidarSet}) {
     TrainedSet& set = number == kCameraSet ? camera_ : lidar_;
     RealBuffer* const moments[] = {&set.adam.first_moment(), &set.adam.second_moment()};
-    const DensifyCounts counts =
-        densify_->relocate(set.particles,
-                           moments,
-                           set.error,
-                           static_cast<std::uint32_t>(growth * set.particles.count),
-                           {seed_, static_cast<std::uint32_t>(iteration), number});
+    const DensifyCounts counts = densify_->relocate(set.particles,
+                                                    moments,
+                                                    set.error,
+                                                    static_cast<std::uint32_t>(growth * set.particles.count),
+                                                    {seed_, static_cast<std::uint32_t>(iteration), number});
     set.fit_gradients();
     if (number == kCameraSet && anchor_) {
       densify_->follow(anchor_->candidates(), anchor_->neighbours());

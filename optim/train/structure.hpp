@@ -7,8 +7,8 @@
 #include "host/render/train/anchor.hpp"
 #include "host/render/train/densify.hpp"
 #include "optim/train/state.hpp"
-#include "optim/train/train_report.hpp"
 #include "optim/train/train_options.hpp"
+#include "optim/train/train_report.hpp"
 #include "optim/train/trained_set.hpp"
 
 namespace simuli {

@@ -2,18 +2,25 @@
 
 #include <algorithm>
 #include <chrono>
-#include <chrono>
 #include <cmath>
+#include <cstring>
 #include <fmt/format.h>
 #include <limits>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "host/base/error.hpp"
+#include "io/base/state_file.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/memory.hpp"
 
 namespace simuli {
 namespace {
+
+constexpr const char* kSettings = "settings";
+constexpr const char* kIterations = "iterations";  // planned
 
 enum Stream : std::uint64_t { kImageStream = 1, kSweepStream = 2 };
 
@@ -46,6 +53,41 @@ GaussianSet finite_ones(const GaussianSet& set) {
   return out;
 }
 
+void need_iterations(const std::string& file, std::span<const std::byte> saved, int iterations) {
+  int planned = 0;
+  if (saved.size() == sizeof planned) std::memcpy(&planned, saved.data(), sizeof planned);
+  if (saved.size() == sizeof planned && planned <= iterations) return;
+  throw_input_error(file,
+                    kIterations,
+                    fmt::format("a training of {}", planned),
+                    fmt::format("of {} or fewer: it can be made longer, not shorter", iterations));
+}
+
+/// What has been learned of the actors' tracks.
+void add_tracks(StateList& list, std::vector<Actor>& actors) {
+  list.add_numbers(
+      "actors/offsets",
+      [&actors] {
+        std::vector<double> out;
+        for (const Actor& actor : actors) {
+          for (const KeyPose& key : actor.track) {
+            out.insert(out.end(), key.shift_m.begin(), key.shift_m.end());
+            out.insert(out.end(), key.turn_rad.begin(), key.turn_rad.end());
+          }
+        }
+        return out;
+      },
+      [&actors](std::span<const double> numbers) {
+        for (Actor& actor : actors) {
+          for (KeyPose& key : actor.track) {
+            key.shift_m = Eigen::Vector3d(numbers.data());
+            key.turn_rad = Eigen::Vector3d(numbers.data() + 3);
+            numbers = numbers.subspan(6);
+          }
+        }
+      });
+}
+
 }  // namespace
 
 void RunningMean::add(double value) {
@@ -71,8 +113,11 @@ Trainer::Trainer(
       look_(device, log, scene_, options),
       structure_(device, options_, options.frames.seed, camera_, lidar_),
       regularize_(device, Precision::kFloat),
-      images_(select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, kImageStream),
-      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false), options.frames.seed, kSweepStream) {
+      images_(
+          select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, kImageStream),
+      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false),
+              options.frames.seed,
+              kSweepStream) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
@@ -128,6 +173,57 @@ Scene Trainer::scene() const {
   out.lidar = finite_ones(lidar_.particles.download());
   look_.store(out);
   return out;
+}
+
+StateList Trainer::state(const std::string& settings) {
+  StateList list;
+  list.add_fixed(kSettings, settings);
+  list.add(
+      kIterations,
+      [this] {
+        StateList::Bytes bytes(sizeof options_.iterations);
+        std::memcpy(bytes.data(), &options_.iterations, bytes.size());
+        return bytes;
+      },
+      [this](const std::string& file, std::span<const std::byte> saved) {
+        need_iterations(file, saved, options_.iterations);
+      });
+  list.add("status", status_);
+  list.add("mean/squared_error", square_);
+  list.add("mean/distance", distance_);
+  list.add("mean/right_drops", right_);
+  list.add("unsound_losses", unsound_losses_);
+  camera_.add_state(list, "camera");
+  lidar_.add_state(list, "lidar");
+  structure_.add_state(list);
+  add_tracks(list, scene_.actors);
+  for (TrainedSet* set : {&camera_, &lidar_}) {
+    list.add_numbers(
+        set == &camera_ ? "camera/poses" : "lidar/poses",
+        [this, set] { return set->poses.numbers(scene_.actors); },
+        [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene_.actors, numbers); });
+  }
+  look_.add_state(list);
+  for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
+  return list;
+}
+
+void Trainer::save(const std::filesystem::path& file, const std::string& settings) {
+  state(settings).write(file);
+}
+
+void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings, int iterations) {
+  const StateFile state(file);
+  StateList::need_text(file.string(), kSettings, state.block(kSettings), settings);
+  need_iterations(file.string(), state.block(kIterations), iterations);
+}
+
+void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {
+  state(settings).read(file);
+  for (TrainedSet* set : {&camera_, &lidar_}) {
+    set->fit_gradients();
+    set->particles.refresh_actors();
+  }
 }
 
 }  // namespace simuli

@@ -7,19 +7,19 @@
 #include <functional>
 #include <string>
 
-#include "host/render/train/regularize.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/render/train/regularize.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/moving_space.hpp"
-#include "optim/train/schedule.hpp"
 #include "optim/poses/sensor_offsets.hpp"
+#include "optim/train/schedule.hpp"
 #include "optim/train/state.hpp"
 #include "optim/train/structure.hpp"
 #include "optim/train/train_report.hpp"
-#include "optim/train/training_options.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
+#include "optim/train/training_options.hpp"
 #include "optim/train/truth.hpp"
 
 namespace simuli {

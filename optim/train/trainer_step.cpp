@@ -28,10 +28,8 @@ void Trainer::step_camera(double progress) {
   const std::size_t index = images_.at(static_cast<std::uint64_t>(status_.iteration));
   const ImageFrame& frame = log_.images[index];
   const auto truth = truth_.image(index);
-  renderer_.render(camera_.particles,
-                   truth_.camera_rays(frame.camera),
-                   view(frame, frame.camera),
-                   look_.environment());
+  renderer_.render(
+      camera_.particles, truth_.camera_rays(frame.camera), view(frame, frame.camera), look_.environment());
   look_.grade(renderer_, index);
   const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
   const ImageWeights& w = options_.image;
@@ -91,9 +89,8 @@ void Trainer::step_lidar(double progress) {
 
 void Trainer::descend(const Turn& turn) {
   TrainedSet& set = turn.set;
-  renderer_.backward(set.particles,
-                     set.grads,
-                     {.errors = turn.errors, .ray_gradients = offsets_.contains(turn.sensor)});
+  renderer_.backward(
+      set.particles, set.grads, {.errors = turn.errors, .ray_gradients = offsets_.contains(turn.sensor)});
   if (turn.errors) structure_.errors().accumulate(renderer_.frame(), renderer_.buffers(), set.error);
   step_pose(turn);
   regularize(set, turn.weights);

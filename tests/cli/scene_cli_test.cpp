@@ -69,7 +69,8 @@ TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
   };
   const Outcome held_out = eval("s.scene s.log");
   EXPECT_EQ(held_out.out.rfind("held-out frames: 1 pictures of 32 x 18 px", 0), 0U) << held_out.out;
-  EXPECT_EQ(eval("s.scene s.log --held-out 0").out.rfind("all frames, some of which were trained on: 6", 0), 0U);
+  EXPECT_EQ(eval("s.scene s.log --held-out 0").out.rfind("all frames, some of which were trained on: 6", 0),
+            0U);
   const nlohmann::json json = nlohmann::json::parse(eval("s.scene s.log --held-out 2 --json").out);
   EXPECT_EQ(json.at("frames"), "training");
   EXPECT_EQ(json.at("training").at("held_out_every"), 5);

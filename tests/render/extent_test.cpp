@@ -151,7 +151,7 @@ TEST(ExactExtent, LosesNothingInFloat) {
 }
 
 TEST(ExactExtent, UnscentedLosesSomething) {
-  const Comparison c = compare(camera_shot(false), {}, kFloatRounding);
+  const Comparison c = compare(camera_shot(false), paper_options(), kFloatRounding);
   EXPECT_GT(c.different, 0U) << "of " << c.compared << " rays";
   EXPECT_GT(c.worst, kAlphaCut);
 }

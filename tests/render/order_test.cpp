@@ -269,10 +269,10 @@ TEST(ShutterOf0, IsAFrameHalfWay) {
     test::Shot shot = shot_for(scene);
     const RayResults found = render(device, crowd(scene), shot, options);
     View& v = shot.view;
-    EXPECT_NE(found.transmittance, render(device, crowd(scene), shot, {}).transmittance);
+    EXPECT_NE(found.transmittance, render(device, crowd(scene), shot, paper_options()).transmittance);
     v.scene_from_sensor_start = v.scene_from_sensor_end =
         interpolate(v.scene_from_sensor_start, v.scene_from_sensor_end, 0.5);
-    EXPECT_EQ(found.transmittance, render(device, crowd(scene), shot, {}).transmittance);
+    EXPECT_EQ(found.transmittance, render(device, crowd(scene), shot, paper_options()).transmittance);
   }
 }
 

@@ -150,7 +150,7 @@ void expect_found_at(double speed, const RenderOptions& options, double lost) {
 constexpr double kSpeeds[] = {0.3, 0.9, 1.0, 1.1, 3.0, -1.0, -3.0};
 
 TEST(Shutter, LosesNoParticleWhateverTheSpeed) {
-  for (const double speed : kSpeeds) expect_found_at(speed, {}, kClipped);
+  for (const double speed : kSpeeds) expect_found_at(speed, paper_options(), kClipped);
 }
 
 TEST(Shutter, LosesNoParticleInDouble) {
@@ -178,7 +178,7 @@ TEST(Shutter, LosesNoParticleToATurnFasterThanItsRows) {
     for (const ShutterKind shutter : kRolling) {
       const Shot shot = camera_shot(shutter, {0.1, 0.0, 0.0}, {0.0, 0.3 * turn, turn});
       const auto particles = on_rays(shot, 12, 3.0, 20.0, kSmallest_m, nullptr);
-      const Comparison c = compare(shot, particles, {}, kClipped);
+      const Comparison c = compare(shot, particles, paper_options(), kClipped);
       EXPECT_EQ(c.different, 0U) << "turn " << turn << ", shutter " << static_cast<int>(shutter);
       EXPECT_GT(c.covered, particles.size());
     }

@@ -78,7 +78,8 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
   o.train.lidar_every = 1000;
   // The particles nearly rest, and so the pose has to give way.
   o.train.camera.mean_m = o.train.camera.mean_final_m = 1e-6;
-  o.train.camera.log_scale = o.train.camera.rotation = o.train.camera.opacity = o.train.camera.sh = o.train.camera.sh_rest = 1e-6;
+  o.train.camera.log_scale = o.train.camera.rotation = o.train.camera.opacity = o.train.camera.sh =
+      o.train.camera.sh_rest = 1e-6;
   o.train.poses.rotation_rad = 1e-3;
   o.train.poses.translation_m = 2e-3;
   Trainer trainer(Device::best(), log, teacher.scene(), o);
