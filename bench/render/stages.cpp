@@ -56,8 +56,8 @@ class Case {
     renderer_.set_output_gradients(std::vector<double>(std::size_t{5} * renderer_.frame().slots, 1.0));
     renderer_.backward(particles_, param_grads_);
     // The gradient of a feature is the sum of its weights.
-    const std::vector<float> grads = renderer_.buffers().grads.download_float();
-    const std::size_t instances = renderer_.buffers().instances;
+    const std::vector<float> grads = renderer_.gradients().grads.download_float();
+    const std::size_t instances = renderer_.buffers().binned.instances;
     std::size_t without = 0;
     for (std::size_t i = 0; i < instances; ++i)
       without += grads[i * SIM_GRAD + SIM_G_FEATURE] == 0.0F ? 1 : 0;
@@ -142,9 +142,9 @@ std::vector<Row> run_stages(const std::string& device_request,
     const auto& buffers = shaped.renderer().buffers();
     note(fmt::format("{}: {} visible of {} particles, {} tile instances, {} rays",
                      base,
-                     buffers.visible,
+                     buffers.binned.visible,
                      options.particles,
-                     buffers.instances,
+                     buffers.binned.instances,
                      shaped.rays()));
     for (const char* stage : {"rays",
                               "project",

@@ -1,13 +1,17 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "host/runtime/cl.hpp"
 #include "host/runtime/profile.hpp"
+
+// What cl_context and cl_command_queue point to (host/runtime/opencl.hpp).
+struct _cl_context;
+struct _cl_command_queue;
 
 namespace simuli {
 
@@ -75,21 +79,20 @@ class Device {
 
   /// Works on a caller's own context and in-order queue (both are retained). Error{kDevice} for an
   /// out-of-order queue or a queue of another context.
-  [[nodiscard]] static Device adopt(cl_context context, cl_command_queue queue);
+  [[nodiscard]] static Device adopt(_cl_context* context, _cl_command_queue* queue);
 
   [[nodiscard]] const DeviceInfo& info() const;
   [[nodiscard]] const Quirks& quirks() const;
   [[nodiscard]] Profile& profile() const;
   [[nodiscard]] const MemoryUse& memory() const;
-  /// Makes the peak what is used now.
+  /// The same by the buffers' names; buffers of one name count together.
+  [[nodiscard]] const std::map<std::string, MemoryUse>& memory_by_name() const;
+  /// Makes the peaks what is used now.
   void reset_memory_peak() const;
 
   /// Waits until everything queued so far has run. Error{kDevice} when some of it failed.
   void finish() const;
 
-  [[nodiscard]] const cl::Context& context() const;
-  [[nodiscard]] const cl::CommandQueue& queue() const;
-  [[nodiscard]] const cl::Device& handle() const;
   [[nodiscard]] detail::DeviceState& state() const { return *state_; }
 
  private:

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
+#include "host/runtime/device_state.hpp"
 
 namespace simuli {
 
@@ -19,8 +20,8 @@ Event::Event(const Device& device) : state_(std::make_shared<State>(State{device
       ErrorKind::kDevice,
       [&] { return "marking the queue of " + device.info().label(); },
       [&] {
-        device.queue().enqueueMarkerWithWaitList(nullptr, &state_->event);
-        device.queue().flush();
+        device.state().queue.enqueueMarkerWithWaitList(nullptr, &state_->event);
+        device.state().queue.flush();
       });
 }
 
@@ -63,11 +64,11 @@ Download::Download(const RealBuffer& buffer) {
       ErrorKind::kDevice,
       [&] { return fmt::format("reading {} bytes of buffer {}", bytes, memory.name()); },
       [&] {
-        const cl::CommandQueue& queue = memory.device().queue();
+        const cl::CommandQueue& queue = memory.device().state().queue;
         if (bytes == 0) {
           queue.enqueueMarkerWithWaitList(nullptr, &event->event);
         } else {
-          queue.enqueueReadBuffer(memory.handle(), CL_FALSE, 0, bytes, target, nullptr, &event->event);
+          queue.enqueueReadBuffer(cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &event->event);
         }
         queue.flush();
       });

@@ -55,7 +55,7 @@ void Structure::add_anchor_gradient(const Renderer& renderer, int iteration) {
   // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
   anchor_->add_gradient(camera_.particles,
                         lidar_.particles,
-                        renderer.buffers().keys,
+                        renderer.buffers().projected.keys,
                         options_.anchor.weight / camera_.particles.count,
                         iteration % options_.anchor.choose_every == 0,
                         camera_.grads);
@@ -71,7 +71,7 @@ void Structure::jitter(TrainedSet& set,
   if (!collects_errors(iteration) || !(options_.densify.noise > 0.0)) return;
   const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
   densify_->jitter(set.particles,
-                   renderer.buffers().keys,
+                   renderer.buffers().projected.keys,
                    options_.densify.noise * rate_m,
                    {seed_, static_cast<std::uint32_t>(iteration), number});
 }

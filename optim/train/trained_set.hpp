@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "host/render/train/loss_stages.hpp"
+#include "host/render/train/adam.hpp"
 #include "optim/poses/actor_poses.hpp"
 #include "optim/train/state.hpp"
 

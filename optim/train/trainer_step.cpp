@@ -37,8 +37,11 @@ void Trainer::step_camera(double progress) {
       renderer_.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
   const bool errors = structure_.collects_errors(status_.iteration);
   if (errors) {
-    structure_.errors().pixel_error(
-        renderer_.frame(), renderer_.buffers(), renderer_.picture(), truth->truth);
+    structure_.errors().pixel_error(renderer_.frame(),
+                                    renderer_.buffers().rays,
+                                    renderer_.picture(),
+                                    truth->truth,
+                                    renderer_.gradients());
   }
   look_.step(renderer_, index, static_cast<std::uint64_t>(status_.iteration), progress);
   descend({camera_,
@@ -68,8 +71,12 @@ void Trainer::step_lidar(double progress) {
       renderer_.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
   const bool errors = structure_.collects_errors(status_.iteration);
   if (errors) {
-    structure_.errors().beam_error(
-        renderer_.frame(), renderer_.buffers(), truth->truth, {w.distance, w.intensity, w.drop});
+    structure_.errors().beam_error(renderer_.frame(),
+                                   renderer_.buffers().rays,
+                                   renderer_.buffers().blended,
+                                   truth->truth,
+                                   {w.distance, w.intensity, w.drop},
+                                   renderer_.gradients());
   }
   descend({lidar_,
            kLidarSet,
@@ -91,13 +98,16 @@ void Trainer::descend(const Turn& turn) {
   TrainedSet& set = turn.set;
   renderer_.backward(
       set.particles, set.grads, {.errors = turn.errors, .ray_gradients = offsets_.contains(turn.sensor)});
-  if (turn.errors) structure_.errors().accumulate(renderer_.frame(), renderer_.buffers(), set.error);
+  if (turn.errors) {
+    structure_.errors().accumulate(
+        renderer_.frame(), renderer_.buffers(), renderer_.gradients(), set.error);
+  }
   step_pose(turn);
   regularize(set, turn.weights);
   if (turn.number == kCameraSet) structure_.add_anchor_gradient(renderer_, status_.iteration);
   set.adam.run(set.particles,
                set.grads,
-               renderer_.buffers().keys,
+               renderer_.buffers().projected.keys,
                row_rates(turn.rates, set.particles.sh_degree, turn.progress));
   structure_.jitter(set, turn.number, turn.rates, renderer_, status_.iteration, turn.progress);
   step_actors(turn);

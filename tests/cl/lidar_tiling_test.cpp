@@ -1,6 +1,4 @@
 // Procedure 1 on the device, for every table and request: what holds of all tilings, whatever the sensor.
-#include "host/render/rays/lidar_tiles.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/render/rays/lidar_tiles.hpp"
 #include "host/render/rays/tile_choice.hpp"
 #include "tests/cl/support.hpp"
 
@@ -227,7 +226,8 @@ TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
 class Lists {
  public:
   explicit Lists(const Renderer& renderer)
-      : first_(renderer.buffers().first.download()), payload_(renderer.buffers().payload.download()) {}
+      : first_(renderer.buffers().binned.first.download()),
+        payload_(renderer.buffers().binned.payload.download()) {}
   [[nodiscard]] bool hold(std::uint32_t tile, std::uint32_t particle, std::uint32_t slot_row) const {
     for (std::uint32_t i = first_[tile]; i < first_[tile + 1]; ++i) {
       if ((payload_[i] & SIM_PARTICLE_MASK) != particle) continue;

@@ -178,7 +178,7 @@ Sweep sweep_of(Renderer& renderer,
     sweep.bits.resize(begin + values->size());
     std::memcpy(sweep.bits.data() + begin, values->data(), values->size() * sizeof(float));
   }
-  sweep.visible = renderer.buffers().visible;
+  sweep.visible = renderer.buffers().binned.visible;
   return sweep;
 }
 

@@ -215,9 +215,9 @@ Found find(const Shot& shot, const std::vector<test::SingleParticle>& particles,
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   renderer.render(ParticleBuffers(device, test::set_of(shot.kind, particles), precision), rays, shot.view);
-  const std::vector<double> records = renderer.buffers().records.download_double();
+  const std::vector<double> records = renderer.buffers().projected.records.download_double();
   Found found;
-  found.footprints = renderer.buffers().footprints.download();
+  found.footprints = renderer.buffers().projected.footprints.download();
   for (std::size_t i = 0; i < particles.size(); ++i) {
     found.mean_x.push_back(records[i * SIM_RECORD + SIM_R_BOX_MEAN]);
     found.other_x.push_back(records[i * SIM_RECORD + SIM_R_BOX_OTHER]);

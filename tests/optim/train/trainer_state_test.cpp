@@ -95,14 +95,21 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
 TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
   TrainingOptions o = options(20);
   const Scene scene = initial_scene();
-  const MemoryNeed need = training_memory(log_, scene, o);
-  EXPECT_FALSE(need.items.empty());
   const Device device = Device::best();
+  const MemoryNeed need = training_memory(device, log_, scene, o);
+  EXPECT_FALSE(need.items.empty());
   device.reset_memory_peak();
   const std::uint64_t before = device.memory().now;
   {
     Trainer trainer(device, log_, scene, o);
     (void)trainer.run();
+    // No buffer is forgotten, and each takes at most what it was said to.
+    for (const auto& [name, use] : device.memory_by_name()) {
+      if (use.now == 0) continue;
+      const auto told = need.by_buffer.find(name);
+      ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
+      EXPECT_LE(use.now, told->second) << name;
+    }
   }
   const std::uint64_t used = device.memory().peak - before;
   EXPECT_EQ(device.memory().now, before);  // all of it is given back
