@@ -332,7 +332,7 @@ void add_render(Command app, const Globals& globals) {
       .with_default();
   sub.option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");
   sub.option("--frames", command->frames, "a:b, first and last of the recorded frames, from 0");
-  sub.option("--duration", command->duration_s, "of one frame, s; default: 0.1 for LiDARs, 0 for cameras")
+  sub.option("--duration", command->duration_s, "of one frame, s; default: as the LiDAR says; 0 for cameras")
       .non_negative();
   sub.option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
   sub.option("--speed", command->speed, "drive the path this many times as fast as recorded")

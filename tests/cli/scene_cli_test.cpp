@@ -212,7 +212,7 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
       0);
   expect_failure("train nowhere.log -o x", kInput, "nowhere.log");
   expect_failure(
-      "train s.log -o x --set speed=1", kUsage, "no key \"speed\", allowed those that \"--set help\" lists");
+      "train s.log -o x --set speed=1", kUsage, "no key \"speed\", allowed seed (\"--set help\" lists all)");
   expect_failure(
       "train s.log -o x --set init.voxle_m=1", kUsage, "allowed init.voxel_m (\"--set help\" lists all)");
   expect_failure("train s.log -o x --set camera.rate.opacity=-1",
@@ -234,7 +234,9 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
   expect_failure("train s.log -o x --set render.alpha_cut=2", kUsage, "render.alpha_cut: found 2");
   expect_failure("eval x s.log --set render.shutter_iterations=65", kUsage, "allowed 0 to 64");
   expect_failure("eval x s.log --set render.extent=box", kUsage, "allowed unscented, exact");
-  expect_failure("eval x s.log --set init.voxel_m=1", kUsage, "no key \"init.voxel_m\"");
+  expect_failure("eval x s.log --set init.voxel_m=1",
+                 kUsage,
+                 "no key \"init.voxel_m\", allowed those that \"--set help\" lists");
   expect_failure("render x --sensor top -o y --set render.extent", kUsage, "KEY=VALUE");
   EXPECT_FALSE(fs::exists(folder_ / "x"));
   expect_failure("eval nowhere.scene s.log", kInput, "nowhere.scene");

@@ -10,13 +10,11 @@ void add_view(Command app, const Globals& /*globals*/) {
 }
 
 namespace {
-Device no_device() { refuse_absent("train --view", "SIMULI_VIEWER"); }
+SceneOnDevice no_scene() { refuse_absent("train --view", "SIMULI_VIEWER"); }
 }  // namespace
 
-struct ViewSession::Stage {};
 ViewSession::ViewSession(const Globals& /*globals*/, SceneFile /*file*/)
-    : device_(no_device()), asked_s_(0.0) {}
-ViewSession::~ViewSession() = default;
+    : scene_(no_scene()), asked_s_(0.0) {}
 void ViewSession::show(Scene /*scene*/) {}
 void ViewSession::set_progress(const ViewProgress& /*progress*/) {}
 double ViewSession::idle_s() const { return 0.0; }
