@@ -87,7 +87,7 @@ TEST(LidarFile, TurnTakesWhatTheFileSays) {
   const BuiltinLidar fast = builtin_lidar_with_facts("hesai_xt32@20");
   const std::string text = to_json({fast.model, fast.facts}).dump();
   EXPECT_EQ(sweep_of(text), 0.05);
-  EXPECT_EQ(sweep_of(replaced(text, "\"sweep_s\":0.05,", "")), 0.05);  // its first mode
+  EXPECT_EQ(sweep_of(replaced(text, ",\"sweep_s\":0.05", "")), 0.05);  // its first mode
   EXPECT_EQ(sweep_of(replaced(text, "\"sweep_s\":0.05", "\"sweep_s\":0.04")), 0.04);
   LidarFile rays = some_rays();
   EXPECT_EQ(to_json(rays).count("sweep_s"), 0U);
