@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/pictures.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
