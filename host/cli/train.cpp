@@ -106,11 +106,26 @@ std::filesystem::path checkpoint_beside(const std::string& output) {
   return file += ".checkpoint";
 }
 
+/// What a page shows before there are particles.
+SceneFile without_particles(const Log& log) {
+  SceneFile file;
+  file.scene.name = log.name;
+  file.cameras = log.cameras;
+  file.lidars = log.lidars;
+  file.world_from_rig = log.world_from_rig;
+  return file;
+}
+
+ServerOptions on_port(int port) {
+  ServerOptions options;
+  options.port = port;
+  return options;
+}
+
 /// A page that shows a training.
 struct LivePage {
   LivePage(const Globals& globals, const Log& log, int port)
-      : session(globals, {{.name = log.name}, log.cameras, log.lidars, log.world_from_rig}),
-        server(session, {.port = port}) {
+      : session(globals, without_particles(log)), server(session, on_port(port)) {
     std::cerr << fmt::format("simuli: the training in the browser: {}\n", server.url());
   }
   ViewSession session;
