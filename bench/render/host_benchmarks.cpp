@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "host/render/rays/ray_grid.hpp"
+#include "host/runtime/device.hpp"
 #include "host/scene/particle_street.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/metrics.hpp"
