@@ -37,9 +37,7 @@ struct PacketRays {
 /// Blocks of neighbouring packets; a camera's are 4 x 4 pixels, a LiDAR's 8 firings of 2 beams, which are
 /// farther apart than firings.
 PacketRays packets_of(const RayGrid& grid) {
-  const std::size_t rows = grid.type == SensorType::kCamera
-                               ? static_cast<std::size_t>(grid.constants[SIM_S_HEIGHT])
-                               : grid.frame.rows;
+  const std::size_t rows = grid.frame.rows;
   const std::size_t columns = grid.rays / rows;
   const PacketShape shape = grid.type == SensorType::kCamera ? PacketShape{4, 4} : PacketShape{8, 2};
   std::vector<std::size_t> slot_of_ray(grid.rays, grid.ray_of_slot.size());
@@ -108,13 +106,9 @@ class Traced {
                  set.kind == SetKind::kCamera ? 3 : 1}),
         packets_(packets_of(rays.grid())),
         rays_(rays.grid().rays) {
-    constants_ = frame_constants(rays.grid(),
-                                 view.scene_from_sensor_start,
-                                 view.scene_from_sensor_end,
-                                 options,
-                                 view.background,
-                                 frame_.moving);
-    frame_.constants = constants_;
+    const FrameConstants of_frame = frame_constants(
+        rays.grid(), view.scene_from_sensor_start, view.scene_from_sensor_end, options, view.background);
+    frame_ = {of_frame.sensor, of_frame.moving};
   }
   void build() { tracer_.build(frame_); }
   void prepare() { tracer_.prepare(frame_); }
@@ -122,7 +116,6 @@ class Traced {
   [[nodiscard]] RayResults results() const { return in_ray_order(packets_, results_, rays_); }
 
  private:
-  std::array<double, SIM_SENSOR_REALS> constants_{};
   TracedFrame frame_;
   EmbreeTracer tracer_;
   PacketRays packets_;

@@ -12,8 +12,8 @@
 __kernel void project_bwd(const FrameParams frame,
                           __global const real* params,
                           __global const uint* actor_of,
-                          __global const real* actors,
-                          __global const real* sensor,
+                          __global const ActorConstants* actors,
+                          __global const SensorConstants* sensor,
                           __global const uint* keys,
                           __global const Footprint* footprints,
                           __global const uint* emission,
@@ -106,7 +106,7 @@ __kernel void project_bwd(const FrameParams frame,
     }
     const F g_filtered = -along * inv;
     g_log_scale[k] = g_filtered * g.scale[k] * g.scale[k] * inv;
-    const F by_range = g_filtered * inv * sensor[SIM_S_KAPPA];
+    const F by_range = g_filtered * inv * sensor->model.kappa;
     for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
   }
 #if ACTOR_MOTION
@@ -123,7 +123,7 @@ __kernel void project_bwd(const FrameParams frame,
   Compensation kept;
   compensation(&g, &kept);
   compensation_gradient(
-      &g, &kept, LDV(summed + SIM_G_OPACITY * V), sensor[SIM_S_KAPPA], gr, g_log_scale, g_mean);
+      &g, &kept, LDV(summed + SIM_G_OPACITY * V), sensor->model.kappa, gr, g_log_scale, g_mean);
 #endif
   for (int k = 0; k < 3; ++k) {
     STV(param_grads + (SIM_LOG_SCALE + k) * stride + i, SEL(live, g_log_scale[k], (F)R(0.0)));

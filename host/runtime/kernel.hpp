@@ -72,6 +72,9 @@ struct Buf {};
 struct BufReal {};
 /// const __global real*.
 struct BufRealConst {};
+/// const __global T*, T a struct of reals (cl/shared/sensor_constants.h): takes a RealBuffer that holds some.
+template <template <class> class T>
+struct BufStructConst {};
 /// real by value: takes a double, passed as the program's precision.
 struct RealScalar {};
 /// __local T*: takes the number of bytes.
@@ -143,6 +146,14 @@ template <>
 struct Argument<BufRealConst> {
   using Passed = const RealBuffer&;
   static ArgumentSpec spec() { return {"real*", ArgumentSpace::kGlobal, true}; }
+  static void set(KernelCore& kernel, cl_uint index, Passed buffer) { kernel.set_real_buffer(index, buffer); }
+};
+template <template <class> class T>
+struct Argument<BufStructConst<T>> {
+  using Passed = const RealBuffer&;
+  static ArgumentSpec spec() {
+    return {std::string(ClTypeName<T<double>>::value) + "*", ArgumentSpace::kGlobal, true};
+  }
   static void set(KernelCore& kernel, cl_uint index, Passed buffer) { kernel.set_real_buffer(index, buffer); }
 };
 template <>

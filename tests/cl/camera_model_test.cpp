@@ -23,7 +23,7 @@ constexpr double kDecided_rad = 3e-4;
 
 constexpr const char* kProbe = R"(
 #include "math/sensor.h"
-__kernel void probe(__global const real* sensor, __global const real* points, __global real* out, const uint n) {
+__kernel void probe(__global const SensorConstants* sensor, __global const real* points, __global real* out, const uint n) {
   const uint i = get_global_id(0) * V;
   const F p[3] = {LDV(points + i), LDV(points + n + i), LDV(points + 2 * n + i)};
   F x, y;
@@ -48,14 +48,13 @@ Images project_on_device(const Camera& camera,
   BuildOptions options;
   options.real(precision).define("V", lanes).define("SENSOR", 0).define("MOVING", 0);
   options.define("LENS", camera.lens.kind());
-  std::vector<double> sensor(SIM_SENSOR_REALS, 0.0);
-  sensor[SIM_S_FX] = camera.fx;
-  sensor[SIM_S_FY] = camera.fy;
-  sensor[SIM_S_CX] = camera.cx;
-  sensor[SIM_S_CY] = camera.cy;
-  sensor[SIM_S_PERIOD] = camera.width;
-  const auto& lens = camera.lens.constants();
-  std::copy(lens.begin(), lens.end(), sensor.begin() + SIM_S_LENS);
+  shared::SensorConstants<double> sensor{};
+  sensor.model.fx = camera.fx;
+  sensor.model.fy = camera.fy;
+  sensor.model.cx = camera.cx;
+  sensor.model.cy = camera.cy;
+  sensor.model.period = camera.width;
+  sensor.model.lens = camera.lens.constants();
   const std::size_t n = round_up(points.size(), static_cast<std::size_t>(lanes));
   std::vector<double> columns(3 * n, 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -63,10 +62,10 @@ Images project_on_device(const Camera& camera,
   }
   RealBuffer sensor_buffer(device, "sensor", precision), in(device, "points", precision),
       out(device, "out", precision, 3 * n);
-  sensor_buffer.assign(std::span<const double>(sensor));
+  sensor_buffer.assign(shared::reals_of(sensor));
   in.assign(std::span<const double>(columns));
   out.fill(-7.0);
-  Kernel<BufRealConst, BufRealConst, BufReal, std::uint32_t> kernel(
+  Kernel<BufSensor, BufRealConst, BufReal, std::uint32_t> kernel(
       Program::from_text(device, "probe.cl", kProbe, options), "probe");
   kernel.launch(
       n / static_cast<std::size_t>(lanes), 1, sensor_buffer, in, out, static_cast<std::uint32_t>(n));

@@ -59,8 +59,8 @@ TEST(RayMask, AreasCountOccupiedCells) {
       SCOPED_TRACE(std::string(request.name) + ", " + std::to_string(size.columns));
       rays.request(flags_of(request, 3000, 150));
       const auto columns = static_cast<std::size_t>(size.columns), rows = static_cast<std::size_t>(size.rows);
-      const double first = rays.grid().constants[SIM_S_TILE_X0];
-      const double width = (rays.grid().constants[SIM_S_TILE_X1] - first) / size.columns;
+      const double first = rays.grid().model.tile_first;
+      const double width = (rays.grid().model.tile_last - first) / size.columns;
       const auto mask_row_of_row = rays.buffers().mask_row_of_row.download();
       // Where each requested ray is; one within rounding of an edge may be in either cell.
       constexpr double kFloat_rad = 2e-6;

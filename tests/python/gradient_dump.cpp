@@ -58,11 +58,10 @@ nlohmann::json dumped(const test::SceneCase& scene, const Device& device) {
   renderer.render(particles, rays, shot.view);
   renderer.set_output_gradients(weights);
   renderer.backward(particles, grads);
-  bool moving = false;
-  const auto constants = frame_constants(grid, start, end, options, shot.view.background, moving);
-  out["kappa"] = constants[SIM_S_KAPPA];
-  out["t_min_m"] = constants[SIM_S_T_MIN];
-  out["t_max_m"] = constants[SIM_S_T_MAX];
+  const auto constants = frame_constants(grid, start, end, options, shot.view.background).sensor;
+  out["kappa"] = constants.model.kappa;
+  out["t_min_m"] = constants.model.t_min;
+  out["t_max_m"] = constants.model.t_max;
   out["centre_m"] = listed(interpolate(start, end, 0.5).translation);
   out["background"] = shot.view.background;
   const std::vector<double> params = particles.params.download_double(), gradient = grads.download_double();

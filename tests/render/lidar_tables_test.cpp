@@ -25,8 +25,8 @@ TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
     const RayGrid grid = make_ray_grid(device, sensor.model, rays, {});
     ASSERT_EQ(grid.rays, sensor.model.ray_count()) << name;
     std::vector<int> seen(grid.rays, 0);
-    const double first = grid.constants[SIM_S_TILE_X0];
-    const double width = 1.0 / grid.constants[SIM_S_TILE_SCALE];
+    const double first = grid.model.tile_first;
+    const double width = 1.0 / grid.model.tile_scale;
     for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
       const std::int32_t ray = grid.ray_of_slot[slot];
       if (ray < 0) continue;

@@ -6,11 +6,14 @@
 #include <numeric>
 
 #include "host/base/error.hpp"
-#include "host/render/options/sh_degree.hpp"
 #include "host/render/frame/stages.hpp"
+#include "host/render/options/sh_degree.hpp"
 
 namespace simuli {
 namespace {
+
+static_assert(kMeanRow == SIM_MEAN && kLogScaleRow == SIM_LOG_SCALE && kRotationRow == SIM_ROTATION &&
+              kOpacityRow == SIM_OPACITY && kShRow == SIM_SH);
 
 /// A row of coefficients as halves, two in each float of `target`.
 void store_halves(const Eigen::Ref<const Eigen::ArrayXf>& row, float* target) {
@@ -179,7 +182,7 @@ GaussianSet ParticleBuffers::download() const {
 }
 
 FrameBuffers::FrameBuffers(const Device& device, Precision precision)
-    : sensor(device, "sensor constants", precision, SIM_SENSOR_REALS),
+    : sensor(device, "sensor constants", precision, shared::kReals<shared::SensorConstants>),
       actors(device, "actor poses", precision),
       world_ray(device, "world rays", precision),
       records(device, "records", precision),

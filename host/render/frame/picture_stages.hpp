@@ -37,12 +37,12 @@ class EnvironmentStage {
   int lanes_;
   Buffer<std::uint32_t> cell_, slot_, cell_scratch_, slot_scratch_, first_;
   RealBuffer fraction_;
-  Kernel<shared::FrameParams, std::uint32_t, std::uint32_t, BufRealConst, BufRealConst, BufRealConst, BufReal>
+  Kernel<shared::FrameParams, std::uint32_t, std::uint32_t, BufSensor, BufRealConst, BufRealConst, BufReal>
       forward_;
   Kernel<shared::FrameParams,
          std::uint32_t,
          std::uint32_t,
-         BufRealConst,
+         BufSensor,
          BufRealConst,
          BufRealConst,
          Buf<std::uint32_t>,

@@ -1,5 +1,6 @@
 // Launcher of "kernels/project.cl" and "kernels/project_bwd.cl".
 #include "host/render/frame/stages.hpp"
+#include "host/render/rays/frame_constants.hpp"
 
 namespace simuli {
 namespace {
@@ -29,8 +30,11 @@ ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.shape.lanes),
       actors_(variant.actors),
       actor_motion_(variant.actor_motion),
+      normal_samples_(device, "normal samples", variant.precision),
       project_(Program(device, "kernels/project.cl", forward_options(variant)), "project"),
-      project_bwd_(Program(device, "kernels/project_bwd.cl", backward_options(variant)), "project_bwd") {}
+      project_bwd_(Program(device, "kernels/project_bwd.cl", backward_options(variant)), "project_bwd") {
+  if (variant.projection == Projection::kMonteCarlo) normal_samples_.assign(normal_samples());
+}
 
 void ProjectStage::run(const shared::FrameParams& frame,
                        const ParticleBuffers& particles,
@@ -55,6 +59,7 @@ void ProjectStage::run(const shared::FrameParams& frame,
                   rays.column_of_bin,
                   rays.mask_row_of_row,
                   rays.areas,
+                  normal_samples_,
                   buffers.records,
                   buffers.footprints,
                   buffers.keys,

@@ -22,6 +22,16 @@ template <>
 struct ClTypeName<shared::Footprint> {
   static constexpr std::string_view value = "Footprint";
 };
+template <>
+struct ClTypeName<shared::SensorConstants<double>> {
+  static constexpr std::string_view value = "SensorConstants";
+};
+template <>
+struct ClTypeName<shared::ActorConstants<double>> {
+  static constexpr std::string_view value = "ActorConstants";
+};
+using BufSensor = BufStructConst<shared::SensorConstants>;
+using BufActors = BufStructConst<shared::ActorConstants>;
 
 /// What kernels are specialised for. What a frame doesn't need compiles to nothing.
 struct Variant {
@@ -102,8 +112,8 @@ struct ParticleBuffers {
 /// Everything a frame writes; grows, never shrinks.
 struct FrameBuffers {
   FrameBuffers(const Device& device, Precision precision);
-  RealBuffer sensor;                        // [SIM_SENSOR_REALS]
-  RealBuffer actors;                        // [1 + A][SIM_ACTOR_REALS]
+  RealBuffer sensor;                        // SensorConstants
+  RealBuffer actors;                        // [1 + A] ActorConstants
   RealBuffer world_ray;                     // [3|6|7][S]
   RealBuffer records;                       // [N][16]
   RealBuffer motions;                       // [N][4], of particles whose actor moves
@@ -133,7 +143,7 @@ class RaysStage {
  private:
   int lanes_;
   std::size_t rows_;
-  Kernel<shared::FrameParams, BufRealConst, BufRealConst, BufReal> rays_;
+  Kernel<shared::FrameParams, BufSensor, BufRealConst, BufReal> rays_;
 };
 
 class ProjectStage {
@@ -152,17 +162,19 @@ class ProjectStage {
  private:
   int lanes_;
   bool actors_, actor_motion_;
+  RealBuffer normal_samples_;  // [SIM_MONTE_CARLO][3] where the projection asks for them
   Kernel<shared::FrameParams,
          BufRealConst,
          Buf<const std::uint32_t>,
-         BufRealConst,
-         BufRealConst,
+         BufActors,
+         BufSensor,
          Buf<const std::int32_t>,
          BufRealConst,
          Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
          Buf<const std::uint32_t>,
+         BufRealConst,
          BufReal,
          Buf<shared::Footprint>,
          Buf<std::uint32_t>,
@@ -171,8 +183,8 @@ class ProjectStage {
   Kernel<shared::FrameParams,
          BufRealConst,
          Buf<const std::uint32_t>,
-         BufRealConst,
-         BufRealConst,
+         BufActors,
+         BufSensor,
          Buf<const std::uint32_t>,
          Buf<const shared::Footprint>,
          Buf<const std::uint32_t>,
@@ -294,21 +306,21 @@ class RenderStage {
   Device device_;
   Variant variant_;
   using Forward = Kernel<shared::FrameParams,
-                         BufRealConst,
-                         BufRealConst,
-                         BufRealConst,
-                         Buf<const std::uint32_t>,
-                         Buf<const std::uint32_t>,
+                         BufSensor,
                          BufRealConst,
                          BufRealConst,
                          Buf<const std::uint32_t>,
+                         Buf<const std::uint32_t>,
+                         BufRealConst,
                          BufRealConst,
                          Buf<const std::uint32_t>,
                          BufRealConst,
+                         Buf<const std::uint32_t>,
+                         BufActors,
                          BufReal>;
   Forward render_;  // of render.cl or render_per_ray.cl
   using Backward = Kernel<shared::FrameParams,
-                          BufRealConst,
+                          BufSensor,
                           BufRealConst,
                           BufRealConst,
                           Buf<const std::uint32_t>,

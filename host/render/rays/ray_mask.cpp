@@ -49,9 +49,9 @@ bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays)
     throw_input_error("options", "ray_mask.rows", std::to_string(size.rows), "1 to 4096");
   }
   const auto columns = static_cast<std::uint32_t>(size.columns), rows = static_cast<std::uint32_t>(size.rows);
-  auto& c = grid.constants;
-  c[SIM_S_MASK_SCALE] = columns / (c[SIM_S_TILE_X1] - c[SIM_S_TILE_X0]);
-  c[SIM_S_MASK_COLUMNS] = columns;
+  auto& m = grid.model;
+  m.mask_scale = columns / (m.tile_last - m.tile_first);
+  m.mask_columns = columns;
   rays.mask_row_of_row.assign(rows_of_mask(grid, size));
   Uints cells(device_, "mask cells", std::size_t{rows} * columns);
   cells.fill(0);
@@ -62,8 +62,8 @@ bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays)
                 rays.u,
                 rays.tile_rows,
                 rays.mask_row_of_row,
-                c[SIM_S_TILE_X0],
-                c[SIM_S_MASK_SCALE],
+                m.tile_first,
+                m.mask_scale,
                 columns,
                 cells);
   rays.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));

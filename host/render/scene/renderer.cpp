@@ -10,8 +10,9 @@
 
 #include "host/base/error.hpp"
 #include "host/render/options/quality.hpp"
-#include "host/render/rays/ray_mask.hpp"
 #include "host/render/options/validate.hpp"
+#include "host/render/rays/frame_constants.hpp"
+#include "host/render/rays/ray_mask.hpp"
 
 namespace simuli {
 namespace {
@@ -128,30 +129,6 @@ RenderOptions resolve(const Device& device, RenderOptions options) {
   return options;
 }
 
-/// SIM_MONTE_CARLO standard normal triples, the same always (splitmix64 and Box-Muller), in pairs of opposite
-/// sign so that their mean is exactly 0.
-void append_normal_samples(std::vector<double>& values) {
-  std::uint64_t state = 0;
-  const auto uniform = [&state] {
-    state += 0x9e3779b97f4a7c15U;
-    std::uint64_t z = state;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    z ^= z >> 31U;
-    return (static_cast<double>(z >> 11U) + 0.5) * 0x1p-53;
-  };
-  for (int pair = 0; pair < SIM_MONTE_CARLO / 2; ++pair) {
-    double sample[3];
-    for (double& value : sample) {
-      const double radius = std::sqrt(-2.0 * std::log(uniform()));
-      value = radius * std::cos(2.0 * std::numbers::pi * uniform());
-    }
-    for (const double sign : {1.0, -1.0}) {
-      for (const double value : sample) values.push_back(sign * value);
-    }
-  }
-}
-
 }  // namespace
 
 Renderer::Renderer(const Device& device, const RenderOptions& options)
@@ -176,22 +153,20 @@ void Renderer::render(const ParticleBuffers& particles,
                       const View& view,
                       const EnvironmentBuffers* environment) {
   const RayGrid& grid = rays.grid();
-  bool moving = false;
   const std::array<float, 3> behind = environment == nullptr ? view.background : std::array<float, 3>{};
   const bool still = options_.shutter_iterations == 0;
   const Pose middle = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5);
-  const auto constants = frame_constants(grid,
-                                         still ? middle : view.scene_from_sensor_start,
-                                         still ? middle : view.scene_from_sensor_end,
-                                         options_,
-                                         behind,
-                                         moving);
+  auto [constants, moving] = frame_constants(grid,
+                                             still ? middle : view.scene_from_sensor_start,
+                                             still ? middle : view.scene_from_sensor_end,
+                                             options_,
+                                             behind);
   actor_motion_ = false;
   if (particles.actors > 0) {
     if (particles.actors > view.actors.size()) {
       throw Error(ErrorKind::kInternal, "render: the view has fewer actors than the particles");
     }
-    const Eigen::Vector3d centre_ref(constants.data() + SIM_S_CENTRE_REF);
+    const Eigen::Vector3d centre_ref(constants.centre_ref);
     std::vector<ActorView> actors = view.actors;
     for (ActorView& actor : actors) {
       if (!still) break;
@@ -235,9 +210,7 @@ void Renderer::render(const ParticleBuffers& particles,
   frame_.particles = particles.count;
   frame_.stride = particles.stride;
 
-  std::vector<double> sensor(constants.begin(), constants.end());
-  if (options_.projection == Projection::kMonteCarlo) append_normal_samples(sensor);
-  buffers_.sensor.assign(sensor);
+  buffers_.sensor.assign(shared::reals_of(constants));
   current_->rays.run(frame_, rays.buffers(), buffers_);
   current_->project.run(frame_, particles, rays.buffers(), buffers_);
   bin_.run(frame_, rays.buffers().tile_rows, buffers_, sort_, scan_, options_.max_instances);
@@ -260,14 +233,8 @@ ColorGridStage& Renderer::grid_stage(const ColorGridBuffers& grids) {
 }
 
 void Renderer::grade(const ColorGridBuffers& grids, std::size_t index) {
-  const auto& c = rays_->grid().constants;
-  grid_stage(grids).run(frame_,
-                        static_cast<int>(c[SIM_S_WIDTH]),
-                        static_cast<int>(c[SIM_S_HEIGHT]),
-                        grids,
-                        index,
-                        buffers_.out,
-                        picture_);
+  const RayGrid& grid = rays_->grid();
+  grid_stage(grids).run(frame_, grid.width, grid.height, grids, index, buffers_.out, picture_);
   graded_ = true;
 }
 
@@ -275,15 +242,8 @@ void Renderer::grade_backward(const ColorGridBuffers& grids,
                               std::size_t index,
                               const ColorGridScale& scale,
                               RealBuffer& grid_grads) {
-  const auto& c = rays_->grid().constants;
-  grid_stage(grids).run_backward(frame_,
-                                 static_cast<int>(c[SIM_S_WIDTH]),
-                                 static_cast<int>(c[SIM_S_HEIGHT]),
-                                 grids,
-                                 index,
-                                 scale,
-                                 buffers_,
-                                 grid_grads);
+  const RayGrid& grid = rays_->grid();
+  grid_stage(grids).run_backward(frame_, grid.width, grid.height, grids, index, scale, buffers_, grid_grads);
 }
 
 void Renderer::environment_backward(const EnvironmentBuffers& environment,

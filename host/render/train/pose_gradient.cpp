@@ -1,6 +1,8 @@
 // Launcher of "kernels/pose_bwd.cl".
 #include "host/render/train/pose_gradient.hpp"
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 namespace simuli {
@@ -59,11 +61,13 @@ PoseGradient PoseStage::run(const shared::FrameParams& frame,
 
   PoseGradient gradient;
   gradient.rotation = sum_of(ray_sums_);
-  const std::vector<double> constants = buffers.sensor.download_double();
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> sensor_from_world(constants.data() +
-                                                                                         SIM_S_ROT_REF);
+  std::array<double, shared::kReals<shared::SensorConstants>> reals{};
+  std::ranges::copy(buffers.sensor.download_double(), reals.begin());
+  const auto constants = shared::from_reals<shared::SensorConstants>(reals);
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> sensor_from_scene(
+      constants.rotation_ref);
   // The sensor moves as all particles would the other way.
-  gradient.translation = -(sensor_from_world * sum_of(particle_sums_));
+  gradient.translation = -(sensor_from_scene * sum_of(particle_sums_));
   return gradient;
 }
 

@@ -31,7 +31,7 @@ class PoseStage {
  private:
   Device device_;
   RealBuffer ray_sums_, particle_sums_;
-  Kernel<shared::FrameParams, std::uint32_t, BufRealConst, BufRealConst, BufRealConst, BufReal> rays_;
+  Kernel<shared::FrameParams, std::uint32_t, BufSensor, BufRealConst, BufRealConst, BufReal> rays_;
   Kernel<shared::FrameParams, std::uint32_t, Buf<const std::uint32_t>, BufRealConst, BufReal> particles_;
 };
 
