@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <fmt/format.h>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -138,13 +139,13 @@ class Ours {
   double frame_ms() {
     renderer_.device().profile().reset();
     return time_ms([&] {
-      renderer_.render(particles_, rays_, view_);
+      pass_ = renderer_.render(particles_, rays_, view_);
       renderer_.device().finish();
     });
   }
   /// Of the last frame.
   double blend_ms() { return stage_times(renderer_.device().profile()).at("blend"); }
-  [[nodiscard]] RayResults results() const { return renderer_.results(); }
+  [[nodiscard]] RayResults results() const { return pass_->results(); }
   [[nodiscard]] const SensorRays& rays() const { return rays_; }
 
  private:
@@ -156,6 +157,7 @@ class Ours {
 
   const ParticleBuffers& particles_;
   Renderer renderer_;
+  std::optional<Pass> pass_;
   SensorRays rays_;
   View view_;
 };

@@ -53,13 +53,11 @@ Picture render(const Device& device, SetKind kind, Precision precision) {
     Camera camera = bench_camera();
     camera.shutter = ShutterKind::kTopToBottom;
     const SensorRays rays(device, camera, options);
-    renderer.render(particles, rays, view);
-    return picture_of(renderer.results());
+    return picture_of(renderer.render(particles, rays, view).results());
   }
   const Lidar lidar = builtin_lidar("generic64");
   const SensorRays rays(device, lidar, nominal_rays(lidar, seconds), options);
-  renderer.render(particles, rays, view);
-  return picture_of(renderer.results());
+  return picture_of(renderer.render(particles, rays, view).results());
 }
 
 /// NaN counts as the largest of all errors.

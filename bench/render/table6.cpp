@@ -21,7 +21,7 @@ RenderOptions options_with(const LidarTiles& tiles) {
 }
 
 TileTime tiles_of(const LidarTiles& tiles, const LidarFrames& frames) {
-  const auto& frame = frames.renderer().frame();
+  const auto& frame = frames.pass().frame();
   return {tiles, frame.tiles_y, frame.tiles_x, frame.tile_rays, {}};
 }
 

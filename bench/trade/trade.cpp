@@ -8,8 +8,8 @@
 #include "bench/render/stages.hpp"
 #include "bench/trade/trade_views.hpp"
 #include "host/base/error.hpp"
-#include "host/render/scene/look.hpp"
 #include "host/render/options/quality.hpp"
+#include "host/render/scene/look.hpp"
 #include "host/render/scene/seen.hpp"
 
 namespace simuli::bench {
@@ -90,18 +90,13 @@ class Way {
     for (const TradeView& view : sensor.views) rays_.push_back(sensor.on(device, view, renderer_.options()));
   }
 
-  void render(std::size_t view) {
+  Pass render(std::size_t view) {
     const TradeView& v = sensor_.views[view];
-    if (sensor_.is_camera) {
-      look_.render(renderer_, particles_, rays_[view], v.view, sensor_.name, v.time_s);
-    } else {
-      renderer_.render(particles_, rays_[view], v.view);
-    }
+    return sensor_.is_camera
+               ? look_.render(renderer_, particles_, rays_[view], v.view, sensor_.name, v.time_s)
+               : renderer_.render(particles_, rays_[view], v.view);
   }
-  RayResults results(std::size_t view) {
-    render(view);
-    return renderer_.results();
-  }
+  RayResults results(std::size_t view) { return render(view).results(); }
   /// Adds up device times by stage.
   double frame_ms(std::size_t view, std::map<std::string, double>& stage_ms) {
     Profile& profile = renderer_.device().profile();

@@ -6,8 +6,7 @@
 /// project's record. The box and the order carry no gradient (METHOD section 4).
 /// in  params[rows][stride]; keys[N], footprints[N], emission[N], records[N][16] of project and bin;
 ///     grads[K][16] of render_bwd
-/// out param_grads[rows][stride]: dL/dparam of the particles that were not culled; what stands at the others is
-///     not defined. pose_grads[6][stride], with ACTORS: of particles of actors, dL/d(shift, turn) of the actor
+/// out param_grads[rows][stride]: dL/dparam, 0 for particles that were culled. pose_grads[6][stride], with ACTORS: of particles of actors, dL/d(shift, turn) of the actor
 ///     at the record's time. What the particle's velocity owes to them is left out.
 __kernel void project_bwd(const FrameParams frame,
                           __global const real* params,
@@ -50,7 +49,10 @@ __kernel void project_bwd(const FrameParams frame,
     vstore16(sum, 0, row);
     for (int k = 0; k < SIM_GRAD; ++k) summed[k * V + lane] = row[k];
   }
-  if (!any_seen) return;
+  if (!any_seen) {
+    for (uint row = 0; row < SIM_SH + 3 * SH_COEFFICIENTS; ++row) STV(param_grads + row * stride + i, (F)R(0.0));
+    return;
+  }
 
   Gaussian g;
   load_gaussian(params, actor_of, actors, stride, i, sensor, &g);

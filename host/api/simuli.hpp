@@ -9,8 +9,8 @@
 //   const auto frame = simulator.render(simuli::builtin_lidar("hesai_pandar128"), shot);   // LidarFrame
 //   const auto image = simulator.render(camera, shot);                                     // Image
 //
-// Devices: Device::adopt() works on a cl_context and queue of the caller's; Simulator::renderer().buffers()
-// are the cl_mem of the last frame.
+// Devices: Device::adopt() works on a cl_context and queue of the caller's; Simulator::pass()
+// holds the cl_mem of the last frame.
 #include "host/base/error.hpp"
 #include "host/base/image.hpp"
 #include "host/render/scene/renderer.hpp"
@@ -23,10 +23,10 @@
 #include "host/sensors/lidar_library.hpp"
 #include "host/sensors/lidar_model.hpp"
 #include "host/sensors/trajectory.hpp"
-#include "io/picture/image.hpp"
 #include "io/log/log.hpp"
-#include "io/splat/ply.hpp"
+#include "io/picture/image.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/splat/ply.hpp"
 #include "optim/eval/evaluate.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/train/trainer.hpp"

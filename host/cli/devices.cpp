@@ -42,8 +42,7 @@ double camera_error(Renderer& renderer) {
   const ParticleBuffers particles(
       renderer.device(), test_set(SetKind::kCamera), renderer.options().precision);
   const SensorRays rays(renderer.device(), camera, renderer.options());
-  renderer.render(particles, rays, View{Pose{}, Pose{}, {0.25F, 0.5F, 1.0F}});
-  const RayResults r = renderer.results();
+  const RayResults r = renderer.render(particles, rays, View{Pose{}, Pose{}, {0.25F, 0.5F, 1.0F}}).results();
   const std::size_t centre = 16 * 33 + 16;
   const double left = 1.0 - kOpacity;
   const std::array<double, 5> expected = {kOpacity * 0.8 + left * 0.25,
@@ -83,8 +82,7 @@ double lidar_error(Renderer& renderer) {
   nominal.azimuth[ahead] = 0.0F;
   const ParticleBuffers particles(renderer.device(), test_set(SetKind::kLidar), renderer.options().precision);
   const SensorRays rays(renderer.device(), lidar, nominal, renderer.options());
-  renderer.render(particles, rays, View{Pose{}, Pose{}, {0.0F, -4.0F, 4.0F}});
-  const RayResults r = renderer.results();
+  const RayResults r = renderer.render(particles, rays, View{Pose{}, Pose{}, {0.0F, -4.0F, 4.0F}}).results();
   const double intensity = std::abs(static_cast<double>(r.feature[0][ahead]) - kOpacity * 0.8);
   const double distance = std::abs(static_cast<double>(r.expected_distance(ahead)) / kDistance_m - 1.0);
   return distance <= intensity ? intensity : distance;

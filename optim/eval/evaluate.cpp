@@ -118,15 +118,14 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
     if (!rays) rays = std::make_unique<SensorRays>(renderer.device(), model, renderer.options());
     const View view = view_of(log, scene, frame);
     const double time_s = 0.5 * (frame.time_start_s + frame.time_end_s);
-    const auto render = [&] { look.render(renderer, particles, *rays, view, frame.camera, time_s); };
+    const auto render = [&] { return look.render(renderer, particles, *rays, view, frame.camera, time_s); };
     if (k == 0) {
       const double seconds = time_render(renderer, render, options.timed_renders);
       report.camera_mp_per_s = static_cast<double>(rays->grid().rays) / seconds / 1e6;
       report.image_width = model.width;
       report.image_height = model.height;
     }
-    render();
-    const Image rendered = picture_of(renderer.results(), model);
+    const Image rendered = picture_of(render().results(), model);
     const Image truth = load_image(log, frame, model);
     psnr.add(psnr_db(rendered, truth));
     if (!actors.empty()) {
@@ -142,8 +141,8 @@ void Evaluation::images(const std::vector<std::size_t>& frames) {
     }
     ssim_mean.add(ssim(rendered, truth));
     if (!scene.color_grids.empty()) {
-      ungraded.render(renderer, particles, *rays, view, frame.camera, time_s);
-      psnr_ungraded.add(psnr_db(picture_of(renderer.results(), model), truth));
+      const Pass pass = ungraded.render(renderer, particles, *rays, view, frame.camera, time_s);
+      psnr_ungraded.add(psnr_db(picture_of(pass.results(), model), truth));
     }
     step();
   }
@@ -228,8 +227,7 @@ SweepPair render_sweep(Renderer& renderer,
   SweepPair pair;
   pair.recorded = read_sweep(log.folder / frame.file, lidar);
   const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
-  renderer.render(lidar_set, rays, view_of(log, scene, frame));
-  pair.simulated = renderer.results();
+  pair.simulated = renderer.render(lidar_set, rays, view_of(log, scene, frame)).results();
   return pair;
 }
 

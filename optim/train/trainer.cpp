@@ -97,11 +97,12 @@ void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
   if (!scale.is_zero()) regularize_.run(set.particles, scale, set.grads);
 }
 
-void Trainer::step_actors(TrainedSet& set, double time_start_s, double time_end_s, double progress) {
+void Trainer::step_actors(
+    Pass& pass, TrainedSet& set, double time_start_s, double time_end_s, double progress) {
   if (set.particles.actors == 0) return;
   renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
   if (!set.poses.learns()) return;
-  set.poses.step(scene_.actors, renderer_.pose_gradients(set.particles), time_start_s, time_end_s, progress);
+  set.poses.step(scene_.actors, pass.pose_gradients(set.particles), time_start_s, time_end_s, progress);
 }
 
 void Trainer::step() {

@@ -8,15 +8,15 @@
 #include <optional>
 #include <string>
 
+#include "host/render/scene/renderer.hpp"
 #include "host/render/train/anchor.hpp"
 #include "host/render/train/densify.hpp"
 #include "host/render/train/regularize.hpp"
-#include "host/render/scene/renderer.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/moving_space.hpp"
-#include "optim/train/schedule.hpp"
 #include "optim/poses/sensor_offsets.hpp"
+#include "optim/train/schedule.hpp"
 #include "optim/train/state.hpp"
 #include "optim/train/train_options.hpp"
 #include "optim/train/trained_look.hpp"
@@ -106,18 +106,19 @@ class Trainer {
   bool is_sound(double loss);
   StateList state(const std::string& settings);
   /// What the frame says of the actors: their poses, behind the particles' own step.
-  void step_actors(TrainedSet& set, double time_start_s, double time_end_s, double progress);
+  void step_actors(Pass& pass, TrainedSet& set, double time_start_s, double time_end_s, double progress);
   void regularize(TrainedSet& set, const ParticleWeights& weights);
   void step_camera(double progress);  // trainer_camera.cpp
   void step_lidar(double progress);   // trainer_lidar.cpp
   // trainer_structure.cpp
   template <class Frame>
   [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
-  void step_pose(const std::string& sensor, const RealBuffer& grads, double progress);
+  void step_pose(Pass& pass, const std::string& sensor, const RealBuffer& grads, double progress);
   [[nodiscard]] bool collects_errors() const;
   void find_anchors();
-  void add_anchor_gradient();
-  void jitter(TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress);
+  void add_anchor_gradient(const Pass& pass);
+  void jitter(
+      const Pass& pass, TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress);
   void densify();
 
   const Log& log_;

@@ -10,29 +10,32 @@ void Trainer::step_lidar(double progress) {
   const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.lidar_every));
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = truth_.sweep(index);
-  renderer_.render(lidar_.particles, *truth->rays, view(frame, frame.lidar));
+  Pass pass = renderer_.render(lidar_.particles, truth->truth.rays(), view(frame, frame.lidar));
   const double rays = std::max(1.0, static_cast<double>(truth->known));
   // A sweep without a return has no distance loss to weigh: its sums are zero.
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarWeights& w = options_.weights;
   const LidarLoss loss =
-      renderer_.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
+      pass.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
   const bool errors = collects_errors();
   if (errors) {
-    densify_->beam_error(
-        renderer_.frame(), renderer_.buffers(), truth->truth, {w.distance, w.intensity, w.drop});
+    densify_->beam_error(pass.frame(),
+                         pass.buffers(),
+                         truth->truth.slots(),
+                         {w.distance, w.intensity, w.drop},
+                         pass.ray_error());
   }
-  renderer_.backward(
+  pass.backward(
       lidar_.particles, lidar_.grads, {.errors = errors, .ray_gradients = offsets_.contains(frame.lidar)});
-  if (errors) densify_->accumulate(renderer_.frame(), renderer_.buffers(), lidar_.error);
-  step_pose(frame.lidar, lidar_.grads, progress);
+  if (errors) densify_->accumulate(pass.frame(), pass.buffers(), lidar_.error);
+  step_pose(pass, frame.lidar, lidar_.grads, progress);
   regularize(lidar_, options_.lidar_particles);
   lidar_.adam.run(lidar_.particles,
                   lidar_.grads,
-                  renderer_.buffers().keys,
+                  pass.buffers().keys,
                   row_rates(options_.lidar, lidar_.particles.sh_degree, progress));
-  jitter(lidar_, kLidarSet, options_.lidar, progress);
-  step_actors(lidar_, frame.time_start_s, frame.time_end_s, progress);
+  jitter(pass, lidar_, kLidarSet, options_.lidar, progress);
+  step_actors(pass, lidar_, frame.time_start_s, frame.time_end_s, progress);
   if (!is_sound(loss.distance_m + loss.intensity + loss.entropy)) return;
   distance_.add(loss.distance_m / returned);
   right_.add(1.0 - loss.wrong / rays);

@@ -40,13 +40,12 @@ View Trainer::view(const Frame& frame, const std::string& sensor) const {
 template View Trainer::view(const ImageFrame& frame, const std::string& sensor) const;
 template View Trainer::view(const SweepFrame& frame, const std::string& sensor) const;
 
-void Trainer::step_pose(const std::string& sensor, const RealBuffer& grads, double progress) {
+void Trainer::step_pose(Pass& pass, const std::string& sensor, const RealBuffer& grads, double progress) {
   const auto offset = offsets_.find(sensor);
   if (offset == offsets_.end()) return;
   const double share = std::pow(kPoseFinalShare, progress);
-  offset->second.step(renderer_.pose_gradient(grads),
-                      share * options_.poses.translation_m,
-                      share * options_.poses.rotation_rad);
+  offset->second.step(
+      pass.pose_gradient(grads), share * options_.poses.translation_m, share * options_.poses.rotation_rad);
 }
 
 bool Trainer::collects_errors() const {
@@ -60,24 +59,25 @@ void Trainer::find_anchors() {
   watch.stop();
 }
 
-void Trainer::add_anchor_gradient() {
+void Trainer::add_anchor_gradient(const Pass& pass) {
   if (!anchor_) return;
   Stopwatch watch(device_, anchor_seconds_);
   // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
   anchor_->add_gradient(camera_.particles,
                         lidar_.particles,
-                        renderer_.buffers().keys,
+                        pass.buffers().keys,
                         options_.anchor.weight / camera_.particles.count,
                         status_.iteration % options_.anchor.choose_every == 0,
                         camera_.grads);
   watch.stop();
 }
 
-void Trainer::jitter(TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress) {
+void Trainer::jitter(
+    const Pass& pass, TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress) {
   if (!collects_errors() || !(options_.densify.noise > 0.0)) return;
   const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
   densify_->jitter(set.particles,
-                   renderer_.buffers().keys,
+                   pass.buffers().keys,
                    options_.densify.noise * rate_m,
                    {options_.seed, static_cast<std::uint32_t>(status_.iteration), number});
 }

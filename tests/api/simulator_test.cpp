@@ -34,8 +34,8 @@ TEST(Simulator, IsTheRendererWithEverythingInPlace) {
   const Scene scene = one_particle();
   const ParticleBuffers particles(device, scene.camera, Precision::kFloat);
   // The rays are a temporary: the renderer keeps what results() needs.
-  renderer.render(particles, SensorRays(device, kCamera, renderer.options()), View{});
-  EXPECT_EQ(image.data, picture_of(renderer.results(), kCamera).data);
+  Pass pass = renderer.render(particles, SensorRays(device, kCamera, renderer.options()), View{});
+  EXPECT_EQ(image.data, picture_of(pass.results(), kCamera).data);
   EXPECT_GT(image.at(8, 6, 0), 0.6F);
 }
 

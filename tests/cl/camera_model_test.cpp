@@ -229,8 +229,7 @@ void expect_reference(const Picture& picture, std::size_t least_covered) {
   Renderer renderer(device, {});
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
-  renderer.render(particles, rays, picture.shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results = renderer.render(particles, rays, picture.shot.view).results();
   const auto& background = picture.shot.view.background;
   const auto expected = reference::render(reference::Particles(picture.set),
                                           picture.shot.reference(),
@@ -309,10 +308,10 @@ TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
   Renderer renderer(device, {});
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
-  renderer.render(particles, rays, picture.shot.view);
+  Pass pass = renderer.render(particles, rays, picture.shot.view);
   // One tile row, two of its seven tiles.
-  EXPECT_EQ(renderer.buffers().instances, 2U);
-  const RayResults results = renderer.results();
+  EXPECT_EQ(pass.buffers().instances, 2U);
+  const RayResults results = pass.results();
   EXPECT_LT(results.transmittance[25 * 100], 0.99F);
   EXPECT_LT(results.transmittance[25 * 100 + 99], 0.99F);
 }
@@ -337,8 +336,8 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
   Renderer renderer(device, {});
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
-  renderer.render(particles, rays, picture.shot.view);
-  const RayResults results = renderer.results();
+  Pass pass = renderer.render(particles, rays, picture.shot.view);
+  const RayResults results = pass.results();
   std::size_t without = 0;
   for (std::size_t i = 0; i < results.rays; ++i) {
     const double row = static_cast<double>(i / kWidth) + 0.5;
@@ -361,9 +360,7 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
       truth[c * results.rays + i] = results.feature[c][i] + (results.transmittance[i] == 1.0F ? 5.0F : 0.0F);
     }
   }
-  RealBuffer buffer(device, "truth", Precision::kFloat);
-  buffer.assign(std::span<const float>(rays.to_slots(truth, 3)));
-  EXPECT_EQ(renderer.image_loss(buffer, {1.0, 0.0, 0.0}).absolute, 0.0);
+  EXPECT_EQ(pass.image_loss(RayValues(rays, truth, 3), {1.0, 0.0, 0.0}).absolute, 0.0);
 }
 
 }  // namespace

@@ -82,8 +82,10 @@ void expect_hits(const Pose& start, const Pose& end) {
     const GaussianSet set = balls_on_rays(sensor, start, end, chosen);
     const SensorRays rays(
         device, sensor.model, nominal_rays(sensor.model, 1.0 / sensor.facts.mode.spin_hz), options);
-    renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}});
-    const std::vector<float> found = renderer.results().transmittance;
+    const std::vector<float> found =
+        renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}})
+            .results()
+            .transmittance;
     std::size_t missed = 0;
     for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
     EXPECT_EQ(missed, 0U) << name << ": of " << chosen.size() << " balls";
@@ -110,9 +112,11 @@ std::vector<float> past_ball(const Lidar& lidar, const LidarRays& rays, const Ei
   ball.scale = Eigen::Vector3d::Constant(0.04);
   ball.opacity = 0.95;
   const SensorRays on_device(device, lidar, rays, {});
-  renderer.render(
-      ParticleBuffers(device, test::set_of(SetKind::kLidar, {ball}), Precision::kFloat), on_device, {});
-  return renderer.results().transmittance;
+  return renderer
+      .render(
+          ParticleBuffers(device, test::set_of(SetKind::kLidar, {ball}), Precision::kFloat), on_device, {})
+      .results()
+      .transmittance;
 }
 
 TEST(LidarTables, NothingIsSeenOutsideTheRangeLimits) {

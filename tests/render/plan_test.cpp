@@ -1,13 +1,14 @@
 // What a frame does not need compiles to nothing and takes no memory: a part that is said to be absent leaves
-// the same programs, buffers and bits as one that was never mentioned (bench/trade/plan.hpp measures the times).
+// the same programs, buffers and bits as one that was never mentioned (bench/trade/plan.hpp measures the
+// times).
 #include <gtest/gtest.h>
 #include <set>
 #include <string>
 
 #include "host/render/scene/look.hpp"
 #include "host/runtime/device_state.hpp"
-#include "tests/render/actor_scenes.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/actor_scenes.hpp"
 
 namespace simuli {
 namespace {
@@ -29,12 +30,12 @@ Traces traces_of(const GaussianSet& set,
   const ParticleBuffers particles(device, set, options);
   const SensorRays rays = shot.on(device, options);
   if (scene == nullptr) {
-    renderer.render(particles, rays, shot.view);
+    Pass pass = renderer.render(particles, rays, shot.view);
   } else {
     SceneLook(device, *scene, options.precision).render(renderer, particles, rays, shot.view, "camera", 0.0);
   }
   Traces traces;
-  traces.outputs = test::outputs(renderer);
+  traces.outputs = test::outputs(pass);
   traces.peak_bytes = device.memory().peak;
   for (const auto& [key, program] : device.state().programs) traces.programs.insert(key);
   return traces;

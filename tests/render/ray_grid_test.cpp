@@ -221,8 +221,8 @@ void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::
   RenderOptions options;
   Renderer renderer(device, options);
   const SensorRays on_device = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, options.precision), on_device, shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results =
+      renderer.render(ParticleBuffers(device, set, options.precision), on_device, shot.view).results();
   // The particle's middle takes 0.9 of the light; float positions 20 m out are 1e-6 m off.
   for (const std::size_t ray : sampled) ASSERT_LT(results.transmittance[ray], 0.105F) << "ray " << ray;
   // A ray without a particle of its own sees next to nothing: the test above can fail.

@@ -123,8 +123,9 @@ std::vector<float> transmittance(const Device& device,
                                  const SensorRays& rays,
                                  const Pose& end) {
   Renderer renderer(device, {});
-  renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {{}, end, {}});
-  return renderer.results().transmittance;
+  return renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {{}, end, {}})
+      .results()
+      .transmittance;
 }
 
 TEST(RayListGrid, RaysMeetWhatStandsOnThem) {

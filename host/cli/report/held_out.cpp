@@ -20,14 +20,14 @@ PicturePair camera_pair(Renderer& renderer,
   const ImageFrame& frame = log.images[index];
   const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
   const SensorRays rays(renderer.device(), camera, renderer.options());
-  SceneLook(renderer.device(), scene, renderer.options().precision)
-      .render(renderer,
-              camera_set,
-              rays,
-              view_of(log, scene, frame),
-              frame.camera,
-              0.5 * (frame.time_start_s + frame.time_end_s));
-  return {picture_of(renderer.results(), camera), load_image(log, frame, camera)};
+  SceneLook look(renderer.device(), scene, renderer.options().precision);
+  const Pass pass = look.render(renderer,
+                                camera_set,
+                                rays,
+                                view_of(log, scene, frame),
+                                frame.camera,
+                                0.5 * (frame.time_start_s + frame.time_end_s));
+  return {picture_of(pass.results(), camera), load_image(log, frame, camera)};
 }
 
 SweepPictures sweep_pair(Renderer& renderer,

@@ -17,8 +17,8 @@
 #include "host/render/options/quality.hpp"
 #include "host/render/scene/seen.hpp"
 #include "host/sensors/lidar_library.hpp"
-#include "io/picture/image.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/picture/image.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {
@@ -252,8 +252,9 @@ std::string ViewSession::picture(const ViewRequest& request) {
   const View view =
       view_of_request(request, camera.rig_from_camera * camera_from_turned, 0.0, SetKind::kCamera);
   const Stopwatch render;
-  s.look.render(s.camera_renderer, s.camera_set, *s.camera_rays, view, request.sensor, request.time_s);
-  const Image image = picture_of(s.camera_renderer.results(), model);
+  const Pass pass =
+      s.look.render(s.camera_renderer, s.camera_set, *s.camera_rays, view, request.sensor, request.time_s);
+  const Image image = picture_of(pass.results(), model);
   const double render_ms = render.ms();
   lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
@@ -280,8 +281,8 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   }
   const View view = view_of_request(request, lidar.rig_from_lidar, kSweep_s, SetKind::kLidar);
   const Stopwatch render;
-  s.lidar_renderer.render(s.lidar_set, *s.lidar_rays, view);
-  const LidarFrame frame = lidar_frame(s.lidar, s.beams, s.lidar_renderer.results());
+  const Pass pass = s.lidar_renderer.render(s.lidar_set, *s.lidar_rays, view);
+  const LidarFrame frame = lidar_frame(s.lidar, s.beams, pass.results());
   const double render_ms = render.ms();
   // Poses of a view, and so the points, are in the scene's frame.
   const PointCloud cloud =

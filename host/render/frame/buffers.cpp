@@ -1,5 +1,6 @@
 // The device memory of a frame and what kernels are specialised for.
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstring>
 #include <fmt/format.h>
@@ -34,6 +35,11 @@ void load_halves(const float* source, Eigen::Ref<Eigen::ArrayXf> row) {
     std::memcpy(&value.x, reinterpret_cast<const std::byte*>(source) + 2 * i, 2);
     row[i] = static_cast<float>(value);
   }
+}
+
+std::uint64_t next_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 }  // namespace
@@ -86,7 +92,8 @@ ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, P
       params(device, "particles", precision),
       actor_of(device, "actors of particles"),
       actor_list(device, "particles of actors"),
-      actor_first(device, "actors in the list") {
+      actor_first(device, "actors in the list"),
+      id_(next_id()) {
   upload(set);
 }
 

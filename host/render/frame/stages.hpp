@@ -93,6 +93,8 @@ struct ParticleBuffers {
   ShStorage sh_storage = ShStorage::kFull;
   std::uint32_t count = 0;
   std::uint32_t stride = 0;
+  /// Another number for each: a pass takes gradients to the particles that it rendered alone.
+  [[nodiscard]] std::uint64_t id() const { return id_; }
   RealBuffer
       params;  // [param_rows][stride]; of ShStorage::kHalf the rows from SIM_SH on are halves, two in a float
   /// GaussianSet::actor. All empty without actors.
@@ -104,6 +106,7 @@ struct ParticleBuffers {
   void refresh_actors();
 
  private:
+  std::uint64_t id_;
   ShDegree kept_sh_ = ShDegree::k3;
   double sh_error_ = 0.0;
   void upload_actors(const std::vector<std::uint32_t>& actor);

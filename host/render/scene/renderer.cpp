@@ -1,117 +1,15 @@
 #include "host/render/scene/renderer.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <fmt/format.h>
-#include <numbers>
 #include <utility>
-#include <variant>
 
 #include "host/base/error.hpp"
-#include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/rays/frame_constants.hpp"
-#include "host/render/rays/ray_mask.hpp"
+#include "host/render/scene/pass_state.hpp"
 
 namespace simuli {
-namespace {
-
-/// Some of the rays leave cells of the default size full that hold one of many: a row per beam and two
-/// columns per firing instead. A size that was asked for is kept.
-RayMaskSize of_some_rays(RayMaskSize size, const RayGrid& grid) {
-  constexpr RayMaskSize kDefault;
-  constexpr int kMostCells = 1 << 20, kMostRows = 4096;
-  if (size.columns != kDefault.columns || size.rows != kDefault.rows) return size;
-  const auto firings = static_cast<int>(grid.rays / grid.frame.rows);
-  size.rows = std::clamp(static_cast<int>(grid.frame.rows), kDefault.rows, kMostRows);
-  size.columns =
-      std::clamp(2 * firings, kDefault.columns, std::max(kMostCells / size.rows, kDefault.columns));
-  return size;
-}
-
-}  // namespace
-
-SensorRays::State::State(const Device& on, RayGrid rays, const RenderOptions& options)
-    : device(on),
-      precision(options.precision),
-      marks(rays.type == SensorType::kLidar && options.culling != Culling::kOff),
-      mask_size(options.ray_mask),
-      grid(std::move(rays)),
-      buffers(on, grid, options.precision) {
-  mark_rays(mask_size);
-}
-
-void SensorRays::State::mark_rays(RayMaskSize size) {
-  if (marks) can_cull = RayMaskStage(device, precision).run(grid, size, buffers);
-}
-
-SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
-    : state_(std::make_shared<State>(device, std::move(grid), options)) {}
-SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(with_room_on(device, camera, options), options), options) {}
-SensorRays::SensorRays(const Device& device,
-                       const LidarModel& model,
-                       const LidarRays& rays,
-                       const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(device, model, rays, options), options) {
-  if (std::holds_alternative<RayList>(model)) return;
-  const auto& lidar = std::get<Lidar>(model);
-  if (lidar.blind.empty()) return;
-  State& s = *state_;
-  s.blind.resize(s.grid.rays);
-  for (std::size_t i = 0; i < s.grid.rays; ++i) {
-    const auto row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
-    s.blind[i] = is_blind(lidar, row, static_cast<double>(rays.azimuth[i]));
-  }
-  request(std::vector<bool>(s.grid.rays, true));
-}
-
-void SensorRays::request(const std::vector<bool>& requested) {
-  State& s = *state_;
-  if (requested.size() != s.grid.rays) {
-    throw Error(ErrorKind::kInternal, "request: one flag per ray is needed");
-  }
-  std::vector<float> sensor_ray = s.grid.sensor_ray;
-  const std::size_t slots = s.grid.frame.slots;
-  bool all = true;
-  for (std::size_t slot = 0; slot < slots; ++slot) {
-    const std::int32_t of_slot = s.grid.ray_of_slot[slot];
-    const auto ray = static_cast<std::size_t>(of_slot);
-    if (of_slot < 0 || (requested[ray] && (s.blind.empty() || !s.blind[ray]))) continue;
-    all = false;
-    for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
-  }
-  s.buffers.sensor_ray.assign(sensor_ray);
-  s.mark_rays(all ? s.mask_size : of_some_rays(s.mask_size, s.grid));
-}
-
-std::vector<float> SensorRays::to_slots(const std::vector<float>& values, std::size_t channels) const {
-  const RayGrid& grid = state_->grid;
-  if (values.size() != channels * grid.rays) {
-    throw Error(ErrorKind::kInternal, "to_slots: one value per channel and ray is needed");
-  }
-  const std::size_t slots = grid.frame.slots;
-  std::vector<float> out(channels * slots, 0.0F);
-  for (std::size_t slot = 0; slot < slots; ++slot) {
-    const std::int32_t ray = grid.ray_of_slot[slot];
-    if (ray < 0) continue;
-    for (std::size_t c = 0; c < channels; ++c) {
-      out[c * slots + slot] = values[c * grid.rays + static_cast<std::size_t>(ray)];
-    }
-  }
-  return out;
-}
-
-float RayResults::drop_probability(std::size_t ray) const {
-  return 1.0F / (1.0F + std::exp(feature[1][ray] - feature[2][ray]));
-}
-
-float RayResults::expected_distance(std::size_t ray) const {
-  const float opacity = 1.0F - transmittance[ray];
-  return opacity > 0.0F ? distance[ray] / opacity : 0.0F;
-}
-
 namespace {
 
 RenderOptions resolve(const Device& device, RenderOptions options) {
@@ -129,186 +27,152 @@ RenderOptions resolve(const Device& device, RenderOptions options) {
   return options;
 }
 
-}  // namespace
-
-Renderer::Renderer(const Device& device, const RenderOptions& options)
-    : device_(device),
-      options_(resolve(device, options)),
-      scan_(device),
-      sort_(device),
-      bin_(device),
-      loss_(device, options.precision),
-      buffers_(device, options.precision),
-      actors_(device, options.precision),
-      picture_(device, "graded picture", options.precision) {}
-
-Renderer::Stages& Renderer::stages(const Variant& variant) {
-  auto& entry = stages_[variant];
-  if (!entry) entry = std::make_unique<Stages>(device_, variant);
-  return *entry;
-}
-
-void Renderer::render(const ParticleBuffers& particles,
-                      const SensorRays& rays,
-                      const View& view,
-                      const EnvironmentBuffers* environment) {
+/// What a frame of these options, particles and rays compiles to.
+Variant variant_of(const RenderOptions& options,
+                   const ParticleBuffers& particles,
+                   const SensorRays& rays,
+                   bool moving,
+                   bool actor_motion) {
   const RayGrid& grid = rays.grid();
-  const std::array<float, 3> behind = environment == nullptr ? view.background : std::array<float, 3>{};
-  const bool still = options_.shutter_iterations == 0;
-  const Pose middle = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5);
-  auto [constants, moving] = frame_constants(grid,
-                                             still ? middle : view.scene_from_sensor_start,
-                                             still ? middle : view.scene_from_sensor_end,
-                                             options_,
-                                             behind);
-  actor_motion_ = false;
-  if (particles.actors > 0) {
-    if (particles.actors > view.actors.size()) {
-      throw Error(ErrorKind::kInternal, "render: the view has fewer actors than the particles");
-    }
-    const Eigen::Vector3d centre_ref(constants.centre_ref);
-    std::vector<ActorView> actors = view.actors;
-    for (ActorView& actor : actors) {
-      if (!still) break;
-      actor.scene_from_actor_start =
-          interpolate(actor.scene_from_actor_start, actor.scene_from_actor_end, 0.5);
-      actor.scene_from_actor_end = actor.scene_from_actor_start;
-    }
-    buffers_.actors.assign(actor_constants(actors, centre_ref, actor_motion_));
-  }
-  moving = moving || actor_motion_;
   Variant variant;
   variant.actors = particles.actors > 0;
-  variant.actor_motion = actor_motion_;
+  variant.actor_motion = actor_motion;
   variant.sensor = grid.type;
   variant.lens = grid.lens;
   variant.moving = moving;
   variant.origins = moving || grid.lever_arms;
-  variant.sh_degree = options_.sh_degree == ShDegree::kAuto
+  variant.sh_degree = options.sh_degree == ShDegree::kAuto
                           ? particles.sh_degree
-                          : std::min(particles.sh_degree, static_cast<int>(options_.sh_degree));
+                          : std::min(particles.sh_degree, static_cast<int>(options.sh_degree));
   variant.sh_storage = particles.sh_storage;
-  variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
-  variant.precision = options_.precision;
-  variant.projection = options_.projection;
-  variant.extent = options_.extent;
-  variant.order = options_.order;
+  variant.median = options.median_distance && grid.type == SensorType::kLidar;
+  variant.precision = options.precision;
+  variant.projection = options.projection;
+  variant.extent = options.extent;
+  variant.order = options.order;
   // Without bands above 0 a particle looks alike from everywhere.
-  variant.sh_direction = variant.sh_degree > 0 ? options_.sh_direction : ShDirection::kParticle;
+  variant.sh_direction = variant.sh_degree > 0 ? options.sh_direction : ShDirection::kParticle;
   // Double has the built-in functions anyway.
-  variant.math = options_.precision == Precision::kFloat ? options_.math : Math::kFast;
-  variant.shutter_iterations = std::max(options_.shutter_iterations, 1);
+  variant.math = options.precision == Precision::kFloat ? options.math : Math::kFast;
+  variant.shutter_iterations = std::max(options.shutter_iterations, 1);
   variant.compensation =
-      grid.type == SensorType::kCamera ? options_.camera_compensation : options_.lidar_compensation;
-  variant.culling = rays.marked() && (options_.culling == Culling::kAlways ||
-                                      (options_.culling == Culling::kAuto && rays.can_cull()));
-  variant.shape = options_.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
-  current_ = &stages(variant);
-  rays_ = rays;
-  background_ = view.background;
-  frame_ = grid.frame;
-  frame_.particles = particles.count;
-  frame_.stride = particles.stride;
+      grid.type == SensorType::kCamera ? options.camera_compensation : options.lidar_compensation;
+  variant.culling = rays.marked() && (options.culling == Culling::kAlways ||
+                                      (options.culling == Culling::kAuto && rays.can_cull()));
+  variant.shape = options.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
+  return variant;
+}
 
-  buffers_.sensor.assign(shared::reals_of(constants));
-  current_->rays.run(frame_, rays.buffers(), buffers_);
-  current_->project.run(frame_, particles, rays.buffers(), buffers_);
-  bin_.run(frame_, rays.buffers().tile_rows, buffers_, sort_, scan_, options_.max_instances);
-  current_->render.run(frame_, particles, rays.buffers(), buffers_);
-  graded_ = false;
+void check(const RenderOptions& options,
+           const ParticleBuffers& particles,
+           const SensorRays& rays,
+           const View& view,
+           const EnvironmentBuffers* environment) {
+  const auto need = [](bool holds, const std::string& found, const std::string& allowed) {
+    if (!holds) throw Error(ErrorKind::kUsage, "render: found " + found + ", allowed " + allowed);
+  };
+  rays.need_made_with(options);
+  need(particles.params.precision() == options.precision,
+       "particles of the other precision",
+       "the renderer's");
+  need(particles.actors <= view.actors.size(),
+       fmt::format("a view of {} actors", view.actors.size()),
+       fmt::format("the {} that particles belong to", particles.actors));
   if (environment == nullptr) return;
-  if (!environment_)
-    environment_ = std::make_unique<EnvironmentStage>(device_, options_.precision, options_.shape.lanes);
-  environment_->run(frame_, *environment, buffers_);
+  need(rays.grid().type == SensorType::kCamera, "an environment behind a LiDAR", "one behind a camera");
+  need(environment->texture.precision() == options.precision,
+       "an environment of the other precision",
+       "the renderer's");
 }
 
-ColorGridStage& Renderer::grid_stage(const ColorGridBuffers& grids) {
-  if (!rays_ || rays_->grid().type != SensorType::kCamera) {
-    throw Error(ErrorKind::kInternal, "grade: no picture has been rendered");
+/// All half-way through the frame.
+std::vector<ActorView> at_rest(std::vector<ActorView> actors) {
+  for (ActorView& actor : actors) {
+    actor.scene_from_actor_start = interpolate(actor.scene_from_actor_start, actor.scene_from_actor_end, 0.5);
+    actor.scene_from_actor_end = actor.scene_from_actor_start;
   }
-  const std::array<int, 3> size{grids.size_x, grids.size_y, grids.size_z};
-  const auto found = grids_.find(size);
-  return found != grids_.end() ? found->second
-                               : grids_.emplace(size, ColorGridStage(device_, grids)).first->second;
+  return actors;
 }
 
-void Renderer::grade(const ColorGridBuffers& grids, std::size_t index) {
-  const RayGrid& grid = rays_->grid();
-  grid_stage(grids).run(frame_, grid.width, grid.height, grids, index, buffers_.out, picture_);
-  graded_ = true;
+}  // namespace
+
+Pass::State::State(const Device& on, const RenderOptions& wanted)
+    : device(on),
+      options(resolve(on, wanted)),
+      scan(on),
+      sort(on),
+      bin(on),
+      loss(on, wanted.precision),
+      buffers(on, wanted.precision),
+      actors(on, wanted.precision),
+      picture(on, "graded picture", wanted.precision) {}
+
+Pass::State::Stages& Pass::State::stages(const Variant& variant) {
+  auto& entry = all_stages[variant];
+  if (!entry) entry = std::make_unique<Stages>(device, variant);
+  return *entry;
 }
 
-void Renderer::grade_backward(const ColorGridBuffers& grids,
-                              std::size_t index,
-                              const ColorGridScale& scale,
-                              RealBuffer& grid_grads) {
-  const RayGrid& grid = rays_->grid();
-  grid_stage(grids).run_backward(frame_, grid.width, grid.height, grids, index, scale, buffers_, grid_grads);
+ColorGridStage& Pass::State::grid_stage(const ColorGridBuffers& of) {
+  const std::array<int, 3> size{of.size_x, of.size_y, of.size_z};
+  const auto found = grids.find(size);
+  return found != grids.end() ? found->second : grids.emplace(size, ColorGridStage(device, of)).first->second;
 }
 
-void Renderer::environment_backward(const EnvironmentBuffers& environment,
-                                    double tv_scale,
-                                    RealBuffer& texture_grads) {
-  if (!environment_) throw Error(ErrorKind::kInternal, "environment_backward: none has been rendered");
-  environment_->run_backward(frame_, environment, tv_scale, buffers_, sort_, scan_, texture_grads);
+Renderer::Renderer(const Device& device, const RenderOptions& options)
+    : state_(std::make_shared<Pass::State>(device, options)) {}
+
+const RenderOptions& Renderer::options() const { return state_->options; }
+const Device& Renderer::device() const { return state_->device; }
+
+void Renderer::confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m) {
+  state_->actors.confine(particles, actors, margin_m);
 }
 
-RayResults Renderer::results() const {
-  if (!rays_) throw Error(ErrorKind::kInternal, "results: nothing has been rendered");
-  const RayGrid& grid = rays_->grid();
-  const std::vector<float> out = buffers_.out.download_float();
-  const std::vector<float> picture = graded_ ? picture_.download_float() : std::vector<float>{};
-  const std::size_t slots = grid.frame.slots;
-  RayResults results;
-  results.rays = grid.rays;
-  std::vector<float>* rows[SIM_OUTPUTS] = {&results.feature[0],
-                                           &results.feature[1],
-                                           &results.feature[2],
-                                           &results.transmittance,
-                                           &results.distance,
-                                           &results.median};
-  const std::size_t used = median_ ? SIM_OUTPUTS : SIM_O_MEDIAN;
-  for (std::size_t row = 0; row < used; ++row) {
-    // What a pixel without a ray shows.
-    const float empty = row < SIM_O_TRANSMITTANCE    ? background_[row]
-                        : row == SIM_O_TRANSMITTANCE ? 1.0F
-                                                     : 0.0F;
-    rows[row]->assign(grid.rays, empty);
-    const std::vector<float>& shown = graded_ && row < SIM_O_TRANSMITTANCE ? picture : out;
-    for (std::size_t slot = 0; slot < slots; ++slot) {
-      const std::int32_t ray = grid.ray_of_slot[slot];
-      if (ray >= 0) (*rows[row])[static_cast<std::size_t>(ray)] = shown[row * slots + slot];
+Pass Renderer::render(const ParticleBuffers& particles,
+                      const SensorRays& rays,
+                      const View& view,
+                      const EnvironmentBuffers* environment) {
+  Pass::State& s = *state_;
+  check(s.options, particles, rays, view, environment);
+  const bool still = s.options.shutter_iterations == 0;
+  const Pose middle = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5);
+  const FrameConstants constants =
+      frame_constants(rays.grid(),
+                      still ? middle : view.scene_from_sensor_start,
+                      still ? middle : view.scene_from_sensor_end,
+                      s.options,
+                      environment == nullptr ? view.background : std::array<float, 3>{});
+  bool actor_motion = false;
+  std::vector<double> actors;
+  if (particles.actors > 0) {
+    actors = actor_constants(still ? at_rest(view.actors) : view.actors,
+                             Eigen::Vector3d(constants.sensor.centre_ref),
+                             actor_motion);
+  }
+  Pass::State::Stages& stages =
+      s.stages(variant_of(s.options, particles, rays, constants.moving || actor_motion, actor_motion));
+
+  // From here on the last frame's buffers are taken.
+  const std::uint64_t number = ++s.frames;
+  s.frame = {rays, &stages, rays.grid().frame, view.background, particles.id(), environment};
+  s.frame.params.particles = particles.count;
+  s.frame.params.stride = particles.stride;
+  const shared::FrameParams& frame = s.frame.params;
+  if (particles.actors > 0) s.buffers.actors.assign(actors);
+  s.buffers.sensor.assign(shared::reals_of(constants.sensor));
+  stages.rays.run(frame, rays.buffers(), s.buffers);
+  stages.project.run(frame, particles, rays.buffers(), s.buffers);
+  s.bin.run(frame, rays.buffers().tile_rows, s.buffers, s.sort, s.scan, s.options.max_instances);
+  stages.render.run(frame, particles, rays.buffers(), s.buffers);
+  if (environment != nullptr) {
+    if (!s.environment) {
+      s.environment =
+          std::make_unique<EnvironmentStage>(s.device, s.options.precision, s.options.shape.lanes);
     }
+    s.environment->run(frame, *environment, s.buffers);
   }
-  return results;
-}
-
-void Renderer::set_output_gradients(const std::vector<double>& gradients) {
-  if (gradients.size() != std::size_t{5} * frame_.slots) {
-    throw Error(ErrorKind::kInternal, "set_output_gradients: 5 values per slot are needed");
-  }
-  buffers_.grad_out.assign(gradients);
-}
-
-void Renderer::backward(const ParticleBuffers& particles,
-                        RealBuffer& param_grads,
-                        const BackwardExtras& extras) {
-  if (current_ == nullptr || particles.count != frame_.particles) {
-    throw Error(ErrorKind::kInternal, "backward: other particles than those last rendered");
-  }
-  if (!has_gradients(options_) || current_->own.sh_degree != particles.sh_degree ||
-      particles.sh_storage != ShStorage::kFull) {
-    throw Error(ErrorKind::kInternal,
-                "backward: order per_ray, sh_direction ray, left out bands and halves have no gradients");
-  }
-  param_grads.reserve(particles.params.count());
-  current_->render.run_backward(frame_, rays_->buffers(), buffers_, extras);
-  current_->project.run_backward(frame_, particles, buffers_, param_grads);
-}
-
-PoseGradient Renderer::pose_gradient(const RealBuffer& param_grads) {
-  if (!current_->pose) current_->pose.emplace(device_, current_->own);
-  return current_->pose->run(frame_, rays_->buffers(), buffers_, param_grads);
+  return {state_, number};
 }
 
 }  // namespace simuli

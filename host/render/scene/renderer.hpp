@@ -1,59 +1,13 @@
 #pragma once
 #include <array>
-#include <map>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "host/render/frame/actor.hpp"
-#include "host/render/train/loss_stages.hpp"
-#include "host/render/frame/picture_stages.hpp"
-#include "host/render/train/pose_gradient.hpp"
-#include "host/render/frame/stages.hpp"
+#include "host/render/scene/pass.hpp"
 #include "host/scene/actor.hpp"
 #include "host/scene/pose.hpp"
 
 namespace simuli {
-
-/// A sensor ready to render: its ray grid, on host and device. A handle: copies refer to the same rays, and a
-/// Renderer keeps those of its last frame alive, so that a temporary may be rendered.
-class SensorRays {
- public:
-  SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
-  /// Rays in the LiDAR's blind arcs are never rendered.
-  SensorRays(const Device& device,
-             const LidarModel& lidar,
-             const LidarRays& rays,
-             const RenderOptions& options);
-
-  /// From now on only the rays with requested[ray] are rendered; the others are slots without a ray, and
-  /// their results the background. requested[rays]; a LiDAR's ray mask is rebuilt. Waits.
-  void request(const std::vector<bool>& requested);
-
-  [[nodiscard]] const RayGrid& grid() const { return state_->grid; }
-  /// Whether there is a ray mask, and whether it has a cell without a ray.
-  [[nodiscard]] bool marked() const { return state_->marks; }
-  [[nodiscard]] bool can_cull() const { return state_->can_cull; }
-  [[nodiscard]] const RayBuffers& buffers() const { return state_->buffers; }
-  /// values[channels][rays] in ray order -> [channels][slots] in slot order; slots without a ray get 0.
-  [[nodiscard]] std::vector<float> to_slots(const std::vector<float>& values, std::size_t channels) const;
-
- private:
-  struct State {
-    State(const Device& device, RayGrid rays, const RenderOptions& options);
-    void mark_rays(RayMaskSize size);
-    Device device;
-    Precision precision;
-    bool marks;  // a LiDAR's that culls
-    RayMaskSize mask_size;
-    std::vector<bool> blind;  // [rays] of a LiDAR with blind arcs, else empty
-    RayGrid grid;
-    RayBuffers buffers;
-    bool can_cull = false;
-  };
-  SensorRays(const Device& device, RayGrid grid, const RenderOptions& options);
-  std::shared_ptr<State> state_;
-};
 
 /// One view of a sensor. The scene has the axes of the world and an origin of its own (Scene::origin).
 struct View {
@@ -63,110 +17,34 @@ struct View {
   std::vector<ActorView> actors{};  // of the scene, in its order (actors_during)
 };
 
-/// What every ray saw, in ray order (pixels or beams row-major).
-struct RayResults {
-  std::size_t rays = 0;
-  std::vector<float> feature[3];     // [rays] colour, or intensity, hit logit, drop logit
-  std::vector<float> transmittance;  // [rays]
-  std::vector<float> distance;       // [rays] sum of w tau, m; divide by 1 - transmittance for the mean
-  std::vector<float> median;         // [rays] m, 0 where transmittance stays above 1/2; may be empty
-
-  /// softmax(hit, drop)[drop] of a LiDAR ray.
-  [[nodiscard]] float drop_probability(std::size_t ray) const;
-  /// Expected distance in m; 0 where nothing at all was met.
-  [[nodiscard]] float expected_distance(std::size_t ray) const;
-};
-
-/// Renders one particle set, and takes gradients back to it. One frame at a time; the buffers of the last
-/// frame stay readable until the next.
+/// Renders one particle set as one sensor sees it, a frame at a time.
 class Renderer {
  public:
+  /// Error{kUsage} for options that validate() refuses.
   Renderer(const Device& device, const RenderOptions& options);
+  Renderer(Renderer&&) noexcept = default;
+  Renderer& operator=(Renderer&&) noexcept = default;
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+  ~Renderer() = default;
 
   /// Forward pass: project, sort, bin, blend, over the environment when one is given (cameras; the view's
-  /// background is then seen by pixels without a ray alone). Results stay on the device.
-  void render(const ParticleBuffers& particles,
+  /// background is then seen by pixels without a ray alone). Results stay on the device. Error{kUsage} for
+  /// rays or particles made with other options, fewer actors in the view than the particles belong to, an
+  /// environment behind a LiDAR.
+  Pass render(const ParticleBuffers& particles,
               const SensorRays& rays,
               const View& view,
               const EnvironmentBuffers* environment = nullptr);
-  /// The camera's last render through grid `index`: what results() and image_loss() then see.
-  void grade(const ColorGridBuffers& grids, std::size_t index);
-  /// Results of the last render, in ray order. Waits.
-  [[nodiscard]] RayResults results() const;
 
-  /// Losses of the last render; they leave dL/d(outputs) for backward(). truth in slot order.
-  ImageLoss image_loss(const RealBuffer& truth, const ImageLossScale& scale) {
-    return loss_.run_image(frame_, buffers_, picture(), truth, scale);
-  }
-  LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
-    return loss_.run_lidar(frame_, buffers_, truth, scale);
-  }
-  /// [3][slots] in slot order: the picture of the last render, graded when it has been.
-  [[nodiscard]] const RealBuffer& picture() const { return graded_ ? picture_ : buffers_.out; }
-  /// dL/d(outputs)[5][slots] given directly: features, transmittance, sum of w tau.
-  void set_output_gradients(const std::vector<double>& gradients);
-  /// dL/d(graded picture) -> dL/d(outputs) and grid_grads[reals] of grid `index`; before the other two.
-  void grade_backward(const ColorGridBuffers& grids,
-                      std::size_t index,
-                      const ColorGridScale& scale,
-                      RealBuffer& grid_grads);
-  /// dL/d(outputs) -> texture_grads[height][width][4], and tv_scale times that of the total variation.
-  void environment_backward(const EnvironmentBuffers& environment,
-                            double tv_scale,
-                            RealBuffer& texture_grads);
-  /// dL/d(outputs) -> param_grads[param_rows][stride] of the particles last rendered, and the extras.
-  void backward(const ParticleBuffers& particles, RealBuffer& param_grads, const BackwardExtras& extras = {});
-  /// After backward with ray gradients: dL/d(pose) of the sensor last rendered, from those and param_grads.
-  /// Waits.
-  [[nodiscard]] PoseGradient pose_gradient(const RealBuffer& param_grads);
-
-  /// dL/d(poses of the actors) of the last backward(), in the order of View::actors. Waits.
-  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles) {
-    return actors_.pose_gradients(particles, buffers_, actor_motion_);
-  }
   /// Puts particles of actors back into their boxes; `actors` of the scene, in its order.
-  void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m) {
-    actors_.confine(particles, actors, margin_m);
-  }
+  void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m);
 
-  [[nodiscard]] const FrameBuffers& buffers() const { return buffers_; }
-  [[nodiscard]] FrameBuffers& buffers() { return buffers_; }
-  [[nodiscard]] const shared::FrameParams& frame() const { return frame_; }
-  [[nodiscard]] const RenderOptions& options() const { return options_; }
-  [[nodiscard]] const Device& device() const { return device_; }
+  [[nodiscard]] const RenderOptions& options() const;
+  [[nodiscard]] const Device& device() const;
 
  private:
-  struct Stages {
-    Stages(const Device& device, const Variant& variant)
-        : rays(device, variant), project(device, variant), render(device, variant), own(variant) {}
-    RaysStage rays;
-    ProjectStage project;
-    RenderStage render;
-    std::optional<PoseStage> pose;  // when asked for
-    Variant own;
-  };
-  Stages& stages(const Variant& variant);
-  ColorGridStage& grid_stage(const ColorGridBuffers& grids);
-
-  Device device_;
-  RenderOptions options_;
-  std::map<Variant, std::unique_ptr<Stages>> stages_;
-  ScanStage scan_;
-  SortStage sort_;
-  BinStage bin_;
-  LossStage loss_;
-  std::unique_ptr<EnvironmentStage> environment_;  // these two once asked for
-  std::map<std::array<int, 3>, ColorGridStage> grids_;
-  FrameBuffers buffers_;
-  ActorStage actors_;
-  RealBuffer picture_;  // [3][slots], graded
-  shared::FrameParams frame_{};
-  std::optional<SensorRays> rays_;  // of the last frame
-  Stages* current_ = nullptr;
-  bool median_ = false;
-  bool graded_ = false;
-  bool actor_motion_ = false;
-  std::array<float, 3> background_{};
+  std::shared_ptr<Pass::State> state_;
 };
 
 }  // namespace simuli

@@ -5,9 +5,10 @@
 #include <utility>
 #include <variant>
 
+#include "host/base/error.hpp"
+#include "host/render/options/validate.hpp"
 #include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
-#include "host/render/options/validate.hpp"
 
 namespace simuli {
 namespace {
@@ -139,6 +140,7 @@ struct Simulator::State {
 
   Scene scene;
   Renderer renderer;
+  std::optional<Pass> pass;  // the last
   SceneLook look;
   std::optional<ParticleBuffers> camera_set, lidar_set;
   std::deque<KnownSensor> sensors;
@@ -158,13 +160,13 @@ Image Simulator::render(const Camera& camera, const Shot& shot) {
     return KnownSensor{std::move(key), {s.renderer.device(), camera, s.renderer.options()}, {}};
   });
   const double middle_s = 0.5 * (shot.time_start_s + shot.time_end_s);
-  s.look.render(s.renderer,
-                s.particles(SetKind::kCamera),
-                known.rays,
-                s.view(shot, SetKind::kCamera),
-                camera.name,
-                middle_s);
-  return picture_of(s.renderer.results(), camera);
+  s.pass = s.look.render(s.renderer,
+                         s.particles(SetKind::kCamera),
+                         known.rays,
+                         s.view(shot, SetKind::kCamera),
+                         camera.name,
+                         middle_s);
+  return picture_of(s.pass->results(), camera);
 }
 
 LidarFrame Simulator::render(const LidarModel& lidar, const Shot& shot) {
@@ -177,13 +179,17 @@ LidarFrame Simulator::render(const LidarModel& lidar, const Shot& shot) {
     SensorRays rays(s.renderer.device(), lidar, fired, s.renderer.options());
     return KnownSensor{std::move(key), std::move(rays), std::move(fired)};
   });
-  s.renderer.render(s.particles(SetKind::kLidar), known.rays, s.view(shot, SetKind::kLidar));
-  return lidar_frame(lidar, known.fired, s.renderer.results());
+  s.pass = s.renderer.render(s.particles(SetKind::kLidar), known.rays, s.view(shot, SetKind::kLidar));
+  return lidar_frame(lidar, known.fired, s.pass->results());
 }
 
 const Scene& Simulator::scene() const { return state_->scene; }
 const Device& Simulator::device() const { return state_->renderer.device(); }
-Renderer& Simulator::renderer() { return state_->renderer; }
+
+const Pass& Simulator::pass() const {
+  if (!state_->pass) throw Error(ErrorKind::kUsage, "pass: found no frame, allowed after render()");
+  return *state_->pass;
+}
 
 std::vector<Eigen::Vector3d> world_points(const LidarModel& lidar,
                                           const LidarFrame& frame,

@@ -52,8 +52,9 @@ class Simulator {
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] const Device& device() const;
-  /// What rendered the last frame; its buffers hold that frame until the next.
-  [[nodiscard]] Renderer& renderer();
+  /// The last frame on the device, until the next; its rays() tell which slot is which ray's. Error{kUsage}
+  /// before the first.
+  [[nodiscard]] const Pass& pass() const;
 
  private:
   struct State;

@@ -50,28 +50,23 @@ DensifyStage::DensifyStage(const Device& device, Precision precision)
       jitter_(program(device, precision), "jitter_means") {}
 
 void DensifyStage::pixel_error(const shared::FrameParams& frame,
-                               FrameBuffers& buffers,
+                               const FrameBuffers& buffers,
                                const RealBuffer& picture,
-                               const RealBuffer& truth) {
-  buffers.ray_error.reserve(frame.slots);
-  pixel_error_.launch(
-      frame.slots, kLocalSize, frame.slots, buffers.world_ray, picture, truth, buffers.ray_error);
+                               const RealBuffer& truth,
+                               RealBuffer& ray_error) {
+  ray_error.reserve(frame.slots);
+  pixel_error_.launch(frame.slots, kLocalSize, frame.slots, buffers.world_ray, picture, truth, ray_error);
 }
 
 void DensifyStage::beam_error(const shared::FrameParams& frame,
-                              FrameBuffers& buffers,
+                              const FrameBuffers& buffers,
                               const RealBuffer& truth,
-                              const std::array<double, 3>& weights) {
-  buffers.ray_error.reserve(frame.slots);
+                              const std::array<double, 3>& weights,
+                              RealBuffer& ray_error) {
+  ray_error.reserve(frame.slots);
   weights_.assign(std::span<const double>(weights));
-  beam_error_.launch(frame.slots,
-                     kLocalSize,
-                     frame.slots,
-                     weights_,
-                     buffers.world_ray,
-                     buffers.out,
-                     truth,
-                     buffers.ray_error);
+  beam_error_.launch(
+      frame.slots, kLocalSize, frame.slots, weights_, buffers.world_ray, buffers.out, truth, ray_error);
 }
 
 void DensifyStage::accumulate(const shared::FrameParams& frame,

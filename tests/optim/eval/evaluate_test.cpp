@@ -28,8 +28,8 @@ class EvaluateTest : public test::SmallStreet {
     const Camera& camera = log.camera(image.camera).model;
     const SensorRays rays(renderer.device(), camera, renderer.options());
     const ParticleBuffers camera_set(renderer.device(), scene.camera, Precision::kFloat);
-    renderer.render(camera_set, rays, view_of(log, scene, image));
-    write_image(log.folder / image.file, picture_of(renderer.results(), camera));
+    Pass pass = renderer.render(camera_set, rays, view_of(log, scene, image));
+    write_image(log.folder / image.file, picture_of(pass.results(), camera));
 
     const ParticleBuffers lidar_set(renderer.device(), scene.lidar, Precision::kFloat);
     SweepPair pair = render_sweep(renderer, lidar_set, log_, scene, log_.sweeps[4]);
