@@ -1,6 +1,7 @@
 // Gradients of particles of actors and of the actors' poses, against differences.
 #include <cmath>
 #include <gtest/gtest.h>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -65,9 +66,11 @@ class ActorProblem {
     Pass pass = renderer_.render(particles_, rays_, view_);
     pass.set_output_gradients(test::by_ray(pass.rays(), weights_));
     pass.backward(particles_, grads_);
+    pass_ = pass;
     return grads_.download_double();
   }
-  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients() { return pass.pose_gradients(particles_); }
+  /// Of the last gradient().
+  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients() { return pass_->pose_gradients(particles_); }
 
  private:
   static RenderOptions options() {
@@ -79,6 +82,7 @@ class ActorProblem {
   }
   Device device_;
   Renderer renderer_;
+  std::optional<Pass> pass_;
   SensorRays rays_;
   View view_;
   ParticleBuffers particles_;
