@@ -67,7 +67,9 @@ allow("host/runtime" "cl$|host/base" "the runtime knows no renderer")
 allow("host/render" "cl$|host/(base|scene|sensors|runtime|render)" "render knows no io, optim or cli")
 allow("io" "host/(base|scene|sensors)|io" "io knows no device and no optimiser")
 allow("optim" "cl$|host/(base|scene|sensors|runtime|render)|io|optim" "optim knows no program")
-allow("bench" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench" "benches know no program")
+allow("bench/(paper|peers|render|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(paper|peers|render|trade)"
+      "benches know no program")
+allow("host/cli" "host/(base|scene|sensors|runtime|render|cli)|io|optim" "the program knows no bench")
 
 forbid("cl" "\"(host|io|optim|tests|bench)/" "cl includes nothing above it")
 forbid("host/api;host/python" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")

@@ -12,6 +12,7 @@
 #include "bench/render/scene.hpp"
 #include "host/base/error.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/scene/particle_street.hpp"
 #include "host/sensors/lidar.hpp"
 
 namespace simuli::bench {
@@ -37,13 +38,13 @@ Picture picture_of(const RayResults& results) {
 }
 
 Picture render(const Device& device, SetKind kind, Precision precision) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   Renderer renderer(device, options);
   const ParticleBuffers particles(device, street_particles(kind, 3, kParticles, 1), precision);
   // 15 m/s and 30 degrees/s for 20 and 100 ms.
   const double seconds = kind == SetKind::kCamera ? 0.02 : 0.1;
-  const Pose start = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_bench_lidar();
+  const Pose start = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
   const Eigen::AngleAxisd turn(0.5236 * seconds, Eigen::Vector3d::UnitZ());
   Pose end = start;
   end.translation.x() += 15.0 * seconds;

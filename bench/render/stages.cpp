@@ -6,6 +6,7 @@
 
 #include "bench/render/scene.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -45,7 +46,7 @@ class Case {
                    Precision::kFloat),
         rays_(kind == SetKind::kCamera ? SensorRays(device, bench_camera(), options_) : lidar_rays(device)),
         param_grads_(device, "parameter gradients", Precision::kFloat) {
-    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_bench_lidar();
+    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
     view_ = {pose, pose, {0.0F, 0.0F, 0.0F}};
   }
 
@@ -93,7 +94,7 @@ class Case {
     return {device, lidar, nominal_rays(lidar, 0.1), options_};
   }
 
-  RenderOptions options_;
+  RenderOptions options_ = paper_options();
   Renderer renderer_;
   std::optional<Pass> pass_;
   ParticleBuffers particles_;
@@ -126,7 +127,7 @@ std::vector<Row> run_stages(const std::string& device_request,
     const std::string base = fmt::format("stages/{}_{}k",
                                          kind == SetKind::kCamera ? "camera_640x360" : "lidar_64x2650",
                                          options.particles / 1000);
-    RenderOptions one_ray_per_item, no_ray_done;
+    RenderOptions one_ray_per_item = paper_options(), no_ray_done = one_ray_per_item;
     one_ray_per_item.shape = LaneShape{1, 1, 256};
     no_ray_done.transmittance_cut = 0.0;
     Case shaped(device, kind, options, {}), one_ray(device, kind, options, one_ray_per_item);

@@ -36,7 +36,7 @@ double in_empty_tiles(const LidarFrames& frames, const SensorRays& rays, const s
 /// Particles that a dense sweep between these elevations (degrees) sees without any query.
 std::uint32_t seen_between(const Device& device, const ParticleBuffers& street, double top, double bottom) {
   constexpr int kRows = 4096, kColumns = 64;  // no particle lies between such rows; columns are not looked at
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.culling = Culling::kOff;
   LidarFrames frames(
       device, even_lidar(kRows, kColumns, top, bottom, 2.0 * std::numbers::pi), street, options);
@@ -74,7 +74,7 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
   for (const Case& one : cases) {
     const Lidar sensor =
         even_lidar(64, static_cast<int>(2650 * one.span_rad / kTurn), kTop_deg, kBottom_deg, one.span_rad);
-    RenderOptions off_options, on_options, fine_options;
+    RenderOptions off_options = paper_options(), on_options = off_options, fine_options = off_options;
     off_options.culling = Culling::kOff;
     on_options.culling = fine_options.culling = Culling::kAlways;
     on_options.ray_mask = {1599, 8};  // any but the default, which is refined for some of the rays

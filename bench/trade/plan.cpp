@@ -10,6 +10,7 @@
 #include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/sensors/lidar_library.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -80,7 +81,7 @@ std::vector<Part> all_parts(std::int64_t count) {
   Setup lidar;
   lidar.is_camera = false;
   lidar.scene.lidar = street_particles(SetKind::kLidar, 3, count, 1);
-  lidar.view = {world_from_bench_lidar(), world_from_bench_lidar()};
+  lidar.view = {world_from_street_lidar(), world_from_street_lidar()};
 
   std::vector<Part> parts;
   const auto add = [&parts](const std::string& name, const Setup& base) -> Part& {

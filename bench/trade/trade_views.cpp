@@ -15,6 +15,7 @@
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/base/frames.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -89,7 +90,7 @@ TradeScene moving_street() {
   TradeSensor lidar;
   lidar.name = "lidar";
   lidar.lidar = builtin_lidar("generic64");
-  lidar.views.push_back({driven(world_from_bench_lidar(), kSpin_s), nominal_rays(lidar.lidar, kSpin_s), 0.0});
+  lidar.views.push_back({driven(world_from_street_lidar(), kSpin_s), nominal_rays(lidar.lidar, kSpin_s), 0.0});
   out.sensors = {std::move(camera), std::move(lidar)};
   return out;
 }

@@ -9,8 +9,8 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
-#include "io/splat/ply.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/splat/ply.hpp"
 #include "io/splat/splat_file.hpp"
 
 namespace simuli::cli {
@@ -62,14 +62,13 @@ void convert(const ConvertCommand& command, const Globals& globals) {
 
 }  // namespace
 
-void add_convert(CLI::App& app, const Globals& globals) {
+void add_convert(Command app, const Globals& globals) {
   const auto command = std::make_shared<ConvertCommand>();
-  CLI::App* sub = app.add_subcommand("convert", "the particles of a scene or a splat file as another file");
-  sub->add_option("INPUT", command->input, "scene folder, .ply (also SuperSplat's compressed) or .spz")
-      ->required();
-  sub->add_option("-o,--output", command->output, ".ply or .spz to write")->required();
-  sub->add_flag("--lidar", command->lidar, "the LiDAR set instead of the camera set; .ply alone");
-  sub->callback([command, &globals] { convert(*command, globals); });
+  Command sub = app.command("convert", "the particles of a scene or a splat file as another file");
+  sub.option("INPUT", command->input, "scene folder, .ply (also SuperSplat's compressed) or .spz").required();
+  sub.option("-o,--output", command->output, ".ply or .spz to write").required();
+  sub.flag("--lidar", command->lidar, "the LiDAR set instead of the camera set; .ply alone");
+  sub.run([command, &globals] { convert(*command, globals); });
 }
 
 }  // namespace simuli::cli

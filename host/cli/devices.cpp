@@ -176,11 +176,11 @@ void devices(bool check, const Globals& globals) {
 
 }  // namespace
 
-void add_devices(CLI::App& app, const Globals& globals) {
+void add_devices(Command app, const Globals& globals) {
   const auto check = std::make_shared<bool>(false);
-  CLI::App* sub = app.add_subcommand("devices", "OpenCL devices and what each can do");
-  sub->add_flag("--check", *check, "render a known scene on each and compare");
-  sub->callback([check, &globals] { devices(*check, globals); });
+  Command sub = app.command("devices", "OpenCL devices and what each can do");
+  sub.flag("--check", *check, "render a known scene on each and compare");
+  sub.run([check, &globals] { devices(*check, globals); });
 }
 
 }  // namespace simuli::cli

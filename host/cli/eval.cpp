@@ -1,15 +1,16 @@
-#include <algorithm>
 #include <fmt/format.h>
+#include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/report/report.hpp"
+#include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
-#include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -21,68 +22,64 @@ struct EvalCommand {
   std::vector<std::string> settings;
   Edits edits;
   EvalOptions options;
+  double scale = 1.0;  // where they are given
+  int held_out = 0;
   std::string report;  // file to write; empty: none
 };
 
-/// The log with its sensors where the scene has them: training may have learned better.
-Log mounted(Log log, const SceneFile& scene) {
-  for (LogCamera& camera : log.cameras) {
-    const LogCamera* const known = scene.find_camera(camera.model.name);
-    if (known != nullptr) camera.rig_from_camera = known->rig_from_camera;
-  }
-  for (LogLidar& lidar : log.lidars) {
-    const LogLidar* const known = scene.find_lidar(name_of(lidar.model));
-    if (known == nullptr) continue;
-    lidar.rig_from_lidar = known->rig_from_lidar;
-    auto* const model = std::get_if<Lidar>(&lidar.model);
-    if (model == nullptr) continue;
-    const Lidar& trained = known->with_rows();
-    model->blind = trained.blind;
-    const std::size_t rows = std::min(model->rows.size(), trained.rows.size());
-    for (std::size_t row = 0; row < rows; ++row) model->rows[row].range_bias = trained.rows[row].range_bias;
-  }
-  return log;
-}
-
 void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
-  apply_settings(command.settings, render_settings(command.options.render));
-  validate(command.options.render);
+  fields_of(command.options).apply(command.settings);
+  check(command.options);
   SceneFile file = read_scene(command.scene);
+  warn_unlike_training(file, command.options.render);
   apply(command.edits, file.scene);
-  const Log log = mounted(read_log(command.log), file);
+  Log log = read_log(command.log);
   const Device device = Device::best(globals.device);
-  const EvalReport report = evaluate_scene(device, log, file.scene, command.options, globals);
+  Evaluation evaluation(device, std::move(file), std::move(log), command.options);
+  const EvalFrames& frames = evaluation.frames();
+  if (frames.kind == FrameKind::kOtherLog) {
+    std::cerr << fmt::format("simuli: the scene was trained on another log, {} ({}): {}\n",
+                             evaluation.scene().training->log_name,
+                             evaluation.scene().training->log_hash,
+                             frames.label());
+  }
+  const EvalReport report = run_evaluation(evaluation, globals);
   if (!command.report.empty()) {
     write_report(command.report,
                  fmt::format("simuli eval: {} on {}", command.scene, command.log),
                  globals,
-                 log,
-                 file.scene,
-                 command.options,
-                 report,
-                 nullptr);
+                 evaluation,
+                 report);
   }
-  print_eval(report, globals.json);
+  print_eval(report, evaluation.scene(), globals.json);
 }
 
 }  // namespace
 
-void add_eval(CLI::App& app, const Globals& globals) {
+void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  CLI::App* sub = app.add_subcommand("eval", "compare a scene with the frames it was not trained on");
-  sub->add_option("SCENE", command->scene, "scene folder")->required();
-  sub->add_option("LOG", command->log, "log folder that the scene was trained on")->required();
-  const auto add = [&](const char* name, auto& value, const char* text) {
-    sub->add_option(name, value, text)->capture_default_str();
+  Command sub = app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
+  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
+  const Option scale =
+      sub.option("--scale", command->scale, "size of the compared pictures over the recorded")
+          .shown_as("FLOAT", "as in training");
+  const Option held_out = sub.option("--held-out", command->held_out, "every N-th frame, 0: all frames")
+                              .shown_as("INT", "those that training held out, all of another log");
+  sub.option("--repeats", command->options.timed_renders, "timed renders of each sensor").with_default();
+  const auto fields = [command, &globals] {
+    command->options.render = options_of(globals.quality);
+    return fields_of(command->options);
   };
-  add("--scale", command->options.image_scale, "size of the compared pictures over the recorded");
-  add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
-  add("--repeats", command->options.timed_renders, "timed renders of each sensor");
-  sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
-  sub->add_option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
-  add_edit_options(*sub, command->edits);
-  sub->callback([command, &globals] { eval(*command, globals); });
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
+  sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
+  add_edit_options(sub, command->edits);
+  sub.run([command, scale, held_out, &globals] {
+    if (scale.is_given()) command->options.image_scale = command->scale;
+    if (held_out.is_given()) command->options.held_out_every = command->held_out;
+    eval(*command, globals);
+  });
 }
 
 }  // namespace simuli::cli

@@ -6,11 +6,11 @@
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/info.hpp"
-#include "io/import/photos/colmap.hpp"
 #include "io/import/kitti/kitti.hpp"
 #include "io/import/kitti360/kitti360.hpp"
-#include "io/import/photos/nerfstudio.hpp"
 #include "io/import/nuscenes/nuscenes.hpp"
+#include "io/import/photos/colmap.hpp"
+#include "io/import/photos/nerfstudio.hpp"
 #include "io/import/points/points_log.hpp"
 #include "io/import/waymo/waymo.hpp"
 
@@ -65,18 +65,18 @@ void import_kitti360_sequence(const Kitti360Options& options, const Globals& glo
 
 /// Adds what `import` does for posed photographs: `run(options, progress, report)` returns the log.
 template <class Options, class Run>
-void add_photos(CLI::App& command,
+void add_photos(Command command,
                 const char* name,
                 const std::shared_ptr<Options>& options,
                 const Globals& globals,
                 const Run& run) {
-  command.add_option("-o,--output", options->output, "log folder to write")->required();
+  command.option("-o,--output", options->output, "log folder to write").required();
   command
-      .add_option("--metres-per-unit",
-                  options->metres_per_unit,
-                  "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
-      ->check(CLI::PositiveNumber);
-  command.callback([options, name, run, &globals] {
+      .option("--metres-per-unit",
+              options->metres_per_unit,
+              "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
+      .positive();
+  command.run([options, name, run, &globals] {
     run_import<PhotoReport>(
         name,
         globals,
@@ -130,72 +130,65 @@ void import_point_drive(const PointsOptions& options, const Globals& globals) {
 
 }  // namespace
 
-void add_import(CLI::App& app, const Globals& globals) {
-  CLI::App* import =
-      app.add_subcommand("import", "turn a recorded drive of another format into a log folder");
-  import->require_subcommand(1);
+void add_import(Command app, const Globals& globals) {
+  Command import = app.command("import", "turn a recorded drive of another format into a log folder");
+  import.require_command();
 
   const auto options = std::make_shared<KittiOptions>();
-  CLI::App* kitti = import->add_subcommand("kitti", "KITTI raw drive: left colour camera, HDL-64E, oxts");
-  kitti->add_option("DIR", options->drive, "folder of one drive, the calibration in its parent")->required();
-  kitti->add_option("-o,--output", options->output, "log folder to write")->required();
-  kitti->add_option(
-      "--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
-  kitti->add_option("--tracking",
-                    options->tracking,
-                    "label file of the tracking benchmark with this drive's boxes: actors");
-  kitti->add_flag("--no-poses", options->without_poses, "a rig at rest; simuli align finds the path")
-      ->excludes("--poses");
-  kitti->add_option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
-  kitti->callback([options, &globals] { import_kitti_drive(*options, globals); });
+  Command kitti = import.command("kitti", "KITTI raw drive: left colour camera, HDL-64E, oxts");
+  kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent").required();
+  kitti.option("-o,--output", options->output, "log folder to write").required();
+  kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
+  kitti.option("--tracking",
+               options->tracking,
+               "label file of the tracking benchmark with this drive's boxes: actors");
+  kitti.flag("--no-poses", options->without_poses, "a rig at rest; simuli align finds the path")
+      .excludes("--poses");
+  kitti.option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
+  kitti.run([options, &globals] { import_kitti_drive(*options, globals); });
 
   const auto kitti360 = std::make_shared<Kitti360Options>();
-  CLI::App* sequence =
-      import->add_subcommand("kitti360", "frames of KITTI-360: perspective and fisheye cameras, HDL-64E");
-  sequence->add_option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..")
-      ->required();
-  sequence->add_option("-o,--output", kitti360->output, "log folder to write")->required();
-  sequence->add_option(
-      "--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
-  sequence->add_option("--first", kitti360->first, "number of the first frame; default: 0");
-  sequence->add_option("--last", kitti360->last, "number of the last frame; default: the sequence's");
-  sequence->add_option(
-      "--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
-  sequence->callback([kitti360, &globals] { import_kitti360_sequence(*kitti360, globals); });
+  Command sequence =
+      import.command("kitti360", "frames of KITTI-360: perspective and fisheye cameras, HDL-64E");
+  sequence.option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..").required();
+  sequence.option("-o,--output", kitti360->output, "log folder to write").required();
+  sequence.option("--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
+  sequence.option("--first", kitti360->first, "number of the first frame; default: 0");
+  sequence.option("--last", kitti360->last, "number of the last frame; default: the sequence's");
+  sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
+  sequence.run([kitti360, &globals] { import_kitti360_sequence(*kitti360, globals); });
 
   const auto nuscenes = std::make_shared<NuscenesOptions>();
-  CLI::App* scene = import->add_subcommand("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
-  scene->add_option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps")->required();
-  scene->add_option("-o,--output", nuscenes->output, "log folder to write")->required();
-  scene->add_option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
-  scene->add_option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
-  scene->callback([nuscenes, &globals] { import_nuscenes_scene(*nuscenes, globals); });
+  Command scene = import.command("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
+  scene.option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps").required();
+  scene.option("-o,--output", nuscenes->output, "log folder to write").required();
+  scene.option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
+  scene.option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
+  scene.run([nuscenes, &globals] { import_nuscenes_scene(*nuscenes, globals); });
 
   const auto waymo = std::make_shared<WaymoOptions>();
-  CLI::App* segment =
-      import->add_subcommand("waymo", "a segment of the Waymo Open Dataset: cameras, LiDAR TOP, boxes");
-  segment->add_option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)")->required();
-  segment->add_option("-o,--output", waymo->output, "log folder to write")->required();
-  segment->callback([waymo, &globals] { import_waymo_segment(*waymo, globals); });
+  Command segment = import.command("waymo", "a segment of the Waymo Open Dataset: cameras, LiDAR TOP, boxes");
+  segment.option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)").required();
+  segment.option("-o,--output", waymo->output, "log folder to write").required();
+  segment.run([waymo, &globals] { import_waymo_segment(*waymo, globals); });
 
   const auto points = std::make_shared<PointsOptions>();
-  CLI::App* bare =
-      import->add_subcommand("points", "a drive of your own: points.json, lists of points, pictures");
-  bare->add_option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")->required();
-  bare->add_option("-o,--output", points->output, "log folder to write")->required();
-  bare->callback([points, &globals] { import_point_drive(*points, globals); });
+  Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");
+  bare.option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")
+      .required();
+  bare.option("-o,--output", points->output, "log folder to write").required();
+  bare.run([points, &globals] { import_point_drive(*points, globals); });
 
   const auto colmap = std::make_shared<ColmapOptions>();
-  CLI::App* sub = import->add_subcommand("colmap", "a COLMAP model with its photographs");
-  sub->add_option("DIR", colmap->model, "folder of cameras.bin or .txt, or one above its sparse/0")
-      ->required();
-  sub->add_option("--images", colmap->images, "folder of the photographs; default: images, near the model");
-  add_photos(*sub, "colmap", colmap, globals, import_colmap);
+  Command sub = import.command("colmap", "a COLMAP model with its photographs");
+  sub.option("DIR", colmap->model, "folder of cameras.bin or .txt, or one above its sparse/0").required();
+  sub.option("--images", colmap->images, "folder of the photographs; default: images, near the model");
+  add_photos(sub, "colmap", colmap, globals, import_colmap);
 
   const auto nerfstudio = std::make_shared<NerfstudioOptions>();
-  sub = import->add_subcommand("nerfstudio", "posed photographs of a transforms.json");
-  sub->add_option("FILE", nerfstudio->transforms, "transforms.json, or its folder")->required();
-  add_photos(*sub, "nerfstudio", nerfstudio, globals, import_nerfstudio);
+  sub = import.command("nerfstudio", "posed photographs of a transforms.json");
+  sub.option("FILE", nerfstudio->transforms, "transforms.json, or its folder").required();
+  add_photos(sub, "nerfstudio", nerfstudio, globals, import_nerfstudio);
 }
 
 }  // namespace simuli::cli

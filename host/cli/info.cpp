@@ -104,17 +104,17 @@ void info(const InfoOptions& options, bool json) {
 
 }  // namespace
 
-void add_info(CLI::App& app, const Globals& globals) {
+void add_info(Command app, const Globals& globals) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = app.add_subcommand("info", "what a log, a scene or a sensor consists of");
+  Command command = app.command("info", "what a log, a scene or a sensor consists of");
   command
-      ->add_option("TARGET",
-                   options->target,
-                   "log folder, scene folder, LiDAR file, built-in sensor (a LiDAR's name may end in "
-                   "@COLUMNSxHZ), or \"sensors\" for the list of them")
-      ->required();
-  command->add_option("SENSOR", options->sensor, "name of one sensor in that log or scene");
-  command->callback([options, &globals] { info(*options, globals.json); });
+      .option("TARGET",
+              options->target,
+              "log folder, scene folder, LiDAR file, built-in sensor (a LiDAR's name may end in "
+              "@COLUMNSxHZ), or \"sensors\" for the list of them")
+      .required();
+  command.option("SENSOR", options->sensor, "name of one sensor in that log or scene");
+  command.run([options, &globals] { info(*options, globals.json); });
 }
 
 }  // namespace simuli::cli

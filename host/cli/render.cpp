@@ -16,14 +16,15 @@
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/pictures.hpp"
+#include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/base/video.hpp"
-#include "host/render/scene/simulator.hpp"
 #include "host/render/options/validate.hpp"
-#include "io/splat/cloud_file.hpp"
+#include "host/render/scene/simulator.hpp"
 #include "io/base/file.hpp"
 #include "io/log/lidar_file.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/splat/cloud_file.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {
@@ -288,9 +289,10 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
 
 void render(const RenderCommand& command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
-  apply_settings(command.settings, render_settings(options));
+  fields_of(options).apply(command.settings);
   validate(options);
   SceneFile file = read_scene(command.scene);
+  warn_unlike_training(file, options);
   apply(command.edits, file.scene);
   const Sensor sensor = find_sensor(file, command);
   const Plan plan = make_plan(file, sensor, command);
@@ -345,40 +347,42 @@ void render(const RenderCommand& command, const Globals& globals) {
 
 }  // namespace
 
-void add_render(CLI::App& app, const Globals& globals) {
+void add_render(Command app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
-  CLI::App* sub = app.add_subcommand("render", "what a sensor sees of a scene along a trajectory");
-  sub->add_option("SCENE", command->scene, "scene folder")->required();
-  sub->add_option("--sensor",
-                  command->sensor,
-                  "a sensor of the scene; or a built-in camera or LiDAR, or a LiDAR file, in its place")
-      ->required();
-  sub->add_option("-o,--output",
-                  command->output,
-                  "folder to make: pictures; for LiDARs clouds and range pictures; or a video.mp4")
-      ->required();
-  sub->add_option("--images", command->images, "png, or exr with float colours")
-      ->check(CLI::IsMember({"png", "exr"}))
-      ->capture_default_str();
-  sub->add_option("--clouds", command->clouds, "ply, pcd or npz")
-      ->check(CLI::IsMember({"ply", "pcd", "npz"}))
-      ->capture_default_str();
-  sub->add_option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
-      ->check(CLI::PositiveNumber);
-  sub->add_option("--trajectory", command->trajectory, "recorded: the scene's own, or a log folder")
-      ->capture_default_str();
-  sub->add_option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");
-  sub->add_option("--frames", command->frames, "a:b, first and last of the recorded frames, from 0");
-  sub->add_option(
-         "--duration", command->duration_s, "of one frame, s; default: 0.1 for LiDARs, 0 for cameras")
-      ->check(CLI::NonNegativeNumber);
-  sub->add_option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
-  sub->add_option("--speed", command->speed, "drive the path this many times as fast as recorded")
-      ->check(CLI::Range(0.01, 100.0));
-  add_edit_options(*sub, command->edits);
-  sub->add_option("--scale", command->scale, "size of the pictures over the camera's own");
-  sub->add_option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
-  sub->callback([command, &globals] { render(*command, globals); });
+  Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
+  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("--sensor",
+             command->sensor,
+             "a sensor of the scene; or a built-in camera or LiDAR, or a LiDAR file, in its place")
+      .required();
+  sub.option("-o,--output",
+             command->output,
+             "folder to make: pictures; for LiDARs clouds and range pictures; or a video.mp4")
+      .required();
+  sub.option("--images", command->images, "png, or exr with float colours")
+      .one_of({"png", "exr"})
+      .with_default();
+  sub.option("--clouds", command->clouds, "ply, pcd or npz").one_of({"ply", "pcd", "npz"}).with_default();
+  sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
+      .positive();
+  sub.option("--trajectory", command->trajectory, "recorded: the scene's own, or a log folder")
+      .with_default();
+  sub.option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");
+  sub.option("--frames", command->frames, "a:b, first and last of the recorded frames, from 0");
+  sub.option("--duration", command->duration_s, "of one frame, s; default: 0.1 for LiDARs, 0 for cameras")
+      .non_negative();
+  sub.option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
+  sub.option("--speed", command->speed, "drive the path this many times as fast as recorded")
+      .range(0.01, 100.0);
+  add_edit_options(sub, command->edits);
+  sub.option("--scale", command->scale, "size of the pictures over the camera's own");
+  const auto options = std::make_shared<RenderOptions>();
+  const auto fields = [options, &globals] {
+    *options = options_of(globals.quality);
+    return fields_of(*options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
+  sub.run([command, &globals] { render(*command, globals); });
 }
 
 }  // namespace simuli::cli

@@ -17,16 +17,15 @@ void synth(const StreetOptions& options, const Globals& globals) {
 
 }  // namespace
 
-void add_synth(CLI::App& app, const Globals& globals) {
-  CLI::App* command =
-      app.add_subcommand("synth", "make a log of an embedded scene, whose truth is known exactly");
-  command->require_subcommand(1);
+void add_synth(Command app, const Globals& globals) {
+  Command command = app.command("synth", "make a log of an embedded scene, whose truth is known exactly");
+  command.require_command();
 
   const auto options = std::make_shared<StreetOptions>();
-  CLI::App* street = command->add_subcommand("street", "a street with one moving car");
-  street->add_option("-o,--output", options->output, "log folder to write")->required();
+  Command street = command.command("street", "a street with one moving car");
+  street.option("-o,--output", options->output, "log folder to write").required();
   const auto add = [&](const char* name, auto& value, const char* text) {
-    street->add_option(name, value, text)->capture_default_str();
+    street.option(name, value, text).with_default();
   };
   add("--frames", options->frames, "images per camera and sweeps");
   add("--speed", options->speed_m_per_s, "of the rig, m/s");
@@ -34,9 +33,9 @@ void add_synth(CLI::App& app, const Globals& globals) {
   add("--image-height", options->image_height, "pixels");
   add("--lidar-columns", options->lidar_columns, "firings per turn");
   add("--seed", options->seed, "of textures and furniture");
-  street->add_flag("--moving-car,!--no-moving-car", options->moving_car, "one car drives; default: yes");
-  street->add_flag("--rolling-shutter", options->rolling_shutter, "20 ms top to bottom instead of global");
-  street->callback([options, &globals] { synth(*options, globals); });
+  street.flag("--moving-car,!--no-moving-car", options->moving_car, "one car drives; default: yes");
+  street.flag("--rolling-shutter", options->rolling_shutter, "20 ms top to bottom instead of global");
+  street.run([options, &globals] { synth(*options, globals); });
 }
 
 }  // namespace simuli::cli

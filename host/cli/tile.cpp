@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "bench/render/table6.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/tile_choice.hpp"
+#include "host/render/scene/tile_tuning.hpp"
 #include "io/log/lidar_file.hpp"
 
 namespace simuli::cli {
@@ -107,9 +107,9 @@ void print(const std::string& name, const RayGrid& grid, bool json) {
 
 void tune(const Device& device, const LidarModel& sensor, std::int64_t particles) {
   constexpr int kFrames = 15;
-  const bench::TileGrid grid = bench::time_tiles(device, sensor, particles, kFrames);
+  const TileGrid grid = time_tiles(device, sensor, particles, kFrames);
   for (std::size_t i = 0; i < grid.times.size(); ++i) {
-    const bench::TileTime& t = grid.times[i];
+    const TileTime& t = grid.times[i];
     std::cerr << fmt::format(
         "{:>3} elevation tiles x {:>3} rays: {:>4} x {:>5} tiles of {:>3} slots {:>9.3f} ms{}\n",
         t.tiles.elevation,
@@ -149,24 +149,21 @@ void tile(const TileCommand& command, const Globals& globals) {
 
 }  // namespace
 
-void add_tile(CLI::App& app, const Globals& globals) {
+void add_tile(Command app, const Globals& globals) {
   const auto options = std::make_shared<TileCommand>();
-  CLI::App* command =
-      app.add_subcommand("tile", "the tiles of a LiDAR: numbers, a picture, the fastest ones");
-  command->add_option("SENSOR", options->sensor, "LiDAR file, or name of a built-in LiDAR")->required();
-  command->add_option("-o,--output", options->picture, "picture of beams, tiles and rays per tile (PNG)");
+  Command command = app.command("tile", "the tiles of a LiDAR: numbers, a picture, the fastest ones");
+  command.option("SENSOR", options->sensor, "LiDAR file, or name of a built-in LiDAR").required();
+  command.option("-o,--output", options->picture, "picture of beams, tiles and rays per tile (PNG)");
   command
-      ->add_option(
-          "--elevation-tiles", options->tiles.elevation, "tiles from top to bottom; default: as rendered")
-      ->check(CLI::Range(1, 4096));
-  command->add_option("--rays", options->tiles.rays, "rays of a tile, at most; default: as rendered")
-      ->check(CLI::Range(16, 256));
-  command->add_flag(
-      "--tune", options->tune, "time the grid of tiles on this device and keep the fastest for it");
-  command->add_option("--particles", options->particles, "with --tune: Gaussians of the synthetic street")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{16'000'000}))
-      ->capture_default_str();
-  command->callback([options, &globals] { tile(*options, globals); });
+      .option("--elevation-tiles", options->tiles.elevation, "tiles from top to bottom; default: as rendered")
+      .range(1, 4096);
+  command.option("--rays", options->tiles.rays, "rays of a tile, at most; default: as rendered")
+      .range(16, 256);
+  command.flag("--tune", options->tune, "time the grid of tiles on this device and keep the fastest for it");
+  command.option("--particles", options->particles, "with --tune: Gaussians of the synthetic street")
+      .range(std::int64_t{1}, std::int64_t{16'000'000})
+      .with_default();
+  command.run([options, &globals] { tile(*options, globals); });
 }
 
 }  // namespace simuli::cli

@@ -26,7 +26,7 @@ struct Pose {
 [[nodiscard]] Eigen::Vector3d operator*(const Pose& a_from_b, const Eigen::Vector3d& p_b);
 
 /// Pose between two world_from_sensor poses: slerp of the rotation (shorter arc), lerp of the sensor
-/// centre (METHOD: interpolating the inverse would bend the path). u = 0 gives a, u = 1 gives b.
+/// centre (METHOD section 3: interpolating the inverse would bend the path). u = 0 gives a, u = 1 gives b.
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double u);
 
 }  // namespace simuli

@@ -5,12 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 
-#include "host/render/scene/renderer.hpp"
-#include "host/render/train/anchor.hpp"
-#include "host/render/train/densify.hpp"
 #include "host/render/train/regularize.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
@@ -18,7 +14,9 @@
 #include "optim/poses/sensor_offsets.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/state.hpp"
-#include "optim/train/train_options.hpp"
+#include "optim/train/structure.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/train/training_options.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
 #include "optim/train/truth.hpp"
@@ -34,45 +32,17 @@ struct RunningMean {
   [[nodiscard]] double value() const;
 };
 
-/// How the training stands. Values are running means over about the last 20 frames; NaN before the first.
-struct TrainStatus {
-  int iteration = 0;  // done
-  double psnr_db = 0.0;
-  double distance_m = 0.0;     // mean |d^ - d| over returned rays, expected distance
-  double drop_accuracy = 0.0;  // share of rays
-  std::uint32_t camera_particles = 0;
-  std::uint32_t lidar_particles = 0;
-};
-
-struct TrainReport {
-  TrainStatus last;
-  std::size_t images = 0;  // trained on
-  std::size_t sweeps = 0;
-  Eigen::Index camera_particles = 0;
-  Eigen::Index lidar_particles = 0;
-  std::uint64_t relocated = 0;  // dead particles of both sets, put where the error is
-  std::uint64_t grown = 0;      // particles of both sets that came new
-  double anchor_m = 0.0;        // mean distance of anchored camera particles seen last
-  double anchor_seconds = 0.0;
-  double densify_seconds = 0.0;
-  std::uint32_t rejected_gradients = 0;  // entries that were not finite and moved nothing; 0 in good order
-  std::uint64_t unsound_particles = 0;   // not finite at the end: nobody sees them, the scene leaves them out
-  std::uint32_t unsound_losses = 0;      // of frames, not finite
-  bool stopped_early = false;            // max_seconds ran out first
-  double seconds = 0.0;
-};
-
 /// One training. The same device, build, log, scene and options give the same bits, unless max_seconds
 /// stops it.
 class Trainer {
  public:
   /// Error{kUsage} for options outside their range, Error{kInput} when the log has no frame to train on.
   /// `log` must outlive the trainer.
-  /// `moving` (of the initialisation) is used when options.mask_moving.
+  /// `moving` (of the initialisation) is used when train.mask_moving.
   Trainer(const Device& device,
           const Log& log,
           Scene scene,
-          const TrainOptions& options,
+          const TrainingOptions& options,
           MovingSpace moving = {});
 
   /// One iteration: a step on the camera set, and on the LiDAR set when it is its turn; each only when it has
@@ -83,17 +53,18 @@ class Trainer {
   TrainReport run(const std::function<void(const TrainStatus&)>& on_step = {});
 
   /// Stores all that decides how this training goes on; atomic. `settings`: a line for each thing that must
-  /// be the same for it to be the same training.
+  /// be the same for it to be the same training, but for the number of iterations.
   void save(const std::filesystem::path& file, const std::string& settings);
   /// Goes on where a trainer of the same log, start and options was saved: with the same bits, on the same
-  /// device and build. Error{kInput} when the file is of another training, or not as it was written.
+  /// device and build. This one may have more iterations: their rates then follow its own, longer schedule.
+  /// Error{kInput} when the file is of another training, of more iterations, or not as it was written.
   void resume(const std::filesystem::path& file, const std::string& settings);
   /// Error{kInput} when the file is no checkpoint, or of other settings: what resume() would say, before the
   /// start has been made.
-  static void need_settings(const std::filesystem::path& file, const std::string& settings);
+  static void need_settings(const std::filesystem::path& file, const std::string& settings, int iterations);
 
   [[nodiscard]] const TrainStatus& status() const { return status_; }
-  /// What has been learned of where sensors sit; empty unless options.poses ask for it.
+  /// What has been learned of where sensors sit; empty unless train.poses ask for it.
   [[nodiscard]] const SensorOffsets& sensor_offsets() const { return offsets_; }
   /// The scene as trained so far, without particles that are not finite.
   [[nodiscard]] Scene scene() const;
@@ -102,24 +73,31 @@ class Trainer {
   Trainer& operator=(const Trainer&) = delete;
 
  private:
+  /// What a step on a set has of its frame, and of its own.
+  struct Turn {
+    Pass& pass;
+    TrainedSet& set;
+    SetNumber number;
+    const LearningRates& rates;
+    const ParticleWeights& weights;
+    const std::string& sensor;
+    double time_start_s, time_end_s;
+    double progress;
+    bool errors;  // are collected
+  };
+  void step_camera(double progress);
+  void step_lidar(double progress);
+  /// From the loss of the pass to the set's step: what both sets do, in its order.
+  void descend(const Turn& turn);
+  void regularize(TrainedSet& set, const ParticleWeights& weights);
+  void step_pose(const Turn& turn);
+  /// What the frame says of the actors: their poses, behind the particles' own step.
+  void step_actors(const Turn& turn);
+  template <class Frame>
+  [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
   /// Whether the loss of a frame is a finite number; counts it when it is not.
   bool is_sound(double loss);
   StateList state(const std::string& settings);
-  /// What the frame says of the actors: their poses, behind the particles' own step.
-  void step_actors(Pass& pass, TrainedSet& set, double time_start_s, double time_end_s, double progress);
-  void regularize(TrainedSet& set, const ParticleWeights& weights);
-  void step_camera(double progress);  // trainer_camera.cpp
-  void step_lidar(double progress);   // trainer_lidar.cpp
-  // trainer_structure.cpp
-  template <class Frame>
-  [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
-  void step_pose(Pass& pass, const std::string& sensor, const RealBuffer& grads, double progress);
-  [[nodiscard]] bool collects_errors() const;
-  void find_anchors();
-  void add_anchor_gradient(const Pass& pass);
-  void jitter(
-      const Pass& pass, TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress);
-  void densify();
 
   const Log& log_;
   Scene scene_;
@@ -129,15 +107,12 @@ class Trainer {
   TruthCache truth_;
   TrainedSet camera_, lidar_;
   TrainedLook look_;
+  Structure structure_;
   RegularizeStage regularize_;
   FrameOrder images_, sweeps_;
   SensorOffsets offsets_;  // of the sensors whose poses are learned
   RunningMean square_, distance_, right_;
   TrainStatus status_;
-  std::optional<AnchorStage> anchor_;    // when camera particles are anchored
-  std::optional<DensifyStage> densify_;  // when particles are relocated
-  std::uint64_t relocated_ = 0, grown_ = 0;
-  double anchor_seconds_ = 0.0, densify_seconds_ = 0.0;
   std::uint32_t unsound_losses_ = 0;
 };
 

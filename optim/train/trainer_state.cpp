@@ -1,4 +1,6 @@
 // Checkpoints: the trainer's state by name.
+#include <cstring>
+#include <fmt/format.h>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,17 +13,16 @@ namespace simuli {
 namespace {
 
 constexpr const char* kSettings = "settings";
+constexpr const char* kIterations = "iterations";  // planned
 
-void add_set(StateList& list, const std::string& name, TrainedSet& set) {
-  list.add(name + "/count", set.particles.count);
-  list.add(name + "/stride", set.particles.stride);
-  list.add(name + "/parameters", set.particles.params);
-  list.add(name + "/actors", set.particles.actor_of);
-  list.add(name + "/first_moment", set.adam.first_moment());
-  list.add(name + "/second_moment", set.adam.second_moment());
-  list.add(name + "/steps", set.adam.iteration());
-  list.add(name + "/rejections", set.adam.rejections());
-  list.add(name + "/errors", set.error);
+void need_iterations(const std::string& file, std::span<const std::byte> saved, int iterations) {
+  int planned = 0;
+  if (saved.size() == sizeof planned) std::memcpy(&planned, saved.data(), sizeof planned);
+  if (saved.size() == sizeof planned && planned <= iterations) return;
+  throw_input_error(file,
+                    kIterations,
+                    fmt::format("a training of {}", planned),
+                    fmt::format("of {} or fewer: it can be made longer, not shorter", iterations));
 }
 
 /// What has been learned of the actors' tracks.
@@ -54,25 +55,30 @@ void add_tracks(StateList& list, std::vector<Actor>& actors) {
 StateList Trainer::state(const std::string& settings) {
   StateList list;
   list.add_fixed(kSettings, settings);
+  list.add(
+      kIterations,
+      [this] {
+        StateList::Bytes bytes(sizeof options_.iterations);
+        std::memcpy(bytes.data(), &options_.iterations, bytes.size());
+        return bytes;
+      },
+      [this](const std::string& file, std::span<const std::byte> saved) {
+        need_iterations(file, saved, options_.iterations);
+      });
   list.add("status", status_);
   list.add("mean/squared_error", square_);
   list.add("mean/distance", distance_);
   list.add("mean/right_drops", right_);
-  list.add("relocated", relocated_);
-  list.add("grown", grown_);
   list.add("unsound_losses", unsound_losses_);
-  add_set(list, "camera", camera_);
-  add_set(list, "lidar", lidar_);
+  camera_.add_state(list, "camera");
+  lidar_.add_state(list, "lidar");
+  structure_.add_state(list);
   add_tracks(list, scene_.actors);
   for (TrainedSet* set : {&camera_, &lidar_}) {
     list.add_numbers(
         set == &camera_ ? "camera/poses" : "lidar/poses",
         [this, set] { return set->poses.numbers(scene_.actors); },
         [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene_.actors, numbers); });
-  }
-  if (anchor_) {
-    list.add("anchor/candidates", anchor_->candidates());
-    list.add("anchor/nearest", anchor_->nearest());
   }
   look_.add_state(list);
   for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
@@ -83,8 +89,10 @@ void Trainer::save(const std::filesystem::path& file, const std::string& setting
   state(settings).write(file);
 }
 
-void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings) {
-  StateList::need_text(file.string(), kSettings, StateFile(file).block(kSettings), settings);
+void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings, int iterations) {
+  const StateFile state(file);
+  StateList::need_text(file.string(), kSettings, state.block(kSettings), settings);
+  need_iterations(file.string(), state.block(kIterations), iterations);
 }
 
 void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {

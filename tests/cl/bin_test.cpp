@@ -227,7 +227,7 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
   const SceneCase& scene = GetParam();
   const bool camera = scene.kind == SetKind::kCamera;
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const test::SetRecipe recipe{
       .count = 500, .low = {-12, -12, -4}, .high = {12, 12, 4}, .scale_min = 0.05, .scale_max = 0.8};
@@ -295,7 +295,7 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   set.params.leftCols(flat.params.cols()) = flat.params;
 
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   const RayResults found =

@@ -226,7 +226,7 @@ Picture picture_of(const Camera& camera, bool moving) {
 /// Compares a picture with the reference without boxes, which knows neither tiles nor sigma points.
 void expect_reference(const Picture& picture, std::size_t least_covered) {
   const Device device = Device::best();
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
   const RayResults results = renderer.render(particles, rays, picture.shot.view).results();
@@ -305,7 +305,7 @@ TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
   particle.scale.setConstant(0.05);
   picture.set = test::set_of(SetKind::kCamera, {particle});
   const Device device = Device::best();
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
   Pass pass = renderer.render(particles, rays, picture.shot.view);
@@ -333,7 +333,7 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
   }
   picture.set = test::set_of(SetKind::kCamera, around);
   const Device device = Device::best();
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
   Pass pass = renderer.render(particles, rays, picture.shot.view);

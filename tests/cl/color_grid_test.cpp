@@ -65,7 +65,7 @@ TEST_P(ColorGrid, MatchesTheLoopAndTheIdentityChangesNothing) {
   // Wider than its cells, and (the second) with more vertices than pixels.
   for (const auto& [width, height, x, y, z] : {std::array{50, 37, 4, 3, 5}, std::array{11, 7, 16, 16, 8}}) {
     const test::Shot shot = test::shot_of(test::kCameraStill, width, height);
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.precision = GetParam();
     Renderer renderer(device_, options);
     const SensorRays rays = shot.on(device_, options);

@@ -19,7 +19,7 @@ class BlendedError : public testing::TestWithParam<LaneShape> {};
 
 TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shape = GetParam();
   const test::SceneCase& scene = test::kCameraStill;
   GaussianSet set = test::set_for(scene, {.count = 300}, 3);
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes,
 
 TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   const GaussianSet set = test::set_for(test::kLidarStill, {.count = 500}, 3);
   const test::Shot shot = test::shot_of(test::kLidarStill, 64, 16);
   Renderer renderer(device, options);

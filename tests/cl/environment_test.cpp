@@ -43,7 +43,7 @@ struct Panorama {
   }
   test::Shot shot;
   GaussianSet set;
-  RenderOptions options;
+  RenderOptions options = paper_options();
 };
 
 EnvironmentMap random_map(int width, int height) {

@@ -207,7 +207,7 @@ TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
   lidar.name = "tuned";
   const TileChoiceKey key{lidar.name, 16, 16 * 90};
   const auto tile_rows = [&](const LidarTiles& tiles) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.lidar_tiles = tiles;
     return make_ray_grid(device, lidar, nominal_rays(lidar, 0.1), options).frame.tiles_y;
   };
@@ -263,7 +263,7 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
     }
     const ParticleBuffers set(device, test::set_of(SetKind::kLidar, particles), Precision::kFloat);
     for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {8, 32}, {64, 64}, {32, 128}}) {
-      RenderOptions options;
+      RenderOptions options = paper_options();
       options.lidar_tiles = tiles;
       Renderer renderer(device, options);
       const SensorRays rays(device, lidar, nominal, options);

@@ -20,7 +20,7 @@ TEST_P(PoseGradientOf, MatchesDifferences) {
   const Device device = Device::best();
   SIMULI_NEEDS_DOUBLE(device);
   const bool camera = scene.kind == SetKind::kCamera;
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = Precision::kDouble;
   options.alpha_cut = 1e-12;  // no contribution comes or goes visibly when the sensor moves
   options.transmittance_cut = 0.0;
@@ -89,7 +89,7 @@ TEST(PoseGradientShape, GpuLanesGiveTheSame) {
   const GaussianSet set = test::set_for(test::kLidarMoving, {.count = 400, .scale_min = 0.1}, 5);
   const test::Shot shot = test::shot_of(test::kLidarMoving, 60, 12);
   const auto gradient = [&](const LaneShape& shape) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.shape = shape;
     Renderer renderer(device, options);
     const SensorRays rays = shot.on(device, options);

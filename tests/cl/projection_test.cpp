@@ -29,7 +29,7 @@ class ProjectionOption : public testing::TestWithParam<test::SceneCase> {
 
   /// Boxes of all particles, every one of which must be seen.
   [[nodiscard]] std::vector<Box> boxes(Projection projection, const std::vector<SingleParticle>& particles) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.projection = projection;
     options.camera_filter_px2 = 0.0;  // boxes of the particles themselves
     const test::Shot shot = camera() ? test::shot_of(GetParam(), 72, 50) : test::shot_of(GetParam(), 150, 20);

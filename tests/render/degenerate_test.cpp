@@ -99,7 +99,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
   }
 
   Device device_ = Device::best();
-  RenderOptions options_;
+  RenderOptions options_ = paper_options();
   Renderer renderer_{device_, options_};
   std::vector<float> gradients_;  // of what the last render did not cull
   std::uint32_t visible_ = 0, instances_ = 0;

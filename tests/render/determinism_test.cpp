@@ -28,7 +28,7 @@ GaussianSet crowd(const SceneCase& scene) {
 
 Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& shape) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shape = shape;
   const test::Shot shot =
       scene.kind == SetKind::kCamera ? test::shot_of(scene, 72, 50) : test::shot_of(scene, 150, 20);

@@ -28,7 +28,7 @@ TEST_P(Forward, MatchesTheReference) {
   const bool camera = scene.kind == SetKind::kCamera;
   const test::Shot shot = camera ? test::shot_of(scene, 72, 50) : test::shot_of(scene, 150, 20);
 
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   options.shape = shape;
   Renderer renderer(device, options);

@@ -23,7 +23,7 @@ constexpr double kFloatGradientTolerance = 1e-2;
 
 /// Cuts so small that no contribution comes or goes visibly when a parameter moves.
 RenderOptions smooth_options(Precision precision) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   options.alpha_cut = 1e-12;
   options.transmittance_cut = 0.0;

@@ -56,7 +56,7 @@ TEST_P(PerRay, MatchesTheReference) {
   if (precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   const GaussianSet set = crowd(scene);
   const test::Shot shot = shot_for(scene);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   options.shape = shape;
   options.order = Order::kPerRay;
@@ -109,7 +109,7 @@ TEST(RaySh, InOrderOfRangeMatchesTheReference) {
   SIMULI_NEEDS_DOUBLE(device);
   const GaussianSet set = crowd(test::kCameraSh3);
   const test::Shot shot = shot_for(test::kCameraSh3);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = Precision::kDouble;
   options.sh_direction = ShDirection::kRay;
   const RayResults results = render(device, set, shot, options);
@@ -130,7 +130,7 @@ TEST(RaySh, SumsThatAreNoNumbersAreNotSpread) {
   GaussianSet set = crowd(test::kCameraSh3, 60);
   set.sh(2).row(3).setConstant(3e38F);  // 0 towards a particle straight ahead, huge a little beside it
   set.mean().row(3) << 5.0F, 0.0F, 0.0F;
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.sh_direction = ShDirection::kRay;
   for (const Order order : {Order::kRange, Order::kPerRay}) {
     options.order = order;
@@ -146,7 +146,7 @@ TEST(PreciseMath, DiffersByRoundingAlone) {
   constexpr double kRounding = 1e-4;  // sums of hundreds of terms, decisions aside
   const Device device = Device::best();
   for (const SceneCase& scene : {test::kCameraStill, test::kLidarMoving}) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     const RayResults fast = render(device, crowd(scene), shot_for(scene), options);
     options.math = Math::kPrecise;
     const RayResults precise = render(device, crowd(scene), shot_for(scene), options);
@@ -165,7 +165,7 @@ TEST(ShDegrees, LeftOutBandsAreNotThere) {
   GaussianSet cut(set.kind, 1, set.size());
   cut.params = set.params.leftCols(param_rows(1));
   const test::Shot shot = shot_for(test::kCameraSh3);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   const RayResults expected = render(device, cut, shot, options);
   options.sh_degree = ShDegree::k1;
   const ParticleBuffers buffers(device, set, options);
@@ -194,7 +194,7 @@ TEST(ShDegrees, AutoTakesTheLowestThatIsGoodEnough) {
   // What it says is what pictures show: RMS over a picture's colours, of particles alone and in layers.
   const Device device = Device::best();
   const test::Shot shot = shot_for(test::kCameraSh3);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   const RayResults all = render(device, set, shot, options);
   options.sh_degree = ShDegree::kAuto;
   options.sh_error = 2.0 * quadratic;
@@ -217,7 +217,7 @@ TEST(ShStorage, HalvesAreRoundedCoefficients) {
     GaussianSet set = crowd(scene);
     set.sh(0).row(0).setConstant(1e-7F);  // a denormal half
     const test::Shot shot = shot_for(scene);
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.sh_storage = ShStorage::kHalf;
     const ParticleBuffers buffers(device, set, options);
     const GaussianSet rounded = buffers.download();
@@ -240,7 +240,7 @@ TEST(ShStorage, HalvesAreRoundedCoefficients) {
       EXPECT_EQ(halves.transmittance, full.transmittance);
       EXPECT_EQ(halves.distance, full.distance);
     }
-    const ParticleBuffers all(device, set, RenderOptions{});
+    const ParticleBuffers all(device, set, paper_options());
     const std::size_t sh_rows = static_cast<std::size_t>(set.params.cols()) - SIM_SH;
     EXPECT_EQ(all.params.count() - buffers.params.count(), sh_rows * buffers.stride / 2);
   }
@@ -249,7 +249,7 @@ TEST(ShStorage, HalvesAreRoundedCoefficients) {
 TEST(ShStorage, WhatHalvesCannotHoldIsRefused) {
   const Device device = Device::best();
   GaussianSet set = crowd(test::kCameraSh3, 20);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.sh_storage = ShStorage::kHalf;
   options.precision = Precision::kDouble;
   expect_error(ErrorKind::kUsage, "allowed full", [&] { ParticleBuffers(device, set, options); });
@@ -262,7 +262,7 @@ TEST(ShStorage, WhatHalvesCannotHoldIsRefused) {
 
 TEST(ShutterOf0, IsAFrameHalfWay) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shutter_iterations = 0;
   for (const SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
     test::Shot shot = shot_for(scene);
@@ -279,7 +279,7 @@ TEST(PicturesOnly, HaveNoGradients) {
   const Device device = Device::best();
   const test::Shot shot = shot_for(test::kCameraStill);
   const GaussianSet set = crowd(test::kCameraStill, 40);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   EXPECT_TRUE(has_gradients(options));
   options.order = Order::kPerRay;
   EXPECT_FALSE(has_gradients(options));

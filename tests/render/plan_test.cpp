@@ -100,7 +100,7 @@ TEST(Plan, BandsThatAreLeftOutAreNotThere) {
   plain.params = set.params.leftCols(param_rows(0));
   const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
   const Traces never = traces_of(plain, shot, {});
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.sh_degree = ShDegree::k0;
   expect_same(traces_of(set, shot, options), never);
   options.sh_direction = ShDirection::kRay;  // colours look alike from everywhere
@@ -111,7 +111,7 @@ TEST(Plan, BandsThatAreLeftOutAreNotThere) {
 TEST(Plan, CamerasHaveNoMedianDistance) {
   const GaussianSet set = crowd(test::kCameraSh3);
   const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
-  RenderOptions without;
+  RenderOptions without = paper_options();
   without.median_distance = false;
   expect_same(traces_of(set, shot, {}), traces_of(set, shot, without));
 }
@@ -119,7 +119,7 @@ TEST(Plan, CamerasHaveNoMedianDistance) {
 TEST(Plan, SweepsWithoutEmptyCellsAreNotCulled) {
   const GaussianSet set = crowd(test::kLidarStill);
   const test::Shot shot = test::shot_of(test::kLidarStill, 1800, 18);
-  RenderOptions always;
+  RenderOptions always = paper_options();
   always.culling = Culling::kAlways;
   const Traces full = traces_of(set, shot, {});
   EXPECT_NE(full.programs, traces_of(set, shot, always).programs);

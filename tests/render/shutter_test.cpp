@@ -155,7 +155,7 @@ TEST(Shutter, LosesNoParticleWhateverTheSpeed) {
 
 TEST(Shutter, LosesNoParticleInDouble) {
   SIMULI_NEEDS_DOUBLE(Device::best());
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = Precision::kDouble;
   for (const double speed : {0.9, 1.0, 3.0}) expect_found_at(speed, options, kClipped);
 }
@@ -167,7 +167,7 @@ TEST(Shutter, LosesNothingInExactExtents) {
 }
 
 TEST(Shutter, BoundsTakeOverWhereOneLookIsNotEnough) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shutter_iterations = 1;
   for (const double speed : {0.3, 1.0}) expect_found_at(speed, options, kClipped);
 }
@@ -210,7 +210,7 @@ struct Found {
 };
 Found find(const Shot& shot, const std::vector<test::SingleParticle>& particles, Precision precision) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);

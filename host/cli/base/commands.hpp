@@ -1,10 +1,10 @@
 #pragma once
-// The commands of the program, one file each. A command adds itself to the app; its callback does the work
-// and throws Error, which main() turns into one line on stderr and an exit code. Data goes to stdout,
-// everything else to stderr.
-#include <CLI/CLI.hpp>
+// The commands of the program, one file each. A command adds itself to the program; what it runs does the
+// work and throws Error, which run_program() turns into one line on stderr and an exit code. Data goes to
+// stdout, everything else to stderr.
 #include <string>
 
+#include "host/cli/base/command.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/render/options/quality.hpp"
 
@@ -22,19 +22,24 @@ struct Globals {
 /// As asked for; nothing beside data as JSON.
 [[nodiscard]] ProgressStyle progress_style(const Globals& globals);
 
-void add_align(CLI::App& app, const Globals& globals);
-void add_bench(CLI::App& app, const Globals& globals);
-void add_convert(CLI::App& app, const Globals& globals);
-void add_demo(CLI::App& app, const Globals& globals);
-void add_devices(CLI::App& app, const Globals& globals);
-void add_eval(CLI::App& app, const Globals& globals);
-void add_fit(CLI::App& app, const Globals& globals);
-void add_import(CLI::App& app, const Globals& globals);
-void add_info(CLI::App& app, const Globals& globals);
-void add_render(CLI::App& app, const Globals& globals);
-void add_synth(CLI::App& app, const Globals& globals);
-void add_tile(CLI::App& app, const Globals& globals);
-void add_train(CLI::App& app, const Globals& globals);
-void add_view(CLI::App& app, const Globals& globals);
+/// Error{kUsage}: `what` needs a build with that CMake option.
+[[noreturn]] void refuse_absent(const std::string& what, const std::string& option);
+/// A command that this build lacks: it refuses, whatever its arguments.
+void add_absent(Command app, const std::string& name, const std::string& help, const std::string& option);
+
+void add_align(Command app, const Globals& globals);
+void add_bench(CommandLine& line);
+void add_convert(Command app, const Globals& globals);
+void add_demo(Command app, const Globals& globals);
+void add_devices(Command app, const Globals& globals);
+void add_eval(Command app, const Globals& globals);
+void add_fit(Command app, const Globals& globals);
+void add_import(Command app, const Globals& globals);
+void add_info(Command app, const Globals& globals);
+void add_render(Command app, const Globals& globals);
+void add_synth(Command app, const Globals& globals);
+void add_tile(Command app, const Globals& globals);
+void add_train(Command app, const Globals& globals);
+void add_view(Command app, const Globals& globals);
 
 }  // namespace simuli::cli

@@ -49,9 +49,9 @@ double number(const char* option, const std::string& text, const char* allowed) 
 
 }  // namespace
 
-void add_edit_options(CLI::App& sub, Edits& edits) {
+void add_edit_options(Command sub, Edits& edits) {
   const auto add = [&](const char* name, std::vector<std::string>& to, const char* text) {
-    sub.add_option(name, to, text)->take_all();
+    sub.option(name, to, text);
   };
   add("--add", edits.add, "SCENE:ACTOR[:NAME], an actor of another scene; then give it a --track");
   add("--duplicate", edits.duplicate, "ACTOR:NAME, a second one of the same");

@@ -1,9 +1,9 @@
 #pragma once
 // Edits of a scene's actors on the command line.
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "host/cli/base/command.hpp"
 #include "host/scene/scene.hpp"
 
 namespace simuli::cli {
@@ -18,7 +18,7 @@ struct Edits {
   std::vector<std::string> remove;     // ACTOR
 };
 
-void add_edit_options(CLI::App& sub, Edits& edits);
+void add_edit_options(Command sub, Edits& edits);
 /// Error{kUsage} for an edit that says nothing, Error{kInput} for a scene or log that can't be read.
 void apply(const Edits& edits, Scene& scene);
 

@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "host/cli/base/progress.hpp"
+#include "host/cli/base/provenance.hpp"
 #include "host/base/version.hpp"
-#include "host/cli/report/held_out.hpp"
+#include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/scene/look.hpp"
-#include "host/cli/report/html_report.hpp"
+#include "host/cli/draw/html_report.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {
@@ -28,8 +29,9 @@ std::string count_text(Eigen::Index count) {
 }
 
 void add_metrics(HtmlReport& html, const EvalReport& report) {
-  html.heading("On frames that training did not see");
-  html.paragraph(fmt::format("{} pictures of {} x {} px, {} sweeps.",
+  html.heading("Compared with the log");
+  html.paragraph(fmt::format("{}: {} pictures of {} x {} px, {} sweeps.",
+                             report.frames.label(),
                              report.images,
                              report.image_width,
                              report.image_height,
@@ -44,8 +46,19 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
   return values;
 }
 
-void add_training(HtmlReport& html, const TrainedScene& trained) {
-  const TrainReport& r = trained.training;
+void add_record(HtmlReport& html, const TrainingRecord& made) {
+  html.heading("How the scene was made");
+  std::vector<std::vector<std::string>> rows;
+  for (const RecordLine& line : record_lines(made)) rows.push_back({line.name, line.value});
+  for (const std::string& setting : made.settings) {
+    const std::size_t equals = setting.find('=');
+    rows.push_back({setting.substr(0, equals), setting.substr(std::min(setting.size(), equals + 1))});
+  }
+  html.table({"setting", "value"}, rows);
+}
+
+void add_training(HtmlReport& html, const TrainedReport& trained) {
+  const TrainReport& r = trained.report.train;
   const TrainHistory& h = trained.history;
   html.heading("Training");
   html.paragraph(
@@ -55,7 +68,7 @@ void add_training(HtmlReport& html, const TrainedScene& trained) {
                   r.last.iteration,
                   r.images,
                   r.sweeps,
-                  format_duration(trained.init.seconds),
+                  format_duration(trained.report.init.seconds),
                   format_duration(r.seconds),
                   count_text(r.camera_particles),
                   count_text(r.lidar_particles),
@@ -78,18 +91,16 @@ double seconds_of(const Log& log, double time_s) {
   return log.world_from_rig.poses().empty() ? time_s : time_s - log.world_from_rig.start_s();
 }
 
-void add_pictures(
-    HtmlReport& html, Renderer& renderer, const Log& log, const Scene& scene, const EvalOptions& options) {
-  const std::vector<std::size_t> images =
-      some_of(select_frames(log.images, options.held_out_every, options.held_out_every > 0), kPictures);
-  if (images.empty() || scene.camera.size() == 0) return;
-  const ParticleBuffers camera_set(renderer.device(), scene.camera, renderer.options());
-  html.heading("Held-out pictures");
+void add_pictures(HtmlReport& html, Evaluation& evaluation) {
+  const Log& log = evaluation.log();
+  const std::vector<std::size_t> images = some_of(evaluation.frames().images, kPictures);
+  if (images.empty() || evaluation.scene().scene.camera.size() == 0) return;
+  html.heading(fmt::format("Pictures: {}", evaluation.frames().label()));
   html.paragraph(
       "Drag the line. Error pictures: black is right, pale is off by a quarter of full scale or more.");
   for (const std::size_t index : images) {
     const ImageFrame& frame = log.images[index];
-    const PicturePair pair = camera_pair(renderer, camera_set, log, scene, index, options);
+    const PicturePair pair = evaluation.picture(index);
     html.compare(
         pair.rendered,
         "rendered",
@@ -100,20 +111,20 @@ void add_pictures(
   }
 }
 
-void add_sweeps(
-    HtmlReport& html, Renderer& renderer, const Log& log, const Scene& scene, const EvalOptions& options) {
-  const std::vector<std::size_t> sweeps =
-      some_of(select_frames(log.sweeps, options.held_out_every, options.held_out_every > 0), kPictures);
-  if (sweeps.empty() || scene.lidar.size() == 0) return;
-  const ParticleBuffers lidar_set(renderer.device(), scene.lidar, renderer.options());
-  html.heading("Held-out sweeps");
+void add_sweeps(HtmlReport& html, Evaluation& evaluation) {
+  const Log& log = evaluation.log();
+  const std::vector<std::size_t> sweeps = some_of(evaluation.frames().sweeps, kPictures);
+  if (sweeps.empty() || evaluation.scene().scene.lidar.size() == 0) return;
+  html.heading(fmt::format("Sweeps: {}", evaluation.frames().label()));
   for (const std::size_t index : sweeps) {
     const SweepFrame& frame = log.sweeps[index];
-    const SweepPictures sweep = sweep_pair(renderer, lidar_set, log, scene, index);
+    const LidarModel& lidar = log.lidar(frame.lidar).model;
+    const LidarPair sweep = evaluation.sweep(index);
+    const PicturePair ranges = range_pictures(lidar, sweep);
     html.compare(
-        sweep.ranges.rendered,
+        ranges.rendered,
         "rendered",
-        sweep.ranges.recorded,
+        ranges.recorded,
         "recorded",
         fmt::format("{}, sweep {}, {:.2f} s: range of every ray, warm near, cold far, black: no return",
                     frame.lidar,
@@ -121,7 +132,7 @@ void add_sweeps(
                     seconds_of(log, frame.time_start_s)));
     if (index != sweeps.front()) continue;
     html.picture(
-        birds_eye(log.lidar(frame.lidar).model, sweep, kBirdsEye_m),
+        birds_eye(lidar, sweep, kBirdsEye_m),
         fmt::format("The same sweep from above, {:.0f} m to each side: recorded returns blue, simulated "
                     "ones orange, both white",
                     kBirdsEye_m));
@@ -145,18 +156,16 @@ std::vector<std::vector<std::string>> kernel_times(Renderer& renderer, const std
   return rows;
 }
 
-void add_times(HtmlReport& html,
-               const Globals& globals,
-               const Log& log,
-               const Scene& scene,
-               const EvalOptions& options) {
+void add_times(HtmlReport& html, const Globals& globals, const Evaluation& evaluation) {
+  const Log& log = evaluation.log();
+  const Scene& scene = evaluation.scene().scene;
   const Device device = Device::best(globals.device, {.profiling = true});
-  Renderer renderer(device, options.render);
+  Renderer renderer(device, evaluation.options().render);
   const std::vector<std::string> header{"kernel", "ms a frame", "launches"};
   html.heading("Time on the device, by kernel");
   if (!log.images.empty() && scene.camera.size() > 0) {
     const ImageFrame& frame = log.images.front();
-    const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
+    const Camera camera = scaled_camera(log.camera(frame.camera).model, evaluation.frames().image_scale);
     const ParticleBuffers particles(device, scene.camera, renderer.options());
     const SensorRays rays(device, camera, renderer.options());
     const View view = view_of(log, scene, frame);
@@ -182,47 +191,18 @@ void add_times(HtmlReport& html,
 void write_report(const std::filesystem::path& file,
                   const std::string& title,
                   const Globals& globals,
-                  const Log& log,
-                  const Scene& scene,
-                  const EvalOptions& options,
+                  Evaluation& evaluation,
                   const EvalReport& report,
-                  const TrainedScene* trained) {
-  const Device device = Device::best(globals.device);
+                  const TrainedReport* trained) {
+  const DeviceInfo& info = evaluation.device().info();
   HtmlReport html(
-      title,
-      fmt::format(
-          "simuli {}; {}, driver {}", version(), device.info().label(), device.info().driver_version));
+      title, fmt::format("simuli {}; {}, driver {}", version(), info.label(), info.driver_version));
   add_metrics(html, report);
   if (trained != nullptr) add_training(html, *trained);
-  Renderer renderer(device, options.render);
-  add_pictures(html, renderer, log, scene, options);
-  add_sweeps(html, renderer, log, scene, options);
-  add_times(html, globals, log, scene, options);
-  html.write(file);
-}
-
-void write_bench_report(const std::filesystem::path& file,
-                        const std::string& title,
-                        const std::vector<bench::Row>& rows) {
-  HtmlReport html(title, std::string("simuli ") + version());
-  std::vector<std::vector<std::string>> cells;
-  std::string table;
-  const auto flush = [&] {
-    if (cells.empty()) return;
-    html.heading(table);
-    html.table({"measured", "value", "unit", "+-"}, cells);
-    cells.clear();
-  };
-  for (const bench::Row& row : rows) {
-    const std::string name = row.name.substr(0, row.name.rfind('/'));
-    if (name != table) flush();
-    table = name;
-    cells.push_back({row.name.substr(std::min(row.name.size(), name.size() + 1)),
-                     fmt::format("{:.5g}", row.value),
-                     row.unit,
-                     row.spread > 0.0 ? fmt::format("{:.2g}", row.spread) : ""});
-  }
-  flush();
+  add_pictures(html, evaluation);
+  add_sweeps(html, evaluation);
+  add_times(html, globals, evaluation);
+  if (evaluation.scene().training) add_record(html, *evaluation.scene().training);
   html.write(file);
 }
 

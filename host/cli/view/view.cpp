@@ -31,18 +31,16 @@ void view(const ViewCommand& command, const Globals& globals) {
 
 }  // namespace
 
-void add_view(CLI::App& app, const Globals& globals) {
+void add_view(Command app, const Globals& globals) {
   const auto command = std::make_shared<ViewCommand>();
-  CLI::App* sub = app.add_subcommand("view", "a scene in the browser, rendered live, until Ctrl-C");
-  sub->add_option("SCENE", command->scene, "scene folder")->required();
-  sub->add_option("--port", command->server.port, "0: any free one")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  sub->add_option("--host", command->server.host, "address to listen on; others than loopback need --token")
-      ->capture_default_str();
-  sub->add_option("--token", command->server.token, "a secret that pages must know");
-  add_edit_options(*sub, command->edits);
-  sub->callback([command, &globals] { view(*command, globals); });
+  Command sub = app.command("view", "a scene in the browser, rendered live, until Ctrl-C");
+  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("--port", command->server.port, "0: any free one").range(0, 65535).with_default();
+  sub.option("--host", command->server.host, "address to listen on; others than loopback need --token")
+      .with_default();
+  sub.option("--token", command->server.token, "a secret that pages must know");
+  add_edit_options(sub, command->edits);
+  sub.run([command, &globals] { view(*command, globals); });
 }
 
 }  // namespace simuli::cli

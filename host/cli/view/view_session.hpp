@@ -13,7 +13,7 @@
 #include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "io/scene/scene_folder.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/train/train_report.hpp"
 
 namespace simuli::cli {
 

@@ -32,6 +32,7 @@ SensorRays::State::State(const Device& on, RayGrid rays, const RenderOptions& op
     : device(on),
       precision(options.precision),
       camera_filter_px2(options.camera_filter_px2),
+      camera_near_m(options.camera_near_m),
       culling(options.culling),
       marks(rays.type == SensorType::kLidar && options.culling != Culling::kOff),
       mask_size(options.ray_mask),
@@ -126,6 +127,7 @@ void SensorRays::need_made_with(const RenderOptions& options) const {
          "camera_filter_px2",
          s.camera_filter_px2,
          options.camera_filter_px2);
+    need(s.camera_near_m == options.camera_near_m, "camera_near_m", s.camera_near_m, options.camera_near_m);
     return;
   }
   const auto culls = [](Culling culling) { return culling == Culling::kOff ? "off" : "on"; };

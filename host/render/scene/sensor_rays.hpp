@@ -48,6 +48,7 @@ class SensorRays {
     Device device;
     Precision precision;
     double camera_filter_px2;
+    double camera_near_m;
     Culling culling;
     bool marks;  // a LiDAR's that culls
     RayMaskSize mask_size;

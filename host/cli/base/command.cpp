@@ -1,0 +1,201 @@
+#include "host/cli/base/command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "host/base/error.hpp"
+
+namespace simuli::cli {
+namespace {
+
+/// The library's own checks of open ranges tell the largest double in 309 digits.
+CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(double)) {
+  const auto check = [=](const std::string& text) -> std::string {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && is_allowed(value)) return {};
+    return fmt::format("found {}, allowed {}", text, allowed);
+  };
+  return {check, name};
+}
+
+/// Leaves the library's parsing with what is to be run instead.
+struct Answer {
+  std::function<void()> run;
+};
+
+}  // namespace
+
+Option& Option::required() {
+  option_->required();
+  return *this;
+}
+
+Option& Option::with_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option& Option::shown_as(const std::string& type, const std::string& value) {
+  option_->type_name(type)->default_str(value);
+  return *this;
+}
+
+Option& Option::range(int least, int most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option& Option::range(std::int64_t least, std::int64_t most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option& Option::range(double least, double most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option& Option::positive() {
+  option_->check(number("POSITIVE", "a number above 0", [](double value) { return value > 0.0; }));
+  return *this;
+}
+
+Option& Option::non_negative() {
+  option_->check(number("NONNEGATIVE", "a number from 0 on", [](double value) { return value >= 0.0; }));
+  return *this;
+}
+
+Option& Option::one_of(std::initializer_list<const char*> values) {
+  option_->check(CLI::IsMember(std::vector<std::string>(values.begin(), values.end())));
+  return *this;
+}
+
+Option& Option::one_of(std::initializer_list<int> values) {
+  option_->check(CLI::IsMember(values));
+  return *this;
+}
+
+Option& Option::values(int least, int most) {
+  option_->expected(least, most);
+  return *this;
+}
+
+Option& Option::answers(const std::string& value, std::function<void()> answer) {
+  option_->each([value, answer = std::move(answer)](const std::string& given) {
+    if (given == value) throw Answer{answer};
+  });
+  return *this;
+}
+
+Option& Option::excludes(const std::string& name) {
+  option_->excludes(name);
+  return *this;
+}
+
+bool Option::is_given() const { return option_->count() > 0; }
+
+template <OptionValue T>
+Option Command::option(const std::string& names, T& value, const std::string& help) const {
+  CLI::Option* const option = app_->add_option(names, value, help);
+  // The library reads -1 as the largest of them.
+  if constexpr (std::same_as<T, std::size_t>) {
+    option->check(number("", "a whole number from 0 on", [](double number) { return number >= 0.0; }));
+  }
+  return Option(option);
+}
+
+template Option Command::option(const std::string&, std::string&, const std::string&) const;
+template Option Command::option(const std::string&, std::filesystem::path&, const std::string&) const;
+template Option Command::option(const std::string&, int&, const std::string&) const;
+template Option Command::option(const std::string&, std::int64_t&, const std::string&) const;
+template Option Command::option(const std::string&, std::size_t&, const std::string&) const;
+template Option Command::option(const std::string&, double&, const std::string&) const;
+template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&) const;
+
+Option Command::option(const std::string& names,
+                       const std::function<void(const std::string&)>& read,
+                       const std::string& help) const {
+  return Option(app_->add_option_function<std::string>(names, read, help)->trigger_on_parse());
+}
+
+Option Command::flag(const std::string& names, bool& value, const std::string& help) const {
+  return Option(app_->add_flag(names, value, help));
+}
+
+Command Command::command(const std::string& name, const std::string& help) const {
+  return Command(app_->add_subcommand(name, help));
+}
+
+void Command::require_command() const { app_->require_subcommand(1); }
+
+void Command::take_anything() const { app_->allow_extras()->fallthrough(false); }
+
+void Command::run(std::function<void()> work) const { app_->callback(std::move(work)); }
+
+struct CommandLine::Impl {
+  CLI::App app;
+  std::map<std::string, Forward, std::less<>> foreign;
+
+  Impl(const std::string& name, const std::string& about) : app(about, name) {}
+
+  /// Place of the command's name, or argc.
+  [[nodiscard]] int command_at(int argc, const char* const* argv) const {
+    for (int i = 1; i < argc; ++i) {
+      const std::string_view word = argv[i];
+      if (!word.starts_with('-')) return i;
+      const CLI::Option* const option = app.get_option_no_throw(std::string(word));
+      if (option != nullptr && option->get_items_expected_max() > 0) ++i;  // its value
+    }
+    return argc;
+  }
+};
+
+CommandLine::CommandLine(const std::string& name, const std::string& about, const std::string& version)
+    : impl_(std::make_unique<Impl>(name, about)) {
+  impl_->app.set_version_flag("--version", version);
+  impl_->app.fallthrough();  // global options may stand behind the command's name
+}
+
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::root() { return Command(&impl_->app); }
+
+void CommandLine::add_foreign(const std::string& name, const std::string& help, Forward run) {
+  impl_->app.add_subcommand(name, help);
+  impl_->foreign.emplace(name, std::move(run));
+}
+
+bool CommandLine::parse(int argc, const char* const* argv) {
+  const int at = impl_->command_at(argc, argv);
+  const auto foreign = at < argc ? impl_->foreign.find(std::string_view(argv[at])) : impl_->foreign.end();
+  if (foreign != impl_->foreign.end()) {
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    arguments.erase(arguments.begin() + (at - 1));
+    foreign->second(arguments);
+    return true;
+  }
+  CLI::App& app = impl_->app;
+  try {
+    app.parse(argc, argv);
+  } catch (const Answer& answer) {
+    answer.run();
+    return false;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {  // --help, --version
+      app.exit(error);
+      return false;
+    }
+    // The library names a missing command before it names an unknown one.
+    const std::vector<std::string> unknown = app.remaining(true);
+    const bool is_unknown = error.get_name() == "RequiredError" && !unknown.empty();
+    const std::string what =
+        is_unknown ? "found \"" + unknown.front() + "\", allowed a command" : error.what();
+    throw Error(ErrorKind::kUsage, what + " (" + app.get_name() + " --help)");
+  }
+  return true;
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,113 @@
+#pragma once
+// A command line as the commands describe it: options by name, typed by what they set, with their help. Which
+// library reads it is known to command.cpp alone.
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace simuli::cli {
+
+/// What an option can set. Numbers are read whole, in decimal; a vector takes every value up to the next
+/// option.
+template <class T>
+concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::filesystem::path> ||
+    std::same_as<T, int> || std::same_as<T, std::int64_t> || std::same_as<T, std::size_t> ||
+    std::same_as<T, double> || std::same_as<T, std::vector<std::string>>;
+
+/// One option of a command; what is said of it holds for the option, however often this is copied.
+class Option {
+ public:
+  Option& required();
+  /// The help tells what the value is now.
+  Option& with_default();
+  /// What stands in the help for its type and its default.
+  Option& shown_as(const std::string& type, const std::string& value);
+  /// Values within, both ends allowed.
+  Option& range(int least, int most);
+  Option& range(std::int64_t least, std::int64_t most);
+  Option& range(double least, double most);
+  Option& positive();
+  Option& non_negative();
+  Option& one_of(std::initializer_list<const char*> values);
+  Option& one_of(std::initializer_list<int> values);
+  /// How many values it takes.
+  Option& values(int least, int most);
+  /// For this value nothing is run or required: `answer` is, once the whole command line has been read.
+  Option& answers(const std::string& value, std::function<void()> answer);
+  /// Not together with the option of that name, which stands before this one.
+  Option& excludes(const std::string& name);
+
+  /// Whether the command line has it.
+  [[nodiscard]] bool is_given() const;
+
+ private:
+  friend class Command;
+  explicit Option(CLI::Option* option) : option_(option) {}
+  CLI::Option* option_;
+};
+
+/// A command, or the program itself as the one above all. A handle: copies mean the same command.
+class Command {
+ public:
+  /// Options are named "-o,--output", positional values "LOG". `value` must live as long as the command line
+  /// does; it keeps what it has when the option is not given.
+  template <OptionValue T>
+  Option option(const std::string& names, T& value, const std::string& help) const;
+  /// `read` gets the text as soon as it is met, before any command runs.
+  Option option(const std::string& names,
+                const std::function<void(const std::string&)>& read,
+                const std::string& help) const;
+  /// Of "--a,!--not-a" the second one says false.
+  Option flag(const std::string& names, bool& value, const std::string& help) const;
+
+  /// A command of this one.
+  [[nodiscard]] Command command(const std::string& name, const std::string& help) const;
+  /// One of its commands has to be named.
+  void require_command() const;
+  /// Arguments that it does not know are passed over.
+  void take_anything() const;
+  /// What it does, once the whole command line has been read.
+  void run(std::function<void()> work) const;
+
+ private:
+  friend class CommandLine;
+  explicit Command(CLI::App* app) : app_(app) {}
+  CLI::App* app_;
+};
+
+/// The arguments of a program: its own options, before or behind a command's name, and its commands.
+class CommandLine {
+ public:
+  /// `version` is what --version prints; `name` stands in the help and in errors.
+  CommandLine(const std::string& name, const std::string& about, const std::string& version);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  [[nodiscard]] Command root();
+  /// All arguments but its name, in their order.
+  using Forward = std::function<void(const std::vector<std::string>& arguments)>;
+  /// A command that reads its arguments itself: none are read here once it is named.
+  void add_foreign(const std::string& name, const std::string& help, Forward run);
+
+  /// Runs the command that is named; false when only help, the version or an answer was asked for, and
+  /// printed. Error{kUsage} for arguments that are not allowed.
+  bool parse(int argc, const char* const* argv);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace simuli::cli

@@ -1,0 +1,86 @@
+#include "host/cli/base/program.hpp"
+
+#include <exception>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <new>
+
+#include "host/base/error.hpp"
+#include "host/base/stopwatch.hpp"
+#include "host/base/version.hpp"
+
+namespace simuli::cli {
+namespace {
+
+void add_globals(Command root, Globals& globals) {
+  root.option("--device", globals.device, "part of the OpenCL device's name; default: the best one");
+  const std::string names = fmt::format("{}", fmt::join(quality_names(), ", "));
+  root.option(
+          "--quality",
+          [&globals, names](const std::string& name) {
+            const auto quality = find_quality(name);
+            if (!quality) {
+              throw Error(ErrorKind::kUsage, fmt::format("--quality: found {}, allowed {}", name, names));
+            }
+            globals.quality = *quality;
+          },
+          "speed against accuracy, wherever something is rendered: " + names)
+      .shown_as("NAME", "balanced");
+  root.flag("--json", globals.json, "data as JSON on stdout");
+  root.flag("--json-progress", globals.json_progress, "progress as one JSON object a line on stderr");
+  root.flag("--verbose", globals.verbose, "tell times on stderr");
+}
+
+int fail(const std::string& what, int exit_code) {
+  std::cerr << "simuli: " << what << std::endl;
+  return exit_code;
+}
+
+int run(const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add) {
+  CommandLine line(name, about, fmt::format("simuli {}", version()));
+  Globals globals;
+  add_globals(line.root(), globals);
+  add(line, globals);
+  const Stopwatch watch;
+  if (!line.parse(argc, argv)) return 0;
+  if (!std::cout.flush()) return fail("stdout: could not be written", static_cast<int>(ErrorKind::kInput));
+  if (globals.verbose) {
+    std::cerr << fmt::format("simuli: {:.2f} s", watch.seconds()) << std::endl;
+  }
+  return 0;
+}
+
+}  // namespace
+
+ProgressStyle progress_style(const Globals& globals) {
+  if (globals.json_progress) return ProgressStyle::kJson;
+  return globals.json ? ProgressStyle::kQuiet : simuli::progress_style();
+}
+
+void refuse_absent(const std::string& what, const std::string& option) {
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: found a build without it, allowed one with -D {}=ON", what, option));
+}
+
+void add_absent(Command app, const std::string& name, const std::string& help, const std::string& option) {
+  const Command command = app.command(name, help);
+  command.take_anything();
+  command.run([name, option] { refuse_absent(name, option); });
+}
+
+int run_program(
+    const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add) {
+  constexpr int kInternal = static_cast<int>(ErrorKind::kInternal);
+  try {
+    return run(name, about, argc, argv, add);
+  } catch (const Error& error) {
+    return fail(error.what(), error.exit_code());
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory", kInternal);
+  } catch (const std::exception& error) {
+    return fail(fmt::format("internal error: {}", error.what()), kInternal);
+  }
+}
+
+}  // namespace simuli::cli

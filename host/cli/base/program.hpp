@@ -1,0 +1,18 @@
+#pragma once
+// What the programs of this project share: global options, errors as one line on stderr and an exit code.
+#include <functional>
+#include <string>
+
+#include "host/cli/base/commands.hpp"
+
+namespace simuli::cli {
+
+/// Adds the commands of a program; `globals` outlives them.
+using AddCommands = std::function<void(CommandLine& line, const Globals& globals)>;
+
+/// What main() does: reads the arguments, runs the command they name and returns the exit code.
+/// `name` as in CommandLine.
+[[nodiscard]] int run_program(
+    const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add);
+
+}  // namespace simuli::cli

@@ -1,0 +1,29 @@
+#include "optim/eval/sweep_pair.hpp"
+
+#include <cmath>
+
+#include "host/render/scene/seen.hpp"
+#include "optim/base/frames.hpp"
+
+namespace simuli {
+
+bool is_met(const SweepPair& pair, std::size_t ray) {
+  const RayResults& r = pair.simulated;
+  return r.drop_probability(ray) < 0.5F &&
+         std::abs(best_distance(r, ray) - pair.recorded.range[ray]) < SweepPair::kSame_m;
+}
+
+SweepPair render_sweep(Renderer& renderer,
+                       const ParticleBuffers& lidar_set,
+                       const Log& log,
+                       const Scene& scene,
+                       const SweepFrame& frame) {
+  const LidarModel& lidar = log.lidar(frame.lidar).model;
+  SweepPair pair;
+  pair.recorded = read_sweep(log.folder / frame.file, lidar);
+  const SensorRays rays(renderer.device(), lidar, pair.recorded.rays, renderer.options());
+  pair.simulated = renderer.render(lidar_set, rays, view_of(log, scene, frame)).results();
+  return pair;
+}
+
+}  // namespace simuli

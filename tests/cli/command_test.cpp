@@ -1,0 +1,155 @@
+// Command lines as the commands describe them.
+#include "host/cli/base/command.hpp"
+
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
+
+#include "host/base/error.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct Values {
+  std::string text = "some";
+  std::filesystem::path file;
+  int count = 3;
+  std::int64_t many = 4;
+  std::size_t size = 5;
+  double length_m = 0.25;
+  std::vector<std::string> names;
+  bool flag = false, other = true;
+};
+
+class CommandTest : public testing::Test {
+ protected:
+  CommandTest() {
+    line_.root().flag("--json", json_, "data as JSON");
+    line_.root().option("--device", device_, "part of its name");
+    line_.root().require_command();
+    const Command sub = line_.root().command("draw", "draws something");
+    sub.option("FILE", values_.file, "what is drawn").required();
+    sub.option("--text", values_.text, "a text").one_of({"some", "other"}).with_default();
+    count_ = std::make_unique<Option>(sub.option("--count", values_.count, "how many").range(1, 9));
+    sub.option("--many", values_.many, "more").range(std::int64_t{1}, std::int64_t{1} << 40).with_default();
+    sub.option("--size", values_.size, "its size");
+    sub.option("--length", values_.length_m, "m").positive().with_default();
+    sub.option("--names", values_.names, "of all").answers("help", [this] { ++answers_; });
+    sub.flag("--flag", values_.flag, "says yes");
+    sub.flag("--other,!--no-other", values_.other, "says yes or no");
+    sub.run([this] { ++runs_; });
+    line_.add_foreign("far", "another program", [this](const std::vector<std::string>& arguments) {
+      foreign_ = arguments;
+      ++runs_;
+    });
+  }
+
+  bool parse(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "program");
+    return line_.parse(static_cast<int>(arguments.size()), arguments.data());
+  }
+  /// What the arguments are refused with; empty: they are not.
+  std::string refusal(const std::vector<const char*>& arguments) {
+    try {
+      parse(arguments);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+      return error.what();
+    }
+    return {};
+  }
+  std::string help(const std::vector<const char*>& arguments) {
+    testing::internal::CaptureStdout();
+    EXPECT_FALSE(parse(arguments));
+    return testing::internal::GetCapturedStdout();
+  }
+
+  CommandLine line_{"program", "does things", "program 1.2"};
+  Values values_;
+  bool json_ = false;
+  std::string device_;
+  std::unique_ptr<Option> count_;
+  std::vector<std::string> foreign_;
+  int runs_ = 0;
+};
+
+TEST_F(CommandTest, OptionsSetWhatTheyNameAndNothingElse) {
+  ASSERT_TRUE(
+      parse({"draw", "a b", "--many", "99999999999", "--names", "x", "y", "--length", "0.5", "--json"}));
+  EXPECT_EQ(runs_, 1);
+  EXPECT_EQ(values_.file, "a b");
+  EXPECT_EQ(values_.many, 99'999'999'999);
+  EXPECT_EQ(values_.names, (std::vector<std::string>{"x", "y"}));
+  EXPECT_EQ(values_.length_m, 0.5);
+  EXPECT_TRUE(json_);  // an option of the program behind the command's name
+  EXPECT_EQ(values_.text, "some");
+  EXPECT_EQ(values_.count, 3);
+  EXPECT_EQ(values_.size, 5U);
+  EXPECT_FALSE(values_.flag);
+  EXPECT_TRUE(values_.other);
+  EXPECT_FALSE(count_->is_given());
+}
+
+TEST_F(CommandTest, FlagsSayYesOrNo) {
+  ASSERT_TRUE(parse({"draw", "f", "--flag", "--no-other", "--count", "9", "--text", "other"}));
+  EXPECT_TRUE(values_.flag);
+  EXPECT_FALSE(values_.other);
+  EXPECT_TRUE(count_->is_given());
+  EXPECT_EQ(values_.count, 9);
+  EXPECT_EQ(values_.text, "other");
+}
+
+TEST_F(CommandTest, HelpTellsTypesRangesAndOnlyTheDefaultsAskedFor) {
+  const std::string text = help({"draw", "--help"});
+  for (const char* part : {"Usage: program draw [OPTIONS] FILE",
+                           "FILE TEXT REQUIRED",
+                           "--text TEXT:{some,other}=some",
+                           "--count INT:INT in [1 - 9] ",
+                           "=4",
+                           "--size UINT ",
+                           "--length FLOAT:POSITIVE=0.25",
+                           "--names TEXT ..."}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
+  }
+  EXPECT_EQ(text.find("=3"), std::string::npos) << text;
+  EXPECT_EQ(help({"--version"}), "program 1.2\n");
+  EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(CommandTest, RefusalsNameTheOptionAndWhatIsAllowed) {
+  EXPECT_EQ(refusal({"draw"}), "FILE is required (program --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--count", "10"}),
+            "--count: Value 10 not in range 1 to 9 (program --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--text", "wrong"}), "--text: wrong not in {some,other} (program --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--length", "0"}),
+            "--length: found 0, allowed a number above 0 (program --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--length", "x"}),
+            "--length: found x, allowed a number above 0 (program --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--size", "-1"}),
+            "--size: found -1, allowed a whole number from 0 on (program --help)");
+  EXPECT_EQ(refusal({"fly"}), "found \"fly\", allowed a command (program --help)");
+  EXPECT_NE(refusal({}).find("subcommand"), std::string::npos);
+  EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(CommandTest, AnswersNeedNothingElse) {
+  EXPECT_FALSE(parse({"draw", "--names", "one", "help", "--json"}));  // without FILE
+  EXPECT_TRUE(json_);
+  EXPECT_EQ(answers_, 1);
+  EXPECT_EQ(runs_, 0);
+  EXPECT_TRUE(parse({"draw", "picture", "--names", "one", "helpful"}));
+  EXPECT_EQ(answers_, 1);
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(CommandTest, ForeignCommandsGetAllArgumentsButTheirName) {
+  ASSERT_TRUE(parse({"--device", "far", "--json", "far", "--help", "draw", "--", "far"}));
+  EXPECT_EQ(foreign_, (std::vector<std::string>{"--device", "far", "--json", "--help", "draw", "--", "far"}));
+  EXPECT_EQ(runs_, 1);
+  ASSERT_TRUE(parse({"draw", "far"}));  // a value of another command
+  EXPECT_EQ(runs_, 2);
+  EXPECT_EQ(values_.file, "far");
+}
+
+}  // namespace
+}  // namespace simuli::cli

@@ -1,0 +1,210 @@
+#include "optim/eval/evaluation.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <string>
+#include <variant>
+
+#include "host/base/error.hpp"
+#include "host/render/scene/seen.hpp"
+#include "optim/base/frames.hpp"
+#include "optim/eval/sweep_pair.hpp"
+#include "tests/optim/small_street.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+using test::compare;
+
+const EvalOptions kFull{.image_scale = 1.0};
+
+class EvaluationTest : public test::SmallStreet {
+ protected:
+  /// The street's log with frame 4 replaced by what `scene` shows there.
+  static Log log_of(const Scene& scene, const std::string& name) {
+    Log log = log_;
+    log.folder = folder_ / name;
+    fs::create_directories(log.folder / "images");
+    fs::create_directories(log.folder / "sweeps");
+    Renderer renderer(Device::best(), RenderOptions{});
+    const ImageFrame& image = log.images[4];
+    const Camera& camera = log.camera(image.camera).model;
+    const SensorRays rays(renderer.device(), camera, renderer.options());
+    const ParticleBuffers camera_set(renderer.device(), scene.camera, Precision::kFloat);
+    const Pass pass = renderer.render(camera_set, rays, view_of(log, scene, image));
+    write_image(log.folder / image.file, picture_of(pass.results(), camera));
+
+    const ParticleBuffers lidar_set(renderer.device(), scene.lidar, Precision::kFloat);
+    SweepPair pair = render_sweep(renderer, lidar_set, log_, scene, log_.sweeps[4]);
+    for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
+      const bool returns = pair.simulated.drop_probability(i) <= 0.5F;
+      pair.recorded.range[i] = returns ? best_distance(pair.simulated, i) : 0.0F;
+      pair.recorded.intensity[i] = returns ? std::clamp(pair.simulated.feature[0][i], 0.0F, 1.0F) : 0.0F;
+    }
+    write_sweep(log.folder / log.sweeps[4].file, pair.recorded);
+    return log;
+  }
+};
+
+TEST_F(EvaluationTest, SceneAgreesWithALogMadeOfIt) {
+  const Scene scene = initial_scene();
+  const Log log = log_of(scene, "self.log");
+  const EvalReport r = compare(log, scene, kFull);
+  EXPECT_EQ(r.images, 1U);
+  EXPECT_EQ(r.sweeps, 1U);
+  // Pictures are stored in 8 bits: rounding of +-1/510 alone is 59 dB.
+  EXPECT_GT(r.psnr_db, 55.0);
+  EXPECT_GT(r.ssim, 0.99);
+  EXPECT_EQ(r.lidar.distance_median_m, 0.0);  // sweeps are stored in float
+  EXPECT_EQ(r.lidar.medl2_m2, 0.0);
+  EXPECT_EQ(r.lidar.mean_rel_l2, 0.0);
+  EXPECT_EQ(r.lidar.intensity_rmse, 0.0);
+  EXPECT_EQ(r.lidar.raydrop_accuracy, 1.0);
+  EXPECT_EQ(r.lidar.chamfer_m, 0.0);
+  EXPECT_GT(r.distance_expected_median_m, 0.0);  // the mean is not the median
+  EXPECT_GT(r.camera_mp_per_s, 0.0);
+  EXPECT_GT(r.lidar_mr_per_s, 0.0);
+  EXPECT_EQ(r.image_width, 64);
+  EXPECT_EQ(r.image_height, 36);
+}
+
+TEST_F(EvaluationTest, ShiftedSceneIsOffByTheShift) {
+  const Scene scene = initial_scene();
+  const Log log = log_of(scene, "shift.log");
+  Scene nearer = scene;
+  nearer.lidar.mean().col(0).array() += 0.5F;  // along the street: ranges ahead and behind change by less
+  const EvalReport r = compare(log, nearer, kFull);
+  EXPECT_GT(r.lidar.distance_median_m, 0.001);
+  EXPECT_LT(r.lidar.distance_median_m, 0.5);
+  EXPECT_NEAR(std::sqrt(r.lidar.medl2_m2), r.lidar.distance_median_m, 1e-6);
+}
+
+TEST_F(EvaluationTest, HalfSizeComparesHalfSizePictures) {
+  const EvalReport r = compare(log_, initial_scene(), {.image_scale = 0.5});
+  EXPECT_EQ(r.image_width, 32);
+  EXPECT_EQ(r.image_height, 18);
+  EXPECT_TRUE(std::isfinite(r.psnr_db));
+}
+
+TEST_F(EvaluationTest, MissingSensorsAreNaN) {
+  Log log = log_;
+  log.images.clear();
+  const EvalReport r = compare(log, initial_scene(), kFull);
+  EXPECT_TRUE(std::isnan(r.psnr_db));
+  EXPECT_TRUE(std::isnan(r.camera_mp_per_s));
+  EXPECT_TRUE(std::isfinite(r.lidar.distance_median_m));
+}
+
+TEST_F(EvaluationTest, NothingHeldOutOrBadOptionsAreRefused) {
+  Log log = log_;
+  log.images.resize(4);
+  log.sweeps.resize(4);
+  EXPECT_THROW((void)compare(log, initial_scene(), kFull), Error);
+  EvalOptions options = kFull;
+  options.held_out_every = 0;
+  EXPECT_EQ(compare(log, initial_scene(), options).images, 4U);
+  options.held_out_every = 1;
+  EXPECT_THROW((void)compare(log, initial_scene(), options), Error);
+  options = kFull;
+  options.timed_renders = 0;
+  EXPECT_THROW((void)compare(log_, initial_scene(), options), Error);
+}
+
+/// The scene as if it had been trained on `log` with `frames`.
+SceneFile trained_on(const Log& log, Scene scene, const FrameSelection& frames) {
+  SceneFile file = test::file_of(log, std::move(scene));
+  file.training = TrainingRecord{.log_name = log.name, .log_hash = log_hash(log), .frames = frames};
+  return file;
+}
+
+TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
+  const SceneFile scene = trained_on(log_, initial_scene(), {.image_scale = 0.5, .held_out_every = 3});
+  const EvalFrames frames = select_eval_frames(log_, scene, {}, {});
+  EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
+  EXPECT_EQ(frames.label(), "held-out frames");
+  EXPECT_EQ(frames.image_scale, 0.5);
+  EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 5}));
+  EXPECT_EQ(frames.sweeps, (std::vector<std::size_t>{2, 5}));
+  const EvalReport report = Evaluation(Device::best(), scene, log_).run();
+  EXPECT_EQ(report.image_width, 32);
+  EXPECT_EQ(report.images, 2U);
+  EXPECT_EQ(report.frames.kind, FrameKind::kHeldOut);
+}
+
+TEST_F(EvaluationTest, NothingIsCalledHeldOutThatWasTrainedOn) {
+  const auto kind = [&](int trained, std::optional<int> asked) {
+    const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = trained});
+    return select_eval_frames(log_, scene, {}, asked);
+  };
+  EXPECT_EQ(kind(0, {}).kind, FrameKind::kTraining);
+  EXPECT_EQ(kind(0, {}).label(), "training frames");
+  EXPECT_EQ(kind(0, {}).images.size(), 6U);
+  EXPECT_EQ(kind(0, 5).kind, FrameKind::kTraining);
+  EXPECT_EQ(kind(5, 0).kind, FrameKind::kMixed);
+  EXPECT_EQ(kind(5, 0).label(), "all frames, some of which were trained on");
+  EXPECT_EQ(kind(5, 2).kind, FrameKind::kTraining);  // 1, 3, 5
+  EXPECT_EQ(kind(3, 2).kind, FrameKind::kMixed);     // 5 of them is the third's, too
+  EXPECT_EQ(kind(2, 6).kind, FrameKind::kHeldOut);   // of every second, every third
+}
+
+TEST_F(EvaluationTest, AnotherLogHasNoHeldOutFrames) {
+  const SceneFile scene = trained_on(log_, initial_scene(), {});
+  Log other = log_;
+  other.images.pop_back();
+  const EvalFrames all = select_eval_frames(other, scene, {}, {});
+  EXPECT_EQ(all.kind, FrameKind::kOtherLog);
+  EXPECT_EQ(all.images.size(), 5U);
+  EXPECT_EQ(all.sweeps.size(), 6U);
+  const EvalFrames some = select_eval_frames(other, scene, {}, 5);
+  EXPECT_EQ(some.kind, FrameKind::kOtherLog);
+  EXPECT_EQ(some.label(), "every 5. frame of a log that was not trained on");
+  EXPECT_EQ(some.images.size(), 1U);
+  // A scene that doesn't say is not trusted, either.
+  const EvalFrames unknown = select_eval_frames(log_, test::file_of(log_, initial_scene()), {}, {});
+  EXPECT_EQ(unknown.kind, FrameKind::kUnknown);
+  EXPECT_EQ(unknown.label().find("held"), std::string::npos);
+}
+
+TEST_F(EvaluationTest, SensorsAreWhereTheSceneHasThem) {
+  const SceneFile scene = test::file_of(log_, initial_scene());
+  const EvalReport expected = Evaluation(Device::best(), scene, log_, kFull).run();
+  Log wrong = log_;  // training has learned better
+  wrong.cameras[0].rig_from_camera.translation.y() += 0.2;
+  wrong.lidars[0].rig_from_lidar.translation.z() += 0.2;
+  const EvalReport found = Evaluation(Device::best(), scene, wrong, kFull).run();
+  EXPECT_EQ(found.psnr_db, expected.psnr_db);
+  EXPECT_EQ(found.lidar.distance_median_m, expected.lidar.distance_median_m);
+}
+
+TEST_F(EvaluationTest, RangeBiasesOfTheSceneCorrectRangesAndAreStatedAgain) {
+  constexpr double kBias_m = 0.25;
+  SceneFile scene = test::file_of(log_, initial_scene());
+  Evaluation unbiased(Device::best(), scene, log_, kFull);
+  const LidarPair plain = unbiased.sweep(4);
+  for (LidarRow& row : std::get<Lidar>(scene.lidars[0].model).rows) row.range_bias = kBias_m;
+  Evaluation biased(Device::best(), scene, log_, kFull);
+  const LidarPair pair = biased.sweep(4);
+  EXPECT_NEAR(biased.run().lidar.distance_median_m, kBias_m, 0.1);  // sweeps read too long, which they aren't
+  for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
+    ASSERT_NEAR(pair.recorded.range[i], plain.recorded.range[i], 1e-5) << i;  // as the file has it
+    if (pair.rendered.is_return(i) && plain.rendered.is_return(i)) {
+      ASSERT_NEAR(pair.rendered.range[i], plain.rendered.range[i] + kBias_m, 1e-4) << i;
+    }
+  }
+}
+
+TEST(ScaledCamera, SidesAreRoundedUp) {
+  const Camera camera{"c", 1242, 375, 700.0, 700.0, 600.0, 180.0, ShutterKind::kGlobal};
+  const Camera half = scaled_camera(camera, 0.5);
+  EXPECT_EQ(half.width, 621);
+  EXPECT_EQ(half.height, 188);
+  EXPECT_DOUBLE_EQ(half.fy, 700.0 * 188.0 / 375.0);
+  EXPECT_EQ(scaled_camera(camera, 0.1).width, 125);
+  EXPECT_THROW((void)scaled_camera(camera, 0.0), Error);
+  EXPECT_THROW((void)scaled_camera(camera, std::nan("")), Error);
+}
+
+}  // namespace
+}  // namespace simuli
