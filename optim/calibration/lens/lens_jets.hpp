@@ -53,9 +53,12 @@ inline Constants constants_of(const Lens& lens) {
   to.angle_max = F(from.angle_max);
   to.radius2_max = F(from.radius2_max);
   to.radius_max = F(from.radius_max);
-  std::copy(std::begin(from.distortion), std::end(from.distortion), to.distortion);
-  std::copy(std::begin(from.polynomial), std::end(from.polynomial), to.polynomial);
-  std::copy(std::begin(from.linear), std::end(from.linear), to.linear);
+  const auto copy = [](const auto& values, F* out) {
+    std::transform(std::begin(values), std::end(values), out, [](double value) { return F(value); });
+  };
+  copy(from.distortion, to.distortion);
+  copy(from.polynomial, to.polynomial);
+  copy(from.linear, to.linear);
   to.xi = F(from.xi);
   to.alpha = F(from.alpha);
   to.beta = F(from.beta);
