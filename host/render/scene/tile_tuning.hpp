@@ -6,6 +6,7 @@
 
 #include "host/base/spread.hpp"
 #include "host/render/options/options.hpp"
+#include "host/runtime/device.hpp"
 #include "host/sensors/lidar_model.hpp"
 
 namespace simuli {
