@@ -1,6 +1,7 @@
 # Every file of device code, relative to cl/: these are embedded in the library. One line each.
 set(SIMULI_CL_FILES
   shared/layout.h
+  shared/sensor_constants.h
   math/actor.h
   math/camera.h
   math/carry.h

@@ -107,9 +107,10 @@ std::vector<double> gathered(const Device& device,
   const SensorRays rays = place.on(device, options);
   std::vector<double> sums;
   for (const GaussianSet& set : particles) {
-    renderer.render(ParticleBuffers(device, set, options.precision), rays, place.view);
+    const RayResults seen =
+        renderer.render(ParticleBuffers(device, set, options.precision), rays, place.view).results();
     double sum = 0.0;
-    for (const float left : renderer.results().transmittance) sum += 1.0 - static_cast<double>(left);
+    for (const float left : seen.transmittance) sum += 1.0 - static_cast<double>(left);
     sums.push_back(sum);
   }
   return sums;

@@ -13,7 +13,6 @@
 namespace simuli::bench {
 namespace {
 
-constexpr std::uint32_t kCulled = 0xffffffffU;
 constexpr double kIntensityWeight = 0.1, kDropWeight = 0.05;
 // A LiDAR channel's start: half reflective, and rather hit than not.
 constexpr float kHit = 2.0F;
@@ -70,29 +69,24 @@ class UnifiedTrainer {
 
   void step(int iteration) {
     const double progress = static_cast<double>(iteration) / options_.iterations;
-    camera_gradients(
+    const Pass picture = camera_gradients(
         images_.at(static_cast<std::uint64_t>(iteration)), static_cast<std::uint64_t>(iteration), progress);
-    std::vector<std::uint32_t> keys = renderer_.buffers().projected.keys.download();
+    std::vector<std::uint32_t> keys = picture.buffers().projected.keys.download();
     std::vector<float> grads = camera_.grads.download_float();
     const std::size_t stride = camera_.particles.stride;
-    // What the frame culled has no gradient; of the kernels' buffers that part is not defined.
-    for (std::size_t i = 0; i < grads.size(); ++i) {
-      if (i % stride >= keys.size() || keys[i % stride] == kCulled) grads[i] = 0.0F;
-    }
     if (iteration % options_.lidar_every == 0) {
-      lidar_gradients(sweeps_.at(static_cast<std::uint64_t>(iteration / options_.lidar_every)));
-      const std::vector<std::uint32_t> seen = renderer_.buffers().projected.keys.download();
+      const Pass sweep =
+          lidar_gradients(sweeps_.at(static_cast<std::uint64_t>(iteration / options_.lidar_every)));
+      const std::vector<std::uint32_t> seen = sweep.buffers().projected.keys.download();
       const std::vector<float> more = lidar_.grads.download_float();
       for (std::size_t row = 0; row < kShRow; ++row) {
-        for (std::size_t i = 0; i < seen.size(); ++i) {
-          if (seen[i] != kCulled) grads[row * stride + i] += more[row * stride + i];
-        }
+        for (std::size_t i = 0; i < seen.size(); ++i) grads[row * stride + i] += more[row * stride + i];
       }
       for (std::size_t i = 0; i < seen.size(); ++i) keys[i] = std::min(keys[i], seen[i]);
       // The LiDAR's own features; the geometry is moved once, below.
       std::vector<double> rates = row_rates(options_.lidar, lidar_.particles.sh_degree, progress);
       std::fill(rates.begin(), rates.begin() + kShRow, 0.0);
-      lidar_.adam.run(lidar_.particles, lidar_.grads, renderer_.buffers().projected.keys, rates);
+      lidar_.adam.run(lidar_.particles, lidar_.grads, sweep.buffers().projected.keys, rates);
     }
     keys_.upload(std::span<const std::uint32_t>(keys));
     camera_.grads.upload(std::span<const float>(grads));
@@ -113,29 +107,31 @@ class UnifiedTrainer {
   }
 
  private:
-  void camera_gradients(std::size_t index, std::uint64_t iteration, double progress) {
+  Pass camera_gradients(std::size_t index, std::uint64_t iteration, double progress) {
     const ImageFrame& frame = log_.images[index];
     const auto truth = truth_.image(index);
-    renderer_.render(camera_.particles,
-                     truth_.camera_rays(frame.camera),
-                     view_of(log_, scene_, frame),
-                     look_.environment());
-    look_.grade(renderer_, index);
+    Pass pass = renderer_.render(camera_.particles,
+                                 truth_.camera_rays(frame.camera),
+                                 view_of(log_, scene_, frame),
+                                 look_.environment());
+    look_.grade(pass, index);
     const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
     const ImageWeights& w = options_.image;
-    (void)renderer_.image_loss(truth->truth,
-                               {w.absolute / values, w.squared / values, w.dissimilarity / values});
-    look_.step(renderer_, index, iteration, progress);
-    renderer_.backward(camera_.particles, camera_.grads);
+    (void)pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
+    look_.step(pass, index, iteration, progress);
+    pass.backward(camera_.particles, camera_.grads);
+    return pass;
   }
-  void lidar_gradients(std::size_t index) {
+  Pass lidar_gradients(std::size_t index) {
     const auto truth = truth_.sweep(index);
-    renderer_.render(lidar_.particles, *truth->rays, view_of(log_, scene_, log_.sweeps[index]));
+    Pass pass =
+        renderer_.render(lidar_.particles, truth->truth.rays(), view_of(log_, scene_, log_.sweeps[index]));
     const double rays = std::max(1.0, static_cast<double>(truth->known));
     const double returned = std::max(1.0, static_cast<double>(truth->returned));
-    (void)renderer_.lidar_loss(
-        truth->truth, {distance_weight_ / returned, kIntensityWeight / returned, kDropWeight / rays});
-    renderer_.backward(lidar_.particles, lidar_.grads);
+    (void)pass.lidar_loss(truth->truth,
+                          {distance_weight_ / returned, kIntensityWeight / returned, kDropWeight / rays});
+    pass.backward(lidar_.particles, lidar_.grads);
+    return pass;
   }
 
   const Log& log_;

@@ -51,15 +51,15 @@ F exp_lanes(const F& x) {
 }
 
 /// World direction of v at time t: the turn so far, then the pose at the start.
-void to_world(const float* c, bool moving, const F* v, F t, F* out) {
+void to_world(const Constants& c, bool moving, const F* v, F t, F* out) {
   F turned[3] = {v[0], v[1], v[2]};
-  const float* m = c + (moving ? SIM_S_ROT_START : SIM_S_ROT_REF);  // sensor_from_world
+  const float* m = moving ? c.rotation_start : c.rotation_ref;  // sensor_from_scene
   if (moving) {
-    const float* axis = c + SIM_S_AXIS;
+    const float* axis = c.turn_axis;
     F sine, cosine;
     for (std::size_t lane = 0; lane < W; ++lane) {
-      sine[lane] = std::sin(c[SIM_S_ANGLE] * static_cast<float>(t[lane]));
-      cosine[lane] = std::cos(c[SIM_S_ANGLE] * static_cast<float>(t[lane]));
+      sine[lane] = std::sin(c.turn_angle * static_cast<float>(t[lane]));
+      cosine[lane] = std::cos(c.turn_angle * static_cast<float>(t[lane]));
     }
     const F along = (axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2]) * (1.0F - cosine);
     for (int k = 0; k < 3; ++k) {
@@ -98,10 +98,13 @@ void EmbreeTracer::State::intersect(const RTCIntersectFunctionNArguments* args) 
   store(packet.far, &RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0));
 }
 
-void EmbreeTracer::State::trace_packet(
-    const TracedRays& rays, std::size_t first, const float* c, bool moving, TracedResults& results) const {
-  const float t_min = c[SIM_S_T_MIN], t_max = c[SIM_S_T_MAX], t_cut = c[SIM_S_TRANSMITTANCE_CUT];
-  const float log_cut = std::log(c[SIM_S_ALPHA_CUT]);
+void EmbreeTracer::State::trace_packet(const TracedRays& rays,
+                                       std::size_t first,
+                                       const Constants& c,
+                                       bool moving,
+                                       TracedResults& results) const {
+  const float t_min = c.model.t_min, t_max = c.model.t_max, t_cut = c.transmittance_cut;
+  const float log_cut = std::log(c.alpha_cut);
   Packet packet;
   rtcInitIntersectContext(&packet.context);
   packet.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -120,8 +123,8 @@ void EmbreeTracer::State::trace_packet(
   alignas(64) RTCRayHit16 hits;
   alignas(64) int valid[W];
   for (int k = 0; k < 3; ++k) {
-    if (moving) packet.o[k] += c[SIM_S_CENTRE_STEP + k] * (time - 0.5F);
-    store(packet.o[k] + c[SIM_S_CENTRE_REF + k], hits.ray.org_x + k * W);
+    if (moving) packet.o[k] += c.centre_step[k] * (time - 0.5F);
+    store(packet.o[k] + c.centre_ref[k], hits.ray.org_x + k * W);
     store(packet.d[k], hits.ray.dir_x + k * W);
   }
   for (int lane = 0; lane < W; ++lane) {
@@ -169,15 +172,14 @@ void EmbreeTracer::State::trace_packet(
     packet.near = packet.tau[kWindow - 1];
   }
 
-  for (int k = 0; k < 3; ++k)
-    store(sum[k] + left * c[SIM_S_BACKGROUND + k], results.feature[k].data() + first);
+  for (int k = 0; k < 3; ++k) store(sum[k] + left * c.background[k], results.feature[k].data() + first);
   store(left, results.transmittance.data() + first);
   store(distance, results.distance.data() + first);
   store(median, results.median.data() + first);
 }
 
 void EmbreeTracer::trace(const TracedFrame& frame, const TracedRays& rays, TracedResults& results) const {
-  const std::vector<float> c = in_float(frame.constants);
+  const Constants c = in_float(frame.constants);
   const std::size_t count = rays.direction[0].size();
   for (std::vector<float>& feature : results.feature) feature.resize(count);
   for (std::vector<float>* out : {&results.transmittance, &results.distance, &results.median}) {
@@ -185,7 +187,7 @@ void EmbreeTracer::trace(const TracedFrame& frame, const TracedRays& rays, Trace
   }
   in_parallel(count / W, kPacketsAtOnce, state_->threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
-      state_->trace_packet(rays, i * W, c.data(), frame.moving, results);
+      state_->trace_packet(rays, i * W, c, frame.moving, results);
     }
   });
 }

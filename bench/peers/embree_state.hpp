@@ -43,8 +43,8 @@ void in_parallel(std::size_t count,
                  int threads,
                  const std::function<void(std::size_t, std::size_t)>& f);
 
-/// The constants of a frame as floats.
-[[nodiscard]] std::vector<float> in_float(std::span<const double> constants);
+using Constants = shared::SensorConstants<float>;
+[[nodiscard]] Constants in_float(const shared::SensorConstants<double>& constants);
 
 }  // namespace embree
 
@@ -66,12 +66,12 @@ struct EmbreeTracer::State {
   State& operator=(const State&) = delete;
 
   [[nodiscard]] const float* row(std::size_t r) const { return values.data() + r * padded; }
-  void prepare_block(std::size_t i, const float* constants);
-  void bound_block(std::size_t i, const float* constants);
+  void prepare_block(std::size_t i, const Constants& constants);
+  void bound_block(std::size_t i, const Constants& constants);
   void new_scene();
   void trace_packet(const TracedRays& rays,
                     std::size_t first,
-                    const float* constants,
+                    const Constants& constants,
                     bool moving,
                     TracedResults& results) const;
 

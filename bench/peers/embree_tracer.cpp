@@ -1,7 +1,9 @@
 #include "bench/peers/embree_tracer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <string>
 #include <thread>
@@ -36,8 +38,11 @@ void in_parallel(std::size_t count,
   for (int i = 0; i < threads; ++i) others.emplace_back(work);
 }
 
-std::vector<float> in_float(std::span<const double> constants) {
-  return {constants.begin(), constants.end()};
+Constants in_float(const shared::SensorConstants<double>& constants) {
+  const auto reals = shared::reals_of(constants);
+  std::array<float, reals.size()> rounded{};
+  for (std::size_t i = 0; i < reals.size(); ++i) rounded[i] = static_cast<float>(reals[i]);
+  return std::bit_cast<Constants>(rounded);
 }
 
 }  // namespace embree
@@ -130,15 +135,15 @@ EmbreeTracer::State::~State() {
   if (device != nullptr) rtcReleaseDevice(device);
 }
 
-void EmbreeTracer::State::prepare_block(std::size_t i, const float* c) {
+void EmbreeTracer::State::prepare_block(std::size_t i, const Constants& c) {
   F offset[3], range2 = 0.0F;
   for (std::size_t k = 0; k < 3; ++k) {
-    offset[k] = load(row(SIM_MEAN + k) + i) - c[SIM_S_CENTRE_REF + k];
+    offset[k] = load(row(SIM_MEAN + k) + i) - c.centre_ref[k];
     range2 += offset[k] * offset[k];
   }
   F out[12];
   for (std::size_t j = 0; j < 3; ++j) {
-    const F inv = 1.0F / sqrt(load(scale2.data() + j * padded + i) + c[SIM_S_KAPPA] * range2);
+    const F inv = 1.0F / sqrt(load(scale2.data() + j * padded + i) + c.model.kappa * range2);
     F sum = 0.0F;
     for (std::size_t k = 0; k < 3; ++k) {
       out[3 + 3 * j + k] = load(rotation.data() + (3 * k + j) * padded + i) * inv;
@@ -169,14 +174,14 @@ void EmbreeTracer::State::prepare_block(std::size_t i, const float* c) {
   }
 }
 
-void EmbreeTracer::State::bound_block(std::size_t i, const float* c) {
+void EmbreeTracer::State::bound_block(std::size_t i, const Constants& c) {
   F range2 = 0.0F;
   for (std::size_t k = 0; k < 3; ++k) {
-    const F offset = load(row(SIM_MEAN + k) + i) - c[SIM_S_CENTRE_REF + k];
+    const F offset = load(row(SIM_MEAN + k) + i) - c.centre_ref[k];
     range2 += offset * offset;
   }
   F q_max;
-  const float log_cut = std::log(c[SIM_S_ALPHA_CUT]);
+  const float log_cut = std::log(c.alpha_cut);
   for (std::size_t lane = 0; lane < W; ++lane) {
     const float logit = row(SIM_OPACITY)[i + lane];
     q_max[lane] = -2.0F * (std::log(1.0F + std::exp(-logit)) + log_cut);
@@ -186,7 +191,7 @@ void EmbreeTracer::State::bound_block(std::size_t i, const float* c) {
     F sum = 0.0F;  // of the ellipsoid's covariance
     for (std::size_t j = 0; j < 3; ++j) {
       const F r = load(rotation.data() + (3 * k + j) * padded + i);
-      sum += r * r * (load(scale2.data() + j * padded + i) + c[SIM_S_KAPPA] * range2);
+      sum += r * r * (load(scale2.data() + j * padded + i) + c.model.kappa * range2);
     }
     store(sqrt(max(q_max, F(0.0F)) * sum), half.data() + k * padded + i);
   }
@@ -225,18 +230,18 @@ void EmbreeTracer::State::new_scene() {
 
 void EmbreeTracer::build(const TracedFrame& frame) {
   State& s = *state_;
-  const std::vector<float> c = in_float(frame.constants);
+  const Constants c = in_float(frame.constants);
   in_parallel(s.padded / W, kBlocksAtOnce, s.threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) s.bound_block(i * W, c.data());
+    for (std::size_t i = first; i < last; ++i) s.bound_block(i * W, c);
   });
   s.new_scene();
 }
 
 void EmbreeTracer::prepare(const TracedFrame& frame) {
   State& s = *state_;
-  const std::vector<float> c = in_float(frame.constants);
+  const Constants c = in_float(frame.constants);
   in_parallel(s.padded / W, kBlocksAtOnce, s.threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) s.prepare_block(i * W, c.data());
+    for (std::size_t i = first; i < last; ++i) s.prepare_block(i * W, c);
   });
 }
 

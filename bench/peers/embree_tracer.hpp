@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "cl/shared/sensor_constants.h"
+
 namespace simuli::bench {
 
 /// Particles of one set, parameter by parameter as in GaussianSet::params: values[param_rows][count].
@@ -19,7 +21,7 @@ struct TracedSet {
 
 /// One frame of a sensor.
 struct TracedFrame {
-  std::span<const double> constants;  // SIM_S_* of cl/shared/layout.h: poses, footprint, cuts, background
+  shared::SensorConstants<double> constants;  // poses, footprint, cuts, background
   bool moving = false;
 };
 

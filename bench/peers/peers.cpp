@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <fmt/format.h>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -14,8 +15,8 @@
 #include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
 #include "host/render/rays/ray_grid.hpp"
-#include "host/sensors/lidar_library.hpp"
 #include "host/scene/particle_street.hpp"
+#include "host/sensors/lidar_library.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -37,9 +38,7 @@ struct PacketRays {
 /// Blocks of neighbouring packets; a camera's are 4 x 4 pixels, a LiDAR's 8 firings of 2 beams, which are
 /// farther apart than firings.
 PacketRays packets_of(const RayGrid& grid) {
-  const std::size_t rows = grid.type == SensorType::kCamera
-                               ? static_cast<std::size_t>(grid.constants[SIM_S_HEIGHT])
-                               : grid.frame.rows;
+  const std::size_t rows = grid.frame.rows;
   const std::size_t columns = grid.rays / rows;
   const PacketShape shape = grid.type == SensorType::kCamera ? PacketShape{4, 4} : PacketShape{8, 2};
   std::vector<std::size_t> slot_of_ray(grid.rays, grid.ray_of_slot.size());
@@ -108,13 +107,9 @@ class Traced {
                  set.kind == SetKind::kCamera ? 3 : 1}),
         packets_(packets_of(rays.grid())),
         rays_(rays.grid().rays) {
-    constants_ = frame_constants(rays.grid(),
-                                 view.scene_from_sensor_start,
-                                 view.scene_from_sensor_end,
-                                 options,
-                                 view.background,
-                                 frame_.moving);
-    frame_.constants = constants_;
+    const SensorInFrame of_frame = sensor_in_frame(
+        rays.grid(), view.scene_from_sensor_start, view.scene_from_sensor_end, options, view.background);
+    frame_ = {of_frame.constants, of_frame.moving};
   }
   void build() { tracer_.build(frame_); }
   void prepare() { tracer_.prepare(frame_); }
@@ -122,7 +117,6 @@ class Traced {
   [[nodiscard]] RayResults results() const { return in_ray_order(packets_, results_, rays_); }
 
  private:
-  std::array<double, SIM_SENSOR_REALS> constants_{};
   TracedFrame frame_;
   EmbreeTracer tracer_;
   PacketRays packets_;
@@ -145,13 +139,13 @@ class Ours {
   double frame_ms() {
     renderer_.device().profile().reset();
     return time_ms([&] {
-      renderer_.render(particles_, rays_, view_);
+      pass_ = renderer_.render(particles_, rays_, view_);
       renderer_.device().finish();
     });
   }
   /// Of the last frame.
   double blend_ms() { return stage_times(renderer_.device().profile()).at("blend"); }
-  [[nodiscard]] RayResults results() const { return renderer_.results(); }
+  [[nodiscard]] RayResults results() const { return pass_->results(); }
   [[nodiscard]] const SensorRays& rays() const { return rays_; }
 
  private:
@@ -163,6 +157,7 @@ class Ours {
 
   const ParticleBuffers& particles_;
   Renderer renderer_;
+  std::optional<Pass> pass_;
   SensorRays rays_;
   View view_;
 };

@@ -42,7 +42,7 @@ FrameTimes LidarFrames::run() {
   profile.reset();
   FrameTimes times;
   times.frame_ms = time_ms([&] {
-    renderer_.render(particles_, rays_, view_);
+    pass_ = renderer_.render(particles_, rays_, view_);
     renderer_.device().finish();
   });
   times.stage_ms = stage_times(profile);

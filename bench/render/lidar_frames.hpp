@@ -2,6 +2,7 @@
 // What the benches of LiDAR tiles and culling share.
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,11 +36,13 @@ class LidarFrames {
 
   FrameTimes run();
   [[nodiscard]] SensorRays& rays() { return rays_; }
-  [[nodiscard]] const Renderer& renderer() const { return renderer_; }
+  /// The last frame.
+  [[nodiscard]] const Pass& pass() const { return *pass_; }
 
  private:
   const ParticleBuffers& particles_;
   Renderer renderer_;
+  std::optional<Pass> pass_;
   SensorRays rays_;
   View view_;
 };

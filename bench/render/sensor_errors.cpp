@@ -238,8 +238,8 @@ class Builds {
   RayResults render(Renderer& renderer, const GaussianSet& set, const View& view) {
     const Precision precision = renderer.options().precision;
     const ParticleBuffers particles(device_, set, precision);
-    renderer.render(particles, precision == Precision::kFloat ? *float_rays_ : *double_rays_, view);
-    return renderer.results();
+    return renderer.render(particles, precision == Precision::kFloat ? *float_rays_ : *double_rays_, view)
+        .results();
   }
 
   Device device_;

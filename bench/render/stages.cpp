@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <map>
+#include <optional>
 
 #include "bench/render/scene.hpp"
 #include "host/render/scene/renderer.hpp"
@@ -52,12 +53,12 @@ class Case {
   /// Share of the tile instances that no ray of their tile meets, in %: what a finer test per tile could
   /// save. Only where no ray is done before its last particle.
   double instances_without_ray() {
-    renderer_.render(particles_, rays_, view_);
-    renderer_.set_output_gradients(std::vector<double>(std::size_t{5} * renderer_.frame().slots, 1.0));
-    renderer_.backward(particles_, param_grads_);
+    pass_ = renderer_.render(particles_, rays_, view_);
+    pass_->set_output_gradients(std::vector<double>(5 * rays(), 1.0));
+    pass_->backward(particles_, param_grads_);
     // The gradient of a feature is the sum of its weights.
-    const std::vector<float> grads = renderer_.gradients().grads.download_float();
-    const std::size_t instances = renderer_.buffers().binned.instances;
+    const std::vector<float> grads = pass_->gradients().grads.download_float();
+    const std::size_t instances = pass_->buffers().binned.instances;
     std::size_t without = 0;
     for (std::size_t i = 0; i < instances; ++i)
       without += grads[i * SIM_GRAD + SIM_G_FEATURE] == 0.0F ? 1 : 0;
@@ -70,20 +71,21 @@ class Case {
     profile.reset();
     Sample sample;
     sample.frame_ms = time_ms([&] {
-      renderer_.render(particles_, rays_, view_);
+      pass_ = renderer_.render(particles_, rays_, view_);
       renderer_.device().finish();
     });
     if (backward) {
-      if (gradients_.empty()) gradients_.assign(std::size_t{5} * renderer_.frame().slots, 1e-3);
-      renderer_.set_output_gradients(gradients_);
-      renderer_.backward(particles_, param_grads_);
+      if (gradients_.empty()) gradients_.assign(5 * rays(), 1e-3);
+      pass_->set_output_gradients(gradients_);
+      pass_->backward(particles_, param_grads_);
       renderer_.device().finish();
     }
     sample.stage_ms = stage_times(profile);
     return sample;
   }
 
-  [[nodiscard]] const Renderer& renderer() const { return renderer_; }
+  /// The last frame.
+  [[nodiscard]] const Pass& pass() const { return *pass_; }
   [[nodiscard]] std::size_t rays() const { return rays_.grid().rays; }
 
  private:
@@ -94,6 +96,7 @@ class Case {
 
   RenderOptions options_ = paper_options();
   Renderer renderer_;
+  std::optional<Pass> pass_;
   ParticleBuffers particles_;
   SensorRays rays_;
   RealBuffer param_grads_;
@@ -139,7 +142,7 @@ std::vector<Row> run_stages(const std::string& device_request,
       samples["blend_one_ray_per_item"].push_back(b.stage_ms.at("blend"));
       ratios.push_back(b.stage_ms.at("blend") / a.stage_ms.at("blend"));
     }
-    const auto& buffers = shaped.renderer().buffers();
+    const auto& buffers = shaped.pass().buffers();
     note(fmt::format("{}: {} visible of {} particles, {} tile instances, {} rays",
                      base,
                      buffers.binned.visible,

@@ -21,7 +21,7 @@ struct Case {
 /// Share of the last frame's tile instances that lie in tiles without a requested ray, in %.
 double in_empty_tiles(const LidarFrames& frames, const SensorRays& rays, const std::vector<bool>& requested) {
   const auto& grid = rays.grid();
-  const auto first = frames.renderer().buffers().binned.first.download();
+  const auto first = frames.pass().buffers().binned.first.download();
   std::vector<bool> used(first.size() - 1, false);
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
     const std::int32_t ray = grid.ray_of_slot[slot];
@@ -41,7 +41,7 @@ std::uint32_t seen_between(const Device& device, const ParticleBuffers& street, 
   LidarFrames frames(
       device, even_lidar(kRows, kColumns, top, bottom, 2.0 * std::numbers::pi), street, options);
   frames.run();
-  return frames.renderer().buffers().binned.visible;
+  return frames.pass().buffers().binned.visible;
 }
 
 double removed(std::uint32_t off, std::uint32_t on) { return off == 0 ? 0.0 : 100.0 * (off - on) / off; }
@@ -115,9 +115,9 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
         rows.push_back({base + stage + "_saved_" + way, percent.median, "%", percent.half_iqr});
       }
     }
-    const auto& a = off.renderer().buffers().binned;
+    const auto& a = off.pass().buffers().binned;
     for (const auto& [name, way] : {ways[1], ways[2]}) {
-      const auto& b = way->renderer().buffers().binned;
+      const auto& b = way->pass().buffers().binned;
       rows.push_back({base + "particles_removed_" + name, removed(a.visible, b.visible), "%", 0.0});
       rows.push_back({base + "instances_removed_" + name, removed(a.instances, b.instances), "%", 0.0});
     }

@@ -1,6 +1,7 @@
 // environment.cl - the foreground over the environment texture. Launcher: host/render/frame/environment.cpp
 #include "math/environment.h"
 #include "shared/layout.h"
+#include "shared/sensor_constants.h"
 
 /// V slots per work-item. What a ray leaves is filled up with the texture where it points (METHOD section 9):
 /// out += T x texture(direction), bilinear. A ray that blending ended (T below the cut) shows nothing of it.
@@ -9,7 +10,7 @@
 __kernel void environment(const FrameParams frame,
                           const uint width,
                           const uint height,
-                          __global const real* sensor,
+                          __global const SensorConstants* sensor,
                           __global const real* world_ray,
                           __global const real* texture,
                           __global real* out) {
@@ -17,7 +18,7 @@ __kernel void environment(const FrameParams frame,
   const uint s = frame.slots;
   if (i >= s) return;
   const F left = LDV(out + SIM_O_TRANSMITTANCE * s + i);
-  const I open = left >= sensor[SIM_S_TRANSMITTANCE_CUT];
+  const I open = left >= sensor->transmittance_cut;
   if (!ANY(open)) return;
   F x, y;
   environment_place(

@@ -1,6 +1,7 @@
 // environment_bwd.cl - gradient of the environment texture. Launcher: host/render/backward/environment_bwd.cpp
 #include "math/environment.h"
 #include "shared/layout.h"
+#include "shared/sensor_constants.h"
 
 /// V slots per work-item. Particles need nothing of this: blending's replay takes what stands behind them
 /// from the stored features, which hold T x texture.
@@ -9,7 +10,7 @@
 __kernel void environment_cells(const FrameParams frame,
                                 const uint width,
                                 const uint height,
-                                __global const real* sensor,
+                                __global const SensorConstants* sensor,
                                 __global const real* world_ray,
                                 __global const real* out,
                                 __global uint* cell,
@@ -20,7 +21,7 @@ __kernel void environment_cells(const FrameParams frame,
   if (i >= s) return;
   const F dx = LDV(world_ray + i), dy = LDV(world_ray + s + i), dz = LDV(world_ray + 2 * s + i);
   const I open =
-      AND(is_ray(dx, dy, dz), LDV(out + SIM_O_TRANSMITTANCE * s + i) >= sensor[SIM_S_TRANSMITTANCE_CUT]);
+      AND(is_ray(dx, dy, dz), LDV(out + SIM_O_TRANSMITTANCE * s + i) >= sensor->transmittance_cut);
   F x, y;
   environment_place(dx, dy, dz, width, height, &x, &y);
   real px[V], py[V], shows[V];

@@ -2,14 +2,14 @@
 #include "math/sensor.h"
 
 /// A world vector in the sensor's axes at time t.
-FN void sensor_from_world_vector(__global const real* sensor, const F* v, F t, F* out) {
+FN void sensor_from_world_vector(__global const SensorConstants* sensor, const F* v, F t, F* out) {
 #if MOVING
-  rotate(sensor + SIM_S_ROT_START, v, out);
+  rotate(sensor->rotation_start, v, out);
   F sine, cosine;
-  sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
-  turn(sensor + SIM_S_AXIS, -sine, cosine, out);
+  sincos_lanes(sensor->turn_angle * t, &sine, &cosine);
+  turn(sensor->turn_axis, -sine, cosine, out);
 #else
-  rotate(sensor + SIM_S_ROT_REF, v, out);
+  rotate(sensor->rotation_ref, v, out);
 #endif
 }
 
@@ -25,7 +25,7 @@ FN void add_cross(const F* a, const F* b, F* sum) {
 /// out sums[work-items][3]
 __kernel void rays_torque(const FrameParams frame,
                           const uint chunk,
-                          __global const real* sensor,
+                          __global const SensorConstants* sensor,
                           __global const real* sensor_ray,
                           __global const real* ray_grads,
                           __global real* sums) {

@@ -11,12 +11,12 @@
 /// Rows (elevation not rising with the index) above `elevation`; with `inclusive` those at it as well.
 FN int beams_above(__global const int* row_lut,
                        __global const real* row_elevation,
-                       __global const real* sensor,
+                       __global const SensorConstants* sensor,
                        int rows,
                        real elevation,
                        int inclusive) {
   // The table, made of the rows' lowest rays, starts the search early; rows of one bin are walked.
-  real bin = (elevation - sensor[SIM_S_LUT_FIRST]) * sensor[SIM_S_LUT_SCALE];
+  real bin = (elevation - sensor->model.lut_first) * sensor->model.lut_scale;
   bin = bin > R(0.0) ? (bin < R(4095.0) ? bin : R(4095.0)) : R(0.0);
   int row = row_lut[(int)bin];
   while (row < rows && (inclusive ? row_elevation[row] >= elevation : row_elevation[row] > elevation)) ++row;
@@ -28,18 +28,18 @@ FN int beams_above(__global const int* row_lut,
 
 /// Tile columns that [mean - half, mean + half] touches: first | count << 16, 0 for none. For cameras those of
 /// pixels whose centres lie inside.
-FN uint tile_columns(__global const real* sensor, __global const uint* column_of_bin, real mean, real half_width) {
+FN uint tile_columns(__global const SensorConstants* sensor, __global const uint* column_of_bin, real mean, real half_width) {
 #if SENSOR == SENSOR_CAMERA
   const real low = max(ceil(mean - half_width - R(0.5)), R(0.0));
-  const real high = min(floor(mean + half_width - R(0.5)), sensor[SIM_S_WIDTH] - R(1.0));
+  const real high = min(floor(mean + half_width - R(0.5)), sensor->model.picture_width - R(1.0));
   if (!(low <= high)) return 0;
   const uint first = (uint)low / SIM_SLOT_ROW;
   return first | ((uint)high / SIM_SLOT_ROW - first + 1) << 16;
 #else
-  const real low = max(mean - half_width - BIN_MARGIN, sensor[SIM_S_TILE_X0]);
-  const real high = min(mean + half_width + BIN_MARGIN, sensor[SIM_S_TILE_X1]);
+  const real low = max(mean - half_width - BIN_MARGIN, sensor->model.tile_first);
+  const real high = min(mean + half_width + BIN_MARGIN, sensor->model.tile_last);
   if (!(low <= high)) return 0;
-  const real x0 = sensor[SIM_S_TILE_X0], scale = sensor[SIM_S_TILE_SCALE], bins = sensor[SIM_S_TILE_BINS];
+  const real x0 = sensor->model.tile_first, scale = sensor->model.tile_scale, bins = sensor->model.tile_bins;
   const uint first = column_of_bin[cell_of(low, x0, scale, bins)];
   return first | (column_of_bin[cell_of(high, x0, scale, bins)] - first + 1) << 16;
 #endif
@@ -47,15 +47,15 @@ FN uint tile_columns(__global const real* sensor, __global const uint* column_of
 
 #if CULLING
 /// Occupied cells of the ray mask among its rows [top, bottom] that [mean - half, mean + half] touches.
-FN uint occupied_cells(__global const real* sensor,
+FN uint occupied_cells(__global const SensorConstants* sensor,
                        __global const uint* areas,
                        real mean,
                        real half_width,
                        uint top,
                        uint bottom) {
-  const real x0 = sensor[SIM_S_TILE_X0], scale = sensor[SIM_S_MASK_SCALE], columns = sensor[SIM_S_MASK_COLUMNS];
+  const real x0 = sensor->model.tile_first, scale = sensor->model.mask_scale, columns = sensor->model.mask_columns;
   const real low = max(mean - half_width - BIN_MARGIN, x0);
-  const real high = min(mean + half_width + BIN_MARGIN, sensor[SIM_S_TILE_X1]);
+  const real high = min(mean + half_width + BIN_MARGIN, sensor->model.tile_last);
   if (!(low <= high)) return 0;
   const uint stride = (uint)columns + 1;
   const uint left = cell_of(low, x0, scale, columns), right = cell_of(high, x0, scale, columns) + 1;
@@ -80,22 +80,23 @@ FN void join_columns(Footprint* f) {
 }
 
 /// V particles per work-item: visibility, box, features, record.
-/// in  params[rows][stride]; actor_of[stride], actors[1 + A][SIM_ACTOR_REALS] with ACTORS; LiDAR only:
+/// in  params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
-///     column_of_bin[bins of x]; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
+///     column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with PROJECTION_MONTE_CARLO; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref, with
 ///     PER_RAY of a distance at which no ray meets the particle yet, 0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
                       __global const real* params,
                       __global const uint* actor_of,
-                      __global const real* actors,
-                      __global const real* sensor,
+                      __global const ActorConstants* actors,
+                      __global const SensorConstants* sensor,
                       __global const int* row_lut,
                       __global const real* row_elevation,
                       __global const uint* tile_row_of_row,
                       __global const uint* column_of_bin,
                       __global const uint* mask_row_of_row,
                       __global const uint* areas,
+                      __global const real* normal_samples,
                       __global real* records,
                       __global Footprint* footprints,
                       __global uint* keys,
@@ -112,9 +113,9 @@ __kernel void project(const FrameParams frame,
 #if COMPENSATION
   Compensation kept;
   compensation(&g, &kept);
-  const F qmax = R(2.0) * (kept.log_share - log(R(1.0) + exp_lanes(-bounded)) - log(sensor[SIM_S_ALPHA_CUT]));
+  const F qmax = R(2.0) * (kept.log_share - log(R(1.0) + exp_lanes(-bounded)) - log(sensor->alpha_cut));
 #else
-  const F qmax = R(-2.0) * (log(R(1.0) + exp_lanes(-bounded)) + log(sensor[SIM_S_ALPHA_CUT]));
+  const F qmax = R(-2.0) * (log(R(1.0) + exp_lanes(-bounded)) + log(sensor->alpha_cut));
 #endif
   const F reach = sqrt(VMAX(qmax, (F)R(0.0)));
   const F radius = reach * VMAX(g.filtered[0], VMAX(g.filtered[1], g.filtered[2]));
@@ -132,19 +133,19 @@ __kernel void project(const FrameParams frame,
   for (int k = 0; k < 3; ++k) {
     visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame.stride + i)) < R(80.0));
   }
-  const F far = sensor[SIM_S_T_MAX] + origin_reach(&frame, sensor);
+  const F far = sensor->model.t_max + origin_reach(&frame, sensor);
   visible = AND(visible, AND(g.range - radius - R(0.5) * travel < far, g.range > R(1e-6)));
 #if SENSOR == SENSOR_CAMERA
   // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
   // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
-  const F step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
-                      sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
-                      sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
+  const F step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
+                      sensor->centre_step[1] * sensor->centre_step[1] +
+                      sensor->centre_step[2] * sensor->centre_step[2]);
   const F ball = radius + R(0.5) * (step + travel);
   const F tangent2 = fma(g.range, g.range, -(ball * ball));
   const F tangent = sqrt(VMAX(tangent2, (F)R(0.0)));
-  const F limit = fma(tangent, (F)sensor[SIM_S_COS_FOV], ball * -sensor[SIM_S_SIN_FOV]);
-  const I all_round = fma(tangent, (F)sensor[SIM_S_SIN_FOV], ball * sensor[SIM_S_COS_FOV]) <= R(0.0);
+  const F limit = fma(tangent, (F)sensor->cos_view, ball * -sensor->sin_view);
+  const I all_round = fma(tangent, (F)sensor->sin_view, ball * sensor->cos_view) <= R(0.0);
   visible = AND(visible, OR(OR(tangent2 <= R(0.0), all_round), centre[2] >= limit));
 #endif
   if (!ANY(visible)) {
@@ -158,7 +159,7 @@ __kernel void project(const FrameParams frame,
 #if EXTENT == EXTENT_EXACT
   exact_bounds(&frame, sensor, &g, reach, radius, &box);
 #else
-  const I known = unscented_bounds(&frame, sensor, &g, centre, reach, radius, visible, &box);
+  const I known = unscented_bounds(&frame, sensor, normal_samples, &g, centre, reach, radius, visible, &box);
   if (ANY(AND(visible, NOT(known)))) {
     Bounds all;
     exact_bounds(&frame, sensor, &g, reach, radius, &all);
@@ -221,7 +222,7 @@ __kernel void project(const FrameParams frame,
 #if SENSOR == SENSOR_CAMERA
       // Pixel rows whose centres lie in the box; comparing before converting keeps huge values defined.
       const real row0 = max(ceil(low_y[lane] - R(0.5)), R(0.0));
-      const real row1 = min(floor(high_y[lane] - R(0.5)), sensor[SIM_S_HEIGHT] - R(1.0));
+      const real row1 = min(floor(high_y[lane] - R(0.5)), sensor->model.picture_height - R(1.0));
       const int row_first = row0 <= row1 ? (int)row0 : 1;
       const int row_last = row0 <= row1 ? (int)row1 : 0;
 #else

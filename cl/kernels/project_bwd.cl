@@ -6,14 +6,13 @@
 /// project's record. The box and the order carry no gradient (METHOD section 4).
 /// in  params[rows][stride]; keys[N], footprints[N], emission[N], records[N][16] of project and bin;
 ///     grads[K][16] of render_bwd
-/// out param_grads[rows][stride]: dL/dparam of the particles that were not culled; what stands at the others is
-///     not defined. pose_grads[6][stride], with ACTORS: of particles of actors, dL/d(shift, turn) of the actor
+/// out param_grads[rows][stride]: dL/dparam, 0 for particles that were culled. pose_grads[6][stride], with ACTORS: of particles of actors, dL/d(shift, turn) of the actor
 ///     at the record's time. What the particle's velocity owes to them is left out.
 __kernel void project_bwd(const FrameParams frame,
                           __global const real* params,
                           __global const uint* actor_of,
-                          __global const real* actors,
-                          __global const real* sensor,
+                          __global const ActorConstants* actors,
+                          __global const SensorConstants* sensor,
                           __global const uint* keys,
                           __global const Footprint* footprints,
                           __global const uint* emission,
@@ -50,7 +49,10 @@ __kernel void project_bwd(const FrameParams frame,
     vstore16(sum, 0, row);
     for (int k = 0; k < SIM_GRAD; ++k) summed[k * V + lane] = row[k];
   }
-  if (!any_seen) return;
+  if (!any_seen) {
+    for (uint row = 0; row < SIM_SH + 3 * SH_COEFFICIENTS; ++row) STV(param_grads + row * stride + i, (F)R(0.0));
+    return;
+  }
 
   Gaussian g;
   load_gaussian(params, actor_of, actors, stride, i, sensor, &g);
@@ -106,7 +108,7 @@ __kernel void project_bwd(const FrameParams frame,
     }
     const F g_filtered = -along * inv;
     g_log_scale[k] = g_filtered * g.scale[k] * g.scale[k] * inv;
-    const F by_range = g_filtered * inv * sensor[SIM_S_KAPPA];
+    const F by_range = g_filtered * inv * sensor->model.kappa;
     for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
   }
 #if ACTOR_MOTION
@@ -123,7 +125,7 @@ __kernel void project_bwd(const FrameParams frame,
   Compensation kept;
   compensation(&g, &kept);
   compensation_gradient(
-      &g, &kept, LDV(summed + SIM_G_OPACITY * V), sensor[SIM_S_KAPPA], gr, g_log_scale, g_mean);
+      &g, &kept, LDV(summed + SIM_G_OPACITY * V), sensor->model.kappa, gr, g_log_scale, g_mean);
 #endif
   for (int k = 0; k < 3; ++k) {
     STV(param_grads + (SIM_LOG_SCALE + k) * stride + i, SEL(live, g_log_scale[k], (F)R(0.0)));

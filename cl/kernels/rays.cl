@@ -8,7 +8,7 @@
 ///     the time share
 /// Slots without a ray have a zero direction and keep it: nothing they meet can count.
 __kernel void rays(const FrameParams frame,
-                   __global const real* sensor,
+                   __global const SensorConstants* sensor,
                    __global const real* sensor_ray,
                    __global real* world_ray) {
   const uint i = get_global_id(0) * V;
@@ -29,7 +29,7 @@ __kernel void rays(const FrameParams frame,
   world_from_sensor_vector(sensor, o, t, world);
   for (int k = 0; k < 3; ++k) {
 #if MOVING
-    world[k] += sensor[SIM_S_CENTRE_STEP + k] * (t - R(0.5));
+    world[k] += sensor->centre_step[k] * (t - R(0.5));
 #endif
     STV(world_ray + (3 + k) * s + i, world[k]);
   }

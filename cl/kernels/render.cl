@@ -11,7 +11,7 @@
 /// footprint touches are visited, of these the vectors that still have a ray. A ray is retired (direction
 /// zeroed) once T < transmittance cut.
 __kernel void render(const FrameParams frame,
-                     __global const real* sensor,
+                     __global const SensorConstants* sensor,
                      __global const real* world_ray,
                      __global const real* ray_u,
                      __global const uint* first,
@@ -21,16 +21,16 @@ __kernel void render(const FrameParams frame,
                      __global const uint* keys,
                      __global const real* params,
                      __global const uint* actor_of,
-                     __global const real* actors,
+                     __global const ActorConstants* actors,
                      __global real* out) {
   const uint tile = get_group_id(0);
   const uint lid = get_local_id(0);
   const uint base = tile * TILE_RAYS;
   const real tile_u = ray_u[base];
-  const real t_min = sensor[SIM_S_T_MIN];
-  const real t_max = sensor[SIM_S_T_MAX];
-  const real t_cut = sensor[SIM_S_TRANSMITTANCE_CUT];
-  const real log_cut = log(sensor[SIM_S_ALPHA_CUT]);
+  const real t_min = sensor->model.t_min;
+  const real t_max = sensor->model.t_max;
+  const real t_cut = sensor->transmittance_cut;
+  const real log_cut = log(sensor->alpha_cut);
 
   RayLanes ray[NR];
   F transmittance[NR], f0[NR], f1[NR], f2[NR], distance[NR];
@@ -135,9 +135,9 @@ __kernel void render(const FrameParams frame,
   for (int j = 0; j < NR; ++j) {
     __global real* slot = out + base + VECTOR_SLOT(j, lid);
     const F t = transmittance[j];
-    STV(slot, fma(t, (F)sensor[SIM_S_BACKGROUND], f0[j]));
-    STV(slot + frame.slots, fma(t, (F)sensor[SIM_S_BACKGROUND + 1], f1[j]));
-    STV(slot + 2 * frame.slots, fma(t, (F)sensor[SIM_S_BACKGROUND + 2], f2[j]));
+    STV(slot, fma(t, (F)sensor->background[0], f0[j]));
+    STV(slot + frame.slots, fma(t, (F)sensor->background[1], f1[j]));
+    STV(slot + 2 * frame.slots, fma(t, (F)sensor->background[2], f2[j]));
     STV(slot + SIM_O_TRANSMITTANCE * frame.slots, t);
     STV(slot + SIM_O_DISTANCE * frame.slots, distance[j]);
 #if MEDIAN

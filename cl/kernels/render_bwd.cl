@@ -32,7 +32,7 @@ FN void add_transposed(const real* record, const F* v, F* sum) {
 ///     ERRORS: instance_error[K]: sum over its rays of weight x ray_error[slots]
 ///     RAY_GRADIENTS: ray_grads[3|6][slots]: dL/d(direction); with ORIGINS also dL/d(origin)
 __kernel void render_bwd(const FrameParams frame,
-                         __global const real* sensor,
+                         __global const SensorConstants* sensor,
                          __global const real* world_ray,
                          __global const real* ray_u,
                          __global const uint* first,
@@ -53,10 +53,10 @@ __kernel void render_bwd(const FrameParams frame,
   const real tile_u = ray_u[base];
   const uint tx = tile % frame.tiles_x;
   const uint ty = tile / frame.tiles_x;
-  const real t_min = sensor[SIM_S_T_MIN];
-  const real t_max = sensor[SIM_S_T_MAX];
-  const real t_cut = sensor[SIM_S_TRANSMITTANCE_CUT];
-  const real log_cut = log(sensor[SIM_S_ALPHA_CUT]);
+  const real t_min = sensor->model.t_min;
+  const real t_max = sensor->model.t_max;
+  const real t_cut = sensor->transmittance_cut;
+  const real log_cut = log(sensor->alpha_cut);
 
   RayLanes ray[NR];
   F transmittance[NR];

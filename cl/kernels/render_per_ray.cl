@@ -36,7 +36,7 @@ FN void insert(Window* w, F tau, F alpha, F place) {
 /// nearest responses behind those of the last; a round ends where the rest of the list is known to lie
 /// farther, the next one begins at the first response that was left over.
 __kernel void render(const FrameParams frame,
-                     __global const real* sensor,
+                     __global const SensorConstants* sensor,
                      __global const real* world_ray,
                      __global const real* ray_u,
                      __global const uint* first,
@@ -46,16 +46,16 @@ __kernel void render(const FrameParams frame,
                      __global const uint* keys,
                      __global const real* params,
                      __global const uint* actor_of,
-                     __global const real* actors,
+                     __global const ActorConstants* actors,
                      __global real* out) {
   const uint tile = get_group_id(0);
   const uint lid = get_local_id(0);
   const uint base = tile * TILE_RAYS;
   const real tile_u = ray_u[base];
-  const real t_min = sensor[SIM_S_T_MIN];
-  const real t_max = sensor[SIM_S_T_MAX];
-  const real t_cut = sensor[SIM_S_TRANSMITTANCE_CUT];
-  const real log_cut = log(sensor[SIM_S_ALPHA_CUT]);
+  const real t_min = sensor->model.t_min;
+  const real t_max = sensor->model.t_max;
+  const real t_cut = sensor->transmittance_cut;
+  const real log_cut = log(sensor->alpha_cut);
   __global const uint* list = payload + first[tile];
   const uint count = first[tile + 1] - first[tile];
 
@@ -155,7 +155,7 @@ __kernel void render(const FrameParams frame,
 
     __global real* slot = out + base + VECTOR_SLOT(j, lid);
     for (int c = 0; c < 3; ++c) {
-      STV(slot + (ulong)c * frame.slots, fma(transmittance, (F)sensor[SIM_S_BACKGROUND + c], sum[c]));
+      STV(slot + (ulong)c * frame.slots, fma(transmittance, (F)sensor->background[c], sum[c]));
     }
     STV(slot + SIM_O_TRANSMITTANCE * frame.slots, transmittance);
     STV(slot + SIM_O_DISTANCE * frame.slots, distance);

@@ -4,6 +4,7 @@
 #define SIMULI_CL_MATH_ACTOR_H
 #include "math/elementary.h"
 #include "shared/layout.h"
+#include "shared/sensor_constants.h"
 
 #ifndef ACTORS
 #define ACTORS 0
@@ -28,27 +29,37 @@ typedef struct {
 } ActorLanes;
 
 /// Those of particles i .. i+V-1, half-way through the frame.
-/// in actor_of[stride]: 0 or 1 + the actor; actors[1 + A][SIM_ACTOR_REALS]
-FN void load_actors(__global const uint* actor_of, __global const real* actors, uint i, ActorLanes* a) {
+/// in actor_of[stride]: 0 or 1 + the actor; actors[1 + A]
+FN void load_actors(__global const uint* actor_of, __global const ActorConstants* actors, uint i, ActorLanes* a) {
   uint ids = 0;
   for (uint lane = 0; lane < V; ++lane) ids |= actor_of[i + lane];
   a->any = ids != 0;
   if (!a->any) return;
-  real row[SIM_ACTOR_REALS * V], on[V];
+  real on[V], there[V], centre[3 * V], rotation[9 * V];
+#if ACTOR_MOTION
+  real step[3 * V], axis[3 * V], angle[V];
+#endif
   for (uint lane = 0; lane < V; ++lane) {
     const uint id = actor_of[i + lane];
+    __global const ActorConstants* actor = actors + id;
     on[lane] = id != 0 ? R(1.0) : R(0.0);
-    const __global real* source = actors + (ulong)id * SIM_ACTOR_REALS;
-    for (uint k = 0; k < SIM_ACTOR_REALS; ++k) row[k * V + lane] = source[k];
+    there[lane] = actor->there;
+    for (int k = 0; k < 3; ++k) centre[k * V + lane] = actor->centre[k];
+    for (int k = 0; k < 9; ++k) rotation[k * V + lane] = actor->rotation[k];
+#if ACTOR_MOTION
+    for (int k = 0; k < 3; ++k) step[k * V + lane] = actor->step[k];
+    for (int k = 0; k < 3; ++k) axis[k * V + lane] = actor->turn_axis[k];
+    angle[lane] = actor->turn_angle;
+#endif
   }
   a->on = LDV(on) > R(0.5);
-  a->there = LDV(row + SIM_A_THERE * V) > R(0.5);
-  for (int k = 0; k < 3; ++k) a->centre[k] = LDV(row + (SIM_A_CENTRE + k) * V);
-  for (int k = 0; k < 9; ++k) a->rotation[k] = LDV(row + (SIM_A_ROTATION + k) * V);
+  a->there = LDV(there) > R(0.5);
+  for (int k = 0; k < 3; ++k) a->centre[k] = LDV(centre + k * V);
+  for (int k = 0; k < 9; ++k) a->rotation[k] = LDV(rotation + k * V);
 #if ACTOR_MOTION
-  for (int k = 0; k < 3; ++k) a->step[k] = LDV(row + (SIM_A_STEP + k) * V);
-  for (int k = 0; k < 3; ++k) a->axis[k] = LDV(row + (SIM_A_AXIS + k) * V);
-  a->angle = LDV(row + SIM_A_ANGLE * V);
+  for (int k = 0; k < 3; ++k) a->step[k] = LDV(step + k * V);
+  for (int k = 0; k < 3; ++k) a->axis[k] = LDV(axis + k * V);
+  a->angle = LDV(angle);
 #endif
 }
 

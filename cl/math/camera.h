@@ -2,14 +2,15 @@
 // number of lanes) and for the host (double; host/sensors/lens_forward.hpp gives F, I, SEL, ... there).
 // A point (x, y, z) in m in the camera frame (x right, y down, z forward) has the image (u, v) in focal
 // lengths from the principal point. `valid` is cleared where it has none: outside the domain in which the
-// map is one to one (SIM_L_.. of shared/layout.h, found on the host), or nearer than 1 cm. Nothing is
+// map is one to one (LensConstants, found on the host), or nearer than 1 cm. Nothing is
 // clamped back into the picture.
 #ifndef SIMULI_CL_MATH_CAMERA_H
 #define SIMULI_CL_MATH_CAMERA_H
 #ifndef __cplusplus
 #include "math/elementary.h"
-#include "shared/layout.h"
+#include "shared/sensor_constants.h"
 #define REALS __global const real*
+#define LENS_CONSTANTS __global const LensConstants*
 #endif
 
 #define CAMERA_NEAR R(0.01)         // m
@@ -59,16 +60,16 @@ FN void pinhole_image(F x, F y, F z, F* u, F* v, I* valid) {
   *valid = AND(*valid, ok);
 }
 
-FN void opencv_pinhole_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
+FN void opencv_pinhole_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
   F a, b;
   pinhole_image(x, y, z, &a, &b, valid);
   Distorted d;
-  distort(lens + SIM_L_DISTORTION, a, b, &d);
+  distort(lens->distortion, a, b, &d);
   *u = d.u;
   *v = d.v;
   // The determinant turns negative at the fold, whose radius depends on the direction; beyond the largest
   // of these radii it may turn back.
-  *valid = AND(*valid, AND(d.regular, fma(a, a, b * b) <= lens[SIM_L_RADIUS2_MAX]));
+  *valid = AND(*valid, AND(d.regular, fma(a, a, b * b) <= lens->radius2_max));
 }
 
 /// Image at the radius rho(angle) in the direction of (x, y); on the axis rho / r is 1 / z.
@@ -81,14 +82,14 @@ FN void radial_image(F rho, F r, F x, F y, F z, F* u, F* v) {
 
 FN I far_enough(F r, F z) { return fma(r, r, z * z) > CAMERA_NEAR * CAMERA_NEAR; }
 
-FN void opencv_fisheye_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
+FN void opencv_fisheye_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
   const F r = sqrt(fma(x, x, y * y));
   const F angle = atan2_lanes(r, z);
   const F a2 = angle * angle;
-  REALS k = lens + SIM_L_POLYNOMIAL;
+  REALS k = lens->polynomial;
   const F rho = angle * fma(a2, fma(a2, fma(a2, fma(a2, (F)k[3], (F)k[2]), (F)k[1]), (F)k[0]), (F)R(1.0));
   radial_image(rho, r, x, y, z, u, v);
-  *valid = AND(*valid, AND(angle <= lens[SIM_L_ANGLE_MAX], far_enough(r, z)));
+  *valid = AND(*valid, AND(angle <= lens->angle_max, far_enough(r, z)));
 }
 
 /// a[0] t + a[1] t^2 + ... + a[4] t^5
@@ -120,26 +121,26 @@ FN F polynomial5_inverse(REALS a, F value, real t_max) {
   return t;
 }
 
-FN void ftheta_linear(REALS lens, F x, F y, F* u, F* v) {
-  *u = fma((F)lens[SIM_L_LINEAR], x, lens[SIM_L_LINEAR + 1] * y);
-  *v = fma((F)lens[SIM_L_LINEAR + 2], x, y);
+FN void ftheta_linear(LENS_CONSTANTS lens, F x, F y, F* u, F* v) {
+  *u = fma((F)lens->linear[0], x, lens->linear[1] * y);
+  *v = fma((F)lens->linear[2], x, y);
 }
 
-FN void ftheta_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
+FN void ftheta_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
   const F r = sqrt(fma(x, x, y * y));
   const F angle = atan2_lanes(r, z);
   F a, b;
-  radial_image(polynomial5(lens + SIM_L_POLYNOMIAL, angle), r, x, y, z, &a, &b);
+  radial_image(polynomial5(lens->polynomial, angle), r, x, y, z, &a, &b);
   ftheta_linear(lens, a, b, u, v);
-  *valid = AND(*valid, AND(angle <= lens[SIM_L_ANGLE_MAX], far_enough(r, z)));
+  *valid = AND(*valid, AND(angle <= lens->angle_max, far_enough(r, z)));
 }
 
-FN void ftheta_inverse_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
+FN void ftheta_inverse_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
   const F r = sqrt(fma(x, x, y * y));
   const F angle = atan2_lanes(r, z);
-  const I ok = AND(angle <= lens[SIM_L_ANGLE_MAX], far_enough(r, z));
+  const I ok = AND(angle <= lens->angle_max, far_enough(r, z));
   const F rho = polynomial5_inverse(
-      lens + SIM_L_POLYNOMIAL, SEL(ok, angle, (F)R(0.0)), lens[SIM_L_RADIUS_MAX]);
+      lens->polynomial, SEL(ok, angle, (F)R(0.0)), lens->radius_max);
   F a, b;
   radial_image(rho, r, x, y, z, &a, &b);
   ftheta_linear(lens, a, b, u, v);
@@ -147,16 +148,16 @@ FN void ftheta_inverse_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
 }
 
 /// The unified model: onto the unit sphere, from there to the plane z = 1 as seen from (0, 0, -xi), distorted.
-FN void mei_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
+FN void mei_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
   const F r = sqrt(x * x + y * y + z * z);
-  const I ok = AND(r > CAMERA_NEAR, z > lens[SIM_L_COS_MIN] * r);
-  const F inv = R(1.0) / SEL(ok, fma(r, (F)lens[SIM_L_XI], z), (F)R(1.0));
+  const I ok = AND(r > CAMERA_NEAR, z > lens->cos_min * r);
+  const F inv = R(1.0) / SEL(ok, fma(r, (F)lens->xi, z), (F)R(1.0));
   const F a = x * inv, b = y * inv;
   Distorted d;
-  distort(lens + SIM_L_DISTORTION, a, b, &d);
+  distort(lens->distortion, a, b, &d);
   *u = d.u;
   *v = d.v;
-  *valid = AND(*valid, AND(ok, AND(d.regular, fma(a, a, b * b) <= lens[SIM_L_RADIUS2_MAX])));
+  *valid = AND(*valid, AND(ok, AND(d.regular, fma(a, a, b * b) <= lens->radius2_max)));
 }
 
 /// (azimuth, elevation) in rad: the picture's x runs once around the y axis, to the right of z.
@@ -167,11 +168,11 @@ FN void equirectangular_image(F x, F y, F z, F* u, F* v, I* valid) {
   *valid = AND(*valid, far_enough(flat, y));
 }
 
-FN void double_sphere_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
-  const real alpha = lens[SIM_L_ALPHA];
+FN void double_sphere_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
+  const real alpha = lens->alpha;
   const F r = sqrt(x * x + y * y + z * z);
-  const I ok = AND(r > CAMERA_NEAR, z > lens[SIM_L_COS_MIN] * r);
-  const F shifted = fma(r, (F)lens[SIM_L_XI], z);
+  const I ok = AND(r > CAMERA_NEAR, z > lens->cos_min * r);
+  const F shifted = fma(r, (F)lens->xi, z);
   const F second = sqrt(x * x + y * y + shifted * shifted);
   const F inv = R(1.0) / SEL(ok, alpha * second + (R(1.0) - alpha) * shifted, (F)R(1.0));
   *u = x * inv;
@@ -180,12 +181,12 @@ FN void double_sphere_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
 }
 
 /// Extended unified camera model.
-FN void eucm_image(REALS lens, F x, F y, F z, F* u, F* v, I* valid) {
-  const real alpha = lens[SIM_L_ALPHA];
+FN void eucm_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
+  const real alpha = lens->alpha;
   const F xy2 = fma(x, x, y * y);
   const F r = sqrt(fma(z, z, xy2));
-  const I ok = AND(r > CAMERA_NEAR, z > lens[SIM_L_COS_MIN] * r);
-  const F d = sqrt(fma((F)lens[SIM_L_BETA], xy2, z * z));
+  const I ok = AND(r > CAMERA_NEAR, z > lens->cos_min * r);
+  const F d = sqrt(fma((F)lens->beta, xy2, z * z));
   const F inv = R(1.0) / SEL(ok, alpha * d + (R(1.0) - alpha) * z, (F)R(1.0));
   *u = x * inv;
   *v = y * inv;

@@ -18,11 +18,11 @@ typedef struct {
 /// The ellipsoid as seen by every ray whose time is in [first, last].
 /// Minkowski sum with a ball: (1 + 1/c) B + (1 + c) m^2 I for any c > 0, here c = sqrt(tr B / 3) / m.
 FN void seen_ellipsoid(
-    __global const real* sensor, const Gaussian* g, F reach, F radius, F first, F last, Ellipsoid* e) {
+    __global const SensorConstants* sensor, const Gaussian* g, F reach, F radius, F first, F last, Ellipsoid* e) {
   const F t = R(0.5) * (first + last);
 #if MOVING
   F sine, cosine;
-  sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
+  sincos_lanes(sensor->turn_angle * t, &sine, &cosine);
 #endif
 #if ACTOR_MOTION
   F carry[9];
@@ -41,26 +41,26 @@ FN void seen_ellipsoid(
 #endif
     F turned[3];
 #if MOVING
-    rotate(sensor + SIM_S_ROT_START, v, turned);
-    turn(sensor + SIM_S_AXIS, -sine, cosine, turned);
+    rotate(sensor->rotation_start, v, turned);
+    turn(sensor->turn_axis, -sine, cosine, turned);
 #else
-    rotate(sensor + SIM_S_ROT_REF, v, turned);
+    rotate(sensor->rotation_ref, v, turned);
 #endif
     for (int j = 0; j < 3; ++j) e->a[j][k] = turned[j];
     trace += length * length;
   }
   sensor_from_particle_point(sensor, g, g->offset, t, e->p);
-  F shift = (F)sensor[SIM_S_LEVER];
+  F shift = (F)sensor->model.lever;
 #if MOVING
   // A turn by d moves a point by at most d times its distance.
   const F dt = R(0.5) * (last - first);
   const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
-  const real step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
-                         sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
-                         sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
-  shift += dt * (step + carried(g, radius) + sensor[SIM_S_ANGLE] * (distance + radius));
+  const real step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
+                         sensor->centre_step[1] * sensor->centre_step[1] +
+                         sensor->centre_step[2] * sensor->centre_step[2]);
+  shift += dt * (step + carried(g, radius) + sensor->turn_angle * (distance + radius));
 #endif
-  e->p[2] -= sensor[SIM_S_HEIGHT_REF];
+  e->p[2] -= sensor->model.height;
   const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; c may be any
   e->stretch = R(1.0) + shift / mean;
   e->more = shift * (shift + mean);

@@ -23,7 +23,7 @@ typedef struct {
 } Extent;
 
 /// The places that all rays with times in [first, last] see the particle at; x near `anchor` where it wraps.
-FN void extent_during(__global const real* sensor,
+FN void extent_during(__global const SensorConstants* sensor,
                       const Gaussian* g,
                       F reach,
                       F radius,
@@ -37,15 +37,15 @@ FN void extent_during(__global const real* sensor,
   F azimuth, from, to;
 #if SENSOR == SENSOR_LIDAR
   spherical_extent(&e, 0, 1, 2, &azimuth, &from, &to, &out->low, &out->high);
-  const F x = (azimuth - sensor[SIM_S_AZIMUTH_CUT]) * sensor[SIM_S_SPIN];
-  const real scale = sensor[SIM_S_SPIN];
-  const F pad = (F)PAD_RAD, pad_y = PAD_RAD + sensor[SIM_S_ROW_SPREAD] + PAD_SHARE * (out->high - out->low);
+  const F x = (azimuth - sensor->model.azimuth_cut) * sensor->model.spin;
+  const real scale = sensor->model.spin;
+  const F pad = (F)PAD_RAD, pad_y = PAD_RAD + sensor->model.row_spread + PAD_SHARE * (out->high - out->low);
 #else
   spherical_extent(&e, 2, 0, 1, &azimuth, &from, &to, &out->low, &out->high);
-  const F x = fma(azimuth, (F)sensor[SIM_S_FX], (F)sensor[SIM_S_CX]);
-  out->low = fma(out->low, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
-  out->high = fma(out->high, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
-  const real scale = sensor[SIM_S_FX];
+  const F x = fma(azimuth, (F)sensor->model.fx, (F)sensor->model.cx);
+  out->low = fma(out->low, (F)sensor->model.fy, (F)sensor->model.cy);
+  out->high = fma(out->high, (F)sensor->model.fy, (F)sensor->model.cy);
+  const real scale = sensor->model.fx;
   const F pad = (F)PAD_PX, pad_y = PAD_PX + PAD_SHARE * (out->high - out->low);
 #endif
   out->mean_x = unrolled(sensor, x, anchor) + R(0.5) * (from + to) * scale;
@@ -57,15 +57,15 @@ FN void extent_during(__global const real* sensor,
 #if LENS == SIM_LENS_PINHOLE
   shadow_ratios(&e, e.p[2], e.p[0], e.a[2], e.a[0], &x0, &x1);
   shadow_ratios(&e, e.p[2], e.p[1], e.a[2], e.a[1], &y0, &y1);
-  x0 = fma(x0, (F)sensor[SIM_S_FX], (F)sensor[SIM_S_CX]);
-  x1 = fma(x1, (F)sensor[SIM_S_FX], (F)sensor[SIM_S_CX]);
-  y0 = fma(y0, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
-  y1 = fma(y1, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
+  x0 = fma(x0, (F)sensor->model.fx, (F)sensor->model.cx);
+  x1 = fma(x1, (F)sensor->model.fx, (F)sensor->model.cx);
+  y0 = fma(y0, (F)sensor->model.fy, (F)sensor->model.cy);
+  y1 = fma(y1, (F)sensor->model.fy, (F)sensor->model.cy);
 #else
   lens_extent(sensor, &e, &x0, &x1, &y0, &y1);
 #endif
   // What is left of it in and just around the picture: else a far end would round the near one away.
-  const real width = sensor[SIM_S_WIDTH] + R(1.0), height = sensor[SIM_S_HEIGHT] + R(1.0);
+  const real width = sensor->model.picture_width + R(1.0), height = sensor->model.picture_height + R(1.0);
   const F pad_x = fma((F)PAD_SHARE, x1 - x0, (F)PAD_PX), pad_y = fma((F)PAD_SHARE, y1 - y0, (F)PAD_PX);
   x0 = VMIN(VMAX(x0 - pad_x, (F)R(-1.0)), (F)width);
   x1 = VMIN(VMAX(x1 + pad_x, (F)R(-1.0)), (F)width);
@@ -78,42 +78,42 @@ FN void extent_during(__global const real* sensor,
 
 /// Times of all rays whose place is within the extent, and with `whole` those of all rays.
 FN void times_within(const FrameParams* frame,
-                     __global const real* sensor,
+                     __global const SensorConstants* sensor,
                      const Extent* extent,
                      int whole,
                      F* first,
                      F* last) {
 #if SENSOR == SENSOR_CAMERA
-  const real width = sensor[SIM_S_WIDTH], height = sensor[SIM_S_HEIGHT];
+  const real width = sensor->model.picture_width, height = sensor->model.picture_height;
   const F x0 = whole || WRAPS ? (F)R(0.0) : VMIN(VMAX(extent->mean_x - extent->half_x, (F)R(0.0)), (F)width);
   const F x1 = whole || WRAPS ? (F)width : VMIN(VMAX(extent->mean_x + extent->half_x, (F)R(0.0)), (F)width);
   const F y0 = whole ? (F)R(0.0) : VMIN(VMAX(extent->low, (F)R(0.0)), (F)height);
   const F y1 = whole ? (F)height : VMIN(VMAX(extent->high, (F)R(0.0)), (F)height);
-  const F tx0 = x0 * sensor[SIM_S_TIME_X], tx1 = x1 * sensor[SIM_S_TIME_X];
-  const F ty0 = y0 * sensor[SIM_S_TIME_Y], ty1 = y1 * sensor[SIM_S_TIME_Y];
-  *first = sensor[SIM_S_TIME_C] + VMIN(tx0, tx1) + VMIN(ty0, ty1);
-  *last = sensor[SIM_S_TIME_C] + VMAX(tx0, tx1) + VMAX(ty0, ty1);
+  const F tx0 = x0 * sensor->model.time_x, tx1 = x1 * sensor->model.time_x;
+  const F ty0 = y0 * sensor->model.time_y, ty1 = y1 * sensor->model.time_y;
+  *first = sensor->model.time_c + VMIN(tx0, tx1) + VMIN(ty0, ty1);
+  *last = sensor->model.time_c + VMAX(tx0, tx1) + VMAX(ty0, ty1);
 #else
-  const F x0 = (F)sensor[SIM_S_TILE_X0];
-  const F x1 = (F)sensor[SIM_S_TILE_X1];
+  const F x0 = (F)sensor->model.tile_first;
+  const F x1 = (F)sensor->model.tile_last;
   const F from = whole ? x0 : VMIN(VMAX(extent->mean_x - extent->half_x, x0), x1);
   const F to = whole ? x1 : VMIN(VMAX(extent->mean_x + extent->half_x, x0), x1);
-  const real spread = sensor[SIM_S_TIME_SPREAD] + R(2e-6);  // below 1e-6 the host counts it as none
-  *first = fma(from, (F)sensor[SIM_S_INV_SPAN], (F)(sensor[SIM_S_TIME_FIRST] - spread));
-  *last = fma(to, (F)sensor[SIM_S_INV_SPAN], (F)(sensor[SIM_S_TIME_FIRST] + spread));
+  const real spread = sensor->model.time_spread + R(2e-6);  // below 1e-6 the host counts it as none
+  *first = fma(from, (F)sensor->model.inv_span, (F)(sensor->model.time_first - spread));
+  *last = fma(to, (F)sensor->model.inv_span, (F)(sensor->model.time_first + spread));
 #endif
 }
 
 /// How far ray origins may be from o_ref, m.
-FN F origin_reach(const FrameParams* frame, __global const real* sensor) {
-  F reach = (F)sensor[SIM_S_LEVER] + fabs(sensor[SIM_S_HEIGHT_REF]);
+FN F origin_reach(const FrameParams* frame, __global const SensorConstants* sensor) {
+  F reach = (F)sensor->model.lever + fabs(sensor->model.height);
 #if MOVING
   F first, last;
   const Extent none = {(F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
   times_within(frame, sensor, &none, 1, &first, &last);
   const F dt = VMAX(fabs(first - R(0.5)), fabs(last - R(0.5)));
-  reach += dt * (fabs(sensor[SIM_S_CENTRE_STEP]) + fabs(sensor[SIM_S_CENTRE_STEP + 1]) +
-                 fabs(sensor[SIM_S_CENTRE_STEP + 2]));
+  reach += dt * (fabs(sensor->centre_step[0]) + fabs(sensor->centre_step[1]) +
+                 fabs(sensor->centre_step[2]));
 #endif
   return reach;
 }
@@ -122,7 +122,7 @@ FN F origin_reach(const FrameParams* frame, __global const real* sensor) {
 /// see the particle are in the extent of the whole frame, hence within its times; as seen in these times alone
 /// they are in a smaller extent, and so forth.
 FN void exact_bounds(const FrameParams* frame,
-                     __global const real* sensor,
+                     __global const SensorConstants* sensor,
                      const Gaussian* g,
                      F reach,
                      F radius,
@@ -131,14 +131,14 @@ FN void exact_bounds(const FrameParams* frame,
   Extent whole, place[2];
   F first, last;
   times_within(frame, sensor, &none, 1, &first, &last);
-  const real period = sensor[SIM_S_PERIOD];
+  const real period = sensor->model.period;
   extent_during(sensor, g, reach, radius, first, last, (F)(R(0.5) * period), &whole);
   place[0] = place[1] = whole;
 #if SENSOR == SENSOR_LIDAR
   // In [0, period] there is at most this second place, half a turn being the widest that is no full one.
   place[1].mean_x += SEL(whole.mean_x < R(0.5) * period, (F)period, (F)-period);
-  const F swept_first = (F)sensor[SIM_S_TILE_X0];
-  const F swept_last = (F)sensor[SIM_S_TILE_X1];
+  const F swept_first = (F)sensor->model.tile_first;
+  const F swept_last = (F)sensor->model.tile_last;
   const I both =
       AND(place[1].mean_x + place[1].half_x >= swept_first, place[1].mean_x - place[1].half_x <= swept_last);
 #endif

@@ -28,14 +28,14 @@ typedef struct {
 /// where they are half-way through the frame.
 FN void load_gaussian(__global const real* params,
                           __global const uint* actor_of,
-                          __global const real* actors,
+                          __global const ActorConstants* actors,
                           uint stride,
                           uint i,
-                          __global const real* sensor,
+                          __global const SensorConstants* sensor,
                           Gaussian* g) {
   const __global real* row = params + i;
   for (int k = 0; k < 3; ++k) {
-    g->offset[k] = LDV(row + (SIM_MEAN + k) * stride) - sensor[SIM_S_CENTRE_REF + k];
+    g->offset[k] = LDV(row + (SIM_MEAN + k) * stride) - sensor->centre_ref[k];
   }
 #if ACTORS
   load_actors(actor_of, actors, i, &g->actor);
@@ -50,7 +50,7 @@ FN void load_gaussian(__global const real* params,
 #endif
   const F range2 = g->offset[0] * g->offset[0] + g->offset[1] * g->offset[1] + g->offset[2] * g->offset[2];
   g->range = sqrt(range2);
-  const F widen = range2 * sensor[SIM_S_KAPPA];
+  const F widen = range2 * sensor->model.kappa;
   for (int k = 0; k < 3; ++k) {
     g->scale[k] = exp_lanes(LDV(row + (SIM_LOG_SCALE + k) * stride));
     g->filtered[k] = sqrt(fma(g->scale[k], g->scale[k], widen));

@@ -1,5 +1,5 @@
 // lens_extent.h - where the picture of a distorted lens shows the cutoff ellipsoid, from bounds of the lens's
-// derivatives that the host found (SIM_S_LENS_..).
+// derivatives that the host found (lens_slope, lens_bend).
 #ifndef SIMULI_CL_MATH_LENS_EXTENT_H
 #define SIMULI_CL_MATH_LENS_EXTENT_H
 #include "math/ellipsoid.h"
@@ -80,7 +80,7 @@ FN void lens_bounds(const Ellipsoid* e,
 }
 
 /// The image of unit vector n + step * across.
-FN void image_beside(__global const real* sensor, const F* n, const F* side, real step, F* x, F* y) {
+FN void image_beside(__global const SensorConstants* sensor, const F* n, const F* side, real step, F* x, F* y) {
   I shown = n[0] == n[0];
   const F q[3] = {fma(side[0], (F)step, n[0]), fma(side[1], (F)step, n[1]), fma(side[2], (F)step, n[2])};
   project_point(sensor, q, x, y, &shown);
@@ -90,7 +90,7 @@ FN void image_beside(__global const real* sensor, const F* n, const F* side, rea
 /// in the cone in which the host looked for it. A cone of at most 90 degrees is convex: rays inside are nearer
 /// to the cone's nearest direction than to the centre. A wider one must hold the cap, or the bound is the
 /// picture. Small caps within the cone are bounded by the lens's derivative and bend as well.
-FN void lens_extent(__global const real* sensor, const Ellipsoid* e, F* x0, F* x1, F* y0, F* y1) {
+FN void lens_extent(__global const SensorConstants* sensor, const Ellipsoid* e, F* x0, F* x1, F* y0, F* y1) {
   const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
   const F inv = R(1.0) / VMAX(distance, (F)R(1e-18));
   F n[3] = {e->p[0] * inv, e->p[1] * inv, e->p[2] * inv};
@@ -104,7 +104,7 @@ FN void lens_extent(__global const real* sensor, const Ellipsoid* e, F* x0, F* x
   I bounded = cap_angle(e, distance, l, a1, a2, &cap);
   const F flat = sqrt(fma(n[0], n[0], n[1] * n[1]));
   const F off_axis = atan2_lanes(flat, n[2]);
-  const real cone = sensor[SIM_S_LENS_CONE];
+  const real cone = sensor->model.lens_cone;
   I tame = AND(bounded, AND(off_axis + cap + R(2.0) * LENS_STEP <= cone, cap < LENS_CAP_MAX));
   if (cone > HALF_PI_R) {
     bounded = AND(bounded, off_axis + cap <= cone);
@@ -119,8 +119,8 @@ FN void lens_extent(__global const real* sensor, const Ellipsoid* e, F* x0, F* x
   F x, y;
   I shown = bounded;
   project_point(sensor, n, &x, &y, &shown);
-  const F half_x = cap * sensor[SIM_S_LENS_SLOPE_X];
-  const F half_y = cap * sensor[SIM_S_LENS_SLOPE_Y];
+  const F half_x = cap * sensor->model.lens_slope[0];
+  const F half_y = cap * sensor->model.lens_slope[1];
   *x0 = SEL(bounded, x - half_x, (F)-NO_BOUND);
   *x1 = SEL(bounded, x + half_x, (F)NO_BOUND);
   *y0 = SEL(bounded, y - half_y, (F)-NO_BOUND);
@@ -132,7 +132,7 @@ FN void lens_extent(__global const real* sensor, const Ellipsoid* e, F* x0, F* x
   image_beside(sensor, n, e2, LENS_STEP, &xc, &yc);
   image_beside(sensor, n, e2, -LENS_STEP, &xd, &yd);
   const real per_step = R(0.5) / LENS_STEP;
-  const real bend_x = sensor[SIM_S_LENS_BEND_X], bend_y = sensor[SIM_S_LENS_BEND_Y];
+  const real bend_x = sensor->model.lens_bend[0], bend_y = sensor->model.lens_bend[1];
   lens_bounds(e, distance, l, a1, a2, x, (xa - xb) * per_step, (xc - xd) * per_step, cap, bend_x, tame, x0, x1);
   lens_bounds(e, distance, l, a1, a2, y, (ya - yb) * per_step, (yc - yd) * per_step, cap, bend_y, tame, y0, y1);
 }

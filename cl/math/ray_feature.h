@@ -18,14 +18,14 @@ FN void ray_feature(__global const real* params,
                     uint stride,
                     uint particle,
                     __global const uint* actor_of,
-                    __global const real* actors,
+                    __global const ActorConstants* actors,
                     const F* d,
                     F* feature) {
   F towards[3] = {d[0], d[1], d[2]};
 #if ACTORS
   const uint id = actor_of[particle];
   if (id != 0) {
-    const __global real* r = actors + (ulong)id * SIM_ACTOR_REALS + SIM_A_ROTATION;
+    const __global real* r = actors[id].rotation;
     for (int k = 0; k < 3; ++k) towards[k] = d[0] * r[k] + d[1] * r[3 + k] + d[2] * r[6 + k];
   }
 #endif

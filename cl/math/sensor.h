@@ -6,16 +6,17 @@
 #include "math/camera.h"
 #include "math/elementary.h"
 #include "shared/layout.h"
+#include "shared/sensor_constants.h"
 
 #define SENSOR_CAMERA 0
 #define SENSOR_LIDAR 1
 
-// The camera's lens: SIM_LENS_.. of shared/layout.h.
+// The camera's lens: SIM_LENS_.. of shared/sensor_constants.h.
 #ifndef LENS
 #define LENS SIM_LENS_PINHOLE
 #endif
 
-// Whether x comes round again after sensor[SIM_S_PERIOD].
+// Whether x comes round again after sensor->model.period.
 #if SENSOR == SENSOR_LIDAR || LENS == SIM_LENS_EQUIRECTANGULAR
 #define WRAPS 1
 #else
@@ -47,78 +48,78 @@ FN void rotate_back(__global const real* m, const F* v, F* out) {
 }
 
 /// World direction of a sensor-frame vector at time t in [0, 1] of the frame.
-FN void world_from_sensor_vector(__global const real* sensor, const F* v, F t, F* out) {
+FN void world_from_sensor_vector(__global const SensorConstants* sensor, const F* v, F t, F* out) {
 #if MOVING
   F turned[3] = {v[0], v[1], v[2]};
   F sine, cosine;
-  sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
-  turn(sensor + SIM_S_AXIS, sine, cosine, turned);
-  rotate_back(sensor + SIM_S_ROT_START, turned, out);
+  sincos_lanes(sensor->turn_angle * t, &sine, &cosine);
+  turn(sensor->turn_axis, sine, cosine, turned);
+  rotate_back(sensor->rotation_start, turned, out);
 #else
-  rotate_back(sensor + SIM_S_ROT_REF, v, out);
+  rotate_back(sensor->rotation_ref, v, out);
 #endif
 }
 
 /// Sensor-frame coordinates at time t of the world point o_ref + p.
-FN void sensor_from_world_point(__global const real* sensor, const F* p, F t, F* out) {
+FN void sensor_from_world_point(__global const SensorConstants* sensor, const F* p, F t, F* out) {
 #if MOVING
   // o_ref + p - centre(t), the centre moving evenly about o_ref.
   const F u = t - R(0.5);
-  const F moved[3] = {p[0] - sensor[SIM_S_CENTRE_STEP] * u,
-                      p[1] - sensor[SIM_S_CENTRE_STEP + 1] * u,
-                      p[2] - sensor[SIM_S_CENTRE_STEP + 2] * u};
-  rotate(sensor + SIM_S_ROT_START, moved, out);
+  const F moved[3] = {p[0] - sensor->centre_step[0] * u,
+                      p[1] - sensor->centre_step[1] * u,
+                      p[2] - sensor->centre_step[2] * u};
+  rotate(sensor->rotation_start, moved, out);
   F sine, cosine;
-  sincos_lanes(sensor[SIM_S_ANGLE] * t, &sine, &cosine);
-  turn(sensor + SIM_S_AXIS, -sine, cosine, out);
+  sincos_lanes(sensor->turn_angle * t, &sine, &cosine);
+  turn(sensor->turn_axis, -sine, cosine, out);
 #else
-  rotate(sensor + SIM_S_ROT_REF, p, out);
+  rotate(sensor->rotation_ref, p, out);
 #endif
 }
 
 /// (x, y) of a sensor-frame point: pixels, or the spin angle since the sweep's start (rad, by the shorter way
 /// round, in [-pi, pi]) and elevation (rad). `valid` is cleared in lanes where the point has no image: nearer
 /// than 1 cm to the camera or outside the lens's domain.
-FN void project_point(__global const real* sensor, const F* p, F* x, F* y, I* valid) {
+FN void project_point(__global const SensorConstants* sensor, const F* p, F* x, F* y, I* valid) {
 #if SENSOR == SENSOR_CAMERA
   F u, v;
 #if LENS == SIM_LENS_PINHOLE
   pinhole_image(p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_OPENCV_PINHOLE
-  opencv_pinhole_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+  opencv_pinhole_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_OPENCV_FISHEYE
-  opencv_fisheye_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+  opencv_fisheye_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_FTHETA
-  ftheta_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+  ftheta_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_FTHETA_INVERSE
-  ftheta_inverse_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+  ftheta_inverse_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_MEI
-  mei_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+  mei_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_EQUIRECTANGULAR
   equirectangular_image(p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_DOUBLE_SPHERE
-  double_sphere_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+  double_sphere_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
 #elif LENS == SIM_LENS_EUCM
-  eucm_image(sensor + SIM_S_LENS, p[0], p[1], p[2], &u, &v, valid);
+  eucm_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
 #endif
-  *x = fma(u, (F)sensor[SIM_S_FX], (F)sensor[SIM_S_CX]);
-  *y = fma(v, (F)sensor[SIM_S_FY], (F)sensor[SIM_S_CY]);
+  *x = fma(u, (F)sensor->model.fx, (F)sensor->model.cx);
+  *y = fma(v, (F)sensor->model.fy, (F)sensor->model.cy);
 #if WRAPS
-  *x -= sensor[SIM_S_PERIOD] * floor(*x / sensor[SIM_S_PERIOD]);
+  *x -= sensor->model.period * floor(*x / sensor->model.period);
 #endif
 #else
-  const F z = p[2] - sensor[SIM_S_HEIGHT_REF];
-  *x = wrap_lanes((atan2_lanes(p[1], p[0]) - sensor[SIM_S_AZIMUTH_CUT]) * sensor[SIM_S_SPIN], TWO_PI_R);
+  const F z = p[2] - sensor->model.height;
+  *x = wrap_lanes((atan2_lanes(p[1], p[0]) - sensor->model.azimuth_cut) * sensor->model.spin, TWO_PI_R);
   *y = atan2_lanes(z, sqrt(p[0] * p[0] + p[1] * p[1]));
 #endif
 }
 
 /// Share of the frame at which (x, y) is measured, in [0, 1]; a LiDAR's x is the unrolled spin angle.
-FN F time_of(__global const real* sensor, F x, F y) {
+FN F time_of(__global const SensorConstants* sensor, F x, F y) {
 #if SENSOR == SENSOR_CAMERA
-  F t = fma(x, (F)sensor[SIM_S_TIME_X], fma(y, (F)sensor[SIM_S_TIME_Y], (F)sensor[SIM_S_TIME_C]));
+  F t = fma(x, (F)sensor->model.time_x, fma(y, (F)sensor->model.time_y, (F)sensor->model.time_c));
 #else
-  F t = fma(x, (F)sensor[SIM_S_INV_SPAN], (F)sensor[SIM_S_TIME_FIRST]);
+  F t = fma(x, (F)sensor->model.inv_span, (F)sensor->model.time_first);
 #endif
   t = VMIN(t, (F)R(1.0));
   return VMAX(t, (F)R(0.0));

@@ -14,9 +14,9 @@
 #define NO_BOUND R(1e9)  // px, rad, or a rate
 
 /// x by the way round that is nearest to `anchor`, for sensors whose x goes round.
-FN F unrolled(__global const real* sensor, F x, F anchor) {
+FN F unrolled(__global const SensorConstants* sensor, F x, F anchor) {
 #if WRAPS
-  return anchor + wrap_lanes(x - anchor, sensor[SIM_S_PERIOD]);
+  return anchor + wrap_lanes(x - anchor, sensor->model.period);
 #else
   return x;
 #endif
@@ -25,7 +25,7 @@ FN F unrolled(__global const real* sensor, F x, F anchor) {
 /// Image at its own time of the point of particle g that is at o_ref + p half-way, x being unrolled near the anchor; the search starts at
 /// time t. `valid` is cleared in lanes where the point has no image, or no time was found in
 /// SHUTTER_ITERATIONS looks. A lane that has settled stays as it is: results don't depend on the neighbours.
-FN void project_at_own_time(__global const real* sensor,
+FN void project_at_own_time(__global const SensorConstants* sensor,
                             const Gaussian* g,
                             const F* p,
                             F anchor,
@@ -35,7 +35,7 @@ FN void project_at_own_time(__global const real* sensor,
                             I* valid) {
   F q[3];
 #if MOVING
-  const real tolerance = SHUTTER_SETTLED * sensor[SIM_S_TIME_STEP];
+  const real tolerance = SHUTTER_SETTLED * sensor->model.time_step;
   F last_t = t, last_gap = (F)R(0.0);
   I seen, settled;
   for (int k = 0; k < SHUTTER_ITERATIONS; ++k) {
@@ -70,11 +70,11 @@ FN void project_at_own_time(__global const real* sensor,
 /// `range` away, in the frame of the sensor half-way (of a LiDAR from its reference height); times being shares
 /// of the frame. NO_BOUND or more where the points come too near or leave the cone in which the lens's slopes
 /// are known.
-FN F shutter_rate(__global const real* sensor, const Gaussian* g, const F* centre, F range, F radius) {
-  const real angle = sensor[SIM_S_ANGLE];
-  const F step = sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
-                      sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
-                      sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]) +
+FN F shutter_rate(__global const SensorConstants* sensor, const Gaussian* g, const F* centre, F range, F radius) {
+  const real angle = sensor->turn_angle;
+  const F step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
+                      sensor->centre_step[1] * sensor->centre_step[1] +
+                      sensor->centre_step[2] * sensor->centre_step[2]) +
                  carried(g, radius);
   const F ball = radius + R(0.5) * step;  // where the points may be, as seen from the centre half-way
 #if SENSOR == SENSOR_CAMERA
@@ -86,11 +86,11 @@ FN F shutter_rate(__global const real* sensor, const Gaussian* g, const F* centr
 #if WRAPS
 #if SENSOR == SENSOR_CAMERA
   const F a = centre[2], b = centre[0];
-  const real by_azimuth = fabs(sensor[SIM_S_TIME_X]) * sensor[SIM_S_FX];
-  const F by_elevation = fabs(sensor[SIM_S_TIME_Y]) * sensor[SIM_S_FY] * SEL(apart, turn, (F)NO_BOUND);
+  const real by_azimuth = fabs(sensor->model.time_x) * sensor->model.fx;
+  const F by_elevation = fabs(sensor->model.time_y) * sensor->model.fy * SEL(apart, turn, (F)NO_BOUND);
 #else
   const F a = centre[0], b = centre[1];
-  const real by_azimuth = sensor[SIM_S_INV_SPAN];
+  const real by_azimuth = sensor->model.inv_span;
   const F by_elevation = (F)R(0.0);
 #endif
   // Azimuth changes as by the same motion at the least distance from the axis.
@@ -106,12 +106,12 @@ FN F shutter_rate(__global const real* sensor, const Gaussian* g, const F* centr
 #if LENS == SIM_LENS_PINHOLE
   const I known = AND(apart, cosine > R(0.1));
   const F scale = R(1.0) / SEL(known, cosine * cosine, (F)R(1.0));
-  const F slope = scale * (fabs(sensor[SIM_S_TIME_X]) * sensor[SIM_S_FX] +
-                           fabs(sensor[SIM_S_TIME_Y]) * sensor[SIM_S_FY]);
+  const F slope = scale * (fabs(sensor->model.time_x) * sensor->model.fx +
+                           fabs(sensor->model.time_y) * sensor->model.fy);
 #else
-  const I known = AND(apart, cosine >= cos(sensor[SIM_S_LENS_CONE]));
-  const F slope = (F)(fabs(sensor[SIM_S_TIME_X]) * sensor[SIM_S_LENS_SLOPE_X] +
-                      fabs(sensor[SIM_S_TIME_Y]) * sensor[SIM_S_LENS_SLOPE_Y]);
+  const I known = AND(apart, cosine >= cos(sensor->model.lens_cone));
+  const F slope = (F)(fabs(sensor->model.time_x) * sensor->model.lens_slope[0] +
+                      fabs(sensor->model.time_y) * sensor->model.lens_slope[1]);
 #endif
   return SEL(slope > R(0.0), SEL(known, slope * turn, (F)NO_BOUND), (F)R(0.0));
 #endif

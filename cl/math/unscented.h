@@ -42,15 +42,21 @@ FN void point_at(const Gaussian* g, F z0, F z1, F z2, F* p) {
 /// The box about the particle's place near `anchor`, the iteration starting at time t.
 /// reach: the radius in standard deviations at which alpha falls to the cut. Lanes that are not visible are
 /// not valid either.
-FN void projected_box(
-    __global const real* sensor, const Gaussian* g, F reach, I visible, F anchor, F t, Box* box) {
+FN void projected_box(__global const SensorConstants* sensor,
+                      __global const real* normal_samples,
+                      const Gaussian* g,
+                      F reach,
+                      I visible,
+                      F anchor,
+                      F t,
+                      Box* box) {
   F x0, y0;
   I valid = visible;
   project_at_own_time(sensor, g, g->offset, anchor, t, &x0, &y0, &valid);
   const F t0 = time_of(sensor, x0, y0);
   F mean_x = (F)R(0.0), mean_y = (F)R(0.0), var_x = (F)R(0.0), var_y = (F)R(0.0);
 #if PROJECTION == PROJECTION_MONTE_CARLO
-  __global const real* sample = sensor + SIM_SENSOR_REALS;
+  __global const real* sample = normal_samples;
   for (int k = 0; k < SIM_MONTE_CARLO; ++k, sample += 3) {
     F p[3], x, y;
     point_at(g, (F)sample[0], (F)sample[1], (F)sample[2], p);
@@ -116,7 +122,7 @@ FN void projected_box(
 
 #if SENSOR == SENSOR_LIDAR && MOVING
 /// Raises x and y to how far the image of the centre moves from time t to t + dt.
-FN void drift(__global const real* sensor, const Gaussian* g, F t, F dt, F* x, F* y) {
+FN void drift(__global const SensorConstants* sensor, const Gaussian* g, F t, F dt, F* x, F* y) {
   F q[3], x0, y0, x1, y1;
   I seen = t == t;
   sensor_from_particle_point(sensor, g, g->offset, t, q);
@@ -132,7 +138,8 @@ FN void drift(__global const real* sensor, const Gaussian* g, F t, F dt, F* x, F
 /// half-way. False in lanes where they are no measure of it: some point without an image or without a time of
 /// its own, a sensor that moves too fast for just one place, or a particle around the sensor or its axis.
 FN I unscented_bounds(const FrameParams* frame,
-                      __global const real* sensor,
+                      __global const SensorConstants* sensor,
+                      __global const real* normal_samples,
                       const Gaussian* g,
                       const F* centre,
                       F reach,
@@ -147,7 +154,7 @@ FN I unscented_bounds(const FrameParams* frame,
   I has_image = visible;
   project_point(sensor, centre, &anchor, &anchor_y, &has_image);
 #endif
-  projected_box(sensor, g, reach, visible, anchor, (F)R(0.5), &box);
+  projected_box(sensor, normal_samples, g, reach, visible, anchor, (F)R(0.5), &box);
   I known = box.valid;
 #if MOVING
   known = AND(known, shutter_rate(sensor, g, centre, g->range, radius) < SHUTTER_RATE_MAX);
@@ -156,7 +163,7 @@ FN I unscented_bounds(const FrameParams* frame,
   out->other_x = box.mean_x;
   out->half_x = box.half_x;
 #if WRAPS
-  const real period = sensor[SIM_S_PERIOD];
+  const real period = sensor->model.period;
   out->other_x += SEL(box.mean_x < R(0.5) * period, (F)period, (F)-period);
   // About a pole of the picture a particle is a band of all columns.
   const F flat = sqrt(centre[0] * centre[0] + centre[2] * centre[2]);
@@ -164,7 +171,7 @@ FN I unscented_bounds(const FrameParams* frame,
 #if MOVING
   // Columns that are exposed at different times: the two ends of the picture don't see the same place.
   const I joined = AND(box.mean_x - box.half_x > R(0.0), box.mean_x + box.half_x < period);
-  known = AND(known, OR(joined, (F)sensor[SIM_S_TIME_X] == R(0.0)));
+  known = AND(known, OR(joined, (F)sensor->model.time_x == R(0.0)));
 #endif
   // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
   const real widest = min(R(0.25) * period, R(0.5) * period - SIM_SLOT_ROW);
@@ -179,30 +186,30 @@ FN I unscented_bounds(const FrameParams* frame,
   project_point(sensor, centre, &middle_x, &middle_y, &has_image);
   middle_x = SEL(middle_x < R(0.0), middle_x + TWO_PI_R, middle_x);
   const F around_back = SEL(middle_x < PI_R, (F)TWO_PI_R, (F)-TWO_PI_R);
-  projected_box(sensor, g, reach, visible, middle_x, time_of(sensor, middle_x, middle_y), &box);
-  const F level[3] = {centre[0], centre[1], centre[2] - sensor[SIM_S_HEIGHT_REF]};
+  projected_box(sensor, normal_samples, g, reach, visible, middle_x, time_of(sensor, middle_x, middle_y), &box);
+  const F level[3] = {centre[0], centre[1], centre[2] - sensor->model.height};
   const F flat = sqrt(level[0] * level[0] + level[1] * level[1]);
   const F distance = sqrt(flat * flat + level[2] * level[2]);
-  const F lever = sensor[SIM_S_LEVER] / VMAX(distance - sensor[SIM_S_LEVER], (F)R(1e-3));
-  const F swept_first = (F)sensor[SIM_S_TILE_X0];
-  const F swept_last = (F)sensor[SIM_S_TILE_X1];
+  const F lever = sensor->model.lever / VMAX(distance - sensor->model.lever, (F)R(1e-3));
+  const F swept_first = (F)sensor->model.tile_first;
+  const F swept_last = (F)sensor->model.tile_last;
   const F other_x = middle_x + around_back;
   // Of what the sensor passes over or below, the azimuth changes too fast for a box.
-  const real passed = R(0.5) * sqrt(sensor[SIM_S_CENTRE_STEP] * sensor[SIM_S_CENTRE_STEP] +
-                                    sensor[SIM_S_CENTRE_STEP + 1] * sensor[SIM_S_CENTRE_STEP + 1] +
-                                    sensor[SIM_S_CENTRE_STEP + 2] * sensor[SIM_S_CENTRE_STEP + 2]);
+  const real passed = R(0.5) * sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
+                                    sensor->centre_step[1] * sensor->centre_step[1] +
+                                    sensor->centre_step[2] * sensor->centre_step[2]);
   const F travel = carried(g, radius);
   I known = AND(distance > radius + R(0.5) * travel, flat > fma(fabs(level[2]), (F)POLE_MARGIN, radius) + passed + R(0.5) * travel);
   F drift_x = (F)R(0.0), drift_y = (F)R(0.0);
 #if MOVING
   known = AND(known, shutter_rate(sensor, g, level, distance, radius) < SHUTTER_RATE_MAX);
-  if (sensor[SIM_S_TIME_SPREAD] > R(0.0)) {
+  if (sensor->model.time_spread > R(0.0)) {
     const F t0 = time_of(sensor, box.mean_x, box.mean_y);
-    const F dt = (F)sensor[SIM_S_TIME_SPREAD];
+    const F dt = (F)sensor->model.time_spread;
     drift(sensor, g, t0, dt, &drift_x, &drift_y);
     drift(sensor, g, t0, -dt, &drift_x, &drift_y);
     // The spin angle that drifts tells another time itself: dt / (1 - rate of drift over rate of spin).
-    const F farther = dt / (R(1.0) - VMIN(drift_x * sensor[SIM_S_INV_SPAN] / dt, (F)R(0.75)));
+    const F farther = dt / (R(1.0) - VMIN(drift_x * sensor->model.inv_span / dt, (F)R(0.75)));
     drift(sensor, g, t0, farther, &drift_x, &drift_y);
     drift(sensor, g, t0, -farther, &drift_x, &drift_y);
   }
@@ -211,12 +218,12 @@ FN I unscented_bounds(const FrameParams* frame,
   other.mean_x = other_x;
 #if MOVING
   // The second place is seldom swept: look only where it may be, motion during the sweep included.
-  const F slack = R(2.0) * box.half_x + lever + drift_x + sensor[SIM_S_ANGLE] + R(0.01) +
-                  (fabs(sensor[SIM_S_CENTRE_STEP]) + travel) / VMAX(flat, (F)R(1e-3)) +
-                  fabs(sensor[SIM_S_CENTRE_STEP + 1]) / VMAX(flat, (F)R(1e-3));
+  const F slack = R(2.0) * box.half_x + lever + drift_x + sensor->turn_angle + R(0.01) +
+                  (fabs(sensor->centre_step[0]) + travel) / VMAX(flat, (F)R(1e-3)) +
+                  fabs(sensor->centre_step[1]) / VMAX(flat, (F)R(1e-3));
   const I near = AND(visible, AND(other_x + slack >= swept_first, other_x - slack <= swept_last));
   if (ANY(near)) {
-    projected_box(sensor, g, reach, near, other_x, time_of(sensor, other_x, middle_y), &other);
+    projected_box(sensor, normal_samples, g, reach, near, other_x, time_of(sensor, other_x, middle_y), &other);
   }
   known = AND(known, AND(box.valid, OR(other.valid, NOT(near))));
 #else

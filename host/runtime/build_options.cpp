@@ -35,7 +35,7 @@ BuildOptions& BuildOptions::real(Precision precision) {
 }
 
 std::string BuildOptions::text() const {
-  // Argument info is what Kernel<Args...> checks the host's types against.
+  // Argument info is what Kernel checks the host's types against.
   std::string text = "-cl-std=CL1.2 -cl-kernel-arg-info";
   const auto append = [&](std::string_view name, std::string_view value) {
     text.append(" -D ").append(name).append("=").append(value);

@@ -70,6 +70,13 @@ class Binding {
       : name_(name.text()), type_(&type_of(buffer)), memory_(&buffer.memory()) {}
   Binding(ArgumentName name, const RealBuffer& buffer)
       : name_(name.text()), type_(&type_of(buffer)), memory_(&buffer.memory()) {}
+  /// __global T*, T a struct of reals, likewise.
+  template <template <class> class T>
+  Binding(ArgumentName name, StructBuffer<T>& buffer)
+      : name_(name.text()), type_(&detail::kPassedBuffer<T<double>>), memory_(&buffer.memory()) {}
+  template <template <class> class T>
+  Binding(ArgumentName name, const StructBuffer<T>& buffer)
+      : name_(name.text()), type_(&detail::kPassedBuffer<const T<double>>), memory_(&buffer.memory()) {}
   /// real by value, passed in the program's precision.
   Binding(ArgumentName name, double value) : name_(name.text()), type_(&detail::kPassedReal), real_(value) {}
   /// Integers, float and shared structs by value.

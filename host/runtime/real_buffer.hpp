@@ -49,4 +49,12 @@ class RealBuffer {
   std::variant<Buffer<float>, Buffer<double>> buffer_;
 };
 
+/// Structs of `real`s (cl/shared/sensor_constants.h), one behind the other, for kernel arguments of T. Counts
+/// and values are those of the reals: shared::kReals<T> and shared::reals_of().
+template <template <class> class T>
+class StructBuffer : public RealBuffer {
+ public:
+  using RealBuffer::RealBuffer;
+};
+
 }  // namespace simuli

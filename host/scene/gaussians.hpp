@@ -5,7 +5,7 @@
 
 namespace simuli {
 
-/// Rows of the parameter matrix, the same on host and device (cl/shared/particle.h).
+/// Rows of the parameter matrix, the same on host and device (SIM_MEAN.. of cl/shared/layout.h).
 /// SH coefficient k of channel c is row kShRow + 3 k + c.
 enum ParamRow : int { kMeanRow = 0, kLogScaleRow = 3, kRotationRow = 6, kOpacityRow = 10, kShRow = 11 };
 

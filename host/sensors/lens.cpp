@@ -112,40 +112,40 @@ Lens::Lens(LensKind kind, const std::vector<double>& parameters, const std::stri
 
 void Lens::fill_constants() {
   const auto& p = parameters_;
-  const auto put = [this](int at, auto first, auto last) { std::copy(first, last, constants_.begin() + at); };
+  auto& c = constants_;
   switch (kind_) {
     case LensKind::kPinhole:
     case LensKind::kEquirectangular:
       break;
     case LensKind::kOpencvPinhole:
-      put(SIM_L_DISTORTION, p.begin(), p.begin() + 12);
+      std::copy_n(p.begin(), 12, c.distortion);
       break;
     case LensKind::kOpencvFisheye:
-      put(SIM_L_POLYNOMIAL, p.begin(), p.begin() + 4);
+      std::copy_n(p.begin(), 4, c.polynomial);
       break;
     case LensKind::kFtheta:
     case LensKind::kFthetaInverse:
-      put(SIM_L_POLYNOMIAL, p.begin(), p.begin() + 5);
-      put(SIM_L_LINEAR, p.begin() + 5, p.begin() + 8);
+      std::copy_n(p.begin(), 5, c.polynomial);
+      std::copy_n(p.begin() + 5, 3, c.linear);
       break;
     case LensKind::kMei:
-      put(SIM_L_DISTORTION, p.begin(), p.begin() + 4);
-      set(SIM_L_XI, p[4]);
+      std::copy_n(p.begin(), 4, c.distortion);
+      c.xi = p[4];
       break;
     case LensKind::kDoubleSphere:
-      set(SIM_L_XI, p[0]);
-      set(SIM_L_ALPHA, p[1]);
+      c.xi = p[0];
+      c.alpha = p[1];
       break;
     case LensKind::kEucm:
-      set(SIM_L_ALPHA, p[0]);
-      set(SIM_L_BETA, p[1]);
+      c.alpha = p[0];
+      c.beta = p[1];
       break;
   }
 }
 
 bool Lens::forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
   const double x = p_camera.x(), y = p_camera.y(), z = p_camera.z();
-  const double* const lens = constants_.data();
+  const auto* const lens = &constants_;
   double u = 0.0, v = 0.0;
   int valid = 1;
   namespace forward = lens_forward;
@@ -197,7 +197,7 @@ bool Lens::continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) co
       double u = 0.0, v = 0.0;
       int valid = 1;
       lens_forward::pinhole_image(x, y, z, &u, &v, &valid);
-      const double* const k = constants_.data() + SIM_L_DISTORTION;
+      const double* const k = constants_.distortion;
       const double r2 = u * u + v * v;
       return valid != 0 && 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) > 0.0;
     }
@@ -225,12 +225,12 @@ Eigen::Vector3d Lens::unproject(const Eigen::Vector2d& image) const {
 double Lens::centre_slope() const {
   switch (kind_) {
     case LensKind::kFtheta:
-      return constant(SIM_L_POLYNOMIAL);
+      return constants_.polynomial[0];
     case LensKind::kFthetaInverse:
-      return 1.0 / constant(SIM_L_POLYNOMIAL);
+      return 1.0 / constants_.polynomial[0];
     case LensKind::kMei:
     case LensKind::kDoubleSphere:
-      return 1.0 / (1.0 + constant(SIM_L_XI));
+      return 1.0 / (1.0 + constants_.xi);
     default:
       return 1.0;
   }

@@ -2,12 +2,11 @@
 // The map between directions and the picture, without focal length and principal point. Frame: OpenCV
 // (x right, y down, z forward). Image coordinates (u, v) are in focal lengths from the principal point.
 #include <Eigen/Core>
-#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cl/shared/layout.h"
+#include "cl/shared/sensor_constants.h"
 
 namespace simuli {
 
@@ -47,8 +46,8 @@ class Lens {
 
   [[nodiscard]] LensKind kind() const { return kind_; }
   [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
-  /// What the device needs: SIM_L_.. of cl/shared/layout.h.
-  [[nodiscard]] const std::array<double, SIM_LENS_REALS>& constants() const { return constants_; }
+  /// What the device needs.
+  [[nodiscard]] const shared::LensConstants<double>& constants() const { return constants_; }
 
   /// Image of a point (m); false when it has none. The same text as on the device (cl/math/camera.h).
   [[nodiscard]] bool project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;
@@ -60,19 +59,20 @@ class Lens {
   /// Focal lengths per rad at the axis.
   [[nodiscard]] double centre_slope() const;
 
-  bool operator==(const Lens&) const = default;
+  /// Everything else follows from these two.
+  bool operator==(const Lens& other) const {
+    return kind_ == other.kind_ && parameters_ == other.parameters_;
+  }
 
  private:
-  [[nodiscard]] double constant(int index) const { return constants_[static_cast<std::size_t>(index)]; }
   bool forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;  // whether it has an image
-  void set(int index, double value) { constants_[static_cast<std::size_t>(index)] = value; }
   void fill_constants();
   void find_domain(double max_angle_rad);                                     // lens_domain.cpp
   [[nodiscard]] Eigen::Vector3d inverse(const Eigen::Vector2d& image) const;  // lens_inverse.cpp
 
   LensKind kind_ = LensKind::kPinhole;
   std::vector<double> parameters_;
-  std::array<double, SIM_LENS_REALS> constants_{};
+  shared::LensConstants<double> constants_{};
 };
 
 }  // namespace simuli

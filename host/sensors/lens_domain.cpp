@@ -101,7 +101,7 @@ double largest_radius2(const double* k, const std::function<double(double)>& rad
 }  // namespace
 
 void Lens::find_domain(double max_angle_rad) {
-  const double* const k = constants_.data();
+  auto& k = constants_;
   const double largest = std::min(max_angle_rad, kLargestAngle_rad);
   switch (kind_) {
     case LensKind::kPinhole:
@@ -109,29 +109,26 @@ void Lens::find_domain(double max_angle_rad) {
       break;
     case LensKind::kOpencvPinhole: {
       const double end = std::min(largest, kPinholeAngle_rad);
-      set(SIM_L_RADIUS2_MAX,
-          largest_radius2(
-              k + SIM_L_DISTORTION, [](double angle) { return std::tan(angle); }, end));
+      k.radius2_max = largest_radius2(
+          k.distortion, [](double angle) { return std::tan(angle); }, end);
       break;
     }
     case LensKind::kOpencvFisheye: {
-      const double* const c = k + SIM_L_POLYNOMIAL;
+      const double* const c = k.polynomial;
       const auto slope = [c](double angle) {
         const double a2 = angle * angle;
         return 1.0 + a2 * (3.0 * c[0] + a2 * (5.0 * c[1] + a2 * (7.0 * c[2] + a2 * 9.0 * c[3])));
       };
-      set(SIM_L_ANGLE_MAX, std::min(largest, first_root(slope, largest)));
+      k.angle_max = std::min(largest, first_root(slope, largest));
       break;
     }
     case LensKind::kFtheta: {
-      const auto slope = [k](double angle) {
-        return lens_forward::polynomial5_slope(k + SIM_L_POLYNOMIAL, angle);
-      };
-      set(SIM_L_ANGLE_MAX, std::min(largest, first_root(slope, largest)));
+      const auto slope = [&k](double angle) { return lens_forward::polynomial5_slope(k.polynomial, angle); };
+      k.angle_max = std::min(largest, first_root(slope, largest));
       break;
     }
     case LensKind::kFthetaInverse: {
-      const double* const b = k + SIM_L_POLYNOMIAL;
+      const double* const b = k.polynomial;
       // Eight times the radius at which the first coefficient alone reaches the largest angle: no lens
       // compresses its edge more than that.
       const double end = 8.0 * largest / b[0];
@@ -139,36 +136,33 @@ void Lens::find_domain(double max_angle_rad) {
           std::min(end, first_root([b](double r) { return lens_forward::polynomial5_slope(b, r); }, end));
       const double angle_at_fold = lens_forward::polynomial5(b, fold);
       const double angle = std::min(largest, angle_at_fold);
-      set(SIM_L_ANGLE_MAX, angle);
-      set(SIM_L_RADIUS_MAX, angle < angle_at_fold ? lens_forward::polynomial5_inverse(b, angle, fold) : fold);
+      k.angle_max = angle;
+      k.radius_max = angle < angle_at_fold ? lens_forward::polynomial5_inverse(b, angle, fold) : fold;
       break;
     }
     case LensKind::kMei: {
-      const double xi = k[SIM_L_XI];
+      const double xi = k.xi;
       // The mirror's map ends where its ray is tangent (xi > 1) or runs parallel to the plane.
       const double mirror = std::acos(-(xi > 1.0 ? 1.0 / xi : xi));
       const double end = std::min(largest, mirror - 1e-5);
-      set(SIM_L_COS_MIN, std::cos(end));
-      set(SIM_L_RADIUS2_MAX,
-          largest_radius2(
-              k + SIM_L_DISTORTION,
-              [xi](double angle) { return std::sin(angle) / (std::cos(angle) + xi); },
-              end));
+      k.cos_min = std::cos(end);
+      k.radius2_max = largest_radius2(
+          k.distortion, [xi](double angle) { return std::sin(angle) / (std::cos(angle) + xi); }, end);
       break;
     }
     case LensKind::kDoubleSphere: {
-      const double xi = k[SIM_L_XI], alpha = k[SIM_L_ALPHA];
+      const double xi = k.xi, alpha = k.alpha;
       const double w1 = alpha <= 0.5 ? alpha / (1.0 - alpha) : (1.0 - alpha) / alpha;
       const double w2 = (w1 + xi) / std::sqrt(2.0 * w1 * xi + xi * xi + 1.0);
-      set(SIM_L_COS_MIN, std::max(std::cos(largest), -w2));
+      k.cos_min = std::max(std::cos(largest), -w2);
       break;
     }
     case LensKind::kEucm: {
-      const double alpha = k[SIM_L_ALPHA], beta = k[SIM_L_BETA];
+      const double alpha = k.alpha, beta = k.beta;
       const double w = alpha <= 0.5 ? alpha / (1.0 - alpha) : (1.0 - alpha) / alpha;
       // z > -w d with d^2 = beta (x^2 + y^2) + z^2, as a cosine.
       const double cosine = -w * std::sqrt(beta / (1.0 - w * w + w * w * beta));
-      set(SIM_L_COS_MIN, std::max(std::cos(largest), cosine));
+      k.cos_min = std::max(std::cos(largest), cosine);
       break;
     }
   }

@@ -3,7 +3,7 @@
 // include this; the vocabulary ends with the file.
 #include <cmath>
 
-#include "cl/shared/layout.h"
+#include "cl/shared/sensor_constants.h"
 
 namespace simuli::lens_forward {
 
@@ -17,6 +17,7 @@ inline F atan2_lanes(F y, F x) { return std::atan2(y, x); }
 #define FN inline
 #define R(x) x
 #define REALS const double*
+#define LENS_CONSTANTS const shared::LensConstants<double>*
 #define SEL(c, a, b) ((c) ? (a) : (b))
 #define AND(a, b) ((a) && (b))
 #define ANY(c) (c)
@@ -28,6 +29,7 @@ inline F atan2_lanes(F y, F x) { return std::atan2(y, x); }
 #undef FN
 #undef R
 #undef REALS
+#undef LENS_CONSTANTS
 #undef SEL
 #undef AND
 #undef ANY

@@ -99,11 +99,11 @@ Vector3d double_sphere_direction(const Vector2d& m, double xi, double alpha) {
 }  // namespace
 
 Vector3d Lens::inverse(const Vector2d& image) const {
-  const double* const k = constants_.data();
-  const double* const a = k + SIM_L_POLYNOMIAL;
+  const auto& k = constants_;
+  const double* const a = k.polynomial;
   const Vector2d unlinear = [&]() -> Vector2d {
     if (kind_ != LensKind::kFtheta && kind_ != LensKind::kFthetaInverse) return image;
-    const double c = k[SIM_L_LINEAR], d = k[SIM_L_LINEAR + 1], e = k[SIM_L_LINEAR + 2];
+    const double c = k.linear[0], d = k.linear[1], e = k.linear[2];
     return Vector2d(image.x() - d * image.y(), c * image.y() - e * image.x()) / (c - d * e);
   }();
   const double rho = unlinear.norm();
@@ -111,7 +111,7 @@ Vector3d Lens::inverse(const Vector2d& image) const {
     case LensKind::kPinhole:
       return {image.x(), image.y(), 1.0};
     case LensKind::kOpencvPinhole: {
-      const Vector2d m = undistort(k + SIM_L_DISTORTION, image, constant(SIM_L_RADIUS2_MAX));
+      const Vector2d m = undistort(k.distortion, image, k.radius2_max);
       return {m.x(), m.y(), 1.0};
     }
     case LensKind::kOpencvFisheye: {
@@ -120,20 +120,19 @@ Vector3d Lens::inverse(const Vector2d& image) const {
         return std::pair(t * (1.0 + t2 * (a[0] + t2 * (a[1] + t2 * (a[2] + t2 * a[3])))),
                          1.0 + t2 * (3.0 * a[0] + t2 * (5.0 * a[1] + t2 * (7.0 * a[2] + t2 * 9.0 * a[3]))));
       };
-      return at_angle(solve_increasing(radius, rho, rho, constant(SIM_L_ANGLE_MAX), kRounding), unlinear);
+      return at_angle(solve_increasing(radius, rho, rho, k.angle_max, kRounding), unlinear);
     }
     case LensKind::kFtheta: {
       const auto radius = [a](double t) {
         return std::pair(lens_forward::polynomial5(a, t), lens_forward::polynomial5_slope(a, t));
       };
-      return at_angle(solve_increasing(radius, rho, rho / a[0], constant(SIM_L_ANGLE_MAX), kRounding),
-                      unlinear);
+      return at_angle(solve_increasing(radius, rho, rho / a[0], k.angle_max, kRounding), unlinear);
     }
     case LensKind::kFthetaInverse:
       return at_angle(lens_forward::polynomial5(a, rho), unlinear);
     case LensKind::kMei: {
-      const Vector2d m = undistort(k + SIM_L_DISTORTION, image, constant(SIM_L_RADIUS2_MAX));
-      const double xi = constant(SIM_L_XI), r2 = m.squaredNorm();
+      const Vector2d m = undistort(k.distortion, image, k.radius2_max);
+      const double xi = k.xi, r2 = m.squaredNorm();
       const double factor = (xi + std::sqrt(1.0 + (1.0 - xi * xi) * r2)) / (r2 + 1.0);
       return {factor * m.x(), factor * m.y(), factor - xi};
     }
@@ -142,9 +141,9 @@ Vector3d Lens::inverse(const Vector2d& image) const {
       return {flat * std::sin(image.x()), std::sin(image.y()), flat * std::cos(image.x())};
     }
     case LensKind::kDoubleSphere:
-      return double_sphere_direction(image, constant(SIM_L_XI), constant(SIM_L_ALPHA));
+      return double_sphere_direction(image, k.xi, k.alpha);
     case LensKind::kEucm: {
-      const double alpha = constant(SIM_L_ALPHA), beta = constant(SIM_L_BETA), r2 = image.squaredNorm();
+      const double alpha = k.alpha, beta = k.beta, r2 = image.squaredNorm();
       const double z = (1.0 - beta * alpha * alpha * r2) /
                        (alpha * std::sqrt(1.0 - (2.0 * alpha - 1.0) * beta * r2) + 1.0 - alpha);
       return {image.x(), image.y(), z};

@@ -147,6 +147,7 @@ void add_frame(const Device& device, Tally& tally, const Counts& counts, const T
   tally.add("frame", BinScratch(device), sizes);
   tally.add("frame", SortBuffers(device), SortStage::sizes(device, most), kSorts);
   tally.add("frame", ScanBuffers(device), {}, kScans);
+  tally.add("frame", SampleBuffers(device), {SIM_MONTE_CARLO});
   tally.add("rays", FrameConstants(device), sizes);
   tally.add("rays", WorldRays(device), sizes);
   tally.add("rays", Blended(device), sizes);

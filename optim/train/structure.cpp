@@ -49,13 +49,13 @@ void Structure::find_anchors(int iteration) {
   watch.stop();
 }
 
-void Structure::add_anchor_gradient(const Renderer& renderer, int iteration) {
+void Structure::add_anchor_gradient(const Pass& pass, int iteration) {
   if (!anchor_) return;
   Stopwatch watch(device_, anchor_seconds_);
   // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
   anchor_->add_gradient(camera_.particles,
                         lidar_.particles,
-                        renderer.buffers().projected.keys,
+                        pass.buffers().projected.keys,
                         options_.anchor.weight / camera_.particles.count,
                         iteration % options_.anchor.choose_every == 0,
                         camera_.grads);
@@ -65,13 +65,13 @@ void Structure::add_anchor_gradient(const Renderer& renderer, int iteration) {
 void Structure::jitter(TrainedSet& set,
                        SetNumber number,
                        const LearningRates& rates,
-                       const Renderer& renderer,
+                       const Pass& pass,
                        int iteration,
                        double progress) {
   if (!collects_errors(iteration) || !(options_.densify.noise > 0.0)) return;
   const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
   densify_->jitter(set.particles,
-                   renderer.buffers().projected.keys,
+                   pass.buffers().projected.keys,
                    options_.densify.noise * rate_m,
                    {seed_, static_cast<std::uint32_t>(iteration), number});
 }

@@ -29,13 +29,13 @@ class Structure {
 
   /// Before the steps of an iteration, when it is its turn.
   void find_anchors(int iteration);
-  /// To the camera set's gradients of the particles that the renderer's last frame shows.
-  void add_anchor_gradient(const Renderer& renderer, int iteration);
-  /// Moves the particles of that frame at random.
+  /// To the camera set's gradients of the particles that the pass shows.
+  void add_anchor_gradient(const Pass& pass, int iteration);
+  /// Moves its particles at random.
   void jitter(TrainedSet& set,
               SetNumber number,
               const LearningRates& rates,
-              const Renderer& renderer,
+              const Pass& pass,
               int iteration,
               double progress);
   /// Behind the steps of an iteration, when it is its turn; `iteration`: done.

@@ -52,17 +52,17 @@ const EnvironmentBuffers* TrainedLook::environment() const {
   return environment_ ? &environment_->buffers : nullptr;
 }
 
-void TrainedLook::grade(Renderer& renderer, std::size_t image) {
-  if (grids_) renderer.grade(grids_->buffers, grids_->of_image[image]);
+void TrainedLook::grade(Pass& pass, std::size_t image) {
+  if (grids_) pass.grade(grids_->buffers, grids_->of_image[image]);
 }
 
-void TrainedLook::step(Renderer& renderer, std::size_t image, std::uint64_t iteration, double progress) {
+void TrainedLook::step(Pass& pass, std::size_t image, std::uint64_t iteration, double progress) {
   const double share = std::pow(options_.final_share, progress);
   if (grids_) {
     Grids& g = *grids_;
     const std::size_t grid = g.of_image[image];
     const auto values = static_cast<double>(g.frames.values_per_frame());
-    renderer.grade_backward(
+    pass.grade_backward(
         g.buffers, grid, {options_.grid_variation / values, options_.grid_drift / values}, g.grads);
     // A grid's own steps are the epochs.
     g.adam.run_dense(g.buffers.grid,
@@ -74,7 +74,7 @@ void TrainedLook::step(Renderer& renderer, std::size_t image, std::uint64_t iter
   if (environment_) {
     Environment& e = *environment_;
     const double values = 3.0 * e.buffers.width * e.buffers.height;
-    renderer.environment_backward(e.buffers, options_.environment_variation / values, e.grads);
+    pass.environment_backward(e.buffers, options_.environment_variation / values, e.grads);
     e.adam.run_dense(e.buffers.texture, e.grads, 0, share * options_.environment_rate, iteration + 1);
   }
 }

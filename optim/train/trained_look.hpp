@@ -20,10 +20,10 @@ class TrainedLook {
   TrainedLook(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);
 
   [[nodiscard]] const EnvironmentBuffers* environment() const;
-  /// The last render through the grid of picture `image` (an index into log.images).
-  void grade(Renderer& renderer, std::size_t image);
+  /// The pass through the grid of picture `image` (an index into log.images).
+  void grade(Pass& pass, std::size_t image);
   /// Takes dL/d(graded picture) back to dL/d(outputs) and moves grid and environment; `iteration` from 0.
-  void step(Renderer& renderer, std::size_t image, std::uint64_t iteration, double progress);
+  void step(Pass& pass, std::size_t image, std::uint64_t iteration, double progress);
   /// Gradient entries that were not finite. Waits.
   [[nodiscard]] std::uint32_t rejected() const;
   void store(Scene& scene) const;

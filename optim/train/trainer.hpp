@@ -76,6 +76,7 @@ class Trainer {
  private:
   /// What a step on a set has of its frame, and of its own.
   struct Turn {
+    Pass& pass;
     TrainedSet& set;
     SetNumber number;
     const LearningRates& rates;
@@ -87,7 +88,7 @@ class Trainer {
   };
   void step_camera(double progress);
   void step_lidar(double progress);
-  /// From the loss of the frame that was rendered last to the set's step: what both sets do, in its order.
+  /// From the loss of the pass to the set's step: what both sets do, in its order.
   void descend(const Turn& turn);
   void regularize(TrainedSet& set, const ParticleWeights& weights);
   void step_pose(const Turn& turn);

@@ -28,23 +28,21 @@ void Trainer::step_camera(double progress) {
   const std::size_t index = images_.at(static_cast<std::uint64_t>(status_.iteration));
   const ImageFrame& frame = log_.images[index];
   const auto truth = truth_.image(index);
-  renderer_.render(
+  Pass pass = renderer_.render(
       camera_.particles, truth_.camera_rays(frame.camera), view(frame, frame.camera), look_.environment());
-  look_.grade(renderer_, index);
+  look_.grade(pass, index);
   const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
   const ImageWeights& w = options_.image;
   const ImageLoss loss =
-      renderer_.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
+      pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
   const bool errors = structure_.collects_errors(status_.iteration);
   if (errors) {
-    structure_.errors().pixel_error(renderer_.frame(),
-                                    renderer_.buffers().rays,
-                                    renderer_.picture(),
-                                    truth->truth,
-                                    renderer_.gradients());
+    structure_.errors().pixel_error(
+        pass.frame(), pass.buffers().rays, pass.picture(), truth->truth.slots(), pass.ray_error());
   }
-  look_.step(renderer_, index, static_cast<std::uint64_t>(status_.iteration), progress);
-  descend({camera_,
+  look_.step(pass, index, static_cast<std::uint64_t>(status_.iteration), progress);
+  descend({pass,
+           camera_,
            kCameraSet,
            options_.camera,
            options_.camera_particles,
@@ -62,23 +60,24 @@ void Trainer::step_lidar(double progress) {
   const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.lidar_every));
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = truth_.sweep(index);
-  renderer_.render(lidar_.particles, *truth->rays, view(frame, frame.lidar));
+  Pass pass = renderer_.render(lidar_.particles, truth->truth.rays(), view(frame, frame.lidar));
   const double rays = std::max(1.0, static_cast<double>(truth->known));
   // A sweep without a return has no distance loss to weigh: its sums are zero.
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarWeights& w = options_.weights;
   const LidarLoss loss =
-      renderer_.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
+      pass.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
   const bool errors = structure_.collects_errors(status_.iteration);
   if (errors) {
-    structure_.errors().beam_error(renderer_.frame(),
-                                   renderer_.buffers().rays,
-                                   renderer_.buffers().blended,
-                                   truth->truth,
+    structure_.errors().beam_error(pass.frame(),
+                                   pass.buffers().rays,
+                                   pass.buffers().blended,
+                                   truth->truth.slots(),
                                    {w.distance, w.intensity, w.drop},
-                                   renderer_.gradients());
+                                   pass.ray_error());
   }
-  descend({lidar_,
+  descend({pass,
+           lidar_,
            kLidarSet,
            options_.lidar,
            options_.lidar_particles,
@@ -96,20 +95,19 @@ void Trainer::step_lidar(double progress) {
 
 void Trainer::descend(const Turn& turn) {
   TrainedSet& set = turn.set;
-  renderer_.backward(
+  turn.pass.backward(
       set.particles, set.grads, {.errors = turn.errors, .ray_gradients = offsets_.contains(turn.sensor)});
   if (turn.errors) {
-    structure_.errors().accumulate(
-        renderer_.frame(), renderer_.buffers(), renderer_.gradients(), set.error);
+    structure_.errors().accumulate(turn.pass.frame(), turn.pass.buffers(), turn.pass.gradients(), set.error);
   }
   step_pose(turn);
   regularize(set, turn.weights);
-  if (turn.number == kCameraSet) structure_.add_anchor_gradient(renderer_, status_.iteration);
+  if (turn.number == kCameraSet) structure_.add_anchor_gradient(turn.pass, status_.iteration);
   set.adam.run(set.particles,
                set.grads,
-               renderer_.buffers().projected.keys,
+               turn.pass.buffers().projected.keys,
                row_rates(turn.rates, set.particles.sh_degree, turn.progress));
-  structure_.jitter(set, turn.number, turn.rates, renderer_, status_.iteration, turn.progress);
+  structure_.jitter(set, turn.number, turn.rates, turn.pass, status_.iteration, turn.progress);
   step_actors(turn);
 }
 
@@ -123,7 +121,7 @@ void Trainer::step_pose(const Turn& turn) {
   const auto offset = offsets_.find(turn.sensor);
   if (offset == offsets_.end()) return;
   const double share = std::pow(kPoseFinalShare, turn.progress);
-  offset->second.step(renderer_.pose_gradient(turn.set.grads),
+  offset->second.step(turn.pass.pose_gradient(turn.set.grads),
                       share * options_.poses.translation_m,
                       share * options_.poses.rotation_rad);
 }
@@ -134,7 +132,7 @@ void Trainer::step_actors(const Turn& turn) {
   renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
   if (!set.poses.learns()) return;
   set.poses.step(scene_.actors,
-                 renderer_.pose_gradients(set.particles),
+                 turn.pass.pose_gradients(set.particles),
                  turn.time_start_s,
                  turn.time_end_s,
                  turn.progress);

@@ -76,40 +76,39 @@ std::vector<bool> TruthCache::hidden_pixels(const ImageFrame& frame) const {
 ImageTruth TruthCache::read_image_truth(std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const SensorRays& rays = camera_rays(frame.camera);
-  ImageTruth out{RealBuffer(device_, "picture truth", Precision::kFloat)};
   std::vector<float> values = planar(load_image(log_, frame, models_.at(frame.camera)));
   const std::vector<bool> hidden = hidden_pixels(frame);
-  out.known = rays.grid().rays;
+  std::size_t known = rays.grid().rays;
   for (std::size_t i = 0; i < hidden.size(); ++i) {
     if (!hidden[i]) continue;
     for (std::size_t c = 0; c < 3; ++c) values[c * hidden.size() + i] = kUnknown;
-    --out.known;
+    --known;
   }
-  out.truth.assign(rays.to_slots(values, 3));
-  return out;
+  return {RayValues(rays, values, 3, "picture truth"), known};
 }
 
 SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
   const SweepFrame& frame = log_.sweeps[index];
   const LidarModel& lidar = log_.lidar(frame.lidar).model;
   const Sweep sweep = read_sweep(log_.folder / frame.file, lidar);
-  SweepTruth out{std::make_unique<SensorRays>(device_, lidar, sweep.rays, render_),
-                 RealBuffer(device_, "sweep truth", Precision::kFloat)};
   const MovingReturns moving = moving_returns(frame, sweep);
   std::vector<float> values = sweep.range;
+  std::size_t known = 0, returned = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (moving.is_moving[i]) values[i] = kUnknown;
-    out.known += values[i] >= 0.0F ? 1U : 0U;
-    out.returned += values[i] > 0.0F ? 1U : 0U;
+    known += values[i] >= 0.0F ? 1U : 0U;
+    returned += values[i] > 0.0F ? 1U : 0U;
   }
   values.insert(values.end(), sweep.intensity.begin(), sweep.intensity.end());
-  out.truth.assign(out.rays->to_slots(values, 2));
-  return out;
+  const SensorRays rays(device_, lidar, sweep.rays, render_);
+  return {RayValues(rays, values, 2, "sweep truth"), known, returned};
 }
 
 std::shared_ptr<const ImageTruth> TruthCache::image(std::size_t index) {
   return images_.get(
-      index, [&] { return read_image_truth(index); }, [](const ImageTruth& t) { return bytes_of(t.truth); });
+      index,
+      [&] { return read_image_truth(index); },
+      [](const ImageTruth& t) { return bytes_of(t.truth.slots()); });
 }
 
 std::shared_ptr<const SweepTruth> TruthCache::sweep(std::size_t index) {
@@ -118,7 +117,7 @@ std::shared_ptr<const SweepTruth> TruthCache::sweep(std::size_t index) {
       [&] { return read_sweep_truth(index); },
       [](const SweepTruth& t) {
         // The ray grid stands on the host as well.
-        return bytes_of(t.truth) + 2 * bytes_of(t.rays->buffers().sensor_ray);
+        return bytes_of(t.truth.slots()) + 2 * bytes_of(t.truth.rays().buffers().sensor_ray);
       });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What frames recorded, on the device and in slot order: what the losses compare with.
+// What frames recorded, on the device: what the losses compare with.
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -16,12 +16,11 @@
 namespace simuli {
 
 struct ImageTruth {
-  RealBuffer truth;       // [3][slots], -1: not known
+  RayValues truth;        // 3 channels, -1: not known
   std::size_t known = 0;  // pixels
 };
 struct SweepTruth {
-  std::unique_ptr<SensorRays> rays;
-  RealBuffer truth;          // [2][slots] range (-1: not known), intensity
+  RayValues truth;           // range (-1: not known), intensity; of rays of its own
   std::size_t known = 0;     // rays
   std::size_t returned = 0;  // known ones
 };

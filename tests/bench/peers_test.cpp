@@ -34,8 +34,7 @@ TEST_P(Peers, SeeTheSame) {
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   const ParticleBuffers particles(device, set, options.precision);
-  renderer.render(particles, rays, shot.view);
-  const RayResults ours = renderer.results();
+  const RayResults ours = renderer.render(particles, rays, shot.view).results();
   const RayResults theirs = bench::traced_results(set, rays, shot.view, options);
 
   ASSERT_EQ(theirs.rays, ours.rays);

@@ -229,8 +229,8 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
   const GaussianSet set = test::set_for(scene, recipe, 13);
   const test::Shot shot = camera ? test::shot_of(scene, 72, 50) : test::shot_of(scene, 150, 20);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, shot.view);
-  const auto lists = checked_lists(renderer.frame(), renderer.buffers());
+  Pass pass = renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, shot.view);
+  const auto lists = checked_lists(pass.frame(), pass.buffers());
 
   const reference::Sensor sensor = shot.reference();
   const auto footprints = reference::project(reference::Particles(set), sensor);
@@ -293,8 +293,8 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
-  const RayResults found = renderer.results();
+  const RayResults found =
+      renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view).results();
   const auto expected =
       reference::render(reference::Particles(set), shot.reference(), {}, Eigen::Vector3d::Zero());
   constexpr double kDecided = 1e-3;  // a yes-or-no decision as close as this may go the other way

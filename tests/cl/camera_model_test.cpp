@@ -23,7 +23,7 @@ constexpr double kDecided_rad = 3e-4;
 
 constexpr const char* kProbe = R"(
 #include "math/sensor.h"
-__kernel void probe(__global const real* sensor, __global const real* points, __global real* out, const uint n) {
+__kernel void probe(__global const SensorConstants* sensor, __global const real* points, __global real* out, const uint n) {
   const uint i = get_global_id(0) * V;
   const F p[3] = {LDV(points + i), LDV(points + n + i), LDV(points + 2 * n + i)};
   F x, y;
@@ -48,22 +48,21 @@ Images project_on_device(const Camera& camera,
   BuildOptions options;
   options.real(precision).define("V", lanes).define("SENSOR", 0).define("MOVING", 0);
   options.define("LENS", camera.lens.kind());
-  std::vector<double> sensor(SIM_SENSOR_REALS, 0.0);
-  sensor[SIM_S_FX] = camera.fx;
-  sensor[SIM_S_FY] = camera.fy;
-  sensor[SIM_S_CX] = camera.cx;
-  sensor[SIM_S_CY] = camera.cy;
-  sensor[SIM_S_PERIOD] = camera.width;
-  const auto& lens = camera.lens.constants();
-  std::copy(lens.begin(), lens.end(), sensor.begin() + SIM_S_LENS);
+  shared::SensorConstants<double> sensor{};
+  sensor.model.fx = camera.fx;
+  sensor.model.fy = camera.fy;
+  sensor.model.cx = camera.cx;
+  sensor.model.cy = camera.cy;
+  sensor.model.period = camera.width;
+  sensor.model.lens = camera.lens.constants();
   const std::size_t n = round_up(points.size(), static_cast<std::size_t>(lanes));
   std::vector<double> columns(3 * n, 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) columns[k * n + i] = points[i][static_cast<Eigen::Index>(k)];
   }
-  RealBuffer sensor_buffer(device, "sensor", precision), in(device, "points", precision),
-      out(device, "out", precision, 3 * n);
-  sensor_buffer.assign(std::span<const double>(sensor));
+  StructBuffer<shared::SensorConstants> sensor_buffer(device, "sensor", precision);
+  RealBuffer in(device, "points", precision), out(device, "out", precision, 3 * n);
+  sensor_buffer.assign(shared::reals_of(sensor));
   in.assign(std::span<const double>(columns));
   out.fill(-7.0);
   Kernel(Program::from_text(device, "probe.cl", kProbe, options), "probe")
@@ -230,8 +229,7 @@ void expect_reference(const Picture& picture, std::size_t least_covered) {
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
-  renderer.render(particles, rays, picture.shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results = renderer.render(particles, rays, picture.shot.view).results();
   const auto& background = picture.shot.view.background;
   const auto expected = reference::render(reference::Particles(picture.set),
                                           picture.shot.reference(),
@@ -310,10 +308,10 @@ TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
-  renderer.render(particles, rays, picture.shot.view);
+  Pass pass = renderer.render(particles, rays, picture.shot.view);
   // One tile row, two of its seven tiles.
-  EXPECT_EQ(renderer.buffers().binned.instances, 2U);
-  const RayResults results = renderer.results();
+  EXPECT_EQ(pass.buffers().binned.instances, 2U);
+  const RayResults results = pass.results();
   EXPECT_LT(results.transmittance[25 * 100], 0.99F);
   EXPECT_LT(results.transmittance[25 * 100 + 99], 0.99F);
 }
@@ -338,8 +336,8 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
-  renderer.render(particles, rays, picture.shot.view);
-  const RayResults results = renderer.results();
+  Pass pass = renderer.render(particles, rays, picture.shot.view);
+  const RayResults results = pass.results();
   std::size_t without = 0;
   for (std::size_t i = 0; i < results.rays; ++i) {
     const double row = static_cast<double>(i / kWidth) + 0.5;
@@ -362,9 +360,7 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
       truth[c * results.rays + i] = results.feature[c][i] + (results.transmittance[i] == 1.0F ? 5.0F : 0.0F);
     }
   }
-  RealBuffer buffer(device, "truth", Precision::kFloat);
-  buffer.assign(std::span<const float>(rays.to_slots(truth, 3)));
-  EXPECT_EQ(renderer.image_loss(buffer, {1.0, 0.0, 0.0}).absolute, 0.0);
+  EXPECT_EQ(pass.image_loss(RayValues(rays, truth, 3), {1.0, 0.0, 0.0}).absolute, 0.0);
 }
 
 }  // namespace

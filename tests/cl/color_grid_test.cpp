@@ -78,12 +78,12 @@ TEST_P(ColorGrid, MatchesTheLoopAndTheIdentityChangesNothing) {
     recipe.scale_max = 0.6;
     recipe.sh_spread = 3.0;
     const ParticleBuffers particles(device_, test::set_for(test::kCameraStill, recipe, 4), GetParam());
-    renderer.render(particles, rays, shot.view);
-    const RayResults plain = renderer.results();
+    Pass pass = renderer.render(particles, rays, shot.view);
+    const RayResults plain = pass.results();
     const ColorGrids grids = random_grids(x, y, z);
     const ColorGridBuffers buffers(device_, grids, GetParam());
-    renderer.grade(buffers, 1);
-    const RayResults found = renderer.results();
+    pass.grade(buffers, 1);
+    const RayResults found = pass.results();
     const double tolerance = GetParam() == Precision::kDouble ? 1e-6 : 1e-5;  // results are floats
     double beyond = 0.0;
     for (std::size_t i = 0; i < plain.rays; ++i) {
@@ -96,11 +96,11 @@ TEST_P(ColorGrid, MatchesTheLoopAndTheIdentityChangesNothing) {
       ASSERT_EQ(found.transmittance[i], plain.transmittance[i]);
     }
     EXPECT_GT(beyond, 1.0);  // luminances past the grid's end were among them
-    renderer.render(particles, rays, shot.view);
+    pass = renderer.render(particles, rays, shot.view);
     const ColorGridBuffers neutral(device_, ColorGrids::identity(x, y, z, {{"front", 0.0}}), GetParam());
-    renderer.grade(neutral, 0);
+    pass.grade(neutral, 0);
     for (std::size_t c = 0; c < 3; ++c) {
-      const RayResults same = renderer.results();
+      const RayResults same = pass.results();
       for (std::size_t i = 0; i < plain.rays; ++i) {
         ASSERT_NEAR(same.feature[c][i], plain.feature[c][i], 1e-6 * (1.0 + std::abs(plain.feature[c][i])));
       }

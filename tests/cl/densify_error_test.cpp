@@ -29,12 +29,12 @@ TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   const SensorRays rays = shot.on(device, options);
   const ParticleBuffers particles(device, set, Precision::kFloat);
   RealBuffer grads(device, "gradients", Precision::kFloat);
-  renderer.render(particles, rays, shot.view);
+  Pass pass = renderer.render(particles, rays, shot.view);
 
   // Truth that is off by a known amount at each pixel, alike in all channels; one row of pixels is not known.
-  const std::size_t slots = renderer.frame().slots;
-  std::vector<double> out = test::outputs(renderer), truth(3 * slots), errors(slots);
-  const std::vector<double> directions = renderer.buffers().rays.world_ray.download_double();
+  const std::size_t slots = pass.frame().slots;
+  std::vector<double> out = test::outputs(pass), truth(3 * slots), errors(slots);
+  const std::vector<double> directions = pass.buffers().rays.world_ray.download_double();
   test::Random random(2);
   for (std::size_t i = 0; i < slots; ++i) {
     const bool is_ray =
@@ -48,23 +48,19 @@ TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   RealBuffer truth_buffer(device, "truth", Precision::kFloat);
   truth_buffer.assign(std::span<const double>(truth));
   DensifyStage densify(device, Precision::kFloat);
-  densify.pixel_error(renderer.frame(),
-                      renderer.buffers().rays,
-                      renderer.buffers().blended.out,
-                      truth_buffer,
-                      renderer.gradients());
-  const std::vector<double> found_errors = renderer.gradients().ray_error.download_double();
+  densify.pixel_error(pass.frame(), pass.buffers().rays, pass.picture(), truth_buffer, pass.ray_error());
+  const std::vector<double> found_errors = pass.gradients().ray_error.download_double();
   for (std::size_t i = 0; i < slots; ++i) ASSERT_NEAR(found_errors[i], errors[i], 1e-5) << i;
 
   std::vector<double> output_gradients(5 * slots, 0.0);
   std::copy(found_errors.begin(), found_errors.end(), output_gradients.begin());
-  renderer.set_output_gradients(output_gradients);
-  renderer.backward(particles, grads, {.errors = true});
+  pass.set_output_gradients(test::by_ray(pass.rays(), output_gradients));
+  pass.backward(particles, grads, {.errors = true});
   RealBuffer accumulated(device, "errors", Precision::kFloat, particles.count);
   accumulated.fill(2.0);
-  densify.accumulate(renderer.frame(), renderer.buffers(), renderer.gradients(), accumulated);
+  densify.accumulate(pass.frame(), pass.buffers(), pass.gradients(), accumulated);
   const std::vector<double> found = accumulated.download_double(), gradient = grads.download_double();
-  const std::vector<std::uint32_t> keys = renderer.buffers().projected.keys.download();
+  const std::vector<std::uint32_t> keys = pass.buffers().projected.keys.download();
   double most = 0.0;
   for (std::size_t i = 0; i < particles.count; ++i) {
     const double expected =
@@ -90,8 +86,8 @@ TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   const ParticleBuffers particles(device, set, Precision::kFloat);
-  renderer.render(particles, rays, shot.view);
-  const std::size_t slots = renderer.frame().slots;
+  Pass pass = renderer.render(particles, rays, shot.view);
+  const std::size_t slots = pass.frame().slots;
   std::vector<double> truth(2 * slots);
   for (std::size_t i = 0; i < slots; ++i) {
     truth[i] = i % 5 == 0 ? 0.0 : i % 7 == 0 ? -1.0 : 3.0 + 0.01 * static_cast<double>(i % 400);
@@ -100,15 +96,15 @@ TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {
   RealBuffer truth_buffer(device, "truth", Precision::kFloat);
   truth_buffer.assign(std::span<const double>(truth));
   DensifyStage densify(device, Precision::kFloat);
-  densify.beam_error(renderer.frame(),
-                     renderer.buffers().rays,
-                     renderer.buffers().blended,
+  densify.beam_error(pass.frame(),
+                     pass.buffers().rays,
+                     pass.buffers().blended,
                      truth_buffer,
                      {0.5, 0.1, 0.05},
-                     renderer.gradients());
-  const std::vector<double> out = test::outputs(renderer);
-  const std::vector<double> directions = renderer.buffers().rays.world_ray.download_double();
-  const std::vector<double> found = renderer.gradients().ray_error.download_double();
+                     pass.ray_error());
+  const std::vector<double> out = test::outputs(pass);
+  const std::vector<double> directions = pass.buffers().rays.world_ray.download_double();
+  const std::vector<double> found = pass.gradients().ray_error.download_double();
   std::size_t counted = 0, transparent = 0;
   for (std::size_t i = 0; i < slots; ++i) {
     const bool is_ray =

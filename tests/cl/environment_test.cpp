@@ -3,6 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -107,13 +108,13 @@ TEST_P(Environment, FillsWhatTheForegroundLeaves) {
     const ParticleBuffers particles(device_, scene.set, GetParam());
     View black = scene.shot.view;
     black.background = {0.0F, 0.0F, 0.0F};
-    renderer.render(particles, rays, black);
-    const std::vector<double> before = test::outputs(renderer);
+    Pass pass = renderer.render(particles, rays, black);
+    const std::vector<double> before = test::outputs(pass);
     const EnvironmentMap map = random_map(9, 5);  // odd: no texel falls on the seam by symmetry
     const EnvironmentBuffers environment(device_, map, GetParam());
-    renderer.render(particles, rays, scene.shot.view, &environment);
-    const std::vector<double> found = test::outputs(renderer);
-    const std::vector<double> ray = renderer.buffers().rays.world_ray.download_double();
+    pass = renderer.render(particles, rays, scene.shot.view, &environment);
+    const std::vector<double> found = test::outputs(pass);
+    const std::vector<double> ray = pass.buffers().rays.world_ray.download_double();
     const std::size_t s = rays.grid().frame.slots;
     const double tolerance = GetParam() == Precision::kDouble ? kDoubleTolerance : kFloatTolerance;
     double seen = 0.0;
@@ -149,11 +150,12 @@ TEST_P(EnvironmentInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
   constexpr double kVariation = 0.7;
   std::vector<double> texture = environment.texture.download_double();
   std::vector<double> params = particles.params.download_double();
+  std::optional<Pass> last;
   const auto loss = [&] {
     environment.texture.assign(std::span<const double>(texture));
     particles.params.assign(std::span<const double>(params));
-    renderer.render(particles, rays, scene.shot.view, &environment);
-    const std::vector<double> out = test::outputs(renderer);
+    last = renderer.render(particles, rays, scene.shot.view, &environment);
+    const std::vector<double> out = test::outputs(*last);
     double sum = kVariation * variation(map, texture);
     for (std::size_t i = 0; i < out.size(); ++i) {
       if (rays.grid().ray_of_slot[i % rays.grid().frame.slots] >= 0) sum += weights[i] * out[i];
@@ -170,11 +172,12 @@ TEST_P(EnvironmentInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
     };
   };
   (void)loss();
-  renderer.set_output_gradients(weights);
+  Pass pass = *last;
+  pass.set_output_gradients(test::by_ray(pass.rays(), weights));
   RealBuffer texture_grads(device_, "texture gradients", GetParam());
   RealBuffer grads(device_, "gradients", GetParam());
-  renderer.environment_backward(environment, kVariation, texture_grads);
-  renderer.backward(particles, grads);
+  pass.environment_backward(environment, kVariation, texture_grads);
+  pass.backward(particles, grads);
   const std::vector<double> texture_gradient = texture_grads.download_double();
   const std::vector<double> gradient = grads.download_double();
 
@@ -210,8 +213,8 @@ TEST_P(Environment, GradientRepeatsBitForBitAndRaysAtTheCutHaveNone) {
   const SensorRays rays = scene.shot.on(device_, scene.options);
   const ParticleBuffers particles(device_, scene.set, GetParam());
   const EnvironmentBuffers environment(device_, random_map(9, 5), GetParam());
-  renderer.render(particles, rays, scene.shot.view, &environment);
-  const std::vector<double> out = test::outputs(renderer);
+  Pass pass = renderer.render(particles, rays, scene.shot.view, &environment);
+  const std::vector<double> out = test::outputs(pass);
   const std::size_t s = rays.grid().frame.slots;
   std::vector<double> weights(5 * s, 0.0);
   std::size_t shut = 0;
@@ -222,14 +225,14 @@ TEST_P(Environment, GradientRepeatsBitForBitAndRaysAtTheCutHaveNone) {
   }
   EXPECT_GT(shut, 20U);
   RealBuffer grads(device_, "texture gradients", GetParam());
-  renderer.set_output_gradients(weights);
-  renderer.environment_backward(environment, 0.0, grads);
+  pass.set_output_gradients(test::by_ray(pass.rays(), weights));
+  pass.environment_backward(environment, 0.0, grads);
   for (const double g : grads.download_double()) ASSERT_EQ(g, 0.0);
   std::fill(weights.begin(), weights.end(), 1.0);
-  renderer.set_output_gradients(weights);
-  renderer.environment_backward(environment, 0.3, grads);
+  pass.set_output_gradients(test::by_ray(pass.rays(), weights));
+  pass.environment_backward(environment, 0.3, grads);
   const std::vector<double> first = grads.download_double();
-  renderer.environment_backward(environment, 0.3, grads);
+  pass.environment_backward(environment, 0.3, grads);
   EXPECT_EQ(first, grads.download_double());
   EXPECT_GT(*std::max_element(first.begin(), first.end()), 0.0);
 }

@@ -2,10 +2,12 @@
 #include "cl/shared/layout.h"
 
 #include <cstddef>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
+#include "cl/shared/sensor_constants.h"
 #include "host/runtime/kernel.hpp"
 #include "host/runtime/text/source.hpp"
 
@@ -55,6 +57,118 @@ Offsets host_offsets() {
           offsetof(Footprint, tile_rows)};
 }
 
+// Every field of the structs of reals, and how many reals each struct has.
+#define SIMULI_FIELDS(FIELD)                \
+  FIELD(LensConstants, cos_min)             \
+  FIELD(LensConstants, angle_max)           \
+  FIELD(LensConstants, radius2_max)         \
+  FIELD(LensConstants, radius_max)          \
+  FIELD(LensConstants, distortion)          \
+  FIELD(LensConstants, polynomial)          \
+  FIELD(LensConstants, linear)              \
+  FIELD(LensConstants, xi)                  \
+  FIELD(LensConstants, alpha)               \
+  FIELD(LensConstants, beta)                \
+  FIELD(ModelConstants, kappa)              \
+  FIELD(ModelConstants, t_min)              \
+  FIELD(ModelConstants, t_max)              \
+  FIELD(ModelConstants, period)             \
+  FIELD(ModelConstants, time_step)          \
+  FIELD(ModelConstants, height)             \
+  FIELD(ModelConstants, lever)              \
+  FIELD(ModelConstants, fx)                 \
+  FIELD(ModelConstants, fy)                 \
+  FIELD(ModelConstants, cx)                 \
+  FIELD(ModelConstants, cy)                 \
+  FIELD(ModelConstants, picture_width)      \
+  FIELD(ModelConstants, picture_height)     \
+  FIELD(ModelConstants, time_x)             \
+  FIELD(ModelConstants, time_y)             \
+  FIELD(ModelConstants, time_c)             \
+  FIELD(ModelConstants, lens_cone)          \
+  FIELD(ModelConstants, lens_slope)         \
+  FIELD(ModelConstants, lens_bend)          \
+  FIELD(ModelConstants, lens)               \
+  FIELD(ModelConstants, azimuth_cut)        \
+  FIELD(ModelConstants, spin)               \
+  FIELD(ModelConstants, inv_span)           \
+  FIELD(ModelConstants, time_first)         \
+  FIELD(ModelConstants, time_spread)        \
+  FIELD(ModelConstants, row_spread)         \
+  FIELD(ModelConstants, lut_first)          \
+  FIELD(ModelConstants, lut_scale)          \
+  FIELD(ModelConstants, tile_first)         \
+  FIELD(ModelConstants, tile_last)          \
+  FIELD(ModelConstants, tile_scale)         \
+  FIELD(ModelConstants, tile_bins)          \
+  FIELD(ModelConstants, mask_scale)         \
+  FIELD(ModelConstants, mask_columns)       \
+  FIELD(SensorConstants, centre_ref)        \
+  FIELD(SensorConstants, centre_step)       \
+  FIELD(SensorConstants, rotation_start)    \
+  FIELD(SensorConstants, rotation_ref)      \
+  FIELD(SensorConstants, turn_axis)         \
+  FIELD(SensorConstants, turn_angle)        \
+  FIELD(SensorConstants, cos_view)          \
+  FIELD(SensorConstants, sin_view)          \
+  FIELD(SensorConstants, alpha_cut)         \
+  FIELD(SensorConstants, transmittance_cut) \
+  FIELD(SensorConstants, background)        \
+  FIELD(SensorConstants, model)             \
+  FIELD(ActorConstants, centre)             \
+  FIELD(ActorConstants, step)               \
+  FIELD(ActorConstants, rotation)           \
+  FIELD(ActorConstants, turn_axis)          \
+  FIELD(ActorConstants, turn_angle)         \
+  FIELD(ActorConstants, there)
+
+struct RealField {
+  const char* record;
+  const char* field;
+  std::size_t offset;  // reals
+};
+std::vector<RealField> real_fields() {
+#define SIMULI_FIELD(record, field) \
+  {#record, #field, offsetof(shared::record<double>, field) / sizeof(double)},
+  return {SIMULI_FIELDS(SIMULI_FIELD)};
+#undef SIMULI_FIELD
+}
+
+Offsets host_reals() {
+  Offsets offsets{shared::kReals<shared::LensConstants>,
+                  shared::kReals<shared::ModelConstants>,
+                  shared::kReals<shared::SensorConstants>,
+                  shared::kReals<shared::ActorConstants>};
+  for (const RealField& f : real_fields()) offsets.push_back(static_cast<std::uint32_t>(f.offset));
+  return offsets;
+}
+
+/// The same as the device finds them in its build's precision.
+Offsets device_reals(const std::string& constants, Precision precision) {
+  std::string body, structs;
+  std::size_t at = 0;
+  for (const char* record : {"LensConstants", "ModelConstants", "SensorConstants", "ActorConstants"}) {
+    structs += fmt::format("  {0} of_{0};\n", record);
+    body += fmt::format("  at[{}] = sizeof({}) / sizeof(real);\n", at++, record);
+  }
+  for (const RealField& f : real_fields()) {
+    body += fmt::format(
+        "  at[{0}] = (uint)((__private char*)&of_{1}.{2} - (__private char*)&of_{1}) / sizeof(real);\n",
+        at++,
+        f.record,
+        f.field);
+  }
+  const std::string text = "#include \"math/lanes.h\"\n" + constants +
+                           "\n__kernel void probe(__global uint* at) {\n" + structs + body + "}\n";
+  const Device device = Device::best();
+  BuildOptions options;
+  Kernel probe(Program::from_text(device, "reals.cl", text, options.real(precision)), "probe");
+  Buffer<std::uint32_t> offsets(device, "offsets", at);
+  offsets.fill(0xffffffffU);
+  probe.run(1, 1, {{"at", offsets}});
+  return offsets.download();
+}
+
 Offsets device_offsets(const std::string& layout) {
   const Device device = Device::best();
   Kernel probe(Program::from_text(device, "probe.cl", layout + kProbe), "probe");
@@ -78,6 +192,19 @@ std::string swapped(std::string text, const std::string& a, const std::string& b
 
 TEST(Layout, DeviceAndHostAgree) {
   EXPECT_EQ(device_offsets(load_source("shared/layout.h")), host_offsets());
+}
+
+TEST(Layout, DeviceAndHostAgreeOnStructsOfReals) {
+  const std::string constants = load_source("shared/sensor_constants.h");
+  EXPECT_EQ(device_reals(constants, Precision::kFloat), host_reals());
+  if (!Device::best().info().fp64) return;
+  EXPECT_EQ(device_reals(constants, Precision::kDouble), host_reals());
+}
+
+TEST(Layout, TheProbeSeesSwappedReals) {
+  const std::string constants = load_source("shared/sensor_constants.h");
+  EXPECT_NE(device_reals(swapped(constants, "real centre_ref[3];", "real turn_angle;"), Precision::kFloat),
+            host_reals());
 }
 
 TEST(Layout, TheProbeSeesSwappedFields) {

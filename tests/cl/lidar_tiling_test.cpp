@@ -225,9 +225,8 @@ TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
 /// Whether particle p is in the list of `tile`, with a slot row range that holds `slot_row`.
 class Lists {
  public:
-  explicit Lists(const Renderer& renderer)
-      : first_(renderer.buffers().binned.first.download()),
-        payload_(renderer.buffers().binned.payload.download()) {}
+  explicit Lists(const Pass& pass)
+      : first_(pass.buffers().binned.first.download()), payload_(pass.buffers().binned.payload.download()) {}
   [[nodiscard]] bool hold(std::uint32_t tile, std::uint32_t particle, std::uint32_t slot_row) const {
     for (std::uint32_t i = first_[tile]; i < first_[tile + 1]; ++i) {
       if ((payload_[i] & SIM_PARTICLE_MASK) != particle) continue;
@@ -268,8 +267,7 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
       options.lidar_tiles = tiles;
       Renderer renderer(device, options);
       const SensorRays rays(device, lidar, nominal, options);
-      renderer.render(set, rays, {});
-      const Lists lists(renderer);
+      const Lists lists(renderer.render(set, rays, {}));
       const auto& grid = rays.grid();
       std::vector<std::uint32_t> slot_of_ray(grid.rays);
       for (std::uint32_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {

@@ -49,8 +49,8 @@ TEST_P(PoseGradientOf, MatchesDifferences) {
     View view = shot.view;
     std::tie(view.scene_from_sensor_start, view.scene_from_sensor_end) =
         moved_by(tangent, shot.view.scene_from_sensor_start, shot.view.scene_from_sensor_end);
-    renderer.render(particles, rays, view);
-    const std::vector<double> out = test::outputs(renderer);
+    Pass pass = renderer.render(particles, rays, view);
+    const std::vector<double> out = test::outputs(pass);
     double loss = 0.0;
     for (std::size_t i = 0; i < out.size(); ++i) loss += weights[i] * out[i];
     return loss;
@@ -61,17 +61,13 @@ TEST_P(PoseGradientOf, MatchesDifferences) {
     quotients.push_back((4.0 * central(0.5 * kStep) - central(kStep)) / 3.0);
   }
 
-  renderer.render(particles, rays, shot.view);
-  renderer.set_output_gradients(weights);
+  Pass pass = renderer.render(particles, rays, shot.view);
+  pass.set_output_gradients(test::by_ray(pass.rays(), weights));
   RealBuffer plain(device, "gradients", options.precision), grads(device, "gradients", options.precision);
-  for (RealBuffer* buffer : {&plain, &grads}) {  // those of culled particles are not written
-    buffer->reserve(particles.params.count());
-    buffer->fill(0.0);
-  }
-  renderer.backward(particles, plain);
-  renderer.backward(particles, grads, {.errors = false, .ray_gradients = true});
+  pass.backward(particles, plain);
+  pass.backward(particles, grads, {.errors = false, .ray_gradients = true});
   EXPECT_EQ(plain.download_double(), grads.download_double());  // of the particles: the same bits
-  const PoseGradient found = renderer.pose_gradient(grads);
+  const PoseGradient found = pass.pose_gradient(grads);
   double scale[2] = {0.0, 0.0};
   for (int axis = 0; axis < 6; ++axis) {
     scale[axis / 3] = std::max(scale[axis / 3], std::abs(quotients[static_cast<std::size_t>(axis)]));
@@ -98,14 +94,14 @@ TEST(PoseGradientShape, GpuLanesGiveTheSame) {
     Renderer renderer(device, options);
     const SensorRays rays = shot.on(device, options);
     const ParticleBuffers particles(device, set, options.precision);
-    renderer.render(particles, rays, shot.view);
+    Pass pass = renderer.render(particles, rays, shot.view);
     std::vector<double> weights(std::size_t{5} * rays.grid().frame.slots);
     test::Random random(3);
     for (double& w : weights) w = random.normal();
-    renderer.set_output_gradients(weights);
+    pass.set_output_gradients(test::by_ray(pass.rays(), weights));
     RealBuffer grads(device, "gradients", options.precision);
-    renderer.backward(particles, grads, {.errors = false, .ray_gradients = true});
-    return renderer.pose_gradient(grads);
+    pass.backward(particles, grads, {.errors = false, .ray_gradients = true});
+    return pass.pose_gradient(grads);
   };
   const PoseGradient cpu = gradient(test::kCpuShape), gpu = gradient(test::kGpuShape);
   // Sums of some ten thousand float terms in another order.

@@ -38,9 +38,9 @@ class ProjectionOption : public testing::TestWithParam<test::SceneCase> {
     set.params.leftCols(param_rows(0)) = test::set_of(GetParam().kind, particles).params;
     Renderer renderer(device_, options);
     const SensorRays rays = shot.on(device_, options);
-    renderer.render(ParticleBuffers(device_, set, Precision::kFloat), rays, shot.view);
-    const std::vector<double> records = renderer.buffers().projected.records.download_double();
-    const std::vector<std::uint32_t> keys = renderer.buffers().projected.keys.download();
+    Pass pass = renderer.render(ParticleBuffers(device_, set, Precision::kFloat), rays, shot.view);
+    const std::vector<double> records = pass.buffers().projected.records.download_double();
+    const std::vector<std::uint32_t> keys = pass.buffers().projected.keys.download();
     std::vector<Box> out;
     for (std::size_t i = 0; i < particles.size(); ++i) {
       EXPECT_NE(keys[i], 0xffffffffU) << "particle " << i << " is not seen";

@@ -59,8 +59,8 @@ TEST(RayMask, AreasCountOccupiedCells) {
       SCOPED_TRACE(std::string(request.name) + ", " + std::to_string(size.columns));
       rays.request(flags_of(request, 3000, 150));
       const auto columns = static_cast<std::size_t>(size.columns), rows = static_cast<std::size_t>(size.rows);
-      const double first = rays.grid().constants[SIM_S_TILE_X0];
-      const double width = (rays.grid().constants[SIM_S_TILE_X1] - first) / size.columns;
+      const double first = rays.grid().model.tile_first;
+      const double width = (rays.grid().model.tile_last - first) / size.columns;
       const auto mask_row_of_row = rays.buffers().mask_row_of_row.download();
       // Where each requested ray is; one within rounding of an edge may be in either cell.
       constexpr double kFloat_rad = 2e-6;
@@ -165,8 +165,8 @@ Sweep sweep_of(Renderer& renderer,
                const ParticleBuffers& particles,
                const SensorRays& rays,
                const View& view) {
-  renderer.render(particles, rays, view);
-  const RayResults results = renderer.results();
+  const Pass pass = renderer.render(particles, rays, view);
+  const RayResults results = pass.results();
   Sweep sweep;
   for (const auto* values : {&results.feature[0],
                              &results.feature[1],
@@ -178,7 +178,7 @@ Sweep sweep_of(Renderer& renderer,
     sweep.bits.resize(begin + values->size());
     std::memcpy(sweep.bits.data() + begin, values->data(), values->size() * sizeof(float));
   }
-  sweep.visible = renderer.buffers().binned.visible;
+  sweep.visible = pass.buffers().binned.visible;
   return sweep;
 }
 
@@ -197,13 +197,16 @@ class Comparison {
                    std::uint64_t seed,
                    const std::vector<Request>& requested) {
     const ParticleBuffers particles(device_, crowd(seed, 0), Precision::kFloat);
-    SensorRays rays(device_, lidar, nominal_rays(lidar), always_);
+    SensorRays all(device_, lidar, nominal_rays(lidar), off_);
+    SensorRays marked(device_, lidar, nominal_rays(lidar), always_);
     const auto columns = static_cast<std::size_t>(lidar.columns);
     for (const Request& request : requested) {
       const std::string name = request.name;
-      if (name != "all") rays.request(flags_of(request, lidar.ray_count(), columns));
-      const Sweep expected = sweep_of(without_culling_, particles, rays, view);
-      const Sweep culled = sweep_of(with_culling_, particles, rays, view);
+      for (SensorRays* rays : {&all, &marked}) {
+        if (name != "all") rays->request(flags_of(request, lidar.ray_count(), columns));
+      }
+      const Sweep expected = sweep_of(without_culling_, particles, all, view);
+      const Sweep culled = sweep_of(with_culling_, particles, marked, view);
       ASSERT_EQ(culled.bits, expected.bits) << lidar.name << ", " << name;
       ASSERT_LE(culled.visible, expected.visible);
       if (name == "none") {
@@ -292,12 +295,10 @@ TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, crowd(3, 1), Precision::kFloat);
   SensorRays rays = shot.on(device, paper_options());
-  renderer.render(particles, rays, shot.view);
-  const RayResults full = renderer.results();
+  const RayResults full = renderer.render(particles, rays, shot.view).results();
   for (const Request& request : requests()) {
     rays.request(flags_of(request, 3000, 150));
-    renderer.render(particles, rays, shot.view);
-    const RayResults part = renderer.results();
+    const RayResults part = renderer.render(particles, rays, shot.view).results();
     for (std::size_t ray = 0; ray < 3000; ++ray) {
       const bool wanted = request.wants(ray, 3000, 150);
       ASSERT_EQ(part.transmittance[ray], wanted ? full.transmittance[ray] : 1.0F)

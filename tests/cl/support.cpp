@@ -69,9 +69,22 @@ GaussianSet set_for(const SceneCase& scene_case, SetRecipe recipe, std::uint64_t
   return random_set(recipe, seed);
 }
 
-std::vector<double> outputs(const Renderer& renderer) {
-  std::vector<double> out = renderer.buffers().blended.out.download_double();
-  out.resize(std::size_t{5} * renderer.frame().slots);  // the median distance has no gradient
+std::vector<double> outputs(const Pass& pass) {
+  std::vector<double> out = pass.buffers().blended.out.download_double();
+  out.resize(std::size_t{5} * pass.frame().slots);  // the median distance has no gradient
+  return out;
+}
+
+std::vector<double> by_ray(const SensorRays& rays, const std::vector<double>& values) {
+  const RayGrid& grid = rays.grid();
+  const std::size_t slots = grid.frame.slots, channels = values.size() / slots;
+  std::vector<double> out(channels * grid.rays, 0.0);
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    const std::int32_t ray = grid.ray_of_slot[slot];
+    for (std::size_t c = 0; c < channels && ray >= 0; ++c) {
+      out[c * grid.rays + static_cast<std::size_t>(ray)] = values[c * slots + slot];
+    }
+  }
   return out;
 }
 

@@ -51,8 +51,10 @@ struct Shot {
 /// The set's kind and degree are those of the case.
 [[nodiscard]] GaussianSet set_for(const SceneCase& scene_case, SetRecipe recipe, std::uint64_t seed);
 
-/// Everything the last render wrote, [5][slots]: what set_output_gradients is the gradient of.
-[[nodiscard]] std::vector<double> outputs(const Renderer& renderer);
+/// Everything that a pass wrote, [5][slots] as it lies on the device.
+[[nodiscard]] std::vector<double> outputs(const Pass& pass);
+/// values[channels][slots] -> [channels][rays] in ray order; what stands at slots without a ray is left out.
+[[nodiscard]] std::vector<double> by_ray(const SensorRays& rays, const std::vector<double>& values);
 
 // Results are compared as floats. A float pipeline adds the rounding of directions (6e-8) against scales
 // of a few centimetres some metres away, squared distances up to 11 and hundreds of terms.

@@ -86,7 +86,7 @@ TEST(LensOpencvPinhole, HardlyAnyDistortionIsNone) {
   for (const double p1 : {1e-300, 1e-20, 1e-17}) {
     hardly[2] = p1;
     const Lens lens(LensKind::kOpencvPinhole, hardly);
-    EXPECT_EQ(lens.constants()[SIM_L_RADIUS2_MAX], none.constants()[SIM_L_RADIUS2_MAX]) << p1;
+    EXPECT_EQ(lens.constants().radius2_max, none.constants().radius2_max) << p1;
   }
 }
 
@@ -150,7 +150,7 @@ TEST(LensOpencvFisheye, FollowsTheFormulaBeyondAHalfTurn) {
 TEST(LensOpencvFisheye, EndsAtTheFirstRootOfTheDerivative) {
   const Lens lens(LensKind::kOpencvFisheye, {-0.1, 0.0, 0.0, 0.0, kPi});
   const double root = std::sqrt(1.0 / 0.3);  // of 1 - 0.3 t^2
-  EXPECT_NEAR(lens.constants()[SIM_L_ANGLE_MAX], root, 1e-9);
+  EXPECT_NEAR(lens.constants().angle_max, root, 1e-9);
   EXPECT_TRUE(has_image(lens, at(root - 1e-6, 2.0)));
   EXPECT_FALSE(has_image(lens, at(root + 1e-6, 2.0)));
   const double largest = root - 0.1 * root * root * root;
@@ -195,7 +195,7 @@ TEST(LensFtheta, AFoldNarrowerThanTheSearchIsFound) {
   // slope = ((t - 1)^2 - d^2) (t^2 + 1): it dips below zero for 2 d around t = 1.
   constexpr double d = 1e-4;
   const Lens lens(LensKind::kFtheta, {1 - d * d, -1.0, (2 - d * d) / 3.0, -0.5, 0.2, 1.0, 0.0, 0.0, kPi});
-  EXPECT_NEAR(lens.constants()[SIM_L_ANGLE_MAX], 1.0 - d, 1e-8);
+  EXPECT_NEAR(lens.constants().angle_max, 1.0 - d, 1e-8);
 }
 
 TEST(LensMei, FollowsTheFormulaOnBothSidesOfTheUnitMirror) {

@@ -55,18 +55,17 @@ nlohmann::json dumped(const test::SceneCase& scene, const Device& device) {
     }
     out["weights"].push_back(of_ray);
   }
-  renderer.render(particles, rays, shot.view);
-  renderer.set_output_gradients(weights);
-  renderer.backward(particles, grads);
-  bool moving = false;
-  const auto constants = frame_constants(grid, start, end, options, shot.view.background, moving);
-  out["kappa"] = constants[SIM_S_KAPPA];
-  out["t_min_m"] = constants[SIM_S_T_MIN];
-  out["t_max_m"] = constants[SIM_S_T_MAX];
+  Pass pass = renderer.render(particles, rays, shot.view);
+  pass.set_output_gradients(test::by_ray(pass.rays(), weights));
+  pass.backward(particles, grads);
+  const auto constants = sensor_in_frame(grid, start, end, options, shot.view.background).constants;
+  out["kappa"] = constants.model.kappa;
+  out["t_min_m"] = constants.model.t_min;
+  out["t_max_m"] = constants.model.t_max;
   out["centre_m"] = listed(interpolate(start, end, 0.5).translation);
   out["background"] = shot.view.background;
   const std::vector<double> params = particles.params.download_double(), gradient = grads.download_double();
-  const std::vector<std::uint32_t> keys = renderer.buffers().projected.keys.download();
+  const std::vector<std::uint32_t> keys = pass.buffers().projected.keys.download();
   for (std::size_t row = 0; row < static_cast<std::size_t>(set.params.cols()); ++row) {
     std::vector<double> values, slopes;
     for (std::size_t i = 0; i < kParticles; ++i) {

@@ -1,11 +1,12 @@
 // Gradients of particles of actors and of the actors' poses, against differences.
 #include <cmath>
 #include <gtest/gtest.h>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "tests/render/actor_scenes.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/actor_scenes.hpp"
 
 namespace simuli {
 namespace {
@@ -33,8 +34,8 @@ class ActorProblem {
     return static_cast<std::size_t>(row) * particles_.stride + static_cast<std::size_t>(particle);
   }
   [[nodiscard]] double loss() {
-    renderer_.render(particles_, rays_, view_);
-    const std::vector<double> out = test::outputs(renderer_);
+    Pass pass = renderer_.render(particles_, rays_, view_);
+    const std::vector<double> out = test::outputs(pass);
     double loss = 0.0;
     for (std::size_t i = 0; i < out.size(); ++i) loss += weights_[i] * out[i];
     return loss;
@@ -62,14 +63,14 @@ class ActorProblem {
         h);
   }
   [[nodiscard]] std::vector<double> gradient() {
-    renderer_.render(particles_, rays_, view_);
-    renderer_.set_output_gradients(weights_);
-    renderer_.backward(particles_, grads_);
+    Pass pass = renderer_.render(particles_, rays_, view_);
+    pass.set_output_gradients(test::by_ray(pass.rays(), weights_));
+    pass.backward(particles_, grads_);
+    pass_ = pass;
     return grads_.download_double();
   }
-  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients() {
-    return renderer_.pose_gradients(particles_);
-  }
+  /// Of the last gradient().
+  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients() { return pass_->pose_gradients(particles_); }
 
  private:
   static RenderOptions options() {
@@ -81,6 +82,7 @@ class ActorProblem {
   }
   Device device_;
   Renderer renderer_;
+  std::optional<Pass> pass_;
   SensorRays rays_;
   View view_;
   ParticleBuffers particles_;

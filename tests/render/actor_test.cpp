@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "tests/render/actor_scenes.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/actor_scenes.hpp"
 
 namespace simuli {
 namespace {
@@ -111,8 +111,8 @@ Difference difference(const SceneCase& scene, double step_m, double turn_rad, Pr
   const RenderOptions options = exact_options(precision);
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, precision), rays, shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results =
+      renderer.render(ParticleBuffers(device, set, precision), rays, shot.view).results();
   const std::vector<double> expected = brute_transmittance(set, shot, options.alpha_cut);
   const std::vector<double> looser = brute_transmittance(set, shot, options.alpha_cut * 1.02);
   const std::vector<double> tighter = brute_transmittance(set, shot, options.alpha_cut * 0.98);
@@ -174,8 +174,8 @@ TEST(Actors, UnderAGlobalShutterStandStill) {
   const GaussianSet set = set_with_actors(test::kCameraStill);
   shot.view.actors = test::cars(0.0, 0.0);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, shot.view);
-  const RayResults found = renderer.results();
+  const RayResults found =
+      renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, shot.view).results();
 
   // The same with the particles put into the scene on the host.
   GaussianSet placed = set;
@@ -192,8 +192,8 @@ TEST(Actors, UnderAGlobalShutterStandStill) {
         static_cast<float>(turned.y()), static_cast<float>(turned.z());
   }
   placed.actor.clear();
-  renderer.render(ParticleBuffers(device, placed, Precision::kFloat), rays, shot.view);
-  const RayResults expected = renderer.results();
+  const RayResults expected =
+      renderer.render(ParticleBuffers(device, placed, Precision::kFloat), rays, shot.view).results();
   double worst = 0.0, changed = 0.0;
   for (std::size_t r = 0; r < found.rays; ++r) {
     worst =
@@ -225,8 +225,7 @@ TEST(Actors, ThatAreNotThereLeaveTheBackgroundsBits) {
     }
     const SensorRays rays = shot.on(device, options);
     const auto picture = [&](const GaussianSet& s) {
-      renderer.render(ParticleBuffers(device, s, Precision::kFloat), rays, shot.view);
-      return renderer.results();
+      return renderer.render(ParticleBuffers(device, s, Precision::kFloat), rays, shot.view).results();
     };
     const RayResults found = picture(set), expected = picture(one_gone);
     EXPECT_EQ(found.feature[0], expected.feature[0]);

@@ -34,9 +34,9 @@ TEST(BufferTable, TellsWhatAFrameTakes) {
     const GaussianSet set = test::set_for(scene, {.count = 200, .low = {-8, -8, -3}, .high = {8, 8, 3}}, 5);
     const ParticleBuffers particles(device, set, Precision::kFloat);
     const SensorRays rays = shot.on(device, {});
-    renderer.render(particles, rays, shot.view);
-    const FrameBuffers& made = renderer.buffers();
-    const shared::FrameParams& frame = renderer.frame();
+    const Pass pass = renderer.render(particles, rays, shot.view);
+    const FrameBuffers& made = pass.buffers();
+    const shared::FrameParams& frame = pass.frame();
     const FrameSizes sizes{.particles = frame.particles,
                            .stride = frame.stride,
                            .visible = made.binned.visible,
@@ -87,6 +87,7 @@ TEST(BufferTable, NamesAreUnique) {
   add(Projected(device));
   add(RayBuffers(device));
   add(RayMaskScratch(device));
+  add(SampleBuffers(device));
   add(ScanBuffers(device));
   add(SortBuffers(device));
   add(SsimBuffers(device));

@@ -47,8 +47,8 @@ TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
       chosen.camera_compensation = chosen.lidar_compensation = compensated;
       Renderer renderer(device, chosen);
       const SensorRays rays = shot.on(device, chosen);
-      renderer.render(ParticleBuffers(device, set, GetParam()), rays, shot.view);
-      std::vector<double> out = test::outputs(renderer);
+      std::vector<double> out =
+          test::outputs(renderer.render(ParticleBuffers(device, set, GetParam()), rays, shot.view));
       const std::size_t s = rays.grid().frame.slots;
       std::vector<double> a;
       for (std::size_t i = 0; i < s; ++i) a.push_back(1.0 - out[3 * s + i]);
@@ -84,8 +84,8 @@ TEST_P(OpacityCompensation, WithoutAFootprintNothingChanges) {
     options.camera_compensation = compensated;
     Renderer renderer(device, options);
     const SensorRays rays = shot.on(device, options);
-    renderer.render(ParticleBuffers(device, set, GetParam()), rays, shot.view);
-    out[compensated ? 1 : 0] = test::outputs(renderer);
+    Pass pass = renderer.render(ParticleBuffers(device, set, GetParam()), rays, shot.view);
+    out[compensated ? 1 : 0] = test::outputs(pass);
   }
   for (std::size_t i = 0; i < out[0].size(); ++i) {
     ASSERT_NEAR(out[1][i], out[0][i], (GetParam() == Precision::kDouble ? 1e-12 : 1e-5) * (1.0 + out[0][i]));

@@ -37,22 +37,22 @@ Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& sh
   const SensorRays rays = shot.on(device, options);
   ParticleBuffers particles(device, set, Precision::kFloat);
   RealBuffer grads(device, "parameter gradients", Precision::kFloat);
-  renderer.render(particles, rays, shot.view);
+  Pass pass = renderer.render(particles, rays, shot.view);
   Step step;
-  const std::vector<double> out = test::outputs(renderer);
+  const std::vector<double> out = test::outputs(pass);
   step.out.assign(out.begin(), out.end());
   test::Random random(9);
   std::vector<double> weights(out.size());
   for (double& w : weights) w = random.normal();
-  renderer.set_output_gradients(weights);
+  pass.set_output_gradients(test::by_ray(pass.rays(), weights));
   grads.reserve(particles.params.count());
   grads.fill(0.0);  // backward leaves what stands at culled particles
-  renderer.backward(particles, grads);
+  pass.backward(particles, grads);
   step.grads = grads.download_float();
   AdamStage adam(device, particles);
   adam.run(particles,
            grads,
-           renderer.buffers().projected.keys,
+           pass.buffers().projected.keys,
            std::vector<double>(static_cast<std::size_t>(param_rows(set.sh_degree)), 1e-3));
   EXPECT_EQ(adam.rejected(), 0U);
   step.params = particles.params.download_float();

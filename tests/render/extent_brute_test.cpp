@@ -61,9 +61,11 @@ void expect_nothing_lost(const Shot& shot, const std::vector<SingleParticle>& pa
   options.camera_filter_px2 = 0.0;
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(
-      ParticleBuffers(device, test::set_of(shot.kind, particles), options.precision), rays, shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results =
+      renderer
+          .render(
+              ParticleBuffers(device, test::set_of(shot.kind, particles), options.precision), rays, shot.view)
+          .results();
   const Pose& scene_from_sensor = shot.view.scene_from_sensor_start;
   std::size_t compared = 0, covered = 0, different = 0;
   double worst = 0.0;
@@ -132,9 +134,10 @@ std::size_t instances_of(const Shot& shot, const std::vector<SingleParticle>& pa
   options.extent = extent;
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(
-      ParticleBuffers(device, test::set_of(shot.kind, particles), options.precision), rays, shot.view);
-  return renderer.buffers().binned.instances;
+  return renderer
+      .render(ParticleBuffers(device, test::set_of(shot.kind, particles), options.precision), rays, shot.view)
+      .buffers()
+      .binned.instances;
 }
 
 // The fold of these two lies within the cone that holds their picture.

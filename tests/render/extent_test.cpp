@@ -54,8 +54,8 @@ Comparison compare(const Shot& shot, const RenderOptions& options, double roundi
   const GaussianSet set = awkward_set(shot.kind, 5);
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results =
+      renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view).results();
 
   reference::Options without_box;
   without_box.ignore_box = true;
@@ -198,9 +198,9 @@ struct Boxes {
     options.culling = Culling::kOff;  // what lies between two columns has a box as well
     Renderer renderer(device, options);
     const SensorRays rays = shot.on(device, options);
-    renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
-    records = renderer.buffers().projected.records.download_double();
-    footprints = renderer.buffers().projected.footprints.download();
+    Pass pass = renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
+    records = pass.buffers().projected.records.download_double();
+    footprints = pass.buffers().projected.footprints.download();
   }
   [[nodiscard]] double at(Eigen::Index i, std::size_t entry) const {
     return records[static_cast<std::size_t>(i) * SIM_RECORD + entry];

@@ -25,8 +25,8 @@ TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
     const RayGrid grid = make_ray_grid(device, sensor.model, rays, {});
     ASSERT_EQ(grid.rays, sensor.model.ray_count()) << name;
     std::vector<int> seen(grid.rays, 0);
-    const double first = grid.constants[SIM_S_TILE_X0];
-    const double width = 1.0 / grid.constants[SIM_S_TILE_SCALE];
+    const double first = grid.model.tile_first;
+    const double width = 1.0 / grid.model.tile_scale;
     for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
       const std::int32_t ray = grid.ray_of_slot[slot];
       if (ray < 0) continue;
@@ -55,8 +55,7 @@ GaussianSet balls_on_rays(const BuiltinLidar& sensor,
     for (const int column : {0, (lidar.columns / 5 + 37 * row) % lidar.columns, lidar.columns - 1}) {
       const double azimuth = lidar.azimuth(row, column);
       const double range = row % 2 == 0 ? 6.0 : 25.0;
-      const Pose scene_from_sensor =
-          interpolate(start, end, lidar.time_fraction(row, column));
+      const Pose scene_from_sensor = interpolate(start, end, lidar.time_fraction(row, column));
       test::SingleParticle ball;
       ball.mean = scene_from_sensor *
                   Eigen::Vector3d(
@@ -80,10 +79,11 @@ void expect_hits(const Pose& start, const Pose& end) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     std::vector<std::size_t> chosen;
     const GaussianSet set = balls_on_rays(sensor, start, end, chosen);
-    const SensorRays rays(
-        device, sensor.model, nominal_rays(sensor.model), options);
-    renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}});
-    const std::vector<float> found = renderer.results().transmittance;
+    const SensorRays rays(device, sensor.model, nominal_rays(sensor.model), options);
+    const std::vector<float> found =
+        renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}})
+            .results()
+            .transmittance;
     std::size_t missed = 0;
     for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
     EXPECT_EQ(missed, 0U) << name << ": of " << chosen.size() << " balls";
@@ -110,9 +110,11 @@ std::vector<float> past_ball(const Lidar& lidar, const LidarRays& rays, const Ei
   ball.scale = Eigen::Vector3d::Constant(0.04);
   ball.opacity = 0.95;
   const SensorRays on_device(device, lidar, rays, paper_options());
-  renderer.render(
-      ParticleBuffers(device, test::set_of(SetKind::kLidar, {ball}), Precision::kFloat), on_device, {});
-  return renderer.results().transmittance;
+  return renderer
+      .render(
+          ParticleBuffers(device, test::set_of(SetKind::kLidar, {ball}), Precision::kFloat), on_device, {})
+      .results()
+      .transmittance;
 }
 
 TEST(LidarTables, NothingIsSeenOutsideTheRangeLimits) {

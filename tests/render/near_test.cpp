@@ -19,10 +19,11 @@ class Near : public testing::TestWithParam<Order> {
     options.camera_near_m = near_m;
     Renderer renderer(device_, options);
     const test::Shot shot = test::shot_of(test::kCameraStill, 40, 36);
-    renderer.render(ParticleBuffers(device_, test::set_of(SetKind::kCamera, particles), options),
-                    shot.on(device_, options),
-                    shot.view);
-    return renderer.results();
+    return renderer
+        .render(ParticleBuffers(device_, test::set_of(SetKind::kCamera, particles), options),
+                shot.on(device_, options),
+                shot.view)
+        .results();
   }
 
   Device device_ = Device::best();

@@ -29,13 +29,13 @@ Traces traces_of(const GaussianSet& set,
   Renderer renderer(device, options);
   const ParticleBuffers particles(device, set, options);
   const SensorRays rays = shot.on(device, options);
-  if (scene == nullptr) {
-    renderer.render(particles, rays, shot.view);
-  } else {
-    SceneLook(device, *scene, options.precision).render(renderer, particles, rays, shot.view, "camera", 0.0);
-  }
+  const auto through_look = [&] {
+    SceneLook look(device, *scene, options.precision);
+    return look.render(renderer, particles, rays, shot.view, "camera", 0.0);
+  };
+  const Pass pass = scene == nullptr ? renderer.render(particles, rays, shot.view) : through_look();
   Traces traces;
-  traces.outputs = test::outputs(renderer);
+  traces.outputs = test::outputs(pass);
   traces.peak_bytes = device.memory().peak;
   for (const auto& [key, program] : device.state().programs) traces.programs.insert(key);
   return traces;

@@ -48,9 +48,9 @@ void expect_complete(const RayGrid& grid) {
 /// that of their azimuth in the turn of their time.
 void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
   const auto& frame = grid.frame;
-  const double first = grid.constants[SIM_S_TILE_X0];
-  const double width = 1.0 / grid.constants[SIM_S_TILE_SCALE];
-  const double span = 1.0 / grid.constants[SIM_S_INV_SPAN];
+  const double first = grid.model.tile_first;
+  const double width = 1.0 / grid.model.tile_scale;
+  const double span = 1.0 / grid.model.inv_span;
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
     const std::int32_t ray = grid.ray_of_slot[slot];
     if (ray < 0) continue;
@@ -64,7 +64,7 @@ void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
     ASSERT_GE(u, left - kFloat_rad) << "ray " << ray;
     ASSERT_LE(u, left + width + kFloat_rad) << "ray " << ray;
     const double azimuth = static_cast<double>(rays.azimuth[static_cast<std::size_t>(ray)]);
-    const double turned = grid.constants[SIM_S_SPIN] * (azimuth - grid.constants[SIM_S_AZIMUTH_CUT]);
+    const double turned = grid.model.spin * (azimuth - grid.model.azimuth_cut);
     ASSERT_NEAR(std::remainder(u - turned, 2.0 * kPi), 0.0, kFloat_rad) << "ray " << ray;
     const double by_time = static_cast<double>(rays.time_fraction[static_cast<std::size_t>(ray)]) * span;
     ASSERT_LE(std::abs(u - by_time), kPi + kFloat_rad) << "ray " << ray;
@@ -221,8 +221,8 @@ void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::
   RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays on_device = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, options.precision), on_device, shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results =
+      renderer.render(ParticleBuffers(device, set, options.precision), on_device, shot.view).results();
   // The particle's middle takes 0.9 of the light; float positions 20 m out are 1e-6 m off.
   for (const std::size_t ray : sampled) ASSERT_LT(results.transmittance[ray], 0.105F) << "ray " << ray;
   // A ray without a particle of its own sees next to nothing: the test above can fail.

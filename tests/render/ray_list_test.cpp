@@ -67,8 +67,7 @@ void expect_complete(const RayList& list, const RayGrid& grid) {
     ASSERT_LT(row, rows);
     ASSERT_LE(grid.row_elevation[row], list.elevation[ray]);
     ASSERT_GE(grid.row_elevation[rows + row], list.elevation[ray]);
-    const double bin = (static_cast<double>(grid.u[slot]) - grid.constants[SIM_S_TILE_X0]) *
-                       grid.constants[SIM_S_TILE_SCALE];
+    const double bin = (static_cast<double>(grid.u[slot]) - grid.model.tile_first) * grid.model.tile_scale;
     constexpr double kFloat = 1e-2;  // of a bin
     const auto column = [&](double b) {
       const double last = static_cast<double>(grid.column_of_bin.size() - 1);
@@ -76,7 +75,7 @@ void expect_complete(const RayList& list, const RayGrid& grid) {
     };
     ASSERT_LE(column(bin - kFloat), tile % grid.frame.tiles_x);
     ASSERT_GE(column(bin + kFloat), tile % grid.frame.tiles_x);
-    const double turned = static_cast<double>(grid.u[slot]) + grid.constants[SIM_S_AZIMUTH_CUT];
+    const double turned = static_cast<double>(grid.u[slot]) + grid.model.azimuth_cut;
     ASSERT_NEAR(std::remainder(turned - list.azimuth[ray], 2.0 * kPi), 0.0, 1e-6);
   }
   ASSERT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
@@ -124,8 +123,9 @@ std::vector<float> transmittance(const Device& device,
                                  const SensorRays& rays,
                                  const Pose& end) {
   Renderer renderer(device, paper_options());
-  renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {{}, end, {}});
-  return renderer.results().transmittance;
+  return renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {{}, end, {}})
+      .results()
+      .transmittance;
 }
 
 TEST(RayListGrid, RaysMeetWhatStandsOnThem) {

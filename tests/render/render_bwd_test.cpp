@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/render/gradient_check.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/gradient_check.hpp"
 
 namespace simuli {
 namespace {
@@ -54,8 +54,7 @@ class Problem {
 
   [[nodiscard]] std::vector<double> outputs_at(const std::vector<double>& params) {
     particles_.params.assign(std::span<const double>(params));
-    renderer_.render(particles_, rays_, view_);
-    return test::outputs(renderer_);
+    return test::outputs(renderer_.render(particles_, rays_, view_));
   }
   [[nodiscard]] double loss_at(std::size_t parameter, double step) {
     std::vector<double> moved = base_;
@@ -74,9 +73,9 @@ class Problem {
   }
   [[nodiscard]] std::vector<double> gradient() {
     particles_.params.assign(std::span<const double>(base_));
-    renderer_.render(particles_, rays_, view_);
-    renderer_.set_output_gradients(weights_);
-    renderer_.backward(particles_, grads_);
+    Pass pass = renderer_.render(particles_, rays_, view_);
+    pass.set_output_gradients(test::by_ray(pass.rays(), weights_));
+    pass.backward(particles_, grads_);
     return grads_.download_double();
   }
 

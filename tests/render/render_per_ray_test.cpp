@@ -37,8 +37,7 @@ RayResults render(const Device& device,
                   const RenderOptions& options) {
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, options), rays, shot.view);
-  return renderer.results();
+  return renderer.render(ParticleBuffers(device, set, options), rays, shot.view).results();
 }
 
 struct OrderCase {
@@ -287,9 +286,9 @@ TEST(PicturesOnly, HaveNoGradients) {
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   const ParticleBuffers particles(device, set, options);
-  renderer.render(particles, rays, shot.view);
+  Pass pass = renderer.render(particles, rays, shot.view);
   RealBuffer grads(device, "gradients", Precision::kFloat);
-  expect_error(ErrorKind::kInternal, "have no gradients", [&] { renderer.backward(particles, grads); });
+  expect_error(ErrorKind::kUsage, "have no gradients", [&] { pass.backward(particles, grads); });
 }
 
 }  // namespace

@@ -34,8 +34,7 @@ TEST_P(Forward, MatchesTheReference) {
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   const ParticleBuffers particles(device, set, precision);
-  renderer.render(particles, rays, shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results = renderer.render(particles, rays, shot.view).results();
   const auto& background = shot.view.background;
   const auto expected = reference::render(reference::Particles(set),
                                           shot.reference(),

@@ -19,8 +19,9 @@ std::vector<float> sweep(const GaussianSet& set, const Lidar& lidar, const Pose&
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays(device, lidar, nominal_rays(lidar), options);
-  renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}});
-  return renderer.results().transmittance;
+  return renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}})
+      .results()
+      .transmittance;
 }
 
 GaussianSet scene() {

@@ -90,8 +90,8 @@ Comparison compare(const Shot& shot,
   const GaussianSet set = test::set_of(shot.kind, particles);
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
-  const RayResults results = renderer.results();
+  const RayResults results =
+      renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view).results();
 
   reference::Options brute_force;
   brute_force.ignore_box = true;
@@ -214,10 +214,11 @@ Found find(const Shot& shot, const std::vector<test::SingleParticle>& particles,
   options.precision = precision;
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
-  renderer.render(ParticleBuffers(device, test::set_of(shot.kind, particles), precision), rays, shot.view);
-  const std::vector<double> records = renderer.buffers().projected.records.download_double();
+  Pass pass = renderer.render(
+      ParticleBuffers(device, test::set_of(shot.kind, particles), precision), rays, shot.view);
+  const std::vector<double> records = pass.buffers().projected.records.download_double();
   Found found;
-  found.footprints = renderer.buffers().projected.footprints.download();
+  found.footprints = pass.buffers().projected.footprints.download();
   for (std::size_t i = 0; i < particles.size(); ++i) {
     found.mean_x.push_back(records[i * SIM_RECORD + SIM_R_BOX_MEAN]);
     found.other_x.push_back(records[i * SIM_RECORD + SIM_R_BOX_OTHER]);

@@ -40,8 +40,8 @@ class Stress : public testing::TestWithParam<SceneCase> {
                     const test::Shot& shot,
                     const RenderOptions& options = paper_options()) {
     Renderer renderer(device_, options);
-    renderer.render(ParticleBuffers(device_, set, options), shot.on(device_, options), shot.view);
-    return renderer.results();
+    return renderer.render(ParticleBuffers(device_, set, options), shot.on(device_, options), shot.view)
+        .results();
   }
   static void expect_sane(const RayResults& r) {
     for (const auto* values : {&r.feature[0], &r.feature[1], &r.feature[2], &r.distance}) {
@@ -167,9 +167,9 @@ TEST(StressOfLooks, EnvironmentsAndGrids) {
     const EnvironmentBuffers environment(device, map, Precision::kFloat);
     for (const float gain : {kDenormal, 1e10F, -1e10F}) {
       for (std::size_t i = 0; i < grid.values.size(); i += 5) grid.values[i] = gain;
-      renderer.render(particles, rays, shot.view, &environment);
-      renderer.grade(ColorGridBuffers(device, grid, Precision::kFloat), 0);
-      const RayResults found = renderer.results();
+      Pass pass = renderer.render(particles, rays, shot.view, &environment);
+      pass.grade(ColorGridBuffers(device, grid, Precision::kFloat), 0);
+      const RayResults found = pass.results();
       for (const auto& channel : found.feature) {
         for (const float v : channel) ASSERT_TRUE(std::isfinite(v)) << value << ' ' << gain;
       }
@@ -213,7 +213,7 @@ TEST(StressOfActors, PosesThatAreNoNumbersAreRefused) {
       ErrorKind::kNumeric, "pose of actor 0", [&] { renderer.render(particles, rays, broken.view); });
   // An actor that isn't there may have any pose.
   broken.view.actors[0].is_there = false;
-  renderer.render(particles, rays, broken.view);
+  Pass pass = renderer.render(particles, rays, broken.view);
 }
 
 TEST(HugePictures, AreRefusedBeforeAnythingIsAllocated) {

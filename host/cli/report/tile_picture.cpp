@@ -84,12 +84,12 @@ std::vector<Dot> dots_of(const RayGrid& grid) {
 /// Where tile columns begin, and where the last ends, in degrees.
 std::vector<double> column_edges(const RayGrid& grid) {
   std::vector<double> edges;
-  const double first = grid.constants[SIM_S_TILE_X0], scale = grid.constants[SIM_S_TILE_SCALE];
+  const double first = grid.model.tile_first, scale = grid.model.tile_scale;
   for (std::size_t bin = 0; bin < grid.column_of_bin.size(); ++bin) {
     if (bin > 0 && grid.column_of_bin[bin] == grid.column_of_bin[bin - 1]) continue;
     edges.push_back(degrees(first + static_cast<double>(bin) / scale));
   }
-  edges.push_back(degrees(grid.constants[SIM_S_TILE_X1]));
+  edges.push_back(degrees(grid.model.tile_last));
   return edges;
 }
 

@@ -93,7 +93,7 @@ class RenderBackwardStage {
 };
 
 /// Behind projection: gradient slots -> param_grads[param_rows][stride], and pose_grads of actors. K -> N.
-/// Columns of culled particles are left as they are.
+/// 0 for culled particles.
 class ProjectBackwardStage {
  public:
   ProjectBackwardStage(const Device& device, const Variant& variant);

@@ -1,6 +1,8 @@
 // Launcher of "kernels/pose_bwd.cl".
 #include "host/render/backward/pose_bwd.hpp"
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 namespace simuli {
@@ -51,11 +53,12 @@ PoseGradient PoseStage::run(const shared::FrameParams& frame,
 
   PoseGradient gradient;
   gradient.rotation = sum_of(buffers_.ray_sums);
-  const std::vector<double> values = constants.sensor.download_double();
-  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> sensor_from_world(values.data() +
-                                                                                         SIM_S_ROT_REF);
+  std::array<double, shared::kReals<shared::SensorConstants>> reals{};
+  std::ranges::copy(constants.sensor.download_double(), reals.begin());
+  const auto sensor = shared::from_reals<shared::SensorConstants>(reals);
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> sensor_from_scene(sensor.rotation_ref);
   // The sensor moves as all particles would the other way.
-  gradient.translation = -(sensor_from_world * sum_of(buffers_.particle_sums));
+  gradient.translation = -(sensor_from_scene * sum_of(buffers_.particle_sums));
   return gradient;
 }
 

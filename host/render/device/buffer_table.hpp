@@ -86,6 +86,16 @@ class BufferTable {
     }
   };
   using Words = Array<std::uint32_t>;
+  /// Structs of reals; sized in reals.
+  template <template <class> class T>
+  class Structs : public StructBuffer<T> {
+   public:
+    Structs(BufferTable& table, ArgumentName name, Count size)
+        : StructBuffer<T>(table.device_, name.text(), table.precision_) {
+      const bool is_float = table.precision_ == Precision::kFloat;
+      table.template add<T<double>>(name, this->memory(), size, is_float ? sizeof(float) : sizeof(double));
+    }
+  };
 
   /// Every member as Buffer::reserve(): grows, never shrinks, keeps what need not grow.
   void reserve(const Sizes& sizes) {
@@ -106,8 +116,8 @@ class BufferTable {
 
  private:
   template <class T>
-  void add(ArgumentName name, detail::Memory& memory, Count count) {
-    rows_.add(name, memory, sizeof(T), detail::kPassedBuffer<T>, detail::kPassedBuffer<const T>);
+  void add(ArgumentName name, detail::Memory& memory, Count count, std::size_t element_bytes = sizeof(T)) {
+    rows_.add(name, memory, element_bytes, detail::kPassedBuffer<T>, detail::kPassedBuffer<const T>);
     counts_.push_back(count);
   }
 

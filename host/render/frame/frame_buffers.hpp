@@ -1,6 +1,7 @@
 #pragma once
 // The parts of a frame on the device, each made by one stage (host/render/frame/stages.hpp).
 #include "cl/shared/layout.h"
+#include "cl/shared/sensor_constants.h"
 #include "host/render/device/buffer_table.hpp"
 
 namespace simuli {
@@ -8,6 +9,14 @@ namespace simuli {
 template <>
 struct ClTypeName<shared::Footprint> {
   static constexpr std::string_view value = "Footprint";
+};
+template <>
+struct ClTypeName<shared::SensorConstants<double>> {
+  static constexpr std::string_view value = "SensorConstants";
+};
+template <>
+struct ClTypeName<shared::ActorConstants<double>> {
+  static constexpr std::string_view value = "ActorConstants";
 };
 
 /// What a frame is sized by. N particles, M of them visible, K tile instances, S ray slots.
@@ -27,9 +36,13 @@ struct FrameSizes {
 /// Constants of sensor and actors, from the host.
 struct FrameConstants : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
-  Reals sensor{*this, "sensor", [](const FrameSizes&) { return std::uint64_t{SIM_SENSOR_REALS}; }};
-  /// [1 + A][SIM_ACTOR_REALS]
-  Reals actors{*this, "actors", [](const FrameSizes& s) { return SIM_ACTOR_REALS * (1 + s.actors); }};
+  Structs<shared::SensorConstants> sensor{*this, "sensor", [](const FrameSizes&) {
+                                            return std::uint64_t{shared::kReals<shared::SensorConstants>};
+                                          }};
+  /// [1 + A]
+  Structs<shared::ActorConstants> actors{*this, "actors", [](const FrameSizes& s) {
+                                           return shared::kReals<shared::ActorConstants> * (1 + s.actors);
+                                         }};
 };
 
 /// Rays in the scene frame.
@@ -73,6 +86,12 @@ struct BinScratch : BufferTable<FrameSizes> {
 struct Blended : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Reals out{*this, "out", [](const FrameSizes& s) { return SIM_OUTPUTS * s.slots; }};  // [6][S]
+};
+
+/// A camera's picture, graded.
+struct PictureBuffers : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Reals picture{*this, "picture", [](const FrameSizes& s) { return 3 * s.slots; }};  // [3][S]
 };
 
 /// All that a frame writes; grows, never shrinks.

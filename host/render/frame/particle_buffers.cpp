@@ -1,6 +1,7 @@
 #include "host/render/frame/particle_buffers.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstring>
 #include <fmt/format.h>
@@ -13,6 +14,9 @@
 
 namespace simuli {
 namespace {
+
+static_assert(kMeanRow == SIM_MEAN && kLogScaleRow == SIM_LOG_SCALE && kRotationRow == SIM_ROTATION &&
+              kOpacityRow == SIM_OPACITY && kShRow == SIM_SH);
 
 /// A row of coefficients as halves, two in each float of `target`.
 void store_halves(const Eigen::Ref<const Eigen::ArrayXf>& row, float* target) {
@@ -35,6 +39,11 @@ void load_halves(const float* source, Eigen::Ref<Eigen::ArrayXf> row) {
   }
 }
 
+std::uint64_t next_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
 ParticleSizes ParticleSizes::of(std::uint64_t particles, int sh_degree, std::uint64_t actors) {
@@ -42,7 +51,7 @@ ParticleSizes ParticleSizes::of(std::uint64_t particles, int sh_degree, std::uin
 }
 
 ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision)
-    : BufferTable(device, precision), kind(set.kind) {
+    : BufferTable(device, precision), kind(set.kind), id_(next_id()) {
   upload(set);
 }
 

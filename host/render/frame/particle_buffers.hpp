@@ -30,6 +30,8 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   ShStorage sh_storage = ShStorage::kFull;
   std::uint32_t count = 0;
   std::uint32_t stride = 0;
+  /// Another number for each: a pass takes gradients to the particles that it rendered alone.
+  [[nodiscard]] std::uint64_t id() const { return id_; }
   /// [param_rows][stride]; of ShStorage::kHalf the rows from SIM_SH on are halves, two in a float.
   Reals params{*this, "params", [](const ParticleSizes& s) { return s.rows * s.stride; }};
   /// GaussianSet::actor. All empty without actors.
@@ -44,6 +46,7 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   void refresh_actors();
 
  private:
+  std::uint64_t id_;
   ShDegree kept_sh_ = ShDegree::k3;
   double sh_error_ = 0.0;
   void upload_actors(const std::vector<std::uint32_t>& actor);

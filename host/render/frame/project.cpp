@@ -1,5 +1,6 @@
 // Launcher of "kernels/project.cl".
 #include "host/render/frame/stages.hpp"
+#include "host/render/rays/sensor_in_frame.hpp"
 
 namespace simuli {
 namespace {
@@ -21,7 +22,10 @@ BuildOptions forward_options(const Variant& variant) {
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.shape.lanes),
       actor_motion_(variant.actor_motion),
-      project_(Program(device, "kernels/project.cl", forward_options(variant)), "project") {}
+      samples_(device, variant.precision),
+      project_(Program(device, "kernels/project.cl", forward_options(variant)), "project") {
+  if (variant.projection == Projection::kMonteCarlo) samples_.normal_samples.assign(normal_samples());
+}
 
 void ProjectStage::run(const shared::FrameParams& frame,
                        const ParticleBuffers& particles,
@@ -31,7 +35,8 @@ void ProjectStage::run(const shared::FrameParams& frame,
   out.reserve({.particles = frame.particles, .moving_particles = actor_motion_ ? frame.particles : 0});
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_.run(round_up(items, kLocalSize), kLocalSize, {{"frame", frame}, particles, constants, rays, out});
+  project_.run(
+      round_up(items, kLocalSize), kLocalSize, {{"frame", frame}, particles, constants, rays, samples_, out});
 }
 
 }  // namespace simuli

@@ -27,6 +27,15 @@ class RaysStage {
   Kernel rays_;
 };
 
+/// What the Monte Carlo projection draws with, the same in every frame; empty for the others.
+struct SampleSizes {
+  std::uint64_t triples = 0;
+};
+struct SampleBuffers : BufferTable<SampleSizes> {
+  using BufferTable::BufferTable;
+  Reals normal_samples{*this, "normal_samples", [](const SampleSizes& s) { return 3 * s.triples; }};
+};
+
 /// 2. Particles on the sensor: which rays they may meet, and what blending needs of them. N -> N.
 class ProjectStage {
  public:
@@ -40,6 +49,7 @@ class ProjectStage {
  private:
   int lanes_;
   bool actor_motion_;
+  SampleBuffers samples_;
   Kernel project_;
 };
 

@@ -102,6 +102,8 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   RayGrid grid;
   grid.type = SensorType::kCamera;
   grid.lens = camera.lens.kind();
+  grid.width = camera.width;
+  grid.height = camera.height;
   const bool wraps = grid.lens == LensKind::kEquirectangular;
   grid.rays = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   auto& frame = grid.frame;
@@ -137,33 +139,31 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   if (grid.without_ray == grid.rays) {
     throw_input_error("camera " + camera.name, "lens", "no pixel with a ray", "at least one");
   }
-  auto& c = grid.constants;
-  const auto& lens = camera.lens.constants();
-  std::copy(lens.begin(), lens.end(), c.begin() + SIM_S_LENS);
-  c[SIM_S_FX] = camera.fx;
-  c[SIM_S_FY] = camera.fy;
-  c[SIM_S_CX] = camera.cx;
-  c[SIM_S_CY] = camera.cy;
-  c[SIM_S_WIDTH] = camera.width;
-  c[SIM_S_HEIGHT] = camera.height;
-  c[SIM_S_COS_FOV] =
-      std::acos(std::max(lowest_cosine, -1.0));  // an angle here; frame_constants adds the sensor's turn
+  auto& m = grid.model;
+  m.lens = camera.lens.constants();
+  m.fx = camera.fx;
+  m.fy = camera.fy;
+  m.cx = camera.cx;
+  m.cy = camera.cy;
+  m.picture_width = camera.width;
+  m.picture_height = camera.height;
+  grid.view_angle = std::acos(std::max(lowest_cosine, -1.0));
   if (grid.lens != LensKind::kPinhole && !wraps) {
-    const LensSlopes slopes = lens_slopes(camera, c[SIM_S_COS_FOV]);
-    c[SIM_S_LENS_CONE] = slopes.cone_rad;
-    c[SIM_S_LENS_SLOPE_X] = slopes.slope.x();
-    c[SIM_S_LENS_SLOPE_Y] = slopes.slope.y();
-    c[SIM_S_LENS_BEND_X] = slopes.bend.x();
-    c[SIM_S_LENS_BEND_Y] = slopes.bend.y();
+    const LensSlopes slopes = lens_slopes(camera, grid.view_angle);
+    m.lens_cone = slopes.cone_rad;
+    m.lens_slope[0] = slopes.slope.x();
+    m.lens_slope[1] = slopes.slope.y();
+    m.lens_bend[0] = slopes.bend.x();
+    m.lens_bend[1] = slopes.bend.y();
   }
-  c[SIM_S_TIME_C] = camera.exposure_fraction({0.0, 0.0});
-  c[SIM_S_TIME_X] = camera.exposure_fraction({1.0, 0.0}) - c[SIM_S_TIME_C];
-  c[SIM_S_TIME_Y] = camera.exposure_fraction({0.0, 1.0}) - c[SIM_S_TIME_C];
-  c[SIM_S_TIME_STEP] = std::abs(c[SIM_S_TIME_X]) + std::abs(c[SIM_S_TIME_Y]);
-  c[SIM_S_KAPPA] = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
-  c[SIM_S_T_MIN] = options.camera_near_m;
-  c[SIM_S_T_MAX] = 1e6;
-  c[SIM_S_PERIOD] = wraps ? camera.width : 0.0;
+  m.time_c = camera.exposure_fraction({0.0, 0.0});
+  m.time_x = camera.exposure_fraction({1.0, 0.0}) - m.time_c;
+  m.time_y = camera.exposure_fraction({0.0, 1.0}) - m.time_c;
+  m.time_step = std::abs(m.time_x) + std::abs(m.time_y);
+  m.kappa = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
+  m.t_min = options.camera_near_m;
+  m.t_max = 1e6;
+  m.period = wraps ? camera.width : 0.0;
   return grid;
 }
 
@@ -219,8 +219,8 @@ void set_origins(RayGrid& grid, const Lidar& lidar) {
     grid.lever_arms = grid.lever_arms || row.vertical_offset != 0.0;
   }
   grid.lever_arms = grid.lever_arms || sideways != 0.0;
-  grid.constants[SIM_S_HEIGHT_REF] = height;
-  grid.constants[SIM_S_LEVER] = up + sideways;
+  grid.model.height = height;
+  grid.model.lever = up + sideways;
 }
 
 }  // namespace
@@ -275,63 +275,17 @@ RayGrid make_ray_grid(const Device& device,
                        static_cast<double>(rays.time_fraction[ray]));
     grid.u[slot] = static_cast<float>(angles[ray]);
   }
-  auto& c = grid.constants;
-  c[SIM_S_AZIMUTH_CUT] = azimuth_cut(lidar);
-  c[SIM_S_SPIN] = lidar.spin_sign();
-  c[SIM_S_INV_SPAN] = 1.0 / lidar.azimuth_span;
-  c[SIM_S_TIME_STEP] = 1.0 / lidar.columns;
-  c[SIM_S_TIME_SPREAD] = time_spread(lidar, rays, angles);
-  c[SIM_S_ROW_SPREAD] = row_spread(lidar, rays);
-  c[SIM_S_KAPPA] = ray_slots::beam_variance(lidar.beam_divergence, lidar.divergence_variance);
-  c[SIM_S_T_MIN] = lidar.range_min;
-  c[SIM_S_T_MAX] = lidar.range_max;
+  auto& m = grid.model;
+  m.azimuth_cut = azimuth_cut(lidar);
+  m.spin = lidar.spin_sign();
+  m.inv_span = 1.0 / lidar.azimuth_span;
+  m.time_step = 1.0 / lidar.columns;
+  m.time_spread = time_spread(lidar, rays, angles);
+  m.row_spread = row_spread(lidar, rays);
+  m.kappa = ray_slots::beam_variance(lidar.beam_divergence, lidar.divergence_variance);
+  m.t_min = lidar.range_min;
+  m.t_max = lidar.range_max;
   return grid;
-}
-
-std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
-                                                     const Pose& scene_from_sensor_start,
-                                                     const Pose& scene_from_sensor_end,
-                                                     const RenderOptions& options,
-                                                     const std::array<float, 3>& background,
-                                                     bool& moving) {
-  auto c = grid.constants;
-  const auto put = [&c](std::size_t at, const auto& values) {
-    for (Eigen::Index k = 0; k < values.size(); ++k) c[at + static_cast<std::size_t>(k)] = values(k);
-  };
-  const auto put_rotation = [&c](std::size_t at, const Eigen::Matrix3d& m) {
-    for (Eigen::Index k = 0; k < 9; ++k) c[at + static_cast<std::size_t>(k)] = m(k / 3, k % 3);
-  };
-  const Pose& a = scene_from_sensor_start;
-  const Pose& b = scene_from_sensor_end;
-  a.check("the sensor");
-  b.check("the sensor");
-  const Pose middle = interpolate(a, b, 0.5);
-  put(SIM_S_CENTRE_START, a.translation);
-  put(SIM_S_CENTRE_STEP, Eigen::Vector3d(b.translation - a.translation));
-  put(SIM_S_CENTRE_REF, middle.translation);
-  put_rotation(SIM_S_ROT_START, a.rotation.toRotationMatrix().transpose());
-  put_rotation(SIM_S_ROT_REF, middle.rotation.toRotationMatrix().transpose());
-
-  // The turn from start to end in the sensor frame, by the shorter arc as slerp takes it.
-  Eigen::Quaterniond turn = a.rotation.conjugate() * b.rotation;
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();
-  const double angle = 2.0 * std::atan2(sine, turn.w());
-  put(SIM_S_AXIS,
-      Eigen::Vector3d(sine > 0.0 ? Eigen::Vector3d(turn.vec() / sine) : Eigen::Vector3d::UnitX()));
-  c[SIM_S_ANGLE] = angle;
-  // Below what float poses resolve there is no motion: 1e-9 m and rad over the frame.
-  moving = angle > 1e-9 || (b.translation - a.translation).norm() > 1e-9;
-
-  c[SIM_S_ALPHA_CUT] = options.alpha_cut;
-  c[SIM_S_TRANSMITTANCE_CUT] = options.transmittance_cut;
-  for (std::size_t k = 0; k < 3; ++k) c[SIM_S_BACKGROUND + k] = static_cast<double>(background[k]);
-  if (grid.type == SensorType::kCamera) {
-    const double cone = std::min(c[SIM_S_COS_FOV] + angle / 2.0 + 1e-4, kPi);
-    c[SIM_S_COS_FOV] = std::cos(cone);
-    c[SIM_S_SIN_FOV] = std::sin(cone);
-  }
-  return c;
 }
 
 }  // namespace simuli

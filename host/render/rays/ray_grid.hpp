@@ -1,9 +1,9 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "cl/shared/layout.h"
+#include "cl/shared/sensor_constants.h"
 #include "host/render/options/options.hpp"
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
@@ -21,6 +21,7 @@ struct RayGrid {
   SensorType type = SensorType::kCamera;
   shared::FrameParams frame{};            // particles and stride are filled in per particle set
   LensKind lens = LensKind::kPinhole;     // of a camera
+  int width = 0, height = 0;              // of a camera's picture, px
   bool lever_arms = false;                // rays start away from the sensor's origin
   std::size_t rays = 0;                   // pixels row-major, or LiDAR rays row-major
   std::size_t without_ray = 0;            // pixels that the lens sees nothing through: no slot has them
@@ -33,8 +34,8 @@ struct RayGrid {
   std::vector<std::uint32_t> column_of_bin;    // LiDAR: tile column of each bin of x
   std::vector<std::int32_t> row_lut;           // LiDAR: elevation bin -> first row to look at, [4096]
   std::vector<double> row_elevation;           // LiDAR: [2][rows] rad, lowest and highest ray
-  /// SIM_S_FX.. of cl/shared/layout.h: the constants of the model, poses excepted.
-  std::array<double, SIM_SENSOR_REALS> constants{};
+  shared::ModelConstants<double> model{};
+  double view_angle = 0.0;  // camera: rad, half angle of the cone about the optical axis that holds all rays
 };
 
 /// Pixels in tiles of 16 x 16. A pixel through which the lens has no ray has no slot ray either: it stays in
@@ -58,14 +59,5 @@ struct RayGrid {
                                     const LidarModel& model,
                                     const LidarRays& rays,
                                     const RenderOptions& options);
-
-/// The constants of one frame: model, poses (world relative to the scene origin), cuts, background.
-/// Fills `moving`: start and end differ.
-[[nodiscard]] std::array<double, SIM_SENSOR_REALS> frame_constants(const RayGrid& grid,
-                                                                   const Pose& scene_from_sensor_start,
-                                                                   const Pose& scene_from_sensor_end,
-                                                                   const RenderOptions& options,
-                                                                   const std::array<float, 3>& background,
-                                                                   bool& moving);
 
 }  // namespace simuli

@@ -34,14 +34,14 @@ double widest_gap(const RayList& list) {
 }
 
 void set_constants(RayGrid& grid, const RayList& list, double cut) {
-  auto& c = grid.constants;
-  c[SIM_S_AZIMUTH_CUT] = cut;
-  c[SIM_S_SPIN] = 1.0;
+  auto& m = grid.model;
+  m.azimuth_cut = cut;
+  m.spin = 1.0;
   // Time does not follow the azimuth: the middle of all times, give or take half of their span.
   const auto [early, late] = std::minmax_element(list.time_fraction.begin(), list.time_fraction.end());
-  c[SIM_S_INV_SPAN] = 0.0;
-  c[SIM_S_TIME_FIRST] = (*early + *late) / 2.0;
-  c[SIM_S_TIME_SPREAD] = (*late - *early) / 2.0;
+  m.inv_span = 0.0;
+  m.time_first = (*early + *late) / 2.0;
+  m.time_spread = (*late - *early) / 2.0;
 
   double height = 0.0;
   for (const Eigen::Vector3d& origin : list.origin)
@@ -51,11 +51,11 @@ void set_constants(RayGrid& grid, const RayList& list, double cut) {
     lever = std::max(lever, (origin - Eigen::Vector3d(0.0, 0.0, height)).norm());
     grid.lever_arms = grid.lever_arms || !origin.isZero(0.0);
   }
-  c[SIM_S_HEIGHT_REF] = height;
-  c[SIM_S_LEVER] = lever;
-  c[SIM_S_KAPPA] = ray_slots::beam_variance(list.beam_divergence, list.divergence_variance);
-  c[SIM_S_T_MIN] = list.range_min;
-  c[SIM_S_T_MAX] = list.range_max;
+  m.height = height;
+  m.lever = lever;
+  m.kappa = ray_slots::beam_variance(list.beam_divergence, list.divergence_variance);
+  m.t_min = list.range_min;
+  m.t_max = list.range_max;
 }
 
 }  // namespace

@@ -39,9 +39,9 @@ RayMaskStage::RayMaskStage(const Device& device, Precision precision)
 bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays) {
   check_fields(size);
   const auto columns = static_cast<std::uint32_t>(size.columns), rows = static_cast<std::uint32_t>(size.rows);
-  auto& c = grid.constants;
-  c[SIM_S_MASK_SCALE] = columns / (c[SIM_S_TILE_X1] - c[SIM_S_TILE_X0]);
-  c[SIM_S_MASK_COLUMNS] = columns;
+  auto& m = grid.model;
+  m.mask_scale = columns / (m.tile_last - m.tile_first);
+  m.mask_columns = columns;
   rays.mask_row_of_row.assign(rows_of_mask(grid, size));
   scratch_.reserve(size);
   scratch_.cells.fill(0);
@@ -49,8 +49,8 @@ bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays)
              64,
              {{"frame", grid.frame},
               rays,
-              {"first", c[SIM_S_TILE_X0]},
-              {"scale", c[SIM_S_MASK_SCALE]},
+              {"first", m.tile_first},
+              {"scale", m.mask_scale},
               {"columns", columns},
               scratch_});
   rays.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));

@@ -41,12 +41,12 @@ void set_tiles(RayGrid& grid, const LidarTiling& tiling) {
     const std::size_t column = slot / frame.tile_rays % frame.tiles_x;
     grid.u[slot] = static_cast<float>((tiling.column_begin(column) + tiling.column_begin(column + 1)) / 2.0);
   }
-  auto& c = grid.constants;
-  c[SIM_S_TILE_X0] = static_cast<double>(tiling.first);
-  c[SIM_S_TILE_X1] = tiling.column_begin(tiling.columns);
-  c[SIM_S_TILE_SCALE] = static_cast<double>(tiling.scale);
-  c[SIM_S_TILE_BINS] = static_cast<double>(tiling.column_of_bin.size());
-  c[SIM_S_PERIOD] = 2.0 * std::numbers::pi;
+  auto& m = grid.model;
+  m.tile_first = static_cast<double>(tiling.first);
+  m.tile_last = tiling.column_begin(tiling.columns);
+  m.tile_scale = static_cast<double>(tiling.scale);
+  m.tile_bins = static_cast<double>(tiling.column_of_bin.size());
+  m.period = 2.0 * std::numbers::pi;
 }
 
 void set_ray(RayGrid& grid,
@@ -72,8 +72,8 @@ void fill_elevation_table(RayGrid& grid,
   const double low = lowest.back();
   const double span = std::max(lowest.front() - low, 1e-6);
   const double bin = span / (kLutBins - 4);
-  grid.constants[SIM_S_LUT_FIRST] = low - bin;
-  grid.constants[SIM_S_LUT_SCALE] = 1.0 / bin;
+  grid.model.lut_first = low - bin;
+  grid.model.lut_scale = 1.0 / bin;
   grid.row_lut.resize(kLutBins);
   for (int b = 0; b < kLutBins; ++b) {
     // Rows certainly above everything in bin b, a bin of slack for the device's rounding.

@@ -10,19 +10,20 @@ SceneLook::SceneLook(const Device& device, const Scene& scene, Precision precisi
   environment_ = std::make_unique<EnvironmentBuffers>(device, scene.environment, precision);
 }
 
-void SceneLook::render(Renderer& renderer,
+Pass SceneLook::render(Renderer& renderer,
                        const ParticleBuffers& camera_set,
                        const SensorRays& rays,
                        const View& view,
                        const std::string& camera,
                        double time_s) {
-  renderer.render(camera_set, rays, view, environment_.get());
+  Pass pass = renderer.render(camera_set, rays, view, environment_.get());
   const ColorGrids& all = scene_.color_grids;
-  if (all.empty() || camera.empty()) return;
+  if (all.empty() || camera.empty()) return pass;
   ColorGrids one = ColorGrids::identity(all.size_x, all.size_y, all.size_z, {});
   one.values = all.at(camera, time_s);
-  if (one.values.empty()) return;
-  renderer.grade(ColorGridBuffers(device_, one, precision_), 0);
+  if (one.values.empty()) return pass;
+  pass.grade(ColorGridBuffers(device_, one, precision_), 0);
+  return pass;
 }
 
 }  // namespace simuli

@@ -17,7 +17,7 @@ class SceneLook {
   /// Renders the camera set as `camera` sees it at time_s (of the log): through the grid that
   /// ColorGrids::at gives, and none for cameras that were not trained on. No name: colours are those that all
   /// pictures share.
-  void render(Renderer& renderer,
+  Pass render(Renderer& renderer,
               const ParticleBuffers& camera_set,
               const SensorRays& rays,
               const View& view,

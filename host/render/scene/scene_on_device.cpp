@@ -147,16 +147,15 @@ Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameR
   rays.request(request.rays);
   const ParticleBuffers& particles = s.particles(kind, options);
   auto frame = std::make_shared<Frame::State>(s.device, options.precision, sensor, shot, rays, s.pool);
-  if (sensor.is_camera()) {
-    const std::string& camera = request.graded ? sensor.camera().name : std::string();
-    s.look_of(options.precision).render(renderer, particles, rays, view, camera, shot.middle_s());
-  } else {
-    renderer.render(particles, rays, view);
-  }
-  frame->graded = renderer.is_graded();
-  frame->has_median = renderer.has_median();
+  const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
+  Pass pass =
+      sensor.is_camera()
+          ? s.look_of(options.precision).render(renderer, particles, rays, view, camera, shot.middle_s())
+          : renderer.render(particles, rays, view);
+  frame->graded = pass.is_graded();
+  frame->has_median = pass.has_median();
   frame->background = view.background;
-  renderer.exchange_outputs(frame->outputs, frame->picture);
+  pass.exchange_outputs(frame->outputs, frame->picture);
   frame->done.emplace(s.device);
   return Frame(std::move(frame));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <tuple>
 
 #include "host/base/stopwatch.hpp"
@@ -37,21 +38,23 @@ class LidarTimer {
   /// From the call to the result on the device.
   double frame_ms() {
     return time_ms([&] {
-      renderer_.render(particles_, rays_, view_);
+      pass_ = renderer_.render(particles_, rays_, view_);
       renderer_.device().finish();
     });
   }
-  [[nodiscard]] const Renderer& renderer() const { return renderer_; }
+  /// The last frame.
+  [[nodiscard]] const Pass& pass() const { return *pass_; }
 
  private:
   const ParticleBuffers& particles_;
   Renderer renderer_;
+  std::optional<Pass> pass_;
   SensorRays rays_;
   View view_;
 };
 
 TileTime tiles_of(const LidarTiles& tiles, const LidarTimer& frames) {
-  const auto& frame = frames.renderer().frame();
+  const auto& frame = frames.pass().frame();
   return {tiles, frame.tiles_y, frame.tiles_x, frame.tile_rays, {}};
 }
 

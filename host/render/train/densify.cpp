@@ -47,12 +47,12 @@ void DensifyStage::pixel_error(const shared::FrameParams& frame,
                                const WorldRays& world_rays,
                                const RealBuffer& picture,
                                const RealBuffer& truth,
-                               GradientBuffers& out) {
-  out.ray_error.reserve(frame.slots);
+                               RealBuffer& ray_error) {
+  ray_error.reserve(frame.slots);
   pixel_error_.run(
       frame.slots,
       kLocalSize,
-      {{"slots", frame.slots}, world_rays, {"picture", picture}, {"truth", truth}, {"error", out.ray_error}});
+      {{"slots", frame.slots}, world_rays, {"picture", picture}, {"truth", truth}, {"error", ray_error}});
 }
 
 void DensifyStage::beam_error(const shared::FrameParams& frame,
@@ -60,8 +60,8 @@ void DensifyStage::beam_error(const shared::FrameParams& frame,
                               const Blended& blended,
                               const RealBuffer& truth,
                               const std::array<double, 3>& weights,
-                              GradientBuffers& out) {
-  out.ray_error.reserve(frame.slots);
+                              RealBuffer& ray_error) {
+  ray_error.reserve(frame.slots);
   buffers_.weights.assign(std::span<const double>(weights));
   beam_error_.run(frame.slots,
                   kLocalSize,
@@ -70,7 +70,7 @@ void DensifyStage::beam_error(const shared::FrameParams& frame,
                    world_rays,
                    blended,
                    {"truth", truth},
-                   {"error", out.ray_error}});
+                   {"error", ray_error}});
 }
 
 void DensifyStage::accumulate(const shared::FrameParams& frame,

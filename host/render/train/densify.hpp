@@ -43,20 +43,20 @@ class DensifyStage {
  public:
   DensifyStage(const Device& device, Precision precision);
 
-  /// Errors of a frame's rays -> ray_error[S], for the backward pass. Pixels: mean absolute difference of
+  /// Errors of a frame's rays -> ray_error[S], for Pass::backward(). Pixels: mean absolute difference of
   /// picture[3][S] and truth[3][S]. Beams: weighted distance (1 m at most), intensity and probability of the
   /// wrong one of hit and drop; truth[2][S].
   void pixel_error(const shared::FrameParams& frame,
                    const WorldRays& world_rays,
                    const RealBuffer& picture,
                    const RealBuffer& truth,
-                   GradientBuffers& out);
+                   RealBuffer& ray_error);
   void beam_error(const shared::FrameParams& frame,
                   const WorldRays& world_rays,
                   const Blended& blended,
                   const RealBuffer& truth,
                   const std::array<double, 3>& weights,
-                  GradientBuffers& out);
+                  RealBuffer& ray_error);
   /// Adds each particle's share of them, as render_bwd has blended it, to accumulated[N].
   void accumulate(const shared::FrameParams& frame,
                   const FrameBuffers& made,

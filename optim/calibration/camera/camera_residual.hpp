@@ -13,8 +13,7 @@ inline bool pixel_of(const Camera& camera,
                      Eigen::Vector2d& pixel,
                      Eigen::Matrix<double, 2, 3>& slope) {
   using lens_jets::F;
-  lens_jets::Constants lens;
-  for (std::size_t i = 0; i < lens.size(); ++i) lens[i] = F(camera.lens.constants()[i]);
+  const lens_jets::Constants lens = lens_jets::constants_of(camera.lens);
   F u(0.0);
   F v(0.0);
   const bool valid = lens_jets::project(

@@ -29,45 +29,42 @@ int lens_parameters(LensKind kind) {
 
 /// Parameters as Lens::fill_constants lays them out, without limits: the fit sees no domain.
 lens_jets::Constants constants_of(LensKind kind, const std::vector<F>& lens) {
-  lens_jets::Constants k;
-  k.fill(F(0.0));
-  const auto put = [&](int at, int first, int last) {
-    for (int i = first; i < last; ++i)
-      k[static_cast<std::size_t>(at + i - first)] = lens[static_cast<std::size_t>(i)];
-  };
+  lens_jets::Constants k{};
   constexpr double kFar = 1e9;
   switch (kind) {
     case LensKind::kPinhole:
     case LensKind::kEquirectangular:
       break;
     case LensKind::kOpencvPinhole:
-      put(SIM_L_DISTORTION, 0, 12);
-      k[SIM_L_RADIUS2_MAX] = F(kFar);
+      std::copy_n(lens.begin(), 12, k.distortion);
+      k.radius2_max = F(kFar);
       break;
     case LensKind::kOpencvFisheye:
-      put(SIM_L_POLYNOMIAL, 0, 4);
-      k[SIM_L_ANGLE_MAX] = F(kPi);
+      std::copy_n(lens.begin(), 4, k.polynomial);
+      k.angle_max = F(kPi);
       break;
     case LensKind::kFtheta:
     case LensKind::kFthetaInverse:
-      put(SIM_L_POLYNOMIAL, 0, 5);
-      put(SIM_L_LINEAR, 5, 8);
-      k[SIM_L_ANGLE_MAX] = F(kPi);
-      k[SIM_L_RADIUS_MAX] = F(2.0 * kPi);
+      std::copy_n(lens.begin(), 5, k.polynomial);
+      std::copy_n(lens.begin() + 5, 3, k.linear);
+      k.angle_max = F(kPi);
+      k.radius_max = F(2.0 * kPi);
       break;
     case LensKind::kMei:
-      put(SIM_L_DISTORTION, 0, 4);
-      put(SIM_L_XI, 4, 5);
-      k[SIM_L_COS_MIN] = F(-1.0);
-      k[SIM_L_RADIUS2_MAX] = F(kFar);
+      std::copy_n(lens.begin(), 4, k.distortion);
+      k.xi = lens[4];
+      k.cos_min = F(-1.0);
+      k.radius2_max = F(kFar);
       break;
     case LensKind::kDoubleSphere:
-      put(SIM_L_XI, 0, 2);  // xi, alpha
-      k[SIM_L_COS_MIN] = F(-1.0);
+      k.xi = lens[0];
+      k.alpha = lens[1];
+      k.cos_min = F(-1.0);
       break;
     case LensKind::kEucm:
-      put(SIM_L_ALPHA, 0, 2);  // alpha, beta
-      k[SIM_L_COS_MIN] = F(-1.0);
+      k.alpha = lens[0];
+      k.beta = lens[1];
+      k.cos_min = F(-1.0);
       break;
   }
   return k;

@@ -3,10 +3,10 @@
 // that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this; the
 // vocabulary ends with the file.
 #include <Eigen/Core>
-#include <array>
+#include <algorithm>
 #include <ceres/jet.h>
 
-#include "cl/shared/layout.h"
+#include "cl/shared/sensor_constants.h"
 #include "host/sensors/lens.hpp"
 
 namespace simuli::calibration::lens_jets {
@@ -20,6 +20,7 @@ inline F atan2_lanes(const F& y, const F& x) { return ceres::atan2(y, x); }
 #define FN inline
 #define R(x) x
 #define REALS const F*
+#define LENS_CONSTANTS const shared::LensConstants<F>*
 #define SEL(c, a, b) ((c) ? (a) : (b))
 #define AND(a, b) ((a) && (b))
 #define ANY(c) (c)
@@ -32,6 +33,7 @@ inline F atan2_lanes(const F& y, const F& x) { return ceres::atan2(y, x); }
 #undef FN
 #undef R
 #undef REALS
+#undef LENS_CONSTANTS
 #undef SEL
 #undef AND
 #undef ANY
@@ -41,11 +43,31 @@ inline F atan2_lanes(const F& y, const F& x) { return ceres::atan2(y, x); }
 #undef PINHOLE_COS2_MIN
 #undef FTHETA_MAX_ITERATIONS
 
-using Constants = std::array<F, SIM_LENS_REALS>;
+using Constants = shared::LensConstants<F>;
+
+/// Those of a lens, without derivatives.
+inline Constants constants_of(const Lens& lens) {
+  const auto& from = lens.constants();
+  Constants to{};
+  to.cos_min = F(from.cos_min);
+  to.angle_max = F(from.angle_max);
+  to.radius2_max = F(from.radius2_max);
+  to.radius_max = F(from.radius_max);
+  const auto copy = [](const auto& values, F* out) {
+    std::transform(std::begin(values), std::end(values), out, [](double value) { return F(value); });
+  };
+  copy(from.distortion, to.distortion);
+  copy(from.polynomial, to.polynomial);
+  copy(from.linear, to.linear);
+  to.xi = F(from.xi);
+  to.alpha = F(from.alpha);
+  to.beta = F(from.beta);
+  return to;
+}
 
 /// Image of a point in front of a lens of `kind`; false where it has none.
 inline bool project(LensKind kind, const Constants& lens, const F& x, const F& y, const F& z, F& u, F& v) {
-  const F* const k = lens.data();
+  const Constants* const k = &lens;
   int valid = 1;
   switch (kind) {
     case LensKind::kPinhole:

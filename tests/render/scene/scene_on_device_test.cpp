@@ -30,12 +30,13 @@ RayResults by_hand(const Device& device, const Scene& scene, const Sensor& senso
   const RenderOptions& options = renderer.options();
   const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
   const ParticleBuffers particles(device, sensor.is_camera() ? scene.camera : scene.lidar, options);
-  // The rays are a temporary: the renderer keeps what results() needs.
-  renderer.render(particles,
-                  sensor.is_camera() ? SensorRays(device, sensor.camera(), options)
-                                     : SensorRays(device, sensor.lidar(), sensor.rays(), options),
-                  view_of(scene, shot, kind));
-  return renderer.results();
+  // The rays are a temporary: the pass keeps what results() needs.
+  const Pass pass =
+      renderer.render(particles,
+                      sensor.is_camera() ? SensorRays(device, sensor.camera(), options)
+                                         : SensorRays(device, sensor.lidar(), sensor.rays(), options),
+                      view_of(scene, shot, kind));
+  return pass.results();
 }
 
 TEST(SceneOnDevice, IsTheRendererWithEverythingInPlace) {
@@ -183,14 +184,14 @@ TEST(SceneOnDevice, PicturesHaveWhatTheirSceneHasBesideParticles) {
   const RayResults seen = scene.render(camera, shot).results();
   Renderer renderer(device, kBalanced);
   const ParticleBuffers particles(device, graded.camera, renderer.options());
-  SceneLook(device, graded, Precision::kFloat)
-      .render(renderer,
-              particles,
-              SensorRays(device, camera.camera(), renderer.options()),
-              view_of(graded, shot, SetKind::kCamera),
-              "front",
-              shot.middle_s());
-  expect_same(seen, renderer.results());
+  SceneLook look(device, graded, Precision::kFloat);
+  const Pass pass = look.render(renderer,
+                                particles,
+                                SensorRays(device, camera.camera(), renderer.options()),
+                                view_of(graded, shot, SetKind::kCamera),
+                                "front",
+                                shot.middle_s());
+  expect_same(seen, pass.results());
 
   const RayResults ungraded = SceneOnDevice(device, plain).render(camera, shot).results();
   EXPECT_NE(seen.feature[0], ungraded.feature[0]);

@@ -1,0 +1,85 @@
+#pragma once
+// One rendered frame: what is read of it and what gradients are taken through it.
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "host/render/backward/backward_options.hpp"
+#include "host/render/backward/gradient_buffers.hpp"
+#include "host/render/backward/pose_gradient.hpp"
+#include "host/render/frame/frame_buffers.hpp"
+#include "host/render/frame/particle_buffers.hpp"
+#include "host/render/frame/picture_buffers.hpp"
+#include "host/render/scene/ray_results.hpp"
+#include "host/render/scene/sensor_rays.hpp"
+#include "host/render/train/actor.hpp"
+#include "host/render/train/losses.hpp"
+
+namespace simuli {
+
+/// What Renderer::render() has left on the device, until the renderer's next frame takes its place: every
+/// call on an earlier pass is Error{kUsage}, as is every call out of order or with other things than were
+/// rendered. A handle that keeps all it needs alive but for the particles: these, textures and grids are the
+/// caller's.
+///
+/// Training: render, grade, a loss, grade_backward, environment_backward, backward, pose_gradient(s); each of
+/// them only where it has been asked for, in this order.
+class Pass {
+ public:
+  /// The picture through grid `index`: what results() and image_loss() then see. Of cameras, once.
+  void grade(const ColorGridBuffers& grids, std::size_t index);
+  /// In ray order. Waits.
+  [[nodiscard]] RayResults results() const;
+  /// What the pass wrote changes hands, and the pass ends: the caller has it from now on, and the next one
+  /// writes to `outputs` and, graded, `picture`.
+  void exchange_outputs(RealBuffer& outputs, RealBuffer& picture);
+
+  /// Losses of what results() shows; they leave its gradient for what follows. truth: three channels of
+  /// colour in [0, 1] (negative: not known); or range (m, negative: not known, 0: no return) and intensity.
+  ImageLoss image_loss(const RayValues& truth, const ImageLossScale& scale);
+  LidarLoss lidar_loss(const RayValues& truth, const LidarLossScale& scale);
+  /// dL/d(what results() shows) given directly, [5][rays] in ray order: features, transmittance, distance.
+  void set_output_gradients(const std::vector<double>& gradients);
+
+  /// dL/d(graded picture) -> dL/d(picture) and grid_grads[reals] of the grid that it was graded by.
+  void grade_backward(const ColorGridBuffers& grids,
+                      std::size_t index,
+                      const ColorGridScale& scale,
+                      RealBuffer& grid_grads);
+  /// -> texture_grads[height][width][4] of the environment rendered, and tv_scale times that of the total
+  /// variation.
+  void environment_backward(const EnvironmentBuffers& environment,
+                            double tv_scale,
+                            RealBuffer& texture_grads);
+  /// -> param_grads[param_rows][stride] of the particles rendered, 0 for those that the frame culled; and the
+  /// extras. Without options that have no gradient (has_gradients()); a median distance takes part in none.
+  void backward(const ParticleBuffers& particles, RealBuffer& param_grads, const BackwardExtras& extras = {});
+  /// dL/d(pose) of the sensor, from the ray gradients and param_grads of the last backward(). Waits.
+  [[nodiscard]] PoseGradient pose_gradient(const RealBuffer& param_grads);
+  /// dL/d(poses of the actors) of the last backward(), in the order of View::actors. Waits.
+  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles);
+
+  /// The sensor; grid().ray_of_slot is the map from the device's order to that of rays (-1: no ray).
+  [[nodiscard]] const SensorRays& rays() const;
+  /// What stands on the device, in slot order.
+  [[nodiscard]] const shared::FrameParams& frame() const;
+  [[nodiscard]] const FrameBuffers& buffers() const;
+  [[nodiscard]] const GradientBuffers& gradients() const;
+  /// [3][slots]: the picture, graded when it has been.
+  [[nodiscard]] const RealBuffer& picture() const;
+  /// The picture has been graded; there are medians in the outputs.
+  [[nodiscard]] bool is_graded() const;
+  [[nodiscard]] bool has_median() const;
+  /// [slots], to be filled: the errors that backward() with `errors` shares out among particles.
+  [[nodiscard]] RealBuffer& ray_error();
+
+ private:
+  friend class Renderer;
+  struct State;  // of the renderer
+  Pass(std::shared_ptr<State> state, std::uint64_t number) : state_(std::move(state)), number_(number) {}
+  [[nodiscard]] State& last(const char* call) const;
+  std::shared_ptr<State> state_;
+  std::uint64_t number_;
+};
+
+}  // namespace simuli
