@@ -10,6 +10,7 @@ import os
 import pathlib
 import struct
 import time
+import urllib.error
 import urllib.request
 
 DATA = os.environ.get("SIMULI_DATA")
@@ -120,16 +121,20 @@ def ask_viewer(run):
            "yaw_rad": 0.1, "pitch_rad": 0.05, "removed": [], "moved": {}}
     free = {"t": [0.0, 0.0, 8.0], "q": [0.0, 1.0, 0.0, 0.0]}
     asked = {"front": {}, "draft": {"quality": "draft"}, "removed": {"removed": ["car"]},
-             "moved": {"moved": {"car": [1, 2, 0]}}, "free": {"world_from_camera": free}, "other": {"sensor": "tum_vi_cam0"}, "top": {"sensor": "top"},
-             "vlp16": {"sensor": "velodyne_vlp16"}}
+             "moved": {"moved": {"car": [1, 2, 0]}}, "free": {"scene_from_camera": free}, "other": {"sensor": "tum_vi_cam0"},
+             "top": {"sensor": "top"}, "vlp16": {"sensor": "velodyne_vlp16"}}
     with run.start("view {train/default}/out.scene --port 0") as viewer:
         try:
             url = viewer.stdout.readline().decode().strip()
             for name, change in asked.items():
                 is_sweep = name in ("top", "vlp16")
-                request = urllib.request.Request(url + ("api/sweep" if is_sweep else "api/picture"),
-                                                 data=json.dumps({**ask, **change}).encode())
-                reply = urllib.request.urlopen(request, timeout=LONGEST_S).read()
+                body = json.dumps({**ask, **change})
+                place = url + ("api/sweep" if is_sweep else "api/picture")
+                try:
+                    reply = urllib.request.urlopen(place, body.encode(), LONGEST_S).read()
+                except urllib.error.HTTPError:  # the key's name in programs before sensor_rig.hpp
+                    body = body.replace("scene_from_camera", "world_from_camera")
+                    reply = urllib.request.urlopen(place, body.encode(), LONGEST_S).read()
                 payload = 4 + (struct.unpack("<I", reply[:4])[0] + 3) // 4 * 4  # before it: times
                 (run.folder / (name + (".points" if is_sweep else ".jpg"))).write_bytes(reply[payload:])
         finally:
