@@ -60,14 +60,16 @@ struct Span {
   throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
 }
 
-/// The sensor as asked for: pictures at --scale, frames of --duration.
+/// The sensor as asked for: pictures at --scale, frames of --duration. A LiDAR's --duration 0 is a frame's
+/// (all stands still while it turns), not the LiDAR's, whose beams still fire one after the other.
 Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
   Sensor sensor = SensorRig(file).find(command.sensor);
   if (sensor.is_camera()) {
     const Camera scaled = scaled_camera(sensor.camera(), command.scale);
     sensor = sensor.resized(scaled.width, scaled.height);
   }
-  return command.duration_s < 0.0 ? sensor : sensor.with_duration(command.duration_s);
+  const bool is_told = command.duration_s > 0.0 || (command.duration_s == 0.0 && sensor.is_camera());
+  return is_told ? sensor.with_duration(command.duration_s) : sensor;
 }
 
 /// "a:b:c" as `count` numbers.
@@ -90,7 +92,8 @@ std::vector<double> parse_numbers(const char* option, const std::string& text, s
 
 /// How long one frame takes when it is not a recorded one.
 double duration_of(const Sensor& sensor, const RenderCommand& command) {
-  const bool is_known = command.duration_s >= 0.0 || !sensor.is_camera() ||
+  if (command.duration_s >= 0.0) return command.duration_s;
+  const bool is_known = !sensor.is_camera() ||
                         sensor.camera().shutter == ShutterKind::kGlobal || sensor.duration_s() > 0.0;
   if (is_known) return sensor.duration_s();
   refuse("--duration",
@@ -118,7 +121,8 @@ std::vector<double> parse_times(const std::string& text) {
 }
 
 /// Times of the log's frames of this sensor, or the starts of those of the log's first LiDAR.
-std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor) {
+/// What a LiDAR takes that the log does not have: `duration_s`.
+std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor, double duration_s) {
   std::vector<Span> spans;
   if (sensor.is_camera()) {
     for (const ImageFrame& f : log.images) {
@@ -131,7 +135,7 @@ std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor) {
     const std::string& name = is_there ? own : name_of(log.lidars.front().model);
     for (const SweepFrame& f : log.sweeps) {
       if (f.lidar != name) continue;
-      spans.push_back({f.time_start_s, is_there ? f.time_end_s : f.time_start_s + sensor.duration_s()});
+      spans.push_back({f.time_start_s, is_there ? f.time_end_s : f.time_start_s + duration_s});
     }
   }
   return spans;
@@ -191,7 +195,8 @@ Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand&
   } else {
     const Log log = read_log(command.trajectory);
     plan.world_from_rig = log.world_from_rig;
-    recorded = recorded_spans(log, sensor);
+    recorded = recorded_spans(
+        log, sensor, command.duration_s < 0.0 ? sensor.duration_s() : command.duration_s);
     if (times.empty() && recorded.empty()) {
       throw_input_error(
           command.trajectory, "frames of " + command.sensor, "none", "at least one, or --times");

@@ -70,7 +70,7 @@ class CommandTest : public testing::Test {
   std::string device_;
   std::unique_ptr<Option> count_;
   std::vector<std::string> foreign_;
-  int runs_ = 0;
+  int runs_ = 0, answers_ = 0;
 };
 
 TEST_F(CommandTest, OptionsSetWhatTheyNameAndNothingElse) {

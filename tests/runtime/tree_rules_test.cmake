@@ -8,7 +8,7 @@ function(make_good_tree)
   file(WRITE "${WORK}/cl/kernels/bin.cl" "// bin.cl - keys. Launcher: host/render/frame/bin.cpp\n#include \"math/sh.h\"\n")
   file(WRITE "${WORK}/cl/math/sh.h" "// sh.h - harmonics.\n")
   file(WRITE "${WORK}/host/render/frame/bin.cpp" "#include \"host/runtime/kernel.hpp\"\n")
-  file(WRITE "${WORK}/host/runtime/cl.hpp" "#include <CL/opencl.hpp>\n")
+  file(WRITE "${WORK}/host/runtime/cl/cl.hpp" "#include <CL/opencl.hpp>\n")
 endfunction()
 
 function(expect wanted_result wanted_text)
@@ -50,6 +50,7 @@ foreach(pair IN ITEMS "host/base,io/base,base, scene" "host/scene,host/render/fr
   breaks(${CMAKE_MATCH_1}/CMakeLists.txt "simuli_room(${CMAKE_MATCH_1}\n  SOURCES\n    a.cpp\n  ROOMS cl ${CMAKE_MATCH_2})\n"
          "${CMAKE_MATCH_1} links ${CMAKE_MATCH_2}: ${CMAKE_MATCH_3}")
 endforeach()
+breaks(host/runtime/a.hpp "#include <CL/cl.h>\n" "host/runtime/a.hpp: headers of the runtime")
 breaks(tests/a.cpp "#include <CL/cl.h>\n" "tests/a.cpp: only host/runtime")
 breaks(host/runtime/buffer.hpp "#include <CL/cl.h>\n" "host/runtime/buffer.hpp: headers of the runtime")
 breaks(cl/kernels/bin.cl "// something else\n" "cl/kernels/bin.cl: the first line")
