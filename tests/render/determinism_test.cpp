@@ -46,7 +46,7 @@ Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& sh
   for (double& w : weights) w = random.normal();
   pass.set_output_gradients(test::by_ray(pass.rays(), weights));
   grads.reserve(particles.params.count());
-  grads.fill(0.0);  // backward leaves what stands at culled particles
+  grads.fill(0.0);  // padding has no gradient
   pass.backward(particles, grads);
   step.grads = grads.download_float();
   AdamStage adam(device, particles);

@@ -10,11 +10,19 @@ struct Step {
   float scale;
   std::uint32_t offset;
 };
+template <class real>
+struct Line {
+  real slope, start;
+};
 }  // namespace
 
 template <>
 struct ClTypeName<Step> {
   static constexpr std::string_view value = "Step";
+};
+template <>
+struct ClTypeName<Line<double>> {
+  static constexpr std::string_view value = "Line";
 };
 
 namespace {
@@ -42,6 +50,11 @@ __kernel void steps(__global const Step* steps, __global uint* out) {
 __kernel void scale_real(__global const real* in, __global real* out, const real factor) {
   const uint i = get_global_id(0);
   out[i] = in[i] * factor;
+}
+typedef struct { real slope, start; } Line;
+__kernel void lines(__global const Line* line, __global real* out) {
+  const uint i = get_global_id(0);
+  out[i] = line[i].slope * (real)(2.0f) + line[i].start;
 }
 __kernel void reverse_group(__global int* data, __local int* scratch) {
   scratch[get_local_id(0)] = data[get_global_id(0)];
@@ -122,6 +135,22 @@ TEST_F(KernelTest, RealAcceptsTheTypedBufferOfItsPrecision) {
   const Buffer<double> wide(device_, "wide", std::vector<double>{2});
   EXPECT_EQ(refusal("scale_real", {{"in", wide}, {"out", out}, {"factor", 4.0F}}),
             "kernel scale_real: argument in is float*, the host passes double*");
+}
+
+TEST_F(KernelTest, StructsOfRealsFollowThePrecision) {
+  for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
+    if (precision == Precision::kDouble && !device_.info().fp64) continue;
+    StructBuffer<Line> line(device_, "line", precision);
+    line.assign(std::span<const double>(std::vector<double>{3, 1, -1, 0.5}));
+    RealBuffer out(device_, "out", precision, 2);
+    const StructBuffer<Line>& kept = line;
+    Kernel(build(precision), "lines").run(2, 1, {{"line", kept}, {"out", out}});
+    EXPECT_EQ(out.download_double(), (std::vector<double>{7, -1.5}));
+  }
+  const RealBuffer reals(device_, "reals", Precision::kFloat, 4);
+  RealBuffer out(device_, "out", Precision::kFloat, 2);
+  EXPECT_EQ(refusal("lines", {{"line", reals}, {"out", out}}),
+            "kernel lines: argument line is Line*, the host passes float*");
 }
 
 TEST_F(KernelTest, RealBufferOfTheOtherPrecisionIsRefused) {
