@@ -1,23 +1,24 @@
-// train LOG SCENE ITERATIONS: a scene from a log, with progress.
+// train LOG SCENE ITERATIONS: a scene from a log as `simuli train` makes it, with progress, and how well it
+// shows the frames that it was not trained on.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <simuli/simuli.hpp>
-#include <utility>
 
 int main(int argc, char** argv) {
   if (argc != 4) return std::fprintf(stderr, "usage: train LOG SCENE ITERATIONS\n"), 2;
   try {
+    const simuli::Device device = simuli::Device::best();
     const simuli::Log log = simuli::read_log(argv[1]);
-    simuli::SceneInit start = simuli::initialize_scene(log, simuli::InitOptions{});
-    simuli::TrainOptions options;
-    options.iterations = std::atoi(argv[3]);
-    simuli::Trainer trainer(
-        simuli::Device::best(), log, std::move(start.scene), options, std::move(start.moving));
-    trainer.run([](const simuli::TrainStatus& status) {
+    simuli::TrainingOptions options;
+    options.train.iterations = std::atoi(argv[3]);
+    simuli::Training training(device, log, options);
+    training.run([](const simuli::TrainStatus& status) {
       if (status.iteration % 10 == 0) std::printf("%d: %.2f dB\n", status.iteration, status.psnr_db);
     });
-    simuli::write_scene(argv[2], {trainer.scene(), log.cameras, log.lidars, log.world_from_rig});
+    simuli::write_scene(argv[2], training.result());
+    const simuli::EvalReport report = simuli::Evaluation(device, training.result(), log).run();
+    std::printf("held-out frames: %.9g dB, %.9g m\n", report.psnr_db, report.lidar.distance_median_m);
   } catch (const std::exception& error) {
     return std::fprintf(stderr, "train: %s\n", error.what()), 1;
   }

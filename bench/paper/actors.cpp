@@ -13,6 +13,7 @@
 #include "io/synth/street.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/sweep_pair.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -34,18 +35,6 @@ Log record(const ActorsOptions& options, const std::filesystem::path& folder, co
   return synth_street(street);
 }
 
-Scene fit(const Device& device, const Log& log, const InitOptions& init, TrainOptions train, int iterations) {
-  train.iterations = iterations;
-  train.image_scale = 1.0;
-  return trained(device, log, initialize_scene(log, init).scene, train);
-}
-
-EvalReport compare(const Device& device, const Log& log, const Scene& scene) {
-  EvalOptions options;
-  options.timed_renders = 1;
-  return evaluate(device, log, scene, options);
-}
-
 /// The held-out rays that met the car in `log`, against `empty`, the street without it.
 struct WhereItWas {
   double error_m = 0.0;  // median |d^ - d|
@@ -56,7 +45,7 @@ WhereItWas where_it_was(const Device& device, const Log& log, const Log& empty, 
   const ParticleBuffers particles(device, scene.lidar, Precision::kFloat);
   std::vector<double> errors;
   double parted = 0.0, ghosts = 0.0;
-  for (const std::size_t index : select_frames(log.sweeps, EvalOptions{}.held_out_every, true)) {
+  for (const std::size_t index : select_frames(log.sweeps, FrameSelection{}.held_out_every, true)) {
     const SweepFrame& frame = log.sweeps[index];
     const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
     const std::vector<float> behind =
@@ -138,28 +127,30 @@ std::vector<Row> run_actors(const std::string& device_request,
     add(name + "/share_met", 100.0 * report.actor_share_met, "%");
   };
 
-  InitOptions still;
-  still.actors = false;
-  const Scene without = fit(device, log, still, {}, options.iterations);
-  add_report("without", compare(device, log, without));
-  const Scene scene = fit(device, log, {}, {}, options.iterations);
+  TrainingOptions training;
+  training.frames.image_scale = 1.0;
+  training.train.iterations = options.iterations;
+  TrainingOptions still = training;
+  still.init.actors = false;
+  add_report("without", compare(device, log, fit(device, log, still)));
+  const SceneFile scene = fit(device, log, training);
   add_report("with", compare(device, log, scene));
 
   {
     StreetCar moved_car = car;
     moved_car.lane_m += kMovedLeft_m;
-    Scene moved = scene;
-    move_actor(moved, "car", {0.0, kMovedLeft_m, 0.0});
+    SceneFile moved = scene;
+    move_actor(moved.scene, "car", {0.0, kMovedLeft_m, 0.0});
     add_report("moved", compare(device, record(options, scratch.path() / "moved", &moved_car), moved));
   }
   {
     StreetCar fast_car = car;
     fast_car.speed_m_per_s *= kFaster;
     const Log fast_log = record(options, scratch.path() / "faster", &fast_car);
-    Scene faster = scene;
-    retime_actor(faster, "car", kFaster, 0.0);
+    SceneFile faster = scene;
+    retime_actor(faster.scene, "car", kFaster, 0.0);
     // Its track ends in the middle of the log: it goes on as it drove.
-    Actor& actor = faster.actors.front();
+    Actor& actor = faster.scene.actors.front();
     KeyPose last = actor.track.back();
     last.time_s = fast_log.actors.front().track.back().time_s;
     last.world_from_actor = actor.at(last.time_s);
@@ -169,26 +160,23 @@ std::vector<Row> run_actors(const std::string& device_request,
   {
     Log empty = record(options, scratch.path() / "removed", nullptr);
     empty.actors = log.actors;  // where it was
-    Scene removed = scene;
-    remove_actor(removed, "car");
+    SceneFile removed = scene;
+    remove_actor(removed.scene, "car");
     add("removed/psnr_where_it_was", compare(device, empty, removed).actor_psnr_db, "dB");
-    const WhereItWas after = where_it_was(device, log, empty, removed);
+    const WhereItWas after = where_it_was(device, log, empty, removed.scene);
     add("removed/distance_behind", 100.0 * after.error_m, "cm");
     add("removed/ghost_share", 100.0 * after.ghosts, "%");
   }
   {
     const Log noisy = with_noise(log, options);
-    InitOptions init;
-    init.actor_margin_m = kNoisyMargin_m;
-    TrainOptions train;
-    train.actor_margin_m = kNoisyMargin_m;
-    add_report("noise/kept", compare(device, log, fit(device, noisy, init, train, options.iterations)));
-    init.register_tracks = true;
-    train.actor_poses = {.shift_m = 0.005, .turn_rad = 0.001};
-    const Scene learned = fit(device, noisy, init, train, options.iterations);
+    training.init.actor_margin_m = kNoisyMargin_m;
+    training.train.actor_margin_m = kNoisyMargin_m;
+    add_report("noise/kept", compare(device, log, fit(device, noisy, training)));
+    training.train.actor_poses = {.shift_m = 0.005, .turn_rad = 0.001};
+    const SceneFile learned = fit(device, noisy, training);
     add_report("noise/learned", compare(device, log, learned));
     const TrackError before = track_error(noisy.actors.front(), log.actors.front());
-    const TrackError after = track_error(learned.actors.front(), log.actors.front());
+    const TrackError after = track_error(learned.scene.actors.front(), log.actors.front());
     add("noise/shift_before", 100.0 * before.shift_m, "cm");
     add("noise/shift_after", 100.0 * after.shift_m, "cm");
     add("noise/shift_won_back", 100.0 * (1.0 - after.shift_m / before.shift_m), "%");

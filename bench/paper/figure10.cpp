@@ -9,6 +9,7 @@
 #include "host/render/scene/seen.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/sweep_pair.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -140,14 +141,15 @@ std::vector<Row> run_figure10(const std::string& device_request,
                            Variant{"filter_compensated", true, true}}) {
     Log log = recording.log;
     if (!v.filter) std::get<Lidar>(log.lidars[0].model).beam_divergence = 0.0;
-    InitOptions init;
-    init.voxel_m = 0.05;
-    TrainOptions train;
+    TrainingOptions training;
+    training.init.voxel_m = 0.05;
+    TrainOptions& train = training.train;
     train.iterations = options.iterations;
     train.lidar_every = 1;
     train.render.lidar_compensation = v.compensation;
-    const Scene scene = trained(device, log, initialize_scene(log, init).scene, train);
-    const Errors e = measure(device, log, recording.on_pole, scene, train.render, train.held_out_every);
+    const Scene scene = fit(device, log, training).scene;
+    const Errors e =
+        measure(device, log, recording.on_pole, scene, train.render, training.frames.held_out_every);
     rows.push_back({fmt::format("figure10/{}/pole_error", v.name), 100.0 * e.pole_m, "cm", 0.0});
     rows.push_back({fmt::format("figure10/{}/pole_found", v.name), e.pole_found, "of 1", 0.0});
     rows.push_back({fmt::format("figure10/{}/all_error", v.name), 100.0 * e.all_m, "cm", 0.0});

@@ -67,53 +67,6 @@ Log still_sweeps(Log log) {
   return log;
 }
 
-Log without_sweeps(Log log) {
-  log.sweeps.clear();
-  return log;
-}
-
-Log without_pictures(Log log) {
-  log.images.clear();
-  return log;
-}
-
-class Trial {
- public:
-  Trial(const Device& device, const Figure11Options& options) : device_(device) {
-    train_.iterations = options.iterations;
-    train_.image_scale = 1.0;
-  }
-  /// Particles from all frames of `log`, trained on the pictures (or sweeps) alone.
-  [[nodiscard]] Scene fit_camera(const Log& log) const {
-    return trained(device_, without_sweeps(log), start(log), train_);
-  }
-  [[nodiscard]] Scene fit_lidar(const Log& log) const {
-    const Log sweeps = without_pictures(log);
-    return trained(device_, sweeps, start(sweeps), train_);
-  }
-  [[nodiscard]] double psnr_db(const Log& log, const Scene& scene) const {
-    return compare(without_sweeps(log), scene).psnr_db;
-  }
-  [[nodiscard]] double distance_cm(const Log& log, const Scene& scene) const {
-    return 100.0 * compare(without_pictures(log), scene).lidar.distance_median_m;
-  }
-
- private:
-  [[nodiscard]] static Scene start(const Log& log) {
-    InitOptions init;
-    init.sweep_depth = !log.images.empty();
-    return initialize_scene(log, init).scene;
-  }
-  [[nodiscard]] EvalReport compare(const Log& log, const Scene& scene) const {
-    EvalOptions options;
-    options.timed_renders = 1;
-    return evaluate(device_, log, scene, options);
-  }
-
-  Device device_;
-  TrainOptions train_;
-};
-
 }  // namespace
 
 std::vector<Row> run_figure11(const std::string& device_request,
@@ -127,7 +80,9 @@ std::vector<Row> run_figure11(const std::string& device_request,
                    options.frames,
                    options.speed_m_per_s,
                    options.turn_deg_per_s));
-  const Trial trial(device, options);
+  TrainingOptions training;
+  training.frames.image_scale = 1.0;
+  training.train.iterations = options.iterations;
   std::vector<Row> rows;
   const auto add = [&](const char* sensor, double modelled, double ignored, double rendered, double gained) {
     const char* unit = std::string(sensor) == "camera" ? "dB" : "cm";
@@ -137,18 +92,23 @@ std::vector<Row> run_figure11(const std::string& device_request,
     rows.push_back({fmt::format("figure11/{}/gained", sensor), gained, unit, 0.0});
     note(fmt::format("{} done", sensor));
   };
+  const auto psnr_db = [&](const Log& seen, const SceneFile& scene) {
+    return compare(device, seen, scene).psnr_db;
+  };
+  const auto distance_cm = [&](const Log& seen, const SceneFile& scene) {
+    return 100.0 * compare(device, seen, scene).lidar.distance_median_m;
+  };
+  const SceneFile scene = fit(device, log, training);
   {
     const Log still = still_pictures(log);
-    const Scene scene = trial.fit_camera(log);
-    const double modelled = trial.psnr_db(log, scene), rendered = trial.psnr_db(still, scene);
-    const double ignored = trial.psnr_db(still, trial.fit_camera(still));
+    const double modelled = psnr_db(log, scene), rendered = psnr_db(still, scene);
+    const double ignored = psnr_db(still, fit(device, still, training));
     add("camera", modelled, ignored, rendered, modelled - ignored);
   }
   {
     const Log still = still_sweeps(log);
-    const Scene scene = trial.fit_lidar(log);
-    const double modelled = trial.distance_cm(log, scene), rendered = trial.distance_cm(still, scene);
-    const double ignored = trial.distance_cm(still, trial.fit_lidar(still));
+    const double modelled = distance_cm(log, scene), rendered = distance_cm(still, scene);
+    const double ignored = distance_cm(still, fit(device, still, training));
     add("lidar", modelled, ignored, rendered, ignored - modelled);
   }
   return rows;

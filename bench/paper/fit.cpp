@@ -20,10 +20,15 @@ ScratchFolder::~ScratchFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Scene trained(const Device& device, const Log& log, Scene start, const TrainOptions& options) {
-  Trainer trainer(device, log, std::move(start), options);
-  static_cast<void>(trainer.run());
-  return trainer.scene();
+SceneFile fit(const Device& device, const Log& log, const TrainingOptions& options) {
+  Training training(device, log, options);
+  training.run();
+  return training.result();
+}
+
+EvalReport compare(const Device& device, const Log& log, const SceneFile& scene, EvalOptions options) {
+  if (scene.training) options.held_out_every = scene.training->frames.held_out_every;
+  return Evaluation(device, scene, log, options).run();
 }
 
 }  // namespace simuli::bench

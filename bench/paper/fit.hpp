@@ -6,9 +6,8 @@
 
 #include "host/runtime/device.hpp"
 #include "io/log/log.hpp"
-#include "optim/eval/evaluate.hpp"
-#include "optim/init/initialize.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/eval/evaluation.hpp"
+#include "optim/train/training.hpp"
 
 namespace simuli::bench {
 
@@ -30,7 +29,13 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// Trains `start` on the frames of `log` that are not held out.
-[[nodiscard]] Scene trained(const Device& device, const Log& log, Scene start, const TrainOptions& options);
+/// A scene from the frames of `log` that are not held out, as `simuli train` makes it.
+[[nodiscard]] SceneFile fit(const Device& device, const Log& log, const TrainingOptions& options);
+/// On the frames of `log` that are held out when it is the one of the training: it may be another, with the
+/// same frames.
+[[nodiscard]] EvalReport compare(const Device& device,
+                                 const Log& log,
+                                 const SceneFile& scene,
+                                 EvalOptions options = {.timed_renders = 1});
 
 }  // namespace simuli::bench

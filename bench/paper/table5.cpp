@@ -15,34 +15,33 @@ class Table {
  public:
   Table(const Device& device, const Log& log, const Table5Options& options, Note note)
       : device_(device), log_(log), note_(std::move(note)) {
-    train_.iterations = options.iterations;
-    train_.image_scale = options.log.empty() ? 1.0 : 0.5;
-    InitOptions init;
-    init.image_scale = train_.image_scale;
-    if (options.log.empty()) init.voxel_m = 0.2;
-    bare_ = initialize_scene(log, init).scene;
-    init.environment_width = kEnvironmentWidth;
-    start_ = initialize_scene(log, init).scene;
-    train_.look.color_grids = true;
+    training_.frames.image_scale = options.log.empty() ? 1.0 : 0.5;
+    if (options.log.empty()) training_.init.voxel_m = 0.2;
+    training_.init.environment_width = kEnvironmentWidth;
+    training_.train.iterations = options.iterations;
+    training_.train.look.color_grids = true;
   }
 
   void add_unified(double distance_weight) {
+    if (start_.camera.size() == 0) start_ = initialize_scene(log_, training_.frames, training_.init).scene;
+    Scene scene = fit_unified(device_, log_, start_, training_, distance_weight);
     add(fmt::format("unified_{}", distance_weight),
-        fit_unified(device_, log_, start_, train_, distance_weight));
+        {std::move(scene), log_.cameras, log_.lidars, log_.world_from_rig});
   }
-  void add_factorised(const char* name, const TrainOptions& options) {
-    add(name, trained(device_, log_, start_, options));
+  void add_factorised(const char* name, const TrainingOptions& options) {
+    add(name, fit(device_, log_, options));
   }
-  void add_without_environment() { add("without_environment", trained(device_, log_, bare_, train_)); }
-  [[nodiscard]] const TrainOptions& options() const { return train_; }
+  [[nodiscard]] const TrainingOptions& options() const { return training_; }
   [[nodiscard]] std::vector<Row> rows() && { return std::move(rows_); }
 
  private:
-  void add(const std::string& name, const Scene& scene) {
-    EvalOptions eval;
-    eval.image_scale = train_.image_scale;
-    eval.timed_renders = 11;
-    const EvalReport report = evaluate(device_, log_, scene, eval);
+  void add(const std::string& name, const SceneFile& file) {
+    const EvalReport report = compare(device_,
+                                      log_,
+                                      file,
+                                      {.image_scale = training_.frames.image_scale,
+                                       .held_out_every = training_.frames.held_out_every,
+                                       .timed_renders = 11});
     const auto row = [&](const char* metric, double value, const char* unit) {
       rows_.push_back({fmt::format("table5/{}/{}", name, metric), value, unit, 0.0});
     };
@@ -51,7 +50,7 @@ class Table {
     row("distance_median_cm", 100.0 * report.lidar.distance_median_m, "cm");
     row("camera_mp_per_s", report.camera_mp_per_s, "MP/s");
     row("lidar_mr_per_s", report.lidar_mr_per_s, "MR/s");
-    row("particles", static_cast<double>(scene.lidar.size()), "in the LiDAR's set");
+    row("particles", static_cast<double>(file.scene.lidar.size()), "in the LiDAR's set");
     note_(fmt::format("{}: PSNR {:.2f} dB, Chamfer {:.4g} m^2, {:.1f} MR/s",
                       name,
                       report.psnr_db,
@@ -62,8 +61,8 @@ class Table {
   Device device_;
   const Log& log_;
   Note note_;
-  TrainOptions train_;
-  Scene start_, bare_;  // with an environment, and without
+  TrainingOptions training_;
+  Scene start_;  // of the unified ones
   std::vector<Row> rows_;
 };
 
@@ -86,12 +85,14 @@ std::vector<Row> run_table5(const std::string& device_request,
   }
   Table table(device, log, options, note);
   for (const double weight : {0.0, 0.001, 0.01, 0.1}) table.add_unified(weight);
-  TrainOptions without_grid = table.options();
-  without_grid.look.color_grids = false;
+  TrainingOptions without_grid = table.options();
+  without_grid.train.look.color_grids = false;
   table.add_factorised("without_grid", without_grid);
-  table.add_without_environment();
-  TrainOptions without_anchor = table.options();
-  without_anchor.anchor.weight = 0.0;
+  TrainingOptions without_environment = table.options();
+  without_environment.init.environment_width = 0;
+  table.add_factorised("without_environment", without_environment);
+  TrainingOptions without_anchor = table.options();
+  without_anchor.train.anchor.weight = 0.0;
   table.add_factorised("without_anchor", without_anchor);
   table.add_factorised("full", table.options());
   return std::move(table).rows();

@@ -9,6 +9,7 @@
 #include "bench/paper/clipped.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/sweep_pair.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -35,7 +36,7 @@ RenderOptions render_with(const Named& column) {
 }
 
 std::vector<std::size_t> held_out_sweeps(const Log& log) {
-  return select_frames(log.sweeps, EvalOptions{}.held_out_every, true);
+  return select_frames(log.sweeps, FrameSelection{}.held_out_every, true);
 }
 
 /// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
@@ -99,27 +100,24 @@ class Table {
       : device_(device), profiled_(profiled), log_(log), options_(options), note_(std::move(note)) {}
 
   void run(const std::string& name, double voxel_m, std::vector<Row>& rows) {
-    InitOptions init;
-    init.voxel_m = voxel_m;
-    init.max_scale_m = std::max(init.max_scale_m, voxel_m);
-    init.max_shell = 0;
-    init.sweep_depth = false;
-    const Scene start = initialize_scene(log_, init).scene;
-    note_(fmt::format("{}: {} particles", name, start.lidar.size()));
-    Scene unscented;  // of the first seed
+    TrainingOptions training;
+    training.init.voxel_m = voxel_m;
+    training.init.max_scale_m = std::max(training.init.max_scale_m, voxel_m);
+    training.init.max_shell = 0;
+    training.init.sweep_depth = false;
+    training.train.iterations = options_.iterations;
+    SceneFile unscented;  // of the first seed
     Columns trained_with(kColumns.size());
     for (std::size_t c = 0; c < kColumns.size(); ++c) {
-      TrainOptions train;
-      train.iterations = options_.iterations;
-      train.render = render_with(kColumns[c]);
+      training.train.render = render_with(kColumns[c]);
       const std::string base = fmt::format("{}/{}", name, kColumns[c].name);
       for (int seed = 1; seed <= options_.seeds; ++seed) {
-        train.seed = static_cast<std::uint64_t>(seed);
-        Scene scene = trained(device_, log_, start, train);
+        training.frames.seed = static_cast<std::uint64_t>(seed);
+        SceneFile scene = fit(device_, log_, training);
         trained_with[c].push_back(metrics_of(scene, kColumns[c]));
-        note_(fmt::format("{}, seed {}", base, seed));
+        note_(fmt::format("{}, seed {}: {} particles", base, seed, scene.scene.lidar.size()));
         if (seed > 1) continue;
-        add_costs(base, scene, kColumns[c], rows);
+        add_costs(base, scene.scene, kColumns[c], rows);
         if (&kColumns[c] == &kUnscented) unscented = std::move(scene);
       }
     }
@@ -127,7 +125,7 @@ class Table {
     Columns rendered_with;
     for (const Named& column : kColumns) {
       rendered_with.push_back({metrics_of(unscented, column)});
-      add_costs(fmt::format("{}_render/{}", name, column.name), unscented, column, rows);
+      add_costs(fmt::format("{}_render/{}", name, column.name), unscented.scene, column, rows);
     }
     add(name + "_render", rendered_with, rows);
   }
@@ -135,11 +133,8 @@ class Table {
  private:
   using Columns = std::vector<std::vector<SweepMetrics>>;  // [columns][seeds]
 
-  SweepMetrics metrics_of(const Scene& scene, const Named& column) {
-    EvalOptions options;
-    options.render = render_with(column);
-    options.timed_renders = 1;
-    return evaluate(device_, log_, scene, options).lidar;
+  SweepMetrics metrics_of(const SceneFile& scene, const Named& column) {
+    return compare(device_, log_, scene, {.timed_renders = 1, .render = render_with(column)}).lidar;
   }
 
   void add_costs(const std::string& base, const Scene& scene, const Named& column, std::vector<Row>& rows) {

@@ -6,6 +6,7 @@
 #include "bench/render/scene.hpp"
 #include "io/synth/street.hpp"
 #include "optim/train/memory.hpp"
+#include "optim/train/trainer.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -62,9 +63,10 @@ class Case {
  public:
   Case(const Device& device, const Log& log, std::int64_t particles, int iterations)
       : device_(device), base_(fmt::format("training/{}k", particles / 1000)) {
-    TrainOptions options;
+    TrainingOptions training;
+    training.frames.image_scale = 1.0;
+    TrainOptions& options = training.train;
     options.iterations = 1000;
-    options.image_scale = 1.0;
     options.lidar_every = 1;
     options.anchor.every = 1000;
     options.densify.every = options.densify.first = iterations + kWarmUp;
@@ -72,8 +74,8 @@ class Case {
     const double search_ms = anchor_search_ms(device, scene, options.anchor);
     device.reset_memory_peak();
     const std::uint64_t before = device.memory().now;
-    const MemoryNeed told = training_memory(log, scene, options);
-    Trainer trainer(device, log, scene, options);
+    const MemoryNeed told = training_memory(log, scene, training);
+    Trainer trainer(device, log, scene, training);
     for (int i = 0; i < kWarmUp; ++i) {
       trainer.step();
     }
@@ -121,7 +123,7 @@ class Case {
 }  // namespace
 
 std::vector<Row> run_training(const std::string& device_request,
-                              const TrainingOptions& options,
+                              const TrainingBenchOptions& options,
                               const Note& note) {
   const Device device = Device::best(device_request, {.profiling = true});
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));

@@ -8,7 +8,7 @@
 
 namespace simuli::bench {
 
-struct TrainingOptions {
+struct TrainingBenchOptions {
   std::vector<std::int64_t> particles = {50'000, 200'000, 1'000'000};  // of each set
   int iterations = 20;                                                 // timed, after two that compile
 };
@@ -23,7 +23,7 @@ struct TrainingOptions {
 ///   training/<n>k/memory_peak      GB of buffers on the device, and .../memory_told what was estimated
 ///   before
 [[nodiscard]] std::vector<Row> run_training(const std::string& device_request,
-                                            const TrainingOptions& options,
+                                            const TrainingBenchOptions& options,
                                             const Note& note);
 
 }  // namespace simuli::bench

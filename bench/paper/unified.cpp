@@ -5,6 +5,9 @@
 #include <utility>
 
 #include "optim/base/frames.hpp"
+#include "optim/train/schedule.hpp"
+#include "optim/train/trained_look.hpp"
+#include "optim/train/truth.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -47,19 +50,19 @@ struct SensorSide {
 class UnifiedTrainer {
  public:
   UnifiedTrainer(
-      const Device& device, const Log& log, Scene start, const TrainOptions& options, double distance_weight)
+      const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight)
       : log_(log),
         scene_(with_twin(std::move(start))),
-        options_(checked(options)),
+        options_(checked(options).train),
         distance_weight_(distance_weight),
-        renderer_(device, without_median(options.render)),
-        truth_(device, log, scene_, options_, renderer_.options(), {}),
+        renderer_(device, without_median(options.train.render)),
+        truth_(device, log, scene_, options, renderer_.options(), {}),
         camera_(device, scene_.camera),
         lidar_(device, scene_.lidar),
-        look_(device, log, scene_, options_),
+        look_(device, log, scene_, options),
         keys_(device, "keys of both", scene_.camera.size()),
-        images_(select_frames(log.images, options.held_out_every, false), options.seed, 1),
-        sweeps_(select_frames(log.sweeps, options.held_out_every, false), options.seed, 2) {}
+        images_(select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, 1),
+        sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false), options.frames.seed, 2) {}
 
   void step(int iteration) {
     const double progress = static_cast<double>(iteration) / options_.iterations;
@@ -146,9 +149,9 @@ class UnifiedTrainer {
 }  // namespace
 
 Scene fit_unified(
-    const Device& device, const Log& log, Scene start, const TrainOptions& options, double distance_weight) {
+    const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight) {
   UnifiedTrainer trainer(device, log, std::move(start), options, distance_weight);
-  for (int i = 0; i < options.iterations; ++i) trainer.step(i);
+  for (int i = 0; i < options.train.iterations; ++i) trainer.step(i);
   return trainer.scene();
 }
 

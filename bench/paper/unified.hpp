@@ -8,6 +8,6 @@ namespace simuli::bench {
 /// weighted by `distance_weight`. Geometry and colours start as the camera set of `start`. The result holds
 /// the same geometry twice, once with each sensor's features.
 [[nodiscard]] Scene fit_unified(
-    const Device& device, const Log& log, Scene start, const TrainOptions& options, double distance_weight);
+    const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight);
 
 }  // namespace simuli::bench

@@ -27,6 +27,5 @@
 #include "io/splat/ply.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/sensor_rig.hpp"
-#include "optim/eval/evaluate.hpp"
-#include "optim/init/initialize.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/eval/evaluation.hpp"
+#include "optim/train/training.hpp"

@@ -28,9 +28,11 @@ std::vector<std::string> close_names(const std::string& name,
                                      std::size_t most) {
   std::vector<std::pair<std::size_t, std::string>> ranked;
   for (const std::string& known : known_names) {
-    // The best alignment with the name or with a part of it that underscores set off: "os1_64", "hdl64".
+    // The best alignment with the name or with a part of it that underscores or dots set off: "os1_64", "hdl64".
     std::size_t best = edits(name, known);
-    for (std::size_t at = known.find('_'); at != std::string::npos; at = known.find('_', at + 1)) {
+    constexpr char kSetOff[] = "_.";
+    for (std::size_t at = known.find_first_of(kSetOff); at != std::string::npos;
+         at = known.find_first_of(kSetOff, at + 1)) {
       best = std::min(best, edits(name, known.substr(at + 1)));
     }
     if (name.size() >= 3 && known.find(name) != std::string::npos) best = std::min<std::size_t>(best, 1);

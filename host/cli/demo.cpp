@@ -9,7 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/file_progress.hpp"
-#include "host/cli/report/held_out.hpp"
+#include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "io/base/file.hpp"
@@ -34,6 +34,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
                               : fs::path(command.output);
   // All or nothing, like every folder that is written.
   std::optional<EvalReport> report;
+  SceneFile scene;
   write_folder_atomically(output, [&](const fs::path& folder) {
     StreetOptions street;
     street.output = folder / "street.log";
@@ -41,37 +42,31 @@ void demo(const DemoCommand& command, const Globals& globals) {
     const Log log = synth_street(street, synthesis.callback());
     synthesis.finish();
 
-    InitOptions init;
-    TrainOptions train;
-    train.render = training_options_of(globals.quality);
-    train.iterations = command.iterations;
-    train.image_scale = init.image_scale = 1.0;
-    const TrainedScene trained = train_scene(device, log, init, train, globals);
-    write_scene(folder / "street.scene", trained.file);
-    EvalOptions eval;
-    eval.render = options_of(globals.quality);
-    report = evaluate_scene(device, log, trained.file.scene, eval, globals);
-    Renderer renderer(device, eval.render);
-    const std::size_t image = select_frames(log.images, eval.held_out_every, true).front();
-    const Scene& scene = trained.file.scene;
-    const PicturePair picture =
-        camera_pair(renderer, ParticleBuffers(device, scene.camera, eval.render), log, scene, image, eval);
+    TrainingOptions options;
+    options.train.render = training_options_of(globals.quality);
+    options.train.iterations = command.iterations;
+    options.frames.image_scale = 1.0;
+    Training training(device, log, options);
+    const TrainHistory history = run_training(training, device, command.iterations, globals);
+    const TrainedReport trained{training.report(), history};
+    scene = training.result();
+    write_scene(folder / "street.scene", scene);
+    Evaluation evaluation(device, scene, log, {.render = options_of(globals.quality)});
+    report = run_evaluation(evaluation, globals);
+    const PicturePair picture = evaluation.picture(evaluation.frames().images.front());
     write_image(folder / "camera.png", joined(picture.rendered, picture.recorded, Layout::kBeside));
-    const std::size_t index = select_frames(log.sweeps, eval.held_out_every, true).front();
-    const SweepPictures sweep =
-        sweep_pair(renderer, ParticleBuffers(device, scene.lidar, eval.render), log, scene, index);
-    write_image(folder / "lidar_range.png",
-                joined(sweep.ranges.rendered, sweep.ranges.recorded, Layout::kBelow));
+    const std::size_t index = evaluation.frames().sweeps.front();
+    const PicturePair ranges =
+        range_pictures(evaluation.log().lidar(log.sweeps[index].lidar).model, evaluation.sweep(index));
+    write_image(folder / "lidar_range.png", joined(ranges.rendered, ranges.recorded, Layout::kBelow));
     write_report(folder / "report.html",
                  "simuli demo: the embedded street",
                  globals,
-                 log,
-                 trained.file.scene,
-                 eval,
+                 evaluation,
                  *report,
                  &trained);
   });
-  print_eval(*report, globals.json);
+  print_eval(*report, scene, globals.json);
   if (globals.json) return;
   std::cout << fmt::format("log                             {}\n", (output / "street.log").string())
             << fmt::format("scene                           {}\n", (output / "street.scene").string())

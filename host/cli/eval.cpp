@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <fmt/format.h>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/cli/base/commands.hpp"
@@ -21,28 +21,10 @@ struct EvalCommand {
   std::vector<std::string> settings;
   Edits edits;
   EvalOptions options;
+  double scale = 1.0;  // where they are given
+  int held_out = 0;
   std::string report;  // file to write; empty: none
 };
-
-/// The log with its sensors where the scene has them: training may have learned better.
-Log mounted(Log log, const SceneFile& scene) {
-  for (LogCamera& camera : log.cameras) {
-    const LogCamera* const known = scene.find_camera(camera.model.name);
-    if (known != nullptr) camera.rig_from_camera = known->rig_from_camera;
-  }
-  for (LogLidar& lidar : log.lidars) {
-    const LogLidar* const known = scene.find_lidar(name_of(lidar.model));
-    if (known == nullptr) continue;
-    lidar.rig_from_lidar = known->rig_from_lidar;
-    auto* const model = std::get_if<Lidar>(&lidar.model);
-    if (model == nullptr) continue;
-    const Lidar& trained = known->with_rows();
-    model->blind = trained.blind;
-    const std::size_t rows = std::min(model->rows.size(), trained.rows.size());
-    for (std::size_t row = 0; row < rows; ++row) model->rows[row].range_bias = trained.rows[row].range_bias;
-  }
-  return log;
-}
 
 void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
@@ -50,39 +32,41 @@ void eval(EvalCommand command, const Globals& globals) {
   validate(command.options.render);
   SceneFile file = read_scene(command.scene);
   apply(command.edits, file.scene);
-  const Log log = mounted(read_log(command.log), file);
+  Log log = read_log(command.log);
   const Device device = Device::best(globals.device);
-  const EvalReport report = evaluate_scene(device, log, file.scene, command.options, globals);
+  Evaluation evaluation(device, std::move(file), std::move(log), command.options);
+  const EvalReport report = run_evaluation(evaluation, globals);
   if (!command.report.empty()) {
     write_report(command.report,
                  fmt::format("simuli eval: {} on {}", command.scene, command.log),
                  globals,
-                 log,
-                 file.scene,
-                 command.options,
-                 report,
-                 nullptr);
+                 evaluation,
+                 report);
   }
-  print_eval(report, globals.json);
+  print_eval(report, evaluation.scene(), globals.json);
 }
 
 }  // namespace
 
 void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  Command sub = app.command("eval", "compare a scene with the frames it was not trained on");
+  Command sub = app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
   sub.option("SCENE", command->scene, "scene folder").required();
-  sub.option("LOG", command->log, "log folder that the scene was trained on").required();
-  const auto add = [&](const char* name, auto& value, const char* text) {
-    sub.option(name, value, text).with_default();
-  };
-  add("--scale", command->options.image_scale, "size of the compared pictures over the recorded");
-  add("--held-out", command->options.held_out_every, "every N-th frame, as in training; 0: all frames");
-  add("--repeats", command->options.timed_renders, "timed renders of each sensor");
+  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
+  const Option scale =
+      sub.option("--scale", command->scale, "size of the compared pictures over the recorded")
+          .shown_as("FLOAT", "as in training");
+  const Option held_out = sub.option("--held-out", command->held_out, "every N-th frame, 0: all frames")
+                              .shown_as("INT", "those that training held out, all of another log");
+  sub.option("--repeats", command->options.timed_renders, "timed renders of each sensor").with_default();
   sub.option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
   sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
   add_edit_options(sub, command->edits);
-  sub.run([command, &globals] { eval(*command, globals); });
+  sub.run([command, scale, held_out, &globals] {
+    if (scale.is_given()) command->options.image_scale = command->scale;
+    if (held_out.is_given()) command->options.held_out_every = command->held_out;
+    eval(*command, globals);
+  });
 }
 
 }  // namespace simuli::cli

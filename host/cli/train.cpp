@@ -12,8 +12,7 @@
 #include "host/cli/view/view_server.hpp"
 #include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
-#include "optim/log/own_vehicle.hpp"
-#include "optim/log/range_bias.hpp"
+#include "optim/train/training.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -22,15 +21,15 @@ struct TrainCommand {
   std::string log;
   std::string output;
   std::vector<std::string> settings;
-  InitOptions init;
-  TrainOptions train;
+  TrainingOptions options;
   TrainOutputs outputs;
   std::string report;  // file to write; empty: none
   int view_port = -1;  // of the viewer; below 0: none
 };
 
-void print_report(const TrainedScene& trained, const TrainCommand& command, bool json) {
-  const TrainReport& r = trained.training;
+void print_report(const TrainingReport& report, const TrainCommand& command, bool json) {
+  const TrainReport& r = report.train;
+  const InitReport& init = report.init;
   if (json) {
     const nlohmann::ordered_json out = {{"scene", command.output},
                                         {"iterations", r.last.iteration},
@@ -39,8 +38,8 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
                                         {"sweeps", r.sweeps},
                                         {"camera_particles", r.camera_particles},
                                         {"lidar_particles", r.lidar_particles},
-                                        {"depth_points", trained.init.depth_points},
-                                        {"moving_points", trained.init.moving_points},
+                                        {"depth_points", init.depth_points},
+                                        {"moving_points", init.moving_points},
                                         {"train_psnr_db", r.last.psnr_db},
                                         {"train_distance_m", r.last.distance_m},
                                         {"train_drop_accuracy", r.last.drop_accuracy},
@@ -52,7 +51,7 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
                                         {"rejected_gradients", r.rejected_gradients},
                                         {"unsound_particles", r.unsound_particles},
                                         {"unsound_losses", r.unsound_losses},
-                                        {"init_seconds", trained.init.seconds},
+                                        {"init_seconds", init.seconds},
                                         {"seconds", r.seconds}};
     std::cout << out.dump(2) << '\n';
     return;
@@ -62,11 +61,11 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
                            r.last.iteration,
                            r.images,
                            r.sweeps,
-                           trained.init.seconds,
+                           init.seconds,
                            r.seconds)
             << fmt::format("  camera set {} particles ({} of them the far shell), LiDAR set {} particles\n",
                            r.camera_particles,
-                           trained.init.shell_particles,
+                           init.shell_particles,
                            r.lidar_particles)
             << fmt::format(
                    "  {} relocated, {} new; anchors {:.1f} cm away; share of the time: anchoring {:.1f} %, "
@@ -79,75 +78,79 @@ void print_report(const TrainedScene& trained, const TrainCommand& command, bool
             << fmt::format(
                    "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
                    "camera set, {} that no image saw\n",
-                   trained.init.moving_points,
-                   trained.init.lidar_thinned,
-                   trained.init.camera_thinned,
-                   trained.init.unseen_points);
+                   init.moving_points,
+                   init.lidar_thinned,
+                   init.camera_thinned,
+                   init.unseen_points);
 }
 
 /// With what held-out frames say; of all frames when none was held out.
 void write_train_report(const TrainCommand& command,
                         const Device& device,
-                        const Log& log,
-                        const TrainedScene& trained,
+                        SceneFile scene,
+                        Log log,
+                        const TrainedReport& trained,
                         const Globals& globals) {
-  EvalOptions eval;
-  eval.image_scale = command.train.image_scale;
-  eval.held_out_every = command.train.held_out_every;
-  eval.render = command.train.render;
-  const EvalReport report = evaluate_scene(device, log, trained.file.scene, eval, globals);
+  Evaluation evaluation(
+      device, std::move(scene), std::move(log), {.render = command.options.train.render});
+  const EvalReport report = run_evaluation(evaluation, globals);
   write_report(command.report,
                fmt::format("simuli train: {} from {}", command.output, command.log),
                globals,
-               log,
-               trained.file.scene,
-               eval,
+               evaluation,
                report,
                &trained);
 }
 
+std::filesystem::path checkpoint_beside(const std::string& output) {
+  std::filesystem::path file = std::filesystem::path(output).lexically_normal();
+  if (!file.has_filename()) file = file.parent_path();
+  return file += ".checkpoint";
+}
+
+/// A page that shows a training.
+struct LivePage {
+  LivePage(const Globals& globals, const Log& log, int port)
+      : session(globals, {{.name = log.name}, log.cameras, log.lidars, log.world_from_rig}),
+        server(session, {.port = port}) {
+    std::cerr << fmt::format("simuli: the training in the browser: {}\n", server.url());
+  }
+  ViewSession session;
+  ViewServer server;
+};
+
 void train(TrainCommand command, const Globals& globals) {
-  command.train.render = training_options_of(globals.quality);
-  apply_settings(command.settings, train_settings(command.init, command.train));
-  validate(command.train.render);
-  command.init.image_scale = command.train.image_scale;
-  command.init.held_out_every = command.train.held_out_every;
-  command.init.seed = command.train.seed;
-  Log log = read_log(command.log);
-  if (command.init.range_bias) log = with_range_bias(std::move(log), command.init.held_out_every);
-  if (command.init.own_vehicle) log = with_blind_arcs(std::move(log), command.init.held_out_every);
+  TrainingOptions& options = command.options;
+  options.train.render = training_options_of(globals.quality);
+  apply_settings(command.settings, train_settings(options));
+  validate(options.train.render);
+  const Log log = read_log(command.log);
   const Device device = Device::best(globals.device);
   if (globals.verbose) {
-    std::cerr << fmt::format("simuli: {}; {}\n",
-                             device.info().label(),
-                             fmt::join(list_settings(train_settings(command.init, command.train)), " "));
+    std::cerr << fmt::format(
+        "simuli: {}; {}\n", device.info().label(), fmt::join(list_settings(train_settings(options)), " "));
   }
-  std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
-  checkpoint = std::filesystem::path(command.output).lexically_normal();
-  if (!checkpoint.has_filename()) checkpoint = checkpoint.parent_path();
-  checkpoint += ".checkpoint";
-  std::unique_ptr<ViewSession> session;
-  std::unique_ptr<ViewServer> server;
+  Checkpoints& checkpoints = command.outputs.checkpoints;
+  checkpoints.file = checkpoint_beside(command.output);
+  std::unique_ptr<LivePage> page;
   if (command.view_port >= 0) {
-    SceneFile file;
-    file.scene.name = log.name;
-    file.cameras = log.cameras;
-    file.lidars = log.lidars;
-    file.world_from_rig = log.world_from_rig;
-    session = std::make_unique<ViewSession>(globals, std::move(file));
-    ServerOptions options;
-    options.port = command.view_port;
-    server = std::make_unique<ViewServer>(*session, options);
-    std::cerr << fmt::format("simuli: the training in the browser: {}\n", server->url());
-    command.outputs.view = session.get();
+    page = std::make_unique<LivePage>(globals, log, command.view_port);
+    command.outputs.view = &page->session;
   }
-  const TrainedScene trained =
-      train_scene(device, log, command.init, command.train, globals, command.outputs);
-  write_scene(command.output, trained.file);
-  std::error_code ignored;  // nobody needs it any more, and the scene is there
-  std::filesystem::remove(checkpoint, ignored);
-  if (!command.report.empty()) write_train_report(command, device, log, trained, globals);
-  print_report(trained, command, globals.json);
+  Training training(device, log, options);
+  TrainedReport trained;
+  trained.history = run_training(training, device, options.train.iterations, globals, command.outputs);
+  trained.report = training.report();
+  SceneFile scene = training.result();
+  write_scene(command.output, scene);
+  if (checkpoints.every == 0) {
+    std::error_code ignored;  // nobody needs it any more, and the scene is there
+    std::filesystem::remove(checkpoints.file, ignored);
+  }
+  if (!command.report.empty()) {
+    write_train_report(command, device, std::move(scene), log, trained, globals);
+  }
+  print_report(trained.report, command, globals.json);
 }
 
 }  // namespace
@@ -160,15 +163,18 @@ void add_train(Command app, const Globals& globals) {
   const auto add = [&](const char* name, auto& value, const char* text) {
     sub.option(name, value, text).with_default();
   };
-  add("--iterations", command->train.iterations, "one image each, a sweep every lidar_every");
-  add("--max-seconds", command->train.max_seconds, "stop training early after this time; 0: never");
-  add("--scale", command->train.image_scale, "size of the training pictures over the recorded");
-  add("--held-out", command->train.held_out_every, "keep every N-th frame for evaluation; 0: none");
-  add("--seed", command->train.seed, "of the frames' order and of thinning");
+  add("--iterations", command->options.train.iterations, "one image each, a sweep every lidar_every");
+  add("--max-seconds", command->options.train.max_seconds, "stop training early after this time; 0: never");
+  add("--scale", command->options.frames.image_scale, "size of the training pictures over the recorded");
+  add("--held-out", command->options.frames.held_out_every, "keep every N-th frame for evaluation; 0: none");
+  add("--seed", command->options.frames.seed, "of the frames' order and of thinning");
   add("--checkpoint-every",
       command->outputs.checkpoints.every,
-      "iterations between states in OUTPUT.checkpoint; 0: none");
-  sub.flag("--resume", command->outputs.checkpoints.resume, "go on from OUTPUT.checkpoint, if it is there");
+      "iterations between states in OUTPUT.checkpoint, the last of which is kept; 0: none");
+  sub.flag("--resume",
+           command->outputs.resume,
+           "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "
+           "training that has kept it: the rates of what is left are those of the longer training");
   sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
   sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
       .range(0, 65535);

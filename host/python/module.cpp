@@ -19,10 +19,7 @@
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/sensor_rig.hpp"
-#include "optim/init/initialize.hpp"
-#include "optim/log/own_vehicle.hpp"
-#include "optim/log/range_bias.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/train/training.hpp"
 
 namespace py = pybind11;
 
@@ -145,20 +142,17 @@ py::dict train(const std::string& folder,
                double image_scale,
                const std::function<void(int, double)>& progress,
                const std::string& device) {
-  InitOptions init;
-  TrainOptions options;
-  options.iterations = iterations;
-  options.image_scale = init.image_scale = image_scale;
-  Log log = read_log(folder);
-  if (init.range_bias) log = with_range_bias(std::move(log), init.held_out_every);
-  if (init.own_vehicle) log = with_blind_arcs(std::move(log), init.held_out_every);
-  SceneInit start = initialize_scene(log, init);
-  Trainer trainer(Device::best(device), log, std::move(start.scene), options, std::move(start.moving));
-  const TrainReport report = trainer.run([&](const TrainStatus& status) {
-    if (progress) progress(status.iteration, status.psnr_db);
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-  });
-  write_scene(output, {trainer.scene(), log.cameras, log.lidars, log.world_from_rig});
+  TrainingOptions options;
+  options.train.iterations = iterations;
+  options.frames.image_scale = image_scale;
+  Training training(Device::best(device), read_log(folder), options);
+  const TrainReport& report = training
+                                  .run([&](const TrainStatus& status) {
+                                    if (progress) progress(status.iteration, status.psnr_db);
+                                    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+                                  })
+                                  .train;
+  write_scene(output, training.result());
   py::dict out;
   out["psnr_db"] = report.last.psnr_db;
   out["distance_m"] = report.last.distance_m;
@@ -181,8 +175,8 @@ PYBIND11_MODULE(simuli, m) {
         &train,
         py::arg("log"),
         py::arg("scene"),
-        py::arg("iterations") = 1000,
-        py::arg("image_scale") = 0.5,
+        py::arg("iterations") = TrainOptions{}.iterations,
+        py::arg("image_scale") = FrameSelection{}.image_scale,
         py::arg("progress") = nullptr,
         py::arg("device") = "",
         "Trains a scene from a log folder; progress(iteration, psnr_db) is called after each iteration.");

@@ -5,6 +5,16 @@
 #include <numbers>
 
 namespace simuli {
+namespace {
+
+/// Stated less true distance of a ray, m.
+float range_bias(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
+  const auto* const lidar = std::get_if<Lidar>(&model);
+  if (lidar == nullptr) return 0.0F;
+  return static_cast<float>(lidar->rows[ray / static_cast<std::size_t>(rays.columns)].range_bias);
+}
+
+}  // namespace
 
 const std::string& name_of(const LidarModel& model) {
   return std::visit([](const auto& m) -> const std::string& { return m.name; }, model);
@@ -49,9 +59,12 @@ Eigen::Vector3d ray_origin(const LidarModel& model, const LidarRays& rays, std::
   return std::get<Lidar>(model).origin(row, static_cast<double>(rays.azimuth[ray]));
 }
 
-double range_bias(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
-  const auto* const lidar = std::get_if<Lidar>(&model);
-  return lidar == nullptr ? 0.0 : lidar->rows[ray / static_cast<std::size_t>(rays.columns)].range_bias;
+float stated_range(const LidarModel& model, const LidarRays& rays, std::size_t ray, float distance_m) {
+  return distance_m + range_bias(model, rays, ray);
+}
+
+float distance_of(const LidarModel& model, const LidarRays& rays, std::size_t ray, float stated_range_m) {
+  return stated_range_m - range_bias(model, rays, ray);
 }
 
 RayList with_rays(RayList list, const LidarRays& rays) {

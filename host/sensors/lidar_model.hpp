@@ -28,8 +28,16 @@ using LidarModel = std::variant<Lidar, RayList>;
 [[nodiscard]] LidarRays nominal_rays(const LidarModel& model);
 /// Origin of a ray in the sensor frame, m; `rays` are the model's nominal or measured ones.
 [[nodiscard]] Eigen::Vector3d ray_origin(const LidarModel& model, const LidarRays& rays, std::size_t ray);
-/// Recorded less true distance of a ray, m.
-[[nodiscard]] double range_bias(const LidarModel& model, const LidarRays& rays, std::size_t ray);
+/// Distances are how far light went: what particles are made of and compared with (Sweep). What a sensor
+/// states of them, in its files and in LidarFrame, is off by its row's range bias. m, of a ray that returned.
+[[nodiscard]] float stated_range(const LidarModel& model,
+                                 const LidarRays& rays,
+                                 std::size_t ray,
+                                 float distance_m);
+[[nodiscard]] float distance_of(const LidarModel& model,
+                                const LidarRays& rays,
+                                std::size_t ray,
+                                float stated_range_m);
 /// The list with measured angles and times instead of its own.
 [[nodiscard]] RayList with_rays(RayList list, const LidarRays& rays);
 

@@ -115,6 +115,15 @@ void set_sweep_durations(Log& log) {
   }
 }
 
+/// log.json as text.
+std::string text_of(const Log& log) {
+  try {
+    return to_json(log).dump(1) + '\n';
+  } catch (const Json::exception& error) {
+    throw_input_error((log.folder / "log.json").string(), "JSON", error.what(), "names in UTF-8");
+  }
+}
+
 }  // namespace
 
 Log log_from_json(JsonObject& root, const fs::path& folder) {
@@ -173,7 +182,7 @@ Log read_log(const fs::path& folder) {
       read_file(file), file.string(), [&](JsonObject& root) { return log_from_json(root, folder); });
 }
 
-void write_log(const Log& log) {
+Json to_json(const Log& log) {
   Json root{{"format", kLogFormat}, {"version", kLogVersion}, {"name", log.name}, {"start_ns", log.start_ns}};
   add_sensors(root, log.cameras, log.lidars);
   root["world_from_rig"] = to_json(log.world_from_rig, log.start_ns);
@@ -187,13 +196,27 @@ void write_log(const Log& log) {
   }
   if (!log.points.empty()) root["points"] = log.points;
   if (!log.actors.empty()) root["actors"] = to_json(log.actors, log.start_ns);
-  std::string text;
-  try {
-    text = root.dump(1) + '\n';
-  } catch (const Json::exception& error) {
-    throw_input_error((log.folder / "log.json").string(), "JSON", error.what(), "names in UTF-8");
+  return root;
+}
+
+void write_log(const Log& log) { write_file_atomically(log.folder / "log.json", text_of(log)); }
+
+std::string log_hash(const Log& log) {
+  std::string text = text_of(log);
+  const auto add_size = [&](const std::string& file) {
+    std::error_code absent;  // as if it were empty: whoever reads it says so
+    const std::uintmax_t bytes = fs::file_size(log.folder / file, absent);
+    text += fmt::format("{}\n", absent ? 0 : bytes);
+  };
+  for (const ImageFrame& frame : log.images) add_size(frame.file);
+  for (const SweepFrame& frame : log.sweeps) add_size(frame.file);
+  if (!log.points.empty()) add_size(log.points);
+  std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
+  for (const char c : text) {
+    hash ^= static_cast<unsigned char>(c);
+    hash *= 0x100000001b3U;
   }
-  write_file_atomically(log.folder / "log.json", text);
+  return fmt::format("{:016x}", hash);
 }
 
 void copy_picture(const fs::path& from, const fs::path& to, const Camera& camera, const std::string& source) {

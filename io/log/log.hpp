@@ -64,7 +64,7 @@ struct Log {
 /// range 0 and intensity 0; its direction and time are those it was fired with.
 struct Sweep {
   LidarRays rays;
-  std::vector<float> range;      // [rows*columns] m from the ray's own origin; 0: no return
+  std::vector<float> range;      // [rows*columns] m from the ray's own origin, distances; 0: no return
   std::vector<float> intensity;  // [rows*columns] in [0, 1]
 };
 
@@ -72,6 +72,9 @@ struct Sweep {
 [[nodiscard]] Log read_log(const std::filesystem::path& folder);
 /// Writes log.json (temporary name, sync, rename); images and sweeps are written by their writers.
 void write_log(const Log& log);
+/// What a log is known by, 16 hexadecimal digits: of all that log.json says, and of the sizes in bytes of the
+/// files that it names. Where the folder lies makes no difference, nor does how log.json is laid out.
+[[nodiscard]] std::string log_hash(const Log& log);
 
 /// Sweeps are multi-channel float OpenEXR pictures (rows x columns; channels range_m, intensity,
 /// azimuth_rad, elevation_rad, time_fraction), lossless, readable by any EXR tool. The file holds ranges as

@@ -46,6 +46,7 @@ void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vect
                                                   std::int64_t start_ns);
 
 /// A whole log.json, whose files stand in `folder`.
+[[nodiscard]] Json to_json(const Log& log);
 [[nodiscard]] Log log_from_json(JsonObject& root, const std::filesystem::path& folder);
 
 /// Seconds since start_ns <-> nanoseconds on disk. Error{kInput} naming `field` beyond 120 years.

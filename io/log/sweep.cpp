@@ -112,17 +112,17 @@ Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
   }
   validate(file, sweep);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
-    const auto bias_m = static_cast<float>(range_bias(lidar, sweep.rays, i));
-    if (sweep.range[i] == 0.0F || bias_m == 0.0F) continue;
-    if (!(sweep.range[i] > bias_m)) {
+    if (sweep.range[i] == 0.0F) continue;
+    const float distance_m = distance_of(lidar, sweep.rays, i, sweep.range[i]);
+    if (!(distance_m > 0.0F)) {
       refuse_value(file,
                    "range_m",
                    i,
                    spec.width,
                    sweep.range[i],
-                   fmt::format("more than the row's bias of {} m", bias_m));
+                   fmt::format("more than the row's bias of {} m", sweep.range[i] - distance_m));
     }
-    sweep.range[i] -= bias_m;
+    sweep.range[i] = distance_m;
   }
   return sweep;
 }

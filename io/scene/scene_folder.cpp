@@ -12,6 +12,7 @@
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
+#include "io/scene/training_json.hpp"
 #include "io/splat/ply.hpp"
 
 namespace simuli {
@@ -77,6 +78,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     read_sensors(root, scene.cameras, scene.lidars);
     if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
+    if (root.has("training")) scene.training = root.object("training", training_from_json);
   });
   return contents;
 }
@@ -90,6 +92,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
             {"camera_set", set_to_json(scene.scene.camera, scene.scene.camera_background)},
             {"lidar_set", set_to_json(scene.scene.lidar, scene.scene.lidar_background)}};
   add_appearance(root, scene.scene);
+  if (scene.training) root["training"] = to_json(*scene.training);
   add_sensors(root, scene.cameras, scene.lidars);
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
   if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);

@@ -2,11 +2,13 @@
 // A scene folder: camera.ply, lidar.ply (io/splat/ply.hpp), what its pictures have beside particles
 // (io/scene/appearance_file.hpp), and scene.json, which names their counts.
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
+#include "io/scene/training_record.hpp"
 
 namespace simuli {
 
@@ -16,6 +18,8 @@ struct SceneFile {
   std::vector<LogCamera> cameras;
   std::vector<LogLidar> lidars;
   Trajectory world_from_rig;  // may be empty
+  /// How the scene was made; nothing of a scene that wasn't trained, or by a version that didn't say.
+  std::optional<TrainingRecord> training = {};
 
   /// The sensor of that name; null when there is none.
   [[nodiscard]] const LogCamera* find_camera(const std::string& name) const;

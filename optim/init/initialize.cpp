@@ -1,18 +1,18 @@
 #include "optim/init/initialize.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <fmt/format.h>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "io/picture/image.hpp"
+#include "host/base/fields.hpp"
 #include "io/splat/ply.hpp"
-#include "optim/base/frames.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/init/initialize_depth.hpp"
 #include "optim/init/initialize_environment.hpp"
@@ -20,6 +20,7 @@
 #include "optim/init/initialize_points.hpp"
 #include "optim/init/initialize_sets.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/init/posed_frames.hpp"
 
 namespace simuli {
 namespace {
@@ -27,63 +28,6 @@ namespace {
 constexpr double kShellExtents = 3.0;      // the shell stands at three times the farthest point ...
 constexpr double kShellNearest_m = 200.0;  // ... but never nearer than this
 constexpr double kInfinitelyFar_m = 1e9;   // a drive moves no direction there
-
-void check(const InitOptions& o) {
-  const auto need = [](bool holds, const char* field, double found, const char* allowed) {
-    if (!holds) {
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("initialise: {}: found {}, allowed {}", field, found, allowed));
-    }
-  };
-  need(o.held_out_every >= 0 && o.held_out_every != 1, "held_out_every", o.held_out_every, "0 or at least 2");
-  need(o.image_scale > 0.0 && o.image_scale <= 1.0, "image_scale", o.image_scale, "above 0, at most 1");
-  need(o.camera_sh_degree >= 0 && o.camera_sh_degree <= 3, "camera_sh_degree", o.camera_sh_degree, "0 to 3");
-  need(o.lidar_sh_degree >= 0 && o.lidar_sh_degree <= 3, "lidar_sh_degree", o.lidar_sh_degree, "0 to 3");
-  need(o.min_scale_m > 0.0, "min_scale_m", o.min_scale_m, "above 0");
-  need(o.max_scale_m >= o.min_scale_m && std::isfinite(o.max_scale_m),
-       "max_scale_m",
-       o.max_scale_m,
-       "finite and at least min_scale_m");
-  for (const double scale : {o.camera_scale, o.lidar_scale}) {
-    need(scale > 0.0 && scale <= 10.0, "scale over spacing", scale, "above 0, at most 10");
-  }
-  const int width = o.environment_width;
-  need(width == 0 || (width >= 8 && width <= 7200 && width % 2 == 0),
-       "environment_width",
-       width,
-       "0, or even and 8 to 7200");
-  need(o.actor_min_travel_m >= 0.0, "actor_min_travel_m", o.actor_min_travel_m, "0 or more");
-  need(o.actor_margin_m >= 0.0, "actor_margin_m", o.actor_margin_m, "0 or more");
-  need(o.sweep_cell_px >= 1 && o.sweep_cell_px <= 64, "sweep_cell_px", o.sweep_cell_px, "1 to 64");
-}
-
-/// Mean sensor position in whole metres: offsets from it are small and exact in float.
-Eigen::Vector3d scene_origin(const Trajectory& world_from_rig) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const TimedPose& p : world_from_rig.poses()) sum += p.pose.translation;
-  return (sum / static_cast<double>(world_from_rig.poses().size())).array().round();
-}
-
-Pose shifted(Pose world_from_sensor, const Eigen::Vector3d& origin) {
-  world_from_sensor.translation -= origin;
-  return world_from_sensor;
-}
-
-/// A sweep with the poses at its start and end.
-struct PosedSweep {
-  const LidarModel& lidar;
-  Sweep sweep;
-  Pose scene_from_lidar_start;
-  Pose scene_from_lidar_end;
-};
-
-PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin) {
-  const LogLidar& lidar = log.lidar(frame.lidar);
-  return {lidar.model,
-          read_sweep(log.folder / frame.file, lidar.model),
-          shifted(log.world_from_rig.at(frame.time_start_s) * lidar.rig_from_lidar, origin),
-          shifted(log.world_from_rig.at(frame.time_end_s) * lidar.rig_from_lidar, origin)};
-}
 
 /// Returns in an actor's box go to the actor, all others to the grid.
 void add_points(
@@ -104,27 +48,6 @@ void add_points(
     }
   }
 }
-
-ImageView image_view(const Log& log,
-                     const ImageFrame& frame,
-                     const Eigen::Vector3d& origin,
-                     double image_scale) {
-  const LogCamera& camera = log.camera(frame.camera);
-  return {scaled_camera(camera.model, image_scale),
-          shifted(log.world_from_rig.at(frame.time_start_s) * camera.rig_from_camera, origin),
-          shifted(log.world_from_rig.at(frame.time_end_s) * camera.rig_from_camera, origin)};
-}
-
-/// The picture of `frame` and the view it was taken from, both at the training size.
-std::pair<Image, ImageView> load_view(const Log& log,
-                                      const ImageFrame& frame,
-                                      const Eigen::Vector3d& origin,
-                                      double image_scale) {
-  ImageView view = image_view(log, frame, origin, image_scale);
-  return {load_image(log, frame, view.camera()), std::move(view)};
-}
-
-double middle_s(const ImageFrame& frame) { return 0.5 * (frame.time_start_s + frame.time_end_s); }
 
 PointSet keep_static(const PointSet& points, const std::vector<bool>& moved) {
   std::vector<std::uint32_t> kept;
@@ -155,68 +78,12 @@ std::size_t keep_seen(PointSet& points,
   return unseen;
 }
 
-/// Adds to `points` what the pictures of each camera show where no point is, one per voxel of twice the
-/// side. `step` is called after each picture.
-std::size_t add_picture_depths(const Log& log,
-                               const std::vector<const ImageFrame*>& images,
-                               const Eigen::Vector3d& origin,
-                               const InitOptions& options,
-                               const ActorPoints& actors,
-                               const std::function<void()>& step,
-                               PointSet& points) {
-  constexpr std::size_t kReach = 2;  // pictures before and after
-  struct Loaded {
-    SweepPicture picture;
-    Coverage coverage;
-  };
-  VoxelGrid grid(2.0 * options.voxel_m);
-  for (const LogCamera& camera : log.cameras) {
-    std::vector<const ImageFrame*> frames;
-    for (const ImageFrame* frame : images) {
-      if (frame->camera == camera.model.name) frames.push_back(frame);
-    }
-    std::deque<Loaded> window;  // frames [first, next)
-    std::size_t first = 0, next = 0;
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      for (; next < frames.size() && next <= k + kReach; ++next) {
-        const auto [image, view] = load_view(log, *frames[next], origin, options.image_scale);
-        const PointSet placed = actors.placed(points, middle_s(*frames[next]), view.origin());
-        std::vector<PointLook> unused(placed.size());
-        Coverage coverage =
-            look_at_points(view, image, placed, options.voxel_m, options.sweep_cell_px, unused);
-        actors.cover(view, middle_s(*frames[next]), coverage);
-        window.push_back({sweep_picture(view, image), std::move(coverage)});
-      }
-      for (; first + kReach < k; ++first) window.pop_front();
-      std::vector<const SweepPicture*> others;
-      for (std::size_t i = 0; i < window.size(); ++i) {
-        if (first + i != k) others.push_back(&window[i].picture);
-      }
-      const Loaded& here = window[k - first];
-      for (const Eigen::Vector3d& p : sweep_depths(here.picture, others, here.coverage)) grid.add(p, 0.0);
-      step();
-    }
-  }
-  const PointSet found = grid.averages();
-  points.append(found);
-  return found.size();
-}
-
 /// Adds the log's own points, one per voxel, for the camera set. Returns how many there were.
 std::size_t add_log_points(const Log& log, const Eigen::Vector3d& origin, double voxel_m, PointSet& points) {
   VoxelGrid grid(voxel_m);
   for (const Eigen::Vector3d& p : read_points_ply(log.folder / log.points)) grid.add(p - origin, 0.0);
   points.append(grid.averages());
   return grid.points();
-}
-
-template <class Frame>
-std::vector<const Frame*> training_frames(const std::vector<Frame>& frames, int every) {
-  std::vector<const Frame*> out;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (!is_held_out(i, every)) out.push_back(&frames[i]);
-  }
-  return out;
 }
 
 double farthest_m(const PointSet& points, const Trajectory& trajectory, const Eigen::Vector3d& origin) {
@@ -227,138 +94,219 @@ double farthest_m(const PointSet& points, const Trajectory& trajectory, const Ei
   return farthest;
 }
 
-}  // namespace
-
-SceneInit initialize_scene(const Log& log,
-                           const InitOptions& options,
-                           const std::function<void(std::size_t, std::size_t)>& progress) {
-  check(options);
-  const auto begin = std::chrono::steady_clock::now();
-  const auto sweeps = training_frames(log.sweeps, options.held_out_every);
-  const auto images = training_frames(log.images, options.held_out_every);
-  if (sweeps.empty() && images.empty()) {
-    throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
+/// The mean colour of the upper half of the shell: what the set lets through is the sky, as far as is known.
+std::array<float, 3> sky_colour(const std::vector<FarShell::Patch>& patches) {
+  std::vector<float> heights;
+  for (const FarShell::Patch& patch : patches) heights.push_back(patch.direction.z());
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float count = 0.0F;
+  for (const FarShell::Patch& patch : patches) {
+    if (patch.direction.z() < *middle) continue;
+    sum += patch.colour;
+    count += 1.0F;
   }
-  std::size_t files = 0;
-  const auto step = [&] {
-    ++files;
-    if (progress)
-      progress(files,
-               (options.drop_moving ? 2 : 1) * sweeps.size() + (options.sweep_depth ? 2 : 1) * images.size());
-  };
-  SceneInit out;
-  InitReport& report = out.report;
-  Scene& scene = out.scene;
-  scene.name = log.name;
-  scene.origin = scene_origin(log.world_from_rig);
+  return {sum.x() / count, sum.y() / count, sum.z() / count};
+}
 
-  if (options.actors) scene.actors = moving_actors(log.actors, options.actor_min_travel_m);
-  ActorPoints actors(
-      scene.actors,
-      {options.actor_voxel_m, options.actor_margin_m, options.mirror_actors, options.register_tracks},
-      scene.origin);
-  VoxelGrid grid(options.voxel_m);
-  for (const SweepFrame* frame : sweeps) {
-    add_points(load_sweep(log, *frame, scene.origin), frame->time_start_s, frame->time_end_s, grid, actors);
+/// One initialisation, step by step: what the steps share.
+class Initialisation {
+ public:
+  Initialisation(const Log& log,
+                 const FrameSelection& frames,
+                 const InitOptions& options,
+                 const std::function<void(std::size_t, std::size_t)>& progress)
+      : log_(log),
+        frames_(frames),
+        options_(options),
+        progress_(progress),
+        sweeps_(training_frames(log.sweeps, frames.held_out_every)),
+        images_(training_frames(log.images, frames.held_out_every)) {
+    if (sweeps_.empty() && images_.empty()) {
+      throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
+    }
+    scene_.name = log.name;
+    scene_.origin = scene_origin(log.world_from_rig);
+    if (options.actors) scene_.actors = moving_actors(log.actors, options.actor_min_travel_m);
+    actors_.emplace(
+        scene_.actors,
+        ActorPointOptions{
+            options.actor_voxel_m, options.actor_margin_m, options.mirror_actors, options.register_tracks},
+        scene_.origin);
+  }
+
+  [[nodiscard]] SceneInit run() && {
+    read_returns();
+    if (options_.drop_moving) drop_moving();
+    place_lidar_set();
+    add_points_of_pictures();
+    take_colours();
+    place_camera_set();
+    return std::move(out_);
+  }
+
+ private:
+  void read_returns();
+  void drop_moving();
+  void place_lidar_set();
+  void add_points_of_pictures();
+  void take_colours();
+  void place_camera_set();
+
+  /// A file has been read.
+  void step() {
+    ++files_;
+    if (!progress_) return;
+    progress_(files_,
+              (options_.drop_moving ? 2 : 1) * sweeps_.size() + (options_.sweep_depth ? 2 : 1) * images_.size());
+  }
+
+  const Log& log_;
+  const FrameSelection& frames_;
+  const InitOptions& options_;
+  const std::function<void(std::size_t, std::size_t)>& progress_;
+  std::vector<const SweepFrame*> sweeps_;
+  std::vector<const ImageFrame*> images_;
+  std::size_t files_ = 0;
+  SceneInit out_;
+  Scene& scene_ = out_.scene;
+  InitReport& report_ = out_.report;
+  std::optional<ActorPoints> actors_;
+  PointSet points_;                // of the background, one per voxel
+  std::size_t static_points_ = 0;  // of those, all but the ones that only pictures show
+  std::vector<PointLook> looks_;   // at points_, then at the actors' points
+  std::optional<FarShell> shell_, sky_;
+};
+
+/// Returns become one point per voxel, those in actors' boxes points of the actors.
+void Initialisation::read_returns() {
+  VoxelGrid grid(options_.voxel_m);
+  for (const SweepFrame* frame : sweeps_) {
+    add_points(
+        load_sweep(log_, *frame, scene_.origin), frame->time_start_s, frame->time_end_s, grid, *actors_);
     step();
   }
-  actors.finish(grid);
-  scene.actors = actors.actors();
-  PointSet points = grid.averages();
-  report.sweeps = sweeps.size();
-  report.points = grid.points();
-  report.actor_points = actors.count();
-  report.voxels = points.size();
-  if (options.drop_moving) {
-    std::vector<PointVotes> votes(points.size());
-    for (const SweepFrame* frame : sweeps) {
-      const PosedSweep s = load_sweep(log, *frame, scene.origin);
-      // A list has no neighbouring rays to look through: it has no word on what moved.
-      if (const auto* const lidar = std::get_if<Lidar>(&s.lidar)) {
-        vote_on_points(s.sweep, *lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points, votes);
-      }
-      step();
+  actors_->finish(grid);
+  scene_.actors = actors_->actors();
+  points_ = grid.averages();
+  report_.sweeps = sweeps_.size();
+  report_.points = grid.points();
+  report_.actor_points = actors_->count();
+  report_.voxels = points_.size();
+}
+
+void Initialisation::drop_moving() {
+  std::vector<PointVotes> votes(points_.size());
+  for (const SweepFrame* frame : sweeps_) {
+    const PosedSweep s = load_sweep(log_, *frame, scene_.origin);
+    // A list has no neighbouring rays to look through: it has no word on what moved.
+    if (const auto* const lidar = std::get_if<Lidar>(&s.lidar)) {
+      vote_on_points(s.sweep, *lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points_, votes);
     }
-    std::vector<bool> moved(points.size());
-    std::transform(votes.begin(), votes.end(), moved.begin(), is_moving);
-    out.moving = MovingSpace(options.voxel_m, points, moved);
-    points = keep_static(points, moved);
-    report.moving_points = report.voxels - points.size();
+    step();
   }
+  std::vector<bool> moved(points_.size());
+  std::transform(votes.begin(), votes.end(), moved.begin(), is_moving);
+  out_.moving = MovingSpace(options_.voxel_m, points_, moved);
+  points_ = keep_static(points_, moved);
+  report_.moving_points = report_.voxels - points_.size();
+}
 
-  const auto lidar_kept = thin(points.size(), options.max_lidar, options.seed);
-  scene.lidar = lidar_set(points.subset(lidar_kept), options);
-  for (std::size_t i = 0; i < scene.actors.size(); ++i) {
-    append(scene.lidar, lidar_set(actors.points()[i], options), static_cast<std::uint32_t>(i + 1));
+void Initialisation::place_lidar_set() {
+  const auto kept = thin(points_.size(), options_.max_lidar, frames_.seed);
+  scene_.lidar = lidar_set(points_.subset(kept), options_);
+  for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
+    append(scene_.lidar, lidar_set(actors_->points()[i], options_), static_cast<std::uint32_t>(i + 1));
   }
-  report.lidar_particles = static_cast<std::size_t>(scene.lidar.size());
-  report.lidar_thinned = points.size() - lidar_kept.size();
+  report_.lidar_particles = static_cast<std::size_t>(scene_.lidar.size());
+  report_.lidar_thinned = points_.size() - kept.size();
+}
 
-  if (!log.points.empty()) report.points += add_log_points(log, scene.origin, options.voxel_m, points);
-  for (const ImageFrame* frame : images) {
-    const ImageView view = image_view(log, *frame, scene.origin, options.image_scale);
-    actors.add_holes(view, middle_s(*frame), points);
+/// Points for the camera set alone: the log's own, those in the holes that no laser fills, and those whose
+/// depth only pictures tell.
+void Initialisation::add_points_of_pictures() {
+  if (!log_.points.empty()) report_.points += add_log_points(log_, scene_.origin, options_.voxel_m, points_);
+  for (const ImageFrame* frame : images_) {
+    const ImageView view = image_view(log_, *frame, scene_.origin, frames_.image_scale);
+    actors_->add_holes(view, middle_s(*frame), points_);
   }
-  actors.finish_holes();
-  const std::size_t static_points = points.size();
-  if (options.sweep_depth) {
-    report.depth_points = add_picture_depths(log, images, scene.origin, options, actors, step, points);
-  }
-  const double extent_m = farthest_m(points, log.world_from_rig, scene.origin);
-  FarShell shell(options.shell_spacing_deg, std::max(kShellNearest_m, kShellExtents * extent_m));
-  const bool has_environment = options.environment_width > 0;
-  FarShell sky(has_environment ? 360.0 / options.environment_width : options.shell_spacing_deg,
+  actors_->finish_holes();
+  static_points_ = points_.size();
+  if (!options_.sweep_depth) return;
+  const PictureDepths depths{
+      log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, options_.sweep_cell_px, *actors_};
+  report_.depth_points = depths.add_to(points_, [this] { step(); });
+}
+
+/// What pictures show of the points, and beside them.
+void Initialisation::take_colours() {
+  const double extent_m = farthest_m(points_, log_.world_from_rig, scene_.origin);
+  shell_.emplace(options_.shell_spacing_deg, std::max(kShellNearest_m, kShellExtents * extent_m));
+  const bool has_environment = options_.environment_width > 0;
+  sky_.emplace(has_environment ? 360.0 / options_.environment_width : options_.shell_spacing_deg,
                kInfinitelyFar_m);
-  std::vector<PointLook> looks(points.size() + actors.camera_count());
-  for (const ImageFrame* frame : images) {
-    const auto [image, view] = load_view(log, *frame, scene.origin, options.image_scale);
+  looks_.resize(points_.size() + actors_->camera_count());
+  for (const ImageFrame* frame : images_) {
+    const auto [image, view] = load_view(log_, *frame, scene_.origin, frames_.image_scale);
     // Two samples per shell cell and axis, so that no cell between two samples stays empty.
-    const double finest_rad = std::min(shell.spacing_rad(), sky.spacing_rad());
+    const double finest_rad = std::min(shell_->spacing_rad(), sky_->spacing_rad());
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
-    const PointSet placed = actors.placed(points, middle_s(*frame), view.origin());
-    Coverage coverage = look_at_points(view, image, placed, options.voxel_m, cell_px, looks);
-    actors.cover(view, middle_s(*frame), coverage);
-    if (options.max_shell > 0) shell.add(view, image, coverage);
-    if (has_environment) sky.add(view, image, coverage);
+    const PointSet placed = actors_->placed(points_, middle_s(*frame), view.origin());
+    Coverage coverage = look_at_points(view, image, placed, options_.voxel_m, cell_px, looks_);
+    actors_->cover(view, middle_s(*frame), coverage);
+    if (options_.max_shell > 0) shell_->add(view, image, coverage);
+    if (has_environment) sky_->add(view, image, coverage);
     step();
   }
-  report.images = images.size();
-  auto actor_looks = actors.split(looks, points.size());
-  looks.resize(points.size());
-  report.unseen_points = keep_seen(points, looks, options.max_camera, options.seed);
-  report.camera_thinned = static_points + report.depth_points - report.unseen_points - points.size();
+  report_.images = images_.size();
+}
 
-  const std::vector<FarShell::Patch> patches = shell.patches();
-  const auto shell_kept = thin(patches.size(), options.max_shell, options.seed);
-  scene.camera = camera_set(points, looks, options);
-  append(scene.camera, shell_set(shell, patches, shell_kept, options), 0);
-  for (std::size_t i = 0; i < scene.actors.size(); ++i) {
-    PointSet seen = actors.camera_points()[i];
-    (void)keep_seen(seen, actor_looks[i], options.max_camera, options.seed);
-    append(scene.camera, camera_set(seen, actor_looks[i], options), static_cast<std::uint32_t>(i + 1));
+void Initialisation::place_camera_set() {
+  auto actor_looks = actors_->split(looks_, points_.size());
+  looks_.resize(points_.size());
+  report_.unseen_points = keep_seen(points_, looks_, options_.max_camera, frames_.seed);
+  report_.camera_thinned = static_points_ + report_.depth_points - report_.unseen_points - points_.size();
+
+  const std::vector<FarShell::Patch> patches = shell_->patches();
+  const auto shell_kept = thin(patches.size(), options_.max_shell, frames_.seed);
+  scene_.camera = camera_set(points_, looks_, options_);
+  append(scene_.camera, shell_set(*shell_, patches, shell_kept, options_), 0);
+  for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
+    PointSet seen = actors_->camera_points()[i];
+    (void)keep_seen(seen, actor_looks[i], options_.max_camera, frames_.seed);
+    append(scene_.camera, camera_set(seen, actor_looks[i], options_), static_cast<std::uint32_t>(i + 1));
   }
-  if (!patches.empty()) {
-    // What the set lets through is the sky, as far as is known: the mean of the upper half of the shell.
-    std::vector<float> heights;
-    for (const FarShell::Patch& patch : patches) heights.push_back(patch.direction.z());
-    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-    std::nth_element(heights.begin(), middle, heights.end());
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    float count = 0.0F;
-    for (const FarShell::Patch& patch : patches) {
-      if (patch.direction.z() < *middle) continue;
-      sum += patch.colour;
-      count += 1.0F;
-    }
-    for (std::size_t c = 0; c < 3; ++c)
-      scene.camera_background[c] = sum[static_cast<Eigen::Index>(c)] / count;
+  if (!patches.empty()) scene_.camera_background = sky_colour(patches);
+  if (options_.environment_width > 0) {
+    scene_.environment = environment_of(sky_->patches(), options_.environment_width);
   }
-  if (has_environment) scene.environment = environment_of(sky.patches(), options.environment_width);
-  report.shell_particles = shell_kept.size();
-  report.camera_particles = static_cast<std::size_t>(scene.camera.size());
-  report.shell_distance_m = shell.distance_m();
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report_.shell_particles = shell_kept.size();
+  report_.camera_particles = static_cast<std::size_t>(scene_.camera.size());
+  report_.shell_distance_m = shell_->distance_m();
+}
+
+}  // namespace
+
+void check(const InitOptions& o) {
+  check_fields(o);
+  if (o.max_scale_m >= o.min_scale_m) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("init.max_scale_m: found {}, allowed init.min_scale_m ({}) or more",
+                          o.max_scale_m,
+                          o.min_scale_m));
+}
+
+SceneInit initialize_scene(const Log& log,
+                           const FrameSelection& frames,
+                           const InitOptions& options,
+                           const std::function<void(std::size_t, std::size_t)>& progress) {
+  check_fields(frames);
+  check(options);
+  const auto begin = std::chrono::steady_clock::now();
+  SceneInit out = Initialisation(log, frames, options, progress).run();
+  out.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
 

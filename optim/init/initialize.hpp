@@ -2,43 +2,15 @@
 // First guess of a scene from a log: LiDAR returns become particles, images give them colour, and what no
 // laser reaches (sky, far buildings) becomes a far shell. METHOD section 12.
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 
 #include "host/scene/scene.hpp"
+#include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
+#include "optim/init/init_options.hpp"
 #include "optim/init/moving_space.hpp"
 
 namespace simuli {
-
-struct InitOptions {
-  double voxel_m = 0.1;                // one point per voxel of this side
-  int held_out_every = 5;              // frames for which is_held_out() says yes are not read; 0: read all
-  double image_scale = 1.0;            // (0, 1]: size of the pictures the camera set will be trained on
-  int camera_sh_degree = 2;            // 0 to 3; coefficients above degree 0 start at zero
-  int lidar_sh_degree = 1;             // 0 to 3
-  std::size_t max_camera = 1'000'000;  // particles on LiDAR points; the shell comes on top
-  std::size_t max_lidar = 1'000'000;   // particles
-  std::size_t max_shell = 100'000;     // particles; 0: no shell
-  int environment_width = 0;           // texels around, even; 0: no environment
-  double shell_spacing_deg = 0.5;      // angle between shell particles, seen from the scene origin
-  double camera_scale = 0.5;           // standard deviation of a particle over the distance to its neighbours
-  double lidar_scale = 0.7;
-  double min_scale_m = 0.03;  // limits of a particle's standard deviation
-  double max_scale_m = 0.5;
-  bool sweep_depth = true;          // place camera particles also where only pictures tell the depth
-  int sweep_cell_px = 4;            // between them, in the training picture
-  bool range_bias = true;           // commands look for the rows' range biases first (range_bias.hpp)
-  bool own_vehicle = true;          // commands look for the LiDARs' blind arcs first (own_vehicle.hpp)
-  bool drop_moving = true;          // leave out points that other sweeps look through (initialize_moving.hpp)
-  bool actors = true;               // give the log's actors particles of their own; false: all is background
-  double actor_min_travel_m = 1.0;  // to those that get at least that far
-  double actor_voxel_m = 0.05;
-  double actor_margin_m = 0.1;  // by which boxes reach farther than labelled; the road below stays outside
-  bool mirror_actors = false;   // vehicles: also the mirror image of each point
-  bool register_tracks = true;  // correct the actors' tracks by what the laser measured (actor_tracks.hpp)
-  std::uint64_t seed = 1;       // which points go when there are more than max_*
-};
 
 /// What the initialisation did, so that nothing is dropped without a number.
 struct InitReport {
@@ -65,12 +37,13 @@ struct SceneInit {
   InitReport report;
 };
 
-/// Reads the training sweeps and images of `log`, one at a time, and builds both particle sets of the
-/// static background and of the actors (sweeps are read twice to drop what moved). The same log and options
-/// give the same bits. The scene's origin is the mean position of the trajectory in whole metres.
+/// Reads the training sweeps and images of `log` that `frames` selects, one at a time, and builds both
+/// particle sets of the static background and of the actors (sweeps are read twice to drop what moved). The
+/// camera set is made for pictures of that size. The same log and options give the same bits. The scene's origin is the mean position of the trajectory in whole metres.
 /// `progress(done, total)` is called after each file. Throws Error{kUsage} for options outside their range,
 /// Error{kInput} when no frame is left for training or a file can't be read.
 [[nodiscard]] SceneInit initialize_scene(const Log& log,
+                                         const FrameSelection& frames,
                                          const InitOptions& options,
                                          const std::function<void(std::size_t, std::size_t)>& progress = {});
 

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "host/base/parallel.hpp"
+#include "optim/init/posed_frames.hpp"
 
 namespace simuli {
 namespace {
@@ -180,6 +183,45 @@ std::vector<Eigen::Vector3d> sweep_depths(const SweepPicture& picture,
     if (point) points.push_back(*point);
   }
   return points;
+}
+
+std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>& step) const {
+  constexpr std::size_t kReach = 2;  // pictures before and after
+  struct Loaded {
+    SweepPicture picture;
+    Coverage coverage;
+  };
+  VoxelGrid grid(2.0 * voxel_m);
+  for (const LogCamera& camera : log.cameras) {
+    std::vector<const ImageFrame*> frames;
+    for (const ImageFrame* frame : images) {
+      if (frame->camera == camera.model.name) frames.push_back(frame);
+    }
+    std::deque<Loaded> window;  // frames [first, next)
+    std::size_t first = 0, next = 0;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      for (; next < frames.size() && next <= k + kReach; ++next) {
+        const auto [image, view] = load_view(log, *frames[next], origin, image_scale);
+        const PointSet placed = actors.placed(points, middle_s(*frames[next]), view.origin());
+        std::vector<PointLook> unused(placed.size());
+        Coverage coverage =
+            look_at_points(view, image, placed, voxel_m, cell_px, unused);
+        actors.cover(view, middle_s(*frames[next]), coverage);
+        window.push_back({sweep_picture(view, image), std::move(coverage)});
+      }
+      for (; first + kReach < k; ++first) window.pop_front();
+      std::vector<const SweepPicture*> others;
+      for (std::size_t i = 0; i < window.size(); ++i) {
+        if (first + i != k) others.push_back(&window[i].picture);
+      }
+      const Loaded& here = window[k - first];
+      for (const Eigen::Vector3d& p : sweep_depths(here.picture, others, here.coverage)) grid.add(p, 0.0);
+      step();
+    }
+  }
+  const PointSet found = grid.averages();
+  points.append(found);
+  return found.size();
 }
 
 }  // namespace simuli

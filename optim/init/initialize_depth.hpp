@@ -3,9 +3,13 @@
 // taken just before and after.
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
+#include "io/log/log.hpp"
 #include "io/picture/image.hpp"
+#include "optim/init/initialize_actors.hpp"
+#include "optim/init/initialize_points.hpp"
 #include "optim/init/initialize_views.hpp"
 
 namespace simuli {
@@ -30,5 +34,20 @@ struct SweepPicture {
 
 inline constexpr double kSweepNearest_m = 3.0;
 inline constexpr double kSweepFarthest_m = 100.0;
+
+/// Points where only pictures tell the depth, of all cameras of a log.
+struct PictureDepths {
+  const Log& log;
+  const std::vector<const ImageFrame*>& images;  // that may be read
+  const Eigen::Vector3d& origin;                 // of the scene
+  double image_scale;
+  double voxel_m;  // side of the points' voxels; one point is added per voxel of twice the side
+  int cell_px;     // between two depths
+  const ActorPoints& actors;
+
+  /// Adds to `points` what the pictures of each camera show where no point is, and returns how many it added.
+  /// `step` is called after each picture.
+  std::size_t add_to(PointSet& points, const std::function<void()>& step) const;
+};
 
 }  // namespace simuli

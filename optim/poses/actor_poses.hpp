@@ -6,15 +6,9 @@
 
 #include "host/render/frame/actor.hpp"
 #include "host/scene/actor.hpp"
+#include "optim/poses/pose_rates.hpp"
 
 namespace simuli {
-
-/// Steps of Adam on key poses, at the start. All fall exponentially to final_share of what they were.
-struct PoseRates {
-  double shift_m = 0.0;   // 0: positions stay as recorded
-  double turn_rad = 0.0;  // 0: rotations stay as recorded
-  double final_share = 0.1;
-};
 
 /// One particle set's optimiser of the key poses, which all sets share.
 class ActorPoses {

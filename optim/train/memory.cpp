@@ -31,10 +31,10 @@ struct Rays {
   std::uint64_t frames = 0;
 };
 
-Rays image_rays(const Log& log, const TrainOptions& options) {
+Rays image_rays(const Log& log, const FrameSelection& frames) {
   Rays rays;
-  for (const std::size_t index : select_frames(log.images, options.held_out_every, false)) {
-    const Camera camera = scaled_camera(log.camera(log.images[index].camera).model, options.image_scale);
+  for (const std::size_t index : select_frames(log.images, frames.held_out_every, false)) {
+    const Camera camera = scaled_camera(log.camera(log.images[index].camera).model, frames.image_scale);
     const auto pixels = static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
     rays.largest = std::max(rays.largest, pixels);
     rays.slots += slots_of(pixels);
@@ -43,9 +43,9 @@ Rays image_rays(const Log& log, const TrainOptions& options) {
   return rays;
 }
 
-Rays sweep_rays(const Log& log, const TrainOptions& options) {
+Rays sweep_rays(const Log& log, const FrameSelection& frames) {
   Rays rays;
-  for (const std::size_t index : select_frames(log.sweeps, options.held_out_every, false)) {
+  for (const std::size_t index : select_frames(log.sweeps, frames.held_out_every, false)) {
     const auto beams = static_cast<std::uint64_t>(ray_count(log.lidar(log.sweeps[index].lidar).model));
     rays.largest = std::max(rays.largest, beams);
     rays.slots += slots_of(beams);
@@ -76,7 +76,8 @@ std::string MemoryNeed::text() const {
   return out;
 }
 
-MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOptions& options) {
+MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainingOptions& training) {
+  const TrainOptions& options = training.train;
   MemoryNeed need;
   const auto add = [&need](const char* name, std::uint64_t bytes, std::uint64_t largest) {
     need.items.push_back({name, bytes});
@@ -102,8 +103,8 @@ MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOption
           instances * (4 * kWord + (SIM_GRAD + 1) * kReal),
       std::max(most, instances) * SIM_GRAD * kReal);
 
-  const Rays images = image_rays(log, options);
-  const Rays sweeps = sweep_rays(log, options);
+  const Rays images = image_rays(log, training.frames);
+  const Rays sweeps = sweep_rays(log, training.frames);
   // World rays, outputs, their gradients and errors, and the gradients by ray; sensor rays of each camera.
   const bool learns_poses = options.poses.camera || options.poses.lidar;
   const std::uint64_t per_slot = (7 + SIM_OUTPUTS + 5 + 1 + (learns_poses ? 6 : 0)) * kReal;
@@ -135,18 +136,18 @@ MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOption
   return need;
 }
 
-void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainOptions& options) {
+void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options) {
   const MemoryNeed need = training_memory(log, scene, options);
   const DeviceInfo& info = device.info();
-  const bool limited = options.memory_bytes > 0;
-  const std::uint64_t allowed = limited ? options.memory_bytes : info.global_bytes;
+  const std::size_t limit = options.train.memory_bytes;
+  const std::uint64_t allowed = limit > 0 ? limit : info.global_bytes;
   if (need.total > allowed) {
     throw Error(ErrorKind::kDevice,
                 fmt::format("train: device memory: found a need of {}; allowed {:.3f} GB{} (fewer particles: "
                             "init.max_camera, init.max_lidar, densify.cap; fewer frames kept: cache_bytes)",
                             need.text(),
                             giga(allowed),
-                            limited ? " by memory_bytes" : " of " + info.label()));
+                            limit > 0 ? " by memory_bytes" : " of " + info.label()));
   }
   if (need.largest_buffer > info.max_alloc_bytes) {
     throw Error(ErrorKind::kDevice,

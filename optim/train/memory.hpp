@@ -7,7 +7,7 @@
 #include "host/runtime/device.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
-#include "optim/train/train_options.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli {
 
@@ -26,10 +26,10 @@ struct MemoryNeed {
   /// "3.2 GB: camera set 1.1 GB, ...".
   [[nodiscard]] std::string text() const;
 };
-[[nodiscard]] MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainOptions& options);
+[[nodiscard]] MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainingOptions& options);
 
-/// Error{kDevice} with the numbers when that is more than options.memory_bytes, or than the device has, or
+/// Error{kDevice} with the numbers when that is more than train.memory_bytes, or than the device has, or
 /// when one buffer would be larger than the device allows.
-void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainOptions& options);
+void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);
 
 }  // namespace simuli

@@ -2,34 +2,70 @@
 // How training changes what particles there are and what holds them in place.
 #include <cstddef>
 
+#include "host/base/allowed.hpp"
+
 namespace simuli {
 
 /// L_anchor: camera particles stay near the LiDAR set's surfaces (METHOD section 10).
 struct AnchorOptions {
-  double weight = 0.01;   // of the mean distance in m; 0: none
-  int neighbours = 50;    // K, candidates of each particle
-  int every = 1000;       // iterations from one search for candidates to the next
-  int choose_every = 10;  // iterations from one choice of the nearest candidate to the next
-  double reach_m = 2.0;   // particles that far from any LiDAR particle (sky, beyond reach) go free
+  double weight = 0.01;
+  int neighbours = 50;
+  int every = 1000;
+  int choose_every = 10;
+  double reach_m = 2.0;
 };
+template <class F>
+constexpr void visit_fields(AnchorOptions& o, F&& field) {
+  field("anchor.weight",
+        o.weight,
+        at_least(0.0),
+        "of camera particles' mean distance (m) to the LiDAR set; 0: none");
+  field("anchor.neighbours", o.neighbours, range(1, 256), "candidates of each particle");
+  field("anchor.every", o.every, at_least(1), "iterations from one search for candidates to the next");
+  field("anchor.choose_every",
+        o.choose_every,
+        at_least(1),
+        "iterations from one choice of the nearest to the next");
+  field(
+      "anchor.reach_m", o.reach_m, above(0.0), "m, particles that far from any LiDAR particle (sky) go free");
+}
 
 /// Relocation and growth by reconstruction error (METHOD section 11).
 struct DensifyOptions {
-  int every = 0;                // iterations, 100 for instance; 0: never
-  int first = 100;              // iteration of the first
-  double last_share = 0.8;      // of the iterations: none after that
-  double growth = 0.05;         // of each set, per time
-  std::size_t cap = 4'000'000;  // particles of both sets together
-  double noise = 500.0;         // m^-2, of jitter per m of the means' learning rate
+  int every = 0;
+  int first = 100;
+  double last_share = 0.8;
+  double growth = 0.05;
+  std::size_t cap = 4'000'000;
+  double noise = 500.0;
 };
+template <class F>
+constexpr void visit_fields(DensifyOptions& o, F&& field) {
+  field("densify.every",
+        o.every,
+        at_least(0),
+        "iterations from one relocation and growth by error to the next, 100 for instance; 0: never");
+  field("densify.first", o.first, at_least(1), "iteration of the first");
+  field("densify.last_share", o.last_share, range(0.0, 1.0), "of the iterations: none after that");
+  field("densify.growth", o.growth, range(0.0, 1.0), "of each set's particles, per time");
+  field("densify.cap", o.cap, at_least(0), "particles of both sets together, at most");
+  field("densify.noise", o.noise, at_least(0.0), "m^-2, of positions' jitter per m of their learning rate");
+}
 
 /// Learning of where sensors sit on the rig: one offset for all frames of a sensor. Rates fall as the means'
 /// do.
 struct PoseOptions {
   bool camera = false;
   bool lidar = false;
-  double translation_m = 1e-3;  // per step of Adam, at the start
+  double translation_m = 1e-3;
   double rotation_rad = 1e-4;
 };
+template <class F>
+constexpr void visit_fields(PoseOptions& o, F&& field) {
+  field("poses.camera", o.camera, "learn where the cameras sit on the rig");
+  field("poses.lidar", o.lidar, "learn where the LiDARs sit on the rig");
+  field("poses.translation_m", o.translation_m, at_least(0.0), "m per step of Adam, at the start");
+  field("poses.rotation_rad", o.rotation_rad, at_least(0.0), "rad per step of Adam, at the start");
+}
 
 }  // namespace simuli

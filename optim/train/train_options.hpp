@@ -1,61 +1,94 @@
 #pragma once
 // What a training is told.
 #include <cstddef>
-#include <cstdint>
 
-#include "host/render/options/options.hpp"
-#include "optim/poses/actor_poses.hpp"
+#include "host/base/allowed.hpp"
+#include "host/render/options/quality.hpp"
+#include "optim/poses/pose_rates.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure_options.hpp"
 
 namespace simuli {
 
 /// Weights of the LiDAR set's losses, each a mean over its rays (METHOD section 10). Only their ratios
-/// matter: Adam's steps do not depend on the loss's scale, and unless asked for the set has no other loss.
-/// The paper's 0.01 is the weight beside a picture's loss; alone, distances need more to hold their own
-/// against the drops.
+/// matter: the set has no other loss, and Adam's steps do not depend on the loss's scale. METHOD's 0.01 is
+/// the weight beside a picture's loss; alone, distances need more to hold their own against the drops.
 struct LidarWeights {
-  double distance = 0.5;   // |d^ - d| in m, returned rays
-  double intensity = 0.1;  // |i^ - i|, returned rays
-  double drop = 0.05;      // cross entropy, all rays
+  double distance = 0.5;
+  double intensity = 0.1;
+  double drop = 0.05;
 };
+template <class F>
+constexpr void visit_fields(LidarWeights& o, F&& field) {
+  field("loss.distance", o.distance, at_least(0.0), "of a sweep's mean |d^ - d| in m, returned rays");
+  field("loss.intensity", o.intensity, at_least(0.0), "of its mean |i^ - i|, returned rays");
+  field("loss.drop", o.drop, at_least(0.0), "of the cross entropy of its ray drop, all rays");
+}
 
-/// Weights of a picture's losses (METHOD section 10), each a mean over its values: of |d|, of d^2, of 1 -
-/// SSIM.
+/// Weights of a picture's losses (METHOD section 10), each a mean over its values.
 struct ImageWeights {
   double absolute = 0.8;
   double squared = 10.0;
   double dissimilarity = 0.2;
 };
+template <class F>
+constexpr void visit_fields(ImageWeights& o, F&& field) {
+  field("loss.colour_absolute", o.absolute, at_least(0.0), "of a picture's mean |d|");
+  field("loss.colour_squared", o.squared, at_least(0.0), "of its mean d^2");
+  field("loss.ssim", o.dissimilarity, at_least(0.0), "of 1 - SSIM");
+}
 
 /// Environment and colour grids of the camera set.
 struct LookOptions {
-  bool color_grids = false;        // a bilateral grid for each training picture
-  double environment_rate = 1e-2;  // of Adam, per step, at the start
+  bool color_grids = false;
+  double environment_rate = 1e-2;
   double grid_rate = 2e-3;
-  double final_share = 0.1;            // of the rates, at the end
-  double environment_variation = 1.0;  // weight of the mean squared difference of neighbouring texels
-  double grid_variation = 10.0;        // of that of neighbouring vertices
-  double grid_drift = 0.001;           // of the mean squared difference to the identity
+  double final_share = 0.1;
+  double environment_variation = 1.0;
+  double grid_variation = 10.0;
+  double grid_drift = 0.001;
 };
+template <class F>
+constexpr void visit_fields(LookOptions& o, F&& field) {
+  field("color_grids", o.color_grids, "a bilateral colour grid for each training picture");
+  field("look.rate.environment",
+        o.environment_rate,
+        at_least(0.0),
+        "per step of Adam, of texels, at the start");
+  field("look.rate.grid", o.grid_rate, at_least(0.0), "per step, of colour grids");
+  field("look.rate.final_share", o.final_share, above(0.0, 1.0), "of both rates, at the end");
+  field("loss.environment_variation",
+        o.environment_variation,
+        at_least(0.0),
+        "of the mean squared difference of neighbouring texels");
+  field("loss.grid_variation", o.grid_variation, at_least(0.0), "of that of neighbouring vertices of a grid");
+  field("loss.grid_drift",
+        o.grid_drift,
+        at_least(0.0),
+        "of the mean squared difference of grids to the identity");
+}
 
-/// Weights of terms that hold for every particle, each a mean over the set.
+/// Weights of terms that hold for every particle of a set, each a mean over it.
 struct ParticleWeights {
-  double scale = 0.0;  // of the sum of its standard deviations, m
+  double scale = 0.0;
   double opacity = 0.0;
-  double entropy = 0.0;  // of its opacity
+  double entropy = 0.0;
 };
+template <class F>
+constexpr void visit_fields(ParticleWeights& o, F&& field) {
+  field("loss.scale", o.scale, at_least(0.0), "of the sum of a particle's standard deviations, m");
+  field("loss.opacity", o.opacity, at_least(0.0), "of its opacity");
+  field("loss.entropy", o.entropy, at_least(0.0), "of its opacity's entropy");
+}
 
 struct TrainOptions {
-  int iterations = 1500;     // one image each
-  int lidar_every = 3;       // iterations per sweep: returns start where they belong, colours do not
-  double max_seconds = 0.0;  // stop early after this time; 0: no limit. The schedule follows iterations
-  double image_scale = 0.5;  // (0, 1]
-  int held_out_every = 5;    // frames for which is_held_out() says yes are not read; 0: all are trained on
-  std::uint64_t seed = 1;
+  int iterations = 1500;
+  int lidar_every = 3;  // returns start where they belong, colours do not
+  double max_seconds = 0.0;
   ImageWeights image;
   LookOptions look;
-  ParticleWeights camera_particles, lidar_particles;
+  ParticleWeights camera_particles;
+  ParticleWeights lidar_particles;
   LearningRates camera{.final_share = 0.3};
   /// Returns are where they are: nearly fixed. Drops differ from sweep to sweep: fast rates learn them by
   /// heart.
@@ -63,18 +96,50 @@ struct TrainOptions {
   LidarWeights weights;
   AnchorOptions anchor;
   DensifyOptions densify;
-  PoseRates actor_poses;        // 0 as they are: tracks stay as recorded
-  double actor_margin_m = 0.1;  // particles of actors stay in their boxes, this much wider
-  /// Leave what moved out of the losses. The background gets clean; unmasked, it takes on a smear of what
-  /// moved, which is closer to the recorded pictures than nothing.
+  PoseRates actor_poses;
+  double actor_margin_m = 0.1;
+  /// The background gets clean; unmasked, it takes on a smear of what moved, which is closer to the recorded
+  /// pictures than nothing.
   bool mask_moving = false;
-  RenderOptions render;  // in float; the median distance has no gradient and is never written
+  /// In float; the median distance has no gradient and is never written.
+  RenderOptions render = training_options_of(Quality::kBalanced);
   PoseOptions poses;
-  std::size_t memory_bytes = 0;  // of the device, that the training may need; 0: all it has
-  std::size_t cache_bytes = std::size_t{2} << 30U;  // of frames kept on the device, images and sweeps each
+  std::size_t memory_bytes = 0;
+  std::size_t cache_bytes = std::size_t{2} << 30U;
 };
 
-/// The options themselves. Error{kUsage} naming the field when one is outside its range.
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(TrainOptions& o, F&& field) {
+  field("iterations", o.iterations, at_least(0), "one picture each");
+  field("max_seconds",
+        o.max_seconds,
+        at_least(0.0),
+        "s, stop training early after this time, the rates not yet run down; 0: never");
+  field("lidar_every", o.lidar_every, at_least(1), "iterations per sweep");
+  field.part("", o.image);
+  field.part("", o.look);
+  field.part("camera.", o.camera_particles);
+  field.part("lidar.", o.lidar_particles);
+  field.part("camera.", o.camera);
+  field.part("lidar.", o.lidar);
+  field.part("", o.weights);
+  field.part("", o.anchor);
+  field.part("", o.densify);
+  field.part("", o.poses);
+  field.part("", o.actor_poses);
+  field(
+      "actors.margin_m", o.actor_margin_m, at_least(0.0), "m by which particles may leave their actor's box");
+  field("mask_moving", o.mask_moving, "leave what moved out of the losses");
+  field("memory_bytes",
+        o.memory_bytes,
+        at_least(0),
+        "of the device, that the training may need; 0: all it has");
+  field("cache_bytes", o.cache_bytes, at_least(0), "of frames kept on the device, pictures and sweeps each");
+  field.part("", o.render);
+}
+
+/// The options themselves. Error{kUsage} naming the key when one is outside its range.
 [[nodiscard]] TrainOptions checked(const TrainOptions& options);
 
 }  // namespace simuli

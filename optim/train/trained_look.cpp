@@ -25,8 +25,8 @@ ColorGrids starting_grids(const Log& log, const Scene& scene, const std::vector<
 TrainedLook::TrainedLook(const Device& device,
                          const Log& log,
                          const Scene& scene,
-                         const TrainOptions& options)
-    : options_(options.look) {
+                         const TrainingOptions& options)
+    : options_(options.train.look) {
   if (!scene.environment.empty()) {
     EnvironmentBuffers buffers(device, scene.environment, kFloat);
     const std::size_t reals = buffers.texture.count();
@@ -34,7 +34,7 @@ TrainedLook::TrainedLook(const Device& device,
                                      RealBuffer(device, "environment gradients", kFloat, reals),
                                      AdamStage(device, kFloat, reals)});
   }
-  const std::vector<std::size_t> images = select_frames(log.images, options.held_out_every, false);
+  const std::vector<std::size_t> images = select_frames(log.images, options.frames.held_out_every, false);
   if (!options_.color_grids || images.empty()) return;
   ColorGrids frames = starting_grids(log, scene, images);
   std::vector<std::size_t> of_image(log.images.size(), 0);

@@ -8,15 +8,15 @@
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/train/state.hpp"
-#include "optim/train/train_options.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli {
 
 class TrainedLook {
  public:
-  /// The scene's environment, if it has one, and with options.color_grids a grid for each training picture:
+  /// The scene's environment, if it has one, and with look.color_grids a grid for each training picture:
   /// the scene's own where it has one for each, else the identity.
-  TrainedLook(const Device& device, const Log& log, const Scene& scene, const TrainOptions& options);
+  TrainedLook(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);
 
   [[nodiscard]] const EnvironmentBuffers* environment() const;
   /// The last render through the grid of picture `image` (an index into log.images).

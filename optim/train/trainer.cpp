@@ -21,9 +21,13 @@ RenderOptions training_options(RenderOptions options) {
   return options;
 }
 
-TrainOptions fitting(const Device& device, const Log& log, const Scene& scene, TrainOptions options) {
+const TrainOptions& fitting(const Device& device,
+                            const Log& log,
+                            const Scene& scene,
+                            const TrainingOptions& options) {
+  static_cast<void>(checked(options));
   need_memory(device, log, scene, options);
-  return options;
+  return options.train;
 }
 
 /// The particles all of whose parameters are finite, in their order.
@@ -54,19 +58,20 @@ double RunningMean::value() const {
 }
 
 Trainer::Trainer(
-    const Device& device, const Log& log, Scene scene, const TrainOptions& options, MovingSpace moving)
+    const Device& device, const Log& log, Scene scene, const TrainingOptions& options, MovingSpace moving)
     : log_(log),
       scene_(std::move(scene)),
-      options_(fitting(device, log, scene_, checked(options))),
+      options_(fitting(device, log, scene_, options)),
+      seed_(options.frames.seed),
       device_(device),
       renderer_(device, training_options(options_.render)),
-      truth_(device, log, scene_, options_, renderer_.options(), std::move(moving)),
+      truth_(device, log, scene_, options, renderer_.options(), std::move(moving)),
       camera_(device, scene_.camera, options_.actor_poses),
       lidar_(device, scene_.lidar, options_.actor_poses),
-      look_(device, log, scene_, options_),
+      look_(device, log, scene_, options),
       regularize_(device, Precision::kFloat),
-      images_(select_frames(log.images, options.held_out_every, false), options.seed, kImageStream),
-      sweeps_(select_frames(log.sweeps, options.held_out_every, false), options.seed, kSweepStream) {
+      images_(select_frames(log.images, options.frames.held_out_every, false), seed_, kImageStream),
+      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false), seed_, kSweepStream) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }

@@ -18,7 +18,8 @@
 #include "optim/train/schedule.hpp"
 #include "optim/poses/sensor_offsets.hpp"
 #include "optim/train/state.hpp"
-#include "optim/train/train_options.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/train/training_options.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
 #include "optim/train/truth.hpp"
@@ -34,45 +35,17 @@ struct RunningMean {
   [[nodiscard]] double value() const;
 };
 
-/// How the training stands. Values are running means over about the last 20 frames; NaN before the first.
-struct TrainStatus {
-  int iteration = 0;  // done
-  double psnr_db = 0.0;
-  double distance_m = 0.0;     // mean |d^ - d| over returned rays, expected distance
-  double drop_accuracy = 0.0;  // share of rays
-  std::uint32_t camera_particles = 0;
-  std::uint32_t lidar_particles = 0;
-};
-
-struct TrainReport {
-  TrainStatus last;
-  std::size_t images = 0;  // trained on
-  std::size_t sweeps = 0;
-  Eigen::Index camera_particles = 0;
-  Eigen::Index lidar_particles = 0;
-  std::uint64_t relocated = 0;  // dead particles of both sets, put where the error is
-  std::uint64_t grown = 0;      // particles of both sets that came new
-  double anchor_m = 0.0;        // mean distance of anchored camera particles seen last
-  double anchor_seconds = 0.0;
-  double densify_seconds = 0.0;
-  std::uint32_t rejected_gradients = 0;  // entries that were not finite and moved nothing; 0 in good order
-  std::uint64_t unsound_particles = 0;   // not finite at the end: nobody sees them, the scene leaves them out
-  std::uint32_t unsound_losses = 0;      // of frames, not finite
-  bool stopped_early = false;            // max_seconds ran out first
-  double seconds = 0.0;
-};
-
 /// One training. The same device, build, log, scene and options give the same bits, unless max_seconds
 /// stops it.
 class Trainer {
  public:
   /// Error{kUsage} for options outside their range, Error{kInput} when the log has no frame to train on.
   /// `log` must outlive the trainer.
-  /// `moving` (of the initialisation) is used when options.mask_moving.
+  /// `moving` (of the initialisation) is used when train.mask_moving.
   Trainer(const Device& device,
           const Log& log,
           Scene scene,
-          const TrainOptions& options,
+          const TrainingOptions& options,
           MovingSpace moving = {});
 
   /// One iteration: a step on the camera set, and on the LiDAR set when it is its turn; each only when it has
@@ -83,17 +56,18 @@ class Trainer {
   TrainReport run(const std::function<void(const TrainStatus&)>& on_step = {});
 
   /// Stores all that decides how this training goes on; atomic. `settings`: a line for each thing that must
-  /// be the same for it to be the same training.
+  /// be the same for it to be the same training, but for the number of iterations.
   void save(const std::filesystem::path& file, const std::string& settings);
   /// Goes on where a trainer of the same log, start and options was saved: with the same bits, on the same
-  /// device and build. Error{kInput} when the file is of another training, or not as it was written.
+  /// device and build. This one may have more iterations: their rates then follow its own, longer schedule.
+  /// Error{kInput} when the file is of another training, of more iterations, or not as it was written.
   void resume(const std::filesystem::path& file, const std::string& settings);
   /// Error{kInput} when the file is no checkpoint, or of other settings: what resume() would say, before the
   /// start has been made.
-  static void need_settings(const std::filesystem::path& file, const std::string& settings);
+  static void need_settings(const std::filesystem::path& file, const std::string& settings, int iterations);
 
   [[nodiscard]] const TrainStatus& status() const { return status_; }
-  /// What has been learned of where sensors sit; empty unless options.poses ask for it.
+  /// What has been learned of where sensors sit; empty unless train.poses ask for it.
   [[nodiscard]] const SensorOffsets& sensor_offsets() const { return offsets_; }
   /// The scene as trained so far, without particles that are not finite.
   [[nodiscard]] Scene scene() const;
@@ -123,6 +97,7 @@ class Trainer {
   const Log& log_;
   Scene scene_;
   TrainOptions options_;
+  std::uint64_t seed_;
   Device device_;
   Renderer renderer_;
   TruthCache truth_;

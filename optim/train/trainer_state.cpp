@@ -1,4 +1,6 @@
 // Checkpoints: the trainer's state by name.
+#include <cstring>
+#include <fmt/format.h>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +13,17 @@ namespace simuli {
 namespace {
 
 constexpr const char* kSettings = "settings";
+constexpr const char* kIterations = "iterations";  // planned
+
+void need_iterations(const std::string& file, std::span<const std::byte> saved, int iterations) {
+  int planned = 0;
+  if (saved.size() == sizeof planned) std::memcpy(&planned, saved.data(), sizeof planned);
+  if (saved.size() == sizeof planned && planned <= iterations) return;
+  throw_input_error(file,
+                    kIterations,
+                    fmt::format("a training of {}", planned),
+                    fmt::format("of {} or fewer: it can be made longer, not shorter", iterations));
+}
 
 void add_set(StateList& list, const std::string& name, TrainedSet& set) {
   list.add(name + "/count", set.particles.count);
@@ -54,6 +67,16 @@ void add_tracks(StateList& list, std::vector<Actor>& actors) {
 StateList Trainer::state(const std::string& settings) {
   StateList list;
   list.add_fixed(kSettings, settings);
+  list.add(
+      kIterations,
+      [this] {
+        StateList::Bytes bytes(sizeof options_.iterations);
+        std::memcpy(bytes.data(), &options_.iterations, bytes.size());
+        return bytes;
+      },
+      [this](const std::string& file, std::span<const std::byte> saved) {
+        need_iterations(file, saved, options_.iterations);
+      });
   list.add("status", status_);
   list.add("mean/squared_error", square_);
   list.add("mean/distance", distance_);
@@ -83,8 +106,10 @@ void Trainer::save(const std::filesystem::path& file, const std::string& setting
   state(settings).write(file);
 }
 
-void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings) {
-  StateList::need_text(file.string(), kSettings, StateFile(file).block(kSettings), settings);
+void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings, int iterations) {
+  const StateFile state(file);
+  StateList::need_text(file.string(), kSettings, state.block(kSettings), settings);
+  need_iterations(file.string(), state.block(kIterations), iterations);
 }
 
 void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {

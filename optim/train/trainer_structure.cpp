@@ -79,7 +79,7 @@ void Trainer::jitter(TrainedSet& set, std::uint32_t number, const LearningRates&
   densify_->jitter(set.particles,
                    renderer_.buffers().keys,
                    options_.densify.noise * rate_m,
-                   {options_.seed, static_cast<std::uint32_t>(status_.iteration), number});
+                   {seed_, static_cast<std::uint32_t>(status_.iteration), number});
 }
 
 void Trainer::densify() {
@@ -98,7 +98,7 @@ void Trainer::densify() {
                            moments,
                            set.error,
                            static_cast<std::uint32_t>(growth * set.particles.count),
-                           {options_.seed, static_cast<std::uint32_t>(status_.iteration), number});
+                           {seed_, static_cast<std::uint32_t>(status_.iteration), number});
     set.fit_gradients();
     if (number == kCameraSet && anchor_) {
       densify_->follow(anchor_->candidates(), anchor_->neighbours());

@@ -21,19 +21,19 @@ std::size_t bytes_of(const RealBuffer& buffer) {
 TruthCache::TruthCache(const Device& device,
                        const Log& log,
                        const Scene& scene,
-                       const TrainOptions& options,
+                       const TrainingOptions& options,
                        const RenderOptions& render,
                        MovingSpace moving)
     : device_(device),
       log_(log),
       scene_(scene),
       render_(render),
-      moving_(options.mask_moving ? std::move(moving) : MovingSpace{}),
-      training_sweeps_(select_frames(log.sweeps, options.held_out_every, false)),
-      images_(options.cache_bytes),
-      sweeps_(options.cache_bytes) {
+      moving_(options.train.mask_moving ? std::move(moving) : MovingSpace{}),
+      training_sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false)),
+      images_(options.train.cache_bytes),
+      sweeps_(options.train.cache_bytes) {
   for (const LogCamera& camera : log.cameras) {
-    models_[camera.model.name] = scaled_camera(camera.model, options.image_scale);
+    models_[camera.model.name] = scaled_camera(camera.model, options.frames.image_scale);
   }
 }
 

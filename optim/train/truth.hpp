@@ -11,7 +11,7 @@
 #include "io/log/log.hpp"
 #include "host/base/lru_cache.hpp"
 #include "optim/init/moving_space.hpp"
-#include "optim/train/train_options.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli {
 
@@ -30,15 +30,15 @@ struct SweepTruth {
 class TruthCache {
  public:
   /// `log` and `scene` must outlive it. `render`: the renderer's (resolved) options; `moving` is used when
-  /// options.mask_moving.
+  /// train.mask_moving.
   TruthCache(const Device& device,
              const Log& log,
              const Scene& scene,
-             const TrainOptions& options,
+             const TrainingOptions& options,
              const RenderOptions& render,
              MovingSpace moving);
 
-  /// Rays of a camera of the log, scaled as options.image_scale says.
+  /// Rays of a camera of the log, scaled as frames.image_scale says.
   const SensorRays& camera_rays(const std::string& name);
   /// Index into log.images or log.sweeps. Error{kInput} when the file can't be read.
   std::shared_ptr<const ImageTruth> image(std::size_t index);

@@ -18,6 +18,7 @@ TEST(CloseNames, PartsOfANameAndItsEnd) {
   EXPECT_EQ(close_names("borealis", kKnown), Names{"borealis_top128"});
   EXPECT_EQ(close_names("top128", kKnown).front(), "borealis_top128");
   EXPECT_EQ(close_names("top128x", kKnown).front(), "borealis_top128");
+  EXPECT_EQ(close_names("opactiy", {"camera.rate.opacity"}), Names{"camera.rate.opacity"});
 }
 
 TEST(CloseNames, NothingCloseAndNotTooMany) {

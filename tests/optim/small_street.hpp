@@ -5,9 +5,18 @@
 #include <stdlib.h>
 
 #include "io/synth/street.hpp"
+#include "optim/eval/evaluation.hpp"
 #include "optim/init/initialize.hpp"
 
 namespace simuli::test {
+
+/// The scene with the log's sensors.
+inline SceneFile file_of(const Log& log, Scene scene) {
+  return {std::move(scene), log.cameras, log.lidars, log.world_from_rig};
+}
+inline EvalReport compare(const Log& log, const Scene& scene, const EvalOptions& options) {
+  return Evaluation(Device::best(), file_of(log, scene), log, options).run();
+}
 
 /// Six pictures of 64 x 36 and six sweeps of 32 x 90, made once per process; frame 4 is held out of five.
 class SmallStreet : public testing::Test {
@@ -27,11 +36,12 @@ class SmallStreet : public testing::Test {
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
 
+  static constexpr FrameSelection kFullSize{.image_scale = 1.0};
   static Scene initial_scene() {
     InitOptions options;
     options.voxel_m = 0.2;
     options.sweep_depth = false;
-    return initialize_scene(log_, options).scene;
+    return initialize_scene(log_, kFullSize, options).scene;
   }
 
   inline static std::filesystem::path folder_;

@@ -4,7 +4,9 @@
 
 namespace simuli::cli {
 
-std::vector<Setting> train_settings(InitOptions& init, TrainOptions& train) {
+std::vector<Setting> train_settings(TrainingOptions& options) {
+  InitOptions& init = options.init;
+  TrainOptions& train = options.train;
   std::vector<Setting> all = {
       {"init.voxel_m", &init.voxel_m},
       {"init.camera_sh_degree", &init.camera_sh_degree},
@@ -19,8 +21,8 @@ std::vector<Setting> train_settings(InitOptions& init, TrainOptions& train) {
       {"init.max_scale_m", &init.max_scale_m},
       {"init.sweep_depth", &init.sweep_depth},
       {"init.sweep_cell_px", &init.sweep_cell_px},
-      {"init.range_bias", &init.range_bias},
-      {"init.own_vehicle", &init.own_vehicle},
+      {"init.range_bias", &options.sensors.range_bias},
+      {"init.own_vehicle", &options.sensors.own_vehicle},
       {"init.drop_moving", &init.drop_moving},
       {"init.environment_width", &init.environment_width},
       {"loss.colour_absolute", &train.image.absolute},

@@ -3,12 +3,11 @@
 #include <vector>
 
 #include "host/cli/base/settings.hpp"
-#include "optim/init/initialize.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli::cli {
 
 /// All of them, render.* included, in a fixed order.
-[[nodiscard]] std::vector<Setting> train_settings(InitOptions& init, TrainOptions& train);
+[[nodiscard]] std::vector<Setting> train_settings(TrainingOptions& options);
 
 }  // namespace simuli::cli

@@ -10,7 +10,7 @@
 
 #include "host/base/version.hpp"
 #include "host/cli/base/progress.hpp"
-#include "host/cli/report/held_out.hpp"
+#include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/html_report.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/ray_grid.hpp"
@@ -29,8 +29,9 @@ std::string count_text(Eigen::Index count) {
 }
 
 void add_metrics(HtmlReport& html, const EvalReport& report) {
-  html.heading("On frames that training did not see");
-  html.paragraph(fmt::format("{} pictures of {} x {} px, {} sweeps.",
+  html.heading("Compared with the log");
+  html.paragraph(fmt::format("{}: {} pictures of {} x {} px, {} sweeps.",
+                             report.frames.label(),
                              report.images,
                              report.image_width,
                              report.image_height,
@@ -45,8 +46,27 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
   return values;
 }
 
-void add_training(HtmlReport& html, const TrainedScene& trained) {
-  const TrainReport& r = trained.training;
+void add_record(HtmlReport& html, const TrainingRecord& made) {
+  html.heading("How the scene was made");
+  const FrameSelection& frames = made.frames;
+  std::vector<std::vector<std::string>> rows{
+      {"log", fmt::format("{} ({})", made.log_name, made.log_hash)},
+      {"iterations", fmt::format("{} of {}", made.iterations, made.planned_iterations)},
+      {"size of the pictures", fmt::format("{}", frames.image_scale)},
+      {"held out", frames.held_out_every > 0 ? fmt::format("every {}. frame", frames.held_out_every) : "nothing"},
+      {"seed", fmt::format("{}", frames.seed)},
+      {"quality", made.quality},
+      {"simuli", made.version},
+      {"device", fmt::format("{}, driver {}", made.device, made.driver)}};
+  for (const std::string& setting : made.settings) {
+    const std::size_t equals = setting.find('=');
+    rows.push_back({setting.substr(0, equals), setting.substr(std::min(setting.size(), equals + 1))});
+  }
+  html.table({"setting", "value"}, rows);
+}
+
+void add_training(HtmlReport& html, const TrainedReport& trained) {
+  const TrainReport& r = trained.report.train;
   const TrainHistory& h = trained.history;
   html.heading("Training");
   html.paragraph(
@@ -56,7 +76,7 @@ void add_training(HtmlReport& html, const TrainedScene& trained) {
                   r.last.iteration,
                   r.images,
                   r.sweeps,
-                  format_duration(trained.init.seconds),
+                  format_duration(trained.report.init.seconds),
                   format_duration(r.seconds),
                   count_text(r.camera_particles),
                   count_text(r.lidar_particles),
@@ -79,16 +99,16 @@ double seconds_of(const Log& log, double time_s) {
   return log.world_from_rig.poses().empty() ? time_s : time_s - log.world_from_rig.start_s();
 }
 
-void add_pictures(HtmlReport& html, SceneOnDevice& scene, const Log& log, const EvalOptions& options) {
-  const std::vector<std::size_t> images =
-      some_of(select_frames(log.images, options.held_out_every, options.held_out_every > 0), kPictures);
-  if (images.empty() || scene.scene().camera.size() == 0) return;
-  html.heading("Held-out pictures");
+void add_pictures(HtmlReport& html, Evaluation& evaluation) {
+  const Log& log = evaluation.log();
+  const std::vector<std::size_t> images = some_of(evaluation.frames().images, kPictures);
+  if (images.empty() || evaluation.scene().scene.camera.size() == 0) return;
+  html.heading(fmt::format("Pictures: {}", evaluation.frames().label()));
   html.paragraph(
       "Drag the line. Error pictures: black is right, pale is off by a quarter of full scale or more.");
   for (const std::size_t index : images) {
     const ImageFrame& frame = log.images[index];
-    const PicturePair pair = camera_pair(scene, log, index, options);
+    const PicturePair pair = evaluation.picture(index);
     html.compare(
         pair.rendered,
         "rendered",
@@ -99,18 +119,20 @@ void add_pictures(HtmlReport& html, SceneOnDevice& scene, const Log& log, const 
   }
 }
 
-void add_sweeps(HtmlReport& html, SceneOnDevice& scene, const Log& log, const EvalOptions& options) {
-  const std::vector<std::size_t> sweeps =
-      some_of(select_frames(log.sweeps, options.held_out_every, options.held_out_every > 0), kPictures);
-  if (sweeps.empty() || scene.scene().lidar.size() == 0) return;
-  html.heading("Held-out sweeps");
+void add_sweeps(HtmlReport& html, Evaluation& evaluation) {
+  const Log& log = evaluation.log();
+  const std::vector<std::size_t> sweeps = some_of(evaluation.frames().sweeps, kPictures);
+  if (sweeps.empty() || evaluation.scene().scene.lidar.size() == 0) return;
+  html.heading(fmt::format("Sweeps: {}", evaluation.frames().label()));
   for (const std::size_t index : sweeps) {
     const SweepFrame& frame = log.sweeps[index];
-    const SweepPictures sweep = sweep_pair(scene, log, index);
+    const LidarModel& lidar = log.lidar(frame.lidar).model;
+    const LidarPair sweep = evaluation.sweep(index);
+    const PicturePair ranges = range_pictures(lidar, sweep);
     html.compare(
-        sweep.ranges.rendered,
+        ranges.rendered,
         "rendered",
-        sweep.ranges.recorded,
+        ranges.recorded,
         "recorded",
         fmt::format("{}, sweep {}, {:.2f} s: range of every ray, warm near, cold far, black: no return",
                     frame.lidar,
@@ -118,7 +140,7 @@ void add_sweeps(HtmlReport& html, SceneOnDevice& scene, const Log& log, const Ev
                     seconds_of(log, frame.time_start_s)));
     if (index != sweeps.front()) continue;
     html.picture(
-        birds_eye(log.lidar(frame.lidar).model, sweep, kBirdsEye_m),
+        birds_eye(lidar, sweep, kBirdsEye_m),
         fmt::format("The same sweep from above, {:.0f} m to each side: recorded returns blue, simulated "
                     "ones orange, both white",
                     kBirdsEye_m));
@@ -145,12 +167,15 @@ std::vector<std::vector<std::string>> kernel_times(SceneOnDevice& scene,
   return rows;
 }
 
-void add_times(HtmlReport& html, SceneOnDevice& scene, const Log& log, const EvalOptions& options) {
+void add_times(HtmlReport& html, const Globals& globals, const Evaluation& evaluation) {
+  const Log& log = evaluation.log();
+  const RenderOptions& options = evaluation.options().render;
+  SceneOnDevice scene(Device::best(globals.device, {.profiling = true}), borrowed(evaluation.scene().scene), options);
   const std::vector<std::string> header{"kernel", "ms a frame", "launches"};
   html.heading("Time on the device, by kernel");
   if (!log.images.empty() && scene.scene().camera.size() > 0) {
     const ImageFrame& frame = log.images.front();
-    const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
+    const Camera camera = scaled_camera(log.camera(frame.camera).model, evaluation.frames().image_scale);
     html.paragraph(fmt::format("A picture of {}, {} x {} px:", frame.camera, camera.width, camera.height));
     html.table(header, kernel_times(scene, Sensor(camera), shot_of(log, frame)));
   }
@@ -170,23 +195,18 @@ void add_times(HtmlReport& html, SceneOnDevice& scene, const Log& log, const Eva
 void write_report(const std::filesystem::path& file,
                   const std::string& title,
                   const Globals& globals,
-                  const Log& log,
-                  const Scene& scene,
-                  const EvalOptions& options,
+                  Evaluation& evaluation,
                   const EvalReport& report,
-                  const TrainedScene* trained) {
-  // One device for pictures and times.
-  const Device device = Device::best(globals.device, {.profiling = true});
+                  const TrainedReport* trained) {
+  const DeviceInfo& info = evaluation.device().info();
   HtmlReport html(
-      title,
-      fmt::format(
-          "simuli {}; {}, driver {}", SIMULI_VERSION, device.info().label(), device.info().driver_version));
+      title, fmt::format("simuli {}; {}, driver {}", version(), info.label(), info.driver_version));
   add_metrics(html, report);
   if (trained != nullptr) add_training(html, *trained);
-  SceneOnDevice on_device(device, borrowed(scene), options.render);
-  add_pictures(html, on_device, log, options);
-  add_sweeps(html, on_device, log, options);
-  add_times(html, on_device, log, options);
+  add_pictures(html, evaluation);
+  add_sweeps(html, evaluation);
+  add_times(html, globals, evaluation);
+  if (evaluation.scene().training) add_record(html, *evaluation.scene().training);
   html.write(file);
 }
 

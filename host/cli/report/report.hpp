@@ -8,17 +8,21 @@
 
 namespace simuli::cli {
 
-/// Metrics, curves of the training (when `trained` is given), held-out pictures and sweeps beside what was
-/// recorded, the LiDAR's tiles, the time of each kernel of a frame. Renders what it shows, on the device that
+/// A training and how it went.
+struct TrainedReport {
+  TrainingReport report;
+  TrainHistory history;
+};
+
+/// Metrics, curves of the training (when `trained` is given), how the scene was made, pictures and sweeps beside
+/// what was recorded, the LiDAR's tiles, the time of each kernel of a frame. Renders what it shows, on the device that
 /// `globals` asks for. Atomic; Error{kInput} when the file can't be written.
 void write_report(const std::filesystem::path& file,
                   const std::string& title,
                   const Globals& globals,
-                  const Log& log,
-                  const Scene& scene,
-                  const EvalOptions& options,
+                  Evaluation& evaluation,
                   const EvalReport& report,
-                  const TrainedScene* trained);
+                  const TrainedReport* trained = nullptr);
 
 /// The rows of a bench, one table for each thing measured.
 void write_bench_report(const std::filesystem::path& file,

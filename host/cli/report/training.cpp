@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,9 +11,9 @@
 
 #include "host/cli/base/progress.hpp"
 #include "host/cli/base/file_progress.hpp"
-#include "host/cli/base/train_settings.hpp"
 #include "host/cli/view/view_session.hpp"
 #include "io/base/event_file.hpp"
+#include "io/scene/training_json.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -71,7 +70,7 @@ class Recorder {
   std::optional<EventFile> events_;
 };
 
-void warn(const TrainReport& report, const TrainOptions& options) {
+void warn(const TrainReport& report, int iterations) {
   if (report.rejected_gradients > 0) {
     std::cerr << fmt::format("simuli: warning: {} gradient entries were not finite and moved nothing\n",
                              report.rejected_gradients);
@@ -88,16 +87,16 @@ void warn(const TrainReport& report, const TrainOptions& options) {
         "down\n",
         report.seconds,
         report.last.iteration,
-        options.iterations);
+        iterations);
   }
 }
 
 /// Hands the training's newest scene to the viewer, as long as somebody looks.
 class LiveScene {
  public:
-  LiveScene(ViewSession* view, const Trainer& trainer, int iterations)
-      : view_(view), trainer_(trainer), iterations_(iterations) {
-    update(trainer.status(), true);
+  LiveScene(ViewSession* view, const Training& training, int iterations)
+      : view_(view), training_(training), iterations_(iterations) {
+    update(training.status(), true);
   }
   /// `at_once`: whoever looks and however little time has passed.
   void update(const TrainStatus& status, bool at_once = false) {
@@ -106,7 +105,7 @@ class LiveScene {
     const auto now = std::chrono::steady_clock::now();
     const bool due = now - shown_ > kEvery && view_->idle_s() < kLooks_s;
     if (!due && !at_once) return;
-    view_->show(trainer_.scene());
+    view_->show(training_.scene());
     shown_ = std::chrono::steady_clock::now();
   }
 
@@ -114,7 +113,7 @@ class LiveScene {
   static constexpr std::chrono::seconds kEvery{3};
   static constexpr double kLooks_s = 10.0;
   ViewSession* view_;
-  const Trainer& trainer_;
+  const Training& training_;
   int iterations_;
   std::chrono::steady_clock::time_point shown_;
 };
@@ -125,76 +124,46 @@ std::string number(double value, int decimals) {
 
 }  // namespace
 
-TrainedScene train_scene(const Device& device,
-                         const Log& log,
-                         const InitOptions& init,
-                         const TrainOptions& options,
-                         const Globals& globals,
-                         const TrainOutputs& outputs) {
+TrainHistory run_training(Training& training,
+                          const Device& device,
+                          int iterations,
+                          const Globals& globals,
+                          const TrainOutputs& outputs) {
   const Checkpoints& checkpoints = outputs.checkpoints;
-  // Saved states are of this very training: the start is made again from the same log and settings.
-  InitOptions own_init = init;
-  TrainOptions own_options = options;
-  const std::string settings =
-      fmt::format("iterations={}\nscale={}\nheld_out={}\nseed={}\nimages={}\nsweeps={}\n{}\n",
-                  options.iterations,
-                  options.image_scale,
-                  options.held_out_every,
-                  options.seed,
-                  log.images.size(),
-                  log.sweeps.size(),
-                  fmt::join(list_settings(train_settings(own_init, own_options)), "\n"));
-  const bool resumes = checkpoints.resume && std::filesystem::exists(checkpoints.file);
-  if (resumes) {
-    Trainer::need_settings(checkpoints.file, settings);
-  } else if (checkpoints.resume) {
+  const bool resumes = outputs.resume && std::filesystem::exists(checkpoints.file);
+  if (outputs.resume && !resumes) {
     std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
   }
-
   FileProgress reading("initialise", globals);
-  SceneInit start = initialize_scene(log, init, reading.callback());
-  reading.finish();
-  TrainedScene out;
-  out.init = start.report;
-  out.file.cameras = log.cameras;
-  out.file.lidars = log.lidars;
-  out.file.world_from_rig = log.world_from_rig;
-
-  Trainer trainer(device, log, std::move(start.scene), options, std::move(start.moving));
-  if (resumes) trainer.resume(checkpoints.file, settings);
-  Progress progress("train", static_cast<std::uint64_t>(options.iterations), progress_style(globals));
-  LiveScene live(outputs.view, trainer, options.iterations);
-  Recorder recorder(out.history, options.iterations, outputs.event_folder);
-  out.training = trainer.run([&](const TrainStatus& status) {
-    progress.update(static_cast<std::uint64_t>(status.iteration), status_note(status, device.memory()));
-    recorder.add(status, device.memory());
-    live.update(status);
-    if (checkpoints.every > 0 && status.iteration % checkpoints.every == 0) {
-      trainer.save(checkpoints.file, settings);
-    }
-  });
-  progress.finish(status_note(out.training.last, device.memory()));
-  live.update(out.training.last, true);
-  warn(out.training, options);
-  out.file.scene = trainer.scene();
-  for (const auto& [name, offset] : trainer.sensor_offsets()) {
-    for (LogCamera& camera : out.file.cameras) {
-      if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);
-    }
-    for (LogLidar& lidar : out.file.lidars) {
-      if (name_of(lidar.model) == name) lidar.rig_from_lidar = moved_by(offset, lidar.rig_from_lidar);
-    }
+  if (resumes) {
+    training.resume(checkpoints.file, reading.callback());
+  } else {
+    training.prepare(reading.callback());
   }
-  return out;
+  reading.finish();
+  TrainHistory history;
+  Progress progress("train", static_cast<std::uint64_t>(iterations), progress_style(globals));
+  LiveScene live(outputs.view, training, iterations);
+  Recorder recorder(history, iterations, outputs.event_folder);
+  const TrainReport& report = training
+                                  .run(
+                                      [&](const TrainStatus& status) {
+                                        progress.update(static_cast<std::uint64_t>(status.iteration),
+                                                        status_note(status, device.memory()));
+                                        recorder.add(status, device.memory());
+                                        live.update(status);
+                                      },
+                                      checkpoints)
+                                  .train;
+  progress.finish(status_note(report.last, device.memory()));
+  live.update(report.last, true);
+  warn(report, iterations);
+  return history;
 }
 
-EvalReport evaluate_scene(const Device& device,
-                          const Log& log,
-                          const Scene& scene,
-                          const EvalOptions& options,
-                          const Globals& globals) {
+EvalReport run_evaluation(Evaluation& evaluation, const Globals& globals) {
   FileProgress progress("evaluate", globals);
-  const EvalReport report = evaluate(device, log, scene, options, progress.callback());
+  const EvalReport report = evaluation.run(progress.callback());
   progress.finish();
   return report;
 }
@@ -226,11 +195,15 @@ std::vector<MetricLine> metric_lines(const EvalReport& r) {
   return lines;
 }
 
-void print_eval(const EvalReport& r, bool json) {
+void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
   const SweepMetrics& l = r.lidar;
   if (json) {
     // A value that is not a number (no such frame in the log) is null.
-    const nlohmann::ordered_json out = {{"psnr_db", r.psnr_db},
+    const nlohmann::ordered_json trained = scene.training ? to_json(*scene.training) : Json();
+    const nlohmann::ordered_json out = {{"frames", to_string(r.frames.kind)},
+                                        {"held_out_every", r.frames.held_out_every},
+                                        {"image_scale", r.frames.image_scale},
+                                        {"psnr_db", r.psnr_db},
                                         {"ssim", r.ssim},
                                         {"psnr_ungraded_db", r.psnr_ungraded_db},
                                         {"distance_median_m", l.distance_median_m},
@@ -255,11 +228,13 @@ void print_eval(const EvalReport& r, bool json) {
                                         {"image_width_px", r.image_width},
                                         {"image_height_px", r.image_height},
                                         {"device", r.device},
-                                        {"seconds", r.seconds}};
+                                        {"seconds", r.seconds},
+                                        {"training", trained}};
     std::cout << out.dump(2) << '\n';
     return;
   }
-  std::cout << fmt::format("held-out frames: {} pictures of {} x {} px, {} sweeps, on {}\n",
+  std::cout << fmt::format("{}: {} pictures of {} x {} px, {} sweeps, on {}\n",
+                           r.frames.label(),
                            r.images,
                            r.image_width,
                            r.image_height,

@@ -12,7 +12,7 @@
 #include "host/cli/base/commands.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/scene/sensor_rig.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/train/train_report.hpp"
 
 namespace simuli::cli {
 

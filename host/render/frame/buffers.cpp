@@ -35,16 +35,6 @@ void load_halves(const float* source, Eigen::Ref<Eigen::ArrayXf> row) {
 
 }  // namespace
 
-LaneShape LaneShape::of(const Device& device, Precision precision) {
-  if (!device.quirks().prefers_explicit_vectors) return {1, 4, 64};
-  return precision == Precision::kFloat ? LaneShape{16, 16, 1} : LaneShape{8, 32, 1};
-}
-
-LaneShape LaneShape::for_tile(int tile_rays) const {
-  const int items = std::min(work_items, tile_rays / lanes);
-  return {lanes, tile_rays / lanes / items, items};
-}
-
 BuildOptions Variant::options() const {
   BuildOptions options;
   // Only where there are any: programs of scenes without actors are the same as ever.

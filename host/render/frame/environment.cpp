@@ -3,6 +3,7 @@
 
 #include "host/base/error.hpp"
 #include "host/render/frame/picture_stages.hpp"
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/options/validate.hpp"
 
 namespace simuli {
@@ -48,7 +49,7 @@ EnvironmentMap EnvironmentBuffers::download() const {
 
 EnvironmentStage::EnvironmentStage(const Device& device, Precision precision, int lanes)
     : device_(device),
-      lanes_(lanes == 0 ? LaneShape::of(device, precision).lanes : lanes),
+      lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
       cell_(device, "environment cells"),
       slot_(device, "environment slots"),
       cell_scratch_(device, "environment cells, sorting"),

@@ -1,9 +1,10 @@
 #pragma once
+// How frames are rendered.
 #include <compare>
 #include <cstddef>
 
+#include "host/base/allowed.hpp"
 #include "host/runtime/build_options.hpp"
-#include "host/runtime/device.hpp"
 
 namespace simuli {
 
@@ -12,8 +13,6 @@ struct LaneShape {
   int lanes = 16;
   int vectors = 16;
   int work_items = 1;
-  /// CPUs: one work-item per tile, explicit vectors. GPUs: 64 scalar work-items of 4 rays.
-  [[nodiscard]] static LaneShape of(const Device& device, Precision precision);
   /// The same for tiles of fewer rays, a power of two.
   [[nodiscard]] LaneShape for_tile(int tile_rays) const;
   auto operator<=>(const LaneShape&) const = default;
@@ -68,10 +67,21 @@ enum class ShStorage : int {
 /// The tiles of a LiDAR: what procedure 1 of the paper is asked for. Both 0: what `simuli tile --tune` has
 /// found for the sensor on the device, if it has; else 0 is as suits most.
 struct LidarTiles {
-  int elevation = 0;  // tiles from top to bottom; more where a tile could not hold its beams
-  int rays = 0;       // of one tile, at most: 16 to 256
+  int elevation = 0;
+  int rays = 0;
   bool operator==(const LidarTiles&) const = default;
 };
+template <class F>
+constexpr void visit_fields(LidarTiles& o, F&& field) {
+  field("render.lidar_tiles.elevation",
+        o.elevation,
+        range(0, 4096),
+        "tiles from top to bottom, more where one could not hold its beams; 0: as tuned, or as suits most");
+  field("render.lidar_tiles.rays",
+        o.rays,
+        zero_or(range(16, 256)),
+        "rays of a tile, at most; 0: as tuned, or as suits most");
+}
 
 /// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile instances
 /// (METHOD section 6). Pictures are the same bits either way.
@@ -85,36 +95,121 @@ enum class Culling : int {
 struct RayMaskSize {
   int columns = 1600;
   int rows = 8;
-  bool equalized = true;  // rows of equally many beams, else of equal intervals of elevation
-  bool operator==(const RayMaskSize&) const = default;
+  int elevation = 0;
+  int rays = 0;
+  bool operator==(const LidarTiles&) const = default;
 };
+template <class F>
+constexpr void visit_fields(RayMaskSize& o, F&& field) {
+  field("render.ray_mask.columns", o.columns, range(1, 65536), "cells over a LiDAR's sweep, of its ray mask");
+  field("render.ray_mask.rows", o.rows, range(1, 4096), "cells over its beams");
+  field("render.ray_mask.equalized",
+        o.equalized,
+        "rows of equally many beams, else of equal intervals of elevation");
+}
 
 /// Every approximation of a frame, named, with its default (speed against accuracy).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
-  Extent extent = Extent::kUnscented;  // kExact: projection has no effect
+  Extent extent = Extent::kUnscented;
   Order order = Order::kRange;
   ShDirection sh_direction = ShDirection::kParticle;
   ShDegree sh_degree = ShDegree::k3;
-  double sh_error = 0.002;  // of ShDegree::kAuto: RMS over directions and particles, of 1 (and of a logit)
+  double sh_error = 0.002;
   ShStorage sh_storage = ShStorage::kFull;
   Math math = Math::kFast;
-  int shutter_iterations = 4;        // looks for a sigma point's own time, to 64; extents are bounds where it
-                                     // isn't found. 0: as if all stood still half-way through the frame
-  double alpha_cut = 1.0 / 255.0;    // contributions below this are not made
-  double transmittance_cut = 1e-4;   // a ray is done below this
-  double camera_filter_px2 = 0.3;    // variance of the pixel footprint, px^2
-  bool camera_compensation = false;  // particles widened by the footprint lose opacity in proportion
-  bool lidar_compensation = false;   // the same for beams: blends thin things with what is behind
-  bool median_distance = true;       // write the median distance as well (LiDAR)
+  int shutter_iterations = 4;  // where a point's own time isn't found, extents are bounds
+  double alpha_cut = 1.0 / 255.0;
+  double transmittance_cut = 1e-4;
+  double camera_filter_px2 = 0.3;
+  bool camera_compensation = false;
+  bool lidar_compensation = false;  // blends thin things with what is behind
+  bool median_distance = true;
   LidarTiles lidar_tiles;
   Culling culling = Culling::kAuto;
   RayMaskSize ray_mask;
-  LaneShape shape{0, 0, 0};                           // 0: LaneShape::of(device)
-  std::size_t max_instances = std::size_t{1} << 28U;  // a frame that needs more is refused
+  LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
+  std::size_t max_instances = std::size_t{1} << 28U;
 
   bool operator==(const RenderOptions&) const = default;
 };
+
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(RenderOptions& o, F&& field) {
+  field("render.projection",
+        o.projection,
+        one_of("unscented", "linearized", "monte_carlo"),
+        "how a particle's box on the sensor is found: sigma points, the derivative, 200 samples; with "
+        "extent=unscented");
+  field("render.extent",
+        o.extent,
+        one_of("unscented", "exact"),
+        "rays a particle may contribute to: those in the box of render.projection (the paper's), or all with "
+        "an "
+        "alpha of at least render.alpha_cut");
+  field("render.order",
+        o.order,
+        one_of("range", "per_ray"),
+        "in which a ray blends: by the particles' distances from the sensor, or by where it meets each; "
+        "per_ray has "
+        "no gradients");
+  field("render.sh_direction",
+        o.sh_direction,
+        one_of("particle", "ray"),
+        "from where colours are seen: once per particle, or along each ray; ray has no gradients");
+  field("render.sh_degree",
+        o.sh_degree,
+        one_of("0", "1", "2", "3", "auto"),
+        "bands of spherical harmonics, at most; auto: the fewest within render.sh_error. Gradients with 3 "
+        "alone");
+  field("render.sh_error",
+        o.sh_error,
+        above(0.0, 10.0),
+        "of 1 (colour) or of a logit, RMS over directions and particles: what sh_degree=auto may lose");
+  field("render.sh_storage",
+        o.sh_storage,
+        one_of("full", "half"),
+        "of coefficients on the device: as computed, or 16 bits (float alone); half has no gradients");
+  field("render.math",
+        o.math,
+        one_of("fast", "precise"),
+        "exp, atan2, sine, cosine in float: polynomials within 3e-7, or the device's own");
+  field("render.precision", o.precision, one_of("float", "double"), "of all numbers on the device");
+  field("render.shutter_iterations",
+        o.shutter_iterations,
+        range(0, 64),
+        "looks for the moment at which a moving sensor sees a point; 0: all stands still half-way through "
+        "the frame");
+  field("render.alpha_cut", o.alpha_cut, range(1e-30, 0.5), "of 1: contributions below it are not made");
+  field("render.transmittance_cut", o.transmittance_cut, range(0.0, 0.5), "of 1: a ray is done below it");
+  field("render.camera_filter_px2",
+        o.camera_filter_px2,
+        range(0.0, 100.0),
+        "px^2, variance of a pixel's footprint");
+  field("render.camera_compensation",
+        o.camera_compensation,
+        "particles that a pixel's footprint widens lose opacity in proportion");
+  field("render.lidar_compensation",
+        o.lidar_compensation,
+        "the same for beams: blends thin things with what is behind");
+  field("render.culling",
+        o.culling,
+        one_of("off", "auto", "always"),
+        "of particles that no ray of a LiDAR meets: never, where cells of the ray mask are empty, or at "
+        "every look. "
+        "The same bits either way");
+  field.part("", o.lidar_tiles);
+  field("render.max_instances",
+        o.max_instances,
+        at_least(1),
+        "pairs of tile and particle: a frame that needs more is refused");
+  field("render.median_distance",
+        o.median_distance,
+        "LiDARs: also the distance at which half the light is gone; trainings never do");
+  field.part("", o.ray_mask);
+  field.keyless(o.shape);  // follows from the device
+}
 
 }  // namespace simuli

@@ -6,36 +6,18 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 
 namespace simuli {
 
 void validate(const RenderOptions& options) {
-  const auto need = [](bool holds, const char* field, double found, const char* allowed) {
-    if (holds) return;
-    throw Error(ErrorKind::kUsage, fmt::format("render.{}: found {}, allowed {}", field, found, allowed));
-  };
-  const RenderOptions& o = options;
-  need(o.shutter_iterations >= 0 && o.shutter_iterations <= 64,
-       "shutter_iterations",
-       o.shutter_iterations,
-       "0 to 64");
-  need(o.alpha_cut >= 1e-30 && o.alpha_cut <= 0.5, "alpha_cut", o.alpha_cut, "1e-30 to 0.5");
-  need(o.transmittance_cut >= 0.0 && o.transmittance_cut <= 0.5,
-       "transmittance_cut",
-       o.transmittance_cut,
-       "0 to 0.5");
-  need(o.camera_filter_px2 >= 0.0 && o.camera_filter_px2 <= 100.0,
-       "camera_filter_px2",
-       o.camera_filter_px2,
-       "0 to 100");
-  if (o.projection != Projection::kUnscented && o.extent == Extent::kExact) {
+  check_fields(options);
+  if (options.projection != Projection::kUnscented && options.extent == Extent::kExact) {
     throw Error(
         ErrorKind::kUsage,
-        "render.projection: found another than unscented beside extent=exact, which has no use for it; "
-        "allowed with extent=unscented");
+        "render.projection: found another than unscented beside render.extent=exact, which has no use for "
+        "it, allowed with render.extent=unscented");
   }
-  need(o.sh_error > 0.0 && o.sh_error <= 10.0, "sh_error", o.sh_error, "more than 0, to 10");
-  need(o.max_instances >= 1, "max_instances", static_cast<double>(o.max_instances), "1 or more");
 }
 
 void need_numbers(std::span<const float> values, float largest, const char* what) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "host/render/rays/lidar_tiling.hpp"
 
 namespace simuli {
@@ -33,14 +34,9 @@ std::uint32_t divided_up(std::size_t a, std::size_t b) { return static_cast<std:
 
 constexpr int kBeamsOfTile = 8;  // nothing asked for, nothing tuned
 
-/// Most rays of a tile. Error{kInput} for requests that no tiling can answer.
+/// Most rays of a tile. Error{kUsage} for requests that no tiling can answer.
 std::uint32_t most_rays_of(const LidarTiles& wanted) {
-  if (wanted.elevation < 0 || wanted.elevation > 4096) {
-    throw_input_error("options", "lidar_tiles.elevation", std::to_string(wanted.elevation), "0 to 4096");
-  }
-  if (wanted.rays != 0 && (wanted.rays < static_cast<int>(kMostRows) || wanted.rays > SIM_TILE_RAYS)) {
-    throw_input_error("options", "lidar_tiles.rays", std::to_string(wanted.rays), "16 to 256, or 0");
-  }
+  check_fields(wanted);
   return wanted.rays == 0 ? SIM_TILE_RAYS : static_cast<std::uint32_t>(wanted.rays);
 }
 

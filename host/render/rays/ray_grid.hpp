@@ -11,6 +11,8 @@
 
 namespace simuli {
 
+class Device;
+
 enum class SensorType : int { kCamera = 0, kLidar = 1 };  // as SENSOR in cl/math/sensor.h
 
 /// All rays of a sensor laid into tiles of frame.tile_rays slots, in the sensor frame: what every later stage

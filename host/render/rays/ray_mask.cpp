@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "host/render/frame/stages.hpp"
 
 namespace simuli {
@@ -42,12 +42,7 @@ RayMaskStage::RayMaskStage(const Device& device, Precision precision)
       column_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_column_sums") {}
 
 bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays) {
-  if (size.columns < 1 || size.columns > 65536) {
-    throw_input_error("options", "ray_mask.columns", std::to_string(size.columns), "1 to 65536");
-  }
-  if (size.rows < 1 || size.rows > 4096) {
-    throw_input_error("options", "ray_mask.rows", std::to_string(size.rows), "1 to 4096");
-  }
+  check_fields(size);
   const auto columns = static_cast<std::uint32_t>(size.columns), rows = static_cast<std::uint32_t>(size.rows);
   auto& c = grid.constants;
   c[SIM_S_MASK_SCALE] = columns / (c[SIM_S_TILE_X1] - c[SIM_S_TILE_X0]);

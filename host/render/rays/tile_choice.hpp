@@ -8,6 +8,8 @@
 
 namespace simuli {
 
+class Device;
+
 /// What a choice belongs to: a sensor by name and size, in tiles of this device's shape.
 struct TileChoiceKey {
   std::string sensor;

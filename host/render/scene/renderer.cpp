@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "host/base/error.hpp"
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/rays/ray_mask.hpp"
 #include "host/render/options/validate.hpp"
@@ -137,7 +138,7 @@ namespace {
 
 RenderOptions resolve(const Device& device, RenderOptions options) {
   validate(options);
-  if (options.shape.lanes == 0) options.shape = LaneShape::of(device, options.precision);
+  if (options.shape.lanes == 0) options.shape = lane_shape_of(device, options.precision);
   const LaneShape& s = options.shape;
   if (s.lanes * s.vectors * s.work_items != SIM_TILE_RAYS) {
     throw Error(ErrorKind::kInternal, "lane shape: lanes x vectors x work-items is not 256");

@@ -29,8 +29,7 @@ LidarFrame lidar_frame(const LidarModel& lidar, LidarRays rays, const RayResults
   for (std::size_t i = 0; i < results.rays; ++i) {
     const float drop = results.drop_probability(i);
     const bool returns = drop <= 0.5F;
-    const auto bias_m = static_cast<float>(range_bias(lidar, rays, i));
-    out.range.push_back(returns ? best_distance(results, i) + bias_m : 0.0F);
+    out.range.push_back(returns ? stated_range(lidar, rays, i, best_distance(results, i)) : 0.0F);
     out.intensity.push_back(returns ? std::clamp(results.feature[0][i], 0.0F, 1.0F) : 0.0F);
     out.drop.push_back(drop);
   }

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/train/loss_stages.hpp"
 
 namespace simuli {
@@ -15,7 +16,7 @@ constexpr std::size_t kLocalSize = 32;
 
 BuildOptions adam_options(const Device& device, Precision precision) {
   BuildOptions options;
-  return options.real(precision).define("V", LaneShape::of(device, precision).lanes);
+  return options.real(precision).define("V", lane_shape_of(device, precision).lanes);
 }
 
 }  // namespace
@@ -24,7 +25,7 @@ AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
     : AdamStage(device, particles.params.precision(), particles.params.count()) {}
 
 AdamStage::AdamStage(const Device& device, Precision precision, std::size_t parameters)
-    : lanes_(LaneShape::of(device, precision).lanes),
+    : lanes_(lane_shape_of(device, precision).lanes),
       rate_(device, "Adam rates", precision),
       first_(device, "Adam first moment", precision, parameters),
       second_(device, "Adam second moment", precision, parameters),

@@ -1,13 +1,14 @@
 // Launcher of "kernels/loss_image.cl" and "kernels/loss_lidar.cl".
 #include "host/render/train/loss_stages.hpp"
 #include "host/render/frame/picture_stages.hpp"
+#include "host/render/options/lane_shape.hpp"
 
 namespace simuli {
 namespace {
 
 BuildOptions loss_options(const Device& device, Precision precision) {
   BuildOptions options;
-  return options.real(precision).define("V", LaneShape::of(device, precision).lanes);
+  return options.real(precision).define("V", lane_shape_of(device, precision).lanes);
 }
 
 constexpr std::size_t kGradRows = 5;

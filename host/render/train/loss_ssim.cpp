@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/render/frame/picture_stages.hpp"
+#include "host/render/options/lane_shape.hpp"
 
 namespace simuli {
 namespace {
@@ -29,7 +30,7 @@ Program ssim_program(const Device& device, Precision precision, int lanes) {
 }  // namespace
 
 SsimStage::SsimStage(const Device& device, Precision precision, int lanes)
-    : lanes_(lanes == 0 ? LaneShape::of(device, precision).lanes : lanes),
+    : lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
       window_(device, "SSIM window", precision),
       planes_(device, "SSIM planes", precision),
       moments_(device, "SSIM moments", precision),

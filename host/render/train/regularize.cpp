@@ -1,6 +1,8 @@
 // Launcher of "kernels/regularize.cl".
 #include "host/render/train/regularize.hpp"
 
+#include "host/render/options/lane_shape.hpp"
+
 namespace simuli {
 namespace {
 
@@ -9,7 +11,7 @@ constexpr std::size_t kLocalSize = 32;
 }  // namespace
 
 RegularizeStage::RegularizeStage(const Device& device, Precision precision)
-    : lanes_(LaneShape::of(device, precision).lanes),
+    : lanes_(lane_shape_of(device, precision).lanes),
       regularize_(
           Program(device, "kernels/regularize.cl", BuildOptions().real(precision).define("V", lanes_)),
           "regularize") {}

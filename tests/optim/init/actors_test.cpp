@@ -7,10 +7,11 @@
 #include "io/synth/street.hpp"
 #include "optim/poses/actor_poses.hpp"
 #include "optim/init/actor_tracks.hpp"
-#include "optim/eval/evaluate.hpp"
+#include "optim/eval/evaluation.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/train/trainer.hpp"
+#include "tests/optim/small_street.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
@@ -34,6 +35,7 @@ class StreetWithCar : public testing::Test {
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
 
+  static constexpr FrameSelection kFullSize{.image_scale = 1.0};
   static InitOptions small(bool actors) {
     InitOptions options;
     options.voxel_m = 0.15;
@@ -49,7 +51,7 @@ class StreetWithCar : public testing::Test {
 };
 
 TEST_F(StreetWithCar, ParticlesOfTheCarAreInItsFrame) {
-  const SceneInit start = initialize_scene(log_, small(true));
+  const SceneInit start = initialize_scene(log_, kFullSize, small(true));
   ASSERT_EQ(start.scene.actors.size(), 1U);
   EXPECT_GT(start.report.actor_points, 300U);
   const Vector3d half = 0.5 * start.scene.actors[0].size_m + Vector3d::Constant(0.1 + 1e-6);
@@ -75,11 +77,11 @@ TEST_F(StreetWithCar, ParticlesOfTheCarAreInItsFrame) {
         std::abs(p.x()) < half.x() && std::abs(p.y()) < half.y() && above_road > 0.11 && p.z() < 0.5;
     EXPECT_FALSE(inside) << p.transpose();
   }
-  EXPECT_TRUE(initialize_scene(log_, small(false)).scene.actors.empty());
+  EXPECT_TRUE(initialize_scene(log_, kFullSize, small(false)).scene.actors.empty());
 }
 
 TEST_F(StreetWithCar, PicturesFillTheGlassThatNoLaserReturnsFrom) {
-  const Scene scene = initialize_scene(log_, small(true)).scene;
+  const Scene scene = initialize_scene(log_, kFullSize, small(true)).scene;
   const auto of_car = [](const GaussianSet& set) {
     std::vector<Vector3d> out;
     for (Eigen::Index i = 0; i < set.size(); ++i) {
@@ -131,9 +133,9 @@ TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {
   const auto of_car = [](const GaussianSet& set) {
     return std::count(set.actor.begin(), set.actor.end(), 1U);
   };
-  const SceneInit seen = initialize_scene(log_, options);
+  const SceneInit seen = initialize_scene(log_, kFullSize, options);
   options.mirror_actors = true;
-  const SceneInit both = initialize_scene(log_, options);
+  const SceneInit both = initialize_scene(log_, kFullSize, options);
   EXPECT_GT(both.report.actor_points, seen.report.actor_points + seen.report.actor_points / 4);
   EXPECT_GT(of_car(both.scene.camera), of_car(seen.scene.camera) * 5 / 4);
   // The far side hides some of the background, too.
@@ -146,23 +148,21 @@ TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
   const Device device = Device::best();
   EvalReport reports[2];
   for (const bool actors : {false, true}) {
-    TrainOptions options;
-    options.iterations = 60;
-    options.image_scale = 1.0;
-    Trainer trainer(device, log_, initialize_scene(log_, small(actors)).scene, options);
+    TrainingOptions options;
+    options.train.iterations = 60;
+    options.frames.image_scale = 1.0;
+    Trainer trainer(device, log_, initialize_scene(log_, kFullSize, small(actors)).scene, options);
     (void)trainer.run();
     const Scene scene = trainer.scene();
     if (actors) {
-      const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.actor_margin_m + 1e-5);
+      const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
       for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
         if (scene.camera.actor[static_cast<std::size_t>(i)] == 0) continue;
         const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>();
         ASSERT_TRUE((p.array().abs() <= half.array()).all()) << p.transpose();
       }
     }
-    EvalOptions compare;
-    compare.timed_renders = 1;
-    reports[actors ? 1 : 0] = evaluate(device, log_, scene, compare);
+    reports[actors ? 1 : 0] = test::compare(log_, scene, {.image_scale = 1.0, .timed_renders = 1});
   }
   EXPECT_GT(reports[0].actor_pixels, 50U);
   EXPECT_EQ(reports[0].actor_pixels, reports[1].actor_pixels);
@@ -172,17 +172,17 @@ TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
 
 TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
   const Device device = Device::best();
-  TrainOptions options;
-  options.iterations = 4;
-  options.image_scale = 1.0;
+  TrainingOptions options;
+  options.train.iterations = 4;
+  options.frames.image_scale = 1.0;
   InitOptions init = small(true);
   init.register_tracks = false;
-  Trainer kept(device, log_, initialize_scene(log_, init).scene, options);
+  Trainer kept(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
   (void)kept.run();
   for (const KeyPose& key : kept.scene().actors[0].track) EXPECT_TRUE(key.shift_m.isZero(0.0));
-  options.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
-  Trainer learned(device, log_, initialize_scene(log_, init).scene, options);
-  Trainer again(device, log_, initialize_scene(log_, init).scene, options);
+  options.train.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  Trainer learned(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
+  Trainer again(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
   (void)learned.run();
   (void)again.run();
   double moved = 0.0;
@@ -196,14 +196,14 @@ TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
 
 TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   const Device device = Device::best();
-  TrainOptions options;
-  options.iterations = 24;
-  options.image_scale = 1.0;
-  options.lidar_every = 2;
-  options.densify.every = options.densify.first = 5;
-  options.anchor.every = 7;
-  options.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
-  Scene start = initialize_scene(log_, small(true)).scene;
+  TrainingOptions options;
+  options.train.iterations = 24;
+  options.frames.image_scale = 1.0;
+  options.train.lidar_every = 2;
+  options.train.densify.every = options.train.densify.first = 5;
+  options.train.anchor.every = 7;
+  options.train.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  Scene start = initialize_scene(log_, kFullSize, small(true)).scene;
   for (GaussianSet* set : {&start.camera, &start.lidar}) {
     for (Eigen::Index i = 0; i < set->size(); i += 9) set->opacity_logit()(i) = -7.0F;  // dead
   }
@@ -214,7 +214,7 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   EXPECT_GT(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 10));
   EXPECT_GT(report.grown, 100U);
   const Scene scene = whole.scene();
-  const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.actor_margin_m + 1e-5);
+  const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
   for (const GaussianSet* set : {&scene.camera, &scene.lidar}) {
     ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
     const auto count = std::count(set->actor.begin(), set->actor.end(), 1U);
@@ -242,12 +242,12 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
 }
 
 TEST_F(StreetWithCar, WhatIsNotANumberLeavesTheOthersWithTheirActor) {
-  Scene start = initialize_scene(log_, small(true)).scene;
+  Scene start = initialize_scene(log_, kFullSize, small(true)).scene;
   const auto first_of_car = std::find(start.camera.actor.begin(), start.camera.actor.end(), 1U);
   start.camera.mean()(first_of_car - start.camera.actor.begin(), 0) = std::nanf("");
-  TrainOptions options;
-  options.iterations = 1;
-  options.image_scale = 1.0;
+  TrainingOptions options;
+  options.train.iterations = 1;
+  options.frames.image_scale = 1.0;
   const Scene scene = Trainer(Device::best(), log_, start, options).scene();
   ASSERT_EQ(scene.camera.size(), start.camera.size() - 1);
   start.camera.actor.erase(first_of_car);

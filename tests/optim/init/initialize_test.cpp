@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr FrameSelection kFullSize{.image_scale = 1.0};
+
 // Pictures are stored in 8 bits: half a step, and as much again for the bilinear sample.
 constexpr float kColour = 1.0F / 255.0F;
 // Sweeps are float, voxel averages keep micrometres; ranges of up to 20 m in float32.
@@ -88,7 +90,7 @@ float colour_of(const GaussianSet& set, Eigen::Index row, int channel) {
 }
 
 TEST_F(InitializeScene, LidarParticlesLieOnTheWall) {
-  const SceneInit init = initialize_scene(log_, {});
+  const SceneInit init = initialize_scene(log_, kFullSize, {});
   const GaussianSet& set = init.scene.lidar;
   EXPECT_EQ(init.scene.origin, Eigen::Vector3d(1e6, -2e5, 50.0));  // whole metres
   EXPECT_EQ(init.report.points, 2U * 64U * 180U * 9U / 10U);
@@ -118,7 +120,7 @@ TEST_F(InitializeScene, LidarParticlesLieOnTheWall) {
 TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
   InitOptions options;
   options.camera_scale = 0.5;
-  const SceneInit init = initialize_scene(log_, options);
+  const SceneInit init = initialize_scene(log_, kFullSize, options);
   const GaussianSet& set = init.scene.camera;
   const auto on_points = set.size() - static_cast<Eigen::Index>(init.report.shell_particles);
   EXPECT_EQ(static_cast<std::size_t>(set.size()), init.report.camera_particles);
@@ -142,7 +144,7 @@ TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
 }
 
 TEST_F(InitializeScene, TheShellCoversWhatTheLaserDoesNotReach) {
-  const SceneInit init = initialize_scene(log_, {});
+  const SceneInit init = initialize_scene(log_, kFullSize, {});
   const GaussianSet& set = init.scene.camera;
   const auto shell = static_cast<Eigen::Index>(init.report.shell_particles);
   ASSERT_GT(shell, 20);
@@ -160,7 +162,7 @@ TEST_F(InitializeScene, TheShellCoversWhatTheLaserDoesNotReach) {
   EXPECT_GT(blue, 20);  // the band above the wall
   InitOptions no_shell;
   no_shell.max_shell = 0;
-  EXPECT_EQ(initialize_scene(log_, no_shell).report.shell_particles, 0U);
+  EXPECT_EQ(initialize_scene(log_, kFullSize, no_shell).report.shell_particles, 0U);
 }
 
 TEST_F(InitializeScene, SameLogAndOptionsGiveTheSameBits) {
@@ -168,41 +170,39 @@ TEST_F(InitializeScene, SameLogAndOptionsGiveTheSameBits) {
   options.max_camera = 300;
   options.max_lidar = 500;
   options.max_shell = 10;
-  const SceneInit a = initialize_scene(log_, options);
-  const SceneInit b = initialize_scene(log_, options);
+  const SceneInit a = initialize_scene(log_, kFullSize, options);
+  const SceneInit b = initialize_scene(log_, kFullSize, options);
   EXPECT_EQ(a.scene.camera.params, b.scene.camera.params);
   EXPECT_EQ(a.scene.lidar.params, b.scene.lidar.params);
   EXPECT_EQ(a.report.lidar_particles, 500U);
   EXPECT_EQ(a.report.camera_particles, 310U);
   EXPECT_EQ(a.report.shell_particles, 10U);
   EXPECT_EQ(a.report.lidar_thinned, a.report.voxels - 500U);
-  options.seed = 2;
-  EXPECT_NE(initialize_scene(log_, options).scene.lidar.params, a.scene.lidar.params);
+  const FrameSelection other{.image_scale = 1.0, .seed = 2};
+  EXPECT_NE(initialize_scene(log_, other, options).scene.lidar.params, a.scene.lidar.params);
 }
 
 TEST_F(InitializeScene, HeldOutFramesAreNotRead) {
-  InitOptions options;
-  options.held_out_every = 2;  // frame 1 of 2
+  const FrameSelection half{.image_scale = 1.0, .held_out_every = 2};  // frame 1 of 2
   fs::remove(log_.folder / log_.images[1].file);
   fs::remove(log_.folder / log_.sweeps[1].file);
   std::size_t calls = 0;
-  const SceneInit init = initialize_scene(log_, options, [&](std::size_t done, std::size_t total) {
+  const SceneInit init = initialize_scene(log_, half, {}, [&](std::size_t done, std::size_t total) {
     EXPECT_EQ(done, ++calls);
     EXPECT_EQ(total, 4U);  // both twice
   });
   EXPECT_EQ(calls, 4U);
   EXPECT_EQ(init.report.sweeps, 1U);
   EXPECT_EQ(init.report.images, 1U);
-  EXPECT_THROW((void)initialize_scene(log_, {}), Error);  // and the others are
+  EXPECT_THROW((void)initialize_scene(log_, kFullSize, {}), Error);  // and the others are
 }
 
 TEST_F(InitializeScene, DegreesAndImageScaleAreTaken) {
   InitOptions options;
   options.camera_sh_degree = 3;
   options.lidar_sh_degree = 0;
-  options.image_scale = 0.5;
   options.camera_scale = 1.0;
-  const SceneInit init = initialize_scene(log_, options);
+  const SceneInit init = initialize_scene(log_, {.image_scale = 0.5}, options);
   EXPECT_EQ(init.scene.camera.params.cols(), param_rows(3));
   EXPECT_EQ(init.scene.lidar.params.cols(), param_rows(0));
   EXPECT_TRUE((init.scene.camera.params.rightCols(45).array() == 0.0F).all());
@@ -213,48 +213,52 @@ TEST_F(InitializeScene, DegreesAndImageScaleAreTaken) {
 TEST_F(InitializeScene, WorksWithOneKindOfSensor) {
   Log lasers = log_;
   lasers.images.clear();
-  const SceneInit without_images = initialize_scene(lasers, {});
+  const SceneInit without_images = initialize_scene(lasers, kFullSize, {});
   EXPECT_EQ(without_images.scene.camera.size(), 0);
   EXPECT_GT(without_images.scene.lidar.size(), 0);
   Log cameras = log_;
   cameras.sweeps.clear();
-  const SceneInit without_sweeps = initialize_scene(cameras, {});
+  const SceneInit without_sweeps = initialize_scene(cameras, kFullSize, {});
   EXPECT_EQ(without_sweeps.scene.lidar.size(), 0);
   EXPECT_GT(without_sweeps.report.shell_particles, 0U);
   Log nothing = cameras;
   nothing.images.clear();
-  EXPECT_THROW((void)initialize_scene(nothing, {}), Error);
+  EXPECT_THROW((void)initialize_scene(nothing, kFullSize, {}), Error);
 }
 
 TEST_F(InitializeScene, OptionsOutOfRangeAreUsageErrors) {
+  struct Options {
+    FrameSelection frames;
+    InitOptions init;
+  };
   const auto refused = [&](auto set) {
-    InitOptions options;
+    Options options;
     set(options);
     try {
-      (void)initialize_scene(log_, options);
+      (void)initialize_scene(log_, options.frames, options.init);
       ADD_FAILURE() << "nothing was thrown";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
     }
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused([&](InitOptions& o) { o.voxel_m = nan; });
-  refused([&](InitOptions& o) { o.voxel_m = 0.0; });
-  refused([&](InitOptions& o) { o.held_out_every = 1; });  // nothing would be left
-  refused([&](InitOptions& o) { o.held_out_every = -5; });
-  refused([&](InitOptions& o) { o.image_scale = nan; });
-  refused([&](InitOptions& o) { o.image_scale = 2.0; });
-  refused([&](InitOptions& o) { o.camera_sh_degree = 4; });
-  refused([&](InitOptions& o) { o.lidar_sh_degree = -1; });
-  refused([&](InitOptions& o) { o.min_scale_m = 0.0; });
-  refused([&](InitOptions& o) { o.max_scale_m = 0.01; });
-  refused([&](InitOptions& o) { o.shell_spacing_deg = 0.0; });
+  refused([&](Options& o) { o.init.voxel_m = nan; });
+  refused([&](Options& o) { o.init.voxel_m = 0.0; });
+  refused([&](Options& o) { o.frames.held_out_every = 1; });  // nothing would be left
+  refused([&](Options& o) { o.frames.held_out_every = -5; });
+  refused([&](Options& o) { o.frames.image_scale = nan; });
+  refused([&](Options& o) { o.frames.image_scale = 2.0; });
+  refused([&](Options& o) { o.init.camera_sh_degree = 4; });
+  refused([&](Options& o) { o.init.lidar_sh_degree = -1; });
+  refused([&](Options& o) { o.init.min_scale_m = 0.0; });
+  refused([&](Options& o) { o.init.max_scale_m = 0.01; });
+  refused([&](Options& o) { o.init.shell_spacing_deg = 0.0; });
 }
 
 TEST_F(InitializeScene, PictureOfAnotherSizeIsAnInputError) {
   write_image(log_.folder / log_.images[0].file, Image(40, 30, 3));
   try {
-    (void)initialize_scene(log_, {});
+    (void)initialize_scene(log_, kFullSize, {});
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
@@ -275,7 +279,7 @@ TEST(InitializeStreet, PointsLieOnTheSurfacesOfTheStreet) {
   street_options.moving_car = false;
   street_options.rolling_shutter = true;
   const Log log = synth_street(street_options);
-  const SceneInit init = initialize_scene(log, {});
+  const SceneInit init = initialize_scene(log, kFullSize, {});
   const GaussianSet& set = init.scene.lidar;
   ASSERT_GT(set.size(), 1000);
   // Surfaces that face the drive show the motion: there a point moved along the road leaves its surface.

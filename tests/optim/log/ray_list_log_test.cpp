@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <variant>
 
-#include "optim/eval/evaluate.hpp"
+#include "optim/eval/evaluation.hpp"
 #include "optim/log/own_vehicle.hpp"
-#include "optim/train/trainer.hpp"
+#include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"
 
 namespace simuli {
@@ -55,15 +55,14 @@ TEST_F(RayListLog, IsTrainedAndComparedLikeAnyOther) {
   const Log log = listed();
   const auto& list = std::get<RayList>(log.lidars.at(0).model);
   ASSERT_GT(list.ray_count(), 500U);
-  InitOptions init;
-  init.voxel_m = 0.2;
-  init.sweep_depth = false;
-  TrainOptions train;
-  train.iterations = 40;
+  TrainingOptions options;
+  options.init.voxel_m = 0.2;
+  options.init.sweep_depth = false;
+  options.train.iterations = 40;
   const Device device = Device::best();
-  Trainer trainer(device, log, initialize_scene(log, init).scene, train, {});
-  trainer.run({});
-  const EvalReport report = evaluate(device, log, trainer.scene(), {});
+  Training training(device, log, options);
+  training.run();
+  const EvalReport report = Evaluation(device, training.result(), log).run();
   EXPECT_EQ(report.sweeps, 1U);
   EXPECT_LT(report.lidar.distance_median_m, 0.1);
   EXPECT_GT(report.lidar.raydrop_accuracy, 0.8);

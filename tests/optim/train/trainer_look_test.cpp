@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "io/picture/image.hpp"
-#include "optim/eval/evaluate.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 
@@ -12,10 +11,10 @@ namespace {
 
 class TrainerLook : public test::SmallStreet {
  protected:
-  static TrainOptions options(int iterations) {
-    TrainOptions o;
-    o.iterations = iterations;
-    o.image_scale = 1.0;
+  static TrainingOptions options(int iterations) {
+    TrainingOptions o;
+    o.train.iterations = iterations;
+    o.frames.image_scale = 1.0;
     return o;
   }
   static Scene scene_with_environment() {
@@ -24,7 +23,7 @@ class TrainerLook : public test::SmallStreet {
     init.sweep_depth = false;
     init.max_shell = 0;
     init.environment_width = 32;
-    return initialize_scene(log_, init).scene;
+    return initialize_scene(log_, kFullSize, init).scene;
   }
   /// The street as a camera with a will of its own takes it: every other picture at 0.6 of its brightness.
   static Log flickering_log() {
@@ -45,11 +44,11 @@ class TrainerLook : public test::SmallStreet {
 };
 
 TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
-  TrainOptions o = options(12);
-  o.look.color_grids = true;
-  o.image.dissimilarity = 0.2;
-  o.camera_particles = {0.01, 0.01, 0.0};
-  o.lidar_particles = {0.0, 0.0, 0.01};
+  TrainingOptions o = options(12);
+  o.train.look.color_grids = true;
+  o.train.image.dissimilarity = 0.2;
+  o.train.camera_particles = {0.01, 0.01, 0.0};
+  o.train.lidar_particles = {0.0, 0.0, 0.01};
   const auto train = [&] {
     Trainer trainer(Device::best(), log_, scene_with_environment(), o);
     EXPECT_EQ(trainer.run().rejected_gradients, 0U);
@@ -70,8 +69,8 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
   Scene scene = scene_with_environment();
   const EnvironmentMap first_guess = scene.environment;
   for (float& texel : scene.environment.texels) texel = 0.0F;
-  TrainOptions o = options(80);
-  o.look.environment_rate = 0.05;
+  TrainingOptions o = options(80);
+  o.train.look.environment_rate = 0.05;
   Trainer trainer(Device::best(), log_, scene, o);
   const TrainReport report = trainer.run();
   // The camera looks along +x: the middle of the texture, above the horizon.
@@ -85,9 +84,9 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
 TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   const Log log = flickering_log();
   const auto train = [&](bool color_grids) {
-    TrainOptions o = options(120);
-    o.look.color_grids = color_grids;
-    o.look.grid_rate = 0.02;
+    TrainingOptions o = options(120);
+    o.train.look.color_grids = color_grids;
+    o.train.look.grid_rate = 0.02;
     Trainer trainer(Device::best(), log, initial_scene(), o);
     const TrainReport report = trainer.run();
     return std::pair{trainer.scene(), report.last.psnr_db};
@@ -108,12 +107,11 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   EXPECT_LT(gain(1), gain(0) - 0.05);
   EXPECT_LT(gain(3), gain(2) - 0.05);
   // The held-out picture (a bright one, number 4) is compared with and without its neighbours' grids.
-  EvalOptions once;
-  once.timed_renders = 1;
-  const EvalReport report = evaluate(Device::best(), log, graded, once);
+  const EvalOptions once{.image_scale = 1.0, .timed_renders = 1};
+  const EvalReport report = test::compare(log, graded, once);
   EXPECT_TRUE(std::isfinite(report.psnr_ungraded_db));
   EXPECT_NE(report.psnr_ungraded_db, report.psnr_db);
-  EXPECT_TRUE(std::isnan(evaluate(Device::best(), log, plain, once).psnr_ungraded_db));
+  EXPECT_TRUE(std::isnan(test::compare(log, plain, once).psnr_ungraded_db));
 }
 
 TEST_F(TrainerLook, TermsOfParticlesPullAsTheySay) {
@@ -123,9 +121,9 @@ TEST_F(TrainerLook, TermsOfParticlesPullAsTheySay) {
     for (Eigen::Index i = 0; i < set->size(); ++i) set->opacity_logit()(i) = i % 2 == 0 ? 0.5F : -0.5F;
   }
   const auto train = [&](const ParticleWeights& weights) {
-    TrainOptions o = options(20);
-    o.lidar_every = 1;
-    o.camera_particles = o.lidar_particles = weights;
+    TrainingOptions o = options(20);
+    o.train.lidar_every = 1;
+    o.train.camera_particles = o.train.lidar_particles = weights;
     Trainer trainer(Device::best(), log_, start, o);
     (void)trainer.run();
     return trainer.scene();

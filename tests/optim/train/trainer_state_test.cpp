@@ -13,21 +13,21 @@ namespace {
 
 class TrainerStateTest : public test::SmallStreet {
  protected:
-  static TrainOptions options(int iterations) {
-    TrainOptions o;
-    o.iterations = iterations;
-    o.image_scale = 1.0;
-    o.lidar_every = 2;
-    o.densify.every = o.densify.first = 7;
-    o.densify.noise = 1e4;
-    o.anchor.every = 10;
-    o.poses.camera = true;
+  static TrainingOptions options(int iterations) {
+    TrainingOptions o;
+    o.train.iterations = iterations;
+    o.frames.image_scale = 1.0;
+    o.train.lidar_every = 2;
+    o.train.densify.every = o.train.densify.first = 7;
+    o.train.densify.noise = 1e4;
+    o.train.anchor.every = 10;
+    o.train.poses.camera = true;
     return o;
   }
 };
 
 TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
-  const TrainOptions o = options(24);
+  const TrainingOptions o = options(24);
   Trainer whole(Device::best(), log_, initial_scene(), o);
   for (int i = 0; i < 24; ++i) {
     whole.step();
@@ -52,8 +52,8 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
   // Another training's state is refused: other settings, other parts.
   Trainer other(Device::best(), log_, initial_scene(), o);
   EXPECT_THROW(other.resume(folder_ / "4.checkpoint", "settings=2\n"), Error);
-  TrainOptions without = o;
-  without.poses.camera = false;
+  TrainingOptions without = o;
+  without.train.poses.camera = false;
   Trainer fewer(Device::best(), log_, initial_scene(), without);
   EXPECT_THROW(fewer.resume(folder_ / "4.checkpoint", "settings=1\n"), Error);
 }
@@ -62,9 +62,9 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
   // A scene learned from the true mounting; then the camera sits 6 cm and 1.5 degrees from where the log
   // says. (Colours first painted from a wrong mounting hide it: nothing in one camera's pictures is against
   // them.)
-  TrainOptions learned = options(200);
-  learned.densify.every = 0;
-  learned.poses.camera = false;
+  TrainingOptions learned = options(200);
+  learned.train.densify.every = 0;
+  learned.train.poses.camera = false;
   Trainer teacher(Device::best(), log_, initial_scene(), learned);
   (void)teacher.run();
   Log log = log_;
@@ -73,14 +73,14 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
   wrong.translation += Eigen::Vector3d(0.02, 0.05, -0.03);
   wrong.rotation = truth.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(
                                         1.5 * M_PI / 180.0, Eigen::Vector3d(0.5, 1.0, 0.3).normalized()));
-  TrainOptions o = options(300);
-  o.densify.every = 0;
-  o.lidar_every = 1000;
+  TrainingOptions o = options(300);
+  o.train.densify.every = 0;
+  o.train.lidar_every = 1000;
   // The particles nearly rest, and so the pose has to give way.
-  o.camera.mean_m = o.camera.mean_final_m = 1e-6;
-  o.camera.log_scale = o.camera.rotation = o.camera.opacity = o.camera.sh = o.camera.sh_rest = 1e-6;
-  o.poses.rotation_rad = 1e-3;
-  o.poses.translation_m = 2e-3;
+  o.train.camera.mean_m = o.train.camera.mean_final_m = 1e-6;
+  o.train.camera.log_scale = o.train.camera.rotation = o.train.camera.opacity = o.train.camera.sh = o.train.camera.sh_rest = 1e-6;
+  o.train.poses.rotation_rad = 1e-3;
+  o.train.poses.translation_m = 2e-3;
   Trainer trainer(Device::best(), log, teacher.scene(), o);
   (void)trainer.run();
   const Pose found = moved_by(trainer.sensor_offsets().at("front"), wrong);
@@ -92,7 +92,7 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
 }
 
 TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
-  TrainOptions o = options(20);
+  TrainingOptions o = options(20);
   const Scene scene = initial_scene();
   const MemoryNeed need = training_memory(log_, scene, o);
   EXPECT_FALSE(need.items.empty());
@@ -108,9 +108,9 @@ TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
   // Not more than told, and not told many times over.
   EXPECT_LE(used, need.total);
   EXPECT_GE(3 * used, need.total);
-  o.memory_bytes = need.total;
+  o.train.memory_bytes = need.total;
   EXPECT_NO_THROW(need_memory(device, log_, scene, o));
-  o.memory_bytes = need.total - 1;
+  o.train.memory_bytes = need.total - 1;
   try {
     Trainer(device, log_, scene, o).step();
     ADD_FAILURE() << "accepted";

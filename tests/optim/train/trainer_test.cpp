@@ -13,14 +13,14 @@ namespace {
 
 class TrainerTest : public test::SmallStreet {
  protected:
-  static TrainOptions options(int iterations) {
-    TrainOptions o;
-    o.iterations = iterations;
-    o.image_scale = 1.0;
-    o.lidar_every = 1;
+  static TrainingOptions options(int iterations) {
+    TrainingOptions o;
+    o.train.iterations = iterations;
+    o.frames.image_scale = 1.0;
+    o.train.lidar_every = 1;
     return o;
   }
-  static Scene train(const TrainOptions& o, TrainReport* report = nullptr) {
+  static Scene train(const TrainingOptions& o, TrainReport* report = nullptr) {
     Trainer trainer(Device::best(), log_, initial_scene(), o);
     const TrainReport r = trainer.run();
     if (report != nullptr) *report = r;
@@ -34,14 +34,14 @@ TEST_F(TrainerTest, SameSeedGivesTheSameBits) {
   EXPECT_TRUE((a.camera.params.array() == b.camera.params.array()).all());
   EXPECT_TRUE((a.lidar.params.array() == b.lidar.params.array()).all());
 
-  TrainOptions other = options(20);
-  other.seed = 2;  // another order of frames
+  TrainingOptions other = options(20);
+  other.frames.seed = 2;  // another order of frames
   EXPECT_FALSE((a.camera.params.array() == train(other).camera.params.array()).all());
 }
 
 TEST_F(TrainerTest, FramesReloadedFromDiskGiveTheSameBits) {
-  TrainOptions no_cache = options(10);
-  no_cache.cache_bytes = 0;
+  TrainingOptions no_cache = options(10);
+  no_cache.train.cache_bytes = 0;
   const Scene a = train(options(10));
   const Scene b = train(no_cache);
   EXPECT_TRUE((a.camera.params.array() == b.camera.params.array()).all());
@@ -70,15 +70,15 @@ TEST_F(TrainerTest, HeldOutFramesAreNeverRead) {
   Log log = log_;
   log.images[4].file = "images/none.png";
   log.sweeps[4].file = "sweeps/none.exr";
-  TrainOptions o = options(12);  // more than two epochs
+  TrainingOptions o = options(12);  // more than two epochs
   EXPECT_NO_THROW((void)Trainer(Device::best(), log, initial_scene(), o).run());
-  o.held_out_every = 0;
+  o.frames.held_out_every = 0;
   EXPECT_THROW((void)Trainer(Device::best(), log, initial_scene(), o).run(), Error);
 }
 
 TEST_F(TrainerTest, TimeLimitStopsEarlyAndSaysSo) {
-  TrainOptions o = options(1'000'000);
-  o.max_seconds = 1e-9;
+  TrainingOptions o = options(1'000'000);
+  o.train.max_seconds = 1e-9;
   TrainReport report;
   const Scene scene = train(o, &report);
   EXPECT_TRUE(report.stopped_early);
@@ -87,8 +87,8 @@ TEST_F(TrainerTest, TimeLimitStopsEarlyAndSaysSo) {
 }
 
 TEST_F(TrainerTest, SweepsTakeTheirTurns) {
-  TrainOptions o = options(2);
-  o.lidar_every = 2;
+  TrainingOptions o = options(2);
+  o.train.lidar_every = 2;
   Trainer trainer(Device::best(), log_, initial_scene(), o);
   trainer.step();
   const Eigen::MatrixXf first = trainer.scene().lidar.params;
@@ -104,14 +104,14 @@ TEST_F(TrainerTest, MaskedFramesTeachNothing) {
   points.position = scene.lidar.mean().transpose();
   points.intensity.assign(static_cast<std::size_t>(points.position.cols()), 0.5F);
   const MovingSpace everywhere(50.0, points, std::vector<bool>(points.size(), true));
-  TrainOptions o = options(1);
-  o.weights.drop = 0.0;  // rays without a return are known
-  o.mask_moving = true;
+  TrainingOptions o = options(1);
+  o.train.weights.drop = 0.0;  // rays without a return are known
+  o.train.mask_moving = true;
   Trainer masked(Device::best(), log_, scene, o, everywhere);
   masked.step();
   EXPECT_TRUE((masked.scene().lidar.params.array() == scene.lidar.params.array()).all());
   EXPECT_EQ(masked.status().distance_m, 0.0);
-  o.mask_moving = false;
+  o.train.mask_moving = false;
   Trainer unmasked(Device::best(), log_, scene, o, everywhere);
   unmasked.step();
   EXPECT_FALSE((unmasked.scene().lidar.params.array() == scene.lidar.params.array()).all());
@@ -119,13 +119,13 @@ TEST_F(TrainerTest, MaskedFramesTeachNothing) {
 }
 
 TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
-  TrainOptions o = options(60);
-  o.densify.every = o.densify.first = 10;
+  TrainingOptions o = options(60);
+  o.train.densify.every = o.train.densify.first = 10;
   Scene start = initial_scene();
   for (Eigen::Index i = 0; i < start.camera.size(); i += 20) start.camera.opacity_logit()(i) = -7.0F;  // dead
   const Eigen::Index count = start.camera.size() + start.lidar.size();
   // Room for two times 5 %, and then no more.
-  o.densify.cap = static_cast<std::size_t>(1.08 * static_cast<double>(count));
+  o.train.densify.cap = static_cast<std::size_t>(1.08 * static_cast<double>(count));
   const auto run = [&](TrainReport& report) {
     Trainer trainer(Device::best(), log_, start, o);
     report = trainer.run();
@@ -134,7 +134,7 @@ TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
   TrainReport report;
   const Scene a = run(report);
   EXPECT_GE(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 20));
-  EXPECT_LE(static_cast<std::size_t>(a.camera.size() + a.lidar.size()), o.densify.cap);
+  EXPECT_LE(static_cast<std::size_t>(a.camera.size() + a.lidar.size()), o.train.densify.cap);
   EXPECT_GT(static_cast<double>(a.camera.size() + a.lidar.size()), 1.07 * static_cast<double>(count));
   EXPECT_EQ(a.camera.size() + a.lidar.size(), count + static_cast<Eigen::Index>(report.grown));
   EXPECT_GT(a.camera.size(), start.camera.size());
@@ -149,9 +149,9 @@ TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
 
 TEST_F(TrainerTest, AnchorsHoldTheCameraSetNearTheLidarSet) {
   const auto anchor_distance = [&](double weight) {
-    TrainOptions o = options(60);
-    o.anchor.weight = weight;
-    o.anchor.every = 25;
+    TrainingOptions o = options(60);
+    o.train.anchor.weight = weight;
+    o.train.anchor.every = 25;
     TrainReport report;
     (void)train(o, &report);
     return report.anchor_m;
@@ -170,10 +170,10 @@ TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
   for (Eigen::Index i = 1; i < scene.lidar.size(); i += 50) scene.lidar.mean()(i, 0) = kNaN;
   for (Eigen::Index i = 2; i < scene.lidar.size(); i += 50) scene.lidar.opacity_logit()(i) = kNaN;
   for (const bool relocate : {false, true}) {
-    TrainOptions o = options(30);
-    o.densify.every = relocate ? 10 : 0;
-    o.densify.first = 10;
-    o.densify.growth = 0.0;
+    TrainingOptions o = options(30);
+    o.train.densify.every = relocate ? 10 : 0;
+    o.train.densify.first = 10;
+    o.train.densify.growth = 0.0;
     Trainer trainer(Device::best(), log_, scene, o);
     const TrainReport report = trainer.run();
     EXPECT_EQ(report.last.iteration, 30);
@@ -206,8 +206,8 @@ TEST_F(TrainerTest, SetsWithoutParticlesAreLeftAlone) {
 
 TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
   const double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const auto expect_refused = [](const std::function<void(TrainOptions&)>& change) {
-    TrainOptions o = options(1);
+  const auto expect_refused = [](const std::function<void(TrainingOptions&)>& change) {
+    TrainingOptions o = options(1);
     change(o);
     try {
       Trainer(Device::best(), log_, Scene{}, o).step();
@@ -216,19 +216,19 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
       EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
     }
   };
-  expect_refused([](TrainOptions& o) { o.iterations = -1; });
-  expect_refused([](TrainOptions& o) { o.lidar_every = 0; });
-  expect_refused([](TrainOptions& o) { o.held_out_every = 1; });
-  expect_refused([](TrainOptions& o) { o.image_scale = 0.0; });
-  expect_refused([&](TrainOptions& o) { o.image_scale = kNaN; });
-  expect_refused([&](TrainOptions& o) { o.max_seconds = kNaN; });
-  expect_refused([](TrainOptions& o) { o.camera.mean_m = 0.0; });
-  expect_refused([&](TrainOptions& o) { o.lidar.sh = kNaN; });
-  expect_refused([](TrainOptions& o) { o.weights.drop = -1.0; });
-  expect_refused([](TrainOptions& o) { o.anchor.neighbours = 0; });
-  expect_refused([&](TrainOptions& o) { o.anchor.weight = kNaN; });
-  expect_refused([](TrainOptions& o) { o.densify.every = -1; });
-  expect_refused([](TrainOptions& o) { o.densify.growth = 1.5; });
+  expect_refused([](TrainingOptions& o) { o.train.iterations = -1; });
+  expect_refused([](TrainingOptions& o) { o.train.lidar_every = 0; });
+  expect_refused([](TrainingOptions& o) { o.frames.held_out_every = 1; });
+  expect_refused([](TrainingOptions& o) { o.frames.image_scale = 0.0; });
+  expect_refused([&](TrainingOptions& o) { o.frames.image_scale = kNaN; });
+  expect_refused([&](TrainingOptions& o) { o.train.max_seconds = kNaN; });
+  expect_refused([](TrainingOptions& o) { o.train.camera.mean_m = 0.0; });
+  expect_refused([&](TrainingOptions& o) { o.train.lidar.sh = kNaN; });
+  expect_refused([](TrainingOptions& o) { o.train.weights.drop = -1.0; });
+  expect_refused([](TrainingOptions& o) { o.train.anchor.neighbours = 0; });
+  expect_refused([&](TrainingOptions& o) { o.train.anchor.weight = kNaN; });
+  expect_refused([](TrainingOptions& o) { o.train.densify.every = -1; });
+  expect_refused([](TrainingOptions& o) { o.train.densify.growth = 1.5; });
 }
 
 TEST_F(TrainerTest, LogWithoutTrainingFramesIsAnInputError) {

@@ -1,4 +1,4 @@
-#include "optim/eval/evaluate.hpp"
+#include "optim/eval/evaluation.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -8,14 +8,18 @@
 #include "host/base/error.hpp"
 #include "host/render/scene/seen.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/sweep_pair.hpp"
 #include "tests/optim/small_street.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
+using test::compare;
 
-class EvaluateTest : public test::SmallStreet {
+const EvalOptions kFull{.image_scale = 1.0};
+
+class EvaluationTest : public test::SmallStreet {
  protected:
   /// The street's log with frame 4 replaced by what `scene` shows there.
   static Log log_of(const Scene& scene, const std::string& name) {
@@ -43,10 +47,10 @@ class EvaluateTest : public test::SmallStreet {
   }
 };
 
-TEST_F(EvaluateTest, SceneAgreesWithALogMadeOfIt) {
+TEST_F(EvaluationTest, SceneAgreesWithALogMadeOfIt) {
   const Scene scene = initial_scene();
   const Log log = log_of(scene, "self.log");
-  const EvalReport r = evaluate(Device::best(), log, scene, EvalOptions{});
+  const EvalReport r = compare(log, scene, kFull);
   EXPECT_EQ(r.images, 1U);
   EXPECT_EQ(r.sweeps, 1U);
   // Pictures are stored in 8 bits: rounding of +-1/510 alone is 59 dB.
@@ -65,48 +69,46 @@ TEST_F(EvaluateTest, SceneAgreesWithALogMadeOfIt) {
   EXPECT_EQ(r.image_height, 36);
 }
 
-TEST_F(EvaluateTest, ShiftedSceneIsOffByTheShift) {
+TEST_F(EvaluationTest, ShiftedSceneIsOffByTheShift) {
   const Scene scene = initial_scene();
   const Log log = log_of(scene, "shift.log");
   Scene nearer = scene;
   nearer.lidar.mean().col(0).array() += 0.5F;  // along the street: ranges ahead and behind change by less
-  const EvalReport r = evaluate(Device::best(), log, nearer, EvalOptions{});
+  const EvalReport r = compare(log, nearer, kFull);
   EXPECT_GT(r.lidar.distance_median_m, 0.001);
   EXPECT_LT(r.lidar.distance_median_m, 0.5);
   EXPECT_NEAR(std::sqrt(r.lidar.medl2_m2), r.lidar.distance_median_m, 1e-6);
 }
 
-TEST_F(EvaluateTest, HalfSizeComparesHalfSizePictures) {
-  EvalOptions options;
-  options.image_scale = 0.5;
-  const EvalReport r = evaluate(Device::best(), log_, initial_scene(), options);
+TEST_F(EvaluationTest, HalfSizeComparesHalfSizePictures) {
+  const EvalReport r = compare(log_, initial_scene(), {.image_scale = 0.5});
   EXPECT_EQ(r.image_width, 32);
   EXPECT_EQ(r.image_height, 18);
   EXPECT_TRUE(std::isfinite(r.psnr_db));
 }
 
-TEST_F(EvaluateTest, MissingSensorsAreNaN) {
+TEST_F(EvaluationTest, MissingSensorsAreNaN) {
   Log log = log_;
   log.images.clear();
-  const EvalReport r = evaluate(Device::best(), log, initial_scene(), EvalOptions{});
+  const EvalReport r = compare(log, initial_scene(), kFull);
   EXPECT_TRUE(std::isnan(r.psnr_db));
   EXPECT_TRUE(std::isnan(r.camera_mp_per_s));
   EXPECT_TRUE(std::isfinite(r.lidar.distance_median_m));
 }
 
-TEST_F(EvaluateTest, NothingHeldOutOrBadOptionsAreRefused) {
+TEST_F(EvaluationTest, NothingHeldOutOrBadOptionsAreRefused) {
   Log log = log_;
   log.images.resize(4);
   log.sweeps.resize(4);
-  EXPECT_THROW((void)evaluate(Device::best(), log, initial_scene(), EvalOptions{}), Error);
-  EvalOptions options;
+  EXPECT_THROW((void)compare(log, initial_scene(), kFull), Error);
+  EvalOptions options = kFull;
   options.held_out_every = 0;
-  EXPECT_EQ(evaluate(Device::best(), log, initial_scene(), options).images, 4U);
+  EXPECT_EQ(compare(log, initial_scene(), options).images, 4U);
   options.held_out_every = 1;
-  EXPECT_THROW((void)evaluate(Device::best(), log, initial_scene(), options), Error);
-  options = EvalOptions{};
+  EXPECT_THROW((void)compare(log, initial_scene(), options), Error);
+  options = kFull;
   options.timed_renders = 0;
-  EXPECT_THROW((void)evaluate(Device::best(), log_, initial_scene(), options), Error);
+  EXPECT_THROW((void)compare(log_, initial_scene(), options), Error);
 }
 
 TEST(ScaledCamera, SidesAreRoundedUp) {

@@ -1,35 +1,16 @@
-#include "host/cli/report/held_out.hpp"
+#include "host/cli/report/pair_pictures.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
-#include "optim/base/frames.hpp"
+#include "host/cli/base/pictures.hpp"
 
 namespace simuli::cli {
 
-PicturePair camera_pair(SceneOnDevice& scene, const Log& log, std::size_t index, const EvalOptions& options) {
-  const ImageFrame& frame = log.images[index];
-  const Camera camera = scaled_camera(log.camera(frame.camera).model, options.image_scale);
-  return {scene.render(Sensor(camera), shot_of(log, frame)).image(), load_image(log, frame, camera)};
-}
-
-SweepPictures sweep_pair(SceneOnDevice& scene, const Log& log, std::size_t index) {
-  const SweepFrame& frame = log.sweeps[index];
-  const LidarModel& lidar = log.lidar(frame.lidar).model;
-  SweepPair pair = render_sweep(scene, log, frame);
-  // As the sensor would say and has said it: with what its rows' ranges are off.
-  for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
-    float& range = pair.recorded.range[i];
-    if (range > 0.0F) range += static_cast<float>(range_bias(lidar, pair.recorded.rays, i));
-  }
-  SweepPictures out;
-  out.rendered = lidar_frame(lidar, pair.recorded.rays, pair.simulated);
-  out.ranges = {range_image(lidar, pair.recorded.rays, out.rendered.range),
-                range_image(lidar, pair.recorded.rays, pair.recorded.range)};
-  out.recorded = std::move(pair.recorded);
-  return out;
+PicturePair range_pictures(const LidarModel& lidar, const LidarPair& sweep) {
+  return {range_image(lidar, sweep.rendered.rays, sweep.rendered.range),
+          range_image(lidar, sweep.recorded.rays, sweep.recorded.range)};
 }
 
 Image error_picture(const PicturePair& pair) {
@@ -49,7 +30,7 @@ Image error_picture(const PicturePair& pair) {
   return out;
 }
 
-Image birds_eye(const LidarModel& lidar, const SweepPictures& sweep, double radius_m) {
+Image birds_eye(const LidarModel& lidar, const LidarPair& sweep, double radius_m) {
   constexpr int kSide_px = 900;
   constexpr std::array<float, 3> kRecorded{0.16F, 0.47F, 1.0F}, kRendered{0.84F, 0.53F, 0.0F};
   Image out(kSide_px, kSide_px, 3);

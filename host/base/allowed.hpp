@@ -1,0 +1,44 @@
+#pragma once
+// What values a field of an options struct may have: for visit_fields() beside the struct (fields.hpp).
+#include <array>
+#include <limits>
+#include <string>
+
+namespace simuli {
+
+/// Numbers between two bounds. Infinities and NaN are never among them.
+struct Allowed {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool above = false;    // the least itself is not allowed
+  bool or_zero = false;  // 0 is, wherever the bounds are
+  bool even = false;     // even numbers alone
+
+  [[nodiscard]] bool holds(double value) const;
+  /// "0 or more", "above 0, at most 1", "0, or 8 to 7200 and even".
+  [[nodiscard]] std::string text() const;
+};
+
+/// Both bounds are allowed.
+[[nodiscard]] constexpr Allowed range(double least, double most) { return {.least = least, .most = most}; }
+[[nodiscard]] constexpr Allowed at_least(double least) { return {.least = least}; }
+[[nodiscard]] constexpr Allowed above(double least) { return {.least = least, .above = true}; }
+[[nodiscard]] constexpr Allowed above(double least, double most) {
+  return {.least = least, .most = most, .above = true};
+}
+[[nodiscard]] constexpr Allowed zero_or(Allowed other) {
+  other.or_zero = true;
+  return other;
+}
+[[nodiscard]] constexpr Allowed even(Allowed other) {
+  other.even = true;
+  return other;
+}
+
+/// The names of an enum's values 0, 1, ...
+template <class... Names>
+[[nodiscard]] constexpr std::array<const char*, sizeof...(Names)> one_of(Names... names) {
+  return {names...};
+}
+
+}  // namespace simuli

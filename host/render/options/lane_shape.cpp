@@ -1,0 +1,17 @@
+#include "host/render/options/lane_shape.hpp"
+
+#include <algorithm>
+
+namespace simuli {
+
+LaneShape lane_shape_of(const Device& device, Precision precision) {
+  if (!device.quirks().prefers_explicit_vectors) return {1, 4, 64};
+  return precision == Precision::kFloat ? LaneShape{16, 16, 1} : LaneShape{8, 32, 1};
+}
+
+LaneShape LaneShape::for_tile(int tile_rays) const {
+  const int items = std::min(work_items, tile_rays / lanes);
+  return {lanes, tile_rays / lanes / items, items};
+}
+
+}  // namespace simuli

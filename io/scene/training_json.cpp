@@ -1,0 +1,75 @@
+#include "io/scene/training_json.hpp"
+
+#include <cstdint>
+#include <limits>
+
+#include "host/base/error.hpp"
+#include "host/base/fields.hpp"
+
+namespace simuli {
+namespace {
+
+/// Any seed: all of 64 bits.
+std::uint64_t read_seed(JsonObject& object, const std::string& key) {
+  const Json& seed = object.get(key);
+  if (!seed.is_number_unsigned()) {
+    throw_input_error(object.file(), object.field(key), seed.dump(), "an integer, 0 or more");
+  }
+  return seed.get<std::uint64_t>();
+}
+
+std::vector<std::string> read_lines(JsonObject& object, const std::string& key) {
+  std::vector<std::string> lines;
+  const Json& array = object.get(key);
+  const auto refuse = [&] {
+    throw_input_error(object.file(), object.field(key), "something else", "an array of strings");
+  };
+  if (!array.is_array()) refuse();
+  for (const Json& line : array) {
+    if (!line.is_string()) refuse();
+    lines.push_back(line.get<std::string>());
+  }
+  return lines;
+}
+
+}  // namespace
+
+Json to_json(const TrainingRecord& r) {
+  return {{"log", {{"name", r.log_name}, {"hash", r.log_hash}}},
+          {"image_scale", r.frames.image_scale},
+          {"held_out_every", r.frames.held_out_every},
+          {"seed", r.frames.seed},
+          {"iterations", r.iterations},
+          {"planned_iterations", r.planned_iterations},
+          {"quality", r.quality},
+          {"settings", r.settings},
+          {"simuli", r.version},
+          {"device", r.device},
+          {"driver", r.driver}};
+}
+
+TrainingRecord training_from_json(JsonObject& object) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  TrainingRecord r;
+  object.object("log", [&r](JsonObject& log) {
+    r.log_name = log.text("name");
+    r.log_hash = log.text("hash");
+  });
+  r.frames.image_scale = object.number("image_scale", 0.0, 1.0);
+  r.frames.held_out_every = static_cast<int>(object.integer("held_out_every", 0, kMost));
+  r.frames.seed = read_seed(object, "seed");
+  r.iterations = static_cast<int>(object.integer("iterations", 0, kMost));
+  r.planned_iterations = static_cast<int>(object.integer("planned_iterations", 0, kMost));
+  r.quality = object.text("quality");
+  r.settings = read_lines(object, "settings");
+  r.version = object.text("simuli");
+  r.device = object.text("device");
+  r.driver = object.text("driver");
+  for (const Field& field : fields_of(r.frames).all()) {
+    if (field.is_sound()) continue;
+    throw_input_error(object.file(), object.field(field.key), field.text(), field.allowed());
+  }
+  return r;
+}
+
+}  // namespace simuli

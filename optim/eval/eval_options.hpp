@@ -1,0 +1,34 @@
+#pragma once
+// What an evaluation is told.
+#include <optional>
+
+#include "host/base/allowed.hpp"
+#include "host/render/options/quality.hpp"
+
+namespace simuli {
+
+struct EvalOptions {
+  std::optional<double> image_scale;  // of the compared pictures over the recorded; nothing: as in training
+  std::optional<int> held_out_every;  // every N-th frame, 0: all; nothing: those that were not trained on
+  int timed_renders = 5;              // behind a first one that warms up
+  double actor_min_travel_m = 1.0;
+  RenderOptions render = options_of(Quality::kBalanced);
+};
+
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(EvalOptions& o, F&& field) {
+  field.keyless(o.image_scale);  // checked as those of a FrameSelection
+  field.keyless(o.held_out_every);
+  field("timed_renders", o.timed_renders, at_least(1), "of each sensor, for its speed");
+  field("actor_min_travel_m",
+        o.actor_min_travel_m,
+        at_least(0.0),
+        "m, actors of the log that get less far do not count as such");
+  field.part("", o.render);
+}
+
+/// Error{kUsage} naming the key when one is outside its range.
+void check(const EvalOptions& options);
+
+}  // namespace simuli

@@ -1,0 +1,97 @@
+#pragma once
+// The metrics of METHOD section 13: a scene beside the frames of a log. The whole recipe of `simuli eval`.
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "host/base/image.hpp"
+#include "host/render/scene/scene_on_device.hpp"
+#include "io/log/log.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "optim/base/metrics.hpp"
+#include "optim/eval/eval_frames.hpp"
+#include "optim/eval/eval_options.hpp"
+
+namespace simuli {
+
+/// Means over frames. NaN where the log has no such frame; a sweep whose value is NaN (nothing predicted,
+/// nothing returned) is left out of that mean and counted.
+struct EvalReport {
+  static constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+  EvalFrames frames;  // that were compared
+  std::size_t images = 0;
+  std::size_t sweeps = 0;
+  double psnr_db = kNoNumber;
+  double ssim = kNoNumber;
+  double psnr_ungraded_db = kNoNumber;            // without colour grids; NaN when the scene has none
+  SweepMetrics lidar;                       // distance: median, the mean where no median exists
+  double distance_expected_median_m = kNoNumber;  // the same median error with expected distances alone
+  /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
+  /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside, and the share of
+  /// those rays that return from the same place in the scene (is_met()): of an actor that was taken away, its
+  /// ghost.
+  double actor_psnr_db = kNoNumber;
+  double actor_distance_median_m = kNoNumber;
+  double actor_share_met = kNoNumber;
+  std::size_t actor_pixels = 0;
+  std::size_t actor_returns = 0;
+  std::size_t sweeps_without_chamfer = 0;
+  std::size_t sweeps_without_distance = 0;
+  double camera_mp_per_s = kNoNumber;  // 1e6 pixels per second: median of the timed renders of one frame,
+  double lidar_mr_per_s = kNoNumber;   // projection to blending, results left on the device
+  int image_width = 0;           // px, of the pictures compared
+  int image_height = 0;
+  std::string device;
+  double seconds = 0.0;
+};
+
+/// Two pictures of one size.
+struct PicturePair {
+  Image rendered;
+  Image recorded;
+};
+/// Two sweeps of the same rays, as the sensor states them: with what its rows' ranges are off.
+struct LidarPair {
+  LidarFrame rendered;
+  LidarFrame recorded;
+};
+
+/// A scene on a device beside a log.
+class Evaluation {
+ public:
+  using Progress = std::function<void(std::size_t done, std::size_t total)>;
+
+  /// `log` as it was read: mounts, range biases and blind arcs are taken from the scene, where training may
+  /// have learned better. Error{kUsage} for options outside their range, Error{kInput} when no frame is left
+  /// to compare.
+  Evaluation(const Device& device, SceneFile scene, Log log, const EvalOptions& options = {});
+  Evaluation(const Evaluation&) = delete;
+  Evaluation& operator=(const Evaluation&) = delete;
+
+  [[nodiscard]] const Device& device() const { return on_device_.device(); }
+  [[nodiscard]] const SceneFile& scene() const { return scene_; }
+  [[nodiscard]] const Log& log() const { return log_; }
+  [[nodiscard]] const EvalOptions& options() const { return options_; }
+  [[nodiscard]] const EvalFrames& frames() const { return frames_; }
+
+  /// Renders each of the frames and compares it. `progress` is called after each. Error{kInput} when one can't
+  /// be read.
+  [[nodiscard]] EvalReport run(const Progress& progress = {});
+  /// A frame of log().images or log().sweeps, at the size that is compared.
+  [[nodiscard]] PicturePair picture(std::size_t index);
+  [[nodiscard]] LidarPair sweep(std::size_t index);
+
+ private:
+  class Run;  // over all frames
+
+  [[nodiscard]] Camera camera(const ImageFrame& frame) const;
+
+  SceneFile scene_;
+  EvalOptions options_;
+  EvalFrames frames_;
+  Log log_;
+  SceneOnDevice on_device_;  // of scene_
+};
+
+}  // namespace simuli

@@ -1,0 +1,87 @@
+#pragma once
+// What the first guess of a scene is told.
+#include <cstddef>
+
+#include "host/base/allowed.hpp"
+
+namespace simuli {
+
+struct InitOptions {
+  double voxel_m = 0.1;
+  int camera_sh_degree = 2;
+  int lidar_sh_degree = 1;
+  std::size_t max_camera = 1'000'000;
+  std::size_t max_lidar = 1'000'000;
+  std::size_t max_shell = 100'000;
+  int environment_width = 0;
+  double shell_spacing_deg = 0.5;
+  double camera_scale = 0.5;
+  double lidar_scale = 0.7;
+  double min_scale_m = 0.03;
+  double max_scale_m = 0.5;
+  bool sweep_depth = true;
+  int sweep_cell_px = 4;
+  bool drop_moving = true;  // see initialize_moving.hpp
+  bool actors = true;
+  double actor_min_travel_m = 1.0;
+  double actor_voxel_m = 0.05;
+  double actor_margin_m = 0.1;  // the road below stays outside
+  bool mirror_actors = false;
+  bool register_tracks = true;  // see actor_tracks.hpp
+};
+
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(InitOptions& o, F&& field) {
+  field("init.voxel_m", o.voxel_m, range(1e-3, 50.0), "m, side of a voxel, each of which keeps one point");
+  field("init.camera_sh_degree",
+        o.camera_sh_degree,
+        range(0, 3),
+        "of the camera set; coefficients above degree 0 start at zero");
+  field("init.lidar_sh_degree", o.lidar_sh_degree, range(0, 3), "of the LiDAR set");
+  field("init.max_camera",
+        o.max_camera,
+        at_least(0),
+        "particles of the camera set on LiDAR points; the shell comes on top");
+  field("init.max_lidar", o.max_lidar, at_least(0), "particles of the LiDAR set");
+  field("init.max_shell",
+        o.max_shell,
+        at_least(0),
+        "particles of the far shell, which stands for what no laser reaches; 0: none");
+  field("init.shell_spacing_deg",
+        o.shell_spacing_deg,
+        range(0.05, 45.0),
+        "degrees between shell particles, seen from the scene's origin");
+  field("init.camera_scale",
+        o.camera_scale,
+        above(0.0, 10.0),
+        "standard deviation of a camera particle over the distance to its neighbours");
+  field("init.lidar_scale", o.lidar_scale, above(0.0, 10.0), "the same of the LiDAR set");
+  field("init.min_scale_m", o.min_scale_m, above(0.0), "m, least standard deviation of a particle");
+  field("init.max_scale_m",
+        o.max_scale_m,
+        above(0.0),
+        "m, largest standard deviation; init.min_scale_m or more");
+  field("init.sweep_depth", o.sweep_depth, "camera particles also where only pictures tell the depth");
+  field("init.sweep_cell_px", o.sweep_cell_px, range(1, 64), "px of the training picture between those");
+  field("init.drop_moving", o.drop_moving, "leave out points that other sweeps look through");
+  field("init.environment_width",
+        o.environment_width,
+        zero_or(even(range(8, 7200))),
+        "texels around of the environment map; 0: none");
+  field("init.actors", o.actors, "particles of their own for the log's actors; false: all is background");
+  field("init.actor_min_travel_m",
+        o.actor_min_travel_m,
+        at_least(0.0),
+        "m, actors that get less far stay background");
+  field("init.actor_voxel_m", o.actor_voxel_m, range(1e-3, 100.0), "m, side of an actor's voxel");
+  field(
+      "init.actor_margin_m", o.actor_margin_m, at_least(0.0), "m by which boxes reach farther than labelled");
+  field("init.mirror_actors", o.mirror_actors, "vehicles: also the mirror image of each point");
+  field("init.register_tracks", o.register_tracks, "correct the actors' tracks by what the laser measured");
+}
+
+/// Error{kUsage} naming the key when one is outside its range.
+void check(const InitOptions& options);
+
+}  // namespace simuli

@@ -1,0 +1,21 @@
+#pragma once
+// What no log tells of its LiDARs and its sweeps do: learned before a scene is made of them.
+#include "io/log/log.hpp"
+
+namespace simuli {
+
+struct SensorLearning {
+  bool range_bias = true;   // see range_bias.hpp
+  bool own_vehicle = true;  // see own_vehicle.hpp
+};
+template <class F>
+constexpr void visit_fields(SensorLearning& o, F&& field) {
+  field("init.range_bias", o.range_bias, "find the LiDARs' range biases by row first");
+  field(
+      "init.own_vehicle", o.own_vehicle, "find the LiDARs' blind arcs, where the own vehicle stands, first");
+}
+
+/// The log with what its training sweeps say of its LiDARs. Error{kInput} when a sweep can't be read.
+[[nodiscard]] Log with_learned_sensors(Log log, int held_out_every, const SensorLearning& what);
+
+}  // namespace simuli

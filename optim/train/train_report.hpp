@@ -1,0 +1,37 @@
+#pragma once
+// What a training says of itself.
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+
+namespace simuli {
+
+/// How the training stands. Values are running means over about the last 20 frames; NaN before the first.
+struct TrainStatus {
+  int iteration = 0;  // done
+  double psnr_db = 0.0;
+  double distance_m = 0.0;     // mean |d^ - d| over returned rays, expected distance
+  double drop_accuracy = 0.0;  // share of rays
+  std::uint32_t camera_particles = 0;
+  std::uint32_t lidar_particles = 0;
+};
+
+struct TrainReport {
+  TrainStatus last;
+  std::size_t images = 0;  // trained on
+  std::size_t sweeps = 0;
+  Eigen::Index camera_particles = 0;
+  Eigen::Index lidar_particles = 0;
+  std::uint64_t relocated = 0;  // dead particles of both sets, put where the error is
+  std::uint64_t grown = 0;      // particles of both sets that came new
+  double anchor_m = 0.0;        // mean distance of anchored camera particles seen last
+  double anchor_seconds = 0.0;
+  double densify_seconds = 0.0;
+  std::uint32_t rejected_gradients = 0;  // entries that were not finite and moved nothing; 0 in good order
+  std::uint64_t unsound_particles = 0;   // not finite at the end: nobody sees them, the scene leaves them out
+  std::uint32_t unsound_losses = 0;      // of frames, not finite
+  bool stopped_early = false;            // max_seconds ran out first
+  double seconds = 0.0;
+};
+
+}  // namespace simuli

@@ -1,0 +1,98 @@
+#include "optim/train/training.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/base/version.hpp"
+#include "optim/log/sensor_learning.hpp"
+#include "optim/train/trainer.hpp"
+#include "optim/train/training_settings.hpp"
+
+namespace simuli {
+
+struct Training::State {
+  State(const Device& device, const Log& log, SceneInit start, const TrainingOptions& options)
+      : trainer(device, log, std::move(start.scene), options, std::move(start.moving)) {}
+  Trainer trainer;
+};
+
+Training::Training(const Device& device, Log log, const TrainingOptions& options)
+    : device_(device), log_(std::move(log)), log_hash_(simuli::log_hash(log_)), options_(checked(options)) {}
+
+Training::~Training() = default;
+
+const Training::State& Training::prepared() const {
+  if (state_) return *state_;
+  throw Error(ErrorKind::kInternal, "training: found no start, allowed prepare() first");
+}
+
+/// All that must be the same for it to be the same training, a line each.
+std::string Training::identity() const {
+  TrainingOptions same = options_;  // these two decide where a training ends
+  same.train.iterations = 0;
+  same.train.max_seconds = 0.0;
+  return fmt::format("log={} {}\n{}\n", log_.name, log_hash_, fmt::join(settings_of(same), "\n"));
+}
+
+void Training::prepare(const Progress& progress) {
+  if (state_) return;
+  log_ = with_learned_sensors(std::move(log_), options_.frames.held_out_every, options_.sensors);
+  SceneInit start = initialize_scene(log_, options_.frames, options_.init, progress);
+  report_.init = start.report;
+  state_ = std::make_unique<State>(device_, log_, std::move(start), options_);
+}
+
+void Training::resume(const std::filesystem::path& checkpoint, const Progress& progress) {
+  Trainer::need_settings(checkpoint, identity(), options_.train.iterations);
+  prepare(progress);
+  state_->trainer.resume(checkpoint, identity());
+}
+
+void Training::save(const std::filesystem::path& checkpoint) {
+  static_cast<void>(prepared());
+  state_->trainer.save(checkpoint, identity());
+}
+
+const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& checkpoints) {
+  prepare();
+  int saved = -1;  // iteration
+  report_.train = state_->trainer.run([&](const TrainStatus& status) {
+    if (on_step) on_step(status);
+    if (checkpoints.every <= 0 || status.iteration % checkpoints.every != 0) return;
+    save(checkpoints.file);
+    saved = status.iteration;
+  });
+  if (checkpoints.every > 0 && saved != status().iteration) save(checkpoints.file);
+  return report_;
+}
+
+const TrainStatus& Training::status() const { return prepared().trainer.status(); }
+
+Scene Training::scene() const { return prepared().trainer.scene(); }
+
+SceneFile Training::result() const {
+  SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig};
+  for (const auto& [name, offset] : prepared().trainer.sensor_offsets()) {
+    for (LogCamera& camera : file.cameras) {
+      if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);
+    }
+    for (LogLidar& lidar : file.lidars) {
+      if (name_of(lidar.model) == name) lidar.rig_from_lidar = moved_by(offset, lidar.rig_from_lidar);
+    }
+  }
+  file.training = TrainingRecord{.log_name = log_.name,
+                                 .log_hash = log_hash_,
+                                 .frames = options_.frames,
+                                 .iterations = status().iteration,
+                                 .planned_iterations = options_.train.iterations,
+                                 .quality = quality_of(options_.train.render),
+                                 .settings = settings_of(options_),
+                                 .version = version(),
+                                 .device = device_.info().label(),
+                                 .driver = device_.info().driver_version};
+  return file;
+}
+
+}  // namespace simuli

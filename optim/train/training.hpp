@@ -1,0 +1,80 @@
+#pragma once
+// A scene from a log: the whole recipe of `simuli train`. Whoever trains with the same options gets the same
+// scene, bit for bit, on the same device and build.
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+#include "host/runtime/device.hpp"
+#include "io/log/log.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "optim/init/initialize.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/train/training_options.hpp"
+
+namespace simuli {
+
+/// How a training went: its start, and what followed.
+struct TrainingReport {
+  InitReport init;
+  TrainReport train;
+};
+
+/// Where a training is stored meanwhile.
+struct Checkpoints {
+  std::filesystem::path file;
+  int every = 0;  // iterations; 0: never
+};
+
+///   Training training(Device::best(), read_log("drive.log"));
+///   training.run();
+///   write_scene("drive.scene", training.result());
+class Training {
+ public:
+  using Progress = std::function<void(std::size_t done, std::size_t total)>;
+  using Observer = std::function<void(const TrainStatus&)>;
+
+  /// `log` as it was read. Error{kUsage} for options outside their range.
+  Training(const Device& device, Log log, const TrainingOptions& options = {});
+  ~Training();
+  Training(const Training&) = delete;
+  Training& operator=(const Training&) = delete;
+
+  /// Learns what sweeps say of their LiDARs and places the first particles, unless that is done;
+  /// `progress` is called after each file of the latter. Error{kInput} when no frame is left to train on or a
+  /// file can't be read, Error{kDevice} when the device has no room for the training.
+  void prepare(const Progress& progress = {});
+  /// prepare(), and then goes on where a training of the same log and settings was saved. The number of
+  /// iterations may be larger than it was: the rates of those that are left are the longer training's, so
+  /// the result is well defined, but not that of a training which was longer from its first iteration on.
+  /// Error{kInput}, before anything is prepared, when the file is no checkpoint or of another training.
+  void resume(const std::filesystem::path& checkpoint, const Progress& progress = {});
+  /// Stores all that decides how the training goes on. Atomic.
+  void save(const std::filesystem::path& checkpoint);
+  /// prepare(), and then all iterations that are left. `on_step` is called after each; checkpoints are saved
+  /// behind it, and at the end.
+  const TrainingReport& run(const Observer& on_step = {}, const Checkpoints& checkpoints = {});
+
+  // What there is from prepare() on.
+  [[nodiscard]] const TrainStatus& status() const;
+  [[nodiscard]] const TrainingReport& report() const { return report_; }
+  /// The particles as trained so far. Error{kInternal} before prepare().
+  [[nodiscard]] Scene scene() const;
+  /// The same with sensors and trajectory, mounted as was learned, and how it was made.
+  [[nodiscard]] SceneFile result() const;
+
+ private:
+  struct State;
+  [[nodiscard]] const State& prepared() const;
+  [[nodiscard]] std::string identity() const;
+
+  Device device_;
+  Log log_;               // from prepare() on with what was learned of its LiDARs
+  std::string log_hash_;  // as read
+  TrainingOptions options_;
+  std::unique_ptr<State> state_;
+  TrainingReport report_;
+};
+
+}  // namespace simuli

@@ -1,0 +1,29 @@
+#pragma once
+// What a training is told, from the log to the scene. TrainingOptions{} are what `simuli train` takes.
+#include "io/log/frame_selection.hpp"
+#include "optim/init/initialize.hpp"
+#include "optim/log/sensor_learning.hpp"
+#include "optim/train/train_options.hpp"
+
+namespace simuli {
+
+struct TrainingOptions {
+  FrameSelection frames;
+  SensorLearning sensors;
+  InitOptions init;
+  TrainOptions train;
+};
+
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(TrainingOptions& o, F&& field) {
+  field.part("", o.frames);
+  field.part("", o.sensors);
+  field.part("", o.init);
+  field.part("", o.train);
+}
+
+/// The options themselves. Error{kUsage} naming the field when one is outside its range.
+[[nodiscard]] TrainingOptions checked(const TrainingOptions& options);
+
+}  // namespace simuli

@@ -1,0 +1,19 @@
+#include "optim/train/training_settings.hpp"
+
+#include "host/base/fields.hpp"
+
+namespace simuli {
+
+std::vector<std::string> settings_of(const TrainingOptions& options) { return lines_of(options); }
+
+std::string quality_of(const RenderOptions& options) {
+  const std::vector<std::string> lines = lines_of(options);
+  for (const Quality quality : {Quality::kBalanced, Quality::kDraft, Quality::kExact, Quality::kReference}) {
+    if (lines_of(training_options_of(quality)) == lines) {
+      return quality_names()[static_cast<std::size_t>(quality)];
+    }
+  }
+  return "custom";
+}
+
+}  // namespace simuli

@@ -1,0 +1,179 @@
+// Every check of the options that users set, by its key.
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/render/options/quality.hpp"
+#include "host/render/options/validate.hpp"
+#include "io/base/fields_json.hpp"
+#include "optim/eval/eval_options.hpp"
+#include "optim/init/init_options.hpp"
+#include "optim/train/training_options.hpp"
+#include "tests/host/expect_error.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+template <class Options>
+void expect_checked(const std::string& message, const std::function<void(Options&)>& spoil) {
+  Options options;
+  spoil(options);
+  expect_error(ErrorKind::kUsage, message, [&] {
+    if constexpr (std::is_same_v<Options, RenderOptions>) {
+      validate(options);
+    } else if constexpr (std::is_same_v<Options, TrainOptions>) {
+      (void)checked(options);
+    } else {
+      check(options);
+    }
+  });
+}
+
+TEST(Options, DefaultsAreSound) {
+  EXPECT_NO_THROW(validate(RenderOptions{}));
+  EXPECT_NO_THROW(check(InitOptions{}));
+  EXPECT_NO_THROW(checked(TrainOptions{}));
+  EXPECT_NO_THROW(check(EvalOptions{}));
+  for (const Quality quality : {Quality::kDraft, Quality::kBalanced, Quality::kExact, Quality::kReference}) {
+    EXPECT_NO_THROW(validate(options_of(quality)));
+    TrainOptions train;
+    train.render = training_options_of(quality);
+    EXPECT_NO_THROW(checked(train));
+  }
+}
+
+TEST(Options, KeysAreDifferentAndHaveAMeaning) {
+  TrainingOptions training;
+  const Fields all = fields_of(training);
+  std::set<std::string> keys;
+  for (const Field& field : all.all()) {
+    EXPECT_TRUE(keys.insert(field.key).second) << field.key;
+    EXPECT_FALSE(field.help.empty()) << field.key;
+    EXPECT_TRUE(field.is_sound()) << field.key;
+  }
+  for (const char* key : {"init.voxel_m",
+                          "camera.rate.mean_m",
+                          "lidar.loss.entropy",
+                          "loss.colour_absolute",
+                          "color_grids",
+                          "image_scale",
+                          "init.range_bias",
+                          "look.rate.grid",
+                          "actors.rate.shift_m",
+                          "actors.margin_m",
+                          "anchor.reach_m",
+                          "densify.cap",
+                          "poses.rotation_rad",
+                          "cache_bytes",
+                          "render.lidar_tiles.rays",
+                          "render.ray_mask.columns",
+                          "render.median_distance"}) {
+    EXPECT_TRUE(keys.contains(key)) << key;
+  }
+}
+
+TEST(Options, OfRenderingAreCheckedByKey) {
+  const auto refused = expect_checked<RenderOptions>;
+  refused("render.alpha_cut: found 2, allowed 1e-30 to 0.5", [](auto& o) { o.alpha_cut = 2.0; });
+  refused("render.alpha_cut: found nan", [](auto& o) { o.alpha_cut = kNaN; });
+  refused("render.shutter_iterations: found 65, allowed 0 to 64", [](auto& o) { o.shutter_iterations = 65; });
+  refused("render.transmittance_cut: found -1", [](auto& o) { o.transmittance_cut = -1.0; });
+  refused("render.camera_filter_px2: found 101", [](auto& o) { o.camera_filter_px2 = 101.0; });
+  refused("render.sh_error: found 0, allowed above 0, at most 10", [](auto& o) { o.sh_error = 0.0; });
+  refused("render.max_instances: found 0, allowed 1 or more", [](auto& o) { o.max_instances = 0; });
+  refused("render.lidar_tiles.rays: found 8, allowed 0, or 16 to 256",
+          [](auto& o) { o.lidar_tiles.rays = 8; });
+  refused("render.lidar_tiles.elevation: found -1", [](auto& o) { o.lidar_tiles.elevation = -1; });
+  refused("render.ray_mask.columns: found 0, allowed 1 to 65536", [](auto& o) { o.ray_mask.columns = 0; });
+  refused("render.ray_mask.rows: found 4097", [](auto& o) { o.ray_mask.rows = 4097; });
+  refused("render.projection: found another than unscented beside render.extent=exact", [](auto& o) {
+    o.extent = Extent::kExact;
+    o.projection = Projection::kLinearized;
+  });
+}
+
+TEST(Options, OfInitialisationAreCheckedByKey) {
+  const auto refused = expect_checked<InitOptions>;
+  refused("init.voxel_m: found 0, allowed 0.001 to 50", [](auto& o) { o.voxel_m = 0.0; });
+  refused("init.actor_voxel_m: found 0, allowed 0.001 to 100", [](auto& o) { o.actor_voxel_m = 0.0; });
+  refused("init.camera_sh_degree: found 4, allowed 0 to 3", [](auto& o) { o.camera_sh_degree = 4; });
+  refused("init.shell_spacing_deg: found 0", [](auto& o) { o.shell_spacing_deg = 0.0; });
+  refused("init.lidar_scale: found 11, allowed above 0, at most 10", [](auto& o) { o.lidar_scale = 11.0; });
+  refused("init.environment_width: found 9, allowed 0, or 8 to 7200 and even",
+          [](auto& o) { o.environment_width = 9; });
+  refused("init.max_scale_m: found 0.01, allowed init.min_scale_m (0.03) or more",
+          [](auto& o) { o.max_scale_m = 0.01; });
+}
+
+TEST(Options, OfTrainingAreCheckedByKey) {
+  const auto refused = expect_checked<TrainOptions>;
+  refused("camera.rate.opacity: found -1, allowed 0 or more", [](auto& o) { o.camera.opacity = -1.0; });
+  refused("lidar.rate.mean_m: found 0, allowed above 0", [](auto& o) { o.lidar.mean_m = 0.0; });
+  refused("lidar.rate.final_share: found 2", [](auto& o) { o.lidar.final_share = 2.0; });
+  refused("look.rate.grid: found nan", [](auto& o) { o.look.grid_rate = kNaN; });
+  refused("loss.ssim: found -1", [](auto& o) { o.image.dissimilarity = -1.0; });
+  refused("loss.drop: found -1", [](auto& o) { o.weights.drop = -1.0; });
+  refused("camera.loss.entropy: found -1", [](auto& o) { o.camera_particles.entropy = -1.0; });
+  refused("anchor.neighbours: found 257, allowed 1 to 256", [](auto& o) { o.anchor.neighbours = 257; });
+  refused("densify.last_share: found 1.5, allowed 0 to 1", [](auto& o) { o.densify.last_share = 1.5; });
+  refused("poses.rotation_rad: found -1", [](auto& o) { o.poses.rotation_rad = -1.0; });
+  refused("actors.rate.turn_rad: found -1", [](auto& o) { o.actor_poses.turn_rad = -1.0; });
+  refused("actors.margin_m: found -1", [](auto& o) { o.actor_margin_m = -1.0; });
+  refused("iterations: found -1", [](auto& o) { o.iterations = -1; });
+  refused("render.alpha_cut: found 1", [](auto& o) { o.render.alpha_cut = 1.0; });
+  refused("render.order: found a choice without gradients, allowed range",
+          [](auto& o) { o.render.order = Order::kPerRay; });
+  refused("render.precision: found", [](auto& o) { o.render.precision = Precision::kDouble; });
+  refused("render.sh_storage: found", [](auto& o) { o.render.sh_storage = ShStorage::kHalf; });
+}
+
+TEST(Options, OfFramesAreCheckedByKey) {
+  const auto refused = [](const std::string& message, const std::function<void(FrameSelection&)>& spoil) {
+    TrainingOptions options;
+    spoil(options.frames);
+    expect_error(ErrorKind::kUsage, message, [&] { (void)checked(options); });
+  };
+  refused("held_out_every: found 1, allowed 0, or 2 or more", [](auto& o) { o.held_out_every = 1; });
+  refused("held_out_every: found -5", [](auto& o) { o.held_out_every = -5; });
+  refused("image_scale: found 0, allowed above 0, at most 1", [](auto& o) { o.image_scale = 0.0; });
+  refused("image_scale: found nan", [](auto& o) { o.image_scale = kNaN; });
+}
+
+TEST(Options, OfEvaluationAreCheckedByKey) {
+  const auto refused = expect_checked<EvalOptions>;
+  refused("timed_renders: found 0, allowed 1 or more", [](auto& o) { o.timed_renders = 0; });
+  refused("render.sh_error: found 0", [](auto& o) { o.render.sh_error = 0.0; });
+}
+
+TEST(Options, SurviveJson) {
+  TrainOptions options;
+  options.camera.opacity = 0.1 + 0.2;
+  options.render.sh_degree = ShDegree::kAuto;
+  options.densify.cap = std::size_t{1} << 60U;
+  options.mask_moving = true;
+  const Json json = parse_json(json_of(fields_of(options)).dump(), "scene.json");
+  const auto read = [](const Json& from) {
+    TrainOptions to;
+    JsonObject object("scene.json", "training", from);
+    object.read_and_finish([&](JsonObject& o) { read_fields(o, fields_of(to)); });
+    return to;
+  };
+  EXPECT_EQ(lines_of(read(json)), lines_of(options));
+  EXPECT_EQ(lines_of(read(Json::object())), lines_of(TrainOptions{}));
+  const auto refused = [&](const char* text, const std::string& message) {
+    expect_error(ErrorKind::kInput, message, [&] { (void)read(parse_json(text, "scene.json")); });
+  };
+  refused(R"({"camera.rate.opacity": -1})",
+          "scene.json: training.camera.rate.opacity: found -1, allowed 0 or more");
+  refused(R"({"camera.rate.opacity": "1"})", "training.camera.rate.opacity: found \"1\"");
+  refused(R"({"densify.cap": 1.5})", "training.densify.cap: found 1.5, allowed 0 or more (whole)");
+  refused(R"({"render.sh_degree": 3})", "training.render.sh_degree: found 3, allowed 0, 1, 2, 3, auto");
+  refused(R"({"mask_moving": 1})", "training.mask_moving: found 1, allowed true, false");
+  refused(R"({"render.nothing": 1})", "render.nothing");
+}
+
+}  // namespace
+}  // namespace simuli
