@@ -48,7 +48,7 @@ void Memory::allocate(std::size_t count) {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("allocating buffer {} of {} bytes", name_, bytes); },
-      [&] { buffer_ = cl::Buffer(device_.context(), CL_MEM_READ_WRITE, bytes); });
+      [&] { buffer_ = cl::Buffer(device_.state().context, CL_MEM_READ_WRITE, bytes); });
   capacity_ = count;
   lease_ = MemoryLease(device_, bytes);
 }
@@ -82,7 +82,7 @@ void Memory::extend(std::size_t count) {
     cl_call(
         ErrorKind::kDevice,
         [&] { return fmt::format("copying {} bytes of buffer {}", bytes, name_); },
-        [&] { device_.queue().enqueueCopyBuffer(buffer_, larger.buffer_, 0, 0, bytes); });
+        [&] { device_.state().queue.enqueueCopyBuffer(buffer_, larger.buffer_, 0, 0, bytes); });
   }
   *this = std::move(larger);
 }
@@ -102,7 +102,7 @@ void Memory::write(std::size_t first, const void* source, std::size_t count) {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("writing {} bytes of buffer {}", bytes, name_); },
-      [&] { device_.queue().enqueueWriteBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, source); });
+      [&] { device_.state().queue.enqueueWriteBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, source); });
 }
 
 void Memory::read(std::size_t first, void* target, std::size_t count) const {
@@ -112,7 +112,7 @@ void Memory::read(std::size_t first, void* target, std::size_t count) const {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("reading {} bytes of buffer {}", bytes, name_); },
-      [&] { device_.queue().enqueueReadBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, target); });
+      [&] { device_.state().queue.enqueueReadBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, target); });
 }
 
 void Memory::fill(const void* element) {
@@ -125,7 +125,7 @@ void Memory::fill(const void* element) {
         [&] {
           // The C call: the binding's template wants the pattern's type.
           const cl_int code = clEnqueueFillBuffer(
-              device_.queue()(), buffer_(), element, element_bytes_, 0, bytes, 0, nullptr, nullptr);
+              device_.state().queue(), buffer_(), element, element_bytes_, 0, bytes, 0, nullptr, nullptr);
           if (code != CL_SUCCESS) throw cl::Error(code, "clEnqueueFillBuffer");
         });
     return;
@@ -154,7 +154,7 @@ void Memory::copy_from(const Memory& source) {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("copying {} bytes of buffer {} to {}", bytes, source.name_, name_); },
-      [&] { device_.queue().enqueueCopyBuffer(source.buffer_, buffer_, 0, 0, bytes); });
+      [&] { device_.state().queue.enqueueCopyBuffer(source.buffer_, buffer_, 0, 0, bytes); });
 }
 
 }  // namespace simuli::detail

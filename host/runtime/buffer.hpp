@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/runtime/cl.hpp"
 #include "host/runtime/device.hpp"
 
 namespace simuli {

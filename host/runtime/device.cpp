@@ -239,9 +239,6 @@ const Quirks& Device::quirks() const { return state_->quirks; }
 Profile& Device::profile() const { return state_->profile; }
 const MemoryUse& Device::memory() const { return state_->memory; }
 void Device::reset_memory_peak() const { state_->memory.peak = state_->memory.now; }
-const cl::Context& Device::context() const { return state_->context; }
-const cl::CommandQueue& Device::queue() const { return state_->queue; }
-const cl::Device& Device::handle() const { return state_->device; }
 
 void Device::finish() const {
   cl_call(

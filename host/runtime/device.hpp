@@ -6,8 +6,11 @@
 #include <string_view>
 #include <vector>
 
-#include "host/runtime/cl.hpp"
 #include "host/runtime/profile.hpp"
+
+// What cl_context and cl_command_queue point to (host/api/opencl.h).
+struct _cl_context;
+struct _cl_command_queue;
 
 namespace simuli {
 
@@ -75,7 +78,7 @@ class Device {
 
   /// Works on a caller's own context and in-order queue (both are retained). Error{kDevice} for an
   /// out-of-order queue or a queue of another context.
-  [[nodiscard]] static Device adopt(cl_context context, cl_command_queue queue);
+  [[nodiscard]] static Device adopt(_cl_context* context, _cl_command_queue* queue);
 
   [[nodiscard]] const DeviceInfo& info() const;
   [[nodiscard]] const Quirks& quirks() const;
@@ -87,9 +90,6 @@ class Device {
   /// Waits until everything queued so far has run. Error{kDevice} when some of it failed.
   void finish() const;
 
-  [[nodiscard]] const cl::Context& context() const;
-  [[nodiscard]] const cl::CommandQueue& queue() const;
-  [[nodiscard]] const cl::Device& handle() const;
   [[nodiscard]] detail::DeviceState& state() const { return *state_; }
 
  private:

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "host/runtime/cl.hpp"
 #include "host/runtime/device.hpp"
 
 namespace simuli::detail {

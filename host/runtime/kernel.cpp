@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/runtime/cl_error.hpp"
+#include "host/runtime/device_state.hpp"
 
 namespace simuli {
 
@@ -163,7 +164,7 @@ void KernelCore::set_local(cl_uint index, std::size_t bytes) {
 }
 
 void KernelCore::set_memory(cl_uint index, const Memory& memory) {
-  if (memory.device().context()() != program_.device().context()()) {
+  if (memory.device().state().context() != program_.device().state().context()) {
     throw Error(
         ErrorKind::kInternal,
         fmt::format("kernel {}: argument {}, buffer {}, is on another device", name_, index, memory.name()));
@@ -187,7 +188,7 @@ void KernelCore::run(const Range& global, const Range& local) {
   const bool timed = on.profile().enabled();
   cl_event event = nullptr;
   // The C call: the binding's NDRange has no three-way choice at run time.
-  const cl_int code = clEnqueueNDRangeKernel(on.queue()(),
+  const cl_int code = clEnqueueNDRangeKernel(on.state().queue(),
                                              kernel_(),
                                              global.dimensions(),
                                              nullptr,
@@ -202,14 +203,14 @@ void KernelCore::run(const Range& global, const Range& local) {
         cl::Error(code, "clEnqueueNDRangeKernel"),
         fmt::format("kernel {}, global size {}, local size {}", name_, global.text(), local.text()));
   }
-  if (timed) on.profile().record(name_, cl::Event(event));
+  if (timed) on.profile().record(name_, event);
 }
 
 std::size_t KernelCore::max_local_size() const {
   return cl_call(
       ErrorKind::kKernel,
       [&] { return "asking about kernel " + name_; },
-      [&] { return kernel_.getWorkGroupInfo<CL_KERNEL_WORK_GROUP_SIZE>(device().handle()); });
+      [&] { return kernel_.getWorkGroupInfo<CL_KERNEL_WORK_GROUP_SIZE>(device().state().device); });
 }
 
 }  // namespace detail

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/runtime/cl_error.hpp"
+#include "host/runtime/device_state.hpp"
 
 namespace simuli {
 
@@ -19,8 +20,8 @@ Event::Event(const Device& device) : state_(std::make_shared<State>(State{device
       ErrorKind::kDevice,
       [&] { return "marking the queue of " + device.info().label(); },
       [&] {
-        device.queue().enqueueMarkerWithWaitList(nullptr, &state_->event);
-        device.queue().flush();
+        device.state().queue.enqueueMarkerWithWaitList(nullptr, &state_->event);
+        device.state().queue.flush();
       });
 }
 
@@ -39,6 +40,8 @@ void Event::wait() const {
   cl_call(
       ErrorKind::kDevice, [&] { return state_->where(); }, [&] { state_->event.wait(); });
 }
+
+_cl_event* Event::handle() const { return state_->event(); }
 
 struct Download::State {
   explicit State(std::shared_ptr<Event::State> event) : done(std::move(event)) {}
@@ -63,7 +66,7 @@ Download::Download(const RealBuffer& buffer) {
       ErrorKind::kDevice,
       [&] { return fmt::format("reading {} bytes of buffer {}", bytes, memory.name()); },
       [&] {
-        const cl::CommandQueue& queue = memory.device().queue();
+        const cl::CommandQueue& queue = memory.device().state().queue;
         if (bytes == 0) {
           queue.enqueueMarkerWithWaitList(nullptr, &event->event);
         } else {

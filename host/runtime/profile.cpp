@@ -14,8 +14,10 @@ constexpr double kMsPerNs = 1e-6;
 
 }  // namespace
 
-void Profile::record(const std::string& kernel, cl::Event event) {
-  pending_.push_back({kernel, std::move(event)});
+void Profile::ReleaseEvent::operator()(_cl_event* event) const noexcept { clReleaseEvent(event); }
+
+void Profile::record(const std::string& kernel, _cl_event* event) {
+  pending_.push_back({kernel, std::unique_ptr<_cl_event, ReleaseEvent>(event)});
   if (pending_.size() >= kMaxPending) collect();
 }
 
@@ -25,9 +27,10 @@ void Profile::collect() {
         ErrorKind::kKernel,
         [&] { return "timing kernel " + pending.kernel; },
         [&] {
-          pending.event.wait();
-          const cl_ulong start_ns = pending.event.getProfilingInfo<CL_PROFILING_COMMAND_START>();
-          const cl_ulong end_ns = pending.event.getProfilingInfo<CL_PROFILING_COMMAND_END>();
+          const cl::Event event(pending.event.get(), true);
+          event.wait();
+          const cl_ulong start_ns = event.getProfilingInfo<CL_PROFILING_COMMAND_START>();
+          const cl_ulong end_ns = event.getProfilingInfo<CL_PROFILING_COMMAND_END>();
           const double ms = kMsPerNs * static_cast<double>(end_ns - start_ns);
           ProfileRow& row = rows_[pending.kernel];
           row.kernel = pending.kernel;

@@ -2,10 +2,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "host/runtime/cl.hpp"
+struct _cl_event;  // what a cl_event points to
 
 namespace simuli {
 
@@ -28,13 +29,16 @@ class Profile {
   /// Forgets everything recorded so far.
   void reset();
 
-  /// Called by each launch when enabled().
-  void record(const std::string& kernel, cl::Event event);
+  /// Called by each launch when enabled(). Takes the event over.
+  void record(const std::string& kernel, _cl_event* event);
 
  private:
+  struct ReleaseEvent {
+    void operator()(_cl_event* event) const noexcept;
+  };
   struct Pending {
     std::string kernel;
-    cl::Event event;
+    std::unique_ptr<_cl_event, ReleaseEvent> event;
   };
   void collect();
 

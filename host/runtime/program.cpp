@@ -36,10 +36,10 @@ cl::Program compile(const Device& device,
                     const std::string& source,
                     const std::string& options) {
   const auto context = [&] { return fmt::format("building {} with options {}", shown, options); };
-  auto program = cl_call(ErrorKind::kKernel, context, [&] { return cl::Program(device.context(), source); });
+  auto program = cl_call(ErrorKind::kKernel, context, [&] { return cl::Program(device.state().context, source); });
   try {
     // clBuildProgram, not compile and link: drivers cache this call.
-    program.build({device.handle()}, options.c_str());
+    program.build({device.state().device}, options.c_str());
   } catch (const cl::Error& error) {
     throw Error(ErrorKind::kKernel,
                 fmt::format("{} does not build: {} ({}), options {}\n{}",
@@ -47,7 +47,7 @@ cl::Program compile(const Device& device,
                             cl_code_name(error.err()),
                             error.err(),
                             options,
-                            build_log(program, device.handle())));
+                            build_log(program, device.state().device)));
   }
   return program;
 }
@@ -57,8 +57,8 @@ std::optional<cl::Program> from_binary(const Device& device,
                                        const ProgramBinary& binary,
                                        const std::string& options) {
   try {
-    cl::Program program(device.context(), {device.handle()}, cl::Program::Binaries{binary});
-    program.build({device.handle()}, options.c_str());
+    cl::Program program(device.state().context, {device.state().device}, cl::Program::Binaries{binary});
+    program.build({device.state().device}, options.c_str());
     std::vector<cl::Kernel> kernels;
     program.createKernels(&kernels);
     return program;
@@ -122,7 +122,7 @@ Program::Program(const Device& device, const Expanded& expanded, const BuildOpti
       [&] { return "listing the kernels of " + expanded.shown; },
       [&] { return names_of(state->program); });
   if (!stored) {
-    if (const auto binary = binary_of(state->program, device.handle())) save_binary(key, *binary);
+    if (const auto binary = binary_of(state->program, device.state().device)) save_binary(key, *binary);
   }
   programs.emplace(key, state);
   state_ = std::move(state);

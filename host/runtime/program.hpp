@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/runtime/build_options.hpp"
+#include "host/runtime/cl.hpp"
 #include "host/runtime/device.hpp"
 
 namespace simuli {

@@ -7,6 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/base/version.hpp"
 #include "optim/log/sensor_learning.hpp"
+#include "optim/init/initialize.hpp"
 #include "optim/train/trainer.hpp"
 #include "optim/train/training_settings.hpp"
 

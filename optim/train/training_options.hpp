@@ -1,7 +1,7 @@
 #pragma once
 // What a training is told, from the log to the scene. TrainingOptions{} are what `simuli train` takes.
 #include "io/log/frame_selection.hpp"
-#include "optim/init/initialize.hpp"
+#include "optim/init/init_options.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/train/train_options.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "host/base/allowed.hpp"
-#include "host/runtime/build_options.hpp"
+#include "host/runtime/precision.hpp"
 
 namespace simuli {
 
@@ -95,9 +95,8 @@ enum class Culling : int {
 struct RayMaskSize {
   int columns = 1600;
   int rows = 8;
-  int elevation = 0;
-  int rays = 0;
-  bool operator==(const LidarTiles&) const = default;
+  bool equalized = true;
+  bool operator==(const RayMaskSize&) const = default;
 };
 template <class F>
 constexpr void visit_fields(RayMaskSize& o, F&& field) {

@@ -1,4 +1,4 @@
-#include "host/render/scene/ray_results.hpp"
+#include "host/render/scene/slot_results.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,5 @@
 #include "host/render/scene/renderer.hpp"
+#include "host/render/scene/slot_results.hpp"
 
 #include <algorithm>
 #include <cmath>
