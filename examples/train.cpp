@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
     });
     simuli::write_scene(argv[2], training.result());
     const simuli::EvalReport report = simuli::Evaluation(device, training.result(), log).run();
-    std::printf("held-out frames: %.9g dB, %.9g m\n", report.psnr_db, report.lidar.distance_median_m);
+    const double distance_cm = 100.0 * report.lidar.distance_median_m;
+    std::printf("%s: %.2f dB, %.2f cm\n", report.frames.label().c_str(), report.psnr_db, distance_cm);
   } catch (const std::exception& error) {
     return std::fprintf(stderr, "train: %s\n", error.what()), 1;
   }

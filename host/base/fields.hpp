@@ -32,7 +32,7 @@ namespace detail {
 template <class Options>
 struct AnyMember {
   template <class T>
-  requires(!std::same_as<T, Options>) constexpr operator T() const;  // NOLINT: a conversion is what it is for
+  requires(!std::same_as<T, Options>) constexpr operator T() const { return T(); }  // NOLINT: it converts
 };
 
 /// Members of an aggregate, a nested struct counting as one.

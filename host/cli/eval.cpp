@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -6,6 +7,7 @@
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
+#include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
@@ -31,10 +33,18 @@ void eval(EvalCommand command, const Globals& globals) {
   apply_settings(command.settings, render_settings(command.options.render));
   validate(command.options.render);
   SceneFile file = read_scene(command.scene);
+  warn_unlike_training(file, command.options.render);
   apply(command.edits, file.scene);
   Log log = read_log(command.log);
   const Device device = Device::best(globals.device);
   Evaluation evaluation(device, std::move(file), std::move(log), command.options);
+  const EvalFrames& frames = evaluation.frames();
+  if (frames.kind == FrameKind::kOtherLog) {
+    std::cerr << fmt::format("simuli: the scene was trained on another log, {} ({}): {}\n",
+                             evaluation.scene().training->log_name,
+                             evaluation.scene().training->log_hash,
+                             frames.label());
+  }
   const EvalReport report = run_evaluation(evaluation, globals);
   if (!command.report.empty()) {
     write_report(command.report,

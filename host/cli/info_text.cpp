@@ -2,8 +2,10 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "host/cli/base/provenance.hpp"
 #include "host/cli/info.hpp"
 #include "io/log/log_json.hpp"
+#include "io/scene/training_json.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -116,11 +118,17 @@ void print_scene(const SceneFile& file, bool json) {
                   {"camera_set", set_json(scene.camera)},
                   {"lidar_set", set_json(scene.lidar)},
                   {"trajectory", trajectory_json(file.world_from_rig)},
-                  {"sensors", sensors_json(file.cameras, file.lidars)}});
+                  {"sensors", sensors_json(file.cameras, file.lidars)},
+                  {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
             << set_text("lidar", scene.lidar) << trajectory_text(file.world_from_rig)
             << sensors_text(file.cameras, file.lidars);
+  if (!file.training) return;
+  std::cout << "  trained\n";
+  for (const RecordLine& line : record_lines(*file.training)) {
+    std::cout << fmt::format("    {:<16} {}\n", line.name, line.value);
+  }
 }
 
 void print_camera(const Camera& camera, bool json) {

@@ -16,6 +16,7 @@
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/pictures.hpp"
+#include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/base/video.hpp"
 #include "host/render/options/validate.hpp"
@@ -255,6 +256,7 @@ void render(const RenderCommand& command, const Globals& globals) {
   apply_settings(command.settings, render_settings(options));
   validate(options);
   SceneFile file = read_scene(command.scene);
+  warn_unlike_training(file, options);
   apply(command.edits, file.scene);
   const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
   Sensor sensor = find_sensor(file, command);

@@ -65,7 +65,8 @@ TrainingRecord training_from_json(JsonObject& object) {
   r.version = object.text("simuli");
   r.device = object.text("device");
   r.driver = object.text("driver");
-  for (const Field& field : fields_of(r.frames).all()) {
+  const Fields fields = fields_of(r.frames);
+  for (const Field& field : fields.all()) {
     if (field.is_sound()) continue;
     throw_input_error(object.file(), object.field(field.key), field.text(), field.allowed());
   }

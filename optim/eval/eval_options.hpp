@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "host/base/allowed.hpp"
-#include "host/render/options/quality.hpp"
+#include "host/render/options/options.hpp"
 
 namespace simuli {
 
@@ -12,7 +12,7 @@ struct EvalOptions {
   std::optional<int> held_out_every;  // every N-th frame, 0: all; nothing: those that were not trained on
   int timed_renders = 5;              // behind a first one that warms up
   double actor_min_travel_m = 1.0;
-  RenderOptions render = options_of(Quality::kBalanced);
+  RenderOptions render{.extent = Extent::kExact, .lidar_tiles = {}, .ray_mask = {}};  // balanced
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).

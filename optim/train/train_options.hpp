@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "host/base/allowed.hpp"
-#include "host/render/options/quality.hpp"
+#include "host/render/options/options.hpp"
 #include "optim/poses/pose_rates.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure_options.hpp"
@@ -102,7 +102,7 @@ struct TrainOptions {
   /// pictures than nothing.
   bool mask_moving = false;
   /// In float; the median distance has no gradient and is never written.
-  RenderOptions render = training_options_of(Quality::kBalanced);
+  RenderOptions render{.extent = Extent::kExact, .lidar_tiles = {}, .ray_mask = {}};  // balanced
   PoseOptions poses;
   std::size_t memory_bytes = 0;
   std::size_t cache_bytes = std::size_t{2} << 30U;

@@ -1,6 +1,7 @@
 #include "optim/train/training_settings.hpp"
 
 #include "host/base/fields.hpp"
+#include "host/render/options/quality.hpp"
 
 namespace simuli {
 

@@ -63,7 +63,7 @@ TEST_F(ResumeCli, KilledTrainingsGiveTheSameScene) {
   ASSERT_EQ(run("train s.log -o again.scene " + kTraining).exit_code, 0);
   const auto duration = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
   EXPECT_EQ(content("again.scene"), content("whole.scene"));
-  EXPECT_FALSE(fs::exists(folder_ / "whole.scene.checkpoint"));  // not needed any more
+  EXPECT_TRUE(fs::exists(folder_ / "whole.scene.checkpoint"));  // for a longer training
 
   std::mt19937 random(5);
   constexpr int kKills = 6;
@@ -78,7 +78,36 @@ TEST_F(ResumeCli, KilledTrainingsGiveTheSameScene) {
   const Outcome last = run("train s.log -o killed.scene --resume " + kTraining);
   ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_EQ(content("killed.scene"), content("whole.scene"));
-  EXPECT_FALSE(fs::exists(folder_ / "killed.scene.checkpoint"));
+  // A finished one has nothing left to do, and gives the same.
+  ASSERT_EQ(run("train s.log -o killed.scene --resume " + kTraining).exit_code, 0);
+  EXPECT_EQ(content("killed.scene"), content("whole.scene"));
+}
+
+TEST_F(ResumeCli, AFinishedTrainingIsMadeLonger) {
+  make_log();
+  const std::string train = "train s.log -o a.scene --set init.voxel_m=0.3 --json ";
+  ASSERT_EQ(run(train + "--iterations 4 --checkpoint-every 100").exit_code, 0);
+  const Outcome longer = run(train + "--iterations 6 --resume --checkpoint-every 100");
+  ASSERT_EQ(longer.exit_code, 0) << longer.err;
+  EXPECT_EQ(longer.err, "");  // not "from the start"
+  EXPECT_NE(longer.out.find("\"iterations\": 6"), std::string::npos) << longer.out;
+  expect_failure("train s.log -o a.scene --set init.voxel_m=0.3 --resume --iterations 5",
+                 kInput,
+                 "a.scene.checkpoint: iterations: found a training of 6, allowed of 5 or fewer");
+  // Without --checkpoint-every nothing is kept.
+  ASSERT_EQ(run(train + "--iterations 6 --resume").exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "a.scene.checkpoint"));
+}
+
+TEST_F(ResumeCli, AnotherLogsCheckpointIsRefused) {
+  make_log();
+  ASSERT_EQ(run("synth street -o other.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
+                "--no-moving-car --speed 9")
+                .exit_code,
+            0);
+  const std::string rest = " -o a.scene --iterations 4 --set init.voxel_m=0.3 --checkpoint-every 2";
+  ASSERT_EQ(run("train s.log" + rest).exit_code, 0);
+  expect_failure("train other.log --resume" + rest, kInput, "a.scene.checkpoint: settings: found log=");
 }
 
 TEST_F(ResumeCli, AnotherTrainingsCheckpointIsRefused) {

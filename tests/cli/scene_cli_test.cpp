@@ -1,10 +1,14 @@
 // Commands that train and render.
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "io/base/file.hpp"
+#include "optim/eval/evaluation.hpp"
+#include "optim/train/training.hpp"
 #include "tests/cli/cli_fixture.hpp"
 
 namespace {
@@ -54,6 +58,82 @@ TEST_F(SceneCli, TrainingIsReported) {
   EXPECT_GT(last.at("device_bytes"), 0);
   EXPECT_GT(fs::file_size(folder_ / "train.html"), 10'000U);
   EXPECT_EQ(files_in("runs"), 1U);
+}
+
+TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
+  make_scene();
+  const auto eval = [this](const std::string& arguments) {
+    const Outcome outcome = run("eval " + arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome;
+  };
+  const Outcome held_out = eval("s.scene s.log");
+  EXPECT_EQ(held_out.out.rfind("held-out frames: 1 pictures of 32 x 18 px", 0), 0U) << held_out.out;
+  EXPECT_EQ(eval("s.scene s.log --held-out 0").out.rfind("all frames, some of which were trained on: 6", 0), 0U);
+  const nlohmann::json json = nlohmann::json::parse(eval("s.scene s.log --held-out 2 --json").out);
+  EXPECT_EQ(json.at("frames"), "training");
+  EXPECT_EQ(json.at("training").at("held_out_every"), 5);
+
+  ASSERT_EQ(run("train s.log -o all.scene --held-out 0 --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  EXPECT_EQ(eval("all.scene s.log").out.rfind("training frames: 6 pictures", 0), 0U);
+
+  ASSERT_EQ(run("synth street -o other.log --frames 4 --image-width 64 --image-height 36 --lidar-columns 90 "
+                "--no-moving-car")
+                .exit_code,
+            0);
+  const Outcome other = eval("s.scene other.log");
+  EXPECT_NE(other.err.find("was trained on another log, street"), std::string::npos) << other.err;
+  EXPECT_EQ(other.out.rfind("all frames of a log that was not trained on: 4 pictures", 0), 0U) << other.out;
+  // Otherwise than it was trained: one line says so.
+  EXPECT_EQ(held_out.err.find("warning"), std::string::npos) << held_out.err;
+  const Outcome unlike = eval("s.scene s.log --set render.extent=unscented");
+  EXPECT_NE(unlike.err.find("render.extent=unscented (trained with exact)"), std::string::npos) << unlike.err;
+  const Outcome draft = run("render s.scene --quality draft --sensor front --times 0:0:1 -o draft");
+  EXPECT_NE(draft.err.find("render.sh_degree=0 (trained with 3)"), std::string::npos) << draft.err;
+}
+
+/// Whoever trains and compares through the library gets what the program gets, bit for bit.
+TEST_F(SceneCli, TheLibraryTrainsAndComparesAsTheProgramDoes) {
+  make_scene();
+  const simuli::Log log = simuli::read_log(folder_ / "s.log");
+  simuli::TrainingOptions options;
+  options.init.voxel_m = 0.3;
+  options.train.iterations = 3;
+  const simuli::Device device = simuli::Device::best();
+  simuli::Training training(device, log, options);
+  training.run();
+  simuli::write_scene(folder_ / "own.scene", training.result());
+  for (const char* file : {"scene.json", "camera.ply", "lidar.ply"}) {
+    const auto bytes = [&](const char* scene) { return simuli::read_file(folder_ / scene / file); };
+    EXPECT_EQ(bytes("own.scene"), bytes("s.scene")) << file;
+  }
+  const simuli::EvalReport own = simuli::Evaluation(device, training.result(), log).run();
+  const nlohmann::json program = nlohmann::json::parse(run("eval s.scene s.log --json").out);
+  EXPECT_EQ(program.at("psnr_db"), own.psnr_db);
+  EXPECT_EQ(program.at("ssim"), own.ssim);
+  EXPECT_EQ(program.at("distance_median_m"), own.lidar.distance_median_m);
+  EXPECT_EQ(program.at("chamfer_m2"), own.lidar.chamfer_m2);
+  EXPECT_EQ(program.at("raydrop_accuracy"), own.lidar.raydrop_accuracy);
+}
+
+TEST_F(SceneCli, InfoTellsHowASceneWasMade) {
+  make_scene();
+  const nlohmann::json made = nlohmann::json::parse(run("info s.scene --json").out).at("training");
+  EXPECT_EQ(made.at("log").at("name"), "street");
+  EXPECT_EQ(made.at("iterations"), 3);
+  EXPECT_EQ(made.at("quality"), "balanced");
+  const auto settings = made.at("settings").get<std::vector<std::string>>();
+  EXPECT_EQ(std::count(settings.begin(), settings.end(), "init.voxel_m=0.3"), 1);
+  const std::string text = run("info s.scene").out;
+  EXPECT_NE(text.find("held out         every 5. frame"), std::string::npos) << text;
+  // A scene of a version that didn't say is read, too.
+  const fs::path file = folder_ / "s.scene" / "scene.json";
+  std::ifstream in(file);
+  nlohmann::json scene = nlohmann::json::parse(in);
+  scene.erase("training");
+  std::ofstream(file) << scene.dump();
+  EXPECT_TRUE(nlohmann::json::parse(run("info s.scene --json").out).at("training").is_null());
+  EXPECT_EQ(run("eval s.scene s.log").out.rfind("every 5. frame (the scene does not say", 0), 0U);
 }
 
 TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {

@@ -10,6 +10,7 @@
 
 #include "host/base/version.hpp"
 #include "host/cli/base/progress.hpp"
+#include "host/cli/base/provenance.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/html_report.hpp"
 #include "host/cli/report/tile_picture.hpp"
@@ -48,16 +49,8 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
 
 void add_record(HtmlReport& html, const TrainingRecord& made) {
   html.heading("How the scene was made");
-  const FrameSelection& frames = made.frames;
-  std::vector<std::vector<std::string>> rows{
-      {"log", fmt::format("{} ({})", made.log_name, made.log_hash)},
-      {"iterations", fmt::format("{} of {}", made.iterations, made.planned_iterations)},
-      {"size of the pictures", fmt::format("{}", frames.image_scale)},
-      {"held out", frames.held_out_every > 0 ? fmt::format("every {}. frame", frames.held_out_every) : "nothing"},
-      {"seed", fmt::format("{}", frames.seed)},
-      {"quality", made.quality},
-      {"simuli", made.version},
-      {"device", fmt::format("{}, driver {}", made.device, made.driver)}};
+  std::vector<std::vector<std::string>> rows;
+  for (const RecordLine& line : record_lines(made)) rows.push_back({line.name, line.value});
   for (const std::string& setting : made.settings) {
     const std::size_t equals = setting.find('=');
     rows.push_back({setting.substr(0, equals), setting.substr(std::min(setting.size(), equals + 1))});

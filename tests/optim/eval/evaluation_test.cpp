@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <string>
+#include <variant>
 
 #include "host/base/error.hpp"
 #include "host/render/scene/seen.hpp"
@@ -109,6 +110,89 @@ TEST_F(EvaluationTest, NothingHeldOutOrBadOptionsAreRefused) {
   options = kFull;
   options.timed_renders = 0;
   EXPECT_THROW((void)compare(log_, initial_scene(), options), Error);
+}
+
+/// The scene as if it had been trained on `log` with `frames`.
+SceneFile trained_on(const Log& log, Scene scene, const FrameSelection& frames) {
+  SceneFile file = test::file_of(log, std::move(scene));
+  file.training = TrainingRecord{.log_name = log.name, .log_hash = log_hash(log), .frames = frames};
+  return file;
+}
+
+TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
+  const SceneFile scene = trained_on(log_, initial_scene(), {.image_scale = 0.5, .held_out_every = 3});
+  const EvalFrames frames = select_eval_frames(log_, scene, {}, {});
+  EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
+  EXPECT_EQ(frames.label(), "held-out frames");
+  EXPECT_EQ(frames.image_scale, 0.5);
+  EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 5}));
+  EXPECT_EQ(frames.sweeps, (std::vector<std::size_t>{2, 5}));
+  const EvalReport report = Evaluation(Device::best(), scene, log_).run();
+  EXPECT_EQ(report.image_width, 32);
+  EXPECT_EQ(report.images, 2U);
+  EXPECT_EQ(report.frames.kind, FrameKind::kHeldOut);
+}
+
+TEST_F(EvaluationTest, NothingIsCalledHeldOutThatWasTrainedOn) {
+  const auto kind = [&](int trained, std::optional<int> asked) {
+    const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = trained});
+    return select_eval_frames(log_, scene, {}, asked);
+  };
+  EXPECT_EQ(kind(0, {}).kind, FrameKind::kTraining);
+  EXPECT_EQ(kind(0, {}).label(), "training frames");
+  EXPECT_EQ(kind(0, {}).images.size(), 6U);
+  EXPECT_EQ(kind(0, 5).kind, FrameKind::kTraining);
+  EXPECT_EQ(kind(5, 0).kind, FrameKind::kMixed);
+  EXPECT_EQ(kind(5, 0).label(), "all frames, some of which were trained on");
+  EXPECT_EQ(kind(5, 2).kind, FrameKind::kTraining);  // 1, 3, 5
+  EXPECT_EQ(kind(3, 2).kind, FrameKind::kMixed);     // 5 of them is the third's, too
+  EXPECT_EQ(kind(2, 6).kind, FrameKind::kHeldOut);   // of every second, every third
+}
+
+TEST_F(EvaluationTest, AnotherLogHasNoHeldOutFrames) {
+  const SceneFile scene = trained_on(log_, initial_scene(), {});
+  Log other = log_;
+  other.images.pop_back();
+  const EvalFrames all = select_eval_frames(other, scene, {}, {});
+  EXPECT_EQ(all.kind, FrameKind::kOtherLog);
+  EXPECT_EQ(all.images.size(), 5U);
+  EXPECT_EQ(all.sweeps.size(), 6U);
+  const EvalFrames some = select_eval_frames(other, scene, {}, 5);
+  EXPECT_EQ(some.kind, FrameKind::kOtherLog);
+  EXPECT_EQ(some.label(), "every 5. frame of a log that was not trained on");
+  EXPECT_EQ(some.images.size(), 1U);
+  // A scene that doesn't say is not trusted, either.
+  const EvalFrames unknown = select_eval_frames(log_, test::file_of(log_, initial_scene()), {}, {});
+  EXPECT_EQ(unknown.kind, FrameKind::kUnknown);
+  EXPECT_EQ(unknown.label().find("held"), std::string::npos);
+}
+
+TEST_F(EvaluationTest, SensorsAreWhereTheSceneHasThem) {
+  const SceneFile scene = test::file_of(log_, initial_scene());
+  const EvalReport expected = Evaluation(Device::best(), scene, log_, kFull).run();
+  Log wrong = log_;  // training has learned better
+  wrong.cameras[0].rig_from_camera.translation.y() += 0.2;
+  wrong.lidars[0].rig_from_lidar.translation.z() += 0.2;
+  const EvalReport found = Evaluation(Device::best(), scene, wrong, kFull).run();
+  EXPECT_EQ(found.psnr_db, expected.psnr_db);
+  EXPECT_EQ(found.lidar.distance_median_m, expected.lidar.distance_median_m);
+}
+
+TEST_F(EvaluationTest, RangeBiasesOfTheSceneCorrectRangesAndAreStatedAgain) {
+  constexpr double kBias_m = 0.25;
+  SceneFile scene = test::file_of(log_, initial_scene());
+  Evaluation unbiased(Device::best(), scene, log_, kFull);
+  const LidarPair plain = unbiased.sweep(4);
+  for (LidarRow& row : std::get<Lidar>(scene.lidars[0].model).rows) row.range_bias = kBias_m;
+  Evaluation biased(Device::best(), scene, log_, kFull);
+  const LidarPair pair = biased.sweep(4);
+  EXPECT_NEAR(biased.run().lidar.distance_median_m, kBias_m, 0.1);  // sweeps read too long, which they aren't
+  for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
+    ASSERT_NEAR(pair.recorded.range[i], plain.recorded.range[i], 1e-5) << i;  // as the file has it
+    if (pair.rendered.is_return(i) && plain.rendered.is_return(i)) {
+      ASSERT_NEAR(pair.rendered.range[i], plain.rendered.range[i] + kBias_m, 1e-4) << i;
+    }
+  }
 }
 
 TEST(ScaledCamera, SidesAreRoundedUp) {

@@ -1,0 +1,51 @@
+#include "host/cli/base/provenance.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <map>
+
+#include "host/base/fields.hpp"
+
+namespace simuli::cli {
+
+std::vector<RecordLine> record_lines(const TrainingRecord& r) {
+  const FrameSelection& f = r.frames;
+  const std::string iterations = r.iterations == r.planned_iterations
+                                     ? fmt::format("{}", r.iterations)
+                                     : fmt::format("{} of {}", r.iterations, r.planned_iterations);
+  return {{"log", fmt::format("{} ({})", r.log_name, r.log_hash)},
+          {"iterations", iterations},
+          {"size of pictures", fmt::format("{} of the recorded", f.image_scale)},
+          {"held out", f.held_out_every > 0 ? fmt::format("every {}. frame", f.held_out_every) : "nothing"},
+          {"seed", fmt::format("{}", f.seed)},
+          {"quality", r.quality},
+          {"by", fmt::format("simuli {} on {}, driver {}", r.version, r.device, r.driver)}};
+}
+
+std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOptions& options) {
+  std::vector<std::string> unlike;
+  if (!scene.training) return unlike;
+  std::map<std::string, std::string> trained;  // by key
+  for (const std::string& line : scene.training->settings) {
+    const std::size_t equals = line.find('=');
+    if (equals != std::string::npos) trained[line.substr(0, equals)] = line.substr(equals + 1);
+  }
+  RenderOptions own = options;
+  const Fields fields = fields_of(own);
+  for (const Field& field : fields.all()) {
+    const auto known = trained.find(field.key);
+    if (known == trained.end() || known->second == field.text()) continue;
+    unlike.push_back(fmt::format("{}={} (trained with {})", field.key, field.text(), known->second));
+  }
+  return unlike;
+}
+
+void warn_unlike_training(const SceneFile& scene, const RenderOptions& options) {
+  const std::vector<std::string> unlike = unlike_training(scene, options);
+  if (unlike.empty()) return;
+  std::cerr << fmt::format("simuli: warning: a scene is at its best as it was trained; found {}\n",
+                           fmt::join(unlike, ", "));
+}
+
+}  // namespace simuli::cli
