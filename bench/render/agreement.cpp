@@ -57,7 +57,7 @@ Picture render(const Device& device, SetKind kind, Precision precision) {
     return picture_of(renderer.results());
   }
   const Lidar lidar = builtin_lidar("generic64");
-  const SensorRays rays(device, lidar, nominal_rays(lidar, seconds), options);
+  const SensorRays rays(device, lidar, nominal_rays(lidar), options);
   renderer.render(particles, rays, view);
   return picture_of(renderer.results());
 }

@@ -23,7 +23,8 @@ set(SIMULI_PUBLIC_device
   host/runtime/precision.hpp host/runtime/profile.hpp host/runtime/device.hpp)
 set(SIMULI_PUBLIC_options
   "How frames are rendered: speed against accuracy."
-  host/render/options/options.hpp host/render/options/quality.hpp)
+  host/render/options/options.hpp host/render/options/quality.hpp
+  host/render/options/render_settings.hpp)
 set(SIMULI_PUBLIC_render
   "A scene on a device, a sensor and a shot make a frame."
   host/render/scene/shot.hpp host/render/scene/ray_results.hpp host/render/scene/seen.hpp
@@ -48,7 +49,8 @@ set(SIMULI_PUBLIC_training
   optim/train/training_options.hpp optim/train/training_settings.hpp optim/train/training.hpp)
 set(SIMULI_PUBLIC_evaluation
   "A scene beside a log: what `simuli eval` does."
-  optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_frames.hpp optim/eval/evaluation.hpp)
+  optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp
+  optim/eval/eval_frames.hpp optim/eval/evaluation.hpp)
 set(SIMULI_PUBLIC_calibration
   "Paths, mountings, beams and lenses found from recorded data."
   optim/calibration/path/returns.hpp optim/calibration/path/plane_map.hpp

@@ -13,4 +13,9 @@ namespace simuli {
 /// The bundle that these options of a training are (training_options_of), or "custom".
 [[nodiscard]] std::string quality_of(const RenderOptions& options);
 
+/// The options of `simuli train --quality QUALITY --set SETTING...`: quality "" is balanced; settings are
+/// "key=value" each. Error{kUsage} naming key, found and allowed.
+[[nodiscard]] TrainingOptions training_options(const std::string& quality,
+                                               const std::vector<std::string>& settings);
+
 }  // namespace simuli

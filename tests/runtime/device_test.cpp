@@ -5,6 +5,7 @@
 
 #include "host/runtime/buffer.hpp"
 #include "host/runtime/cl_error.hpp"
+#include "host/runtime/opencl.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {
@@ -70,14 +71,14 @@ TEST(Device, VariableIsARequestAndTheArgumentOverridesIt) {
 
 TEST(Device, AdoptsACallersContextAndQueue) {
   const Device own = test::open_device();
-  const Device adopted = Device::adopt(own.context()(), own.queue()());
+  const Device adopted = Device::adopt(opencl::context(own), opencl::queue(own));
   EXPECT_EQ(adopted.info().label(), own.info().label());
   EXPECT_FALSE(adopted.profile().enabled());
   const Buffer<int> buffer(adopted, "values", std::vector<int>{1, 2, 3});
   EXPECT_EQ(buffer.download(), (std::vector<int>{1, 2, 3}));
   const Device other = test::open_device();
   EXPECT_TRUE(
-      contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(own.context()(), other.queue()()); }),
+      contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(opencl::context(own), opencl::queue(other)); }),
                {"another context"}));
 }
 
@@ -85,11 +86,12 @@ TEST(Device, RefusesAnOutOfOrderQueue) {
   const Device own = test::open_device();
   cl::CommandQueue queue;
   try {
-    queue = cl::CommandQueue(own.context(), own.handle(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    queue = cl::CommandQueue(
+        cl::Context(opencl::context(own), true), cl::Device(opencl::device_id(own), true), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
   } catch (const cl::Error&) {
     GTEST_SKIP() << "not run: out-of-order queues refused, this device has none";
   }
-  EXPECT_TRUE(contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(own.context()(), queue()); }),
+  EXPECT_TRUE(contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(opencl::context(own), queue()); }),
                        {"out of order"}));
 }
 

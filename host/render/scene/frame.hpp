@@ -20,6 +20,7 @@ struct FrameRequest {
   std::optional<RenderOptions> options = {};  // instead of the scene's
   std::vector<bool> rays = {};  // [rays] those to render, the others show the background; empty: all
   bool graded = true;           // pictures through the scene's colour grids
+  bool camera_median = false;   // cameras: also RayResults::median (LiDARs: RenderOptions::median_distance)
 };
 
 /// dL/d(RayResults) by ray, of a loss that is the caller's. What is empty is 0.

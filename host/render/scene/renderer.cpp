@@ -237,7 +237,8 @@ void Renderer::render(const ParticleBuffers& particles,
                           ? particles.sh_degree
                           : std::min(particles.sh_degree, static_cast<int>(options_.sh_degree));
   variant.sh_storage = particles.sh_storage;
-  variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
+  variant.median = median_ =
+      grid.type == SensorType::kLidar ? options_.median_distance : camera_median_;
   variant.precision = options_.precision;
   variant.projection = options_.projection;
   variant.extent = options_.extent;

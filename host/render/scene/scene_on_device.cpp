@@ -180,6 +180,7 @@ struct SceneOnDevice::State {
     SensorRays seen = rays(sensor, on, o);
     seen.request(request.rays);
     const ParticleBuffers& set = particles(kind, o);
+    on.want_camera_median(request.camera_median);
     if (sensor.is_camera()) {
       const std::string& camera = request.graded ? sensor.camera().name : std::string();
       look_of(o.precision).render(on, set, seen, view, camera, shot.middle_s());
