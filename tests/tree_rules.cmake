@@ -63,16 +63,28 @@ function(allow rooms allowed why)
   set(broken ${broken} PARENT_SCOPE)
 endfunction()
 allow("host/(base|scene|sensors)" "cl$|host/(base|scene|sensors)" "base, scene and sensors know neither device nor files")
-allow("host/runtime" "cl$|host/base" "the runtime knows no renderer")
+allow("host/runtime" "cl$|host/(base|runtime)" "the runtime knows no renderer")
 allow("host/render" "cl$|host/(base|scene|sensors|runtime|render)" "render knows no io, optim or cli")
+allow("host/render/(device|rays)" "cl$|host/(base|scene|sensors|runtime)|host/render/(options|device)"
+      "rays know no frame")
 allow("io" "host/(base|scene|sensors)|io" "io knows no device and no optimiser")
 allow("optim" "cl$|host/(base|scene|sensors|runtime|render)|io|optim" "optim knows no program")
-allow("bench" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench" "benches know no program")
+allow("bench/(paper|peers|render|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(paper|peers|render|trade)"
+      "benches know no program")
+allow("host/cli" "host/(base|scene|sensors|runtime|render|cli)|io|optim" "the program knows no bench")
 
 forbid("cl" "\"(host|io|optim|tests|bench)/" "cl includes nothing above it")
 forbid("host/api;host/python" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")
 forbid("cl;host/api;host/python;host/base;host/scene;host/sensors;host/render;host/cli;io;optim;tests;bench;examples" "[<\"]CL/"
        "only host/runtime includes <CL/*>")
+# The C++ binding is parsed by sources of the runtime alone: its headers name no OpenCL, but one on request.
+file(GLOB runtime_headers RELATIVE "${ROOT}" "${ROOT}/host/runtime/*.hpp")
+foreach(file IN LISTS runtime_headers)
+  file(STRINGS "${ROOT}/${file}" lines REGEX "#[ \t]*include[ \t]*(<CL/|\"host/runtime/cl)")
+  if(lines AND NOT file MATCHES "/(device_state|opencl)\\.hpp$")
+    broken_rule("${file}: headers of the runtime don't include OpenCL, but has: ${lines}")
+  endif()
+endforeach()
 
 sources_of(files cl host io optim tests bench examples)
 foreach(file IN LISTS files)

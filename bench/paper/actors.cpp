@@ -41,15 +41,13 @@ struct WhereItWas {
   double ghosts = 0.0;   // share of those with something else behind the car that return from where it was
 };
 WhereItWas where_it_was(const Device& device, const Log& log, const Log& empty, const Scene& scene) {
-  Renderer renderer(device, {});
-  const ParticleBuffers particles(device, scene.lidar, Precision::kFloat);
+  SceneOnDevice on_device(device, borrowed(scene), RenderOptions{});
   std::vector<double> errors;
   double parted = 0.0, ghosts = 0.0;
   for (const std::size_t index : select_frames(log.sweeps, FrameSelection{}.held_out_every, true)) {
     const SweepFrame& frame = log.sweeps[index];
-    const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
-    const std::vector<float> behind =
-        render_sweep(renderer, particles, empty, scene, empty.sweeps[index]).recorded.range;
+    const SweepPair pair = render_sweep(on_device, log, frame);
+    const std::vector<float> behind = render_sweep(on_device, empty, empty.sweeps[index]).recorded.range;
     View view = view_of(log, scene, frame);
     view.actors = actors_during(log.actors, frame.time_start_s, frame.time_end_s, scene.origin);
     const auto on = returns_on_actors(

@@ -130,7 +130,7 @@ void add_clipped(const Device& device, const Lidar& lidar, const Note& note, std
     exact.extent = Extent::kExact;
     const std::vector<double> whole = gathered(device, place, exact, particles);
     for (const auto& [projection, name] : kProjections) {
-      RenderOptions options;
+      RenderOptions options = paper_options();
       options.projection = projection;
       const std::vector<double> found = gathered(device, place, options, particles);
       for (std::size_t s = 0; s < kSizes.size(); ++s) {

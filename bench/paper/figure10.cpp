@@ -98,11 +98,10 @@ Errors measure(const Device& device,
                const RenderOptions& options,
                int held_out_every) {
   constexpr double kFound_m = 0.1;
-  Renderer renderer(device, options);
-  const ParticleBuffers particles(device, scene.lidar, options.precision);
+  SceneOnDevice on_device(device, borrowed(scene), options);
   std::vector<double> poles, all;
   for (const std::size_t index : select_frames(log.sweeps, held_out_every, true)) {
-    const SweepPair pair = render_sweep(renderer, particles, log, scene, log.sweeps[index]);
+    const SweepPair pair = render_sweep(on_device, log, log.sweeps[index]);
     for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
       const double range = pair.recorded.range[i];
       if (!(range > 0.0)) continue;
@@ -145,6 +144,7 @@ std::vector<Row> run_figure10(const std::string& device_request,
     training.init.voxel_m = 0.05;
     TrainOptions& train = training.train;
     train.iterations = options.iterations;
+    train.render = paper_options();
     train.lidar_every = 1;
     train.render.lidar_compensation = v.compensation;
     const Scene scene = fit(device, log, training).scene;

@@ -83,6 +83,7 @@ std::vector<Row> run_figure11(const std::string& device_request,
   TrainingOptions training;
   training.frames.image_scale = 1.0;
   training.train.iterations = options.iterations;
+  training.train.render = paper_options();
   std::vector<Row> rows;
   const auto add = [&](const char* sensor, double modelled, double ignored, double rendered, double gained) {
     const char* unit = std::string(sensor) == "camera" ? "dB" : "cm";
@@ -92,11 +93,12 @@ std::vector<Row> run_figure11(const std::string& device_request,
     rows.push_back({fmt::format("figure11/{}/gained", sensor), gained, unit, 0.0});
     note(fmt::format("{} done", sensor));
   };
+  const EvalOptions as_trained{.timed_renders = 1, .render = paper_options()};
   const auto psnr_db = [&](const Log& seen, const SceneFile& scene) {
-    return compare(device, seen, scene).psnr_db;
+    return compare(device, seen, scene, as_trained).psnr_db;
   };
   const auto distance_cm = [&](const Log& seen, const SceneFile& scene) {
-    return 100.0 * compare(device, seen, scene).lidar.distance_median_m;
+    return 100.0 * compare(device, seen, scene, as_trained).lidar.distance_median_m;
   };
   const SceneFile scene = fit(device, log, training);
   {

@@ -19,6 +19,7 @@ class Table {
     if (options.log.empty()) training_.init.voxel_m = 0.2;
     training_.init.environment_width = kEnvironmentWidth;
     training_.train.iterations = options.iterations;
+    training_.train.render = paper_options();
     training_.train.look.color_grids = true;
   }
 
@@ -41,7 +42,8 @@ class Table {
                                       file,
                                       {.image_scale = training_.frames.image_scale,
                                        .held_out_every = training_.frames.held_out_every,
-                                       .timed_renders = 11});
+                                       .timed_renders = 11,
+                                       .render = training_.train.render});
     const auto row = [&](const char* metric, double value, const char* unit) {
       rows_.push_back({fmt::format("table5/{}/{}", name, metric), value, unit, 0.0});
     };

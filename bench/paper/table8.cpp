@@ -41,12 +41,12 @@ std::vector<std::size_t> held_out_sweeps(const Log& log) {
 
 /// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
 double clipped_percent(const Device& device, const Log& log, const Scene& scene, const Named& column) {
-  Renderer exact(device, render_with(kExact)), other(device, render_with(column));
-  const ParticleBuffers particles(device, scene.lidar, Precision::kFloat);
+  SceneOnDevice exact(device, borrowed(scene), render_with(kExact));
+  SceneOnDevice other(device, borrowed(scene), render_with(column));
   double whole = 0.0, found = 0.0;
-  const auto gathered = [&](Renderer& renderer, const SweepFrame& frame) {
+  const auto gathered = [&](SceneOnDevice& on_device, const SweepFrame& frame) {
     double sum = 0.0;
-    const SweepPair pair = render_sweep(renderer, particles, log, scene, frame);
+    const SweepPair pair = render_sweep(on_device, log, frame);
     for (const float left : pair.simulated.transmittance) sum += 1.0 - static_cast<double>(left);
     return sum;
   };
@@ -60,13 +60,12 @@ double clipped_percent(const Device& device, const Log& log, const Scene& scene,
 /// Device time of the projection of held-out sweeps.
 Spread projection_ms(const Device& profiled, const Log& log, const Scene& scene, const Named& column) {
   const std::vector<std::size_t> frames = held_out_sweeps(log);
-  Renderer renderer(profiled, render_with(column));
-  const ParticleBuffers particles(profiled, scene.lidar, Precision::kFloat);
+  SceneOnDevice on_device(profiled, borrowed(scene), render_with(column));
   std::vector<double> samples;
   for (int i = -1; i < kTimedSweeps; ++i) {
     const SweepFrame& frame = log.sweeps[frames[static_cast<std::size_t>(i + 1) % frames.size()]];
     profiled.profile().reset();
-    static_cast<void>(render_sweep(renderer, particles, log, scene, frame));
+    static_cast<void>(render_sweep(on_device, log, frame));
     double ms = 0.0;
     for (const ProfileRow& row : profiled.profile().rows()) {
       if (row.kernel == "project") ms += row.total_ms;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "bench/render/scene.hpp"
+#include "host/scene/particle_street.hpp"
 #include "io/synth/street.hpp"
 #include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"
@@ -74,7 +74,7 @@ class Case {
     const double search_ms = anchor_search_ms(device, scene, options.anchor);
     device.reset_memory_peak();
     const std::uint64_t before = device.memory().now;
-    const MemoryNeed told = training_memory(log, scene, training);
+    const MemoryNeed told = training_memory(device, log, scene, training);
     Trainer trainer(device, log, scene, training);
     for (int i = 0; i < kWarmUp; ++i) {
       trainer.step();

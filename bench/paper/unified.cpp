@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/render/train/adam.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/trained_look.hpp"
@@ -49,8 +50,11 @@ struct SensorSide {
 
 class UnifiedTrainer {
  public:
-  UnifiedTrainer(
-      const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight)
+  UnifiedTrainer(const Device& device,
+                 const Log& log,
+                 Scene start,
+                 const TrainingOptions& options,
+                 double distance_weight)
       : log_(log),
         scene_(with_twin(std::move(start))),
         options_(checked(options).train),
@@ -68,7 +72,7 @@ class UnifiedTrainer {
     const double progress = static_cast<double>(iteration) / options_.iterations;
     camera_gradients(
         images_.at(static_cast<std::uint64_t>(iteration)), static_cast<std::uint64_t>(iteration), progress);
-    std::vector<std::uint32_t> keys = renderer_.buffers().keys.download();
+    std::vector<std::uint32_t> keys = renderer_.buffers().projected.keys.download();
     std::vector<float> grads = camera_.grads.download_float();
     const std::size_t stride = camera_.particles.stride;
     // What the frame culled has no gradient; of the kernels' buffers that part is not defined.
@@ -77,7 +81,7 @@ class UnifiedTrainer {
     }
     if (iteration % options_.lidar_every == 0) {
       lidar_gradients(sweeps_.at(static_cast<std::uint64_t>(iteration / options_.lidar_every)));
-      const std::vector<std::uint32_t> seen = renderer_.buffers().keys.download();
+      const std::vector<std::uint32_t> seen = renderer_.buffers().projected.keys.download();
       const std::vector<float> more = lidar_.grads.download_float();
       for (std::size_t row = 0; row < kShRow; ++row) {
         for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -88,7 +92,7 @@ class UnifiedTrainer {
       // The LiDAR's own features; the geometry is moved once, below.
       std::vector<double> rates = row_rates(options_.lidar, lidar_.particles.sh_degree, progress);
       std::fill(rates.begin(), rates.begin() + kShRow, 0.0);
-      lidar_.adam.run(lidar_.particles, lidar_.grads, renderer_.buffers().keys, rates);
+      lidar_.adam.run(lidar_.particles, lidar_.grads, renderer_.buffers().projected.keys, rates);
     }
     keys_.upload(std::span<const std::uint32_t>(keys));
     camera_.grads.upload(std::span<const float>(grads));
@@ -148,8 +152,11 @@ class UnifiedTrainer {
 
 }  // namespace
 
-Scene fit_unified(
-    const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight) {
+Scene fit_unified(const Device& device,
+                  const Log& log,
+                  Scene start,
+                  const TrainingOptions& options,
+                  double distance_weight) {
   UnifiedTrainer trainer(device, log, std::move(start), options, distance_weight);
   for (int i = 0; i < options.train.iterations; ++i) trainer.step(i);
   return trainer.scene();

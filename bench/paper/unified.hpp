@@ -7,7 +7,10 @@ namespace simuli::bench {
 /// of its own, trained on pictures and sweeps together (loss weights of METHOD section 10) with the distances
 /// weighted by `distance_weight`. Geometry and colours start as the camera set of `start`. The result holds
 /// the same geometry twice, once with each sensor's features.
-[[nodiscard]] Scene fit_unified(
-    const Device& device, const Log& log, Scene start, const TrainingOptions& options, double distance_weight);
+[[nodiscard]] Scene fit_unified(const Device& device,
+                                const Log& log,
+                                Scene start,
+                                const TrainingOptions& options,
+                                double distance_weight);
 
 }  // namespace simuli::bench

@@ -15,6 +15,7 @@
 #include "bench/render/stages.hpp"
 #include "host/render/rays/ray_grid.hpp"
 #include "host/sensors/lidar_library.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -180,7 +181,7 @@ PeerCase compare(const Device& device, SetKind kind, std::int64_t count, int fra
   const bool is_camera = kind == SetKind::kCamera;
   const GaussianSet set = street_particles(kind, kShDegree, count, kSeed);
   const ParticleBuffers particles(device, set, Precision::kFloat);
-  const Pose pose = is_camera ? world_from_bench_camera() : world_from_bench_lidar();
+  const Pose pose = is_camera ? world_from_bench_camera() : world_from_street_lidar();
   const View view{pose, pose, {0.0F, 0.0F, 0.0F}};
   RenderOptions alike_options;
   alike_options.extent = Extent::kExact;

@@ -11,7 +11,8 @@
 
 #include "bench/render/scene.hpp"
 #include "host/base/error.hpp"
-#include "host/render/scene/renderer.hpp"
+#include "host/render/scene/scene_on_device.hpp"
+#include "host/scene/particle_street.hpp"
 #include "host/sensors/lidar.hpp"
 
 namespace simuli::bench {
@@ -37,29 +38,24 @@ Picture picture_of(const RayResults& results) {
 }
 
 Picture render(const Device& device, SetKind kind, Precision precision) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
-  Renderer renderer(device, options);
-  const ParticleBuffers particles(device, street_particles(kind, 3, kParticles, 1), precision);
+  Scene street;
+  (kind == SetKind::kCamera ? street.camera : street.lidar) = street_particles(kind, 3, kParticles, 1);
+  street.lidar_background = {0.0F, 0.0F, 0.0F};
+  SceneOnDevice scene(device, std::move(street), options);
   // 15 m/s and 30 degrees/s for 20 and 100 ms.
-  const double seconds = kind == SetKind::kCamera ? 0.02 : 0.1;
-  const Pose start = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_bench_lidar();
+  Camera camera = bench_camera();
+  camera.shutter = ShutterKind::kTopToBottom;
+  const Sensor sensor =
+      kind == SetKind::kCamera ? Sensor(camera, {}, 0.02) : Sensor(builtin_lidar("generic64"));
+  const double seconds = sensor.duration_s();
+  const Pose start = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
   const Eigen::AngleAxisd turn(0.5236 * seconds, Eigen::Vector3d::UnitZ());
   Pose end = start;
   end.translation.x() += 15.0 * seconds;
   end.rotation = Eigen::Quaterniond(turn) * start.rotation;
-  const View view{start, end, {0.0F, 0.0F, 0.0F}};
-  if (kind == SetKind::kCamera) {
-    Camera camera = bench_camera();
-    camera.shutter = ShutterKind::kTopToBottom;
-    const SensorRays rays(device, camera, options);
-    renderer.render(particles, rays, view);
-    return picture_of(renderer.results());
-  }
-  const Lidar lidar = builtin_lidar("generic64");
-  const SensorRays rays(device, lidar, nominal_rays(lidar), options);
-  renderer.render(particles, rays, view);
-  return picture_of(renderer.results());
+  return picture_of(scene.render(sensor, {start, end}).results());
 }
 
 /// NaN counts as the largest of all errors.

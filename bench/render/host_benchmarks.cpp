@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "bench/render/scene.hpp"
 #include "host/render/rays/ray_grid.hpp"
+#include "host/scene/particle_street.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/metrics.hpp"
 
@@ -36,7 +36,7 @@ void BM_RayGridLidar(benchmark::State& state) {
 BENCHMARK(BM_RayGridLidar)->Unit(benchmark::kMillisecond);
 
 void BM_PlyRoundTrip(benchmark::State& state) {
-  const GaussianSet set = bench::street_particles(SetKind::kCamera, 3, state.range(0), 1);
+  const GaussianSet set = street_particles(SetKind::kCamera, 3, state.range(0), 1);
   const auto file = std::filesystem::temp_directory_path() / "simuli_host_bench.ply";
   for (auto _ : state) {
     write_gaussians_ply(file, set);

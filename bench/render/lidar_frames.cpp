@@ -3,15 +3,10 @@
 #include <fmt/format.h>
 #include <numbers>
 
-#include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
-namespace {
-
-
-}  // namespace
-
 Device profiled_device(const std::string& request, const Progress& note) {
   DeviceOptions options;
   options.profiling = true;
@@ -40,7 +35,7 @@ LidarFrames::LidarFrames(const Device& device,
     : particles_(particles),
       renderer_(device, options),
       rays_(device, sensor, nominal_rays(sensor), options),
-      view_{world_from_bench_lidar(), world_from_bench_lidar(), {0.0F, 0.0F, 0.0F}} {}
+      view_{world_from_street_lidar(), world_from_street_lidar(), {0.0F, 0.0F, 0.0F}} {}
 
 FrameTimes LidarFrames::run() {
   Profile& profile = renderer_.device().profile();

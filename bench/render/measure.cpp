@@ -5,24 +5,6 @@
 
 namespace simuli::bench {
 
-Spread spread_of(std::vector<double> samples) {
-  std::sort(samples.begin(), samples.end());
-  const auto at = [&](double share) {
-    const double place = share * static_cast<double>(samples.size() - 1);
-    const auto low = static_cast<std::size_t>(place);
-    const std::size_t high = std::min(low + 1, samples.size() - 1);
-    const double part = place - static_cast<double>(low);
-    return (1.0 - part) * samples[low] + part * samples[high];
-  };
-  return {at(0.5), (at(0.75) - at(0.25)) / 2.0};
-}
-
-double time_ms(const std::function<void()>& f) {
-  const auto begin = std::chrono::steady_clock::now();
-  f();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-}
-
 std::string to_json(const std::vector<Row>& rows) {
   // Names and units are our own identifiers: nothing in them needs escaping.
   std::string out = "[\n";

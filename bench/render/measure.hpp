@@ -1,8 +1,9 @@
 #pragma once
-#include <chrono>
-#include <functional>
 #include <string>
 #include <vector>
+
+#include "host/base/spread.hpp"
+#include "host/base/stopwatch.hpp"
 
 namespace simuli::bench {
 
@@ -13,16 +14,6 @@ struct Row {
   std::string unit;
   double spread = 0.0;  // half the distance of the quartiles, in the unit
 };
-
-/// Median and half the distance of the quartiles of at least one sample.
-struct Spread {
-  double median = 0.0;
-  double half_iqr = 0.0;
-};
-[[nodiscard]] Spread spread_of(std::vector<double> samples);
-
-/// Milliseconds that f takes.
-[[nodiscard]] double time_ms(const std::function<void()>& f);
 
 /// The rows as a JSON array of {name, value, unit, spread}, and as a table for people.
 [[nodiscard]] std::string to_json(const std::vector<Row>& rows);

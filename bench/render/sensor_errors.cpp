@@ -231,7 +231,7 @@ class Builds {
 
  private:
   static RenderOptions options_of(Precision precision) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.precision = precision;
     return options;
   }

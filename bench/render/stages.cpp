@@ -5,6 +5,7 @@
 
 #include "bench/render/scene.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -44,7 +45,7 @@ class Case {
                    Precision::kFloat),
         rays_(kind == SetKind::kCamera ? SensorRays(device, bench_camera(), options_) : lidar_rays(device)),
         param_grads_(device, "parameter gradients", Precision::kFloat) {
-    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_bench_lidar();
+    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
     view_ = {pose, pose, {0.0F, 0.0F, 0.0F}};
   }
 
@@ -55,8 +56,8 @@ class Case {
     renderer_.set_output_gradients(std::vector<double>(std::size_t{5} * renderer_.frame().slots, 1.0));
     renderer_.backward(particles_, param_grads_);
     // The gradient of a feature is the sum of its weights.
-    const std::vector<float> grads = renderer_.buffers().grads.download_float();
-    const std::size_t instances = renderer_.buffers().instances;
+    const std::vector<float> grads = renderer_.gradients().grads.download_float();
+    const std::size_t instances = renderer_.buffers().binned.instances;
     std::size_t without = 0;
     for (std::size_t i = 0; i < instances; ++i)
       without += grads[i * SIM_GRAD + SIM_G_FEATURE] == 0.0F ? 1 : 0;
@@ -91,7 +92,7 @@ class Case {
     return {device, lidar, nominal_rays(lidar), options_};
   }
 
-  RenderOptions options_;
+  RenderOptions options_ = paper_options();
   Renderer renderer_;
   ParticleBuffers particles_;
   SensorRays rays_;
@@ -123,7 +124,7 @@ std::vector<Row> run_stages(const std::string& device_request,
     const std::string base = fmt::format("stages/{}_{}k",
                                          kind == SetKind::kCamera ? "camera_640x360" : "lidar_64x2650",
                                          options.particles / 1000);
-    RenderOptions one_ray_per_item, no_ray_done;
+    RenderOptions one_ray_per_item = paper_options(), no_ray_done = one_ray_per_item;
     one_ray_per_item.shape = LaneShape{1, 1, 256};
     no_ray_done.transmittance_cut = 0.0;
     Case shaped(device, kind, options, {}), one_ray(device, kind, options, one_ray_per_item);
@@ -141,9 +142,9 @@ std::vector<Row> run_stages(const std::string& device_request,
     const auto& buffers = shaped.renderer().buffers();
     note(fmt::format("{}: {} visible of {} particles, {} tile instances, {} rays",
                      base,
-                     buffers.visible,
+                     buffers.binned.visible,
                      options.particles,
-                     buffers.instances,
+                     buffers.binned.instances,
                      shaped.rays()));
     for (const char* stage : {"rays",
                               "project",

@@ -1,34 +1,11 @@
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/render/lidar_frames.hpp"
 
 namespace simuli::bench {
-
-/// One request of tiles, what became of it, and how long a frame takes with it.
-struct TileTime {
-  LidarTiles tiles;
-  std::uint32_t tile_rows = 0, tile_columns = 0;
-  std::uint32_t tile_slots = 0;
-  Spread frame_ms;
-};
-
-/// Frame times over the grid of elevation tiles and rays of a tile; requests that give the same tiles are
-/// timed once.
-struct TileGrid {
-  std::vector<TileTime> times;
-  std::size_t best = 0;
-  TileTime automatic;  // what is rendered when nothing is asked for
-};
-
-/// Times every request briefly, then the fastest and the automatic one in turns, `frames` of each.
-[[nodiscard]] TileGrid time_tiles(const Device& device,
-                                  const LidarModel& sensor,
-                                  std::int64_t particles,
-                                  int frames);
 
 /// Table 6 of the paper: how long a frame takes by elevation tiles and rays per tile.
 ///   table6/<sensor>_<n>k/<elevation tiles>x<rays>[_chosen]     ms per frame; chosen: the fastest of the grid

@@ -21,7 +21,7 @@ struct Case {
 /// Share of the last frame's tile instances that lie in tiles without a requested ray, in %.
 double in_empty_tiles(const LidarFrames& frames, const SensorRays& rays, const std::vector<bool>& requested) {
   const auto& grid = rays.grid();
-  const auto first = frames.renderer().buffers().first.download();
+  const auto first = frames.renderer().buffers().binned.first.download();
   std::vector<bool> used(first.size() - 1, false);
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
     const std::int32_t ray = grid.ray_of_slot[slot];
@@ -36,12 +36,12 @@ double in_empty_tiles(const LidarFrames& frames, const SensorRays& rays, const s
 /// Particles that a dense sweep between these elevations (degrees) sees without any query.
 std::uint32_t seen_between(const Device& device, const ParticleBuffers& street, double top, double bottom) {
   constexpr int kRows = 4096, kColumns = 64;  // no particle lies between such rows; columns are not looked at
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.culling = Culling::kOff;
   LidarFrames frames(
       device, even_lidar(kRows, kColumns, top, bottom, 2.0 * std::numbers::pi), street, options);
   frames.run();
-  return frames.renderer().buffers().visible;
+  return frames.renderer().buffers().binned.visible;
 }
 
 double removed(std::uint32_t off, std::uint32_t on) { return off == 0 ? 0.0 : 100.0 * (off - on) / off; }
@@ -74,7 +74,7 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
   for (const Case& one : cases) {
     const Lidar sensor =
         even_lidar(64, static_cast<int>(2650 * one.span_rad / kTurn), kTop_deg, kBottom_deg, one.span_rad);
-    RenderOptions off_options, on_options, fine_options;
+    RenderOptions off_options = paper_options(), on_options = off_options, fine_options = off_options;
     off_options.culling = Culling::kOff;
     on_options.culling = fine_options.culling = Culling::kAlways;
     on_options.ray_mask = {1599, 8};  // any but the default, which is refined for some of the rays
@@ -115,9 +115,9 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
         rows.push_back({base + stage + "_saved_" + way, percent.median, "%", percent.half_iqr});
       }
     }
-    const auto& a = off.renderer().buffers();
+    const auto& a = off.renderer().buffers().binned;
     for (const auto& [name, way] : {ways[1], ways[2]}) {
-      const auto& b = way->renderer().buffers();
+      const auto& b = way->renderer().buffers().binned;
       rows.push_back({base + "particles_removed_" + name, removed(a.visible, b.visible), "%", 0.0});
       rows.push_back({base + "instances_removed_" + name, removed(a.instances, b.instances), "%", 0.0});
     }

@@ -8,6 +8,7 @@
 #include "bench/render/scene.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "host/sensors/lidar_library.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -60,7 +61,7 @@ std::vector<Part> all_parts(std::int64_t count) {
   lidar.is_camera = false;
   lidar.scene.lidar = street_particles(SetKind::kLidar, 3, count, 1);
   lidar.scene.lidar_background = {0.0F, 0.0F, 0.0F};
-  lidar.shot = {world_from_bench_lidar(), world_from_bench_lidar()};
+  lidar.shot = {world_from_street_lidar(), world_from_street_lidar()};
 
   std::vector<Part> parts;
   const auto add = [&parts](const std::string& name, const Setup& base) -> Part& {

@@ -8,6 +8,7 @@
 #include "bench/render/stages.hpp"
 #include "bench/trade/trade_views.hpp"
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 
@@ -23,43 +24,31 @@ struct Candidate {
 /// Every option alone.
 std::vector<Candidate> single_options(bool is_camera, bool moves) {
   std::vector<Candidate> all;
-  const auto add = [&all](const std::string& name, const auto& change) {
-    RenderOptions o = options_of(Quality::kBalanced);
-    change(o);
-    all.push_back({name, o, false});
-  };
-  for (const auto& [name, projection] : {std::pair{"extent=unscented", Projection::kUnscented},
-                                         {"projection=linearized", Projection::kLinearized},
-                                         {"projection=monte_carlo", Projection::kMonteCarlo}}) {
-    add(name, [p = projection](auto& o) {
-      o.extent = Extent::kUnscented;
-      o.projection = p;
-    });
-  }
-  add("order=per_ray", [](auto& o) { o.order = Order::kPerRay; });
-  add("sh_direction=ray", [](auto& o) { o.sh_direction = ShDirection::kRay; });
-  for (const ShDegree degree : {ShDegree::k0, ShDegree::k1, ShDegree::k2}) {
-    add(fmt::format("sh_degree={}", static_cast<int>(degree)), [&](auto& o) { o.sh_degree = degree; });
-  }
-  add("sh_degree=auto", [](auto& o) { o.sh_degree = ShDegree::kAuto; });
-  add("sh_storage=half", [](auto& o) { o.sh_storage = ShStorage::kHalf; });
-  for (const double cut : {0.1, 0.05, 0.02, 0.001, 1e-4}) {
-    add(fmt::format("alpha_cut={:g}", cut), [&](auto& o) { o.alpha_cut = cut; });
-  }
-  for (const double cut : {0.1, 0.03, 0.01, 1e-3, 1e-6}) {
-    add(fmt::format("transmittance_cut={:g}", cut), [&](auto& o) { o.transmittance_cut = cut; });
-  }
-  if (moves) {
-    for (const int looks : {0, 1, 2, 8}) {
-      add(fmt::format("shutter_iterations={}", looks), [&](auto& o) { o.shutter_iterations = looks; });
+  const auto add = [&all](const std::string& key, const std::vector<std::string>& values) {
+    for (const std::string& value : values) {
+      RenderOptions o;
+      if (key == "projection") o.extent = Extent::kUnscented;  // else it has no effect
+      fields_of(o).apply({fmt::format("render.{}={}", key, value)});
+      all.push_back({fmt::format("{}={}", key, value), o, false});
     }
-  }
-  add("math=precise", [](auto& o) { o.math = Math::kPrecise; });
-  add("precision=double", [](auto& o) { o.precision = Precision::kDouble; });
-  if (!is_camera) {
-    add("culling=always", [](auto& o) { o.culling = Culling::kAlways; });
-    add("lidar_tiles=8x128", [](auto& o) { o.lidar_tiles = {8, 128}; });
-    add("lidar_tiles=16x64", [](auto& o) { o.lidar_tiles = {16, 64}; });
+  };
+  add("extent", {"unscented"});
+  add("projection", {"linearized", "monte_carlo"});
+  add("order", {"per_ray"});
+  add("sh_direction", {"ray"});
+  add("sh_degree", {"0", "1", "2", "auto"});
+  add("sh_storage", {"half"});
+  add("alpha_cut", {"0.1", "0.05", "0.02", "0.001", "0.0001"});
+  add("transmittance_cut", {"0.1", "0.03", "0.01", "0.001", "1e-06"});
+  if (moves) add("shutter_iterations", {"0", "1", "2", "8"});
+  add("math", {"precise"});
+  add("precision", {"double"});
+  if (is_camera) return all;
+  add("culling", {"always"});
+  for (const LidarTiles& tiles : {LidarTiles{8, 128}, LidarTiles{16, 64}}) {
+    RenderOptions o;
+    o.lidar_tiles = tiles;
+    all.push_back({fmt::format("lidar_tiles={}x{}", tiles.elevation, tiles.rays), o, false});
   }
   return all;
 }

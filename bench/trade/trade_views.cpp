@@ -15,6 +15,7 @@
 #include "io/log/log.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "optim/base/frames.hpp"
+#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -79,7 +80,7 @@ TradeScene moving_street() {
   rolling.shutter = ShutterKind::kTopToBottom;
   const Sensor spinning(builtin_lidar("generic64"));
   TradeSensor camera{"camera", true, {{Sensor(rolling), driven(world_from_bench_camera(), kReadOut_s)}}};
-  TradeSensor lidar{"lidar", false, {{spinning, driven(world_from_bench_lidar(), spinning.duration_s())}}};
+  TradeSensor lidar{"lidar", false, {{spinning, driven(world_from_street_lidar(), spinning.duration_s())}}};
   out.sensors = {std::move(camera), std::move(lidar)};
   return out;
 }

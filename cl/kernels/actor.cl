@@ -1,9 +1,9 @@
-// actor.cl - sums of pose gradients by actor, and what keeps particles in their boxes. Launcher: host/render/frame/actor.cpp
+// actor.cl - sums of pose gradients by actor, and what keeps particles in their boxes. Launcher: host/render/train/actor.cpp
 #include "math/actor.h"
 #include "math/lanes.h"
 
 /// One work-item per (actor, chunk of its particles): partial sums in the order of the list.
-/// in  list[L]: particles, those of an actor consecutive; first[A+1]; keys[N]: 0xffffffff for a culled particle;
+/// in  actor_list[L]: particles, those of an actor consecutive; actor_first[A+1]; keys[N]: 0xffffffff for a culled particle;
 ///     motions[N][4], with `moving`; pose_grads[6][stride]
 /// out partial[A][chunks][12]: dL/d(shift, turn) of the actor's pose at the frame's start, then at its end. A
 ///     pose at the time share t is (1 - t) of the one and t of the other.
@@ -11,8 +11,8 @@ __kernel void actor_pose_sums(const uint actors,
                               const uint chunks,
                               const uint stride,
                               const uint moving,
-                              __global const uint* list,
-                              __global const uint* first,
+                              __global const uint* actor_list,
+                              __global const uint* actor_first,
                               __global const uint* keys,
                               __global const real* motions,
                               __global const real* pose_grads,
@@ -20,13 +20,13 @@ __kernel void actor_pose_sums(const uint actors,
   const uint item = get_global_id(0);
   if (item >= actors * chunks) return;
   const uint actor = item / chunks, chunk = item % chunks;
-  const uint begin = first[actor], count = first[actor + 1] - begin;
+  const uint begin = actor_first[actor], count = actor_first[actor + 1] - begin;
   const uint size = (count + chunks - 1) / chunks;
   const uint from = begin + min(chunk * size, count), to = begin + min((chunk + 1) * size, count);
   real sum[2 * SIM_POSE_GRAD];
   for (int k = 0; k < 2 * SIM_POSE_GRAD; ++k) sum[k] = R(0.0);
   for (uint entry = from; entry < to; ++entry) {
-    const uint particle = list[entry];
+    const uint particle = actor_list[entry];
     if (keys[particle] == 0xffffffffu) continue;
     const real t = moving ? motions[(ulong)particle * SIM_MOTION + SIM_M_TIME] : R(0.5);
     for (int k = 0; k < SIM_POSE_GRAD; ++k) {
@@ -39,16 +39,16 @@ __kernel void actor_pose_sums(const uint actors,
 }
 
 /// Particles of actors stay in their boxes and are not longer than a share of them. One per work-item.
-/// in  list[L]; actor_of[N]; bounds[1 + A][4]: half sides of the box (m), largest log-scale
+/// in  actor_list[L]; actor_of[N]; bounds[1 + A][4]: half sides of the box (m), largest log-scale
 __kernel void actor_confine(const uint count,
                             const uint stride,
-                            __global const uint* list,
+                            __global const uint* actor_list,
                             __global const uint* actor_of,
                             __global const real* bounds,
                             __global real* params) {
   const uint entry = get_global_id(0);
   if (entry >= count) return;
-  const uint particle = list[entry];
+  const uint particle = actor_list[entry];
   const __global real* bound = bounds + (ulong)actor_of[particle] * 4;
   for (int k = 0; k < 3; ++k) {
     __global real* mean = params + (SIM_MEAN + k) * stride + particle;

@@ -1,4 +1,4 @@
-// loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/train/loss.cpp
+// loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/train/loss_image.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 

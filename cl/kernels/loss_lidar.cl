@@ -1,4 +1,4 @@
-// loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/render/train/loss.cpp
+// loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/render/train/loss_lidar.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 

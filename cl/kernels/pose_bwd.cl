@@ -1,4 +1,4 @@
-// pose_bwd.cl - gradient of a frame's pose from those of rays and means. Launcher: host/render/train/pose_gradient.cpp
+// pose_bwd.cl - gradient of a frame's pose from those of rays and means. Launcher: host/render/backward/pose_bwd.cpp
 #include "math/sensor.h"
 
 /// A world vector in the sensor's axes at time t.

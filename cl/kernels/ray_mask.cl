@@ -3,11 +3,11 @@
 #include "math/sensor.h"
 
 /// One work-item per slot.
-/// in  sensor_ray[7][slots], u[slots]; tile_rows[tiles_y + 1]; mask_row_of_row[rows]
+/// in  sensor_ray[7][slots], ray_u[slots]; tile_rows[tiles_y + 1]; mask_row_of_row[rows]
 /// out cells[mask rows][columns]: 1 where at least one ray is, else left as it is
 __kernel void ray_mask_cells(const FrameParams frame,
                              __global const real* sensor_ray,
-                             __global const real* u,
+                             __global const real* ray_u,
                              __global const uint* tile_rows,
                              __global const uint* mask_row_of_row,
                              const real first,
@@ -21,7 +21,7 @@ __kernel void ray_mask_cells(const FrameParams frame,
   const uint tile = slot / frame.tile_rays;
   const uint row =
       tile_rows[tile / frame.tiles_x] + slot % frame.tile_rays / SIM_SLOT_ROW / frame.row_slots;
-  const uint column = cell_of(u[slot], first, scale, (real)columns);
+  const uint column = cell_of(ray_u[slot], first, scale, (real)columns);
   atomic_or(cells + mask_row_of_row[row] * columns + column, 1u);
 }
 

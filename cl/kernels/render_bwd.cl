@@ -1,4 +1,4 @@
-// render_bwd.cl - gradients of blending, one 16-real slot per instance. Launcher: host/render/frame/render.cpp
+// render_bwd.cl - gradients of blending, one 16-real slot per instance. Launcher: host/render/backward/render_bwd.cpp
 #include "math/response.h"
 
 /// Index of the slot of (particle, tile): a particle's slots are contiguous, tile row by tile row.

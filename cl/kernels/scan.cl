@@ -1,4 +1,4 @@
-// scan.cl - exclusive prefix sum by one work-group. Launcher: host/render/frame/scan.cpp
+// scan.cl - exclusive prefix sum by one work-group. Launcher: host/render/device/scan.cpp
 #include "math/lanes.h"
 
 /// data[n] becomes its exclusive prefix sum; total[0] the sum in 64 bits. One work-group of LS work-items,

@@ -1,4 +1,4 @@
-// sort.cl - stable LSD radix sort of (key, value) pairs. Launcher: host/render/frame/sort.cpp
+// sort.cl - stable LSD radix sort of (key, value) pairs. Launcher: host/render/device/sort.cpp
 // A work-group owns `block` consecutive pairs, a work-item consecutive pairs of those. CPU: groups of one
 // work-item, 11 bits; GPU: 64 work-items, 4 bits. Stable and free of atomics, hence reproducible.
 #include "math/lanes.h"

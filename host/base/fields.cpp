@@ -24,7 +24,7 @@ std::string Allowed::text() const {
   std::string text = or_zero ? "0, or " : "";
   const bool has_least = std::isfinite(least), has_most = std::isfinite(most);
   if (!has_least && !has_most) {
-    text += "any number";
+    text += "any finite number";
   } else if (above) {
     text += fmt::format("above {}", least);
     if (has_most) text += fmt::format(", at most {}", most);
@@ -162,14 +162,14 @@ void Fields::check() const {
 }
 
 std::string Fields::help() const {
-  std::size_t key = 0, value = 0, allowed = 0;
+  std::size_t key = 0, value = std::string("default").size(), allowed = 0;
   for (const Field& field : fields_) {
     key = std::max(key, field.key.size());
     value = std::max(value, field.text().size());
     allowed = std::max(allowed, field.allowed().size());
   }
   std::string table =
-      fmt::format("{:<{}}  {:<{}}  {:<{}}  meaning\n", "key", key, "value", value, "allowed", allowed);
+      fmt::format("{:<{}}  {:<{}}  {:<{}}  meaning\n", "key", key, "default", value, "allowed", allowed);
   for (const Field& field : fields_) {
     table += fmt::format("{:<{}}  {:<{}}  {:<{}}  {}\n",
                          field.key,

@@ -139,7 +139,7 @@ class Fields {
   [[nodiscard]] std::vector<std::string> lines() const;
   /// Error{kUsage} "KEY: found, allowed" for the first value outside its range.
   void check() const;
-  /// A table for people: key, value, allowed values, meaning.
+  /// A table for people: key, value (as the default), allowed values, meaning.
   [[nodiscard]] std::string help() const;
 
  private:

@@ -1,229 +1,40 @@
-// simuli bench: the numbers the README claims, as commands.
-#include <algorithm>
-#include <array>
+// simuli bench: runs simuli-bench, the program of the benches, which lies beside this one where it was built.
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <iostream>
-#include <memory>
-#include <utility>
+#include <string>
+#include <system_error>
+#include <unistd.h>
 #include <vector>
 
-#include "bench/paper/actors.hpp"
-#include "bench/paper/figure10.hpp"
-#include "bench/paper/figure11.hpp"
-#include "bench/paper/table5.hpp"
-#include "bench/paper/table8.hpp"
-#include "bench/paper/training.hpp"
-#include "bench/peers/peers.hpp"
-#include "bench/render/agreement.hpp"
-#include "bench/render/sensor_errors.hpp"
-#include "bench/render/stages.hpp"
-#include "bench/render/table6.hpp"
-#include "bench/render/table7.hpp"
-#include "bench/trade/plan.hpp"
-#include "bench/trade/trade.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
-#include "host/cli/base/settings.hpp"
-#include "host/cli/report/report.hpp"
-#include "host/cli/report/trade_picture.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/options/validate.hpp"
-#include "io/picture/image.hpp"
 
 namespace simuli::cli {
-
 namespace {
 
-struct BenchCommand {
-  bool stages = false;
-  bool extremes = false;
-  bool training = false;
-  bool lidar_rates = false;
-  bool actors = false;
-  bool plan = false;
-  bool trade = false;
-  bool peers = false;
-  std::vector<std::string> settings;  // measured by the trade beside the qualities
-  std::string picture;                // of the trade's front
-  std::string report;                 // HTML file to write; empty: none
-  int table = 0;                      // 0: none
-  int figure = 0;                     // 0: none
-  std::string agreement;              // file of another implementation; empty: none
-  std::string log;                    // of tables; empty: the embedded street
-  int iterations = 0;                 // 0: each bench's own number
-  bench::StagesOptions stage_options;
-  bench::Table5Options table5;
-  bench::Table8Options table8;
-  bench::Figure10Options figure10;
-  bench::Figure11Options figure11;
-  bench::ActorsOptions actor_options;
-  bench::TradeOptions trade_options;
-  bench::PeersOptions peer_options;
-};
+namespace fs = std::filesystem;
 
-void run_trade(const BenchCommand& command, const Globals& globals, const bench::Note& note) {
-  bench::TradeOptions options = command.trade_options;
-  if (!command.settings.empty()) {
-    options.own_name = fmt::format("{}", fmt::join(command.settings, " "));
-    options.own = options_of(globals.quality);
-    apply_settings(command.settings, render_settings(options.own));
-    validate(options.own);
+[[noreturn]] void bench(const std::vector<std::string>& arguments) {
+  const std::string program = (fs::read_symlink("/proc/self/exe").parent_path() / "simuli-bench").string();
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};  // execv's type; it changes nothing
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execv(program.c_str(), argv.data());
+  const int error = errno;
+  std::error_code ignored;
+  if (!fs::exists(program, ignored)) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("bench: found no {}, allowed a build with -D SIMULI_BENCH=ON", program));
   }
-  const std::vector<bench::TradePoint> points = bench::run_trade(globals.device, options, note);
-  if (!command.picture.empty()) write_image(command.picture, trade_picture(points));
-  if (!command.report.empty())
-    write_bench_report(command.report, "simuli bench --trade", bench::trade_rows(points));
-  std::cout << (globals.json ? bench::to_json(bench::trade_rows(points)) : bench::trade_table(points));
-}
-
-void run_peers(const BenchCommand& command, const Globals& globals, const bench::Note& note) {
-  const std::vector<bench::PeerCase> cases = bench::run_peers(globals.device, command.peer_options, note);
-  if (!command.report.empty())
-    write_bench_report(command.report, "simuli bench --peers", bench::peer_rows(cases));
-  std::cout << (globals.json ? bench::to_json(bench::peer_rows(cases)) : bench::peer_table(cases));
-}
-
-void run_bench(BenchCommand command, const Globals& globals) {
-  const std::array asked{command.stages,
-                         command.extremes,
-                         command.training,
-                         command.lidar_rates,
-                         command.actors,
-                         command.plan,
-                         command.trade,
-                         command.peers,
-                         !command.agreement.empty(),
-                         command.table != 0,
-                         command.figure != 0};
-  const auto count = std::count(asked.begin(), asked.end(), true);
-  if (count != 1) {
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format(
-            "bench: found {} tables, allowed one of --stages, --training, --extremes, "
-            "--lidar-rates, --actors, --plan, --trade, --peers, --agreement, --table 5|6|7|8, --figure 10|11",
-            count));
-  }
-  if (!command.log.empty() && command.table != 5 && command.table != 8) {
-    throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
-  }
-  command.table5.log = command.table8.log = command.log;
-  if (command.iterations > 0) {
-    if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors) {
-      throw Error(
-          ErrorKind::kUsage,
-          "bench: --iterations: found without a training, allowed with --table 5|8, --figure, --actors");
-    }
-    command.table5.iterations = command.table8.iterations = command.figure10.iterations =
-        command.figure11.iterations = command.actor_options.iterations = command.iterations;
-  }
-  const auto note = [](const std::string& line) { std::cerr << line << '\n'; };
-  std::vector<bench::Row> rows;
-  std::vector<std::string> broken;
-  if (command.stages) rows = bench::run_stages(globals.device, command.stage_options, note);
-  if (command.training) rows = bench::run_training(globals.device, {}, note);
-  if (command.table == 5) rows = bench::run_table5(globals.device, command.table5, note);
-  if (command.lidar_rates) rows = bench::run_lidar_rates(globals.device, note);
-  if (command.table == 6) rows = bench::run_table6(globals.device, command.stage_options.particles, note);
-  if (command.table == 7) rows = bench::run_table7(globals.device, command.stage_options.particles, note);
-  if (command.table == 8) rows = bench::run_table8(globals.device, command.table8, note);
-  if (command.figure == 10) rows = bench::run_figure10(globals.device, command.figure10, note);
-  if (command.figure == 11) rows = bench::run_figure11(globals.device, command.figure11, note);
-  if (!command.agreement.empty()) rows = bench::run_agreement(globals.device, command.agreement, note);
-  if (command.actors) rows = bench::run_actors(globals.device, command.actor_options, note);
-  if (command.plan) {
-    rows = bench::run_plan(
-        globals.device, {command.stage_options.particles, command.stage_options.frames}, note);
-  }
-  if (command.trade) return run_trade(command, globals, note);
-  if (command.peers) return run_peers(command, globals, note);
-  if (command.extremes) {
-    bench::ExtremesReport report = bench::run_extremes(globals.device, note);
-    rows = std::move(report.rows);
-    broken = std::move(report.broken);
-  }
-  if (!command.report.empty()) write_bench_report(command.report, "simuli bench", rows);
-  std::cout << (globals.json ? bench::to_json(rows) : bench::to_text(rows));
-  if (broken.empty()) return;
-  for (const std::string& line : broken) note(line);
-  throw Error(ErrorKind::kNumeric, fmt::format("bench --extremes: {} bounds broken", broken.size()));
+  throw Error(ErrorKind::kInput, fmt::format("{}: {}", program, std::strerror(error)));
 }
 
 }  // namespace
 
-void add_bench(Command app, const Globals& globals) {
-  const auto options = std::make_shared<BenchCommand>();
-  Command command = app.command("bench", "measure: times, and the numbers of the paper's tables");
-  command.flag("--stages", options->stages, "each stage of a camera and a LiDAR frame, forward and backward");
-  command.flag(
-      "--extremes", options->extremes, "float against double at the ends of range, size and position");
-  command.flag("--training",
-               options->training,
-               "an iteration of training by stage, anchoring, memory; 50 k, 200 k and 1 M particles");
-  command.flag("--lidar-rates",
-               options->lidar_rates,
-               "rays per second of three LiDARs, as they were tiled and as they are");
-  command.flag("--actors",
-               options->actors,
-               "the street's moving car: with actors, without, edited, with a noisy track");
-  command
-      .option("--table",
-              options->table,
-              "5: factorised sets against one; 6: LiDAR tiles; 7: ray-based culling; 8: unscented, "
-              "linearised and Monte Carlo projection")
-      .one_of({5, 6, 7, 8});
-  command
-      .option("--figure",
-              options->figure,
-              "10: thin poles and the footprint filter; 11: motion during a frame, modelled and ignored")
-      .one_of({10, 11});
-  command.option("--log", options->log, "tables 5 and 8: a log folder instead of the embedded street");
-  command.option("--iterations", options->iterations, "of each training of a table or figure")
-      .range(1, 1'000'000);
-  const Option particles =
-      command.option("--particles", options->stage_options.particles, "Gaussians of the synthetic street")
-          .range(std::int64_t{1}, std::int64_t{16'000'000})
-          .with_default();
-  const Option frames =
-      command.option("--frames", options->stage_options.frames, "frames timed; the median is told")
-          .range(5, 10'000)
-          .with_default();
-  command.flag("--plan",
-               options->plan,
-               "each optional part of a frame present, absent, and never mentioned: time and memory");
-  command.flag("--trade",
-               options->trade,
-               "speed against accuracy: every option alone and the qualities, against the reference");
-  command.flag("--peers",
-               options->peers,
-               "the same particles ray traced with Embree, in turns with ours; 50 k, 200 k and 1 M");
-  command.option("--agreement",
-                 options->agreement,
-                 "every ray of a camera and a LiDAR frame against FILE, which another OpenCL "
-                 "implementation wrote this way; written when it is not there");
-  command
-      .option("FOLDERS",
-              options->trade_options.folders,
-              "--trade: a scene, and the log of its frames; default: the bench street")
-      .values(0, 2);
-  command.option(
-      "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
-  command.option("--picture", options->picture, "--trade: a PNG of time and error, with the front");
-  command.option(
-      "--set", options->settings, "--trade: render.KEY=VALUE; only these together, and the qualities");
-  command.option("--repeats", options->trade_options.repeats, "--trade: timed renders of each view")
-      .range(1, 1000)
-      .with_default();
-  command.option("--sensor", options->trade_options.sensor, "--trade: only this sensor");
-  command.option("--scale", options->trade_options.image_scale, "--trade: size of the scene's pictures")
-      .with_default();
-  command.run([options, particles, frames, &globals] {
-    // Peers have numbers of their own unless one is asked for.
-    if (particles.is_given()) options->peer_options.particles = {options->stage_options.particles};
-    if (frames.is_given()) options->peer_options.frames = options->stage_options.frames;
-    run_bench(*options, globals);
-  });
+void add_bench(CommandLine& line) {
+  line.add_foreign("bench", "measure: times, and the numbers of the paper's tables", bench);
 }
 
 }  // namespace simuli::cli

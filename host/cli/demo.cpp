@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/pictures.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
@@ -59,12 +60,8 @@ void demo(const DemoCommand& command, const Globals& globals) {
     const PicturePair ranges =
         range_pictures(evaluation.log().lidar(log.sweeps[index].lidar).model, evaluation.sweep(index));
     write_image(folder / "lidar_range.png", joined(ranges.rendered, ranges.recorded, Layout::kBelow));
-    write_report(folder / "report.html",
-                 "simuli demo: the embedded street",
-                 globals,
-                 evaluation,
-                 *report,
-                 &trained);
+    write_report(
+        folder / "report.html", "simuli demo: the embedded street", globals, evaluation, *report, &trained);
   });
   print_eval(*report, scene, globals.json);
   if (globals.json) return;

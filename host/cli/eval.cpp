@@ -11,7 +11,6 @@
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
-#include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -30,8 +29,8 @@ struct EvalCommand {
 
 void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
-  apply_settings(command.settings, render_settings(command.options.render));
-  validate(command.options.render);
+  fields_of(command.options).apply(command.settings);
+  check(command.options);
   SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, command.options.render);
   apply(command.edits, file.scene);
@@ -60,7 +59,8 @@ void eval(EvalCommand command, const Globals& globals) {
 
 void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  Command sub = app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
+  Command sub =
+      app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
   sub.option("SCENE", command->scene, "scene folder").required();
   sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
   const Option scale =
@@ -69,7 +69,11 @@ void add_eval(Command app, const Globals& globals) {
   const Option held_out = sub.option("--held-out", command->held_out, "every N-th frame, 0: all frames")
                               .shown_as("INT", "those that training held out, all of another log");
   sub.option("--repeats", command->options.timed_renders, "timed renders of each sensor").with_default();
-  sub.option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  const auto fields = [command, &globals] {
+    command->options.render = options_of(globals.quality);
+    return fields_of(command->options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
   add_edit_options(sub, command->edits);
   sub.run([command, scale, held_out, &globals] {

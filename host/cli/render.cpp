@@ -253,7 +253,7 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
 
 void render(const RenderCommand& command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
-  apply_settings(command.settings, render_settings(options));
+  fields_of(options).apply(command.settings);
   validate(options);
   SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, options);
@@ -332,14 +332,19 @@ void add_render(Command app, const Globals& globals) {
       .with_default();
   sub.option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");
   sub.option("--frames", command->frames, "a:b, first and last of the recorded frames, from 0");
-  sub.option("--duration", command->duration_s, "of one frame, s; default: 0.1 for LiDARs, 0 for cameras")
+  sub.option("--duration", command->duration_s, "of one frame, s; default: as the LiDAR says; 0 for cameras")
       .non_negative();
   sub.option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
   sub.option("--speed", command->speed, "drive the path this many times as fast as recorded")
       .range(0.01, 100.0);
   add_edit_options(sub, command->edits);
   sub.option("--scale", command->scale, "size of the pictures over the camera's own");
-  sub.option("--set", command->settings, "render.KEY=VALUE; an unknown key lists all of them");
+  const auto options = std::make_shared<RenderOptions>();
+  const auto fields = [options, &globals] {
+    *options = options_of(globals.quality);
+    return fields_of(*options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.run([command, &globals] { render(*command, globals); });
 }
 

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "bench/render/table6.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/tile_choice.hpp"
+#include "host/render/scene/tile_tuning.hpp"
 #include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
@@ -100,9 +100,9 @@ void print(const std::string& name, const RayGrid& grid, bool json) {
 
 void tune(const Device& device, const LidarModel& sensor, std::int64_t particles) {
   constexpr int kFrames = 15;
-  const bench::TileGrid grid = bench::time_tiles(device, sensor, particles, kFrames);
+  const TileGrid grid = time_tiles(device, sensor, particles, kFrames);
   for (std::size_t i = 0; i < grid.times.size(); ++i) {
-    const bench::TileTime& t = grid.times[i];
+    const TileTime& t = grid.times[i];
     std::cerr << fmt::format(
         "{:>3} elevation tiles x {:>3} rays: {:>4} x {:>5} tiles of {:>3} slots {:>9.3f} ms{}\n",
         t.tiles.elevation,

@@ -6,11 +6,10 @@
 #include <utility>
 
 #include "host/cli/base/commands.hpp"
-#include "host/cli/base/train_settings.hpp"
+#include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "host/cli/view/view_server.hpp"
-#include "host/render/options/validate.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/train/training.hpp"
 
@@ -91,8 +90,7 @@ void write_train_report(const TrainCommand& command,
                         Log log,
                         const TrainedReport& trained,
                         const Globals& globals) {
-  Evaluation evaluation(
-      device, std::move(scene), std::move(log), {.render = command.options.train.render});
+  Evaluation evaluation(device, std::move(scene), std::move(log), {.render = command.options.train.render});
   const EvalReport report = run_evaluation(evaluation, globals);
   write_report(command.report,
                fmt::format("simuli train: {} from {}", command.output, command.log),
@@ -108,11 +106,26 @@ std::filesystem::path checkpoint_beside(const std::string& output) {
   return file += ".checkpoint";
 }
 
+/// What a page shows before there are particles.
+SceneFile without_particles(const Log& log) {
+  SceneFile file;
+  file.scene.name = log.name;
+  file.cameras = log.cameras;
+  file.lidars = log.lidars;
+  file.world_from_rig = log.world_from_rig;
+  return file;
+}
+
+ServerOptions on_port(int port) {
+  ServerOptions options;
+  options.port = port;
+  return options;
+}
+
 /// A page that shows a training.
 struct LivePage {
   LivePage(const Globals& globals, const Log& log, int port)
-      : session(globals, {{.name = log.name}, log.cameras, log.lidars, log.world_from_rig}),
-        server(session, {.port = port}) {
+      : session(globals, without_particles(log)), server(session, on_port(port)) {
     std::cerr << fmt::format("simuli: the training in the browser: {}\n", server.url());
   }
   ViewSession session;
@@ -122,13 +135,13 @@ struct LivePage {
 void train(TrainCommand command, const Globals& globals) {
   TrainingOptions& options = command.options;
   options.train.render = training_options_of(globals.quality);
-  apply_settings(command.settings, train_settings(options));
-  validate(options.train.render);
+  fields_of(options).apply(command.settings);
+  static_cast<void>(checked(options));
   const Log log = read_log(command.log);
   const Device device = Device::best(globals.device);
   if (globals.verbose) {
     std::cerr << fmt::format(
-        "simuli: {}; {}\n", device.info().label(), fmt::join(list_settings(train_settings(options)), " "));
+        "simuli: {}; {}\n", device.info().label(), fmt::join(fields_of(options).lines(), " "));
   }
   Checkpoints& checkpoints = command.outputs.checkpoints;
   checkpoints.file = checkpoint_beside(command.output);
@@ -179,7 +192,11 @@ void add_train(Command app, const Globals& globals) {
   sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
       .range(0, 65535);
   sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
-  sub.option("--set", command->settings, "KEY=VALUE; an unknown key lists all of them");
+  const auto fields = [command, &globals] {
+    command->options.train.render = training_options_of(globals.quality);
+    return fields_of(command->options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.run([command, &globals] { train(*command, globals); });
 }
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <fmt/format.h>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 
 namespace simuli::detail {
@@ -16,17 +16,41 @@ constexpr std::size_t kMaxFillPatternBytes = 128;
 // Host copies for elements the device can't fill by itself are at most this large.
 constexpr std::size_t kFillChunkBytes = std::size_t{1} << 20U;
 
+void need_success(cl_int code, const char* call) {
+  if (code != CL_SUCCESS) throw cl::Error(code, call);
+}
+
+void copy(const Device& device, cl_mem source, cl_mem target, std::size_t bytes) {
+  need_success(clEnqueueCopyBuffer(device.state().queue(), source, target, 0, 0, bytes, 0, nullptr, nullptr),
+               "clEnqueueCopyBuffer");
+}
+
 }  // namespace
 
-MemoryLease::MemoryLease(const Device& device, std::size_t bytes) : device_(device), bytes_(bytes) {
-  MemoryUse& use = device.state().memory;
-  use.now += bytes;
-  use.peak = std::max(use.peak, use.now);
+MemoryLease::MemoryLease(const Device& device, const std::string& name, std::size_t bytes)
+    : device_(device), by_name_(&device.state().memory_by_name[name]), bytes_(bytes) {
+  for (MemoryUse* use : {&device.state().memory, by_name_}) {
+    use->now += bytes;
+    use->peak = std::max(use->peak, use->now);
+  }
 }
 
 MemoryLease::~MemoryLease() {
-  if (device_) device_->state().memory.now -= bytes_;
+  if (!device_) return;
+  device_->state().memory.now -= bytes_;
+  by_name_->now -= bytes_;
 }
+
+void MemoryLease::exchange(MemoryLease& other) noexcept {
+  for (const auto& [to, from] : {std::pair(this, &other), std::pair(&other, this)}) {
+    if (to->by_name_ == nullptr) continue;
+    to->by_name_->now += from->bytes_ - to->bytes_;
+    to->by_name_->peak = std::max(to->by_name_->peak, to->by_name_->now);
+  }
+  std::swap(bytes_, other.bytes_);
+}
+
+void Memory::Release::operator()(_cl_mem* handle) const noexcept { clReleaseMemObject(handle); }
 
 Memory::Memory(const Device& device, std::string name, std::size_t element_bytes)
     : device_(device), name_(std::move(name)), element_bytes_(element_bytes) {
@@ -48,9 +72,13 @@ void Memory::allocate(std::size_t count) {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("allocating buffer {} of {} bytes", name_, bytes); },
-      [&] { buffer_ = cl::Buffer(device_.state().context, CL_MEM_READ_WRITE, bytes); });
+      [&] {
+        cl_int code = CL_SUCCESS;
+        handle_.reset(clCreateBuffer(device_.state().context(), CL_MEM_READ_WRITE, bytes, nullptr, &code));
+        need_success(code, "clCreateBuffer");
+      });
   capacity_ = count;
-  lease_ = MemoryLease(device_, bytes);
+  lease_ = MemoryLease(device_, name_, bytes);
 }
 
 void Memory::reserve(std::size_t count) {
@@ -58,7 +86,7 @@ void Memory::reserve(std::size_t count) {
     // The old content goes first, so that growing never needs both at once.
     count_ = 0;
     capacity_ = 0;
-    buffer_ = cl::Buffer();
+    handle_.reset();
     lease_ = {};
     try {
       allocate(count);
@@ -82,7 +110,7 @@ void Memory::extend(std::size_t count) {
     cl_call(
         ErrorKind::kDevice,
         [&] { return fmt::format("copying {} bytes of buffer {}", bytes, name_); },
-        [&] { device_.state().queue.enqueueCopyBuffer(buffer_, larger.buffer_, 0, 0, bytes); });
+        [&] { copy(device_, handle(), larger.handle(), bytes); });
   }
   *this = std::move(larger);
 }
@@ -102,7 +130,18 @@ void Memory::write(std::size_t first, const void* source, std::size_t count) {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("writing {} bytes of buffer {}", bytes, name_); },
-      [&] { device_.state().queue.enqueueWriteBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, source); });
+      [&] {
+        need_success(clEnqueueWriteBuffer(device_.state().queue(),
+                                          handle(),
+                                          CL_TRUE,
+                                          first * element_bytes_,
+                                          bytes,
+                                          source,
+                                          0,
+                                          nullptr,
+                                          nullptr),
+                     "clEnqueueWriteBuffer");
+      });
 }
 
 void Memory::read(std::size_t first, void* target, std::size_t count) const {
@@ -112,7 +151,18 @@ void Memory::read(std::size_t first, void* target, std::size_t count) const {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("reading {} bytes of buffer {}", bytes, name_); },
-      [&] { device_.state().queue.enqueueReadBuffer(buffer_, CL_TRUE, first * element_bytes_, bytes, target); });
+      [&] {
+        need_success(clEnqueueReadBuffer(device_.state().queue(),
+                                         handle(),
+                                         CL_TRUE,
+                                         first * element_bytes_,
+                                         bytes,
+                                         target,
+                                         0,
+                                         nullptr,
+                                         nullptr),
+                     "clEnqueueReadBuffer");
+      });
 }
 
 void Memory::fill(const void* element) {
@@ -123,10 +173,10 @@ void Memory::fill(const void* element) {
         ErrorKind::kDevice,
         [&] { return fmt::format("filling {} bytes of buffer {}", bytes, name_); },
         [&] {
-          // The C call: the binding's template wants the pattern's type.
-          const cl_int code = clEnqueueFillBuffer(
-              device_.state().queue(), buffer_(), element, element_bytes_, 0, bytes, 0, nullptr, nullptr);
-          if (code != CL_SUCCESS) throw cl::Error(code, "clEnqueueFillBuffer");
+          need_success(
+              clEnqueueFillBuffer(
+                  device_.state().queue(), handle(), element, element_bytes_, 0, bytes, 0, nullptr, nullptr),
+              "clEnqueueFillBuffer");
         });
     return;
   }
@@ -154,7 +204,14 @@ void Memory::copy_from(const Memory& source) {
   cl_call(
       ErrorKind::kDevice,
       [&] { return fmt::format("copying {} bytes of buffer {} to {}", bytes, source.name_, name_); },
-      [&] { device_.state().queue.enqueueCopyBuffer(source.buffer_, buffer_, 0, 0, bytes); });
+      [&] { copy(device_, source.handle(), handle(), bytes); });
+}
+
+void Memory::exchange(Memory& other) noexcept {
+  std::swap(count_, other.count_);
+  std::swap(capacity_, other.capacity_);
+  handle_.swap(other.handle_);
+  lease_.exchange(other.lease_);
 }
 
 }  // namespace simuli::detail

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,17 +10,18 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/runtime/cl.hpp"
 #include "host/runtime/device.hpp"
+
+struct _cl_mem;  // what a cl_mem points to (host/runtime/opencl.hpp)
 
 namespace simuli {
 namespace detail {
 
-/// Counts bytes as used on a device for as long as it lives.
+/// Counts bytes as used on a device, and by a name, for as long as it lives.
 class MemoryLease {
  public:
   MemoryLease() = default;
-  MemoryLease(const Device& device, std::size_t bytes);
+  MemoryLease(const Device& device, const std::string& name, std::size_t bytes);
   MemoryLease(MemoryLease&& other) noexcept { swap(other); }
   MemoryLease& operator=(MemoryLease&& other) noexcept {
     MemoryLease(std::move(other)).swap(*this);
@@ -28,17 +30,21 @@ class MemoryLease {
   MemoryLease(const MemoryLease&) = delete;
   MemoryLease& operator=(const MemoryLease&) = delete;
   ~MemoryLease();
+  /// Of contents that changed places: the bytes go with them, the names stay.
+  void exchange(MemoryLease& other) noexcept;
 
  private:
   void swap(MemoryLease& other) noexcept {
     std::swap(device_, other.device_);
+    std::swap(by_name_, other.by_name_);
     std::swap(bytes_, other.bytes_);
   }
   std::optional<Device> device_;
+  MemoryUse* by_name_ = nullptr;  // of the device, as long as it lives
   std::size_t bytes_ = 0;
 };
 
-/// The untyped part of Buffer<T>: `count` elements of `element_bytes` in one cl::Buffer. Never empty on
+/// The untyped part of Buffer<T>: `count` elements of `element_bytes` in one cl_mem. Never empty on
 /// the device: a count of 0 has a minimal allocation, so that it can be a kernel argument.
 class Memory {
  public:
@@ -50,14 +56,19 @@ class Memory {
   void read(std::size_t first, void* target, std::size_t count) const;
   void fill(const void* element);
   void copy_from(const Memory& source);
+  /// Swaps content, count and capacity; each keeps its name.
+  void exchange(Memory& other) noexcept;
 
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Device& device() const { return device_; }
-  [[nodiscard]] const cl::Buffer& handle() const { return buffer_; }
+  [[nodiscard]] _cl_mem* handle() const { return handle_.get(); }
 
  private:
+  struct Release {
+    void operator()(_cl_mem* handle) const noexcept;
+  };
   void allocate(std::size_t count);
   void need_range(const char* what, std::size_t first, std::size_t count) const;
 
@@ -66,7 +77,7 @@ class Memory {
   std::size_t element_bytes_;
   std::size_t count_ = 0;
   std::size_t capacity_ = 0;
-  cl::Buffer buffer_;
+  std::unique_ptr<_cl_mem, Release> handle_;
   MemoryLease lease_;
 };
 
@@ -143,15 +154,16 @@ class Buffer {
   void fill(const T& value) { memory_.fill(&value); }
   /// Device-side copy of all of `source`, which has the same count(). Does not wait.
   void copy_from(const Buffer& source) { memory_.copy_from(source.memory_); }
+  /// Swaps the content with that of `other` without a copy; each keeps its name.
+  void exchange(Buffer& other) noexcept { memory_.exchange(other.memory_); }
 
   [[nodiscard]] std::size_t count() const { return memory_.count(); }
   [[nodiscard]] std::size_t capacity() const { return memory_.capacity(); }
   [[nodiscard]] std::size_t bytes() const { return memory_.capacity() * sizeof(T); }
   [[nodiscard]] const std::string& name() const { return memory_.name(); }
   [[nodiscard]] const Device& device() const { return memory_.device(); }
-  /// The OpenCL object, for a caller's own code. Changes when reserve() grows.
-  [[nodiscard]] cl_mem handle() const { return memory_.handle()(); }
   [[nodiscard]] const detail::Memory& memory() const { return memory_; }
+  [[nodiscard]] detail::Memory& memory() { return memory_; }
 
  private:
   void need_all(std::size_t count) const {

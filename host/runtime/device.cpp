@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 
 namespace simuli {
@@ -86,8 +86,8 @@ DeviceInfo describe(const cl::Device& device) {
 Quirks quirks_of(const DeviceInfo& info) {
   Quirks quirks;
   const std::string platform = lower(info.platform);
-  // Mesa's rusticl on a CPU ends the process at the prefetches of explicit vectors (its way to SPIR-V knows no
-  // llvm.prefetch); a GPU's shape runs.
+  // Mesa's rusticl on a CPU ends the process at the prefetches of explicit vectors (its way to SPIR-V knows
+  // no llvm.prefetch); a GPU's shape runs.
   quirks.prefers_explicit_vectors = info.is_cpu && platform.find("rusticl") == std::string::npos;
   quirks.compiles_at_first_launch = platform.find("portable computing language") != std::string::npos;
   quirks.binaries_lack_argument_info = platform.find("nvidia") != std::string::npos;
@@ -238,7 +238,12 @@ const DeviceInfo& Device::info() const { return state_->info; }
 const Quirks& Device::quirks() const { return state_->quirks; }
 Profile& Device::profile() const { return state_->profile; }
 const MemoryUse& Device::memory() const { return state_->memory; }
-void Device::reset_memory_peak() const { state_->memory.peak = state_->memory.now; }
+const std::map<std::string, MemoryUse>& Device::memory_by_name() const { return state_->memory_by_name; }
+
+void Device::reset_memory_peak() const {
+  state_->memory.peak = state_->memory.now;
+  for (auto& [name, use] : state_->memory_by_name) use.peak = use.now;
+}
 
 void Device::finish() const {
   cl_call(

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -8,7 +9,7 @@
 
 #include "host/runtime/profile.hpp"
 
-// What cl_context and cl_command_queue point to (host/api/opencl.h).
+// What cl_context and cl_command_queue point to (host/runtime/opencl.hpp).
 struct _cl_context;
 struct _cl_command_queue;
 
@@ -84,7 +85,9 @@ class Device {
   [[nodiscard]] const Quirks& quirks() const;
   [[nodiscard]] Profile& profile() const;
   [[nodiscard]] const MemoryUse& memory() const;
-  /// Makes the peak what is used now.
+  /// The same by the buffers' names; buffers of one name count together.
+  [[nodiscard]] const std::map<std::string, MemoryUse>& memory_by_name() const;
+  /// Makes the peaks what is used now.
   void reset_memory_peak() const;
 
   /// Waits until everything queued so far has run. Error{kDevice} when some of it failed.

@@ -1,15 +1,25 @@
 #pragma once
-// What a Device handle points to. Only host/runtime/*.cpp includes this.
+// What Device and Program handles point to. Only host/runtime/*.cpp includes this.
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "host/runtime/cl.hpp"
+#include "host/runtime/build_options.hpp"
+#include "host/runtime/cl/cl.hpp"
 #include "host/runtime/device.hpp"
+#include "host/runtime/text/declaration.hpp"
 
 namespace simuli::detail {
 
-struct ProgramState;
+/// Holds no Device: the Device's own table of programs refers to this.
+struct ProgramState {
+  std::string path;
+  Precision precision = Precision::kFloat;
+  cl::Program program;
+  std::vector<std::string> kernel_names;
+  std::map<std::string, KernelDeclaration> declarations;  // of the text, by the kernel's name
+};
 
 struct DeviceState {
   DeviceInfo info;
@@ -19,6 +29,7 @@ struct DeviceState {
   cl::CommandQueue queue;
   Profile profile{false};
   MemoryUse memory;
+  std::map<std::string, MemoryUse> memory_by_name;
   // Programs built so far, by their full key (options and expanded source).
   std::map<std::string, std::shared_ptr<const ProgramState>> programs;
 };

@@ -3,26 +3,27 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 
 namespace simuli {
 
+using detail::PassedType;
+
 std::string Range::text() const {
   if (dimensions_ == 0) return "any";
   std::string text = std::to_string(size_[0]);
-  for (cl_uint i = 1; i < dimensions_; ++i) text += " x " + std::to_string(size_[i]);
+  for (std::uint32_t i = 1; i < dimensions_; ++i) text += " x " + std::to_string(size_[i]);
   return text;
 }
 
-namespace detail {
 namespace {
 
 struct TypeAlias {
   std::string_view name;
   std::string_view type;
 };
-// Drivers give an argument's type as written, typedef or not; these are the scalars of cl/shared.
+// Text and drivers give an argument's type as written, typedef or not; these are the scalars of cl/shared.
 constexpr std::array kAliases = {
     TypeAlias{"sim_f32", "float"},
     TypeAlias{"sim_i32", "int"},
@@ -53,18 +54,6 @@ std::string canonical(std::string type, Precision precision) {
   return type + stars;
 }
 
-ArgumentSpace space_of(cl_kernel_arg_address_qualifier qualifier) {
-  switch (qualifier) {
-    case CL_KERNEL_ARG_ADDRESS_GLOBAL:
-    case CL_KERNEL_ARG_ADDRESS_CONSTANT:
-      return ArgumentSpace::kGlobal;
-    case CL_KERNEL_ARG_ADDRESS_LOCAL:
-      return ArgumentSpace::kLocal;
-    default:
-      return ArgumentSpace::kValue;
-  }
-}
-
 std::string_view space_name(ArgumentSpace space) {
   switch (space) {
     case ArgumentSpace::kGlobal:
@@ -77,119 +66,183 @@ std::string_view space_name(ArgumentSpace space) {
   return "a value";
 }
 
-void check_argument(const cl::Kernel& kernel,
-                    const std::string& name,
-                    cl_uint index,
-                    const ArgumentSpec& spec,
-                    Precision precision) {
-  std::string declared;
-  ArgumentSpace space{};
-  bool is_const = false;
-  try {
-    declared = canonical(kernel.getArgInfo<CL_KERNEL_ARG_TYPE_NAME>(index), precision);
-    const auto address = kernel.getArgInfo<CL_KERNEL_ARG_ADDRESS_QUALIFIER>(index);
-    space = space_of(address);
-    is_const = address == CL_KERNEL_ARG_ADDRESS_CONSTANT ||
-               (kernel.getArgInfo<CL_KERNEL_ARG_TYPE_QUALIFIER>(index) & CL_KERNEL_ARG_TYPE_CONST) != 0;
-  } catch (const cl::Error& error) {
-    // Drivers may give none, for instance for programs from a binary; the number of arguments is checked.
-    if (error.err() == CL_KERNEL_ARG_INFO_NOT_AVAILABLE) return;
-    throw_cl_error(ErrorKind::kKernel, error, fmt::format("asking about argument {} of {}", index, name));
-  }
-  const std::string passed = spec.type.empty() ? declared : canonical(spec.type, precision);
-  if (declared != passed) {
+// That the text was understood: what the driver knows of the kernel must be the same.
+void compare_with_driver(const cl::Kernel& kernel,
+                         const std::string& name,
+                         const KernelDeclaration& declaration,
+                         Precision precision) {
+  const auto count = kernel.getInfo<CL_KERNEL_NUM_ARGS>();
+  if (count != declaration.size()) {
     throw Error(
         ErrorKind::kKernel,
-        fmt::format("kernel {}: argument {} is {}, the host passes {}", name, index, declared, passed));
+        fmt::format("kernel {}: it has {} arguments, its text declares {}", name, count, declaration.size()));
   }
-  if (space != spec.space) {
-    throw Error(ErrorKind::kKernel,
-                fmt::format("kernel {}: argument {} is {}, the host passes {}",
-                            name,
-                            index,
-                            space_name(space),
-                            space_name(spec.space)));
-  }
-  if (spec.is_const && !is_const) {
+  for (cl_uint i = 0; i < count; ++i) {
+    const ArgumentDeclaration& text = declaration[i];
+    std::string type;
+    try {
+      type = canonical(kernel.getArgInfo<CL_KERNEL_ARG_TYPE_NAME>(i), precision);
+    } catch (const cl::Error& error) {
+      // Drivers may give none, for instance for programs from a binary.
+      if (error.err() == CL_KERNEL_ARG_INFO_NOT_AVAILABLE) return;
+      throw;
+    }
+    const std::string declared = canonical(text.type, precision);
+    if (type == declared) continue;
     throw Error(
         ErrorKind::kKernel,
-        fmt::format("kernel {}: argument {} is {}, the host passes const {}", name, index, declared, passed));
+        fmt::format("kernel {}: argument {} is {}, its text declares {}", name, text.name, type, declared));
   }
 }
 
 }  // namespace
 
-KernelCore::KernelCore(const Program& program, std::string name, const std::vector<ArgumentSpec>& arguments)
-    : program_(program), name_(std::move(name)) {
+void Kernel::Release::operator()(_cl_kernel* kernel) const noexcept { clReleaseKernel(kernel); }
+
+Kernel::Kernel(const Program& program, std::string name) : program_(program), name_(std::move(name)) {
   const auto names = program.kernel_names();
   if (std::find(names.begin(), names.end(), name_) == names.end()) {
     throw Error(
         ErrorKind::kKernel,
         fmt::format("kernel {} is not in {}, which has: {}", name_, program.path(), fmt::join(names, ", ")));
   }
+  const auto& declarations = program.state().declarations;
+  const auto found = declarations.find(name_);
+  if (found == declarations.end()) {
+    throw Error(ErrorKind::kKernel,
+                fmt::format("kernel {}: the text of {} does not declare it", name_, program.path()));
+  }
+  declaration_ = &found->second;
   const auto context = [&] { return "creating kernel " + name_; };
   cl_call(ErrorKind::kKernel, context, [&] {
-    kernel_ = cl::Kernel(program.handle(), name_.c_str());
-    const auto count = kernel_.getInfo<CL_KERNEL_NUM_ARGS>();
-    if (count != arguments.size()) {
-      throw Error(
-          ErrorKind::kKernel,
-          fmt::format("kernel {}: it has {} arguments, the host passes {}", name_, count, arguments.size()));
-    }
+    const cl::Kernel kernel(program.state().program, name_.c_str());
+    compare_with_driver(kernel, name_, *declaration_, program.precision());
+    clRetainKernel(kernel());
+    kernel_.reset(kernel());
   });
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    check_argument(kernel_, name_, static_cast<cl_uint>(i), arguments[i], program.precision());
+}
+
+std::uint32_t Kernel::find_place(const char* name, const PassedType& type, bool offered) const {
+  const auto found = std::find_if(declaration_->begin(),
+                                  declaration_->end(),
+                                  [&](const ArgumentDeclaration& argument) { return argument.name == name; });
+  if (found == declaration_->end()) {
+    if (offered) return kUnused;
+    std::vector<std::string> names;
+    for (const ArgumentDeclaration& argument : *declaration_) names.push_back(argument.name);
+    throw Error(
+        ErrorKind::kKernel,
+        fmt::format("kernel {}: there is no argument {} among {}", name_, name, fmt::join(names, ", ")));
+  }
+  const auto refuse = [&](std::string_view declared, std::string_view passed) {
+    throw Error(
+        ErrorKind::kKernel,
+        fmt::format("kernel {}: argument {} is {}, the host passes {}", name_, name, declared, passed));
+  };
+  if (found->space != type.space) refuse(space_name(found->space), space_name(type.space));
+  const std::string declared = canonical(found->type, program_.precision());
+  std::string passed(type.element);
+  if (type.space == ArgumentSpace::kGlobal) passed += '*';
+  passed = type.space == ArgumentSpace::kLocal ? declared : canonical(passed, program_.precision());
+  if (declared != passed) refuse(declared, passed);
+  if (type.is_const && !found->is_const) refuse(declared, "const " + passed);
+  return static_cast<std::uint32_t>(found - declaration_->begin());
+}
+
+std::uint32_t Kernel::place_of(const char* name, const PassedType& type, bool offered) {
+  if (at_ < places_.size() && places_[at_].name == name && places_[at_].type == &type) {
+    return places_[at_++].index;
+  }
+  // Another list than the last time.
+  is_complete_ = false;
+  places_.resize(at_);
+  const std::uint32_t index = find_place(name, type, offered);
+  places_.push_back({name, &type, index});
+  ++at_;
+  return index;
+}
+
+void Kernel::need_all() const {
+  std::vector<int> bound(declaration_->size(), 0);
+  for (const Place& place : places_) {
+    if (place.index != kUnused) ++bound[place.index];
+  }
+  for (std::size_t i = 0; i < bound.size(); ++i) {
+    if (bound[i] == 1) continue;
+    throw Error(ErrorKind::kKernel,
+                fmt::format("kernel {}: argument {} is {}",
+                            name_,
+                            (*declaration_)[i].name,
+                            bound[i] == 0 ? "not bound" : "bound twice"));
   }
 }
 
-void KernelCore::set_value(cl_uint index, const void* value, std::size_t bytes) {
-  cl_call(
+void Kernel::set(std::uint32_t index, std::size_t bytes, const void* value) {
+  const cl_int code = clSetKernelArg(kernel_.get(), index, bytes, value);
+  if (code == CL_SUCCESS) return;
+  throw_cl_error(
       ErrorKind::kKernel,
-      [&] { return fmt::format("argument {} of kernel {}, {} bytes", index, name_, bytes); },
-      [&] { kernel_.setArg(index, bytes, value); });
+      cl::Error(code, "clSetKernelArg"),
+      fmt::format("argument {} of kernel {}, {} bytes", (*declaration_)[index].name, name_, bytes));
 }
 
-void KernelCore::set_real(cl_uint index, double value) {
-  if (program_.precision() == Precision::kDouble) {
-    set_value(index, &value, sizeof(value));
-  } else {
-    const auto narrow = static_cast<float>(value);
-    set_value(index, &narrow, sizeof(narrow));
-  }
-}
-
-void KernelCore::set_local(cl_uint index, std::size_t bytes) {
-  // OpenCL refuses an empty local argument.
-  set_value(index, nullptr, std::max<std::size_t>(bytes, 1));
-}
-
-void KernelCore::set_memory(cl_uint index, const Memory& memory) {
+void Kernel::set_memory(std::uint32_t index, const detail::Memory& memory) {
   if (memory.device().state().context() != program_.device().state().context()) {
-    throw Error(
-        ErrorKind::kInternal,
-        fmt::format("kernel {}: argument {}, buffer {}, is on another device", name_, index, memory.name()));
+    throw Error(ErrorKind::kInternal,
+                fmt::format("kernel {}: argument {}, buffer {}, is on another device",
+                            name_,
+                            (*declaration_)[index].name,
+                            memory.name()));
   }
-  const cl_mem handle = memory.handle()();
-  set_value(index, &handle, sizeof(handle));
+  const cl_mem handle = memory.handle();
+  set(index, sizeof(handle), &handle);
 }
 
-void KernelCore::set_real_buffer(cl_uint index, const RealBuffer& buffer) {
-  if (buffer.precision() != program_.precision()) {
-    throw Error(
-        ErrorKind::kInternal,
-        fmt::format(
-            "kernel {}: argument {}, buffer {}, is of the other precision", name_, index, buffer.name()));
-  }
-  set_memory(index, buffer.memory());
+void Kernel::offer(const char* name, const PassedType& type, const detail::Memory& memory) {
+  const std::uint32_t index = place_of(name, type, true);
+  if (index != kUnused) set_memory(index, memory);
 }
 
-void KernelCore::run(const Range& global, const Range& local) {
+void Kernel::bind(const Binding& binding) {
+  if (binding.offer_ != nullptr) {
+    binding.offer_(binding.group_, *this);
+    return;
+  }
+  const std::uint32_t index = place_of(binding.name_, *binding.type_, false);
+  if (binding.memory_ != nullptr) {
+    set_memory(index, *binding.memory_);
+  } else if (binding.type_ == &detail::kPassedLocal) {
+    // OpenCL refuses an empty local argument.
+    set(index, std::max<std::size_t>(binding.bytes_, 1), nullptr);
+  } else if (binding.type_ != &detail::kPassedReal) {
+    set(index, binding.bytes_, binding.value_);
+  } else if (program_.precision() == Precision::kDouble) {
+    set(index, sizeof(binding.real_), &binding.real_);
+  } else {
+    const auto narrow = static_cast<float>(binding.real_);
+    set(index, sizeof(narrow), &narrow);
+  }
+}
+
+void Kernel::run(const Range& global, const Range& local, std::initializer_list<Binding> arguments) {
+  if (global.empty()) return;
+  at_ = 0;
+  for (const Binding& binding : arguments) bind(binding);
+  if (!is_complete_ || at_ != places_.size()) {
+    is_complete_ = false;
+    places_.resize(at_);
+    need_all();
+    is_complete_ = true;
+  }
+  enqueue(global, local);
+}
+
+void Kernel::enqueue(const Range& global, const Range& local) {
   const Device& on = program_.device();
   const bool timed = on.profile().enabled();
   cl_event event = nullptr;
-  // The C call: the binding's NDRange has no three-way choice at run time.
   const cl_int code = clEnqueueNDRangeKernel(on.state().queue(),
-                                             kernel_(),
+                                             kernel_.get(),
                                              global.dimensions(),
                                              nullptr,
                                              global.data(),
@@ -206,12 +259,14 @@ void KernelCore::run(const Range& global, const Range& local) {
   if (timed) on.profile().record(name_, event);
 }
 
-std::size_t KernelCore::max_local_size() const {
+std::size_t Kernel::max_local_size() const {
   return cl_call(
       ErrorKind::kKernel,
       [&] { return "asking about kernel " + name_; },
-      [&] { return kernel_.getWorkGroupInfo<CL_KERNEL_WORK_GROUP_SIZE>(device().state().device); });
+      [&] {
+        return cl::Kernel(kernel_.get(), true)
+            .getWorkGroupInfo<CL_KERNEL_WORK_GROUP_SIZE>(program_.device().state().device);
+      });
 }
 
-}  // namespace detail
 }  // namespace simuli

@@ -1,5 +1,6 @@
 #pragma once
-// The plain handles of what the library made, for those who work with OpenCL themselves.
+// For callers who work with OpenCL themselves: the plain handles of what the library made, and a Device on
+// what they made. Nobody else needs to know that there is OpenCL.
 #ifndef CL_TARGET_OPENCL_VERSION
 #define CL_TARGET_OPENCL_VERSION 120
 #endif
@@ -19,8 +20,10 @@ namespace simuli::opencl {
 /// Changes when the buffer's reserve() grows.
 template <class T>
 [[nodiscard]] cl_mem memory(const Buffer<T>& buffer) {
-  return buffer.handle();
+  return buffer.memory().handle();
 }
-[[nodiscard]] inline cl_mem memory(const RealBuffer& buffer) { return buffer.memory().handle()(); }
+[[nodiscard]] inline cl_mem memory(const RealBuffer& buffer) { return buffer.memory().handle(); }
+
+// The other way: Device::adopt(cl_context, cl_command_queue).
 
 }  // namespace simuli::opencl

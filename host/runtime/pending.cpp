@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 
 namespace simuli {
@@ -70,7 +70,7 @@ Download::Download(const RealBuffer& buffer) {
         if (bytes == 0) {
           queue.enqueueMarkerWithWaitList(nullptr, &event->event);
         } else {
-          queue.enqueueReadBuffer(memory.handle(), CL_FALSE, 0, bytes, target, nullptr, &event->event);
+          queue.enqueueReadBuffer(cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &event->event);
         }
         queue.flush();
       });

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 
 namespace simuli {
 namespace {

@@ -4,22 +4,12 @@
 #include <optional>
 #include <utility>
 
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 #include "host/runtime/disk_cache.hpp"
-#include "host/runtime/source.hpp"
+#include "host/runtime/text/source.hpp"
 
 namespace simuli {
-
-namespace detail {
-// Holds no Device: the Device's own table of programs refers to this.
-struct ProgramState {
-  std::string path;
-  Precision precision = Precision::kFloat;
-  cl::Program program;
-  std::vector<std::string> kernel_names;
-};
-}  // namespace detail
 
 namespace {
 
@@ -36,7 +26,8 @@ cl::Program compile(const Device& device,
                     const std::string& source,
                     const std::string& options) {
   const auto context = [&] { return fmt::format("building {} with options {}", shown, options); };
-  auto program = cl_call(ErrorKind::kKernel, context, [&] { return cl::Program(device.state().context, source); });
+  auto program =
+      cl_call(ErrorKind::kKernel, context, [&] { return cl::Program(device.state().context, source); });
   try {
     // clBuildProgram, not compile and link: drivers cache this call.
     program.build({device.state().device}, options.c_str());
@@ -121,6 +112,7 @@ Program::Program(const Device& device, const Expanded& expanded, const BuildOpti
       ErrorKind::kKernel,
       [&] { return "listing the kernels of " + expanded.shown; },
       [&] { return names_of(state->program); });
+  state->declarations = kernel_declarations(expanded.source);
   if (!stored) {
     if (const auto binary = binary_of(state->program, device.state().device)) save_binary(key, *binary);
   }
@@ -141,6 +133,5 @@ Program Program::from_text(const Device& device,
 Precision Program::precision() const { return state_->precision; }
 const std::string& Program::path() const { return state_->path; }
 std::vector<std::string> Program::kernel_names() const { return state_->kernel_names; }
-const cl::Program& Program::handle() const { return state_->program; }
 
 }  // namespace simuli

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "host/runtime/build_options.hpp"
-#include "host/runtime/cl.hpp"
 #include "host/runtime/device.hpp"
 
 namespace simuli {
@@ -36,7 +35,7 @@ class Program {
   [[nodiscard]] Precision precision() const;
   [[nodiscard]] const std::string& path() const;
   [[nodiscard]] std::vector<std::string> kernel_names() const;
-  [[nodiscard]] const cl::Program& handle() const;
+  [[nodiscard]] const detail::ProgramState& state() const { return *state_; }
 
  private:
   struct Expanded {

@@ -93,6 +93,10 @@ const detail::Memory& RealBuffer::memory() const {
   return std::visit([](const auto& buffer) -> const detail::Memory& { return buffer.memory(); }, buffer_);
 }
 
+detail::Memory& RealBuffer::memory() {
+  return std::visit([](auto& buffer) -> detail::Memory& { return buffer.memory(); }, buffer_);
+}
+
 Buffer<float>& RealBuffer::as_float() { return typed<float>(buffer_, *this); }
 const Buffer<float>& RealBuffer::as_float() const { return typed<float>(buffer_, *this); }
 Buffer<double>& RealBuffer::as_double() { return typed<double>(buffer_, *this); }

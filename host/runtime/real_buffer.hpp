@@ -10,7 +10,7 @@
 
 namespace simuli {
 
-/// An array of `real`: float or double as chosen at run time, for kernel arguments marked BufReal.
+/// An array of `real`: float or double as chosen at run time, for kernel arguments of `real`.
 /// Host values of the other type are converted, each rounded to nearest. Rules and errors of Buffer<T>.
 class RealBuffer {
  public:
@@ -30,11 +30,14 @@ class RealBuffer {
   void fill(double value);
   /// Device-side copy; precision and count are the same.
   void copy_from(const RealBuffer& source);
+  /// Swaps the content with that of `other`, of the same precision, without a copy; each keeps its name.
+  void exchange(RealBuffer& other) noexcept { memory().exchange(other.memory()); }
 
   [[nodiscard]] std::size_t count() const { return memory().count(); }
   [[nodiscard]] std::size_t capacity() const { return memory().capacity(); }
   [[nodiscard]] const std::string& name() const { return memory().name(); }
   [[nodiscard]] const detail::Memory& memory() const;
+  [[nodiscard]] detail::Memory& memory();
 
   /// The typed buffer inside; Error{kInternal} when the precision is the other one.
   [[nodiscard]] Buffer<float>& as_float();

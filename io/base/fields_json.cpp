@@ -27,7 +27,7 @@ Json help_json(const Fields& fields) {
   Json rows = Json::array();
   for (const Field& field : fields.all()) {
     rows.push_back(
-        {{"key", field.key}, {"value", json_of(field)}, {"allowed", field.allowed()}, {"help", field.help}});
+        {{"key", field.key}, {"default", json_of(field)}, {"allowed", field.allowed()}, {"help", field.help}});
   }
   return rows;
 }

@@ -7,9 +7,9 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/picture/image.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli {
 namespace {
@@ -98,6 +98,13 @@ Json frame_to_json(const Frame& frame,
           {"time_end_ns", to_ns(frame.time_end_s, start_ns, frame.file)}};
 }
 
+/// Whose turns the sweeps tell of.
+bool has_sweeps(const Log& log, const LidarModel& lidar) {
+  return std::any_of(log.sweeps.begin(), log.sweeps.end(), [&](const SweepFrame& frame) {
+    return frame.lidar == name_of(lidar);
+  });
+}
+
 /// A LiDAR's turn takes what its recorded sweeps take: their median, as drives differ from their sensor's
 /// nominal rate.
 void set_sweep_durations(Log& log) {
@@ -184,7 +191,12 @@ Log read_log(const fs::path& folder) {
 
 Json to_json(const Log& log) {
   Json root{{"format", kLogFormat}, {"version", kLogVersion}, {"name", log.name}, {"start_ns", log.start_ns}};
-  add_sensors(root, log.cameras, log.lidars);
+  std::vector<LogLidar> lidars = log.lidars;
+  for (LogLidar& lidar : lidars) {
+    if (!has_sweeps(log, lidar.model)) continue;
+    std::visit([](auto& model) { model.sweep_s = kUsualSweep_s; }, lidar.model);  // left out
+  }
+  add_sensors(root, log.cameras, lidars);
   root["world_from_rig"] = to_json(log.world_from_rig, log.start_ns);
   root["images"] = Json::array();
   root["sweeps"] = Json::array();

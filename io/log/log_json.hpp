@@ -1,7 +1,7 @@
 #pragma once
 // Sensors, poses and trajectories as JSON, shared by log.json and scene.json. Units stand in the key
-// names; times on disk are int64 nanoseconds. Readers throw Error{kInput} as io/base/json_reader.hpp says, and
-// check values with validate().
+// names; times on disk are int64 nanoseconds. Readers throw Error{kInput} as io/base/json_reader.hpp says,
+// and check values with validate().
 #include <cstdint>
 #include <filesystem>
 #include <string>

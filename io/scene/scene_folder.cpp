@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "io/scene/appearance_file.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
+#include "io/scene/appearance_file.hpp"
 #include "io/scene/training_json.hpp"
 #include "io/splat/ply.hpp"
 

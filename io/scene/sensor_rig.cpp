@@ -108,7 +108,7 @@ Sensor SensorRig::find(const std::string& name, const Pose& rig_from_sensor) con
 
 void SensorRig::add(const Sensor& sensor) {
   if (has(sensor.name())) {
-    throw Error(ErrorKind::kUsage, fmt::format("sensor: found \"{}\", allowed a new name", sensor.name()));
+    throw Error(ErrorKind::kUsage, fmt::format("sensor: found \"{}\", which there is already", sensor.name()));
   }
   sensors_.push_back(sensor);
 }

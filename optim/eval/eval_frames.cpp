@@ -23,23 +23,34 @@ FrameKind kind_of(const EvalFrames& frames, const TrainingRecord& made) {
 
 const char* to_string(FrameKind kind) {
   switch (kind) {
-    case FrameKind::kHeldOut: return "held_out";
-    case FrameKind::kTraining: return "training";
-    case FrameKind::kMixed: return "mixed";
-    case FrameKind::kOtherLog: return "other_log";
-    case FrameKind::kUnknown: break;
+    case FrameKind::kHeldOut:
+      return "held_out";
+    case FrameKind::kTraining:
+      return "training";
+    case FrameKind::kMixed:
+      return "mixed";
+    case FrameKind::kOtherLog:
+      return "other_log";
+    case FrameKind::kUnknown:
+      break;
   }
   return "unknown";
 }
 
 std::string EvalFrames::label() const {
-  const std::string which = held_out_every > 0 ? fmt::format("every {}. frame", held_out_every) : "all frames";
+  const std::string which =
+      held_out_every > 0 ? fmt::format("every {}. frame", held_out_every) : "all frames";
   switch (kind) {
-    case FrameKind::kHeldOut: return "held-out frames";
-    case FrameKind::kTraining: return "training frames";
-    case FrameKind::kMixed: return which + ", some of which were trained on";
-    case FrameKind::kOtherLog: return which + " of a log that was not trained on";
-    case FrameKind::kUnknown: break;
+    case FrameKind::kHeldOut:
+      return "held-out frames";
+    case FrameKind::kTraining:
+      return "training frames";
+    case FrameKind::kMixed:
+      return which + ", some of which were trained on";
+    case FrameKind::kOtherLog:
+      return which + " of a log that was not trained on";
+    case FrameKind::kUnknown:
+      break;
   }
   return which + " (the scene does not say which were trained on)";
 }

@@ -22,9 +22,9 @@ enum class FrameKind {
 
 struct EvalFrames {
   FrameKind kind = FrameKind::kUnknown;
-  int held_out_every = 0;    // every that many frames; 0: all
-  double image_scale = 1.0;  // pictures are compared at this size
-  std::vector<std::size_t> images, sweeps;  // indices into the log's
+  int held_out_every = 0;                             // every that many frames; 0: all
+  double image_scale = 1.0;                           // pictures are compared at this size
+  std::vector<std::size_t> images = {}, sweeps = {};  // indices into the log's
 
   /// "held-out frames", "training frames", ...
   [[nodiscard]] std::string label() const;

@@ -8,11 +8,13 @@
 namespace simuli {
 
 struct EvalOptions {
-  std::optional<double> image_scale;  // of the compared pictures over the recorded; nothing: as in training
-  std::optional<int> held_out_every;  // every N-th frame, 0: all; nothing: those that were not trained on
-  int timed_renders = 5;              // behind a first one that warms up
+  std::optional<double> image_scale =
+      {};  // of the compared pictures over the recorded; nothing: as in training
+  std::optional<int> held_out_every =
+      {};                 // every N-th frame, 0: all; nothing: those that were not trained on
+  int timed_renders = 5;  // behind a first one that warms up
   double actor_min_travel_m = 1.0;
-  RenderOptions render{.extent = Extent::kExact, .lidar_tiles = {}, .ray_mask = {}};  // balanced
+  RenderOptions render = {};
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).

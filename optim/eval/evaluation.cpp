@@ -10,7 +10,6 @@
 
 #include "host/base/fields.hpp"
 #include "host/render/options/validate.hpp"
-#include "host/render/scene/seen.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/sweep_pair.hpp"
@@ -47,8 +46,7 @@ double time_render(const Device& device, const std::function<Frame()>& render, i
   for (int i = 0; i <= repeats; ++i) {
     device.finish();
     const auto begin = std::chrono::steady_clock::now();
-    const Frame frame = render();
-    frame.wait();
+    render().wait();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     if (i > 0) seconds.push_back(elapsed.count());  // the first compiles and allocates
   }
@@ -154,9 +152,7 @@ struct SweepMeans {
 class Evaluation::Run {
  public:
   Run(Evaluation& of, const Progress& progress)
-      : of_(of),
-        progress_(progress),
-        actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)) {
+      : of_(of), progress_(progress), actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)) {
     report_.frames = of.frames_;
     report_.device = of.on_device_.device().info().label();
   }
@@ -224,8 +220,7 @@ void Evaluation::Run::images() {
     const Image truth = load_image(of_.log_, frame, model);
     psnr.add(psnr_db(rendered, truth));
     if (!actors_.empty()) {
-      const ActorBoxes where = boxes(shot, SetKind::kCamera);
-      add_actor_pixels(pixels_on_actors(where, model), rendered, truth);
+      add_actor_pixels(pixels_on_actors(boxes(shot, SetKind::kCamera), model), rendered, truth);
     }
     ssim_mean.add(ssim(rendered, truth));
     if (!scene.color_grids.empty()) {
@@ -245,7 +240,6 @@ void Evaluation::Run::images() {
 
 void Evaluation::Run::sweeps() {
   SceneOnDevice& on_device = of_.on_device_;
-  const Scene& scene = of_.scene_.scene;
   std::vector<double> actor_errors;
   double met = 0.0;
   SweepMeans means;
@@ -270,7 +264,7 @@ void Evaluation::Run::sweeps() {
         met += is_met(pair, i) ? 1.0 : 0.0;
       }
     }
-    means.add(compare_sweep(compare_rays(pair, lidar, shot.relative_to(scene.origin))));
+    means.add(compare_sweep(compare_rays(pair, lidar, shot.relative_to(of_.scene_.scene.origin))));
     expected.add(expected_median_m(pair));
     step();
   }

@@ -25,7 +25,7 @@ struct EvalReport {
   double psnr_db = kNoNumber;
   double ssim = kNoNumber;
   double psnr_ungraded_db = kNoNumber;            // without colour grids; NaN when the scene has none
-  SweepMetrics lidar;                       // distance: median, the mean where no median exists
+  SweepMetrics lidar;                             // distance: median, the mean where no median exists
   double distance_expected_median_m = kNoNumber;  // the same median error with expected distances alone
   /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
   /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside, and the share of
@@ -40,7 +40,7 @@ struct EvalReport {
   std::size_t sweeps_without_distance = 0;
   double camera_mp_per_s = kNoNumber;  // 1e6 pixels per second: median of the timed renders of one frame,
   double lidar_mr_per_s = kNoNumber;   // projection to blending, results left on the device
-  int image_width = 0;           // px, of the pictures compared
+  int image_width = 0;                 // px, of the pictures compared
   int image_height = 0;
   std::string device;
   double seconds = 0.0;
@@ -66,7 +66,7 @@ class Evaluation {
   /// have learned better. Error{kUsage} for options outside their range, Error{kInput} when no frame is left
   /// to compare.
   Evaluation(const Device& device, SceneFile scene, Log log, const EvalOptions& options = {});
-  Evaluation(const Evaluation&) = delete;
+  Evaluation(const Evaluation&) = delete;  // scene_on_device() looks at scene()
   Evaluation& operator=(const Evaluation&) = delete;
 
   [[nodiscard]] const Device& device() const { return on_device_.device(); }
@@ -75,8 +75,8 @@ class Evaluation {
   [[nodiscard]] const EvalOptions& options() const { return options_; }
   [[nodiscard]] const EvalFrames& frames() const { return frames_; }
 
-  /// Renders each of the frames and compares it. `progress` is called after each. Error{kInput} when one can't
-  /// be read.
+  /// Renders each of the frames and compares it. `progress` is called after each. Error{kInput} when one
+  /// can't be read.
   [[nodiscard]] EvalReport run(const Progress& progress = {});
   /// A frame of log().images or log().sweeps, at the size that is compared.
   [[nodiscard]] PicturePair picture(std::size_t index);
@@ -85,13 +85,14 @@ class Evaluation {
  private:
   class Run;  // over all frames
 
+  /// A frame's camera, at the size that is compared.
   [[nodiscard]] Camera camera(const ImageFrame& frame) const;
 
   SceneFile scene_;
   EvalOptions options_;
   EvalFrames frames_;
   Log log_;
-  SceneOnDevice on_device_;  // of scene_
+  SceneOnDevice on_device_;
 };
 
 }  // namespace simuli

@@ -158,8 +158,9 @@ class Initialisation {
   void step() {
     ++files_;
     if (!progress_) return;
-    progress_(files_,
-              (options_.drop_moving ? 2 : 1) * sweeps_.size() + (options_.sweep_depth ? 2 : 1) * images_.size());
+    progress_(
+        files_,
+        (options_.drop_moving ? 2 : 1) * sweeps_.size() + (options_.sweep_depth ? 2 : 1) * images_.size());
   }
 
   const Log& log_;
@@ -292,10 +293,10 @@ void Initialisation::place_camera_set() {
 void check(const InitOptions& o) {
   check_fields(o);
   if (o.max_scale_m >= o.min_scale_m) return;
-  throw Error(ErrorKind::kUsage,
-              fmt::format("init.max_scale_m: found {}, allowed init.min_scale_m ({}) or more",
-                          o.max_scale_m,
-                          o.min_scale_m));
+  throw Error(
+      ErrorKind::kUsage,
+      fmt::format(
+          "init.max_scale_m: found {}, allowed init.min_scale_m ({}) or more", o.max_scale_m, o.min_scale_m));
 }
 
 SceneInit initialize_scene(const Log& log,

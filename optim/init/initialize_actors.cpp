@@ -9,8 +9,8 @@
 #include <string_view>
 #include <utility>
 
-#include "optim/init/actor_tracks.hpp"
 #include "optim/base/evaluate_actors.hpp"
+#include "optim/init/actor_tracks.hpp"
 
 namespace simuli {
 namespace {

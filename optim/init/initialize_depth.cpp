@@ -204,8 +204,7 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
         const auto [image, view] = load_view(log, *frames[next], origin, image_scale);
         const PointSet placed = actors.placed(points, middle_s(*frames[next]), view.origin());
         std::vector<PointLook> unused(placed.size());
-        Coverage coverage =
-            look_at_points(view, image, placed, voxel_m, cell_px, unused);
+        Coverage coverage = look_at_points(view, image, placed, voxel_m, cell_px, unused);
         actors.cover(view, middle_s(*frames[next]), coverage);
         window.push_back({sweep_picture(view, image), std::move(coverage)});
       }

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "host/render/frame/actor.hpp"
+#include "host/render/train/actor.hpp"
 #include "host/scene/actor.hpp"
 #include "optim/poses/pose_rates.hpp"
 

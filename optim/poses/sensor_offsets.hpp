@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "host/render/train/pose_gradient.hpp"
+#include "host/render/backward/pose_gradient.hpp"
 #include "host/render/scene/renderer.hpp"
 
 namespace simuli {

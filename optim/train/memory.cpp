@@ -6,13 +6,16 @@
 
 #include "cl/shared/layout.h"
 #include "host/base/error.hpp"
+#include "host/render/backward/pose_bwd.hpp"
+#include "host/render/scene/renderer.hpp"
+#include "host/render/train/adam.hpp"
+#include "host/render/train/anchor.hpp"
+#include "host/render/train/densify.hpp"
+#include "host/render/train/loss_stages.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
 namespace {
-
-constexpr std::uint64_t kReal = sizeof(float);
-constexpr std::uint64_t kWord = sizeof(std::uint32_t);
 
 double giga(std::uint64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
 
@@ -20,10 +23,32 @@ double giga(std::uint64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
 /// sweep less so.
 std::uint64_t slots_of(std::uint64_t rays) { return rays + rays / 2 + SIM_TILE_RAYS; }
 
-/// Of each sweep's own rays: beam table and bins of columns, 4096 each, and the mask of 1600 x 8 cells.
-constexpr std::uint64_t kSweepTables = (2 * 4096 + 1601 * 9 + 1024) * kWord;
-/// Of sorting, scanning and tiling, whatever the frame.
-constexpr std::uint64_t kScratch = std::uint64_t{1} << 19U;
+/// Adds up what tables of buffers take, by what they are for and by their names.
+class Tally {
+ public:
+  explicit Tally(MemoryNeed& need) : need_(need) {}
+
+  template <class Sizes>
+  void add(const char* item, const BufferTable<Sizes>& table, const Sizes& sizes, std::uint64_t times = 1) {
+    for (const BufferBytes& buffer : table.bytes(sizes)) add(item, buffer, times);
+  }
+  void add(const char* item, const BufferBytes& buffer, std::uint64_t times = 1) {
+    const auto found = std::find_if(
+        need_.items.begin(), need_.items.end(), [&](const MemoryItem& i) { return i.name == item; });
+    MemoryItem& sum = found != need_.items.end() ? *found : need_.items.emplace_back(item);
+    sum.bytes += times * buffer.bytes;
+    need_.by_buffer[buffer.name] += times * buffer.bytes;
+    need_.total += times * buffer.bytes;
+    need_.largest_buffer = std::max(need_.largest_buffer, buffer.bytes);
+  }
+
+ private:
+  MemoryNeed& need_;
+};
+
+/// What all stages share between frames, whatever these are: sorting and scanning are there for binning, for
+/// anchors and for relocation.
+constexpr std::uint64_t kSorts = 2, kScans = 4;
 
 struct Rays {
   std::uint64_t largest = 0;  // rays of the largest frame
@@ -76,60 +101,134 @@ std::string MemoryNeed::text() const {
   return out;
 }
 
-MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainingOptions& training) {
+namespace {
+
+struct Counts {
+  std::uint64_t camera = 0, lidar = 0;  // particles
+  std::uint64_t actors = 0;
+  Rays images, sweeps;
+  [[nodiscard]] std::uint64_t most() const { return std::max(camera, lidar); }
+  [[nodiscard]] std::uint64_t slots() const { return slots_of(std::max(images.largest, sweeps.largest)); }
+};
+
+void add_set(const Device& device,
+             Tally& tally,
+             const char* item,
+             const GaussianSet& set,
+             std::uint64_t particles,
+             const Counts& counts,
+             const TrainOptions& options) {
+  const ParticleSizes sizes = ParticleSizes::of(particles, set.sh_degree, counts.actors);
+  const std::uint64_t matrix = sizes.rows * sizes.stride;
+  tally.add(item, ParticleBuffers(device, GaussianSet(set.kind, 0, 0), Precision::kFloat), sizes);
+  tally.add(item, AdamBuffers(device), {matrix, sizes.rows});
+  tally.add(item, {"gradients", matrix * sizeof(float)});
+  tally.add(item, {"reconstruction errors", particles * sizeof(float)});
+  // While one of the matrices grows it is there twice.
+  if (options.densify.every > 0) tally.add(item, {"params", matrix * sizeof(float)});
+}
+
+void add_frame(const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options) {
+  const std::uint64_t most = counts.most(), slots = counts.slots();
+  constexpr std::uint64_t kSmallestTile = 32;  // slots, of a LiDAR's
+  const FrameSizes sizes{.particles = most,
+                         .stride = round_up(most, 16),
+                         .actors = counts.actors,
+                         .moving_particles = counts.actors > 0 ? most : 0,
+                         .visible = most,
+                         .instances = most,
+                         .slots = slots,
+                         .tiles = slots / kSmallestTile,
+                         .ray_rows = counts.actors > 0 ? 7U : 6U,
+                         .work_items = chunks_of(device, most).work_items};
+  const bool learns_poses = options.poses.camera || options.poses.lidar;
+  tally.add("frame", Projected(device), sizes);
+  tally.add("frame", Binned(device), sizes);
+  tally.add("frame", BinScratch(device), sizes);
+  tally.add("frame", SortBuffers(device), SortStage::sizes(device, most), kSorts);
+  tally.add("frame", ScanBuffers(device), {}, kScans);
+  tally.add("rays", FrameConstants(device), sizes);
+  tally.add("rays", WorldRays(device), sizes);
+  tally.add("rays", Blended(device), sizes);
+  tally.add("rays", PictureBuffers(device), options.look.color_grids ? sizes : FrameSizes{});
+  tally.add("frame",
+            GradientBuffers(device),
+            {.frame = sizes, .errors = options.densify.every > 0, .ray_gradients = learns_poses});
+  tally.add("frame", ActorBuffers(device), {counts.actors});
+  tally.add("rays", ImageLossBuffers(device), {sizes.tiles});
+  tally.add("rays", LidarLossBuffers(device), {sizes.tiles});
+  if (learns_poses) {
+    tally.add("rays",
+              PoseBuffers(device),
+              {chunks_of(device, slots).work_items, sizes.work_items},
+              2 * (counts.images.frames > 0 ? 1U : 0U) + 1);
+  }
+}
+
+void add_ssim(const Device& device, Tally& tally, const Counts& counts) {
+  // A square of as many pixels has margins as wide as most.
+  const auto side = static_cast<std::uint32_t>(
+      std::ceil(std::sqrt(static_cast<double>(slots_of(counts.images.largest)) / SIM_TILE_RAYS)));
+  tally.add("SSIM", SsimBuffers(device), SsimStage::sizes(side, side, 1));
+}
+
+void add_rays(const Device& device, Tally& tally, const Counts& counts, const Log& log, std::uint64_t cache) {
+  const RayBuffers rays(device);
+  tally.add("rays", rays, {.slots = slots_of(counts.images.largest), .tile_rows = 1024}, log.cameras.size());
+  // Truth and, of sweeps, rays of their own, as many as the cache holds.
+  tally.add("frames kept", {"picture truth", std::min(cache, counts.images.slots * 3 * sizeof(float))});
+  if (counts.sweeps.frames == 0) return;
+  tally.add("frames kept", {"sweep truth", std::min(cache, counts.sweeps.slots * 2 * sizeof(float))});
+  constexpr std::uint64_t kBins = 4096;
+  const RayMaskSize mask;
+  const RaySizes sizes{.slots = counts.sweeps.slots / counts.sweeps.frames,
+                       .tile_rows = kBins,
+                       .rows = kBins,
+                       .lut_bins = kBins,
+                       .bins = kBins,
+                       .mask_corners = static_cast<std::uint64_t>(mask.rows + 1) *
+                                       static_cast<std::uint64_t>(mask.columns + 1)};
+  std::uint64_t bytes = 0;
+  for (const BufferBytes& buffer : rays.bytes(sizes)) bytes += buffer.bytes;
+  tally.add("frames kept", rays, sizes, std::min(counts.sweeps.frames, cache / bytes + 1));
+}
+
+void add_structure(const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options) {
+  if (options.anchor.weight > 0.0 && counts.camera > 0 && counts.lidar > 0) {
+    tally.add("anchors",
+              AnchorBuffers(device),
+              {counts.camera,
+               static_cast<std::uint64_t>(options.anchor.neighbours),
+               counts.lidar,
+               chunks_of(device, counts.lidar).work_items,
+               chunks_of(device, counts.camera).work_items});
+  }
+  if (options.densify.every > 0) {
+    const std::uint64_t most = counts.most();
+    tally.add("relocation", DensifyBuffers(device), {most, most, chunks_of(device, most).work_items});
+  }
+}
+
+}  // namespace
+
+MemoryNeed training_memory(const Device& device,
+                           const Log& log,
+                           const Scene& scene,
+                           const TrainingOptions& training) {
   const TrainOptions& options = training.train;
   MemoryNeed need;
-  const auto add = [&need](const char* name, std::uint64_t bytes, std::uint64_t largest) {
-    need.items.push_back({name, bytes});
-    need.total += bytes;
-    need.largest_buffer = std::max(need.largest_buffer, largest);
-  };
-  const std::uint64_t camera = grown(scene.camera.size(), scene.lidar.size(), options);
-  const std::uint64_t lidar = grown(scene.lidar.size(), scene.camera.size(), options);
-  const auto add_set = [&](const char* name, std::uint64_t count, const GaussianSet& set) {
-    // Parameters, gradients and two moments; while one of them grows it is there twice.
-    const std::uint64_t matrix = count * static_cast<std::uint64_t>(param_rows(set.sh_degree)) * kReal;
-    add(name, (options.densify.every > 0 ? 5 : 4) * matrix + count * kReal, matrix);
-  };
-  add_set("camera set", camera, scene.camera);
-  add_set("LiDAR set", lidar, scene.lidar);
-
-  const std::uint64_t most = std::max(camera, lidar);
-  const std::uint64_t instances = most;
-  // Records, footprints, keys, emission, order and its keys; tile, payload and two for sorting; gradient
-  // slots.
-  add("frame",
-      kScratch + most * (SIM_RECORD * kReal + sizeof(shared::Footprint) + 4 * kWord) +
-          instances * (4 * kWord + (SIM_GRAD + 1) * kReal),
-      std::max(most, instances) * SIM_GRAD * kReal);
-
-  const Rays images = image_rays(log, training.frames);
-  const Rays sweeps = sweep_rays(log, training.frames);
-  // World rays, outputs, their gradients and errors, and the gradients by ray; sensor rays of each camera.
-  const bool learns_poses = options.poses.camera || options.poses.lidar;
-  const std::uint64_t per_slot = (7 + SIM_OUTPUTS + 5 + 1 + (learns_poses ? 6 : 0)) * kReal;
-  const std::uint64_t sensor_ray = 8 * kReal;
-  add("rays",
-      slots_of(std::max(images.largest, sweeps.largest)) * per_slot +
-          slots_of(images.largest) * sensor_ray * log.cameras.size(),
-      slots_of(std::max(images.largest, sweeps.largest)) * SIM_OUTPUTS * kReal);
-  // Planes, moments and slopes of SSIM, by pixel.
-  constexpr std::uint64_t kSsimPlanes = 15;
-  if (options.image.dissimilarity > 0.0) {
-    add("SSIM", slots_of(images.largest) * kSsimPlanes * kReal, slots_of(images.largest) * 6 * kReal);
-  }
-  const std::uint64_t cache = options.cache_bytes;
-  add("frames kept",
-      std::min(cache, images.slots * 3 * kReal) +
-          std::min(cache, sweeps.slots * (2 * kReal + sensor_ray) + sweeps.frames * kSweepTables),
-      slots_of(std::max(images.largest, sweeps.largest)) * 7 * kReal);
-  if (options.anchor.weight > 0.0 && camera > 0 && lidar > 0) {
-    const std::uint64_t candidates = camera * static_cast<std::uint64_t>(options.anchor.neighbours) * kWord;
-    // The tree: order and keys with their doubles, points, numbers, boxes.
-    add("anchors", candidates + camera * kWord + lidar * (5 * kWord + 3 * kReal + kReal), candidates);
-  }
-  // Of each particle: dead or not, its share, target, source and copies.
-  if (options.densify.every > 0) add("relocation", 6 * most * kWord, most * kWord);
+  Tally tally(need);
+  const Counts counts{grown(scene.camera.size(), scene.lidar.size(), options),
+                      grown(scene.lidar.size(), scene.camera.size(), options),
+                      scene.actors.size(),
+                      image_rays(log, training.frames),
+                      sweep_rays(log, training.frames)};
+  add_set(device, tally, "camera set", scene.camera, counts.camera, counts, options);
+  add_set(device, tally, "LiDAR set", scene.lidar, counts.lidar, counts, options);
+  add_frame(device, tally, counts, options);
+  if (options.image.dissimilarity > 0.0) add_ssim(device, tally, counts);
+  add_rays(device, tally, counts, log, options.cache_bytes);
+  add_structure(device, tally, counts, options);
   std::sort(need.items.begin(), need.items.end(), [](const MemoryItem& a, const MemoryItem& b) {
     return a.bytes > b.bytes;
   });
@@ -137,7 +236,7 @@ MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainingOpt
 }
 
 void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options) {
-  const MemoryNeed need = training_memory(log, scene, options);
+  const MemoryNeed need = training_memory(device, log, scene, options);
   const DeviceInfo& info = device.info();
   const std::size_t limit = options.train.memory_bytes;
   const std::uint64_t allowed = limit > 0 ? limit : info.global_bytes;

@@ -1,6 +1,7 @@
 #pragma once
 // What a training takes of the device's memory, told before it starts.
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,18 @@ struct MemoryItem {
 /// many tile instances as particles of the larger set, which is what street scenes stay below.
 struct MemoryNeed {
   std::vector<MemoryItem> items;
+  std::map<std::string, std::uint64_t> by_buffer;  // bytes by the buffers' names
   std::uint64_t total = 0;
   std::uint64_t largest_buffer = 0;
 
   /// "3.2 GB: camera set 1.1 GB, ...".
   [[nodiscard]] std::string text() const;
 };
-[[nodiscard]] MemoryNeed training_memory(const Log& log, const Scene& scene, const TrainingOptions& options);
+/// The tables of what a training keeps on `device` (host/render/device/buffer_table.hpp), added up.
+[[nodiscard]] MemoryNeed training_memory(const Device& device,
+                                         const Log& log,
+                                         const Scene& scene,
+                                         const TrainingOptions& options);
 
 /// Error{kDevice} with the numbers when that is more than train.memory_bytes, or than the device has, or
 /// when one buffer would be larger than the device allows.

@@ -1,10 +1,9 @@
-#include "optim/train/training_options.hpp"
-
 #include <string>
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "host/render/options/validate.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli {
 

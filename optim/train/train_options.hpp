@@ -102,7 +102,7 @@ struct TrainOptions {
   /// pictures than nothing.
   bool mask_moving = false;
   /// In float; the median distance has no gradient and is never written.
-  RenderOptions render{.extent = Extent::kExact, .lidar_tiles = {}, .ray_mask = {}};  // balanced
+  RenderOptions render;
   PoseOptions poses;
   std::size_t memory_bytes = 0;
   std::size_t cache_bytes = std::size_t{2} << 30U;

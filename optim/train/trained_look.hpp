@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/render/scene/renderer.hpp"
+#include "host/render/train/adam.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/train/state.hpp"

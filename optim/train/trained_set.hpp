@@ -1,6 +1,9 @@
 #pragma once
-#include "host/render/train/loss_stages.hpp"
+#include <string>
+
+#include "host/render/train/adam.hpp"
 #include "optim/poses/actor_poses.hpp"
+#include "optim/train/state.hpp"
 
 namespace simuli {
 
@@ -12,6 +15,8 @@ struct TrainedSet {
   TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates);
   /// Makes the gradients fit the particles after those have grown.
   void fit_gradients();
+  /// What a checkpoint holds of it, but for the actors' poses.
+  void add_state(StateList& list, const std::string& name);
   ParticleBuffers particles;
   RealBuffer grads;  // [param_rows][stride]
   RealBuffer error;  // [N] reconstruction error since the last relocation

@@ -3,16 +3,24 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <fmt/format.h>
 #include <limits>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "host/base/error.hpp"
+#include "io/base/state_file.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/memory.hpp"
 
 namespace simuli {
 namespace {
+
+constexpr const char* kSettings = "settings";
+constexpr const char* kIterations = "iterations";  // planned
 
 enum Stream : std::uint64_t { kImageStream = 1, kSweepStream = 2 };
 
@@ -45,6 +53,41 @@ GaussianSet finite_ones(const GaussianSet& set) {
   return out;
 }
 
+void need_iterations(const std::string& file, std::span<const std::byte> saved, int iterations) {
+  int planned = 0;
+  if (saved.size() == sizeof planned) std::memcpy(&planned, saved.data(), sizeof planned);
+  if (saved.size() == sizeof planned && planned <= iterations) return;
+  throw_input_error(file,
+                    kIterations,
+                    fmt::format("a training of {}", planned),
+                    fmt::format("of {} or fewer: it can be made longer, not shorter", iterations));
+}
+
+/// What has been learned of the actors' tracks.
+void add_tracks(StateList& list, std::vector<Actor>& actors) {
+  list.add_numbers(
+      "actors/offsets",
+      [&actors] {
+        std::vector<double> out;
+        for (const Actor& actor : actors) {
+          for (const KeyPose& key : actor.track) {
+            out.insert(out.end(), key.shift_m.begin(), key.shift_m.end());
+            out.insert(out.end(), key.turn_rad.begin(), key.turn_rad.end());
+          }
+        }
+        return out;
+      },
+      [&actors](std::span<const double> numbers) {
+        for (Actor& actor : actors) {
+          for (KeyPose& key : actor.track) {
+            key.shift_m = Eigen::Vector3d(numbers.data());
+            key.turn_rad = Eigen::Vector3d(numbers.data() + 3);
+            numbers = numbers.subspan(6);
+          }
+        }
+      });
+}
+
 }  // namespace
 
 void RunningMean::add(double value) {
@@ -62,26 +105,25 @@ Trainer::Trainer(
     : log_(log),
       scene_(std::move(scene)),
       options_(fitting(device, log, scene_, options)),
-      seed_(options.frames.seed),
       device_(device),
       renderer_(device, training_options(options_.render)),
       truth_(device, log, scene_, options, renderer_.options(), std::move(moving)),
       camera_(device, scene_.camera, options_.actor_poses),
       lidar_(device, scene_.lidar, options_.actor_poses),
       look_(device, log, scene_, options),
+      structure_(device, options_, options.frames.seed, camera_, lidar_),
       regularize_(device, Precision::kFloat),
-      images_(select_frames(log.images, options.frames.held_out_every, false), seed_, kImageStream),
-      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false), seed_, kSweepStream) {
+      images_(
+          select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, kImageStream),
+      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false),
+              options.frames.seed,
+              kSweepStream) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
   status_.camera_particles = camera_.particles.count;
   status_.lidar_particles = lidar_.particles.count;
   status_.psnr_db = status_.distance_m = status_.drop_accuracy = std::numeric_limits<double>::quiet_NaN();
-  if (options_.anchor.weight > 0.0 && camera_.particles.count > 0 && lidar_.particles.count > 0) {
-    anchor_.emplace(device, Precision::kFloat, static_cast<std::uint32_t>(options_.anchor.neighbours));
-  }
-  if (options_.densify.every > 0) densify_.emplace(device, Precision::kFloat);
   if (options_.poses.camera) {
     for (const LogCamera& camera : log.cameras) offsets_[camera.model.name];
   }
@@ -94,29 +136,6 @@ bool Trainer::is_sound(double loss) {
   if (std::isfinite(loss)) return true;
   ++unsound_losses_;
   return false;
-}
-
-void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
-  const double count = std::max(1.0, static_cast<double>(set.particles.count));
-  const RegularizeScale scale{w.scale / count, w.opacity / count, w.entropy / count};
-  if (!scale.is_zero()) regularize_.run(set.particles, scale, set.grads);
-}
-
-void Trainer::step_actors(TrainedSet& set, double time_start_s, double time_end_s, double progress) {
-  if (set.particles.actors == 0) return;
-  renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
-  if (!set.poses.learns()) return;
-  set.poses.step(scene_.actors, renderer_.pose_gradients(set.particles), time_start_s, time_end_s, progress);
-}
-
-void Trainer::step() {
-  const double progress = static_cast<double>(status_.iteration) / std::max(1, options_.iterations);
-  find_anchors();
-  if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
-  const bool lidar_turn = status_.iteration % options_.lidar_every == 0;
-  if (lidar_turn && !sweeps_.empty() && lidar_.particles.count > 0) step_lidar(progress);
-  ++status_.iteration;
-  densify();
 }
 
 TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step) {
@@ -139,11 +158,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   report.sweeps = sweeps_.size();
   report.camera_particles = camera_.particles.count;
   report.lidar_particles = lidar_.particles.count;
-  report.relocated = relocated_;
-  report.grown = grown_;
-  if (anchor_) report.anchor_m = anchor_->loss().mean_m();
-  report.anchor_seconds = anchor_seconds_;
-  report.densify_seconds = densify_seconds_;
+  structure_.report(report);
   report.rejected_gradients = camera_.adam.rejected() + lidar_.adam.rejected() + look_.rejected();
   report.unsound_particles = (camera_.particles.count - finite_ones(camera_.particles.download()).size()) +
                              (lidar_.particles.count - finite_ones(lidar_.particles.download()).size());
@@ -158,6 +173,57 @@ Scene Trainer::scene() const {
   out.lidar = finite_ones(lidar_.particles.download());
   look_.store(out);
   return out;
+}
+
+StateList Trainer::state(const std::string& settings) {
+  StateList list;
+  list.add_fixed(kSettings, settings);
+  list.add(
+      kIterations,
+      [this] {
+        StateList::Bytes bytes(sizeof options_.iterations);
+        std::memcpy(bytes.data(), &options_.iterations, bytes.size());
+        return bytes;
+      },
+      [this](const std::string& file, std::span<const std::byte> saved) {
+        need_iterations(file, saved, options_.iterations);
+      });
+  list.add("status", status_);
+  list.add("mean/squared_error", square_);
+  list.add("mean/distance", distance_);
+  list.add("mean/right_drops", right_);
+  list.add("unsound_losses", unsound_losses_);
+  camera_.add_state(list, "camera");
+  lidar_.add_state(list, "lidar");
+  structure_.add_state(list);
+  add_tracks(list, scene_.actors);
+  for (TrainedSet* set : {&camera_, &lidar_}) {
+    list.add_numbers(
+        set == &camera_ ? "camera/poses" : "lidar/poses",
+        [this, set] { return set->poses.numbers(scene_.actors); },
+        [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene_.actors, numbers); });
+  }
+  look_.add_state(list);
+  for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
+  return list;
+}
+
+void Trainer::save(const std::filesystem::path& file, const std::string& settings) {
+  state(settings).write(file);
+}
+
+void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings, int iterations) {
+  const StateFile state(file);
+  StateList::need_text(file.string(), kSettings, state.block(kSettings), settings);
+  need_iterations(file.string(), state.block(kIterations), iterations);
+}
+
+void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {
+  state(settings).read(file);
+  for (TrainedSet* set : {&camera_, &lidar_}) {
+    set->fit_gradients();
+    set->particles.refresh_actors();
+  }
 }
 
 }  // namespace simuli

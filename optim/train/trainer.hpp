@@ -5,23 +5,21 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 
-#include "host/render/train/anchor.hpp"
-#include "host/render/train/densify.hpp"
-#include "host/render/train/regularize.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/render/train/regularize.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/moving_space.hpp"
-#include "optim/train/schedule.hpp"
 #include "optim/poses/sensor_offsets.hpp"
+#include "optim/train/schedule.hpp"
 #include "optim/train/state.hpp"
+#include "optim/train/structure.hpp"
 #include "optim/train/train_report.hpp"
-#include "optim/train/training_options.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
+#include "optim/train/training_options.hpp"
 #include "optim/train/truth.hpp"
 
 namespace simuli {
@@ -76,42 +74,45 @@ class Trainer {
   Trainer& operator=(const Trainer&) = delete;
 
  private:
+  /// What a step on a set has of its frame, and of its own.
+  struct Turn {
+    TrainedSet& set;
+    SetNumber number;
+    const LearningRates& rates;
+    const ParticleWeights& weights;
+    const std::string& sensor;
+    double time_start_s, time_end_s;
+    double progress;
+    bool errors;  // are collected
+  };
+  void step_camera(double progress);
+  void step_lidar(double progress);
+  /// From the loss of the frame that was rendered last to the set's step: what both sets do, in its order.
+  void descend(const Turn& turn);
+  void regularize(TrainedSet& set, const ParticleWeights& weights);
+  void step_pose(const Turn& turn);
+  /// What the frame says of the actors: their poses, behind the particles' own step.
+  void step_actors(const Turn& turn);
+  template <class Frame>
+  [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
   /// Whether the loss of a frame is a finite number; counts it when it is not.
   bool is_sound(double loss);
   StateList state(const std::string& settings);
-  /// What the frame says of the actors: their poses, behind the particles' own step.
-  void step_actors(TrainedSet& set, double time_start_s, double time_end_s, double progress);
-  void regularize(TrainedSet& set, const ParticleWeights& weights);
-  void step_camera(double progress);  // trainer_camera.cpp
-  void step_lidar(double progress);   // trainer_lidar.cpp
-  // trainer_structure.cpp
-  template <class Frame>
-  [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
-  void step_pose(const std::string& sensor, const RealBuffer& grads, double progress);
-  [[nodiscard]] bool collects_errors() const;
-  void find_anchors();
-  void add_anchor_gradient();
-  void jitter(TrainedSet& set, std::uint32_t number, const LearningRates& rates, double progress);
-  void densify();
 
   const Log& log_;
   Scene scene_;
   TrainOptions options_;
-  std::uint64_t seed_;
   Device device_;
   Renderer renderer_;
   TruthCache truth_;
   TrainedSet camera_, lidar_;
   TrainedLook look_;
+  Structure structure_;
   RegularizeStage regularize_;
   FrameOrder images_, sweeps_;
   SensorOffsets offsets_;  // of the sensors whose poses are learned
   RunningMean square_, distance_, right_;
   TrainStatus status_;
-  std::optional<AnchorStage> anchor_;    // when camera particles are anchored
-  std::optional<DensifyStage> densify_;  // when particles are relocated
-  std::uint64_t relocated_ = 0, grown_ = 0;
-  double anchor_seconds_ = 0.0, densify_seconds_ = 0.0;
   std::uint32_t unsound_losses_ = 0;
 };
 

@@ -2,16 +2,33 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "host/base/version.hpp"
+#include "host/render/options/quality.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/train/trainer.hpp"
-#include "optim/train/training_settings.hpp"
 
 namespace simuli {
+namespace {
+
+/// The bundle that these options of a training are.
+std::string quality_of(const RenderOptions& options) {
+  const std::vector<std::string> lines = lines_of(options);
+  for (const Quality quality : {Quality::kBalanced, Quality::kDraft, Quality::kExact, Quality::kReference}) {
+    if (lines_of(training_options_of(quality)) == lines) {
+      return quality_names()[static_cast<std::size_t>(quality)];
+    }
+  }
+  return "custom";
+}
+
+}  // namespace
 
 struct Training::State {
   State(const Device& device, const Log& log, SceneInit start, const TrainingOptions& options)
@@ -34,7 +51,7 @@ std::string Training::identity() const {
   TrainingOptions same = options_;  // these two decide where a training ends
   same.train.iterations = 0;
   same.train.max_seconds = 0.0;
-  return fmt::format("log={} {}\n{}\n", log_.name, log_hash_, fmt::join(settings_of(same), "\n"));
+  return fmt::format("log={} {}\n{}\n", log_.name, log_hash_, fmt::join(lines_of(same), "\n"));
 }
 
 void Training::prepare(const Progress& progress) {
@@ -89,7 +106,7 @@ SceneFile Training::result() const {
                                  .iterations = status().iteration,
                                  .planned_iterations = options_.train.iterations,
                                  .quality = quality_of(options_.train.render),
-                                 .settings = settings_of(options_),
+                                 .settings = lines_of(options_),
                                  .version = version(),
                                  .device = device_.info().label(),
                                  .driver = device_.info().driver_version};

@@ -8,10 +8,10 @@
 namespace simuli {
 
 struct TrainingOptions {
-  FrameSelection frames;
-  SensorLearning sensors;
-  InitOptions init;
-  TrainOptions train;
+  FrameSelection frames = {};
+  SensorLearning sensors = {};
+  InitOptions init = {};
+  TrainOptions train = {};
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).

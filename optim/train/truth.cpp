@@ -76,7 +76,7 @@ std::vector<bool> TruthCache::hidden_pixels(const ImageFrame& frame) const {
 ImageTruth TruthCache::read_image_truth(std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const SensorRays& rays = camera_rays(frame.camera);
-  ImageTruth out{RealBuffer(device_, "picture", Precision::kFloat)};
+  ImageTruth out{RealBuffer(device_, "picture truth", Precision::kFloat)};
   std::vector<float> values = planar(load_image(log_, frame, models_.at(frame.camera)));
   const std::vector<bool> hidden = hidden_pixels(frame);
   out.known = rays.grid().rays;
@@ -94,7 +94,7 @@ SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
   const LidarModel& lidar = log_.lidar(frame.lidar).model;
   const Sweep sweep = read_sweep(log_.folder / frame.file, lidar);
   SweepTruth out{std::make_unique<SensorRays>(device_, lidar, sweep.rays, render_),
-                 RealBuffer(device_, "sweep", Precision::kFloat)};
+                 RealBuffer(device_, "sweep truth", Precision::kFloat)};
   const MovingReturns moving = moving_returns(frame, sweep);
   std::vector<float> values = sweep.range;
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "host/base/lru_cache.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
-#include "host/base/lru_cache.hpp"
 #include "optim/init/moving_space.hpp"
 #include "optim/train/training_options.hpp"
 

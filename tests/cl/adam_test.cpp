@@ -1,4 +1,6 @@
 // Adam against the textbook (Kingma and Ba, algorithm 1) in double.
+#include "host/render/train/adam.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/render/frame/stages.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
@@ -37,12 +38,12 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> checked_lists(const 
                                                                           const FrameBuffers& buffers) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> lists;
   const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;
-  const std::vector<std::uint32_t> first = buffers.first.download();
-  const std::vector<std::uint32_t> payload = buffers.payload.download();
-  const std::vector<std::uint32_t> keys = buffers.keys.download();
+  const std::vector<std::uint32_t> first = buffers.binned.first.download();
+  const std::vector<std::uint32_t> payload = buffers.binned.payload.download();
+  const std::vector<std::uint32_t> keys = buffers.projected.keys.download();
   EXPECT_EQ(first.size(), tiles + 1);
   EXPECT_EQ(first.front(), 0U);
-  EXPECT_EQ(first.back(), buffers.instances);
+  EXPECT_EQ(first.back(), buffers.binned.instances);
   EXPECT_TRUE(std::is_sorted(first.begin(), first.end()));
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     std::pair<std::uint32_t, std::uint32_t> before{0, 0};
@@ -55,17 +56,9 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> checked_lists(const 
     }
   }
   const auto visible = std::count_if(keys.begin(), keys.end(), [](std::uint32_t k) { return k != kCulled; });
-  EXPECT_EQ(buffers.visible, static_cast<std::uint32_t>(visible));
+  EXPECT_EQ(buffers.binned.visible, static_cast<std::uint32_t>(visible));
   return lists;
 }
-
-struct BinStages {
-  explicit BinStages(const Device& device, std::size_t work_items)
-      : scan(device, work_items), sort(device, work_items), bin(device) {}
-  ScanStage scan;
-  SortStage sort;
-  BinStage bin;
-};
 
 /// Random rectangles; a third is culled, some have a second interval of tile columns.
 void random_footprints(const shared::FrameParams& frame,
@@ -96,15 +89,15 @@ void random_footprints(const shared::FrameParams& frame,
     const float range = static_cast<float>(std::floor(random.uniform(1.0, 40.0)) / 4.0);  // with ties
     std::memcpy(&keys[i], &range, sizeof(range));
   }
-  buffers.footprints.assign(std::span<const shared::Footprint>(footprints));
-  buffers.keys.assign(std::span<const std::uint32_t>(keys));
+  buffers.projected.footprints.assign(std::span<const shared::Footprint>(footprints));
+  buffers.projected.keys.assign(std::span<const std::uint32_t>(keys));
 }
 
 class Bin : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Bin, ListsAreThoseOfTheRectangles) {
   const Device device = Device::best();
-  BinStages stages(device, GetParam());
+  BinStage bin(device, GetParam());
   FrameBuffers buffers(device, Precision::kFloat);
   constexpr shared::FrameParams kSweep{.particles = 0,
                                        .stride = 0,
@@ -133,16 +126,17 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
   const std::vector<std::pair<shared::FrameParams, std::vector<std::uint32_t>>> cases{
       {kSweep, {0, 5, 13, 20}}, {kPicture, {0, 16, 32, 48, 50}}, {kOneTile, {0, 1}}};
   for (auto [frame, tile_rows] : cases) {
-    const Buffer<std::uint32_t> device_tile_rows(device, "first rows of tiles", tile_rows);
+    RayBuffers rays(device);
+    rays.tile_rows.assign(tile_rows);
     for (const std::uint32_t n : {1000U, 1U, 2U, 0U, 17U, 333U}) {  // shrinking: stale content would show
       SCOPED_TRACE(std::to_string(n) + " particles, " + std::to_string(frame.tiles_x) + " tile columns");
       frame.particles = n;
       random_footprints(frame, tile_rows, buffers, n + frame.tiles_x);
-      stages.bin.run(frame, device_tile_rows, buffers, stages.sort, stages.scan, std::size_t{1} << 20U);
+      bin.run(frame, rays, buffers.projected, std::size_t{1} << 20U, buffers.binned);
       const auto lists = checked_lists(frame, buffers);
-      const auto footprints = buffers.footprints.download();
-      const auto keys = buffers.keys.download();
-      const auto emission = buffers.emission.download();
+      const auto footprints = buffers.projected.footprints.download();
+      const auto keys = buffers.projected.keys.download();
+      const auto emission = buffers.binned.emission.download();
       std::size_t expected = 0;
       std::set<std::uint32_t> gradient_slots;
       for (std::uint32_t particle = 0; particle < n; ++particle) {
@@ -167,7 +161,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
         }
         expected += own;
       }
-      EXPECT_EQ(buffers.instances, expected);
+      EXPECT_EQ(buffers.binned.instances, expected);
       EXPECT_EQ(lists.size(), expected);
       // Gradient slots are the numbers 0 .. K-1, each one particle's own.
       EXPECT_EQ(gradient_slots.size(), expected);
@@ -178,7 +172,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
 
 TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
   const Device device = Device::best();
-  BinStages stages(device, GetParam());
+  BinStage bin(device, GetParam());
   FrameBuffers buffers(device, Precision::kFloat);
   const shared::FrameParams frame{.particles = 9,
                                   .stride = 16,
@@ -188,14 +182,15 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
                                   .tile_rays = SIM_TILE_RAYS,
                                   .row_slots = 1,
                                   .slots = 0};
-  buffers.footprints.assign(
+  buffers.projected.footprints.assign(
       std::vector<shared::Footprint>(9, {4U << 16U, 0, 31U << 16U, 2U << 16U}));  // all 8 tiles
-  const Buffer<std::uint32_t> tile_rows(device, "first rows of tiles", std::vector<std::uint32_t>{0, 16, 32});
-  buffers.keys.assign(std::vector<std::uint32_t>(9, 5));
-  stages.bin.run(frame, tile_rows, buffers, stages.sort, stages.scan, 72);
-  EXPECT_EQ(buffers.instances, 72U);
+  RayBuffers rays(device);
+  rays.tile_rows.assign(std::vector<std::uint32_t>{0, 16, 32});
+  buffers.projected.keys.assign(std::vector<std::uint32_t>(9, 5));
+  bin.run(frame, rays, buffers.projected, 72, buffers.binned);
+  EXPECT_EQ(buffers.binned.instances, 72U);
   try {
-    stages.bin.run(frame, tile_rows, buffers, stages.sort, stages.scan, 71);
+    bin.run(frame, rays, buffers.projected, 71, buffers.binned);
     FAIL() << "72 instances were taken where 71 are allowed";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kDevice);
@@ -227,7 +222,7 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
   const SceneCase& scene = GetParam();
   const bool camera = scene.kind == SetKind::kCamera;
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const test::SetRecipe recipe{
       .count = 500, .low = {-12, -12, -4}, .high = {12, 12, 4}, .scale_min = 0.05, .scale_max = 0.8};
@@ -295,7 +290,7 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   set.params.leftCols(flat.params.cols()) = flat.params;
 
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);

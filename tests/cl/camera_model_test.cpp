@@ -66,10 +66,10 @@ Images project_on_device(const Camera& camera,
   sensor_buffer.assign(std::span<const double>(sensor));
   in.assign(std::span<const double>(columns));
   out.fill(-7.0);
-  Kernel<BufRealConst, BufRealConst, BufReal, std::uint32_t> kernel(
-      Program::from_text(device, "probe.cl", kProbe, options), "probe");
-  kernel.launch(
-      n / static_cast<std::size_t>(lanes), 1, sensor_buffer, in, out, static_cast<std::uint32_t>(n));
+  Kernel(Program::from_text(device, "probe.cl", kProbe, options), "probe")
+      .run(n / static_cast<std::size_t>(lanes),
+           1,
+           {{"sensor", sensor_buffer}, {"points", in}, {"out", out}, {"n", static_cast<std::uint32_t>(n)}});
   const std::vector<double> result = out.download_double();
   Images images;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -227,7 +227,7 @@ Picture picture_of(const Camera& camera, bool moving) {
 /// Compares a picture with the reference without boxes, which knows neither tiles nor sigma points.
 void expect_reference(const Picture& picture, std::size_t least_covered) {
   const Device device = Device::best();
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
   renderer.render(particles, rays, picture.shot.view);
@@ -307,12 +307,12 @@ TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
   particle.scale.setConstant(0.05);
   picture.set = test::set_of(SetKind::kCamera, {particle});
   const Device device = Device::best();
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
   renderer.render(particles, rays, picture.shot.view);
   // One tile row, two of its seven tiles.
-  EXPECT_EQ(renderer.buffers().instances, 2U);
+  EXPECT_EQ(renderer.buffers().binned.instances, 2U);
   const RayResults results = renderer.results();
   EXPECT_LT(results.transmittance[25 * 100], 0.99F);
   EXPECT_LT(results.transmittance[25 * 100 + 99], 0.99F);
@@ -335,7 +335,7 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
   }
   picture.set = test::set_of(SetKind::kCamera, around);
   const Device device = Device::best();
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
   renderer.render(particles, rays, picture.shot.view);

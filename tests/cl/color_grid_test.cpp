@@ -6,8 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "tests/render/gradient_check.hpp"
+#include "host/render/backward/backward_stages.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/gradient_check.hpp"
 
 namespace simuli {
 namespace {
@@ -65,7 +66,7 @@ TEST_P(ColorGrid, MatchesTheLoopAndTheIdentityChangesNothing) {
   // Wider than its cells, and (the second) with more vertices than pixels.
   for (const auto& [width, height, x, y, z] : {std::array{50, 37, 4, 3, 5}, std::array{11, 7, 16, 16, 8}}) {
     const test::Shot shot = test::shot_of(test::kCameraStill, width, height);
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.precision = GetParam();
     Renderer renderer(device_, options);
     const SensorRays rays = shot.on(device_, options);
@@ -120,7 +121,9 @@ TEST_P(ColorGridInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
     const std::size_t s = frame.slots;
     ColorGridBuffers grids(device_, random_grids(x, y, z), GetParam());
     ColorGridStage stage(device_, grids);
-    FrameBuffers buffers(device_, GetParam());
+    Blended blended(device_, GetParam());
+    GradientBuffers gradients(device_, GetParam());
+    ColorGridBackwardStage back(device_, grids);
     RealBuffer picture(device_, "picture", GetParam());
     RealBuffer grads(device_, "grid gradients", GetParam());
     const auto is_pixel = [&](std::size_t slot) {
@@ -139,9 +142,9 @@ TEST_P(ColorGridInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
       return values[reals + static_cast<std::size_t>(((j * x + i) * z + k) * 16) + n];
     };
     const auto loss = [&] {
-      buffers.out.assign(std::span<const double>(out));
+      blended.out.assign(std::span<const double>(out));
       grids.grid.assign(std::span<const double>(values));
-      stage.run(frame, width, height, grids, 1, buffers.out, picture);
+      stage.run(frame, width, height, grids, 1, blended, picture);
       const std::vector<double> found = picture.download_double();
       double sum = 0.0;
       for (std::size_t i = 0; i < found.size(); ++i) sum += weights[i] * found[i];
@@ -162,10 +165,10 @@ TEST_P(ColorGridInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
       return sum;
     };
     (void)loss();
-    buffers.grad_out.assign(std::span<const double>(weights));
-    stage.run_backward(frame, width, height, grids, 1, kScale, buffers, grads);
+    gradients.grad_out.assign(std::span<const double>(weights));
+    back.run(frame, width, height, grids, 1, kScale, blended, gradients, grads);
     const std::vector<double> of_grid = grads.download_double();
-    std::vector<double> of_colour = buffers.grad_out.download_double();
+    std::vector<double> of_colour = gradients.grad_out.download_double();
 
     std::vector<std::size_t> entries;
     for (std::size_t i = 0; i < reals; i += 7) {

@@ -19,7 +19,7 @@ class BlendedError : public testing::TestWithParam<LaneShape> {};
 
 TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shape = GetParam();
   const test::SceneCase& scene = test::kCameraStill;
   GaussianSet set = test::set_for(scene, {.count = 300}, 3);
@@ -34,7 +34,7 @@ TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   // Truth that is off by a known amount at each pixel, alike in all channels; one row of pixels is not known.
   const std::size_t slots = renderer.frame().slots;
   std::vector<double> out = test::outputs(renderer), truth(3 * slots), errors(slots);
-  const std::vector<double> directions = renderer.buffers().world_ray.download_double();
+  const std::vector<double> directions = renderer.buffers().rays.world_ray.download_double();
   test::Random random(2);
   for (std::size_t i = 0; i < slots; ++i) {
     const bool is_ray =
@@ -48,8 +48,12 @@ TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   RealBuffer truth_buffer(device, "truth", Precision::kFloat);
   truth_buffer.assign(std::span<const double>(truth));
   DensifyStage densify(device, Precision::kFloat);
-  densify.pixel_error(renderer.frame(), renderer.buffers(), renderer.buffers().out, truth_buffer);
-  const std::vector<double> found_errors = renderer.buffers().ray_error.download_double();
+  densify.pixel_error(renderer.frame(),
+                      renderer.buffers().rays,
+                      renderer.buffers().blended.out,
+                      truth_buffer,
+                      renderer.gradients());
+  const std::vector<double> found_errors = renderer.gradients().ray_error.download_double();
   for (std::size_t i = 0; i < slots; ++i) ASSERT_NEAR(found_errors[i], errors[i], 1e-5) << i;
 
   std::vector<double> output_gradients(5 * slots, 0.0);
@@ -58,9 +62,9 @@ TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   renderer.backward(particles, grads, {.errors = true});
   RealBuffer accumulated(device, "errors", Precision::kFloat, particles.count);
   accumulated.fill(2.0);
-  densify.accumulate(renderer.frame(), renderer.buffers(), accumulated);
+  densify.accumulate(renderer.frame(), renderer.buffers(), renderer.gradients(), accumulated);
   const std::vector<double> found = accumulated.download_double(), gradient = grads.download_double();
-  const std::vector<std::uint32_t> keys = renderer.buffers().keys.download();
+  const std::vector<std::uint32_t> keys = renderer.buffers().projected.keys.download();
   double most = 0.0;
   for (std::size_t i = 0; i < particles.count; ++i) {
     const double expected =
@@ -80,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes,
 
 TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   const GaussianSet set = test::set_for(test::kLidarStill, {.count = 500}, 3);
   const test::Shot shot = test::shot_of(test::kLidarStill, 64, 16);
   Renderer renderer(device, options);
@@ -96,10 +100,15 @@ TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {
   RealBuffer truth_buffer(device, "truth", Precision::kFloat);
   truth_buffer.assign(std::span<const double>(truth));
   DensifyStage densify(device, Precision::kFloat);
-  densify.beam_error(renderer.frame(), renderer.buffers(), truth_buffer, {0.5, 0.1, 0.05});
+  densify.beam_error(renderer.frame(),
+                     renderer.buffers().rays,
+                     renderer.buffers().blended,
+                     truth_buffer,
+                     {0.5, 0.1, 0.05},
+                     renderer.gradients());
   const std::vector<double> out = test::outputs(renderer);
-  const std::vector<double> directions = renderer.buffers().world_ray.download_double();
-  const std::vector<double> found = renderer.buffers().ray_error.download_double();
+  const std::vector<double> directions = renderer.buffers().rays.world_ray.download_double();
+  const std::vector<double> found = renderer.gradients().ray_error.download_double();
   std::size_t counted = 0, transparent = 0;
   for (std::size_t i = 0; i < slots; ++i) {
     const bool is_ray =

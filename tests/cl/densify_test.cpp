@@ -241,7 +241,7 @@ TEST_F(Densify, MembersOfActorsFollowTheirSources) {
   EXPECT_EQ(list, expected);
   EXPECT_EQ(first, starts);
   // Nobody has come into a box from outside: confining moves none.
-  Renderer renderer(device_, {});
+  Renderer renderer(device_, paper_options());
   renderer.confine(trained.particles, actors, 0.0);
   EXPECT_EQ(trained.particles.download().mean(), after.mean());
 }

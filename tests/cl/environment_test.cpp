@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "tests/render/gradient_check.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/gradient_check.hpp"
 
 namespace simuli {
 namespace {
@@ -42,7 +42,7 @@ struct Panorama {
   }
   test::Shot shot;
   GaussianSet set;
-  RenderOptions options;
+  RenderOptions options = paper_options();
 };
 
 EnvironmentMap random_map(int width, int height) {
@@ -113,7 +113,7 @@ TEST_P(Environment, FillsWhatTheForegroundLeaves) {
     const EnvironmentBuffers environment(device_, map, GetParam());
     renderer.render(particles, rays, scene.shot.view, &environment);
     const std::vector<double> found = test::outputs(renderer);
-    const std::vector<double> ray = renderer.buffers().world_ray.download_double();
+    const std::vector<double> ray = renderer.buffers().rays.world_ray.download_double();
     const std::size_t s = rays.grid().frame.slots;
     const double tolerance = GetParam() == Precision::kDouble ? kDoubleTolerance : kFloatTolerance;
     double seen = 0.0;

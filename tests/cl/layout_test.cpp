@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/runtime/kernel.hpp"
-#include "host/runtime/source.hpp"
+#include "host/runtime/text/source.hpp"
 
 namespace simuli {
 namespace {
@@ -57,10 +57,10 @@ Offsets host_offsets() {
 
 Offsets device_offsets(const std::string& layout) {
   const Device device = Device::best();
-  Kernel<Buf<std::uint32_t>> probe(Program::from_text(device, "probe.cl", layout + kProbe), "probe");
+  Kernel probe(Program::from_text(device, "probe.cl", layout + kProbe), "probe");
   Buffer<std::uint32_t> at(device, "offsets", host_offsets().size());
   at.fill(0xffffffffU);
-  probe.launch(1, 1, at);
+  probe.run(1, 1, {{"at", at}});
   return at.download();
 }
 

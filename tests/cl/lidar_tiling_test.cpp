@@ -1,6 +1,4 @@
 // Procedure 1 on the device, for every table and request: what holds of all tilings, whatever the sensor.
-#include "host/render/rays/lidar_tiles.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/render/rays/lidar_tiles.hpp"
 #include "host/render/rays/tile_choice.hpp"
 #include "tests/cl/support.hpp"
 
@@ -208,7 +207,7 @@ TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
   lidar.name = "tuned";
   const TileChoiceKey key{lidar.name, 16, 16 * 90};
   const auto tile_rows = [&](const LidarTiles& tiles) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.lidar_tiles = tiles;
     return make_ray_grid(device, lidar, nominal_rays(lidar), options).frame.tiles_y;
   };
@@ -227,7 +226,8 @@ TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
 class Lists {
  public:
   explicit Lists(const Renderer& renderer)
-      : first_(renderer.buffers().first.download()), payload_(renderer.buffers().payload.download()) {}
+      : first_(renderer.buffers().binned.first.download()),
+        payload_(renderer.buffers().binned.payload.download()) {}
   [[nodiscard]] bool hold(std::uint32_t tile, std::uint32_t particle, std::uint32_t slot_row) const {
     for (std::uint32_t i = first_[tile]; i < first_[tile + 1]; ++i) {
       if ((payload_[i] & SIM_PARTICLE_MASK) != particle) continue;
@@ -264,7 +264,7 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
     }
     const ParticleBuffers set(device, test::set_of(SetKind::kLidar, particles), Precision::kFloat);
     for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {8, 32}, {64, 64}, {32, 128}}) {
-      RenderOptions options;
+      RenderOptions options = paper_options();
       options.lidar_tiles = tiles;
       Renderer renderer(device, options);
       const SensorRays rays(device, lidar, nominal, options);

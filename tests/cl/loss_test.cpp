@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
+#include "host/render/train/loss_stages.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
@@ -20,7 +21,8 @@ constexpr double kQuotientTolerance = 1e-6;
 
 /// Outputs as a render might leave them; every seventh slot has no ray.
 struct Rendered {
-  explicit Rendered(const Device& device, Precision precision) : buffers(device, precision) {
+  explicit Rendered(const Device& device, Precision precision)
+      : buffers(device, precision), gradients(device, precision) {
     frame.tiles_x = kTiles;
     frame.tile_rays = SIM_TILE_RAYS;
     frame.tiles_y = 1;
@@ -40,14 +42,21 @@ struct Rendered {
         world_ray[k * kSlots + i] = direction[static_cast<Eigen::Index>(k)];
       }
     }
-    buffers.world_ray.assign(std::span<const double>(world_ray));
+    buffers.rays.world_ray.assign(std::span<const double>(world_ray));
     upload();
   }
-  void upload() { buffers.out.assign(std::span<const double>(out)); }
+  ImageLoss image_loss(ImageLossStage& stage, const RealBuffer& truth, const ImageLossScale& scale) {
+    return stage.run(frame, buffers.rays, buffers.blended.out, truth, scale, gradients);
+  }
+  LidarLoss lidar_loss(LidarLossStage& stage, const RealBuffer& truth, const LidarLossScale& scale) {
+    return stage.run(frame, buffers.rays, buffers.blended, truth, scale, gradients);
+  }
+  void upload() { buffers.blended.out.assign(std::span<const double>(out)); }
   [[nodiscard]] static bool fired(std::size_t slot) { return slot % 7 != 0; }
 
   shared::FrameParams frame{};
   FrameBuffers buffers;
+  GradientBuffers gradients;
   std::vector<double> out;
 };
 
@@ -69,14 +78,13 @@ class Loss : public testing::TestWithParam<Precision> {
 TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
   Rendered rendered(device_, GetParam());
-  LossStage stage(device_, GetParam());
+  ImageLossStage stage(device_, GetParam());
   const std::vector<double> truth_values = random_truth(3, 0.0, 1.0, 5);
   RealBuffer truth(device_, "truth", GetParam());
   truth.assign(std::span<const double>(truth_values));
   constexpr double kScale = 0.37, kSquaredScale = 1.9;
-  const ImageLoss loss = stage.run_image(
-      rendered.frame, rendered.buffers, rendered.buffers.out, truth, {kScale, kSquaredScale, 0.0});
-  const std::vector<double> grad = rendered.buffers.grad_out.download_double();
+  const ImageLoss loss = rendered.image_loss(stage, truth, {kScale, kSquaredScale, 0.0});
+  const std::vector<double> grad = rendered.gradients.grad_out.download_double();
 
   double absolute = 0.0, squared = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -102,8 +110,7 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
     const auto at = [&](double step) {
       rendered.out[i] = before + step;
       rendered.upload();
-      const ImageLoss stepped = stage.run_image(
-          rendered.frame, rendered.buffers, rendered.buffers.out, truth, {kScale, kSquaredScale, 0.0});
+      const ImageLoss stepped = rendered.image_loss(stage, truth, {kScale, kSquaredScale, 0.0});
       return kScale * stepped.absolute + kSquaredScale * stepped.squared;
     };
     EXPECT_NEAR((at(1e-4) - at(-1e-4)) / 2e-4, grad[i], kQuotientTolerance) << i;
@@ -133,15 +140,15 @@ RayTerms terms_of(const std::vector<double>& out, const std::vector<double>& tru
 TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
   Rendered rendered(device_, GetParam());
-  LossStage stage(device_, GetParam());
+  LidarLossStage stage(device_, GetParam());
   std::vector<double> truth_values = random_truth(2, 0.0, 1.0, 6);
   // A third has no return; the second channel stays an intensity.
   for (std::size_t i = 0; i < kSlots; ++i) truth_values[i] = i % 3 == 0 ? 0.0 : 1.0 + 49.0 * truth_values[i];
   RealBuffer truth(device_, "truth", GetParam());
   truth.assign(std::span<const double>(truth_values));
   constexpr LidarLossScale kScale{0.11, 0.7, 0.3};
-  const LidarLoss loss = stage.run_lidar(rendered.frame, rendered.buffers, truth, kScale);
-  const std::vector<double> grad = rendered.buffers.grad_out.download_double();
+  const LidarLoss loss = rendered.lidar_loss(stage, truth, kScale);
+  const std::vector<double> grad = rendered.gradients.grad_out.download_double();
 
   RayTerms sum;
   for (std::size_t i = 0; i < kSlots; ++i) {
@@ -170,7 +177,7 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
       const auto at = [&](double by) {
         rendered.out[i] = before + by;
         rendered.upload();
-        const LidarLoss l = stage.run_lidar(rendered.frame, rendered.buffers, truth, kScale);
+        const LidarLoss l = rendered.lidar_loss(stage, truth, kScale);
         return kScale.distance * l.distance_m + kScale.intensity * l.intensity + kScale.entropy * l.entropy;
       };
       const double quotient = (at(step) - at(-step)) / (2.0 * step);

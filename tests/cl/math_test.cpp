@@ -37,15 +37,23 @@ Probed probe(int lanes, const std::vector<float>& a, const std::vector<float>& b
   const Device device = Device::best();
   BuildOptions options;
   options.define("V", lanes);
-  Kernel<BufRealConst, BufRealConst, BufReal, BufReal, BufReal, BufReal, BufReal, BufReal> kernel(
-      Program::from_text(device, "probe.cl", kProbe, options), "probe");
+  Kernel kernel(Program::from_text(device, "probe.cl", kProbe, options), "probe");
   const auto buffer = [&](const char* name) { return RealBuffer(device, name, Precision::kFloat, a.size()); };
   RealBuffer in_a = buffer("a"), in_b = buffer("b");
   RealBuffer exps = buffer("exp"), angles = buffer("atan2"), wraps = buffer("wrap"), rounds = buffer("round");
   RealBuffer sines = buffer("sin"), cosines = buffer("cos");
   in_a.upload(std::span<const float>(a));
   in_b.upload(std::span<const float>(b));
-  kernel.launch(a.size() / static_cast<std::size_t>(lanes), 1, in_a, in_b, exps, angles, wraps, rounds, sines, cosines);
+  kernel.run(a.size() / static_cast<std::size_t>(lanes),
+             1,
+             {{"a", in_a},
+              {"b", in_b},
+              {"exp_out", exps},
+              {"atan2_out", angles},
+              {"wrap_out", wraps},
+              {"round_out", rounds},
+              {"sin_out", sines},
+              {"cos_out", cosines}});
   return {exps.download_float(),
           angles.download_float(),
           wraps.download_float(),

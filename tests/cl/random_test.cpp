@@ -43,8 +43,7 @@ __kernel void normals(const uint key, __global real* out) {
 
 TEST(Philox, PublishedVectorsOnHostAndDevice) {
   const Device device = Device::best();
-  Kernel<Buf<const std::uint32_t>, Buf<std::uint32_t>> words(
-      Program::from_text(device, "probe.cl", kProbe, BuildOptions()), "words");
+  Kernel words(Program::from_text(device, "probe.cl", kProbe, BuildOptions()), "words");
   std::vector<std::uint32_t> in, expected;
   for (const Vector& v : kVectors) {
     in.insert(in.end(), v.key.begin(), v.key.end());
@@ -64,17 +63,16 @@ TEST(Philox, PublishedVectorsOnHostAndDevice) {
   }
   const Buffer<std::uint32_t> input(device, "in", in);
   Buffer<std::uint32_t> output(device, "out", expected.size());
-  words.launch(expected.size() / 4, 1, input, output);
+  words.run(expected.size() / 4, 1, {{"in", input}, {"out", output}});
   EXPECT_EQ(output.download(), expected);
 }
 
 TEST(Philox, NormalsHaveTheMomentsOfTheNormalDistribution) {
   constexpr std::size_t kCount = 200'000;
   const Device device = Device::best();
-  Kernel<std::uint32_t, BufReal> normals(Program::from_text(device, "probe.cl", kProbe, BuildOptions()),
-                                         "normals");
+  Kernel normals(Program::from_text(device, "probe.cl", kProbe, BuildOptions()), "normals");
   RealBuffer out(device, "out", Precision::kFloat, 3 * kCount);
-  normals.launch(kCount, 1, 5U, out);
+  normals.run(kCount, 1, {{"key", 5U}, {"out", out}});
   const std::vector<double> x = out.download_double();
   double moment[5] = {};
   double mixed[3] = {};

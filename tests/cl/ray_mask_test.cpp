@@ -52,7 +52,7 @@ TEST(RayMask, AreasCountOccupiedCells) {
   const Lidar lidar = test::small_lidar(20, 150);
   for (const RayMaskSize size :
        {RayMaskSize{1601, 8, true}, {1601, 8, false}, {7, 3, true}, {1, 1, true}, {333, 20, true}}) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.ray_mask = size;
     SensorRays rays(device, lidar, nominal_rays(lidar), options);
     for (const Request& request : requests()) {
@@ -98,7 +98,7 @@ TEST(RayMask, AreasCountOccupiedCells) {
 TEST(RayMask, SomeRaysGetARowPerBeamAndTwoColumnsPerFiring) {
   const Device device = Device::best();
   const Lidar lidar = test::small_lidar(20, 900);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   SensorRays rays(device, lidar, nominal_rays(lidar), options);
   EXPECT_EQ(rays.buffers().areas.count(), std::size_t{9} * 1601);
   std::vector<bool> some(lidar.ray_count(), true);
@@ -117,7 +117,7 @@ TEST(RayMask, RowsHoldEqualNumbersOfBeamsOrEqualElevations) {
   const Device device = Device::best();
   Lidar lidar = test::small_lidar(16, 40);
   for (std::size_t r = 0; r < 12; ++r) lidar.rows[r].elevation = 0.1 - 0.001 * static_cast<double>(r);
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.ray_mask = {100, 4, true};
   const LidarRays nominal = nominal_rays(lidar);
   const auto equal = SensorRays(device, lidar, nominal, options).buffers().mask_row_of_row.download();
@@ -178,7 +178,7 @@ Sweep sweep_of(Renderer& renderer,
     sweep.bits.resize(begin + values->size());
     std::memcpy(sweep.bits.data() + begin, values->data(), values->size() * sizeof(float));
   }
-  sweep.visible = renderer.buffers().visible;
+  sweep.visible = renderer.buffers().binned.visible;
   return sweep;
 }
 
@@ -222,7 +222,7 @@ class Comparison {
     return options;
   }
   Device device_ = Device::best();
-  RenderOptions off_, always_;
+  RenderOptions off_ = paper_options(), always_ = off_;
   Renderer without_culling_, with_culling_;
 };
 
@@ -250,10 +250,10 @@ TEST(RayMask, CullingChangesNoBitOfAnySensorsSweep) {
 }
 
 TEST(RayMask, NorInOtherShapesExtentsSpansAndScenes) {
-  RenderOptions gpu, exact;
+  RenderOptions gpu = paper_options(), exact = gpu;
   gpu.shape = test::kGpuShape;
   exact.extent = Extent::kExact;
-  for (const RenderOptions& options : {RenderOptions{}, gpu, exact}) {
+  for (const RenderOptions& options : {paper_options(), gpu, exact}) {
     Comparison comparison(options);
     for (const double span : {2.0 * kPi, 5.0, 0.7}) {
       Lidar lidar = test::small_lidar(20, 300);
@@ -273,7 +273,7 @@ TEST(RayMask, NorInOtherShapesExtentsSpansAndScenes) {
 
 TEST(RayMask, AFullMaskIsNotAsked) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   const Lidar lidar = builtin_lidar("generic64");
   SensorRays rays(device, lidar, nominal_rays(lidar), options);
   EXPECT_TRUE(rays.marked());
@@ -289,9 +289,9 @@ TEST(RayMask, AFullMaskIsNotAsked) {
 TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
   const Device device = Device::best();
   const test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, crowd(3, 1), Precision::kFloat);
-  SensorRays rays = shot.on(device, {});
+  SensorRays rays = shot.on(device, paper_options());
   renderer.render(particles, rays, shot.view);
   const RayResults full = renderer.results();
   for (const Request& request : requests()) {

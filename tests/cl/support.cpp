@@ -19,8 +19,6 @@ class SharedPrograms : public testing::Environment {
 const testing::Environment* const kSharedPrograms =
     testing::AddGlobalTestEnvironment(new SharedPrograms);  // GoogleTest owns it
 
-constexpr double kSweep_s = 0.1;
-
 }  // namespace
 
 void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
@@ -72,7 +70,7 @@ GaussianSet set_for(const SceneCase& scene_case, SetRecipe recipe, std::uint64_t
 }
 
 std::vector<double> outputs(const Renderer& renderer) {
-  std::vector<double> out = renderer.buffers().out.download_double();
+  std::vector<double> out = renderer.buffers().blended.out.download_double();
   out.resize(std::size_t{5} * renderer.frame().slots);  // the median distance has no gradient
   return out;
 }

@@ -33,7 +33,7 @@ class Cli : public testing::Test {
   /// Runs "simuli ARGUMENTS" through the shell, in the test's folder.
   Outcome run(const std::string& arguments) const {
     const std::string command = fmt::format(
-        "cd '{}' && '{}' {} >out.txt 2>err.txt </dev/null", folder_.string(), SIMULI_PROGRAM, arguments);
+        "cd '{}' && '{}' {} >out.txt 2>err.txt </dev/null", folder_.string(), program_, arguments);
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
   }
@@ -49,6 +49,7 @@ class Cli : public testing::Test {
   }
 
   fs::path folder_;
+  std::string program_ = SIMULI_PROGRAM;
 
  private:
   std::string read(const char* name) const {

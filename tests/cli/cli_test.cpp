@@ -27,6 +27,29 @@ TEST_F(Cli, QualitiesAreNamed) {
   }
 }
 
+/// Whatever else the command line lacks.
+TEST_F(Cli, SetHelpListsKeysWithDefaultsRangesAndMeanings) {
+  const auto line_of = [](const std::string& table, const std::string& key) {
+    const std::size_t at = table.find('\n' + key + ' ');
+    return at == std::string::npos ? "" : table.substr(at + 1, table.find('\n', at + 1) - at - 1);
+  };
+  const Outcome train = run("train --set help");
+  EXPECT_EQ(train.exit_code, 0);
+  EXPECT_EQ(train.err, "");
+  EXPECT_NE(line_of(train.out, "camera.rate.opacity").find(" 0.1 "), std::string::npos) << train.out;
+  EXPECT_NE(line_of(train.out, "camera.rate.opacity").find("0 or more"), std::string::npos);
+  EXPECT_NE(line_of(train.out, "init.voxel_m").find("m, side of a voxel"), std::string::npos);
+  EXPECT_NE(line_of(train.out, "render.extent").find(" exact "), std::string::npos);
+  const Outcome draft = run("eval --set help --quality draft");
+  EXPECT_NE(line_of(draft.out, "render.extent").find(" unscented  unscented, exact"), std::string::npos);
+  EXPECT_NE(line_of(draft.out, "render.sh_storage").find(" half "), std::string::npos);
+  EXPECT_EQ(line_of(draft.out, "init.voxel_m"), "");
+  const Outcome render = run("--json render --set help");
+  const auto rows = nlohmann::json::parse(render.out);
+  EXPECT_EQ(rows.at(0).at("key"), "render.projection");
+  EXPECT_EQ(rows.at(0).at("default"), "unscented");
+}
+
 TEST_F(Cli, HelpAndVersionGoToStdout) {
   const Outcome help = run("--help");
   EXPECT_EQ(help.exit_code, 0);

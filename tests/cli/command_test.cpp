@@ -34,7 +34,7 @@ class CommandTest : public testing::Test {
     sub.option("--many", values_.many, "more").range(std::int64_t{1}, std::int64_t{1} << 40).with_default();
     sub.option("--size", values_.size, "its size");
     sub.option("--length", values_.length_m, "m").positive().with_default();
-    sub.option("--names", values_.names, "of all");
+    sub.option("--names", values_.names, "of all").answers("help", [this] { ++answers_; });
     sub.flag("--flag", values_.flag, "says yes");
     sub.flag("--other,!--no-other", values_.other, "says yes or no");
     sub.run([this] { ++runs_; });
@@ -130,6 +130,16 @@ TEST_F(CommandTest, RefusalsNameTheOptionAndWhatIsAllowed) {
   EXPECT_EQ(refusal({"fly"}), "found \"fly\", allowed a command (program --help)");
   EXPECT_NE(refusal({}).find("subcommand"), std::string::npos);
   EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(CommandTest, AnswersNeedNothingElse) {
+  EXPECT_FALSE(parse({"draw", "--names", "one", "help", "--json"}));  // without FILE
+  EXPECT_TRUE(json_);
+  EXPECT_EQ(answers_, 1);
+  EXPECT_EQ(runs_, 0);
+  EXPECT_TRUE(parse({"draw", "picture", "--names", "one", "helpful"}));
+  EXPECT_EQ(answers_, 1);
+  EXPECT_EQ(runs_, 1);
 }
 
 TEST_F(CommandTest, ForeignCommandsGetAllArgumentsButTheirName) {

@@ -69,7 +69,8 @@ TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
   };
   const Outcome held_out = eval("s.scene s.log");
   EXPECT_EQ(held_out.out.rfind("held-out frames: 1 pictures of 32 x 18 px", 0), 0U) << held_out.out;
-  EXPECT_EQ(eval("s.scene s.log --held-out 0").out.rfind("all frames, some of which were trained on: 6", 0), 0U);
+  EXPECT_EQ(eval("s.scene s.log --held-out 0").out.rfind("all frames, some of which were trained on: 6", 0),
+            0U);
   const nlohmann::json json = nlohmann::json::parse(eval("s.scene s.log --held-out 2 --json").out);
   EXPECT_EQ(json.at("frames"), "training");
   EXPECT_EQ(json.at("training").at("held_out_every"), 5);
@@ -181,6 +182,21 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000.ply"));
   EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000_range.png"));
 
+  // A LiDAR that turns 20 times a second moves for a twentieth of a second.
+  const auto cloud_of = [&](const std::string& options, const std::string& to) {
+    const Outcome turn =
+        run("render s.scene --sensor hesai_xt32@20 --times 0.1:0.1:1 " + options + "-o " + to);
+    EXPECT_EQ(turn.exit_code, 0) << turn.err;
+    std::ifstream file(folder_ / to / "hesai_xt32@20_000000.ply", std::ios::binary);
+    std::stringstream bytes;
+    bytes << file.rdbuf();
+    EXPECT_GT(bytes.str().size(), 1000U);
+    return bytes.str();
+  };
+  const std::string twentieth = cloud_of("--duration 0.05 ", "twentieth");
+  EXPECT_EQ(cloud_of("", "as_it_says"), twentieth);
+  EXPECT_NE(cloud_of("--duration 0.1 ", "tenth"), twentieth);
+
   expect_failure("render s.scene --sensor rear -o x", kUsage, "allowed front, top, ");
   expect_failure("render s.scene --sensor front --frames 9:9 --trajectory s.log -o x", kUsage, "--frames");
   expect_failure("render s.scene --sensor front --times 0:1 -o x", kUsage, "--times");
@@ -195,7 +211,17 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
       run("synth street -o s.log --frames 2 --image-width 32 --image-height 18 --lidar-columns 36").exit_code,
       0);
   expect_failure("train nowhere.log -o x", kInput, "nowhere.log");
-  expect_failure("train s.log -o x --set speed=1", kUsage, "camera.rate.mean_m");  // lists the keys
+  expect_failure(
+      "train s.log -o x --set speed=1", kUsage, "no key \"speed\", allowed seed (\"--set help\" lists all)");
+  expect_failure(
+      "train s.log -o x --set init.voxle_m=1", kUsage, "allowed init.voxel_m (\"--set help\" lists all)");
+  expect_failure("train s.log -o x --set camera.rate.opacity=-1",
+                 kUsage,
+                 "--set camera.rate.opacity: found -1, allowed 0 or more");
+  expect_failure(
+      "train s.log -o x --set init.actor_voxel_m=0", kUsage, "init.actor_voxel_m: found 0, allowed 0.001");
+  expect_failure(
+      "train s.log -o x --set init.max_scale_m=0.01", kUsage, "allowed init.min_scale_m (0.03) or more");
   expect_failure("train s.log -o x --set init.voxel_m=wide", kUsage, "init.voxel_m: found \"wide\"");
   expect_failure("train s.log -o x --set init.voxel_m", kUsage, "KEY=VALUE");
   expect_failure("train s.log -o x --set init.voxel_m=0.2 --set init.voxel_m=0.3", kUsage, "twice");
@@ -204,11 +230,13 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
   const std::string projections = "allowed unscented, linearized, monte_carlo";
   expect_failure("train s.log -o x --set render.projection=exact", kUsage, projections);
   expect_failure(
-      "train s.log -o x --set render.projection=linearized", kUsage, "allowed with extent=unscented");
+      "train s.log -o x --set render.projection=linearized", kUsage, "allowed with render.extent=unscented");
   expect_failure("train s.log -o x --set render.alpha_cut=2", kUsage, "render.alpha_cut: found 2");
   expect_failure("eval x s.log --set render.shutter_iterations=65", kUsage, "allowed 0 to 64");
   expect_failure("eval x s.log --set render.extent=box", kUsage, "allowed unscented, exact");
-  expect_failure("eval x s.log --set init.voxel_m=1", kUsage, "render.transmittance_cut");  // lists the keys
+  expect_failure("eval x s.log --set init.voxel_m=1",
+                 kUsage,
+                 "no key \"init.voxel_m\", allowed those that \"--set help\" lists");
   expect_failure("render x --sensor top -o y --set render.extent", kUsage, "KEY=VALUE");
   EXPECT_FALSE(fs::exists(folder_ / "x"));
   expect_failure("eval nowhere.scene s.log", kInput, "nowhere.scene");

@@ -34,6 +34,29 @@ Scene two_cars() {
   return scene;
 }
 
+TEST(Edit, OfTracksAloneIsTheSameFunction) {
+  const std::vector<Actor> actors = two_cars().actors;
+  Scene scene = two_cars();
+  move_actor(scene, "second", {1.0, -2.0, 0.5});
+  retime_actor(scene, "second", 2.0, 0.25);
+  const std::vector<Actor> after = edited(
+      actors, {{"second", ActorEdit::Move{{1.0, -2.0, 0.5}}}, {"second", ActorEdit::Retime{2.0, 0.25}}});
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(after[1].track[k].time_s, scene.actors[1].track[k].time_s);
+    EXPECT_EQ(after[1].track[k].world_from_actor.translation,
+              scene.actors[1].track[k].world_from_actor.translation);
+  }
+  const std::vector<Actor> gone = edited(actors, {{"first", ActorEdit::Remove{}}});
+  EXPECT_FALSE(gone[0].is_there(1.5));
+  EXPECT_TRUE(gone[1].is_there(1.5));
+  // What comes after has nothing to change.
+  EXPECT_TRUE(edited(gone, {{"first", ActorEdit::Retime{2.0, 0.0}}})[0].track.empty());
+  expect_error(ErrorKind::kUsage, "third", [&] { (void)edited(actors, {{"third", ActorEdit::Remove{}}}); });
+  expect_error(ErrorKind::kUsage, "above 0", [&] {
+    (void)edited(actors, {{"first", ActorEdit::Retime{0.0, 0.0}}});
+  });
+}
+
 TEST(Edit, RemovesAnActorWithItsParticles) {
   Scene scene = two_cars();
   remove_actor(scene, "first");

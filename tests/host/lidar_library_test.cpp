@@ -65,14 +65,11 @@ TEST(LidarLibrary, FiringsFollowTheSpinAndTheClock) {
                     step,
                     kRounding)
             << name;
-        EXPECT_GT(lidar.time_fraction(row, column),
-                  lidar.time_fraction(row, column - 1))
-            << name;
+        EXPECT_GT(lidar.time_fraction(row, column), lidar.time_fraction(row, column - 1)) << name;
       }
       // Firing offsets stay within a few firing cycles of their column.
       EXPECT_NEAR(lidar.time_fraction(row, 0), 0.5 / lidar.columns, 2.5e-3) << name;
-      EXPECT_NEAR(lidar.time_fraction(row, lidar.columns - 1), 1.0 - 0.5 / lidar.columns, 2.5e-3)
-          << name;
+      EXPECT_NEAR(lidar.time_fraction(row, lidar.columns - 1), 1.0 - 0.5 / lidar.columns, 2.5e-3) << name;
     }
   }
 }

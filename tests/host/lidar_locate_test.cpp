@@ -90,13 +90,12 @@ TEST(LidarLocate, EveryRowOfEveryTableInMotion) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     const Lidar& lidar = sensor.model;
     Pose start, end;
-    motion(duration_s, start, end);
+    motion(lidar.sweep_s, start, end);
     double worst = 0.0;
     for (int row = 0; row < lidar.row_count(); ++row) {
       for (const int column : some_columns(lidar, row)) {
         for (const double range : kRanges_m) {
-          const Pose world_from_sensor =
-              interpolate(start, end, lidar.time_fraction(row, column));
+          const Pose world_from_sensor = interpolate(start, end, lidar.time_fraction(row, column));
           const Eigen::Vector3d p_world = world_from_sensor * point_on_ray(lidar, row, column, range);
           double closest = 1e9;
           for (const LidarHit& hit : locate_moving(lidar, row, p_world, start, end)) {

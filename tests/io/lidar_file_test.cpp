@@ -21,6 +21,7 @@ void expect_same(const Lidar& a, const Lidar& b) {
   EXPECT_EQ(a.range_max, b.range_max);
   EXPECT_EQ(a.beam_divergence, b.beam_divergence);
   EXPECT_EQ(a.divergence_variance, b.divergence_variance);
+  EXPECT_EQ(a.sweep_s, b.sweep_s);
   ASSERT_EQ(a.rows.size(), b.rows.size());
   for (std::size_t r = 0; r < a.rows.size(); ++r) {
     EXPECT_EQ(a.rows[r].elevation, b.rows[r].elevation);
@@ -76,6 +77,25 @@ TEST(LidarFile, TheModelsOwnModeStandsFirst) {
   EXPECT_EQ(read.facts.mode.columns, 2048);
   EXPECT_EQ(read.facts.mode.spin_hz, 10.0);
   EXPECT_EQ(read.facts.modes.size(), 5U);
+}
+
+TEST(LidarFile, TurnTakesWhatTheFileSays) {
+  const Scratch scratch;
+  const auto sweep_of = [&](const std::string& text) {
+    return sweep_s(read_lidar_file(scratch.file("sensor.json", text)).model);
+  };
+  const BuiltinLidar fast = builtin_lidar_with_facts("hesai_xt32@20");
+  const std::string text = to_json({fast.model, fast.facts}).dump();
+  EXPECT_EQ(sweep_of(text), 0.05);
+  EXPECT_EQ(sweep_of(replaced(text, ",\"sweep_s\":0.05", "")), 0.05);  // its first mode
+  EXPECT_EQ(sweep_of(replaced(text, "\"sweep_s\":0.05", "\"sweep_s\":0.04")), 0.04);
+  LidarFile rays = some_rays();
+  EXPECT_EQ(to_json(rays).count("sweep_s"), 0U);
+  EXPECT_EQ(sweep_of(to_json(rays).dump()), 0.1);
+  std::get<RayList>(rays.model).sweep_s = 0.2;
+  EXPECT_EQ(sweep_of(to_json(rays).dump()), 0.2);
+  expect_input_error([&] { (void)sweep_of(replaced(text, "\"sweep_s\":0.05", "\"sweep_s\":0")); },
+                     {"sweep_s", "0", "above 0"});
 }
 
 TEST(LidarFile, BlindArcsRoundTrip) {

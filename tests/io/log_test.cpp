@@ -102,6 +102,20 @@ TEST(Log, ReadsWhatItWrote) {
   EXPECT_EQ(read.sweeps[0].lidar, "top");
   EXPECT_EQ(read.sweeps[0].file, "sweeps/0.exr");
   EXPECT_NEAR(read.sweeps[0].time_end_s, 0.103490641, kTime_s);
+  EXPECT_EQ(sweep_s(read.lidars[0].model), 0.103490641);
+}
+
+TEST(Log, LidarsTurnInTheTimeOfTheirSweeps) {
+  const Scratch scratch;
+  Log log = some_log(scratch);
+  for (const double end_s : {0.02, 0.015}) {
+    log.sweeps.push_back({"top", "sweeps/1.exr", 0.0, end_s});
+  }
+  log.sweeps.erase(log.sweeps.begin());
+  log.sweeps.push_back({"top", "sweeps/1.exr", 0.01, 0.031});
+  (void)scratch.file("sweeps/1.exr", "");
+  write_log(log);
+  EXPECT_EQ(sweep_s(read_log(scratch.path()).lidars[0].model), 0.02);  // the median
 }
 
 TEST(Log, HoldsRayLists) {

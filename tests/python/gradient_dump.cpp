@@ -66,7 +66,7 @@ nlohmann::json dumped(const test::SceneCase& scene, const Device& device) {
   out["centre_m"] = listed(interpolate(start, end, 0.5).translation);
   out["background"] = shot.view.background;
   const std::vector<double> params = particles.params.download_double(), gradient = grads.download_double();
-  const std::vector<std::uint32_t> keys = renderer.buffers().keys.download();
+  const std::vector<std::uint32_t> keys = renderer.buffers().projected.keys.download();
   for (std::size_t row = 0; row < static_cast<std::size_t>(set.params.cols()); ++row) {
     std::vector<double> values, slopes;
     for (std::size_t i = 0; i < kParticles; ++i) {

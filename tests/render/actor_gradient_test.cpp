@@ -73,7 +73,7 @@ class ActorProblem {
 
  private:
   static RenderOptions options() {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.precision = Precision::kDouble;
     options.alpha_cut = 1e-12;
     options.transmittance_cut = 0.0;

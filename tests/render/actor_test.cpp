@@ -168,7 +168,7 @@ TEST(Actors, AreDrawnInFloatAsInDouble) {
 
 TEST(Actors, UnderAGlobalShutterStandStill) {
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   test::Shot shot = test::shot_of(test::kCameraStill, 64, 48);
   const GaussianSet set = set_with_actors(test::kCameraStill);
@@ -206,7 +206,7 @@ TEST(Actors, UnderAGlobalShutterStandStill) {
 
 TEST(Actors, ThatAreNotThereLeaveTheBackgroundsBits) {
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   for (const double step_m : {0.0, 3.0}) {
     test::Shot shot = test::shot_of(test::kCameraRolling, 64, 48);
@@ -248,7 +248,7 @@ TEST(Actors, KeepTheirParticlesInTheirBoxes) {
   actors[0].size_m = {4.0, 1.8, 1.5};
   actors[1].size_m = {1.0, 0.5, 2.0};
   ParticleBuffers particles(device, set, Precision::kFloat);
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   renderer.confine(particles, actors, 0.1);
   const GaussianSet confined = particles.download();
   EXPECT_EQ(confined.actor, set.actor);

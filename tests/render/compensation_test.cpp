@@ -39,7 +39,7 @@ TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
         .mean = place, .scale = {0.02, 0.1, 0.4}, .rotation = turned, .opacity = 0.8};
     GaussianSet set(scene.kind, scene.sh_degree, 1);
     set.params.leftCols(kShRow + 3) = test::set_of(scene.kind, {particle}).params;
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.precision = GetParam();
     options.alpha_cut = 1e-6;
     const auto alpha = [&](bool compensated) {
@@ -78,7 +78,7 @@ TEST_P(OpacityCompensation, WithoutAFootprintNothingChanges) {
   const GaussianSet set = test::set_for(test::kCameraRolling, {.count = 60}, 6);
   std::vector<double> out[2];
   for (const bool compensated : {false, true}) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.precision = GetParam();
     options.camera_filter_px2 = 0.0;
     options.camera_compensation = compensated;

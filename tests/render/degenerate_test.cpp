@@ -57,7 +57,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
     grads.fill(static_cast<double>(kNan));
     renderer_.backward(particles, grads);
     // Defined for what was not culled; the others keep the poison, or are zero beside a visible one.
-    const std::vector<std::uint32_t> keys = renderer_.buffers().keys.download();
+    const std::vector<std::uint32_t> keys = renderer_.buffers().projected.keys.download();
     const std::vector<float> all = grads.download_float();
     gradients_.clear();
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -80,8 +80,8 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
       }
     }
     EXPECT_TRUE(gradients_.empty());
-    EXPECT_EQ(renderer_.buffers().visible, 0U);
-    EXPECT_EQ(renderer_.buffers().instances, 0U);
+    EXPECT_EQ(renderer_.buffers().binned.visible, 0U);
+    EXPECT_EQ(renderer_.buffers().binned.instances, 0U);
   }
   /// Fills every buffer of the renderer with something to leave behind.
   void leave_traces() {
@@ -92,7 +92,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
   }
 
   Device device_ = Device::best();
-  RenderOptions options_;
+  RenderOptions options_ = paper_options();
   Renderer renderer_{device_, options_};
   std::vector<float> gradients_;
 };
@@ -115,7 +115,7 @@ TEST_P(Degenerate, NothingIsTheBackground) {
   // Just one, in sight.
   const RayResults one = render(plain(1), usual);
   EXPECT_LT(*std::min_element(one.transmittance.begin(), one.transmittance.end()), 0.3F);
-  EXPECT_EQ(renderer_.buffers().visible, 1U);
+  EXPECT_EQ(renderer_.buffers().binned.visible, 1U);
 }
 
 TEST_P(Degenerate, ParticlesThatAreNoNumberAreCulled) {
@@ -138,7 +138,7 @@ TEST_P(Degenerate, ParticlesThatAreNoNumberAreCulled) {
   GaussianSet mixed = plain(11);
   for (Eigen::Index i = 1; i < 11; ++i) mixed.params(i, (i * 7) % mixed.params.cols()) = kNan;
   const RayResults beside = render(mixed, usual);
-  EXPECT_EQ(renderer_.buffers().visible, 1U);
+  EXPECT_EQ(renderer_.buffers().binned.visible, 1U);
   EXPECT_EQ(beside.transmittance, alone.transmittance);
   EXPECT_EQ(beside.feature[0], alone.feature[0]);
 }
@@ -164,7 +164,7 @@ TEST_P(Degenerate, ExtremeValuesStayFinite) {
       SCOPED_TRACE("row " + std::to_string(row) + " is " + std::to_string(value));
       static_cast<void>(render(set, usual));
       // A large value moves or hides its particle, the other one is always seen.
-      EXPECT_GE(renderer_.buffers().visible, 1U);
+      EXPECT_GE(renderer_.buffers().binned.visible, 1U);
       if (HasFatalFailure()) return;
     }
   }

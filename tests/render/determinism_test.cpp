@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
+#include "host/render/train/adam.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
@@ -28,7 +29,7 @@ GaussianSet crowd(const SceneCase& scene) {
 
 Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& shape) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shape = shape;
   const test::Shot shot =
       scene.kind == SetKind::kCamera ? test::shot_of(scene, 72, 50) : test::shot_of(scene, 150, 20);
@@ -51,7 +52,7 @@ Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& sh
   AdamStage adam(device, particles);
   adam.run(particles,
            grads,
-           renderer.buffers().keys,
+           renderer.buffers().projected.keys,
            std::vector<double>(static_cast<std::size_t>(param_rows(set.sh_degree)), 1e-3));
   EXPECT_EQ(adam.rejected(), 0U);
   step.params = particles.params.download_float();

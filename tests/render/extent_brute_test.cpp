@@ -134,7 +134,7 @@ std::size_t instances_of(const Shot& shot, const std::vector<SingleParticle>& pa
   const SensorRays rays = shot.on(device, options);
   renderer.render(
       ParticleBuffers(device, test::set_of(shot.kind, particles), options.precision), rays, shot.view);
-  return renderer.buffers().instances;
+  return renderer.buffers().binned.instances;
 }
 
 // The fold of these two lies within the cone that holds their picture.

@@ -151,7 +151,7 @@ TEST(ExactExtent, LosesNothingInFloat) {
 }
 
 TEST(ExactExtent, UnscentedLosesSomething) {
-  const Comparison c = compare(camera_shot(false), {}, kFloatRounding);
+  const Comparison c = compare(camera_shot(false), paper_options(), kFloatRounding);
   EXPECT_GT(c.different, 0U) << "of " << c.compared << " rays";
   EXPECT_GT(c.worst, kAlphaCut);
 }
@@ -199,8 +199,8 @@ struct Boxes {
     Renderer renderer(device, options);
     const SensorRays rays = shot.on(device, options);
     renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
-    records = renderer.buffers().records.download_double();
-    footprints = renderer.buffers().footprints.download();
+    records = renderer.buffers().projected.records.download_double();
+    footprints = renderer.buffers().projected.footprints.download();
   }
   [[nodiscard]] double at(Eigen::Index i, std::size_t entry) const {
     return records[static_cast<std::size_t>(i) * SIM_RECORD + entry];

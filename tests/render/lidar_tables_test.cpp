@@ -74,7 +74,7 @@ GaussianSet balls_on_rays(const BuiltinLidar& sensor,
 
 void expect_hits(const Pose& start, const Pose& end) {
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   for (const std::string& name : builtin_lidar_names()) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
@@ -104,12 +104,12 @@ TEST(LidarTables, MovingRaysMeetWhatStandsOnThem) {
 /// Transmittance of all rays over one ball of radius 12 cm at `p_sensor`.
 std::vector<float> past_ball(const Lidar& lidar, const LidarRays& rays, const Eigen::Vector3d& p_sensor) {
   const Device device = Device::best();
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   test::SingleParticle ball;
   ball.mean = p_sensor;
   ball.scale = Eigen::Vector3d::Constant(0.04);
   ball.opacity = 0.95;
-  const SensorRays on_device(device, lidar, rays, {});
+  const SensorRays on_device(device, lidar, rays, paper_options());
   renderer.render(
       ParticleBuffers(device, test::set_of(SetKind::kLidar, {ball}), Precision::kFloat), on_device, {});
   return renderer.results().transmittance;

@@ -1,13 +1,14 @@
 // What a frame does not need compiles to nothing and takes no memory: a part that is said to be absent leaves
-// the same programs, buffers and bits as one that was never mentioned (bench/trade/plan.hpp measures the times).
+// the same programs, buffers and bits as one that was never mentioned (bench/trade/plan.hpp measures the
+// times).
 #include <gtest/gtest.h>
 #include <set>
 #include <string>
 
 #include "host/render/scene/look.hpp"
 #include "host/runtime/device_state.hpp"
-#include "tests/render/actor_scenes.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/actor_scenes.hpp"
 
 namespace simuli {
 namespace {
@@ -60,37 +61,37 @@ TEST(Plan, ShuttersOfSensorsAtRestAreNotThere) {
   const test::Shot global = test::shot_of(test::kCameraSh3, 72, 50);
   test::Shot rolling = global;
   rolling.camera.shutter = ShutterKind::kTopToBottom;
-  const Traces never = traces_of(set, global, {});
-  expect_same(traces_of(set, rolling, {}), never);
+  const Traces never = traces_of(set, global, paper_options());
+  expect_same(traces_of(set, rolling, paper_options()), never);
   rolling.view.scene_from_sensor_end.translation.x() += 0.3;
-  expect_more(traces_of(set, rolling, {}), never);
+  expect_more(traces_of(set, rolling, paper_options()), never);
 }
 
 TEST(Plan, ActorsWithoutParticlesAreNotThere) {
   GaussianSet set = crowd(test::kCameraSh3);
   test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
-  const Traces never = traces_of(set, shot, {});
+  const Traces never = traces_of(set, shot, paper_options());
   shot.view.actors = test::cars(0.5, 0.1);
-  expect_same(traces_of(set, shot, {}), never);
+  expect_same(traces_of(set, shot, paper_options()), never);
   set.actor.assign(static_cast<std::size_t>(set.size()), 0);
-  expect_same(traces_of(set, shot, {}), never);
+  expect_same(traces_of(set, shot, paper_options()), never);
   set.actor[7] = 2;
-  expect_more(traces_of(set, shot, {}), never);
+  expect_more(traces_of(set, shot, paper_options()), never);
 }
 
 TEST(Plan, EmptyLooksAreNotThere) {
   const GaussianSet set = crowd(test::kCameraSh3);
   const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
-  const Traces never = traces_of(set, shot, {});
+  const Traces never = traces_of(set, shot, paper_options());
   Scene scene;
-  expect_same(traces_of(set, shot, {}, &scene), never);
+  expect_same(traces_of(set, shot, paper_options(), &scene), never);
   scene.color_grids = ColorGrids::identity(4, 4, 4, {{"another camera", 0.0}});
-  expect_same(traces_of(set, shot, {}, &scene), never);
+  expect_same(traces_of(set, shot, paper_options(), &scene), never);
   scene.color_grids = ColorGrids::identity(4, 4, 4, {{"camera", 0.0}});
-  expect_more(traces_of(set, shot, {}, &scene), never);
+  expect_more(traces_of(set, shot, paper_options(), &scene), never);
   scene.color_grids = {};
   scene.environment = {64, 32, std::vector<float>(std::size_t{64} * 32 * 3, 0.5F)};
-  expect_more(traces_of(set, shot, {}, &scene), never);
+  expect_more(traces_of(set, shot, paper_options(), &scene), never);
 }
 
 TEST(Plan, BandsThatAreLeftOutAreNotThere) {
@@ -98,29 +99,29 @@ TEST(Plan, BandsThatAreLeftOutAreNotThere) {
   GaussianSet plain(set.kind, 0, set.size());
   plain.params = set.params.leftCols(param_rows(0));
   const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
-  const Traces never = traces_of(plain, shot, {});
-  RenderOptions options;
+  const Traces never = traces_of(plain, shot, paper_options());
+  RenderOptions options = paper_options();
   options.sh_degree = ShDegree::k0;
   expect_same(traces_of(set, shot, options), never);
   options.sh_direction = ShDirection::kRay;  // colours look alike from everywhere
   expect_same(traces_of(set, shot, options), never);
-  expect_more(traces_of(set, shot, {}), never);
+  expect_more(traces_of(set, shot, paper_options()), never);
 }
 
 TEST(Plan, CamerasHaveNoMedianDistance) {
   const GaussianSet set = crowd(test::kCameraSh3);
   const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
-  RenderOptions without;
+  RenderOptions without = paper_options();
   without.median_distance = false;
-  expect_same(traces_of(set, shot, {}), traces_of(set, shot, without));
+  expect_same(traces_of(set, shot, paper_options()), traces_of(set, shot, without));
 }
 
 TEST(Plan, SweepsWithoutEmptyCellsAreNotCulled) {
   const GaussianSet set = crowd(test::kLidarStill);
   const test::Shot shot = test::shot_of(test::kLidarStill, 1800, 18);
-  RenderOptions always;
+  RenderOptions always = paper_options();
   always.culling = Culling::kAlways;
-  const Traces full = traces_of(set, shot, {});
+  const Traces full = traces_of(set, shot, paper_options());
   EXPECT_NE(full.programs, traces_of(set, shot, always).programs);
 }
 

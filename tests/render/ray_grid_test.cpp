@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/host/expect_error.hpp"
 
 namespace simuli {
 namespace {
@@ -189,10 +190,9 @@ TEST(RayGrid, WrongRaysAreRefused) {
   RenderOptions options;
   for (const LidarTiles tiles : {LidarTiles{-1, 256}, {4097, 256}, {8, -1}, {8, 15}, {8, 257}}) {
     options.lidar_tiles = tiles;
-    EXPECT_NE(refusal([&] {
-                static_cast<void>(make_ray_grid(Device::best(), lidar, good, options));
-              }).find("lidar_tiles"),
-              std::string::npos);
+    expect_error(ErrorKind::kUsage, "render.lidar_tiles.", [&] {
+      static_cast<void>(make_ray_grid(Device::best(), lidar, good, options));
+    });
   }
   // More rays of one beam in one direction than any tile holds.
   const Lidar dense = test::small_lidar(4, 3000);
@@ -218,7 +218,7 @@ void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::
   const GaussianSet flat = test::set_of(shot.kind, particles);
   GaussianSet set(shot.kind, 1, flat.size());
   set.params.leftCols(flat.params.cols()) = flat.params;
-  RenderOptions options;
+  RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays on_device = shot.on(device, options);
   renderer.render(ParticleBuffers(device, set, options.precision), on_device, shot.view);

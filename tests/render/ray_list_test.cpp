@@ -85,7 +85,7 @@ void expect_complete(const RayList& list, const RayGrid& grid) {
 TEST(RayListGrid, AnyListIsComplete) {
   const Device device = Device::best();
   for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {3, 16}, {40, 64}}) {
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.lidar_tiles = tiles;
     for (const std::size_t rays : {1U, 2U, 257U, 24000U}) {
       const RayList list = rosette(rays);
@@ -123,7 +123,7 @@ std::vector<float> transmittance(const Device& device,
                                  const GaussianSet& set,
                                  const SensorRays& rays,
                                  const Pose& end) {
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {{}, end, {}});
   return renderer.results().transmittance;
 }
@@ -144,10 +144,11 @@ TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
       chosen.push_back(ray);
     }
     const Device device = Device::best();
-    const std::vector<float> found = transmittance(device,
-                                                   test::set_of(SetKind::kLidar, balls),
-                                                   SensorRays(device, list, nominal_rays(list), {}),
-                                                   end);
+    const std::vector<float> found =
+        transmittance(device,
+                      test::set_of(SetKind::kLidar, balls),
+                      SensorRays(device, list, nominal_rays(list), paper_options()),
+                      end);
     std::size_t missed = 0;
     for (const std::size_t ray : chosen) missed += found[ray] < kHit ? 0U : 1U;
     EXPECT_EQ(missed, 0U) << "of " << chosen.size();
@@ -167,9 +168,10 @@ TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
   const GaussianSet set = test::random_set(recipe, 5);
   const Device device = Device::best();
   for (const Pose& end : {Pose{}, drive()}) {
-    const std::vector<float> expected = transmittance(device, set, SensorRays(device, lidar, rays, {}), end);
+    const std::vector<float> expected =
+        transmittance(device, set, SensorRays(device, lidar, rays, paper_options()), end);
     const std::vector<float> found =
-        transmittance(device, set, SensorRays(device, list_of(lidar, rays), rays, {}), end);
+        transmittance(device, set, SensorRays(device, list_of(lidar, rays), rays, paper_options()), end);
     double sum = 0.0;
     int hit = 0;
     for (std::size_t ray = 0; ray < expected.size(); ++ray) {

@@ -16,7 +16,7 @@ constexpr int kColumns = 160;  // divisible by four: a quarter turn is a whole n
 /// Transmittance of every ray of a sweep of `lidar` over `set`, row-major.
 std::vector<float> sweep(const GaussianSet& set, const Lidar& lidar, const Pose& start, const Pose& end) {
   const Device device = Device::best();
-  const RenderOptions options;
+  const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays(device, lidar, nominal_rays(lidar), options);
   renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, {start, end, {}});

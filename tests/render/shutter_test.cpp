@@ -150,12 +150,12 @@ void expect_found_at(double speed, const RenderOptions& options, double lost) {
 constexpr double kSpeeds[] = {0.3, 0.9, 1.0, 1.1, 3.0, -1.0, -3.0};
 
 TEST(Shutter, LosesNoParticleWhateverTheSpeed) {
-  for (const double speed : kSpeeds) expect_found_at(speed, {}, kClipped);
+  for (const double speed : kSpeeds) expect_found_at(speed, paper_options(), kClipped);
 }
 
 TEST(Shutter, LosesNoParticleInDouble) {
   SIMULI_NEEDS_DOUBLE(Device::best());
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = Precision::kDouble;
   for (const double speed : {0.9, 1.0, 3.0}) expect_found_at(speed, options, kClipped);
 }
@@ -167,7 +167,7 @@ TEST(Shutter, LosesNothingInExactExtents) {
 }
 
 TEST(Shutter, BoundsTakeOverWhereOneLookIsNotEnough) {
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.shutter_iterations = 1;
   for (const double speed : {0.3, 1.0}) expect_found_at(speed, options, kClipped);
 }
@@ -178,7 +178,7 @@ TEST(Shutter, LosesNoParticleToATurnFasterThanItsRows) {
     for (const ShutterKind shutter : kRolling) {
       const Shot shot = camera_shot(shutter, {0.1, 0.0, 0.0}, {0.0, 0.3 * turn, turn});
       const auto particles = on_rays(shot, 12, 3.0, 20.0, kSmallest_m, nullptr);
-      const Comparison c = compare(shot, particles, {}, kClipped);
+      const Comparison c = compare(shot, particles, paper_options(), kClipped);
       EXPECT_EQ(c.different, 0U) << "turn " << turn << ", shutter " << static_cast<int>(shutter);
       EXPECT_GT(c.covered, particles.size());
     }
@@ -210,14 +210,14 @@ struct Found {
 };
 Found find(const Shot& shot, const std::vector<test::SingleParticle>& particles, Precision precision) {
   const Device device = Device::best();
-  RenderOptions options;
+  RenderOptions options = paper_options();
   options.precision = precision;
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   renderer.render(ParticleBuffers(device, test::set_of(shot.kind, particles), precision), rays, shot.view);
-  const std::vector<double> records = renderer.buffers().records.download_double();
+  const std::vector<double> records = renderer.buffers().projected.records.download_double();
   Found found;
-  found.footprints = renderer.buffers().footprints.download();
+  found.footprints = renderer.buffers().projected.footprints.download();
   for (std::size_t i = 0; i < particles.size(); ++i) {
     found.mean_x.push_back(records[i * SIM_RECORD + SIM_R_BOX_MEAN]);
     found.other_x.push_back(records[i * SIM_RECORD + SIM_R_BOX_OTHER]);

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "tests/render/actor_scenes.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/render/actor_scenes.hpp"
 
 namespace simuli {
 namespace {
@@ -36,7 +36,9 @@ GaussianSet queue_of(const SceneCase& scene, Eigen::Index count, float logit) {
 
 class Stress : public testing::TestWithParam<SceneCase> {
  protected:
-  RayResults render(const GaussianSet& set, const test::Shot& shot, const RenderOptions& options = {}) {
+  RayResults render(const GaussianSet& set,
+                    const test::Shot& shot,
+                    const RenderOptions& options = paper_options()) {
     Renderer renderer(device_, options);
     renderer.render(ParticleBuffers(device_, set, options), shot.on(device_, options), shot.view);
     return renderer.results();
@@ -61,7 +63,7 @@ TEST_P(Stress, TenThousandOnOneRay) {
       const Eigen::Index count = order == Order::kRange ? 10'000 : 1'000;
       GaussianSet set = queue_of(GetParam(), count, std::log(0.0005F / 0.9995F));
       if (alike) set.mean().col(0).setConstant(8.0F);
-      RenderOptions options;
+      RenderOptions options = paper_options();
       options.order = order;
       options.alpha_cut = 1e-4;
       const RayResults found = render(set, shot_for(GetParam()), options);
@@ -116,7 +118,7 @@ TEST_P(Stress, MotionsOfAllKinds) {
     const RayResults found = render(set, shot);
     expect_sane(found);
     if (!device_.info().fp64) continue;
-    RenderOptions options;
+    RenderOptions options = paper_options();
     options.precision = Precision::kDouble;
     const RayResults precise = render(set, shot, options);
     std::size_t apart = 0;
@@ -152,7 +154,7 @@ TEST(StressOfLooks, EnvironmentsAndGrids) {
   const Device device = Device::best();
   const GaussianSet set = queue_of(test::kCameraRolling, 20, 1.0F);
   const test::Shot shot = shot_for(test::kCameraRolling);
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, set, renderer.options());
   const SensorRays rays = shot.on(device, renderer.options());
   EnvironmentMap map{4, 2, std::vector<float>(24, 0.5F)};
@@ -190,7 +192,7 @@ TEST(StressOfActors, PosesThatAreNoNumbersAreRefused) {
   GaussianSet set = queue_of(test::kCameraRolling, 20, 1.0F);
   set.actor.assign(20, 1);
   const test::Shot shot = shot_for(test::kCameraRolling);
-  Renderer renderer(device, {});
+  Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, set, renderer.options());
   const SensorRays rays = shot.on(device, renderer.options());
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
@@ -227,7 +229,7 @@ TEST(HugePictures, AreRefusedBeforeAnythingIsAllocated) {
   }
   camera.cx = 0.5 * camera.width;
   camera.cy = 8192.0;
-  expect_error(ErrorKind::kDevice, "x 16384 pixels", [&] { SensorRays(device, camera, RenderOptions{}); });
+  expect_error(ErrorKind::kDevice, "x 16384 pixels", [&] { SensorRays(device, camera, paper_options()); });
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 
+#include "host/runtime/opencl.hpp"
 #include "host/runtime/real_buffer.hpp"
 #include "tests/runtime/support.hpp"
 
@@ -64,7 +65,7 @@ TEST_F(BufferTest, EmptyIsOrdinary) {
   EXPECT_TRUE(buffer.download().empty());
   EXPECT_NO_THROW(buffer.upload({}));
   EXPECT_NO_THROW(buffer.fill(1.0F));
-  EXPECT_NE(buffer.handle(), nullptr);
+  EXPECT_NE(opencl::memory(buffer), nullptr);
 }
 
 TEST_F(BufferTest, Fill) {
@@ -87,11 +88,11 @@ TEST_F(BufferTest, FillOfASizeNoDeviceFillsItself) {
 
 TEST_F(BufferTest, ReserveGrowsOnly) {
   Buffer<int> buffer(device_, "scratch", std::vector<int>{1, 2, 3, 4});
-  const cl_mem first = buffer.handle();
+  const cl_mem first = opencl::memory(buffer);
   buffer.reserve(2);
   EXPECT_EQ(buffer.count(), 2U);
   EXPECT_EQ(buffer.capacity(), 4U);
-  EXPECT_EQ(buffer.handle(), first);
+  EXPECT_EQ(opencl::memory(buffer), first);
   EXPECT_EQ(buffer.download(), (std::vector<int>{1, 2}));
   buffer.reserve(100);
   EXPECT_EQ(buffer.count(), 100U);

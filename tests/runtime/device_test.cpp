@@ -4,7 +4,7 @@
 #include <cctype>
 
 #include "host/runtime/buffer.hpp"
-#include "host/runtime/cl_error.hpp"
+#include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/opencl.hpp"
 #include "tests/runtime/support.hpp"
 
@@ -77,22 +77,24 @@ TEST(Device, AdoptsACallersContextAndQueue) {
   const Buffer<int> buffer(adopted, "values", std::vector<int>{1, 2, 3});
   EXPECT_EQ(buffer.download(), (std::vector<int>{1, 2, 3}));
   const Device other = test::open_device();
-  EXPECT_TRUE(
-      contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(opencl::context(own), opencl::queue(other)); }),
-               {"another context"}));
+  EXPECT_TRUE(contains(
+      error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(opencl::context(own), opencl::queue(other)); }),
+      {"another context"}));
 }
 
 TEST(Device, RefusesAnOutOfOrderQueue) {
   const Device own = test::open_device();
   cl::CommandQueue queue;
   try {
-    queue = cl::CommandQueue(
-        cl::Context(opencl::context(own), true), cl::Device(opencl::device_id(own), true), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    queue = cl::CommandQueue(cl::Context(opencl::context(own), true),
+                             cl::Device(opencl::device_id(own), true),
+                             CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
   } catch (const cl::Error&) {
     GTEST_SKIP() << "not run: out-of-order queues refused, this device has none";
   }
-  EXPECT_TRUE(contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(opencl::context(own), queue()); }),
-                       {"out of order"}));
+  EXPECT_TRUE(
+      contains(error_of(ErrorKind::kDevice, [&] { (void)Device::adopt(opencl::context(own), queue()); }),
+               {"out of order"}));
 }
 
 TEST(Device, CodesHaveNames) {

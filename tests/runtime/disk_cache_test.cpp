@@ -23,7 +23,7 @@ class DiskCache : public testing::Test {
     const auto options = BuildOptions().define("VALUE", value);
     const Program program = Program::from_text(device, "value.cl", text, options);
     Buffer<int> out(device, "out", 1);
-    Kernel<Buf<int>, int>(program, "value_plus").launch(1, 1, out, 10);
+    Kernel(program, "value_plus").run(1, 1, {{"out", out}, {"add", 10}});
     EXPECT_EQ(out.read_back(), value + 10);
     return program.origin();
   }

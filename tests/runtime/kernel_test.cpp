@@ -54,16 +54,13 @@ __kernel void coordinates(__global uint* out) {
 }
 )";
 
-using Columns = Kernel<Buf<const std::uint32_t>, Buf<float>, std::uint32_t, Step>;
-
 class KernelTest : public testing::Test {
  protected:
   Program build(Precision precision = Precision::kFloat) {
     return Program::from_text(device_, "test.cl", kText, BuildOptions().real(precision));
   }
-  template <class K>
-  std::string refusal(const std::string& name) {
-    return error_of(ErrorKind::kKernel, [&] { K(build(), name); });
+  std::string refusal(const std::string& name, std::initializer_list<Binding> arguments) {
+    return error_of(ErrorKind::kKernel, [&] { Kernel(build(), name).run(1, 1, arguments); });
   }
   Device device_ = test::open_device();
 };
@@ -71,10 +68,11 @@ class KernelTest : public testing::Test {
 TEST_F(KernelTest, RunsWithBuffersScalarsAndStructs) {
   const Buffer<std::uint32_t> in(device_, "in", std::vector<std::uint32_t>{1, 2, 3});
   Buffer<float> range(device_, "range", 3);
-  Columns columns(build(), "columns");
-  columns.launch(round_up(3, 4), 4, in, range, 3, Step{0.5F, 1});
+  Kernel columns(build(), "columns");
+  // In any order.
+  columns.run(round_up(3, 4), 4, {{"n", 3U}, {"step", Step{0.5F, 1}}, {"in", in}, {"range", range}});
   EXPECT_EQ(range.download(), (std::vector<float>{1.0F, 1.5F, 2.0F}));
-  columns.launch(3, Range::none(), in, range, 2, Step{2.0F, 0});
+  columns.run(3, Range::none(), {{"in", in}, {"range", range}, {"n", 2U}, {"step", Step{2.0F, 0}}});
   EXPECT_EQ(range.download(), (std::vector<float>{2.0F, 4.0F, 2.0F}));
   EXPECT_EQ(columns.name(), "columns");
   EXPECT_GT(columns.max_local_size(), 0U);
@@ -83,13 +81,13 @@ TEST_F(KernelTest, RunsWithBuffersScalarsAndStructs) {
 TEST_F(KernelTest, BuffersOfSharedStructs) {
   const Buffer<Step> steps(device_, "steps", std::vector<Step>{{1, 4}, {2, 5}});
   Buffer<std::uint32_t> out(device_, "out", 2);
-  Kernel<Buf<const Step>, Buf<std::uint32_t>>(build(), "steps").launch(2, 1, steps, out);
+  Kernel(build(), "steps").run(2, 1, {{"steps", steps}, {"out", out}});
   EXPECT_EQ(out.download(), (std::vector<std::uint32_t>{4, 5}));
 }
 
 TEST_F(KernelTest, ThreeDimensions) {
   Buffer<std::uint32_t> out(device_, "out", 24);
-  Kernel<Buf<std::uint32_t>>(build(), "coordinates").launch({2, 3, 4}, {2, 1, 2}, out);
+  Kernel(build(), "coordinates").run({2, 3, 4}, {2, 1, 2}, {{"out", out}});
   const auto values = out.download();
   for (std::uint32_t i = 0; i < 24; ++i) {
     EXPECT_EQ(values[i], i % 2 + 10 * (i / 2 % 3) + 100 * (i / 6)) << i;
@@ -98,18 +96,17 @@ TEST_F(KernelTest, ThreeDimensions) {
 
 TEST_F(KernelTest, LocalMemory) {
   Buffer<int> data(device_, "data", std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7});
-  Kernel<Buf<int>, Local>(build(), "reverse_group").launch(8, 4, data, Local{4 * sizeof(int)});
+  Kernel(build(), "reverse_group").run(8, 4, {{"data", data}, {"scratch", Local{4 * sizeof(int)}}});
   EXPECT_EQ(data.download(), (std::vector<int>{3, 2, 1, 0, 7, 6, 5, 4}));
 }
 
 TEST_F(KernelTest, RealFollowsThePrecision) {
-  using Scale = Kernel<BufRealConst, BufReal, RealScalar>;
   for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
     if (precision == Precision::kDouble && !device_.info().fp64) continue;
     RealBuffer in(device_, "in", precision);
     in.assign(std::span<const double>(std::vector<double>{1, -3}));
     RealBuffer out(device_, "out", precision, 2);
-    Scale(build(precision), "scale_real").launch(2, 1, in, out, 0.1);
+    Kernel(build(precision), "scale_real").run(2, 1, {{"in", in}, {"out", out}, {"factor", 0.1}});
     const bool wide = precision == Precision::kDouble;
     const double factor = wide ? 0.1 : static_cast<double>(0.1F);
     const double product = wide ? -3 * factor : static_cast<double>(-3 * 0.1F);
@@ -120,39 +117,122 @@ TEST_F(KernelTest, RealFollowsThePrecision) {
 TEST_F(KernelTest, RealAcceptsTheTypedBufferOfItsPrecision) {
   const Buffer<float> in(device_, "in", std::vector<float>{2});
   Buffer<float> out(device_, "out", 1);
-  Kernel<Buf<const float>, Buf<float>, float>(build(), "scale_real").launch(1, 1, in, out, 4.0F);
+  Kernel(build(), "scale_real").run(1, 1, {{"in", in}, {"out", out}, {"factor", 4.0F}});
   EXPECT_EQ(out.read_back(), 8.0F);
-  EXPECT_EQ((refusal<Kernel<Buf<const double>, Buf<double>, double>>("scale_real")),
-            "kernel scale_real: argument 0 is float*, the host passes double*");
+  const Buffer<double> wide(device_, "wide", std::vector<double>{2});
+  EXPECT_EQ(refusal("scale_real", {{"in", wide}, {"out", out}, {"factor", 4.0F}}),
+            "kernel scale_real: argument in is float*, the host passes double*");
 }
 
 TEST_F(KernelTest, RealBufferOfTheOtherPrecisionIsRefused) {
-  Kernel<BufRealConst, BufReal, RealScalar> scale(build(), "scale_real");
+  Kernel scale(build(), "scale_real");
   RealBuffer in(device_, "in", Precision::kFloat, 1);
   RealBuffer out(device_, "out_wide", Precision::kDouble, 1);
-  EXPECT_TRUE(contains(error_of(ErrorKind::kInternal, [&] { scale.launch(1, 1, in, out, 1.0); }),
-                       {"scale_real", "argument 1", "out_wide", "precision"}));
+  RealBuffer right(device_, "out", Precision::kFloat, 1);
+  EXPECT_NO_THROW(scale.run(1, 1, {{"in", in}, {"out", right}, {"factor", 1.0}}));
+  // At any launch, not at the first alone.
+  EXPECT_EQ(error_of(ErrorKind::kKernel,
+                     [&] {
+                       scale.run(1, 1, {{"in", in}, {"out", out}, {"factor", 1.0}});
+                     }),
+            "kernel scale_real: argument out is float*, the host passes double*");
 }
 
-TEST_F(KernelTest, TypesAreCheckedAtCreation) {
-  EXPECT_EQ((refusal<Kernel<Buf<const std::uint32_t>, Buf<std::uint32_t>, std::uint32_t, Step>>("columns")),
-            "kernel columns: argument 1 is float*, the host passes uint*");
-  EXPECT_EQ((refusal<Kernel<Buf<const std::uint32_t>, Buf<float>, std::int32_t, Step>>("columns")),
-            "kernel columns: argument 2 is uint, the host passes int");
-  EXPECT_EQ((refusal<Kernel<Buf<const std::uint32_t>, Buf<float>, std::uint32_t, float>>("columns")),
-            "kernel columns: argument 3 is Step, the host passes float");
-  EXPECT_EQ((refusal<Kernel<Buf<const std::uint32_t>, Buf<float>>>("columns")),
-            "kernel columns: it has 4 arguments, the host passes 2");
-  EXPECT_EQ((refusal<Kernel<Buf<const std::uint32_t>, Buf<const float>, std::uint32_t, Step>>("columns")),
-            "kernel columns: argument 1 is float*, the host passes const float*");
-  EXPECT_EQ((refusal<Kernel<Buf<int>, Buf<int>>>("reverse_group")),
-            "kernel reverse_group: argument 1 is local memory, the host passes global memory");
-  EXPECT_EQ((refusal<Kernel<Local, Local>>("reverse_group")),
-            "kernel reverse_group: argument 0 is global memory, the host passes local memory");
+TEST_F(KernelTest, TypesAreCheckedAtTheFirstLaunch) {
+  const Buffer<std::uint32_t> in(device_, "in", 1);
+  Buffer<float> range(device_, "range", 1);
+  const Buffer<float>& fixed = range;
+  Buffer<std::uint32_t> words(device_, "words", 1);
+  Buffer<int> data(device_, "data", 1);
+  const Step step{};
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"range", words}, {"n", 1U}, {"step", step}}),
+            "kernel columns: argument range is float*, the host passes uint*");
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"range", range}, {"n", 1}, {"step", step}}),
+            "kernel columns: argument n is uint, the host passes int");
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"range", range}, {"n", 1U}, {"step", 1.0F}}),
+            "kernel columns: argument step is Step, the host passes float");
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"range", fixed}, {"n", 1U}, {"step", step}}),
+            "kernel columns: argument range is float*, the host passes const float*");
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"range", range}, {"n", words}, {"step", step}}),
+            "kernel columns: argument n is a value, the host passes global memory");
+  EXPECT_EQ(refusal("reverse_group", {{"data", data}, {"scratch", data}}),
+            "kernel reverse_group: argument scratch is local memory, the host passes global memory");
+  EXPECT_EQ(refusal("reverse_group", {{"data", Local{4}}, {"scratch", Local{4}}}),
+            "kernel reverse_group: argument data is global memory, the host passes local memory");
+}
+
+TEST_F(KernelTest, EveryArgumentIsBoundOnce) {
+  const Buffer<std::uint32_t> in(device_, "in", 1);
+  Buffer<float> range(device_, "range", 1);
+  const Step step{};
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"range", range}, {"step", step}}),
+            "kernel columns: argument n is not bound");
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"range", range}, {"n", 1U}, {"step", step}, {"in", in}}),
+            "kernel columns: argument in is bound twice");
+  EXPECT_EQ(refusal("columns", {{"in", in}, {"ranges", range}, {"n", 1U}, {"step", step}}),
+            "kernel columns: there is no argument ranges among in, range, n, step");
+  // A list that was right once doesn't excuse another.
+  Kernel columns(build(), "columns");
+  EXPECT_NO_THROW(columns.run(1, 1, {{"in", in}, {"range", range}, {"n", 1U}, {"step", step}}));
+  EXPECT_EQ(error_of(ErrorKind::kKernel,
+                     [&] {
+                       columns.run(1, 1, {{"in", in}, {"range", range}, {"n", 1U}});
+                     }),
+            "kernel columns: argument step is not bound");
+}
+
+/// Two buffers that are known by their names.
+struct Pair {
+  void offer_to(Kernel& kernel) {
+    kernel.offer("in", detail::kPassedBuffer<std::uint32_t>, in.memory());
+    kernel.offer("range", detail::kPassedBuffer<float>, range.memory());
+    kernel.offer("spare", detail::kPassedBuffer<float>, range.memory());
+  }
+  Buffer<std::uint32_t> in;
+  Buffer<float> range;
+};
+
+TEST_F(KernelTest, AGroupBindsWhatTheKernelHas) {
+  Pair pair{{device_, "in", std::vector<std::uint32_t>{4, 5}}, {device_, "range", 2}};
+  Kernel columns(build(), "columns");
+  for (const float scale : {2.0F, 3.0F}) {
+    columns.run(2, 1, {pair, {"n", 2U}, {"step", Step{scale, 1}}});
+    EXPECT_EQ(pair.range.download(), (std::vector<float>{5 * scale, 6 * scale}));
+  }
+  EXPECT_EQ(refusal("columns", {pair, {"in", pair.in}, {"n", 2U}, {"step", Step{}}}),
+            "kernel columns: argument in is bound twice");
 }
 
 TEST_F(KernelTest, MissingKernelListsTheOthers) {
-  EXPECT_TRUE(contains(refusal<Kernel<Buf<int>>>("absent"), {"absent", "test.cl", "columns", "coordinates"}));
+  EXPECT_TRUE(contains(error_of(ErrorKind::kKernel, [&] { Kernel(build(), "absent"); }),
+                       {"absent", "test.cl", "columns", "coordinates"}));
+}
+
+TEST(Declaration, IsReadFromTheText) {
+  const auto kernels = kernel_declarations(R"(
+#define SKIPPED __kernel void skipped(int a) \
+  __kernel void skipped(int a)
+// __kernel void comment(int a) {}
+/* __kernel void other(int a) {} */
+__attribute__((reqd_work_group_size(1, 1, 1))) kernel void first(
+    const __global unsigned int* restrict a,  // of many, b
+    __global real *const b, __constant struct Step* c, __local int* d, const sim_u32 e) { f(a, b); }
+__kernel __attribute__((vec_type_hint(float))) void none() {}
+)");
+  ASSERT_EQ(kernels.size(), 2U);
+  EXPECT_TRUE(kernels.at("none").empty());
+  std::string found;
+  for (const ArgumentDeclaration& a : kernels.at("first")) {
+    found += a.name + ":" + a.type +
+             (a.space == ArgumentSpace::kGlobal  ? "g"
+              : a.space == ArgumentSpace::kLocal ? "l"
+                                                 : "v");
+    found += a.is_const && a.space != ArgumentSpace::kValue ? "c " : " ";
+  }
+  EXPECT_EQ(found, "a:uint*gc b:real*g c:Step*gc d:int*l e:sim_u32v ");
+  EXPECT_EQ(error_of(ErrorKind::kKernel,
+                     [] { (void)kernel_declarations("kernel void k(int a) {} kernel void k() {}"); }),
+            "kernel k is declared twice");
 }
 
 TEST_F(KernelTest, GlobalSizeZeroLaunchesNothing) {
@@ -160,26 +240,26 @@ TEST_F(KernelTest, GlobalSizeZeroLaunchesNothing) {
   const Program program = Program::from_text(timed, "test.cl", kText);
   Buffer<std::uint32_t> out(timed, "out", 1);
   out.fill(7);
-  Kernel<Buf<std::uint32_t>> kernel(program, "coordinates");
-  EXPECT_NO_THROW(kernel.launch(0, 64, out));
-  EXPECT_NO_THROW(kernel.launch({1, 0}, Range::none(), out));
-  EXPECT_NO_THROW(kernel.launch({1, 1, 0}, {1, 1, 1}, out));
+  Kernel kernel(program, "coordinates");
+  EXPECT_NO_THROW(kernel.run(0, 64, {{"out", out}}));
+  EXPECT_NO_THROW(kernel.run({1, 0}, Range::none(), {{"out", out}}));
+  EXPECT_NO_THROW(kernel.run({1, 1, 0}, {1, 1, 1}, {{"out", out}}));
   EXPECT_EQ(out.read_back(), 7U);
   EXPECT_TRUE(timed.profile().rows().empty());
 }
 
 TEST_F(KernelTest, RefusedLaunchNamesKernelAndSizes) {
   Buffer<std::uint32_t> out(device_, "out", 1);
-  Kernel<Buf<std::uint32_t>> kernel(build(), "coordinates");
+  Kernel kernel(build(), "coordinates");
   const std::size_t local = 2 * device_.info().max_work_group_size;
   const std::string size = std::to_string(local);
-  const auto too_large = [&] { kernel.launch({2 * local, 1}, {local, 1}, out); };
+  const auto too_large = [&] { kernel.run({2 * local, 1}, {local, 1}, {{"out", out}}); };
   EXPECT_TRUE(contains(error_of(ErrorKind::kKernel, too_large),
                        {"clEnqueueNDRangeKernel failed: CL_INVALID_WORK_",
                         "kernel coordinates",
                         "global size " + std::to_string(2 * local) + " x 1",
                         "local size " + size + " x 1"}));
-  const auto not_a_multiple = [&] { kernel.launch(3, 2, out); };
+  const auto not_a_multiple = [&] { kernel.run(3, 2, {{"out", out}}); };
   EXPECT_TRUE(contains(error_of(ErrorKind::kKernel, not_a_multiple),
                        {"CL_INVALID_WORK_GROUP_SIZE (-54)", "kernel coordinates"}));
 }
@@ -187,8 +267,11 @@ TEST_F(KernelTest, RefusedLaunchNamesKernelAndSizes) {
 TEST_F(KernelTest, BufferOfAnotherDeviceIsRefused) {
   const Device other = test::open_device();
   Buffer<std::uint32_t> out(other, "elsewhere", 1);
-  Kernel<Buf<std::uint32_t>> kernel(build(), "coordinates");
-  EXPECT_TRUE(contains(error_of(ErrorKind::kInternal, [&] { kernel.launch(1, 1, out); }),
+  Kernel kernel(build(), "coordinates");
+  EXPECT_TRUE(contains(error_of(ErrorKind::kInternal,
+                                [&] {
+                                  kernel.run(1, 1, {{"out", out}});
+                                }),
                        {"coordinates", "elsewhere", "another device"}));
 }
 
@@ -205,10 +288,10 @@ TEST_F(KernelTest, ProfileHasARowPerKernel) {
   Buffer<std::uint32_t> out(timed, "out", 24);
   Buffer<int> data(timed, "data", 4);
   data.fill(0);
-  Kernel<Buf<std::uint32_t>> coordinates(program, "coordinates");
-  Kernel<Buf<int>, Local> reverse(program, "reverse_group");
-  for (int i = 0; i < 3; ++i) coordinates.launch({2, 3, 4}, {1, 1, 1}, out);
-  reverse.launch(4, 4, data, Local{16});
+  Kernel coordinates(program, "coordinates");
+  Kernel reverse(program, "reverse_group");
+  for (int i = 0; i < 3; ++i) coordinates.run({2, 3, 4}, {1, 1, 1}, {{"out", out}});
+  reverse.run(4, 4, {{"data", data}, {"scratch", Local{16}}});
   const auto rows = timed.profile().rows();
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_GE(rows[0].total_ms, rows[1].total_ms);
@@ -224,7 +307,7 @@ TEST_F(KernelTest, ProfileHasARowPerKernel) {
 TEST_F(KernelTest, ProfileIsOffByDefault) {
   EXPECT_FALSE(device_.profile().enabled());
   Buffer<std::uint32_t> out(device_, "out", 1);
-  Kernel<Buf<std::uint32_t>>(build(), "coordinates").launch(1, 1, out);
+  Kernel(build(), "coordinates").run(1, 1, {{"out", out}});
   device_.finish();
   EXPECT_TRUE(device_.profile().rows().empty());
 }

@@ -1,7 +1,7 @@
 #include "host/runtime/program.hpp"
 
 #include "host/runtime/kernel.hpp"
-#include "host/runtime/source.hpp"
+#include "host/runtime/text/source.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {
@@ -23,7 +23,7 @@ constexpr const char* kConstant = "__kernel void constant_value(__global int* ou
 
 int run_constant(const Program& program) {
   Buffer<int> out(program.device(), "out", 1);
-  Kernel<Buf<int>>(program, "constant_value").launch(1, 1, out);
+  Kernel(program, "constant_value").run(1, 1, {{"out", out}});
   return out.read_back();
 }
 
@@ -147,7 +147,7 @@ TEST(Program, IsBuiltOncePerDevice) {
   EXPECT_EQ(build(device, 2).origin(), ProgramOrigin::kCompiled);
   EXPECT_EQ(build(test::open_device(), 1).origin(), ProgramOrigin::kCompiled);
   EXPECT_EQ(build(device, 1).kernel_names(), std::vector<std::string>{"constant_value"});
-  EXPECT_EQ(build(device, 1).handle()(), build(device, 1).handle()());
+  EXPECT_EQ(&build(device, 1).state(), &build(device, 1).state());
 }
 
 TEST(Program, DoubleNeedsFp64) {

@@ -44,13 +44,14 @@ expect(bad "io: 26 entries")
 breaks(io/long.cpp "${just_fits}// one more\n" "io/long.cpp: 401 lines")
 breaks(cl/math/sh.h "#include \"host/base/error.hpp\"\n" "cl/math/sh.h: cl includes nothing above it")
 foreach(pair IN ITEMS "host/base,io/base,base, scene" "host/scene,host/render/frame,base, scene"
-        "host/runtime,host/render/frame,the runtime" "host/render/rays,io/base,render knows no io"
+        "host/runtime,host/render/frame,the runtime" "host/render/rays,io/base,render knows no io" "host/render/rays,host/render/frame,rays know no"
         "io/log,host/runtime,io knows no device" "optim/train,host/cli/base,optim knows no program")
   string(REGEX MATCH "^([^,]+),([^,]+),(.+)$" unused "${pair}")
   breaks(${CMAKE_MATCH_1}/CMakeLists.txt "simuli_room(${CMAKE_MATCH_1}\n  SOURCES\n    a.cpp\n  ROOMS cl ${CMAKE_MATCH_2})\n"
          "${CMAKE_MATCH_1} links ${CMAKE_MATCH_2}: ${CMAKE_MATCH_3}")
 endforeach()
 breaks(tests/a.cpp "#include <CL/cl.h>\n" "tests/a.cpp: only host/runtime")
+breaks(host/runtime/buffer.hpp "#include <CL/cl.h>\n" "host/runtime/buffer.hpp: headers of the runtime")
 breaks(cl/kernels/bin.cl "// something else\n" "cl/kernels/bin.cl: the first line")
 breaks(cl/kernels/bin.cl "// bin.cl - keys. Launcher: host/render/frame/gone.cpp\n" "host/render/frame/gone.cpp does not exist")
 breaks(cl/kernels/new.cl "// new.cl - new. Launcher: host/render/frame/bin.cpp\n" "cl/kernels/new.cl: is not in cl/files.cmake")

@@ -21,6 +21,11 @@ CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(
   return {check, name};
 }
 
+/// Leaves the library's parsing with what is to be run instead.
+struct Answer {
+  std::function<void()> run;
+};
+
 }  // namespace
 
 Option& Option::required() {
@@ -78,6 +83,13 @@ Option& Option::values(int least, int most) {
   return *this;
 }
 
+Option& Option::answers(const std::string& value, std::function<void()> answer) {
+  option_->each([value, answer = std::move(answer)](const std::string& given) {
+    if (given == value) throw Answer{answer};
+  });
+  return *this;
+}
+
 Option& Option::excludes(const std::string& name) {
   option_->excludes(name);
   return *this;
@@ -118,6 +130,8 @@ Command Command::command(const std::string& name, const std::string& help) const
 }
 
 void Command::require_command() const { app_->require_subcommand(1); }
+
+void Command::take_anything() const { app_->allow_extras()->fallthrough(false); }
 
 void Command::run(std::function<void()> work) const { app_->callback(std::move(work)); }
 
@@ -166,6 +180,9 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   CLI::App& app = impl_->app;
   try {
     app.parse(argc, argv);
+  } catch (const Answer& answer) {
+    answer.run();
+    return false;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // --help, --version
       app.exit(error);

@@ -43,6 +43,8 @@ class Option {
   Option& one_of(std::initializer_list<int> values);
   /// How many values it takes.
   Option& values(int least, int most);
+  /// For this value nothing is run or required: `answer` is, once the whole command line has been read.
+  Option& answers(const std::string& value, std::function<void()> answer);
   /// Not together with the option of that name, which stands before this one.
   Option& excludes(const std::string& name);
 
@@ -73,6 +75,8 @@ class Command {
   [[nodiscard]] Command command(const std::string& name, const std::string& help) const;
   /// One of its commands has to be named.
   void require_command() const;
+  /// Arguments that it does not know are passed over.
+  void take_anything() const;
   /// What it does, once the whole command line has been read.
   void run(std::function<void()> work) const;
 
@@ -97,8 +101,8 @@ class CommandLine {
   /// A command that reads its arguments itself: none are read here once it is named.
   void add_foreign(const std::string& name, const std::string& help, Forward run);
 
-  /// Runs the command that is named; false when only help or the version was asked for, and printed.
-  /// Error{kUsage} for arguments that are not allowed.
+  /// Runs the command that is named; false when only help, the version or an answer was asked for, and
+  /// printed. Error{kUsage} for arguments that are not allowed.
   bool parse(int argc, const char* const* argv);
 
  private:

@@ -22,8 +22,13 @@ struct Globals {
 /// As asked for; nothing beside data as JSON.
 [[nodiscard]] ProgressStyle progress_style(const Globals& globals);
 
+/// Error{kUsage}: `what` needs a build with that CMake option.
+[[noreturn]] void refuse_absent(const std::string& what, const std::string& option);
+/// A command that this build lacks: it refuses, whatever its arguments.
+void add_absent(Command app, const std::string& name, const std::string& help, const std::string& option);
+
 void add_align(Command app, const Globals& globals);
-void add_bench(Command app, const Globals& globals);
+void add_bench(CommandLine& line);
 void add_convert(Command app, const Globals& globals);
 void add_demo(Command app, const Globals& globals);
 void add_devices(Command app, const Globals& globals);

@@ -1,6 +1,5 @@
 #include "host/cli/base/program.hpp"
 
-#include <chrono>
 #include <exception>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,6 +7,7 @@
 #include <new>
 
 #include "host/base/error.hpp"
+#include "host/base/stopwatch.hpp"
 #include "host/base/version.hpp"
 
 namespace simuli::cli {
@@ -42,12 +42,11 @@ int run(const std::string& name, const std::string& about, int argc, char** argv
   Globals globals;
   add_globals(line.root(), globals);
   add(line, globals);
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   if (!line.parse(argc, argv)) return 0;
   if (!std::cout.flush()) return fail("stdout: could not be written", static_cast<int>(ErrorKind::kInput));
   if (globals.verbose) {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-    std::cerr << fmt::format("simuli: {:.2f} s", elapsed.count()) << std::endl;
+    std::cerr << fmt::format("simuli: {:.2f} s", watch.seconds()) << std::endl;
   }
   return 0;
 }
@@ -57,6 +56,17 @@ int run(const std::string& name, const std::string& about, int argc, char** argv
 ProgressStyle progress_style(const Globals& globals) {
   if (globals.json_progress) return ProgressStyle::kJson;
   return globals.json ? ProgressStyle::kQuiet : simuli::progress_style();
+}
+
+void refuse_absent(const std::string& what, const std::string& option) {
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: found a build without it, allowed one with -D {}=ON", what, option));
+}
+
+void add_absent(Command app, const std::string& name, const std::string& help, const std::string& option) {
+  const Command command = app.command(name, help);
+  command.take_anything();
+  command.run([name, option] { refuse_absent(name, option); });
 }
 
 int run_program(

@@ -15,8 +15,8 @@ struct RecordLine {
 };
 [[nodiscard]] std::vector<RecordLine> record_lines(const TrainingRecord& record);
 
-/// "render.KEY=VALUE (trained with VALUE)" of each option that the scene was not trained with; of a scene that
-/// doesn't say none.
+/// "render.KEY=VALUE (trained with VALUE)" of each option that the scene was not trained with; of a scene
+/// that doesn't say none.
 [[nodiscard]] std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOptions& options);
 /// One line on stderr when there are any: a scene is at its best as it was trained.
 void warn_unlike_training(const SceneFile& scene, const RenderOptions& options);

@@ -1,34 +1,20 @@
 #pragma once
-// "--set KEY=VALUE": keys, what they set, and how values are read.
-#include <cstddef>
+// "--set KEY=VALUE" of commands.
 #include <functional>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "host/render/options/options.hpp"
+#include "host/base/fields.hpp"
+#include "host/cli/base/commands.hpp"
 
 namespace simuli::cli {
 
-/// One of several named values.
-struct Choice {
-  std::vector<std::string> names;  // of the values 0, 1, ...
-  std::function<std::size_t()> get;
-  std::function<void(std::size_t)> set;
-};
-
-struct Setting {
-  std::string key;
-  std::variant<double*, int*, std::size_t*, bool*, Choice> target;
-};
-
-/// Applies "key=value" lines. Error{kUsage} for a key that is not there (listing all keys), for one that
-/// stands twice, and for a value that is not one of the key's kind.
-void apply_settings(const std::vector<std::string>& settings, const std::vector<Setting>& all);
-/// All keys with their values, "key=value" each, in their order.
-[[nodiscard]] std::vector<std::string> list_settings(const std::vector<Setting>& all);
-
-/// The keys "render.*": how frames are rendered (host/render/options/options.hpp).
-[[nodiscard]] std::vector<Setting> render_settings(RenderOptions& options);
+/// What users say of "--set" into `settings`, for Fields::apply(). "--set help" prints what `fields` makes,
+/// with the values that would be used, and nothing else is asked of the command line.
+void add_settings(Command command,
+                  std::vector<std::string>& settings,
+                  const Globals& globals,
+                  std::function<Fields()> fields,
+                  const std::string& help);
 
 }  // namespace simuli::cli

@@ -11,8 +11,8 @@
 #include "host/base/version.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/base/provenance.hpp"
+#include "host/cli/draw/html_report.hpp"
 #include "host/cli/report/pair_pictures.hpp"
-#include "host/cli/report/html_report.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/ray_grid.hpp"
 #include "host/render/scene/scene_on_device.hpp"
@@ -163,7 +163,8 @@ std::vector<std::vector<std::string>> kernel_times(SceneOnDevice& scene,
 void add_times(HtmlReport& html, const Globals& globals, const Evaluation& evaluation) {
   const Log& log = evaluation.log();
   const RenderOptions& options = evaluation.options().render;
-  SceneOnDevice scene(Device::best(globals.device, {.profiling = true}), borrowed(evaluation.scene().scene), options);
+  SceneOnDevice scene(
+      Device::best(globals.device, {.profiling = true}), borrowed(evaluation.scene().scene), options);
   const std::vector<std::string> header{"kernel", "ms a frame", "launches"};
   html.heading("Time on the device, by kernel");
   if (!log.images.empty() && scene.scene().camera.size() > 0) {
@@ -178,9 +179,8 @@ void add_times(HtmlReport& html, const Globals& globals, const Evaluation& evalu
   html.paragraph(fmt::format("A sweep of {}, {} rays:", frame.lidar, lidar.ray_count()));
   html.table(header, kernel_times(scene, lidar, shot_of(log, frame)));
   html.heading("How the LiDAR's rays fall into tiles");
-  html.picture(
-      tile_picture(make_ray_grid(scene.device(), lidar.lidar(), lidar.rays(), options.render), frame.lidar),
-      "the beam pattern, the tiles over it, the rays of each tile");
+  html.picture(tile_picture(make_ray_grid(scene.device(), lidar.lidar(), lidar.rays(), options), frame.lidar),
+               "the beam pattern, the tiles over it, the rays of each tile");
 }
 
 }  // namespace
@@ -192,39 +192,14 @@ void write_report(const std::filesystem::path& file,
                   const EvalReport& report,
                   const TrainedReport* trained) {
   const DeviceInfo& info = evaluation.device().info();
-  HtmlReport html(
-      title, fmt::format("simuli {}; {}, driver {}", version(), info.label(), info.driver_version));
+  HtmlReport html(title,
+                  fmt::format("simuli {}; {}, driver {}", version(), info.label(), info.driver_version));
   add_metrics(html, report);
   if (trained != nullptr) add_training(html, *trained);
   add_pictures(html, evaluation);
   add_sweeps(html, evaluation);
   add_times(html, globals, evaluation);
   if (evaluation.scene().training) add_record(html, *evaluation.scene().training);
-  html.write(file);
-}
-
-void write_bench_report(const std::filesystem::path& file,
-                        const std::string& title,
-                        const std::vector<bench::Row>& rows) {
-  HtmlReport html(title, std::string("simuli ") + version());
-  std::vector<std::vector<std::string>> cells;
-  std::string table;
-  const auto flush = [&] {
-    if (cells.empty()) return;
-    html.heading(table);
-    html.table({"measured", "value", "unit", "+-"}, cells);
-    cells.clear();
-  };
-  for (const bench::Row& row : rows) {
-    const std::string name = row.name.substr(0, row.name.rfind('/'));
-    if (name != table) flush();
-    table = name;
-    cells.push_back({row.name.substr(std::min(row.name.size(), name.size() + 1)),
-                     fmt::format("{:.5g}", row.value),
-                     row.unit,
-                     row.spread > 0.0 ? fmt::format("{:.2g}", row.spread) : ""});
-  }
-  flush();
   html.write(file);
 }
 

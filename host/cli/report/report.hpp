@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <string>
 
-#include "bench/render/measure.hpp"
 #include "host/cli/report/training.hpp"
 
 namespace simuli::cli {
@@ -14,19 +13,14 @@ struct TrainedReport {
   TrainHistory history;
 };
 
-/// Metrics, curves of the training (when `trained` is given), how the scene was made, pictures and sweeps beside
-/// what was recorded, the LiDAR's tiles, the time of each kernel of a frame. Renders what it shows, on the device that
-/// `globals` asks for. Atomic; Error{kInput} when the file can't be written.
+/// Metrics, curves of the training (when `trained` is given), how the scene was made, pictures and sweeps
+/// beside what was recorded, the LiDAR's tiles, the time of each kernel of a frame. Renders what it shows, on
+/// the device that `globals` asks for. Atomic; Error{kInput} when the file can't be written.
 void write_report(const std::filesystem::path& file,
                   const std::string& title,
                   const Globals& globals,
                   Evaluation& evaluation,
                   const EvalReport& report,
                   const TrainedReport* trained = nullptr);
-
-/// The rows of a bench, one table for each thing measured.
-void write_bench_report(const std::filesystem::path& file,
-                        const std::string& title,
-                        const std::vector<bench::Row>& rows);
 
 }  // namespace simuli::cli

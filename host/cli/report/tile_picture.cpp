@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
-#include "host/cli/report/canvas.hpp"
+#include "host/cli/draw/canvas.hpp"
 #include "host/cli/base/pictures.hpp"
 
 namespace simuli::cli {

@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "host/cli/base/progress.hpp"
 #include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/progress.hpp"
 #include "host/cli/view/view_session.hpp"
 #include "io/base/event_file.hpp"
 #include "io/scene/training_json.hpp"

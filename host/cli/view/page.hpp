@@ -1,7 +1,7 @@
 #pragma once
 #include <span>
 
-#include "host/runtime/source.hpp"
+#include "host/runtime/text/source.hpp"
 
 namespace simuli::cli {
 

@@ -8,14 +8,11 @@
 
 namespace simuli {
 
-Chunks chunks_of(const Device& device, std::size_t n) {
-  const std::size_t target = device.info().compute_units * (device.info().is_cpu ? 4U : 256U);
-  const std::size_t chunk = std::max<std::size_t>(16, (n + target - 1) / target);
-  return {(n + chunk - 1) / chunk, static_cast<std::uint32_t>(chunk)};
-}
-
-BinStage::BinStage(const Device& device)
+BinStage::BinStage(const Device& device, std::size_t work_items)
     : device_(device),
+      scan_(device, work_items),
+      sort_(device, work_items),
+      scratch_(device),
       visible_count_(Program(device, "kernels/bin.cl"), "visible_count"),
       visible_write_(Program(device, "kernels/bin.cl"), "visible_write"),
       instance_count_(Program(device, "kernels/bin.cl"), "instance_count"),
@@ -23,69 +20,79 @@ BinStage::BinStage(const Device& device)
       tile_ranges_(Program(device, "kernels/bin.cl"), "tile_ranges") {}
 
 void BinStage::run(const shared::FrameParams& frame,
-                   const Buffer<std::uint32_t>& tile_rows,
-                   FrameBuffers& b,
-                   SortStage& sort,
-                   ScanStage& scan,
-                   std::size_t max_instances) {
-  const std::uint32_t n = frame.particles;
+                   const RayBuffers& rays,
+                   const Projected& projected,
+                   std::size_t max_instances,
+                   Binned& out) {
   const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;
-  b.first.reserve(std::size_t{tiles} + 1);
-  b.emission.reserve(n);
-  b.visible = 0;
-  b.instances = 0;
+  FrameSizes sizes{.particles = frame.particles, .tiles = tiles};
+  out.visible = 0;
+  out.instances = 0;
+  if (frame.particles > 0) list_visible(projected, sizes, out);
+  out.reserve(sizes);
+  if (out.visible > 0) list_instances(frame, rays, projected, max_instances, sizes, out);
+  const Chunks instances = chunks_of(device_, out.instances);
+  tile_ranges_.run(std::max<std::size_t>(instances.work_items, 1),
+                   1,
+                   {out, {"k", out.instances}, {"chunk", instances.chunk}, {"tiles", tiles}});
+}
 
+void BinStage::list_visible(const Projected& projected, FrameSizes& sizes, Binned& out) {
+  const auto n = static_cast<std::uint32_t>(sizes.particles);
   const Chunks particles = chunks_of(device_, n);
-  if (n > 0) {
-    b.counts.reserve(particles.work_items);
-    visible_count_.launch(particles.work_items, 1, b.keys, n, particles.chunk, b.counts);
-    b.visible = static_cast<std::uint32_t>(
-        scan.run(b.counts, static_cast<std::uint32_t>(particles.work_items), true));
-    b.order.reserve(b.visible);
-    b.order_keys.reserve(b.visible);
-    visible_write_.launch(
-        particles.work_items, 1, b.keys, n, particles.chunk, b.counts, b.order_keys, b.order);
-  }
+  sizes.work_items = particles.work_items;
+  scratch_.reserve(sizes);
+  visible_count_.run(particles.work_items, 1, {projected, {"n", n}, {"chunk", particles.chunk}, scratch_});
+  out.visible = static_cast<std::uint32_t>(
+      scan_.run(scratch_.counts, static_cast<std::uint32_t>(particles.work_items), true));
+  sizes.visible = out.visible;
+  scratch_.reserve(sizes);
+  out.reserve(sizes);
+  visible_write_.run(particles.work_items,
+                     1,
+                     {projected,
+                      {"n", n},
+                      {"chunk", particles.chunk},
+                      {"offsets", scratch_.counts},
+                      scratch_,
+                      {"visible", out.order}});
   // Once by range; instances inherit the order, so that tiles need only their own bits sorted.
-  sort.run(b.order_keys, b.order, b.key_scratch, b.value_scratch, b.visible, 32, scan);
+  sort_.run(scratch_.visible_keys, out.order, out.visible, 32);
+}
 
-  if (b.visible > 0) {
-    const Chunks visible = chunks_of(device_, b.visible);
-    b.counts.reserve(visible.work_items);
-    instance_count_.launch(visible.work_items, 1, b.order, b.visible, visible.chunk, b.footprints, b.counts);
-    const std::uint64_t total = scan.run(b.counts, static_cast<std::uint32_t>(visible.work_items), true);
-    if (total > max_instances) {
-      throw Error(ErrorKind::kDevice,
-                  fmt::format("binning {} visible particles: found {} tile instances, allowed {}",
-                              b.visible,
-                              total,
-                              max_instances));
-    }
-    b.instances = static_cast<std::uint32_t>(total);
-    b.tile.reserve(b.instances);
-    b.payload.reserve(b.instances);
-    instance_emit_.launch(visible.work_items,
-                          1,
-                          frame,
-                          b.order,
-                          b.visible,
-                          visible.chunk,
-                          b.footprints,
-                          tile_rows,
-                          b.counts,
-                          b.tile,
-                          b.payload,
-                          b.emission);
-    sort.run(b.tile, b.payload, b.key_scratch, b.value_scratch, b.instances, std::bit_width(tiles - 1), scan);
+void BinStage::list_instances(const shared::FrameParams& frame,
+                              const RayBuffers& rays,
+                              const Projected& projected,
+                              std::size_t max_instances,
+                              FrameSizes& sizes,
+                              Binned& out) {
+  const Chunks visible = chunks_of(device_, out.visible);
+  sizes.work_items = visible.work_items;
+  scratch_.reserve(sizes);
+  instance_count_.run(
+      visible.work_items, 1, {out, {"m", out.visible}, {"chunk", visible.chunk}, projected, scratch_});
+  const std::uint64_t total =
+      scan_.run(scratch_.counts, static_cast<std::uint32_t>(visible.work_items), true);
+  if (total > max_instances) {
+    throw Error(ErrorKind::kDevice,
+                fmt::format("binning {} visible particles: found {} tile instances, allowed {}",
+                            out.visible,
+                            total,
+                            max_instances));
   }
-  const Chunks instances = chunks_of(device_, b.instances);
-  tile_ranges_.launch(std::max<std::size_t>(instances.work_items, 1),
-                      1,
-                      b.tile,
-                      b.instances,
-                      instances.chunk,
-                      tiles,
-                      b.first);
+  out.instances = static_cast<std::uint32_t>(total);
+  sizes.instances = total;
+  out.reserve(sizes);
+  instance_emit_.run(visible.work_items,
+                     1,
+                     {{"frame", frame},
+                      out,
+                      {"m", out.visible},
+                      {"chunk", visible.chunk},
+                      projected,
+                      rays,
+                      {"offsets", scratch_.counts}});
+  sort_.run(out.tile, out.payload, out.instances, std::bit_width(frame.tiles_x * frame.tiles_y - 1));
 }
 
 }  // namespace simuli

@@ -1,4 +1,4 @@
-// Launcher of "kernels/project.cl" and "kernels/project_bwd.cl".
+// Launcher of "kernels/project.cl".
 #include "host/render/frame/stages.hpp"
 
 namespace simuli {
@@ -16,73 +16,22 @@ BuildOptions forward_options(const Variant& variant) {
       .define("CULLING", variant.culling);
 }
 
-BuildOptions backward_options(const Variant& variant) {
-  BuildOptions options = variant.options();
-  // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
-  return options.define("CLAMPED_CHANNELS", variant.sensor == SensorType::kCamera ? 3 : 1)
-      .define("COMPENSATION", variant.compensation);
-}
-
 }  // namespace
 
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.shape.lanes),
-      actors_(variant.actors),
       actor_motion_(variant.actor_motion),
-      project_(Program(device, "kernels/project.cl", forward_options(variant)), "project"),
-      project_bwd_(Program(device, "kernels/project_bwd.cl", backward_options(variant)), "project_bwd") {}
+      project_(Program(device, "kernels/project.cl", forward_options(variant)), "project") {}
 
 void ProjectStage::run(const shared::FrameParams& frame,
                        const ParticleBuffers& particles,
                        const RayBuffers& rays,
-                       FrameBuffers& buffers) {
-  buffers.records.reserve(std::size_t{frame.particles} * SIM_RECORD);
-  buffers.footprints.reserve(frame.particles);
-  buffers.keys.reserve(frame.particles);
-  if (actor_motion_) buffers.motions.reserve(std::size_t{frame.particles} * SIM_MOTION);
+                       const FrameConstants& constants,
+                       Projected& out) {
+  out.reserve({.particles = frame.particles, .moving_particles = actor_motion_ ? frame.particles : 0});
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_.launch(round_up(items, kLocalSize),
-                  kLocalSize,
-                  frame,
-                  particles.params,
-                  particles.actor_of,
-                  buffers.actors,
-                  buffers.sensor,
-                  rays.row_lut,
-                  rays.row_elevation,
-                  rays.tile_row_of_row,
-                  rays.column_of_bin,
-                  rays.mask_row_of_row,
-                  rays.areas,
-                  buffers.records,
-                  buffers.footprints,
-                  buffers.keys,
-                  buffers.motions);
-}
-
-void ProjectStage::run_backward(const shared::FrameParams& frame,
-                                const ParticleBuffers& particles,
-                                FrameBuffers& buffers,
-                                RealBuffer& param_grads) {
-  if (actors_) buffers.pose_grads.reserve(std::size_t{SIM_POSE_GRAD} * frame.stride);
-  const std::size_t items =
-      round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_bwd_.launch(round_up(items, kLocalSize),
-                      kLocalSize,
-                      frame,
-                      particles.params,
-                      particles.actor_of,
-                      buffers.actors,
-                      buffers.sensor,
-                      buffers.keys,
-                      buffers.footprints,
-                      buffers.emission,
-                      buffers.records,
-                      buffers.motions,
-                      buffers.grads,
-                      param_grads,
-                      buffers.pose_grads);
+  project_.run(round_up(items, kLocalSize), kLocalSize, {{"frame", frame}, particles, constants, rays, out});
 }
 
 }  // namespace simuli

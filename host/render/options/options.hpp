@@ -107,11 +107,12 @@ constexpr void visit_fields(RayMaskSize& o, F&& field) {
         "rows of equally many beams, else of equal intervals of elevation");
 }
 
-/// Every approximation of a frame, named, with its default (speed against accuracy).
+/// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
+/// unless asked (Quality::kBalanced). They are the paper's but for the extents (paper_options()).
 struct RenderOptions {
   Precision precision = Precision::kFloat;
   Projection projection = Projection::kUnscented;
-  Extent extent = Extent::kUnscented;
+  Extent extent = Extent::kExact;  // as accurate as the paper's boxes, and faster where sensors move
   Order order = Order::kRange;
   ShDirection sh_direction = ShDirection::kParticle;
   ShDegree sh_degree = ShDegree::k3;
@@ -122,6 +123,7 @@ struct RenderOptions {
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
   double camera_filter_px2 = 0.3;
+  double camera_near_m = 0.01;
   bool camera_compensation = false;
   bool lidar_compensation = false;  // blends thin things with what is behind
   bool median_distance = true;
@@ -130,7 +132,6 @@ struct RenderOptions {
   RayMaskSize ray_mask;
   LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
   std::size_t max_instances = std::size_t{1} << 28U;
-
   bool operator==(const RenderOptions&) const = default;
 };
 
@@ -187,6 +188,10 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         o.camera_filter_px2,
         range(0.0, 100.0),
         "px^2, variance of a pixel's footprint");
+  field("render.camera_near_m",
+        o.camera_near_m,
+        range(0.01, 1000.0),
+        "m, cameras see nothing nearer; a LiDAR's nearest range is its own");
   field("render.camera_compensation",
         o.camera_compensation,
         "particles that a pixel's footprint widens lose opacity in proportion");
@@ -209,6 +214,13 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         "LiDARs: also the distance at which half the light is gone; trainings never do");
   field.part("", o.ray_mask);
   field.keyless(o.shape);  // follows from the device
+}
+
+/// The paper's choices: extents from boxes, at which responses are clipped.
+[[nodiscard]] constexpr RenderOptions paper_options() {
+  RenderOptions options;
+  options.extent = Extent::kUnscented;
+  return options;
 }
 
 }  // namespace simuli

@@ -20,6 +20,7 @@ RenderOptions options_of(Quality quality) {
   RenderOptions o;
   switch (quality) {
     case Quality::kDraft:
+      o.extent = Extent::kUnscented;
       o.shutter_iterations = 0;
       o.sh_degree = ShDegree::k0;
       o.sh_storage = ShStorage::kHalf;
@@ -27,17 +28,14 @@ RenderOptions options_of(Quality quality) {
       o.transmittance_cut = 0.02;
       break;
     case Quality::kBalanced:
-      o.extent = Extent::kExact;  // as accurate as boxes, and faster where sensors move
       break;
     case Quality::kExact:
-      o.extent = Extent::kExact;
       o.order = Order::kPerRay;
       o.alpha_cut = 1e-4;
       o.transmittance_cut = 1e-5;
       break;
     case Quality::kReference:
       o.precision = Precision::kDouble;
-      o.extent = Extent::kExact;
       o.order = Order::kPerRay;
       o.sh_direction = ShDirection::kRay;
       o.alpha_cut = 1e-5;

@@ -16,8 +16,7 @@ enum class Quality { kDraft, kBalanced, kExact, kReference };
 /// Nothing when there is none of that name.
 [[nodiscard]] std::optional<Quality> find_quality(std::string_view name);
 
-/// What a bundle sets. RenderOptions{} are the paper's choices; kBalanced, what programs take unless asked,
-/// differs from them by its exact extents.
+/// What a bundle sets; kBalanced is RenderOptions{}, the others differ from it.
 [[nodiscard]] RenderOptions options_of(Quality quality);
 
 /// The same for trainings: without what has no gradients, and in float.

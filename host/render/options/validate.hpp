@@ -17,10 +17,4 @@ inline constexpr float kLargestGain = 1e10F;
 /// Error{kNumeric} naming `what` and the first value that is no number of at most `largest`.
 void need_numbers(std::span<const float> values, float largest, const char* what);
 
-/// The camera itself; Error{kDevice} with the numbers, before any memory is taken, where the device has no
-/// room for the rays of its pixels.
-[[nodiscard]] const Camera& with_room_on(const Device& device,
-                                         const Camera& camera,
-                                         const RenderOptions& options);
-
 }  // namespace simuli

@@ -112,8 +112,7 @@ LidarTiling tile_ray_list(const Device& device,
   LidarTilingStage tiler(device);
   const Buffer<float> elevations(device, "ray elevations", elevation), places(device, "ray places", x);
   const TileBins bins = bins_over(elevation, kBins);
-  Uints order(device, "rays by row"), row_starts(device, "row starts"),
-      group_of_row(device, "groups of rows");
+  ListRows rows(device);
 
   // Without a number asked for, the one of fewest slots of some about which tiles are as wide as high.
   std::vector<std::uint32_t> numbers{static_cast<std::uint32_t>(wanted.elevation)};
@@ -142,31 +141,22 @@ LidarTiling tile_ray_list(const Device& device,
         std::min(kTurn / kFewestColumns * static_cast<double>(x_bins.scale), double{kMostIndex}));
     const Uints column_of_bin =
         tiler.groups_of(places, 1, x_bins, columns, std::max(widest, 1U), out.columns);
-    if (!tiler.list_rows(elevations,
-                         bins,
-                         group_of_bin,
-                         places,
-                         x_bins,
-                         column_of_bin,
-                         out.columns,
-                         SIM_SLOT_ROW,
-                         order,
-                         row_starts,
-                         group_of_row)) {
+    if (!tiler.list_rows(
+            {elevations, bins}, group_of_bin, {places, x_bins}, column_of_bin, out.columns, rows)) {
       continue;
     }
     static_cast<void>(
-        tiler.cut(group_of_row, static_cast<std::uint32_t>(group_of_row.count()), most_rows, out));
+        tiler.cut(rows.group_of_row, static_cast<std::uint32_t>(rows.group_of_row.count()), most_rows, out));
     if (!best.tile_rows.empty() && out.tiles() >= best.tiles()) continue;
     out.tile_rays = std::clamp(std::bit_ceil(most_rays), 32U, 256U);
     out.row_slots = 1;
-    static_cast<void>(tiler.place(places, order, row_starts, x_bins, column_of_bin, out));
+    static_cast<void>(tiler.place(places, rows.order, rows.starts, x_bins, column_of_bin, out));
     out.first = x_bins.first;
     out.scale = x_bins.scale;
     out.column_of_bin = column_of_bin.download();
     out.slot_of_ray = tiler.slot_of_ray();
-    out.order = order.download();
-    out.row_starts = row_starts.download();
+    out.order = rows.order.download();
+    out.row_starts = rows.starts.download();
     best = std::move(out);
   }
   if (best.tile_rows.empty()) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cl/shared/layout.h"
 #include "host/render/options/options.hpp"
 #include "host/runtime/device.hpp"
 

@@ -27,6 +27,7 @@ LidarTilingStage::LidarTilingStage(const Device& device)
     : device_(device),
       program_(device, "kernels/lidar_tiling.cl"),
       scan_(device),
+      sort_(device),
       histogram_(program_, "tiling_histogram"),
       boundaries_(program_, "tiling_boundaries"),
       row_groups_(program_, "tiling_row_groups"),
@@ -50,7 +51,15 @@ Uints LidarTilingStage::groups_of(const Buffer<float>& values,
   count(values, n, weight, bins, identity, counts);
   scan_.run(counts, bins.count, false);
   Uints group_of_bin(device_, "groups of bins", bins.count);
-  boundaries_.launch(1, 1, counts, n * weight, bins.count, wanted, widest, group_of_bin, found_);
+  boundaries_.run(1,
+                  1,
+                  {{"before", counts},
+                   {"rays", n * weight},
+                   {"bins", bins.count},
+                   {"wanted", wanted},
+                   {"widest", widest},
+                   {"group_of_bin", group_of_bin},
+                   {"groups", found_}});
   groups = found_.read_back();
   return group_of_bin;
 }
@@ -71,15 +80,15 @@ Uints LidarTilingStage::groups_of_rows(const Buffer<float>& elevation,
                                        const Uints& group_of_bin) {
   const auto rows = static_cast<std::uint32_t>(elevation.count());
   Uints group_of_row(device_, "groups of rows", rows);
-  row_groups_.launch(round_up(rows, 64),
-                     64,
-                     elevation,
-                     rows,
-                     bins.first,
-                     bins.scale,
-                     bins.count,
-                     group_of_bin,
-                     group_of_row);
+  row_groups_.run(round_up(rows, 64),
+                  64,
+                  {{"row_elevation", elevation},
+                   {"rows", rows},
+                   {"first", bins.first},
+                   {"scale", bins.scale},
+                   {"bins", bins.count},
+                   {"group_of_bin", group_of_bin},
+                   {"group_of_row", group_of_row}});
   return group_of_row;
 }
 
@@ -89,7 +98,14 @@ std::uint32_t LidarTilingStage::cut(const Uints& group_of_row,
                                     LidarTiling& out) {
   first_rows_.reserve(std::size_t{rows} + 1);
   tile_row_of_row_.reserve(rows);
-  tile_rows_.launch(1, 1, group_of_row, rows, most, first_rows_, tile_row_of_row_, found_);
+  tile_rows_.run(1,
+                 1,
+                 {{"group_of_row", group_of_row},
+                  {"rows", rows},
+                  {"most", most},
+                  {"tile_rows", first_rows_},
+                  {"tile_row_of_row", tile_row_of_row_},
+                  {"found", found_}});
   const std::vector<std::uint32_t> found = found_.download();
   out.tile_rows = front(first_rows_, std::size_t{found[0]} + 1);
   out.tile_row_of_row = tile_row_of_row_.download();
@@ -106,78 +122,80 @@ LidarTilingStage::Fullest LidarTilingStage::place(const Buffer<float>& x,
   used_.reserve(std::size_t{rows} * tiling.columns);
   slot_of_ray_.reserve(x.count());
   fullest_.reserve(rows);
-  slots_.launch(rows,
-                1,
-                x,
-                order,
-                row_starts,
-                rows,
-                bins.first,
-                bins.scale,
-                bins.count,
-                column_of_bin,
-                tiling.columns,
-                first_rows_,
-                tile_row_of_row_,
-                tiling.row_slots * SIM_SLOT_ROW,
-                tiling.tile_rays,
-                used_,
-                slot_of_ray_,
-                fullest_);
+  slots_.run(rows,
+             1,
+             {{"x", x},
+              {"order", order},
+              {"row_starts", row_starts},
+              {"rows", rows},
+              {"first", bins.first},
+              {"scale", bins.scale},
+              {"bins", bins.count},
+              {"column_of_bin", column_of_bin},
+              {"columns", tiling.columns},
+              {"tile_rows", first_rows_},
+              {"tile_row_of_row", tile_row_of_row_},
+              {"width", tiling.row_slots * SIM_SLOT_ROW},
+              {"tile_rays", tiling.tile_rays},
+              {"used", used_},
+              {"slot_of_ray", slot_of_ray_},
+              {"fullest", fullest_}});
   Fullest fullest{most(fullest_), 0};
   const auto tiles = static_cast<std::uint32_t>(tiling.tile_rows.size() - 1);
   fullest_.reserve(tiles);
-  fullest_tiles_.launch(tiles, 1, used_, first_rows_, tiles, tiling.columns, fullest_);
+  fullest_tiles_.run(tiles,
+                     1,
+                     {{"used", used_},
+                      {"tile_rows", first_rows_},
+                      {"tiles", tiles},
+                      {"columns", tiling.columns},
+                      {"fullest", fullest_}});
   fullest.tile = most(fullest_);
   return fullest;
 }
 
-bool LidarTilingStage::list_rows(const Buffer<float>& elevation,
-                                 const TileBins& bins,
+bool LidarTilingStage::list_rows(const BinnedValues& elevation,
                                  const Uints& group_of_bin,
-                                 const Buffer<float>& x,
-                                 const TileBins& x_bins,
+                                 const BinnedValues& x,
                                  const Uints& column_of_bin,
                                  std::uint32_t columns,
-                                 std::uint32_t width,
-                                 Uints& order,
-                                 Uints& row_starts,
-                                 Uints& group_of_row) {
-  const auto n = static_cast<std::uint32_t>(elevation.count());
-  Uints keys(device_, "elevation keys", n), key_scratch(device_, "sort keys"),
-      scratch(device_, "sort values");
-  order.reserve(n);
-  keys_.launch(round_up(n, 64), 64, elevation, n, keys, order);
-  SortStage(device_).run(keys, order, key_scratch, scratch, n, 32, scan_);
+                                 ListRows& rows) {
+  const auto n = static_cast<std::uint32_t>(elevation.values.count());
+  Uints keys(device_, "elevation keys", n);
+  rows.order.reserve(n);
+  keys_.run(round_up(n, 64),
+            64,
+            {{"elevation", elevation.values}, {"n", n}, {"keys", keys}, {"order", rows.order}});
+  sort_.run(keys, rows.order, n, 32);
   const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiling::kMostIndex});
-  row_starts.reserve(std::size_t{most_rows} + 1);
-  group_of_row.reserve(most_rows);
+  rows.starts.reserve(std::size_t{most_rows} + 1);
+  rows.group_of_row.reserve(most_rows);
   used_.reserve(std::size_t{2} * columns);
-  list_rows_.launch(1,
-                    1,
-                    order,
-                    n,
-                    x,
-                    x_bins.first,
-                    x_bins.scale,
-                    x_bins.count,
-                    column_of_bin,
-                    columns,
-                    elevation,
-                    bins.first,
-                    bins.scale,
-                    bins.count,
-                    group_of_bin,
-                    width,
-                    most_rows,
-                    used_,
-                    row_starts,
-                    group_of_row,
-                    found_);
-  const std::uint32_t rows = found_.read_back();
-  if (rows > most_rows) return false;
-  row_starts.reserve(std::size_t{rows} + 1);
-  group_of_row.reserve(rows);
+  list_rows_.run(1,
+                 1,
+                 {{"order", rows.order},
+                  {"n", n},
+                  {"x", x.values},
+                  {"x_first", x.bins.first},
+                  {"x_scale", x.bins.scale},
+                  {"x_bins", x.bins.count},
+                  {"column_of_bin", column_of_bin},
+                  {"columns", columns},
+                  {"elevation", elevation.values},
+                  {"first", elevation.bins.first},
+                  {"scale", elevation.bins.scale},
+                  {"bins", elevation.bins.count},
+                  {"group_of_bin", group_of_bin},
+                  {"width", std::uint32_t{SIM_SLOT_ROW}},
+                  {"most_rows", most_rows},
+                  {"used", used_},
+                  {"row_starts", rows.starts},
+                  {"group_of_row", rows.group_of_row},
+                  {"rows", found_}});
+  const std::uint32_t found = found_.read_back();
+  if (found > most_rows) return false;
+  rows.starts.reserve(std::size_t{found} + 1);
+  rows.group_of_row.reserve(found);
   return true;
 }
 
@@ -195,8 +213,16 @@ void LidarTilingStage::count(const Buffer<float>& values,
                              const TileBins& bins,
                              const Uints& group_of_bin,
                              Uints& counts) {
-  histogram_.launch(
-      round_up(n, 64), 64, values, n, weight, bins.first, bins.scale, bins.count, group_of_bin, counts);
+  histogram_.run(round_up(n, 64),
+                 64,
+                 {{"values", values},
+                  {"n", n},
+                  {"weight", weight},
+                  {"first", bins.first},
+                  {"scale", bins.scale},
+                  {"bins", bins.count},
+                  {"group_of_bin", group_of_bin},
+                  {"counts", counts}});
 }
 
 }  // namespace simuli

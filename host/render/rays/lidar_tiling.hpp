@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/render/device/sort.hpp"
 #include "host/render/rays/lidar_tiles.hpp"
-#include "host/render/frame/stages.hpp"
 
 namespace simuli {
 
@@ -15,11 +15,23 @@ struct TileBins {
   std::uint32_t count = 0;
 };
 
+/// Values on the device and the bins that they fall into.
+struct BinnedValues {
+  const Buffer<float>& values;
+  TileBins bins;
+};
+
+/// Rows that a ray list is cut into.
+struct ListRows {
+  explicit ListRows(const Device& device)
+      : order(device, "rays by row"), starts(device, "row starts"), group_of_row(device, "groups of rows") {}
+  Buffer<std::uint32_t> order;         // [rays] by row, the rows from top to bottom
+  Buffer<std::uint32_t> starts;        // [rows + 1] into `order`
+  Buffer<std::uint32_t> group_of_row;  // [rows] group of elevation
+};
+
 class LidarTilingStage {
   using Uints = Buffer<std::uint32_t>;
-  using In = Buf<const std::uint32_t>;
-  using Out = Buf<std::uint32_t>;
-  using Floats = Buf<const float>;
 
  public:
   explicit LidarTilingStage(const Device& device);
@@ -52,18 +64,14 @@ class LidarTilingStage {
                 const TileBins& bins,
                 const Uints& column_of_bin,
                 const LidarTiling& tiling);
-  /// Rows of a list; nothing when they would be more than a footprint can name.
-  bool list_rows(const Buffer<float>& elevation,
-                 const TileBins& bins,
+  /// Rows of a list, of SIM_SLOT_ROW rays of a tile column at most; false when they would be more than a
+  /// footprint can name. Elevations fall into groups, places into tile columns, of which there are `columns`.
+  bool list_rows(const BinnedValues& elevation,
                  const Uints& group_of_bin,
-                 const Buffer<float>& x,
-                 const TileBins& x_bins,
+                 const BinnedValues& x,
                  const Uints& column_of_bin,
                  std::uint32_t columns,
-                 std::uint32_t width,
-                 Uints& order,
-                 Uints& row_starts,
-                 Uints& group_of_row);
+                 ListRows& rows);
   std::vector<std::uint32_t> slot_of_ray() const;
   static std::vector<std::uint32_t> iota(std::uint32_t count);
 
@@ -78,49 +86,8 @@ class LidarTilingStage {
   Device device_;
   Program program_;
   ScanStage scan_;
-  Kernel<Floats, std::uint32_t, std::uint32_t, float, float, std::uint32_t, In, Out> histogram_;
-  Kernel<In, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, Out, Out> boundaries_;
-  Kernel<Floats, std::uint32_t, float, float, std::uint32_t, In, Out> row_groups_;
-  Kernel<Floats, std::uint32_t, Out, Out> keys_;
-  Kernel<In,
-         std::uint32_t,
-         Floats,
-         float,
-         float,
-         std::uint32_t,
-         In,
-         std::uint32_t,
-         Floats,
-         float,
-         float,
-         std::uint32_t,
-         In,
-         std::uint32_t,
-         std::uint32_t,
-         Out,
-         Out,
-         Out,
-         Out>
-      list_rows_;
-  Kernel<In, std::uint32_t, std::uint32_t, Out, Out, Out> tile_rows_;
-  Kernel<Floats,
-         In,
-         In,
-         std::uint32_t,
-         float,
-         float,
-         std::uint32_t,
-         In,
-         std::uint32_t,
-         In,
-         In,
-         std::uint32_t,
-         std::uint32_t,
-         Out,
-         Out,
-         Out>
-      slots_;
-  Kernel<In, In, std::uint32_t, std::uint32_t, Out> fullest_tiles_;
+  SortStage sort_;
+  Kernel histogram_, boundaries_, row_groups_, keys_, list_rows_, tile_rows_, slots_, fullest_tiles_;
   Uints found_;
   Uints first_rows_{device_, "first rows"}, tile_row_of_row_{device_, "tile rows of rows"};
   Uints used_{device_, "rays of cells"}, fullest_{device_, "fullest cells"};

@@ -161,7 +161,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   c[SIM_S_TIME_Y] = camera.exposure_fraction({0.0, 1.0}) - c[SIM_S_TIME_C];
   c[SIM_S_TIME_STEP] = std::abs(c[SIM_S_TIME_X]) + std::abs(c[SIM_S_TIME_Y]);
   c[SIM_S_KAPPA] = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
-  c[SIM_S_T_MIN] = 0.01;
+  c[SIM_S_T_MIN] = options.camera_near_m;
   c[SIM_S_T_MAX] = 1e6;
   c[SIM_S_PERIOD] = wraps ? camera.width : 0.0;
   return grid;

@@ -4,14 +4,9 @@
 #include <algorithm>
 
 #include "host/base/fields.hpp"
-#include "host/render/frame/stages.hpp"
 
 namespace simuli {
 namespace {
-
-using Uints = Buffer<std::uint32_t>;
-using In = Buf<const std::uint32_t>;
-using Out = Buf<std::uint32_t>;
 
 BuildOptions mask_options(Precision precision) {
   BuildOptions options;
@@ -36,7 +31,7 @@ std::vector<std::uint32_t> rows_of_mask(const RayGrid& grid, const RayMaskSize& 
 }  // namespace
 
 RayMaskStage::RayMaskStage(const Device& device, Precision precision)
-    : device_(device),
+    : scratch_(device),
       cells_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_cells"),
       row_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_row_sums"),
       column_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_column_sums") {}
@@ -48,22 +43,19 @@ bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays)
   c[SIM_S_MASK_SCALE] = columns / (c[SIM_S_TILE_X1] - c[SIM_S_TILE_X0]);
   c[SIM_S_MASK_COLUMNS] = columns;
   rays.mask_row_of_row.assign(rows_of_mask(grid, size));
-  Uints cells(device_, "mask cells", std::size_t{rows} * columns);
-  cells.fill(0);
-  cells_.launch(round_up(grid.frame.slots, 64),
-                64,
-                grid.frame,
-                rays.sensor_ray,
-                rays.u,
-                rays.tile_rows,
-                rays.mask_row_of_row,
-                c[SIM_S_TILE_X0],
-                c[SIM_S_MASK_SCALE],
-                columns,
-                cells);
+  scratch_.reserve(size);
+  scratch_.cells.fill(0);
+  cells_.run(round_up(grid.frame.slots, 64),
+             64,
+             {{"frame", grid.frame},
+              rays,
+              {"first", c[SIM_S_TILE_X0]},
+              {"scale", c[SIM_S_MASK_SCALE]},
+              {"columns", columns},
+              scratch_});
   rays.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));
-  row_sums_.launch(std::size_t{rows} + 1, 1, cells, rows, columns, rays.areas);
-  column_sums_.launch(round_up(std::size_t{columns} + 1, 64), 64, rows, columns, rays.areas);
+  row_sums_.run(std::size_t{rows} + 1, 1, {scratch_, {"rows", rows}, {"columns", columns}, rays});
+  column_sums_.run(round_up(std::size_t{columns} + 1, 64), 64, {{"rows", rows}, {"columns", columns}, rays});
   return rays.areas.read_back(rays.areas.count() - 1) < std::size_t{rows} * columns;
 }
 

@@ -1,8 +1,16 @@
 #pragma once
 // Ray-based culling (docs/METHOD.md section 6): where a LiDAR's requested rays are, as a summed-area table.
-#include "host/render/frame/stages.hpp"
+#include "host/render/rays/ray_buffers.hpp"
+#include "host/runtime/kernel.hpp"
 
 namespace simuli {
+
+struct RayMaskScratch : BufferTable<RayMaskSize> {
+  using BufferTable::BufferTable;
+  Words cells{*this, "cells", [](const RayMaskSize& s) {
+                return static_cast<std::uint64_t>(s.rows) * static_cast<std::uint64_t>(s.columns);
+              }};
+};
 
 class RayMaskStage {
  public:
@@ -12,19 +20,8 @@ class RayMaskStage {
   bool run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays);
 
  private:
-  Device device_;
-  Kernel<shared::FrameParams,
-         BufRealConst,
-         BufRealConst,
-         Buf<const std::uint32_t>,
-         Buf<const std::uint32_t>,
-         RealScalar,
-         RealScalar,
-         std::uint32_t,
-         Buf<std::uint32_t>>
-      cells_;
-  Kernel<Buf<const std::uint32_t>, std::uint32_t, std::uint32_t, Buf<std::uint32_t>> row_sums_;
-  Kernel<std::uint32_t, std::uint32_t, Buf<std::uint32_t>> column_sums_;
+  RayMaskScratch scratch_;
+  Kernel cells_, row_sums_, column_sums_;
 };
 
 }  // namespace simuli

@@ -10,10 +10,13 @@
 #include <variant>
 
 #include "host/base/error.hpp"
+#include "host/render/frame/actor_constants.hpp"
+#include "host/render/frame/room.hpp"
 #include "host/render/options/lane_shape.hpp"
 #include "host/render/options/quality.hpp"
-#include "host/render/rays/ray_mask.hpp"
 #include "host/render/options/validate.hpp"
+#include "host/render/rays/ray_mask.hpp"
+#include "host/render/scene/renderer_stages.hpp"
 
 namespace simuli {
 namespace {
@@ -96,7 +99,8 @@ void SensorRays::State::place_requested() {
 }
 
 RayMap::RayMap(const Device& device, const RayGrid& grid)
-    : ray_of_slot(device, "rays of slots", grid.ray_of_slot), slot_of_ray(device, "slots of rays") {
+    : BufferTable(device) {
+  ray_of_slot.assign(grid.ray_of_slot);
   std::vector<std::int32_t> slots(grid.rays, -1);
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
     const std::int32_t ray = grid.ray_of_slot[slot];
@@ -181,16 +185,18 @@ void append_normal_samples(std::vector<double>& values) {
 Renderer::Renderer(const Device& device, const RenderOptions& options)
     : device_(device),
       options_(resolve(device, options)),
-      scan_(device),
-      sort_(device),
-      bin_(device),
-      loss_(device, options.precision),
+      all_(std::make_unique<AllStages>(device, options.precision)),
       buffers_(device, options.precision),
+      gradients_(device, options.precision),
       actors_(device, options.precision),
-      picture_(device, "graded picture", options.precision) {}
+      pictures_(device, options.precision) {}
 
-Renderer::Stages& Renderer::stages(const Variant& variant) {
-  auto& entry = stages_[variant];
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+Renderer::Stages& Renderer::stages_of(const Variant& variant) {
+  auto& entry = all_->of_variant[variant];
   if (!entry) entry = std::make_unique<Stages>(device_, variant);
   return *entry;
 }
@@ -223,7 +229,7 @@ void Renderer::render(const ParticleBuffers& particles,
           interpolate(actor.scene_from_actor_start, actor.scene_from_actor_end, 0.5);
       actor.scene_from_actor_end = actor.scene_from_actor_start;
     }
-    buffers_.actors.assign(actor_constants(actors, centre_ref, actor_motion_));
+    buffers_.constants.actors.assign(actor_constants(actors, centre_ref, actor_motion_));
   }
   moving = moving || actor_motion_;
   Variant variant;
@@ -253,7 +259,7 @@ void Renderer::render(const ParticleBuffers& particles,
   variant.culling = rays.marked() && (options_.culling == Culling::kAlways ||
                                       (options_.culling == Culling::kAuto && rays.can_cull()));
   variant.shape = options_.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
-  current_ = &stages(variant);
+  current_ = &stages_of(variant);
   rays_ = rays;
   background_ = view.background;
   frame_ = grid.frame;
@@ -262,37 +268,38 @@ void Renderer::render(const ParticleBuffers& particles,
 
   std::vector<double> sensor(constants.begin(), constants.end());
   if (options_.projection == Projection::kMonteCarlo) append_normal_samples(sensor);
-  buffers_.sensor.assign(sensor);
-  current_->rays.run(frame_, rays.buffers(), buffers_);
-  current_->project.run(frame_, particles, rays.buffers(), buffers_);
-  bin_.run(frame_, rays.buffers().tile_rows, buffers_, sort_, scan_, options_.max_instances);
-  current_->render.run(frame_, particles, rays.buffers(), buffers_);
+  buffers_.constants.sensor.assign(sensor);
+  FrameBuffers& b = buffers_;
+  current_->rays.run(frame_, rays.buffers(), b.constants, b.rays);
+  current_->project.run(frame_, particles, rays.buffers(), b.constants, b.projected);
+  all_->bin.run(frame_, rays.buffers(), b.projected, options_.max_instances, b.binned);
+  current_->render.run(
+      frame_, particles, rays.buffers(), b.constants, b.rays, b.projected, b.binned, b.blended);
   graded_ = false;
   if (environment == nullptr) return;
-  if (!environment_)
-    environment_ = std::make_unique<EnvironmentStage>(device_, options_.precision, options_.shape.lanes);
-  environment_->run(frame_, *environment, buffers_);
+  if (!all_->environment) {
+    all_->environment.emplace(device_, options_.precision, options_.shape.lanes);
+  }
+  all_->environment->run(frame_, *environment, b.constants, b.rays, b.blended);
 }
 
-ColorGridStage& Renderer::grid_stage(const ColorGridBuffers& grids) {
+void Renderer::need_picture() const {
   if (!rays_ || rays_->grid().type != SensorType::kCamera) {
     throw Error(ErrorKind::kInternal, "grade: no picture has been rendered");
   }
-  const std::array<int, 3> size{grids.size_x, grids.size_y, grids.size_z};
-  const auto found = grids_.find(size);
-  return found != grids_.end() ? found->second
-                               : grids_.emplace(size, ColorGridStage(device_, grids)).first->second;
 }
 
 void Renderer::grade(const ColorGridBuffers& grids, std::size_t index) {
+  need_picture();
   const auto& c = rays_->grid().constants;
-  grid_stage(grids).run(frame_,
-                        static_cast<int>(c[SIM_S_WIDTH]),
-                        static_cast<int>(c[SIM_S_HEIGHT]),
-                        grids,
-                        index,
-                        buffers_.out,
-                        picture_);
+  all_->of(device_, grids)
+      .forward.run(frame_,
+                   static_cast<int>(c[SIM_S_WIDTH]),
+                   static_cast<int>(c[SIM_S_HEIGHT]),
+                   grids,
+                   index,
+                   buffers_.blended,
+                   pictures_.picture);
   graded_ = true;
 }
 
@@ -300,36 +307,57 @@ void Renderer::grade_backward(const ColorGridBuffers& grids,
                               std::size_t index,
                               const ColorGridScale& scale,
                               RealBuffer& grid_grads) {
+  need_picture();
   const auto& c = rays_->grid().constants;
-  grid_stage(grids).run_backward(frame_,
-                                 static_cast<int>(c[SIM_S_WIDTH]),
-                                 static_cast<int>(c[SIM_S_HEIGHT]),
-                                 grids,
-                                 index,
-                                 scale,
-                                 buffers_,
-                                 grid_grads);
+  auto& stage = all_->of(device_, grids).back;
+  if (!stage) stage.emplace(device_, grids);
+  stage->run(frame_,
+             static_cast<int>(c[SIM_S_WIDTH]),
+             static_cast<int>(c[SIM_S_HEIGHT]),
+             grids,
+             index,
+             scale,
+             buffers_.blended,
+             gradients_,
+             grid_grads);
 }
 
 void Renderer::environment_backward(const EnvironmentBuffers& environment,
                                     double tv_scale,
                                     RealBuffer& texture_grads) {
-  if (!environment_) throw Error(ErrorKind::kInternal, "environment_backward: none has been rendered");
-  environment_->run_backward(frame_, environment, tv_scale, buffers_, sort_, scan_, texture_grads);
+  if (!all_->environment) throw Error(ErrorKind::kInternal, "environment_backward: none has been rendered");
+  auto& stage = all_->environment_back;
+  if (!stage) stage.emplace(device_, options_.precision, options_.shape.lanes);
+  stage->run(frame_,
+             environment,
+             tv_scale,
+             buffers_.constants,
+             buffers_.rays,
+             buffers_.blended,
+             gradients_,
+             texture_grads);
+}
+
+ImageLoss Renderer::image_loss(const RealBuffer& truth, const ImageLossScale& scale) {
+  return all_->image_loss.run(frame_, buffers_.rays, picture(), truth, scale, gradients_);
+}
+
+LidarLoss Renderer::lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
+  return all_->lidar_loss.run(frame_, buffers_.rays, buffers_.blended, truth, scale, gradients_);
 }
 
 RayResults Renderer::results() const {
   if (!rays_) throw Error(ErrorKind::kInternal, "results: nothing has been rendered");
   return results_of(rays_->grid(),
-                    buffers_.out.download_float(),
-                    graded_ ? picture_.download_float() : std::vector<float>{},
+                    buffers_.blended.out.download_float(),
+                    graded_ ? pictures_.picture.download_float() : std::vector<float>{},
                     background_,
                     median_);
 }
 
 void Renderer::exchange_outputs(RealBuffer& outputs, RealBuffer& picture) {
-  std::swap(buffers_.out, outputs);
-  if (graded_) std::swap(picture_, picture);
+  buffers_.blended.out.exchange(outputs);
+  if (graded_) pictures_.picture.exchange(picture);
   rays_.reset();
 }
 
@@ -337,7 +365,7 @@ void Renderer::set_output_gradients(const std::vector<double>& gradients) {
   if (gradients.size() != std::size_t{5} * frame_.slots) {
     throw Error(ErrorKind::kInternal, "set_output_gradients: 5 values per slot are needed");
   }
-  buffers_.grad_out.assign(gradients);
+  gradients_.grad_out.assign(gradients);
 }
 
 void Renderer::backward(const ParticleBuffers& particles,
@@ -352,13 +380,16 @@ void Renderer::backward(const ParticleBuffers& particles,
                 "backward: order per_ray, sh_direction ray, left out bands and halves have no gradients");
   }
   param_grads.reserve(particles.params.count());
-  current_->render.run_backward(frame_, rays_->buffers(), buffers_, extras);
-  current_->project.run_backward(frame_, particles, buffers_, param_grads);
+  if (!current_->render_back) current_->render_back.emplace(device_, current_->own);
+  if (!current_->project_back) current_->project_back.emplace(device_, current_->own);
+  current_->render_back->run(frame_, rays_->buffers(), buffers_, extras, gradients_);
+  current_->project_back->run(frame_, particles, buffers_, gradients_, param_grads);
 }
 
 PoseGradient Renderer::pose_gradient(const RealBuffer& param_grads) {
   if (!current_->pose) current_->pose.emplace(device_, current_->own);
-  return current_->pose->run(frame_, rays_->buffers(), buffers_, param_grads);
+  return current_->pose->run(
+      frame_, rays_->buffers(), buffers_.constants, buffers_.projected, gradients_, param_grads);
 }
 
 }  // namespace simuli

@@ -1,25 +1,37 @@
 #pragma once
 #include <array>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "host/render/frame/actor.hpp"
-#include "host/render/train/loss_stages.hpp"
-#include "host/render/frame/picture_stages.hpp"
-#include "host/render/train/pose_gradient.hpp"
-#include "host/render/frame/stages.hpp"
+#include "host/render/backward/backward_options.hpp"
+#include "host/render/backward/gradient_buffers.hpp"
+#include "host/render/backward/pose_gradient.hpp"
+#include "host/render/frame/frame_buffers.hpp"
+#include "host/render/frame/particle_buffers.hpp"
+#include "host/render/frame/picture_buffers.hpp"
+#include "host/render/rays/ray_buffers.hpp"
 #include "host/render/scene/ray_results.hpp"
 #include "host/render/scene/view.hpp"
+#include "host/render/train/actor.hpp"
+#include "host/render/train/losses.hpp"
+#include "host/scene/actor.hpp"
+#include "host/scene/pose.hpp"
 
 namespace simuli {
 
+struct Variant;
+struct RayMapSizes {
+  std::uint64_t slots = 0;
+  std::uint64_t rays = 0;
+};
 /// The map between slots and rays on the device.
-struct RayMap {
+struct RayMap : BufferTable<RayMapSizes> {
   RayMap(const Device& device, const RayGrid& grid);
-  Buffer<std::int32_t> ray_of_slot;  // [slots], -1: none
-  Buffer<std::int32_t> slot_of_ray;  // [rays], -1: none, of a pixel that the lens sees nothing through
+  /// [slots], -1: none.
+  Array<std::int32_t> ray_of_slot{*this, "ray_of_slot", [](const RayMapSizes& s) { return s.slots; }};
+  /// [rays], -1: none, of a pixel that the lens sees nothing through.
+  Array<std::int32_t> slot_of_ray{*this, "slots_of_map", [](const RayMapSizes& s) { return s.rays; }};
 };
 
 /// A sensor ready to render: its ray grid, on host and device. A handle: copies refer to the same rays, and a
@@ -70,11 +82,21 @@ class SensorRays {
   std::shared_ptr<State> state_;
 };
 
+struct PictureBuffers : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Reals picture{*this, "picture", [](const FrameSizes& s) { return 3 * s.slots; }};  // [3][S], graded
+};
+
 /// Renders one particle set, and takes gradients back to it. One frame at a time; the buffers of the last
 /// frame stay readable until the next.
 class Renderer {
  public:
   Renderer(const Device& device, const RenderOptions& options);
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+  ~Renderer();
 
   /// Forward pass: project, sort, bin, blend, over the environment when one is given (cameras; the view's
   /// background is then seen by pixels without a ray alone). Results stay on the device.
@@ -97,14 +119,12 @@ class Renderer {
   [[nodiscard]] bool is_graded() const { return graded_; }
 
   /// Losses of the last render; they leave dL/d(outputs) for backward(). truth in slot order.
-  ImageLoss image_loss(const RealBuffer& truth, const ImageLossScale& scale) {
-    return loss_.run_image(frame_, buffers_, picture(), truth, scale);
-  }
-  LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale) {
-    return loss_.run_lidar(frame_, buffers_, truth, scale);
-  }
+  ImageLoss image_loss(const RealBuffer& truth, const ImageLossScale& scale);
+  LidarLoss lidar_loss(const RealBuffer& truth, const LidarLossScale& scale);
   /// [3][slots] in slot order: the picture of the last render, graded when it has been.
-  [[nodiscard]] const RealBuffer& picture() const { return graded_ ? picture_ : buffers_.out; }
+  [[nodiscard]] const RealBuffer& picture() const {
+    return graded_ ? pictures_.picture : buffers_.blended.out;
+  }
   /// dL/d(outputs)[5][slots] given directly: features, transmittance, sum of w tau.
   void set_output_gradients(const std::vector<double>& gradients);
   /// dL/d(graded picture) -> dL/d(outputs) and grid_grads[reals] of grid `index`; before the other two.
@@ -124,7 +144,7 @@ class Renderer {
 
   /// dL/d(poses of the actors) of the last backward(), in the order of View::actors. Waits.
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles) {
-    return actors_.pose_gradients(particles, buffers_, actor_motion_);
+    return actors_.pose_gradients(particles, buffers_.projected, gradients_, actor_motion_);
   }
   /// Puts particles of actors back into their boxes; `actors` of the scene, in its order.
   void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m) {
@@ -132,36 +152,25 @@ class Renderer {
   }
 
   [[nodiscard]] const FrameBuffers& buffers() const { return buffers_; }
-  [[nodiscard]] FrameBuffers& buffers() { return buffers_; }
+  [[nodiscard]] const GradientBuffers& gradients() const { return gradients_; }
+  [[nodiscard]] GradientBuffers& gradients() { return gradients_; }
   [[nodiscard]] const shared::FrameParams& frame() const { return frame_; }
   [[nodiscard]] const RenderOptions& options() const { return options_; }
   [[nodiscard]] const Device& device() const { return device_; }
 
  private:
-  struct Stages {
-    Stages(const Device& device, const Variant& variant)
-        : rays(device, variant), project(device, variant), render(device, variant), own(variant) {}
-    RaysStage rays;
-    ProjectStage project;
-    RenderStage render;
-    std::optional<PoseStage> pose;  // when asked for
-    Variant own;
-  };
-  Stages& stages(const Variant& variant);
-  ColorGridStage& grid_stage(const ColorGridBuffers& grids);
+  struct Stages;     // of one variant
+  struct AllStages;  // what is common, and those of all variants so far
+  Stages& stages_of(const Variant& variant);
+  void need_picture() const;
 
   Device device_;
   RenderOptions options_;
-  std::map<Variant, std::unique_ptr<Stages>> stages_;
-  ScanStage scan_;
-  SortStage sort_;
-  BinStage bin_;
-  LossStage loss_;
-  std::unique_ptr<EnvironmentStage> environment_;  // these two once asked for
-  std::map<std::array<int, 3>, ColorGridStage> grids_;
+  std::unique_ptr<AllStages> all_;
   FrameBuffers buffers_;
+  GradientBuffers gradients_;
   ActorStage actors_;
-  RealBuffer picture_;  // [3][slots], graded
+  PictureBuffers pictures_;
   shared::FrameParams frame_{};
   std::optional<SensorRays> rays_;  // of the last frame
   Stages* current_ = nullptr;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/base/lru_cache.hpp"
+#include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/scene/frame_state.hpp"
 #include "host/render/scene/look.hpp"
@@ -248,7 +249,7 @@ Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients&
   renderer.set_output_gradients(by_slot);
   RealBuffer gradients(s.device, "gradients by particle", renderer.options().precision);
   renderer.backward(drawn.particles, gradients);
-  return by_particle(gradients, renderer.buffers().keys, drawn.particles);
+  return by_particle(gradients, renderer.buffers().projected.keys, drawn.particles);
 }
 
 void SceneOnDevice::set_scene(Scene scene) { set_scene(std::make_shared<const Scene>(std::move(scene))); }

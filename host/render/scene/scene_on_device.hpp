@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "host/render/options/quality.hpp"
+#include "host/render/options/options.hpp"
 #include "host/render/scene/frame.hpp"
 #include "host/render/scene/shot.hpp"
 #include "host/runtime/device.hpp"
@@ -29,13 +29,9 @@ namespace simuli {
 class SceneOnDevice {
  public:
   /// Error{kUsage} for options that validate() refuses.
-  SceneOnDevice(const Device& device,
-                Scene scene,
-                const RenderOptions& options = options_of(Quality::kBalanced));
+  SceneOnDevice(const Device& device, Scene scene, const RenderOptions& options = {});
   /// The same for a scene that others look at, too.
-  SceneOnDevice(const Device& device,
-                std::shared_ptr<const Scene> scene,
-                const RenderOptions& options = options_of(Quality::kBalanced));
+  SceneOnDevice(const Device& device, std::shared_ptr<const Scene> scene, const RenderOptions& options = {});
   SceneOnDevice(SceneOnDevice&&) noexcept;
   SceneOnDevice& operator=(SceneOnDevice&&) noexcept;
   ~SceneOnDevice();

@@ -1,9 +1,10 @@
 // Launcher of "kernels/adam.cl".
+#include "host/render/train/adam.hpp"
+
 #include <cmath>
 
 #include "host/base/error.hpp"
 #include "host/render/options/lane_shape.hpp"
-#include "host/render/train/loss_stages.hpp"
 
 namespace simuli {
 namespace {
@@ -26,13 +27,12 @@ AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
 
 AdamStage::AdamStage(const Device& device, Precision precision, std::size_t parameters)
     : lanes_(lane_shape_of(device, precision).lanes),
-      rate_(device, "Adam rates", precision),
-      first_(device, "Adam first moment", precision, parameters),
-      second_(device, "Adam second moment", precision, parameters),
-      rejected_(device, "Adam rejected", std::vector<std::uint32_t>{0}),
+      buffers_(device, precision),
       adam_(Program(device, "kernels/adam.cl", adam_options(device, precision)), "adam") {
-  first_.fill(0.0);
-  second_.fill(0.0);
+  buffers_.reserve({parameters, 1});
+  buffers_.first_moment.fill(0.0);
+  buffers_.second_moment.fill(0.0);
+  buffers_.rejected.fill(0);
 }
 
 void AdamStage::run(ParticleBuffers& particles,
@@ -47,11 +47,16 @@ void AdamStage::run(ParticleBuffers& particles,
 void AdamStage::run_dense(
     RealBuffer& params, const RealBuffer& grads, std::size_t first, double rate, std::uint64_t step) {
   const std::size_t count = grads.count();
-  if (count % 16 != 0 || first + count > params.count() || params.count() != first_.count()) {
+  if (count % 16 != 0 || first + count > params.count() || params.count() != buffers_.first_moment.count()) {
     throw Error(ErrorKind::kInternal, "Adam: gradients for other parameters");
   }
   const auto columns = static_cast<std::uint32_t>(count);
-  launch({columns, columns, static_cast<std::uint32_t>(first), true}, rejected_, {rate}, step, grads, params);
+  launch({columns, columns, static_cast<std::uint32_t>(first), true},
+         buffers_.rejected,
+         {rate},
+         step,
+         grads,
+         params);
 }
 
 void AdamStage::launch(const Matrix& matrix,
@@ -60,28 +65,25 @@ void AdamStage::launch(const Matrix& matrix,
                        std::uint64_t step,
                        const RealBuffer& grads,
                        RealBuffer& params) {
-  rate_.assign(rate);
+  buffers_.rate.assign(rate);
   const auto t = static_cast<double>(step);
   const std::size_t items = matrix.stride / static_cast<std::size_t>(lanes_);
-  adam_.launch(round_up(items, kLocalSize),
-               kLocalSize,
-               matrix.columns,
-               matrix.stride,
-               static_cast<std::uint32_t>(rate.size()),
-               matrix.dense ? 1U : 0U,
-               matrix.first,
-               keys,
-               rate_,
-               kBeta1,
-               kBeta2,
-               1.0 / (1.0 - std::pow(kBeta1, t)),
-               1.0 / (1.0 - std::pow(kBeta2, t)),
-               kEpsilon,
-               grads,
-               first_,
-               second_,
-               params,
-               rejected_);
+  adam_.run(round_up(items, kLocalSize),
+            kLocalSize,
+            {{"particles", matrix.columns},
+             {"stride", matrix.stride},
+             {"rows", static_cast<std::uint32_t>(rate.size())},
+             {"dense", matrix.dense ? 1U : 0U},
+             {"first", matrix.first},
+             {"keys", keys},
+             {"beta1", kBeta1},
+             {"beta2", kBeta2},
+             {"inv_bias1", 1.0 / (1.0 - std::pow(kBeta1, t))},
+             {"inv_bias2", 1.0 / (1.0 - std::pow(kBeta2, t))},
+             {"epsilon", kEpsilon},
+             {"grads", grads},
+             {"params", params},
+             buffers_});
 }
 
 }  // namespace simuli

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace simuli {
 namespace {
 
 constexpr std::size_t kLocalSize = 32;
-constexpr std::size_t kWidth = 16;    // points of a leaf, children of a node
+constexpr std::uint64_t kWidth = AnchorSizes::kWidth;
 constexpr double kCells = 2097152.0;  // per axis: 21 bits
 
 Program program(const Device& device, Precision precision, std::uint32_t neighbours) {
@@ -17,121 +18,127 @@ Program program(const Device& device, Precision precision, std::uint32_t neighbo
   return {device, "kernels/anchor.cl", options.real(precision).define("NEIGHBOURS", neighbours)};
 }
 
-std::size_t ceil_div(std::size_t n, std::size_t by) { return (n + by - 1) / by; }
-
 }  // namespace
+
+std::vector<std::uint64_t> AnchorSizes::levels() const {
+  std::vector<std::uint64_t> nodes;
+  if (targets == 0) return nodes;
+  for (std::uint64_t below = leaves(); nodes.empty() || below > 1; below = nodes.back()) {
+    nodes.push_back((below + kWidth - 1) / kWidth);
+  }
+  return nodes;
+}
+
+std::uint64_t AnchorSizes::nodes() const {
+  const std::vector<std::uint64_t> all = levels();
+  return std::accumulate(all.begin(), all.end(), std::uint64_t{0});
+}
 
 AnchorStage::AnchorStage(const Device& device, Precision precision, std::uint32_t neighbours)
     : device_(device),
       neighbours_(neighbours),
-      scan_(device),
       sort_(device),
-      candidates_(device, "anchor candidates"),
-      nearest_(device, "anchors"),
-      order_(device, "anchor order"),
-      keys_(device, "anchor keys"),
-      order_scratch_(device, "anchor order"),
-      key_scratch_(device, "anchor keys"),
-      ids_(device, "anchor points"),
-      bounds_(device, "anchor bounds", precision),
-      frame_(device, "anchor frame", precision),
-      points_(device, "anchor points", precision),
-      boxes_(device, "anchor boxes", precision),
-      sums_(device, "anchor sums", precision),
-      bounds_kernel_(program(device, precision, neighbours), "anchor_bounds"),
-      keys_kernel_(program(device, precision, neighbours), "anchor_keys"),
-      leaves_kernel_(program(device, precision, neighbours), "anchor_leaves"),
-      nodes_kernel_(program(device, precision, neighbours), "anchor_nodes"),
-      search_kernel_(program(device, precision, neighbours), "anchor_search"),
-      loss_kernel_(program(device, precision, neighbours), "anchor_loss") {}
+      buffers_(device, precision),
+      bounds_(program(device, precision, neighbours), "anchor_bounds"),
+      keys_(program(device, precision, neighbours), "anchor_keys"),
+      leaves_(program(device, precision, neighbours), "anchor_leaves"),
+      nodes_(program(device, precision, neighbours), "anchor_nodes"),
+      search_(program(device, precision, neighbours), "anchor_search"),
+      loss_(program(device, precision, neighbours), "anchor_loss") {}
 
-void AnchorStage::assign(const ParticleBuffers& set, const ParticleBuffers& targets, double reach_m) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const std::uint32_t n = targets.count;
-  candidates_.reserve(std::size_t{set.count} * neighbours_);
-  nearest_.reserve(set.count);
-  if (n > 0) {
-    const Chunks chunks = chunks_of(device_, n);
-    bounds_.reserve(6 * chunks.work_items);
-    bounds_kernel_.launch(chunks.work_items, 1, targets.params, targets.stride, n, chunks.chunk, bounds_);
-    const std::vector<double> parts = bounds_.download_double();
-    double low[3] = {kInfinity, kInfinity, kInfinity};
-    double side = 0.0;
-    for (std::size_t i = 0; i < parts.size(); i += 6) {
-      for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], parts[i + k]);
-    }
-    for (std::size_t i = 0; i < parts.size(); i += 6) {
-      for (std::size_t k = 0; k < 3; ++k) side = std::max(side, parts[i + 3 + k] - low[k]);
-    }
-    // Points in one place, or none: any cell will do.
-    const double cells_per_m = side > 0.0 ? kCells / side : 1.0;
-    frame_.assign(std::vector<double>{low[0], low[1], low[2], cells_per_m});
-
-    order_.reserve(n);
-    keys_.reserve(n);
-    for (const std::uint32_t shift : {0U, 32U}) {
-      keys_kernel_.launch(round_up(n, kLocalSize),
-                          kLocalSize,
-                          targets.params,
-                          targets.stride,
-                          n,
-                          frame_,
-                          shift,
-                          order_,
-                          keys_);
-      sort_.run(keys_, order_, key_scratch_, order_scratch_, n, 32, scan_);
-    }
-    const std::size_t leaves = ceil_div(n, kWidth);
-    std::vector<std::size_t> nodes = {ceil_div(leaves, kWidth)};  // by level
-    std::size_t all = nodes[0];
-    while (nodes.back() > 1) {
-      nodes.push_back(ceil_div(nodes.back(), kWidth));
-      all += nodes.back();
-    }
-    points_.reserve(leaves * 3 * kWidth);
-    ids_.reserve(leaves * kWidth);
-    boxes_.reserve(all * 6 * kWidth);
-    boxes_.fill(std::numeric_limits<double>::quiet_NaN());
-    leaves_kernel_.launch(round_up(leaves, kLocalSize),
-                          kLocalSize,
-                          targets.params,
-                          targets.stride,
-                          n,
-                          order_,
-                          points_,
-                          ids_,
-                          boxes_,
-                          static_cast<std::uint32_t>(leaves));
-    std::size_t first = 0;
-    for (std::size_t level = 0; level + 1 < nodes.size(); ++level) {
-      nodes_kernel_.launch(round_up(nodes[level], kLocalSize),
-                           kLocalSize,
-                           boxes_,
-                           static_cast<std::uint32_t>(first),
-                           static_cast<std::uint32_t>(nodes[level]),
-                           static_cast<std::uint32_t>(first + nodes[level]));
-      first += nodes[level];
-    }
-  }
-  search_kernel_.launch(round_up(set.count, kLocalSize),
-                        kLocalSize,
-                        set.params,
-                        set.stride,
-                        set.count,
-                        set.actors,
-                        set.actor_of,
-                        n,
-                        targets.actors,
-                        targets.actor_of,
-                        reach_m * reach_m,
-                        boxes_,
-                        points_,
-                        ids_,
-                        candidates_,
-                        nearest_);
+AnchorSizes AnchorStage::sizes() const {
+  return {particles_,
+          neighbours_,
+          targets_,
+          targets_ > 0 ? chunks_of(device_, targets_).work_items : 0,
+          chunks_of(device_, particles_).work_items};
 }
 
-bool AnchorStage::is_assigned_for(const ParticleBuffers& set) const { return nearest_.count() == set.count; }
+void AnchorStage::assign(const ParticleBuffers& set, const ParticleBuffers& targets, double reach_m) {
+  particles_ = set.count;
+  targets_ = targets.count;
+  buffers_.reserve(sizes());
+  if (targets_ > 0) build_tree(targets);
+  search_.run(round_up(set.count, kLocalSize),
+              kLocalSize,
+              {{"queries", set.params},
+               {"query_stride", set.stride},
+               {"query_count", set.count},
+               {"query_actors", set.actors},
+               {"query_actor_of", set.actor_of},
+               {"n", targets_},
+               {"actors", targets.actors},
+               {"actor_of", targets.actor_of},
+               {"reach2", reach_m * reach_m},
+               buffers_});
+}
+
+void AnchorStage::build_tree(const ParticleBuffers& targets) {
+  order_by_place(targets);
+  box_leaves(targets);
+  const std::vector<std::uint64_t> levels = sizes().levels();
+  std::uint64_t first = 0;
+  for (std::size_t level = 0; level + 1 < levels.size(); ++level) {
+    nodes_.run(round_up(levels[level], kLocalSize),
+               kLocalSize,
+               {{"boxes", buffers_.boxes},
+                {"child_first", static_cast<std::uint32_t>(first)},
+                {"children", static_cast<std::uint32_t>(levels[level])},
+                {"parent_first", static_cast<std::uint32_t>(first + levels[level])}});
+    first += levels[level];
+  }
+}
+
+void AnchorStage::order_by_place(const ParticleBuffers& targets) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const std::uint32_t n = targets.count;
+  const Chunks chunks = chunks_of(device_, n);
+  bounds_.run(
+      chunks.work_items,
+      1,
+      {targets, {"stride", targets.stride}, {"n", n}, {"chunk", chunks.chunk}, {"boxes", buffers_.parts}});
+  const std::vector<double> parts = buffers_.parts.download_double();
+  double low[3] = {kInfinity, kInfinity, kInfinity};
+  double side = 0.0;
+  for (std::size_t i = 0; i < parts.size(); i += 6) {
+    for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], parts[i + k]);
+  }
+  for (std::size_t i = 0; i < parts.size(); i += 6) {
+    for (std::size_t k = 0; k < 3; ++k) side = std::max(side, parts[i + 3 + k] - low[k]);
+  }
+  // Points in one place, or none: any cell will do.
+  const double cells_per_m = side > 0.0 ? kCells / side : 1.0;
+  buffers_.frame.assign(std::vector<double>{low[0], low[1], low[2], cells_per_m});
+  for (const std::uint32_t shift : {0U, 32U}) {
+    keys_.run(round_up(n, kLocalSize),
+              kLocalSize,
+              {targets,
+               {"stride", targets.stride},
+               {"n", n},
+               {"frame", buffers_.frame},
+               {"shift", shift},
+               {"order", buffers_.order},
+               {"keys", buffers_.keys}});
+    sort_.run(buffers_.keys, buffers_.order, n, 32);
+  }
+}
+
+void AnchorStage::box_leaves(const ParticleBuffers& targets) {
+  const std::uint64_t leaves = sizes().leaves();
+  buffers_.boxes.fill(std::numeric_limits<double>::quiet_NaN());
+  leaves_.run(round_up(leaves, kLocalSize),
+              kLocalSize,
+              {targets,
+               {"stride", targets.stride},
+               {"n", targets.count},
+               {"order", buffers_.order},
+               buffers_,
+               {"leaves", static_cast<std::uint32_t>(leaves)}});
+}
+
+bool AnchorStage::is_assigned_for(const ParticleBuffers& set) const {
+  return buffers_.nearest.count() == set.count;
+}
 
 void AnchorStage::add_gradient(const ParticleBuffers& set,
                                const ParticleBuffers& targets,
@@ -140,31 +147,29 @@ void AnchorStage::add_gradient(const ParticleBuffers& set,
                                bool choose,
                                RealBuffer& grads) {
   const Chunks chunks = chunks_of(device_, set.count);
-  sums_.reserve(2 * chunks.work_items);
-  loss_kernel_.launch(chunks.work_items,
-                      1,
-                      set.count,
-                      chunks.chunk,
-                      keys,
-                      set.params,
-                      set.stride,
-                      set.actors,
-                      set.actor_of,
-                      targets.params,
-                      targets.stride,
-                      targets.actors,
-                      targets.actor_of,
-                      candidates_,
-                      choose ? 1U : 0U,
-                      weight,
-                      nearest_,
-                      grads,
-                      sums_);
+  buffers_.sums.reserve(2 * chunks.work_items);
+  loss_.run(chunks.work_items,
+            1,
+            {{"n", set.count},
+             {"chunk", chunks.chunk},
+             {"keys", keys},
+             set,
+             {"stride", set.stride},
+             {"actors", set.actors},
+             {"targets", targets.params},
+             {"target_stride", targets.stride},
+             {"target_actors", targets.actors},
+             {"target_actor_of", targets.actor_of},
+             buffers_,
+             {"choose", choose ? 1U : 0U},
+             {"weight", weight},
+             {"grads", grads},
+             {"sums", buffers_.sums}});
 }
 
 AnchorLoss AnchorStage::loss() const {
   AnchorLoss total;
-  const std::vector<double> parts = sums_.download_double();
+  const std::vector<double> parts = buffers_.sums.download_double();
   for (std::size_t i = 0; i < parts.size(); i += 2) {
     total.distance_m += parts[i];
     total.particles += parts[i + 1];

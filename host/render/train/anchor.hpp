@@ -1,8 +1,10 @@
 #pragma once
 // The anchoring of one set's particles to another's (METHOD section 10).
 #include <cstdint>
+#include <vector>
 
-#include "host/render/frame/stages.hpp"
+#include "host/render/device/sort.hpp"
+#include "host/render/frame/particle_buffers.hpp"
 
 namespace simuli {
 
@@ -12,6 +14,34 @@ struct AnchorLoss {
   double particles = 0.0;   // that have an anchor
 
   [[nodiscard]] double mean_m() const { return particles > 0.0 ? distance_m / particles : 0.0; }
+};
+
+/// What anchors are sized by.
+struct AnchorSizes {
+  std::uint64_t particles = 0;   // of the set that is anchored
+  std::uint64_t neighbours = 0;  // of each
+  std::uint64_t targets = 0;     // of the other set
+  std::uint64_t bound_chunks = 0, loss_chunks = 0;
+
+  static constexpr std::uint64_t kWidth = 16;  // points of a leaf, children of a node
+  [[nodiscard]] std::uint64_t leaves() const { return (targets + kWidth - 1) / kWidth; }
+  /// Nodes of the tree over the leaves, level by level up to the root.
+  [[nodiscard]] std::vector<std::uint64_t> levels() const;
+  [[nodiscard]] std::uint64_t nodes() const;
+};
+struct AnchorBuffers : BufferTable<AnchorSizes> {
+  using BufferTable::BufferTable;
+  /// [N][K], nearest first as they were when assigned; 0xffffffff: there are no more.
+  Words candidates{*this, "candidates", [](const AnchorSizes& s) { return s.particles * s.neighbours; }};
+  Words nearest{*this, "nearest", [](const AnchorSizes& s) { return s.particles; }};  // [N]
+  Words order{*this, "morton_order", [](const AnchorSizes& s) { return s.targets; }};
+  Words keys{*this, "morton_keys", [](const AnchorSizes& s) { return s.targets; }};
+  Words ids{*this, "ids", [](const AnchorSizes& s) { return s.leaves() * AnchorSizes::kWidth; }};
+  Reals points{*this, "points", [](const AnchorSizes& s) { return 3 * s.leaves() * AnchorSizes::kWidth; }};
+  Reals boxes{*this, "boxes", [](const AnchorSizes& s) { return 6 * s.nodes() * AnchorSizes::kWidth; }};
+  Reals parts{*this, "anchor_bounds", [](const AnchorSizes& s) { return 6 * s.bound_chunks; }};
+  Reals frame{*this, "anchor_frame", [](const AnchorSizes&) { return std::uint64_t{4}; }};
+  Reals sums{*this, "anchor_sums", [](const AnchorSizes& s) { return 2 * s.loss_chunks; }};
 };
 
 /// Holds for each particle of one set its K nearest of another. Exact: found by walking a tree of boxes over
@@ -41,69 +71,22 @@ class AnchorStage {
 
   [[nodiscard]] std::uint32_t neighbours() const { return neighbours_; }
   /// [N][K], nearest first as they were when assigned; 0xffffffff: there are no more.
-  [[nodiscard]] Buffer<std::uint32_t>& candidates() { return candidates_; }
-  [[nodiscard]] Buffer<std::uint32_t>& nearest() { return nearest_; }  // [N]
+  [[nodiscard]] Buffer<std::uint32_t>& candidates() { return buffers_.candidates; }
+  [[nodiscard]] Buffer<std::uint32_t>& nearest() { return buffers_.nearest; }  // [N]
 
  private:
+  /// Targets in Morton order, cut into leaves of a tree of boxes.
+  void build_tree(const ParticleBuffers& targets);
+  void order_by_place(const ParticleBuffers& targets);
+  void box_leaves(const ParticleBuffers& targets);
+  [[nodiscard]] AnchorSizes sizes() const;
+
   Device device_;
   std::uint32_t neighbours_;
-  ScanStage scan_;
+  std::uint32_t particles_ = 0, targets_ = 0;  // when last assigned
   SortStage sort_;
-  Buffer<std::uint32_t> candidates_, nearest_;
-  Buffer<std::uint32_t> order_, keys_, order_scratch_, key_scratch_, ids_;
-  RealBuffer bounds_, frame_, points_, boxes_, sums_;
-  Kernel<BufRealConst, std::uint32_t, std::uint32_t, std::uint32_t, BufReal> bounds_kernel_;
-  Kernel<BufRealConst,
-         std::uint32_t,
-         std::uint32_t,
-         BufRealConst,
-         std::uint32_t,
-         Buf<std::uint32_t>,
-         Buf<std::uint32_t>>
-      keys_kernel_;
-  Kernel<BufRealConst,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         BufReal,
-         Buf<std::uint32_t>,
-         BufReal,
-         std::uint32_t>
-      leaves_kernel_;
-  Kernel<BufReal, std::uint32_t, std::uint32_t, std::uint32_t> nodes_kernel_;
-  Kernel<BufRealConst,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         RealScalar,
-         BufRealConst,
-         BufRealConst,
-         Buf<const std::uint32_t>,
-         Buf<std::uint32_t>,
-         Buf<std::uint32_t>>
-      search_kernel_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         BufRealConst,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         BufRealConst,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         Buf<const std::uint32_t>,
-         std::uint32_t,
-         RealScalar,
-         Buf<std::uint32_t>,
-         BufReal,
-         BufReal>
-      loss_kernel_;
+  AnchorBuffers buffers_;
+  Kernel bounds_, keys_, leaves_, nodes_, search_, loss_;
 };
 
 }  // namespace simuli

@@ -30,13 +30,7 @@ DensifyStage::DensifyStage(const Device& device, Precision precision)
     : device_(device),
       precision_(precision),
       scan_(device),
-      weights_(device, "error weights", precision),
-      sums_(device, "error sums", precision),
-      dead_(device, "dead particles"),
-      share_(device, "shares"),
-      targets_(device, "relocated"),
-      source_(device, "sources"),
-      copies_(device, "copies"),
+      buffers_(device, precision),
       pixel_error_(program(device, precision), "pixel_error"),
       beam_error_(program(device, precision), "beam_error"),
       accumulate_(program(device, precision), "accumulate_error"),
@@ -50,57 +44,162 @@ DensifyStage::DensifyStage(const Device& device, Precision precision)
       jitter_(program(device, precision), "jitter_means") {}
 
 void DensifyStage::pixel_error(const shared::FrameParams& frame,
-                               FrameBuffers& buffers,
+                               const WorldRays& world_rays,
                                const RealBuffer& picture,
-                               const RealBuffer& truth) {
-  buffers.ray_error.reserve(frame.slots);
-  pixel_error_.launch(
-      frame.slots, kLocalSize, frame.slots, buffers.world_ray, picture, truth, buffers.ray_error);
+                               const RealBuffer& truth,
+                               GradientBuffers& out) {
+  out.ray_error.reserve(frame.slots);
+  pixel_error_.run(
+      frame.slots,
+      kLocalSize,
+      {{"slots", frame.slots}, world_rays, {"picture", picture}, {"truth", truth}, {"error", out.ray_error}});
 }
 
 void DensifyStage::beam_error(const shared::FrameParams& frame,
-                              FrameBuffers& buffers,
+                              const WorldRays& world_rays,
+                              const Blended& blended,
                               const RealBuffer& truth,
-                              const std::array<double, 3>& weights) {
-  buffers.ray_error.reserve(frame.slots);
-  weights_.assign(std::span<const double>(weights));
-  beam_error_.launch(frame.slots,
-                     kLocalSize,
-                     frame.slots,
-                     weights_,
-                     buffers.world_ray,
-                     buffers.out,
-                     truth,
-                     buffers.ray_error);
+                              const std::array<double, 3>& weights,
+                              GradientBuffers& out) {
+  out.ray_error.reserve(frame.slots);
+  buffers_.weights.assign(std::span<const double>(weights));
+  beam_error_.run(frame.slots,
+                  kLocalSize,
+                  {{"slots", frame.slots},
+                   {"weight", buffers_.weights},
+                   world_rays,
+                   blended,
+                   {"truth", truth},
+                   {"error", out.ray_error}});
 }
 
 void DensifyStage::accumulate(const shared::FrameParams& frame,
-                              const FrameBuffers& buffers,
+                              const FrameBuffers& made,
+                              const GradientBuffers& gradients,
                               RealBuffer& accumulated) {
-  accumulate_.launch(round_up(frame.particles, kLocalSize),
-                     kLocalSize,
-                     frame.particles,
-                     buffers.keys,
-                     buffers.footprints,
-                     buffers.emission,
-                     buffers.instance_error,
-                     accumulated);
+  accumulate_.run(
+      round_up(frame.particles, kLocalSize),
+      kLocalSize,
+      {{"n", frame.particles}, made.projected, made.binned, gradients, {"accumulated", accumulated}});
 }
 
 void DensifyStage::widen(
     RealBuffer& rows, std::uint32_t count, std::uint32_t stride, std::uint32_t new_stride, bool params) {
   const std::size_t row_count = rows.count() / std::max(stride, 1U);
   RealBuffer wide(device_, rows.name(), precision_, row_count * new_stride);
-  widen_.launch(round_up(new_stride, kLocalSize),
-                kLocalSize,
-                static_cast<std::uint32_t>(row_count),
-                count,
-                stride,
-                new_stride,
-                params ? 1U : 0U,
-                rows,
-                wide);
-  std::swap(rows, wide);
+  widen_.run(round_up(new_stride, kLocalSize),
+             kLocalSize,
+             {{"rows", static_cast<std::uint32_t>(row_count)},
+              {"n", count},
+              {"stride", stride},
+              {"new_stride", new_stride},
+              {"is_params", params ? 1U : 0U},
+              {"from", rows},
+              {"to", wide}});
+  rows.exchange(wide);
+}
+
+DensifyStage::Census DensifyStage::census(const ParticleBuffers& particles, const RealBuffer& accumulated) {
+  Census out{chunks_of(device_, particles.count)};
+  buffers_.dead.reserve(out.chunks.work_items);
+  buffers_.sums.reserve(out.chunks.work_items);
+  weigh_.run(out.chunks.work_items,
+             1,
+             {{"n", particles.count},
+              {"chunk", out.chunks.chunk},
+              {"rows", static_cast<std::uint32_t>(param_rows(particles.sh_degree))},
+              {"stride", particles.stride},
+              {"params", particles.params},
+              {"accumulated", accumulated},
+              {"dead", buffers_.dead},
+              {"sums", buffers_.sums}});
+  out.dead = static_cast<std::uint32_t>(
+      scan_.run(buffers_.dead, static_cast<std::uint32_t>(out.chunks.work_items), true));
+  const std::vector<double> sums = buffers_.sums.download_double();
+  out.error = std::accumulate(sums.begin(), sums.end(), 0.0);
+  return out;
+}
+
+bool DensifyStage::draw(const ParticleBuffers& particles,
+                        const RealBuffer& accumulated,
+                        const Census& census,
+                        std::uint32_t growth,
+                        const RandomKey& key) {
+  const std::uint32_t n = particles.count, wanted = census.dead + growth;
+  buffers_.reserve({n, wanted, census.chunks.work_items});
+  buffers_.copies.fill(0);
+  list_.run(census.chunks.work_items,
+            1,
+            {{"n", n},
+             {"chunk", census.chunks.chunk},
+             {"rows", static_cast<std::uint32_t>(param_rows(particles.sh_degree))},
+             {"stride", particles.stride},
+             {"params", particles.params},
+             {"accumulated", accumulated},
+             {"dead_before", buffers_.dead},
+             {"scale", kShares / census.error},
+             {"targets", buffers_.targets},
+             {"share", buffers_.share}});
+  const std::uint64_t total = scan_.run(buffers_.share, n, true);
+  if (total == 0 || total > 0xffffffffU) return false;
+  draw_.run(round_up(wanted, kLocalSize),
+            kLocalSize,
+            {{"count", wanted},
+             {"listed", census.dead},
+             {"first_new", n},
+             {"n", n},
+             {"total", static_cast<std::uint32_t>(total)},
+             {"seed_low", low_word(key.seed)},
+             {"seed_high", high_word(key.seed)},
+             {"iteration", key.iteration},
+             {"set", key.set},
+             {"running", buffers_.share},
+             {"targets", buffers_.targets},
+             {"source", buffers_.source},
+             {"copies", buffers_.copies}});
+  return true;
+}
+
+void DensifyStage::grow(ParticleBuffers& particles,
+                        std::span<RealBuffer* const> moments,
+                        std::uint32_t growth) {
+  const std::uint32_t n = particles.count;
+  const auto stride = static_cast<std::uint32_t>(round_up(n + growth, 16));
+  for (RealBuffer* moment : moments) widen(*moment, n, particles.stride, stride, false);
+  widen(particles.params, n, particles.stride, stride, true);
+  particles.count = n + growth;
+  particles.stride = stride;
+}
+
+void DensifyStage::copy(ParticleBuffers& particles,
+                        std::span<RealBuffer* const> moments,
+                        std::uint32_t before) {
+  const auto rows = static_cast<std::uint32_t>(param_rows(particles.sh_degree));
+  const auto wanted = static_cast<std::uint32_t>(buffers_.targets.count());
+  for (const bool in_place : {false, true}) {
+    const std::uint32_t count = in_place ? before : wanted;
+    copy_.run(round_up(count, kLocalSize),
+              kLocalSize,
+              {{"count", count},
+               {"rows", rows},
+               {"stride", particles.stride},
+               {"in_place", in_place ? 1U : 0U},
+               {"targets", buffers_.targets},
+               {"source", buffers_.source},
+               {"copies", buffers_.copies},
+               {"params", particles.params}});
+  }
+  for (RealBuffer* moment : moments) {
+    clear_.run(round_up(std::max(wanted, before), kLocalSize),
+               kLocalSize,
+               {{"count", wanted},
+                {"n", before},
+                {"rows", rows},
+                {"stride", particles.stride},
+                {"targets", buffers_.targets},
+                {"copies", buffers_.copies},
+                {"moments", *moment}});
+  }
 }
 
 DensifyCounts DensifyStage::relocate(ParticleBuffers& particles,
@@ -111,98 +210,18 @@ DensifyCounts DensifyStage::relocate(ParticleBuffers& particles,
   changed_ = 0;
   const std::uint32_t n = particles.count;
   if (n == 0) return {};
-  const auto rows = static_cast<std::uint32_t>(param_rows(particles.sh_degree));
-  const Chunks chunks = chunks_of(device_, n);
-  dead_.reserve(chunks.work_items);
-  sums_.reserve(chunks.work_items);
-  weigh_.launch(chunks.work_items,
-                1,
-                n,
-                chunks.chunk,
-                rows,
-                particles.stride,
-                particles.params,
-                accumulated,
-                dead_,
-                sums_);
-  const auto dead =
-      static_cast<std::uint32_t>(scan_.run(dead_, static_cast<std::uint32_t>(chunks.work_items), true));
-  const std::vector<double> sums = sums_.download_double();
-  const double error = std::accumulate(sums.begin(), sums.end(), 0.0);
-  const std::uint32_t wanted = dead + growth;
-  if (!(error > 0.0) || wanted == 0) return {};
+  const Census found = census(particles, accumulated);
+  const std::uint32_t wanted = found.dead + growth;
+  if (!(found.error > 0.0) || wanted == 0) return {};
   if (std::uint64_t{n} + growth > SIM_PARTICLE_MASK) {
     throw Error(ErrorKind::kInternal, fmt::format("densify: {} + {} particles in one set", n, growth));
   }
-
-  targets_.reserve(wanted);
-  source_.reserve(wanted);
-  share_.reserve(n);
-  copies_.reserve(n);
-  copies_.fill(0);
-  list_.launch(chunks.work_items,
-               1,
-               n,
-               chunks.chunk,
-               rows,
-               particles.stride,
-               particles.params,
-               accumulated,
-               dead_,
-               kShares / error,
-               targets_,
-               share_);
-  const std::uint64_t total = scan_.run(share_, n, true);
-  if (total == 0 || total > 0xffffffffU) return {};  // errors so uneven that none is worth a share
-  draw_.launch(round_up(wanted, kLocalSize),
-               kLocalSize,
-               wanted,
-               dead,
-               n,
-               n,
-               static_cast<std::uint32_t>(total),
-               low_word(key.seed),
-               high_word(key.seed),
-               key.iteration,
-               key.set,
-               share_,
-               targets_,
-               source_,
-               copies_);
-
+  if (!draw(particles, accumulated, found, growth, key)) return {};
   if (growth > 0) {
-    const auto stride = static_cast<std::uint32_t>(round_up(n + growth, 16));
-    for (RealBuffer* moment : moments) widen(*moment, n, particles.stride, stride, false);
-    widen(particles.params, n, particles.stride, stride, true);
-    particles.count = n + growth;
-    particles.stride = stride;
+    grow(particles, moments, growth);
     accumulated.reserve(particles.count);
   }
-  const auto copy = [&](std::uint32_t count, bool in_place) {
-    copy_.launch(round_up(count, kLocalSize),
-                 kLocalSize,
-                 count,
-                 rows,
-                 particles.stride,
-                 in_place ? 1U : 0U,
-                 targets_,
-                 source_,
-                 copies_,
-                 particles.params);
-  };
-  copy(wanted, false);
-  copy(n, true);
-  for (RealBuffer* moment : moments) {
-    clear_.launch(round_up(std::max(wanted, n), kLocalSize),
-                  kLocalSize,
-                  wanted,
-                  n,
-                  rows,
-                  particles.stride,
-                  targets_,
-                  copies_,
-                  *moment);
-  }
+  copy(particles, moments, n);
   accumulated.fill(0.0);
   changed_ = wanted;
   particles_ = particles.count;
@@ -210,30 +229,36 @@ DensifyCounts DensifyStage::relocate(ParticleBuffers& particles,
     follow(particles.actor_of, 1);
     particles.refresh_actors();
   }
-  return {dead, growth};
+  return {found.dead, growth};
 }
 
 void DensifyStage::follow(Buffer<std::uint32_t>& words, std::uint32_t width) {
   if (changed_ == 0) return;
   words.extend(std::size_t{particles_} * width);
-  copy_words_.launch(round_up(changed_, kLocalSize), kLocalSize, changed_, width, targets_, source_, words);
+  copy_words_.run(round_up(changed_, kLocalSize),
+                  kLocalSize,
+                  {{"count", changed_},
+                   {"width", width},
+                   {"targets", buffers_.targets},
+                   {"source", buffers_.source},
+                   {"words", words}});
 }
 
 void DensifyStage::jitter(ParticleBuffers& particles,
                           const Buffer<std::uint32_t>& keys,
                           double strength,
                           const RandomKey& key) {
-  jitter_.launch(round_up(particles.count, kLocalSize),
-                 kLocalSize,
-                 particles.count,
-                 particles.stride,
-                 strength,
-                 low_word(key.seed),
-                 high_word(key.seed),
-                 key.iteration,
-                 key.set,
-                 keys,
-                 particles.params);
+  jitter_.run(round_up(particles.count, kLocalSize),
+              kLocalSize,
+              {{"n", particles.count},
+               {"stride", particles.stride},
+               {"strength", strength},
+               {"seed_low", low_word(key.seed)},
+               {"seed_high", high_word(key.seed)},
+               {"iteration", key.iteration},
+               {"set", key.set},
+               {"keys", keys},
+               {"params", particles.params}});
 }
 
 }  // namespace simuli

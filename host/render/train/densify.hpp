@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "host/render/frame/stages.hpp"
+#include "host/render/backward/gradient_buffers.hpp"
+#include "host/render/device/scan.hpp"
+#include "host/render/frame/particle_buffers.hpp"
 
 namespace simuli {
 
@@ -20,23 +22,46 @@ struct DensifyCounts {
   std::uint32_t grown = 0;
 };
 
+/// What relocation is sized by.
+struct DensifySizes {
+  std::uint64_t particles = 0;
+  std::uint64_t targets = 0;  // relocated and new ones
+  std::uint64_t chunks = 0;
+};
+struct DensifyBuffers : BufferTable<DensifySizes> {
+  using BufferTable::BufferTable;
+  Reals weights{*this, "weight", [](const DensifySizes&) { return std::uint64_t{3}; }};
+  Reals sums{*this, "error_sums", [](const DensifySizes& s) { return s.chunks; }};
+  Words dead{*this, "dead", [](const DensifySizes& s) { return s.chunks; }};
+  Words share{*this, "share", [](const DensifySizes& s) { return s.particles; }};
+  Words targets{*this, "targets", [](const DensifySizes& s) { return s.targets; }};
+  Words source{*this, "source", [](const DensifySizes& s) { return s.targets; }};
+  Words copies{*this, "copies", [](const DensifySizes& s) { return s.particles; }};
+};
+
 class DensifyStage {
  public:
   DensifyStage(const Device& device, Precision precision);
 
-  /// Errors of the last frame's rays -> buffers.ray_error[S], for Renderer::backward. Pixels: mean absolute
-  /// difference of picture[3][S] and truth[3][S]. Beams: weighted distance (1 m at most), intensity and
-  /// probability of the wrong one of hit and drop; truth[2][S].
+  /// Errors of a frame's rays -> ray_error[S], for the backward pass. Pixels: mean absolute difference of
+  /// picture[3][S] and truth[3][S]. Beams: weighted distance (1 m at most), intensity and probability of the
+  /// wrong one of hit and drop; truth[2][S].
   void pixel_error(const shared::FrameParams& frame,
-                   FrameBuffers& buffers,
+                   const WorldRays& world_rays,
                    const RealBuffer& picture,
-                   const RealBuffer& truth);
+                   const RealBuffer& truth,
+                   GradientBuffers& out);
   void beam_error(const shared::FrameParams& frame,
-                  FrameBuffers& buffers,
+                  const WorldRays& world_rays,
+                  const Blended& blended,
                   const RealBuffer& truth,
-                  const std::array<double, 3>& weights);
+                  const std::array<double, 3>& weights,
+                  GradientBuffers& out);
   /// Adds each particle's share of them, as render_bwd has blended it, to accumulated[N].
-  void accumulate(const shared::FrameParams& frame, const FrameBuffers& buffers, RealBuffer& accumulated);
+  void accumulate(const shared::FrameParams& frame,
+                  const FrameBuffers& made,
+                  const GradientBuffers& gradients,
+                  RealBuffer& accumulated);
 
   /// Relocates the particles that are nearly transparent (sigma < 0.005) or not finite, and adds up to
   /// `growth` new ones. Each takes the parameters of one drawn in proportion to its accumulated error, and
@@ -60,89 +85,32 @@ class DensifyStage {
               const RandomKey& key);
 
  private:
+  /// Dead particles and the error of all: what there is to draw, and from what.
+  struct Census {
+    Chunks chunks;
+    std::uint32_t dead = 0;
+    double error = 0.0;
+  };
+  Census census(const ParticleBuffers& particles, const RealBuffer& accumulated);
+  /// Targets and the sources drawn for them; false when errors are so uneven that none is worth a share.
+  bool draw(const ParticleBuffers& particles,
+            const RealBuffer& accumulated,
+            const Census& census,
+            std::uint32_t growth,
+            const RandomKey& key);
+  void grow(ParticleBuffers& particles, std::span<RealBuffer* const> moments, std::uint32_t growth);
+  /// The drawn sources' parameters into their targets; `before`: particles before growth.
+  void copy(ParticleBuffers& particles, std::span<RealBuffer* const> moments, std::uint32_t before);
   void widen(
       RealBuffer& rows, std::uint32_t count, std::uint32_t stride, std::uint32_t new_stride, bool params);
 
   Device device_;
   Precision precision_;
   ScanStage scan_;
-  RealBuffer weights_, sums_;
-  Buffer<std::uint32_t> dead_, share_, targets_, source_, copies_;
+  DensifyBuffers buffers_;
   std::uint32_t changed_ = 0;    // targets of the last relocate()
   std::uint32_t particles_ = 0;  // after it
-  Kernel<std::uint32_t, BufRealConst, BufRealConst, BufRealConst, BufReal> pixel_error_;
-  Kernel<std::uint32_t, BufRealConst, BufRealConst, BufRealConst, BufRealConst, BufReal> beam_error_;
-  Kernel<std::uint32_t,
-         Buf<const std::uint32_t>,
-         Buf<const shared::Footprint>,
-         Buf<const std::uint32_t>,
-         BufRealConst,
-         BufReal>
-      accumulate_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         BufRealConst,
-         BufRealConst,
-         Buf<std::uint32_t>,
-         BufReal>
-      weigh_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         BufRealConst,
-         BufRealConst,
-         Buf<const std::uint32_t>,
-         RealScalar,
-         Buf<std::uint32_t>,
-         Buf<std::uint32_t>>
-      list_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         Buf<std::uint32_t>,
-         Buf<std::uint32_t>,
-         Buf<std::uint32_t>>
-      draw_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         Buf<const std::uint32_t>,
-         Buf<const std::uint32_t>,
-         BufReal>
-      copy_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         Buf<const std::uint32_t>,
-         BufReal>
-      clear_;
-  Kernel<std::uint32_t, std::uint32_t, Buf<const std::uint32_t>, Buf<const std::uint32_t>, Buf<std::uint32_t>>
-      copy_words_;
-  Kernel<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, BufRealConst, BufReal>
-      widen_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         RealScalar,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         BufReal>
+  Kernel pixel_error_, beam_error_, accumulate_, weigh_, list_, draw_, copy_, clear_, copy_words_, widen_,
       jitter_;
 };
 

@@ -1,138 +1,109 @@
 #pragma once
-// Behind a frame: losses of what was rendered, and Adam's step.
-#include <cstdint>
+// Behind a frame: losses of what was rendered, which leave grad_out for the backward pass.
+#include <optional>
 #include <vector>
 
+#include "host/render/backward/gradient_buffers.hpp"
 #include "host/render/frame/stages.hpp"
+#include "host/render/train/losses.hpp"
 
 namespace simuli {
 
-/// Sums of a picture's loss, over all known pixels and channels.
-struct ImageLoss {
-  double absolute = 0.0;
-  double squared = 0.0;
-  double dissimilarity = 0.0;  // 1 - SSIM; 0 where its scale is
+/// What SSIM keeps of one channel at a time, of a picture in tiles.
+struct SsimSizes {
+  std::uint64_t tiles_x = 0;
+  std::uint64_t tiles_y = 0;
+  std::uint64_t strips = 0;
+
+  static constexpr std::uint64_t kRadius_px = 5;
+  static constexpr std::uint64_t kMarginX_px = 16;  // as MARGIN_X
+  /// Pixels of a plane: the picture and its margins.
+  [[nodiscard]] std::uint64_t plane() const {
+    return (tiles_x * SIM_SLOT_ROW + 2 * kMarginX_px) * (tiles_y * SIM_SLOT_ROWS + 2 * kRadius_px);
+  }
+};
+struct SsimBuffers : BufferTable<SsimSizes> {
+  using BufferTable::BufferTable;
+  Reals window{*this, "window", [](const SsimSizes&) { return 2 * SsimSizes::kRadius_px + 1; }};
+  Reals planes{*this, "planes", [](const SsimSizes& s) { return 3 * s.plane(); }};
+  Reals moments{*this, "moments", [](const SsimSizes& s) { return 6 * s.plane(); }};
+  Reals slopes{*this, "slopes", [](const SsimSizes& s) { return 3 * s.plane(); }};
+  Reals slope_rows{*this, "slope_rows", [](const SsimSizes& s) { return 3 * s.plane(); }};
+  Reals sums{*this, "ssim_sums", [](const SsimSizes& s) { return 3 * s.strips; }};
 };
 
-/// Weights of a picture's losses over the number of values (3 x known pixels).
-struct ImageLossScale {
-  double absolute = 0.0;
-  double squared = 0.0;
-  double dissimilarity = 0.0;
-};
-
-/// Sums of a sweep's losses: |d^ - d| (m) and |intensity error| over returned rays, cross entropy and
-/// wrong drop decisions over all rays.
-struct LidarLoss {
-  double distance_m = 0.0;
-  double intensity = 0.0;
-  double entropy = 0.0;
-  double wrong = 0.0;
-};
-
-/// Weights of a sweep's losses over the number of rays that each is the mean of.
-struct LidarLossScale {
-  double distance = 0.0;
-  double intensity = 0.0;
-  double entropy = 0.0;
-};
-
-class SsimStage;  // host/render/frame/picture_stages.hpp
-
-class LossStage {
+/// Structural similarity: 1 - SSIM over 11 x 11 Gaussian windows, of known pixels alone.
+class SsimStage {
  public:
-  LossStage(const Device& device, Precision precision);
-  LossStage(LossStage&&) noexcept;
-  LossStage& operator=(LossStage&&) noexcept;
-  LossStage(const LossStage&) = delete;
-  LossStage& operator=(const LossStage&) = delete;
-  ~LossStage();
-  /// picture[3][S] (out itself, or what was made of it) -> grad_out. truth[3][S].
-  ImageLoss run_image(const shared::FrameParams& frame,
-                      FrameBuffers& buffers,
-                      const RealBuffer& picture,
-                      const RealBuffer& truth,
-                      const ImageLossScale& scale);
-  /// out -> grad_out. truth[2][S]: range, intensity.
-  LidarLoss run_lidar(const shared::FrameParams& frame,
-                      FrameBuffers& buffers,
-                      const RealBuffer& truth,
-                      const LidarLossScale& scale);
+  /// `lanes` as EnvironmentStage.
+  SsimStage(const Device& device, Precision precision, int lanes = 0);
+  /// picture, truth [3][S] -> sum of 1 - SSIM over known pixels and channels; adds `scale` times its gradient
+  /// to grad_picture[3][S].
+  double run(const shared::FrameParams& frame,
+             const RealBuffer& world_ray,
+             const RealBuffer& picture,
+             const RealBuffer& truth,
+             double scale,
+             RealBuffer& grad_picture);
+  /// What pictures of these tiles are sized by.
+  [[nodiscard]] static SsimSizes sizes(std::uint32_t tiles_x, std::uint32_t tiles_y, int lanes);
 
  private:
-  std::vector<double> sums(std::size_t columns) const;
-  Device device_;
-  RealBuffer sums_;
-  RealBuffer scale_;
-  std::unique_ptr<SsimStage> ssim_;  // once asked for
-  Kernel<shared::FrameParams,
-         RealScalar,
-         RealScalar,
-         BufRealConst,
-         BufRealConst,
-         BufRealConst,
-         BufReal,
-         BufReal>
-      image_;
-  Kernel<shared::FrameParams, BufRealConst, BufRealConst, BufRealConst, BufRealConst, BufReal, BufReal>
-      lidar_;
-};
-
-/// Adam on a parameter matrix: of one set, or of anything that every step moves as a whole.
-class AdamStage {
- public:
-  AdamStage(const Device& device, const ParticleBuffers& particles);
-  AdamStage(const Device& device, Precision precision, std::size_t parameters);
-  /// One step with rate[param_rows] on the particles that the frame of `keys` (FrameBuffers) did not cull;
-  /// counts iterations itself.
-  void run(ParticleBuffers& particles,
-           const RealBuffer& grads,
-           const Buffer<std::uint32_t>& keys,
-           const std::vector<double>& rate);
-  /// Step number `step` (from 1) with one rate on params[first, first + grads.count()), a multiple of 16.
-  void run_dense(
-      RealBuffer& params, const RealBuffer& grads, std::size_t first, double rate, std::uint64_t step);
-  /// Gradient entries so far that were not finite and moved nothing. Waits.
-  [[nodiscard]] std::uint32_t rejected() const { return rejected_.read_back(); }
-  [[nodiscard]] Buffer<std::uint32_t>& rejections() { return rejected_; }
-  [[nodiscard]] std::uint64_t& iteration() { return iteration_; }  // steps done
-  /// The moments [param_rows][stride], for whoever renumbers or stores them.
-  [[nodiscard]] RealBuffer& first_moment() { return first_; }
-  [[nodiscard]] RealBuffer& second_moment() { return second_; }
-
- private:
-  struct Matrix {
-    std::uint32_t columns, stride, first;
-    bool dense;  // all columns have a gradient: no keys are read
-  };
-  void launch(const Matrix& matrix,
-              const Buffer<std::uint32_t>& keys,
-              const std::vector<double>& rate,
-              std::uint64_t step,
-              const RealBuffer& grads,
-              RealBuffer& params);
+  void clear_margins(const shared::FrameParams& frame);
   int lanes_;
-  std::uint64_t iteration_ = 0;
-  RealBuffer rate_, first_, second_;
-  Buffer<std::uint32_t> rejected_;
-  Kernel<std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         std::uint32_t,
-         Buf<const std::uint32_t>,
-         BufRealConst,
-         RealScalar,
-         RealScalar,
-         RealScalar,
-         RealScalar,
-         RealScalar,
-         BufRealConst,
-         BufReal,
-         BufReal,
-         BufReal,
-         Buf<std::uint32_t>>
-      adam_;
+  shared::FrameParams sized_{};  // what the planes' margins were cleared for
+  SsimBuffers buffers_;
+  Kernel planes_, moments_, windows_, slope_rows_, gradient_;
 };
+
+struct LossSizes {
+  std::uint64_t tiles = 0;
+};
+struct ImageLossBuffers : BufferTable<LossSizes> {
+  using BufferTable::BufferTable;
+  Reals sums{*this, "image_sums", [](const LossSizes& s) { return 2 * s.tiles; }};
+};
+struct LidarLossBuffers : BufferTable<LossSizes> {
+  using BufferTable::BufferTable;
+  Reals sums{*this, "lidar_sums", [](const LossSizes& s) { return 4 * s.tiles; }};
+  Reals scale{*this, "loss_scale", [](const LossSizes&) { return std::uint64_t{3}; }};
+};
+
+class ImageLossStage {
+ public:
+  ImageLossStage(const Device& device, Precision precision);
+  /// picture[3][S] (out itself, or what was made of it) -> grad_out. truth[3][S]. Waits.
+  ImageLoss run(const shared::FrameParams& frame,
+                const WorldRays& world_rays,
+                const RealBuffer& picture,
+                const RealBuffer& truth,
+                const ImageLossScale& scale,
+                GradientBuffers& out);
+
+ private:
+  Device device_;
+  ImageLossBuffers buffers_;
+  std::optional<SsimStage> ssim_;  // once asked for
+  Kernel loss_image_;
+};
+
+class LidarLossStage {
+ public:
+  LidarLossStage(const Device& device, Precision precision);
+  /// out -> grad_out. truth[2][S]: range, intensity. Waits.
+  LidarLoss run(const shared::FrameParams& frame,
+                const WorldRays& world_rays,
+                const Blended& blended,
+                const RealBuffer& truth,
+                const LidarLossScale& scale,
+                GradientBuffers& out);
+
+ private:
+  LidarLossBuffers buffers_;
+  Kernel loss_lidar_;
+};
+
+/// parts[n][columns] added up, in their order. Waits.
+[[nodiscard]] std::vector<double> column_sums(const RealBuffer& parts, std::size_t columns);
 
 }  // namespace simuli

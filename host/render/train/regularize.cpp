@@ -19,15 +19,15 @@ RegularizeStage::RegularizeStage(const Device& device, Precision precision)
 void RegularizeStage::run(const ParticleBuffers& particles,
                           const RegularizeScale& scale,
                           RealBuffer& param_grads) {
-  regularize_.launch(round_up(particles.stride / static_cast<std::size_t>(lanes_), kLocalSize),
-                     kLocalSize,
-                     particles.count,
-                     particles.stride,
-                     scale.scale,
-                     scale.opacity,
-                     scale.entropy,
-                     particles.params,
-                     param_grads);
+  regularize_.run(round_up(particles.stride / static_cast<std::size_t>(lanes_), kLocalSize),
+                  kLocalSize,
+                  {{"particles", particles.count},
+                   {"stride", particles.stride},
+                   {"by_scale", scale.scale},
+                   {"by_opacity", scale.opacity},
+                   {"by_entropy", scale.entropy},
+                   particles,
+                   {"param_grads", param_grads}});
 }
 
 }  // namespace simuli

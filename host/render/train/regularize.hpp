@@ -1,5 +1,6 @@
 #pragma once
-#include "host/render/frame/stages.hpp"
+#include "host/render/frame/particle_buffers.hpp"
+#include "host/runtime/kernel.hpp"
 
 namespace simuli {
 
@@ -19,7 +20,7 @@ class RegularizeStage {
 
  private:
   int lanes_;
-  Kernel<std::uint32_t, std::uint32_t, RealScalar, RealScalar, RealScalar, BufRealConst, BufReal> regularize_;
+  Kernel regularize_;
 };
 
 }  // namespace simuli

@@ -28,16 +28,12 @@ class EvaluationTest : public test::SmallStreet {
     log.folder = folder_ / name;
     fs::create_directories(log.folder / "images");
     fs::create_directories(log.folder / "sweeps");
-    Renderer renderer(Device::best(), RenderOptions{});
+    SceneOnDevice on_device(Device::best(), borrowed(scene));
     const ImageFrame& image = log.images[4];
-    const Camera& camera = log.camera(image.camera).model;
-    const SensorRays rays(renderer.device(), camera, renderer.options());
-    const ParticleBuffers camera_set(renderer.device(), scene.camera, Precision::kFloat);
-    renderer.render(camera_set, rays, view_of(log, scene, image));
-    write_image(log.folder / image.file, picture_of(renderer.results(), camera));
+    const Sensor camera(log.camera(image.camera).model);
+    write_image(log.folder / image.file, on_device.render(camera, shot_of(log, image)).image());
 
-    const ParticleBuffers lidar_set(renderer.device(), scene.lidar, Precision::kFloat);
-    SweepPair pair = render_sweep(renderer, lidar_set, log_, scene, log_.sweeps[4]);
+    SweepPair pair = render_sweep(on_device, log_, log_.sweeps[4]);
     for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
       const bool returns = pair.simulated.drop_probability(i) <= 0.5F;
       pair.recorded.range[i] = returns ? best_distance(pair.simulated, i) : 0.0F;

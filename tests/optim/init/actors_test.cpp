@@ -5,11 +5,11 @@
 #include <stdlib.h>
 
 #include "io/synth/street.hpp"
-#include "optim/poses/actor_poses.hpp"
-#include "optim/init/actor_tracks.hpp"
 #include "optim/eval/evaluation.hpp"
+#include "optim/init/actor_tracks.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_actors.hpp"
+#include "optim/poses/actor_poses.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 #include "tests/support/scenes.hpp"
@@ -155,7 +155,8 @@ TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
     (void)trainer.run();
     const Scene scene = trainer.scene();
     if (actors) {
-      const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
+      const Vector3d half =
+          0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
       for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
         if (scene.camera.actor[static_cast<std::size_t>(i)] == 0) continue;
         const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>();
@@ -214,7 +215,8 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   EXPECT_GT(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 10));
   EXPECT_GT(report.grown, 100U);
   const Scene scene = whole.scene();
-  const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
+  const Vector3d half =
+      0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
   for (const GaussianSet* set : {&scene.camera, &scene.lidar}) {
     ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
     const auto count = std::count(set->actor.begin(), set->actor.end(), 1U);

@@ -35,13 +35,13 @@ void expect_checked(const std::string& message, const std::function<void(Options
 TEST(Options, DefaultsAreSound) {
   EXPECT_NO_THROW(validate(RenderOptions{}));
   EXPECT_NO_THROW(check(InitOptions{}));
-  EXPECT_NO_THROW(checked(TrainOptions{}));
+  EXPECT_NO_THROW((void)checked(TrainOptions{}));
   EXPECT_NO_THROW(check(EvalOptions{}));
   for (const Quality quality : {Quality::kDraft, Quality::kBalanced, Quality::kExact, Quality::kReference}) {
     EXPECT_NO_THROW(validate(options_of(quality)));
     TrainOptions train;
     train.render = training_options_of(quality);
-    EXPECT_NO_THROW(checked(train));
+    EXPECT_NO_THROW((void)checked(train));
   }
 }
 
@@ -82,6 +82,7 @@ TEST(Options, OfRenderingAreCheckedByKey) {
   refused("render.shutter_iterations: found 65, allowed 0 to 64", [](auto& o) { o.shutter_iterations = 65; });
   refused("render.transmittance_cut: found -1", [](auto& o) { o.transmittance_cut = -1.0; });
   refused("render.camera_filter_px2: found 101", [](auto& o) { o.camera_filter_px2 = 101.0; });
+  refused("render.camera_near_m: found 0, allowed 0.01 to 1000", [](auto& o) { o.camera_near_m = 0.0; });
   refused("render.sh_error: found 0, allowed above 0, at most 10", [](auto& o) { o.sh_error = 0.0; });
   refused("render.max_instances: found 0, allowed 1 or more", [](auto& o) { o.max_instances = 0; });
   refused("render.lidar_tiles.rays: found 8, allowed 0, or 16 to 256",

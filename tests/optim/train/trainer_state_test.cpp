@@ -78,7 +78,8 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
   o.train.lidar_every = 1000;
   // The particles nearly rest, and so the pose has to give way.
   o.train.camera.mean_m = o.train.camera.mean_final_m = 1e-6;
-  o.train.camera.log_scale = o.train.camera.rotation = o.train.camera.opacity = o.train.camera.sh = o.train.camera.sh_rest = 1e-6;
+  o.train.camera.log_scale = o.train.camera.rotation = o.train.camera.opacity = o.train.camera.sh =
+      o.train.camera.sh_rest = 1e-6;
   o.train.poses.rotation_rad = 1e-3;
   o.train.poses.translation_m = 2e-3;
   Trainer trainer(Device::best(), log, teacher.scene(), o);
@@ -94,14 +95,21 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
 TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
   TrainingOptions o = options(20);
   const Scene scene = initial_scene();
-  const MemoryNeed need = training_memory(log_, scene, o);
-  EXPECT_FALSE(need.items.empty());
   const Device device = Device::best();
+  const MemoryNeed need = training_memory(device, log_, scene, o);
+  EXPECT_FALSE(need.items.empty());
   device.reset_memory_peak();
   const std::uint64_t before = device.memory().now;
   {
     Trainer trainer(device, log_, scene, o);
     (void)trainer.run();
+    // No buffer is forgotten, and each takes at most what it was said to.
+    for (const auto& [name, use] : device.memory_by_name()) {
+      if (use.now == 0) continue;
+      const auto told = need.by_buffer.find(name);
+      ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
+      EXPECT_LE(use.now, told->second) << name;
+    }
   }
   const std::uint64_t used = device.memory().peak - before;
   EXPECT_EQ(device.memory().now, before);  // all of it is given back

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "host/render/options/quality.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/train/trainer.hpp"
@@ -137,9 +138,9 @@ TEST_F(TrainingTest, ALongerTrainingGoesOnFromAFinishedOne) {
   whole.run();
   EXPECT_NE(whole.scene().camera.params, a.scene.camera.params);
   Training shorter(Device::best(), log_, options(9));
-  expect_error(ErrorKind::kInput,
-                     "iterations: found a training of 10, allowed of 9 or fewer",
-                     [&] { shorter.resume(file); });
+  expect_error(ErrorKind::kInput, "iterations: found a training of 10, allowed of 9 or fewer", [&] {
+    shorter.resume(file);
+  });
 }
 
 TEST_F(TrainingTest, AnotherTrainingsCheckpointIsRefusedBeforeTheStart) {

@@ -1,79 +1,237 @@
 #include "host/render/scene/scene_on_device.hpp"
 
-#include <cmath>
 #include <gtest/gtest.h>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/render/options/quality.hpp"
+#include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "tests/render/scene/two_cars.hpp"
 
 namespace simuli {
 namespace {
 
-Scene one_particle() {
-  Scene scene;
-  scene.origin = {100.0, 0.0, 0.0};
-  scene.camera = GaussianSet(SetKind::kCamera, 0, 1);
-  scene.camera.mean().row(0) << 0.0F, 0.0F, 5.0F;
-  scene.camera.log_scale().setConstant(-1.0F);
-  scene.camera.rotation()(0, 0) = 1.0F;
-  scene.camera.opacity_logit().setConstant(6.0F);
-  scene.camera.sh(0).row(0) << 1.0F, -1.0F, 0.0F;
-  return scene;
+using test::shot_of;
+
+const RenderOptions kBalanced = options_of(Quality::kBalanced);
+
+void expect_same(const RayResults& a, const RayResults& b) {
+  ASSERT_EQ(a.rays, b.rays);
+  for (int c = 0; c < 3; ++c) EXPECT_EQ(a.feature[c], b.feature[c]);
+  EXPECT_EQ(a.transmittance, b.transmittance);
+  EXPECT_EQ(a.distance, b.distance);
+  EXPECT_EQ(a.median, b.median);
 }
 
-const Camera kCamera{"any", 16, 12, 12.0, 12.0, 8.0, 6.0};
-const Sensor kSensor(kCamera);
-const Shot kShot = Shot::at({Eigen::Quaterniond::Identity(), {100.0, 0.0, 0.0}}, 0.0);
+/// What the renderer below gives when everything is put together by hand.
+RayResults by_hand(const Device& device, const Scene& scene, const Sensor& sensor, const Shot& shot) {
+  Renderer renderer(device, kBalanced);
+  const RenderOptions& options = renderer.options();
+  const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
+  const ParticleBuffers particles(device, sensor.is_camera() ? scene.camera : scene.lidar, options);
+  // The rays are a temporary: the renderer keeps what results() needs.
+  renderer.render(particles,
+                  sensor.is_camera() ? SensorRays(device, sensor.camera(), options)
+                                     : SensorRays(device, sensor.lidar(), sensor.rays(), options),
+                  view_of(scene, shot, kind));
+  return renderer.results();
+}
 
 TEST(SceneOnDevice, IsTheRendererWithEverythingInPlace) {
   const Device device = Device::best();
-  SceneOnDevice scene(device, one_particle());
-  const Image image = scene.render(kSensor, kShot).image();
-
-  Renderer renderer(device, options_of(Quality::kBalanced));
-  const ParticleBuffers particles(device, one_particle().camera, Precision::kFloat);
-  // The rays are a temporary: the renderer keeps what results() needs.
-  renderer.render(particles, SensorRays(device, kCamera, renderer.options()), View{});
-  EXPECT_EQ(image.data, picture_of(renderer.results(), kCamera).data);
-  EXPECT_GT(image.at(8, 6, 0), 0.6F);
+  SceneOnDevice made(device, test::two_cars());
+  SceneOnDevice scene = std::move(made);
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    const Shot shot = shot_of(sensor, 0.12);
+    const Frame frame = scene.render(sensor, shot);
+    expect_same(frame.results(), by_hand(device, test::two_cars(), sensor, shot));
+    const std::vector<float>& left = frame.results().transmittance;
+    EXPECT_LT(*std::min_element(left.begin(), left.end()), 0.5F);  // there is something to see
+  }
 }
 
 TEST(SceneOnDevice, TellsSensorsApart) {
-  SceneOnDevice made(Device::best(), one_particle());
-  SceneOnDevice scene = std::move(made);
-  const Image image = scene.render(kSensor, kShot).image();
-  Camera wider = kCamera;
-  wider.fx = 6.0;
-  EXPECT_NE(scene.render(Sensor(wider), kShot).image().data, image.data);
-  wider.width = 20;
-  EXPECT_EQ(scene.render(Sensor(wider), kShot).image().width, 20);
-  EXPECT_EQ(scene.render(kSensor, kShot).image().data, image.data);
-  for (int i = 0; i < 10; ++i) {  // more than are kept
-    wider.fy = 7.0 + i;
-    (void)scene.render(Sensor(wider), kShot).image();
-  }
-  EXPECT_EQ(scene.render(kSensor, kShot).image().data, image.data);
+  SceneOnDevice scene(Device::best(), test::two_cars());
+  const Sensor camera = test::camera();
+  const Shot shot = shot_of(camera, 0.1);
+  const Image image = scene.render(camera, shot).image();
+  Camera wider = camera.camera();
+  wider.fx = 20.0;
+  EXPECT_NE(scene.render(Sensor(wider), shot).image().data, image.data);
+  wider.width = 40;
+  EXPECT_EQ(scene.render(Sensor(wider), shot).image().width, 40);
+  EXPECT_EQ(scene.sensor_count(), 3U);
+  // Made anew, and carried elsewhere: the same rays.
+  EXPECT_EQ(scene.render(test::camera().named("other").mounted({}), shot).image().data, image.data);
+  EXPECT_EQ(scene.sensor_count(), 3U);
   wider.fy = -1.0;
-  EXPECT_THROW((void)scene.render(Sensor(wider), kShot).image(), Error);
+  EXPECT_THROW((void)Sensor(wider), Error);
 }
 
-TEST(SceneOnDevice, PutsPointsIntoTheWorld) {
-  Lidar lidar;
-  lidar.name = "two";
-  lidar.rows = {{}, {}};
-  lidar.rows[1].vertical_offset = -0.5;
-  lidar.columns = 1;
-  lidar.azimuth_span = 1.0;
-  LidarFrame frame;
-  frame.rays = {2, 1, {0.0F, 0.0F}, {0.0F, 0.0F}, {0.0F, 0.5F}};
-  frame.range = {2.0F, 3.0F};
-  EXPECT_EQ(frame.returns(), 2);
-  Shot shot = kShot;
-  shot.world_from_sensor_end.translation.y() = 1.0;
-  const auto points = world_points(lidar, frame, shot);
-  EXPECT_LT((points[0] - Eigen::Vector3d(102.0, 0.0, 0.0)).norm(), 1e-9);
-  EXPECT_LT((points[1] - Eigen::Vector3d(103.0, 0.5, -0.5)).norm(), 1e-9);
+TEST(SceneOnDevice, MakesTheTilesOfARigOnce) {
+  const Device device = Device::best("", {.profiling = true});
+  SceneOnDevice scene(device, test::two_cars());
+  std::vector<Sensor> rig;
+  for (int i = 0; i < 20; ++i) {
+    Lidar lidar = test::small_lidar(8, 60);
+    for (LidarRow& row : lidar.rows) row.azimuth_offset = 0.001 * i;
+    rig.emplace_back(lidar);
+  }
+  const auto tilings = [&] {
+    std::uint64_t launches = 0;
+    for (const ProfileRow& row : device.profile().rows()) {
+      if (row.kernel.starts_with("tiling")) launches += row.count;
+    }
+    return launches;
+  };
+  const auto render_all = [&] {
+    for (const Sensor& sensor : rig) (void)scene.render(sensor, shot_of(sensor, 0.1));
+  };
+  (void)scene.render(rig.front(), shot_of(rig.front(), 0.1));
+  const std::uint64_t once = tilings();
+  EXPECT_GT(once, 0U);
+  render_all();
+  EXPECT_EQ(tilings(), 20 * once);
+  render_all();
+  render_all();
+  EXPECT_EQ(tilings(), 20 * once);
+}
+
+TEST(SceneOnDevice, EditsOfAShotAreThoseOfAScene) {
+  const Device device = Device::best();
+  SceneOnDevice scene(device, test::two_cars());
+  struct Case {
+    const char* name;
+    std::vector<ActorEdit> edits;
+    void (*edit)(Scene&);
+  };
+  const std::vector<KeyPose> track = {
+      {0.05, {Eigen::Quaterniond::Identity(), test::kOrigin + Eigen::Vector3d(5.0, -3.0, 0.0)}},
+      {0.30, {Eigen::Quaterniond::Identity(), test::kOrigin + Eigen::Vector3d(7.0, -3.0, 0.0)}}};
+  static std::vector<KeyPose> other;
+  other = track;
+  const Case cases[] = {
+      {"removed", {{"near", ActorEdit::Remove{}}}, [](Scene& s) { remove_actor(s, "near"); }},
+      {"both removed",
+       {{"near", ActorEdit::Remove{}}, {"far", ActorEdit::Remove{}}},
+       [](Scene& s) {
+         remove_actor(s, "near");
+         remove_actor(s, "far");
+       }},
+      {"moved",
+       {{"far", ActorEdit::Move{{1.0, -2.0, 0.3}}}},
+       [](Scene& s) {
+         move_actor(s, "far", {1.0, -2.0, 0.3});
+       }},
+      {"retimed",
+       {{"near", ActorEdit::Retime{0.5, 0.02}}},
+       [](Scene& s) { retime_actor(s, "near", 0.5, 0.02); }},
+      {"retracked and moved",
+       {{"near", ActorEdit::Retrack{track}}, {"near", ActorEdit::Move{{0.5, 0.0, 0.0}}}},
+       [](Scene& s) {
+         retrack_actor(s, "near", other);
+         move_actor(s, "near", {0.5, 0.0, 0.0});
+       }}};
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    Shot shot = shot_of(sensor, 0.13);
+    const RayResults plain = scene.render(sensor, shot).results();
+    for (const Case& c : cases) {
+      SCOPED_TRACE(c.name);
+      shot.edits = c.edits;
+      const RayResults found = scene.render(sensor, shot).results();
+      EXPECT_NE(found.transmittance, plain.transmittance);
+      Scene edited = test::two_cars();
+      c.edit(edited);
+      shot.edits.clear();
+      expect_same(found, SceneOnDevice(device, std::move(edited)).render(sensor, shot).results());
+      expect_same(scene.render(sensor, shot).results(), plain);  // the scene is as it was
+    }
+    shot.edits = {{"nobody", ActorEdit::Remove{}}};
+    EXPECT_THROW((void)scene.render(sensor, shot), Error);
+  }
+}
+
+TEST(SceneOnDevice, QualitiesShareAScene) {
+  const Device device = Device::best();
+  SceneOnDevice scene(device, test::two_cars());
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    const Shot shot = shot_of(sensor, 0.1);
+    for (const Quality quality : {Quality::kDraft, Quality::kExact, Quality::kBalanced, Quality::kDraft}) {
+      SceneOnDevice alone(device, test::two_cars(), options_of(quality));
+      expect_same(scene.render(sensor, shot, {.options = options_of(quality)}).results(),
+                  alone.render(sensor, shot).results());
+    }
+  }
+  RenderOptions odd;
+  odd.alpha_cut = 2.0;
+  EXPECT_THROW((void)scene.render(test::camera(), shot_of(test::camera(), 0.1), {.options = odd}), Error);
+  EXPECT_THROW(SceneOnDevice(device, test::two_cars(), odd), Error);
+}
+
+TEST(SceneOnDevice, PicturesHaveWhatTheirSceneHasBesideParticles) {
+  const Device device = Device::best();
+  const Sensor camera = test::camera();
+  const Shot shot = shot_of(camera, 0.1);
+  Scene plain = test::two_cars();
+  plain.environment = {8, 4, std::vector<float>(8 * 4 * 3, 0.7F)};
+  Scene graded = plain;
+  graded.color_grids = ColorGrids::identity(2, 2, 2, {{"front", shot.middle_s()}});
+  for (float& value : graded.color_grids.values) value *= 0.5F;
+
+  SceneOnDevice scene(device, graded);
+  const RayResults seen = scene.render(camera, shot).results();
+  Renderer renderer(device, kBalanced);
+  const ParticleBuffers particles(device, graded.camera, renderer.options());
+  SceneLook(device, graded, Precision::kFloat)
+      .render(renderer,
+              particles,
+              SensorRays(device, camera.camera(), renderer.options()),
+              view_of(graded, shot, SetKind::kCamera),
+              "front",
+              shot.middle_s());
+  expect_same(seen, renderer.results());
+
+  const RayResults ungraded = SceneOnDevice(device, plain).render(camera, shot).results();
+  EXPECT_NE(seen.feature[0], ungraded.feature[0]);
+  expect_same(scene.render(camera, shot, {.graded = false}).results(), ungraded);
+  Camera unknown = camera.camera();
+  unknown.name = "never trained on";
+  expect_same(scene.render(Sensor(unknown), shot).results(), ungraded);
+  scene.set_scene(test::two_cars());  // black has no sky
+  EXPECT_NE(scene.render(camera, shot).results().feature[0], ungraded.feature[0]);
+}
+
+TEST(SceneOnDevice, RendersTheRaysThatAreAskedFor) {
+  SceneOnDevice scene(Device::best(), test::two_cars());
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    const Shot shot = shot_of(sensor, 0.1);
+    const RayResults all = scene.render(sensor, shot).results();
+    std::vector<bool> some(all.rays);
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = i % 3 == 0;
+    const RayResults part = scene.render(sensor, shot, {.rays = some}).results();
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      ASSERT_EQ(part.transmittance[i], some[i] ? all.transmittance[i] : 1.0F) << i;
+      if (!some[i]) continue;
+      ASSERT_EQ(part.feature[0][i], all.feature[0][i]) << i;
+    }
+    expect_same(scene.render(sensor, shot).results(), all);
+    EXPECT_THROW((void)scene.render(sensor, shot, {.rays = {true}}), Error);
+  }
+}
+
+TEST(SceneOnDevice, RendersMeasuredRays) {
+  const Device device = Device::best();
+  SceneOnDevice scene(device, test::two_cars());
+  const Sensor nominal = test::lidar();
+  const Shot shot = shot_of(nominal, 0.1);
+  LidarRays rays = nominal.rays();
+  for (float& azimuth : rays.azimuth) azimuth += 0.003F;
+  const Sensor measured = nominal.with_rays(rays);
+  const Frame frame = scene.render(measured, shot);
+  expect_same(frame.results(), by_hand(device, test::two_cars(), measured, shot));
+  EXPECT_EQ(frame.lidar().rays.azimuth, rays.azimuth);
+  EXPECT_NE(frame.results().transmittance, scene.render(nominal, shot).results().transmittance);
 }
 
 }  // namespace

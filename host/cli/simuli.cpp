@@ -1,0 +1,37 @@
+#include "host/cli/simuli.hpp"
+
+#include "host/cli/base/program.hpp"
+
+namespace simuli::cli {
+namespace {
+
+void add_commands(CommandLine& line, const Globals& globals) {
+  const Command root = line.root();
+  root.require_command();
+  add_align(root, globals);
+  add_bench(line);
+  add_convert(root, globals);
+  add_demo(root, globals);
+  add_devices(root, globals);
+  add_eval(root, globals);
+  add_fit(root, globals);
+  add_import(root, globals);
+  add_info(root, globals);
+  add_render(root, globals);
+  add_synth(root, globals);
+  add_tile(root, globals);
+  add_train(root, globals);
+  add_view(root, globals);
+}
+
+}  // namespace
+
+int run_simuli(int argc, char** argv) {
+  return run_program("simuli",
+                     "Camera and LiDAR simulation with 3D Gaussians on any OpenCL device",
+                     argc,
+                     argv,
+                     add_commands);
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,71 @@
+// Launcher of "kernels/environment_bwd.cl".
+#include <bit>
+
+#include "host/render/backward/backward_stages.hpp"
+#include "host/render/options/lane_shape.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr std::size_t kLocalSize = 32;
+
+Program program(const Device& device, Precision precision, int lanes) {
+  return {device, "kernels/environment_bwd.cl", BuildOptions().real(precision).define("V", lanes)};
+}
+
+}  // namespace
+
+EnvironmentBackwardStage::EnvironmentBackwardStage(const Device& device, Precision precision, int lanes)
+    : device_(device),
+      lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
+      sort_(device),
+      scratch_(device, precision),
+      cells_(program(device, precision, lanes_), "environment_cells"),
+      ranges_(Program(device, "kernels/bin.cl"), "tile_ranges"),
+      gather_(program(device, precision, lanes_), "environment_gather") {}
+
+void EnvironmentBackwardStage::run(const shared::FrameParams& frame,
+                                   const EnvironmentBuffers& environment,
+                                   double tv_scale,
+                                   const FrameConstants& constants,
+                                   const WorldRays& world_rays,
+                                   const Blended& blended,
+                                   const GradientBuffers& gradients,
+                                   RealBuffer& grads) {
+  const std::uint32_t cells = environment.width * environment.height + 1;  // the last: sees none of it
+  scratch_.reserve({frame.slots, cells});
+  grads.reserve(environment.texture.count());
+  cells_.run(round_up(frame.slots / static_cast<std::size_t>(lanes_), kLocalSize),
+             kLocalSize,
+             {{"frame", frame},
+              {"width", environment.width},
+              {"height", environment.height},
+              constants,
+              world_rays,
+              blended,
+              scratch_});
+  sort_.run(scratch_.cell, scratch_.slot, frame.slots, std::bit_width(cells - 1));
+  const Chunks chunks = chunks_of(device_, frame.slots);
+  ranges_.run(chunks.work_items,
+              1,
+              {{"tile", scratch_.cell},
+               {"k", frame.slots},
+               {"chunk", chunks.chunk},
+               {"tiles", cells},
+               {"first", scratch_.first}});
+  gather_.run(round_up(std::size_t{cells} - 1, kLocalSize),
+              kLocalSize,
+              {{"frame", frame},
+               {"width", environment.width},
+               {"height", environment.height},
+               {"tv_scale", tv_scale},
+               {"first", scratch_.first},
+               {"slot", scratch_.slot},
+               {"fraction", scratch_.fraction},
+               blended,
+               {"grad_out", gradients.grad_out},
+               environment,
+               {"grads", grads}});
+}
+
+}  // namespace simuli

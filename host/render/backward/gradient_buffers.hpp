@@ -1,0 +1,33 @@
+#pragma once
+// What a backward pass reads and writes beside the parts of its frame.
+#include "host/render/frame/frame_buffers.hpp"
+
+namespace simuli {
+
+struct GradientSizes {
+  FrameSizes frame;
+  bool errors = false;         // of rays, shared out to instances
+  bool ray_gradients = false;  // of rays in the scene frame
+};
+
+struct GradientBuffers : BufferTable<GradientSizes> {
+  using BufferTable::BufferTable;
+  /// [5][S] of what blending wrote; from the losses.
+  Reals grad_out{*this, "grad_out", [](const GradientSizes& s) { return 5 * s.frame.slots; }};
+  /// [K][16] of the records, by instance.
+  Reals grads{*this, "grads", [](const GradientSizes& s) { return SIM_GRAD * s.frame.instances; }};
+  /// [S] and [K]: with errors.
+  Reals ray_error{*this, "ray_error", [](const GradientSizes& s) { return s.errors ? s.frame.slots : 0; }};
+  Reals instance_error{
+      *this, "instance_error", [](const GradientSizes& s) { return s.errors ? s.frame.instances : 0; }};
+  /// [3|6][S]: by direction, with origins by these, too.
+  Reals ray_grads{*this, "ray_grads", [](const GradientSizes& s) {
+                    return s.ray_gradients ? (s.frame.ray_rows > 3 ? 6 : 3) * s.frame.slots : 0;
+                  }};
+  /// [6][stride] of the poses of particles' actors.
+  Reals pose_grads{*this, "pose_grads", [](const GradientSizes& s) {
+                     return s.frame.actors > 0 ? SIM_POSE_GRAD * s.frame.stride : 0;
+                   }};
+};
+
+}  // namespace simuli

@@ -1,0 +1,43 @@
+// Launcher of "kernels/render_bwd.cl".
+#include "host/render/backward/backward_stages.hpp"
+
+namespace simuli {
+
+RenderBackwardStage::RenderBackwardStage(const Device& device, const Variant& variant)
+    : device_(device), variant_(variant) {}
+
+Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
+  std::optional<Kernel>& kernel = kernels_[extras.errors ? 1 : 0][extras.ray_gradients ? 1 : 0];
+  if (!kernel) {
+    BuildOptions options = variant_.tile_options();
+    options.define("ERRORS", extras.errors).define("RAY_GRADIENTS", extras.ray_gradients);
+    kernel.emplace(Program(device_, "kernels/render_bwd.cl", options), "render_bwd");
+  }
+  return *kernel;
+}
+
+void RenderBackwardStage::run(const shared::FrameParams& frame,
+                              const RayBuffers& rays,
+                              const FrameBuffers& made,
+                              const BackwardExtras& extras,
+                              GradientBuffers& gradients) {
+  const std::size_t instances = made.binned.instances;
+  if (extras.errors) gradients.instance_error.reserve(instances);
+  if (extras.ray_gradients) {
+    gradients.ray_grads.reserve((variant_.origins ? 6U : 3U) * std::size_t{frame.slots});
+  }
+  gradients.grads.reserve(instances * SIM_GRAD);
+  const auto work_items = static_cast<std::size_t>(variant_.shape.work_items);
+  kernel(extras).run(std::size_t{frame.tiles_x} * frame.tiles_y * work_items,
+                     work_items,
+                     {{"frame", frame},
+                      made.constants,
+                      made.rays,
+                      rays,
+                      made.binned,
+                      made.projected,
+                      made.blended,
+                      gradients});
+}
+
+}  // namespace simuli

@@ -1,0 +1,93 @@
+#pragma once
+// The parts of a frame on the device, each made by one stage (host/render/frame/stages.hpp).
+#include "cl/shared/layout.h"
+#include "host/render/device/buffer_table.hpp"
+
+namespace simuli {
+
+template <>
+struct ClTypeName<shared::Footprint> {
+  static constexpr std::string_view value = "Footprint";
+};
+
+/// What a frame is sized by. N particles, M of them visible, K tile instances, S ray slots.
+struct FrameSizes {
+  std::uint64_t particles = 0;         // N
+  std::uint64_t stride = 0;            // of parameter rows: N rounded up
+  std::uint64_t actors = 0;            // with a pose of their own
+  std::uint64_t moving_particles = 0;  // N where actors move during the frame, else 0
+  std::uint64_t visible = 0;           // M
+  std::uint64_t instances = 0;         // K
+  std::uint64_t slots = 0;             // S
+  std::uint64_t tiles = 0;
+  std::uint64_t ray_rows = 3;    // of world_ray: directions, with origins 6, with times 7
+  std::uint64_t work_items = 0;  // of counting passes
+};
+
+/// Constants of sensor and actors, from the host.
+struct FrameConstants : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Reals sensor{*this, "sensor", [](const FrameSizes&) { return std::uint64_t{SIM_SENSOR_REALS}; }};
+  /// [1 + A][SIM_ACTOR_REALS]
+  Reals actors{*this, "actors", [](const FrameSizes& s) { return SIM_ACTOR_REALS * (1 + s.actors); }};
+};
+
+/// Rays in the scene frame.
+struct WorldRays : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Reals world_ray{
+      *this, "world_ray", [](const FrameSizes& s) { return s.ray_rows * s.slots; }};  // [3|6|7][S]
+};
+
+/// Particles as the sensor sees them.
+struct Projected : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Reals records{*this, "records", [](const FrameSizes& s) { return SIM_RECORD * s.particles; }};  // [N][16]
+  /// [N][4], of particles whose actor moves.
+  Reals motions{*this, "motions", [](const FrameSizes& s) { return SIM_MOTION * s.moving_particles; }};
+  Array<shared::Footprint> footprints{*this, "footprints", [](const FrameSizes& s) { return s.particles; }};
+  Words keys{*this, "keys", [](const FrameSizes& s) { return s.particles; }};  // range; culled: all ones
+};
+
+/// Tile lists.
+struct Binned : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Words order{*this, "order", [](const FrameSizes& s) { return s.visible; }};          // by range
+  Words emission{*this, "emission", [](const FrameSizes& s) { return s.particles; }};  // first gradient slots
+  Words tile{*this, "tile", [](const FrameSizes& s) { return s.instances; }};          // rising
+  Words payload{
+      *this, "payload", [](const FrameSizes& s) { return s.instances; }};        // of a tile: nearest first
+  Words first{*this, "first", [](const FrameSizes& s) { return s.tiles + 1; }};  // instances of each tile
+  std::uint32_t visible = 0;                                                     // M
+  std::uint32_t instances = 0;                                                   // K
+};
+
+/// What binning needs meanwhile.
+struct BinScratch : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Words visible_keys{*this, "visible_keys", [](const FrameSizes& s) { return s.visible; }};
+  Words counts{*this, "counts", [](const FrameSizes& s) { return s.work_items; }};
+};
+
+/// What rays have met.
+struct Blended : BufferTable<FrameSizes> {
+  using BufferTable::BufferTable;
+  Reals out{*this, "out", [](const FrameSizes& s) { return SIM_OUTPUTS * s.slots; }};  // [6][S]
+};
+
+/// All that a frame writes; grows, never shrinks.
+struct FrameBuffers {
+  FrameBuffers(const Device& device, Precision precision)
+      : constants(device, precision),
+        rays(device, precision),
+        projected(device, precision),
+        binned(device, precision),
+        blended(device, precision) {}
+  FrameConstants constants;
+  WorldRays rays;
+  Projected projected;
+  Binned binned;
+  Blended blended;
+};
+
+}  // namespace simuli

@@ -1,0 +1,140 @@
+#include "host/render/frame/particle_buffers.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <fmt/format.h>
+#include <numeric>
+
+#include "cl/shared/layout.h"
+#include "host/base/error.hpp"
+#include "host/render/options/sh_degree.hpp"
+#include "host/runtime/kernel.hpp"
+
+namespace simuli {
+namespace {
+
+/// A row of coefficients as halves, two in each float of `target`.
+void store_halves(const Eigen::Ref<const Eigen::ArrayXf>& row, float* target) {
+  for (Eigen::Index i = 0; i < row.size(); ++i) {
+    const Eigen::half value(row[i]);
+    if (Eigen::numext::isinf(value)) {
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format("sh_storage: found half and a coefficient of {}, allowed at most 65504", row[i]));
+    }
+    std::memcpy(reinterpret_cast<std::byte*>(target) + 2 * i, &value.x, 2);
+  }
+}
+
+void load_halves(const float* source, Eigen::Ref<Eigen::ArrayXf> row) {
+  for (Eigen::Index i = 0; i < row.size(); ++i) {
+    Eigen::half value;
+    std::memcpy(&value.x, reinterpret_cast<const std::byte*>(source) + 2 * i, 2);
+    row[i] = static_cast<float>(value);
+  }
+}
+
+}  // namespace
+
+ParticleSizes ParticleSizes::of(std::uint64_t particles, int sh_degree, std::uint64_t actors) {
+  return {static_cast<std::uint64_t>(param_rows(sh_degree)), round_up(particles, 16), actors};
+}
+
+ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision)
+    : BufferTable(device, precision), kind(set.kind) {
+  upload(set);
+}
+
+ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options)
+    : ParticleBuffers(device, GaussianSet(set.kind, 0, 0), options.precision) {
+  if (options.sh_storage == ShStorage::kHalf && options.precision == Precision::kDouble) {
+    throw Error(ErrorKind::kUsage, "sh_storage: found half in double precision, allowed full");
+  }
+  sh_storage = options.sh_storage;
+  kept_sh_ = options.sh_degree;
+  sh_error_ = options.sh_error;
+  upload(set);
+}
+
+void ParticleBuffers::upload(const GaussianSet& set) {
+  if (set.size() > SIM_PARTICLE_MASK) {
+    throw Error(ErrorKind::kDevice,
+                fmt::format("particles: found {}, allowed {} in one set", set.size(), SIM_PARTICLE_MASK));
+  }
+  kind = set.kind;
+  sh_degree = kept_sh_degree(set, kept_sh_, sh_error_);
+  count = static_cast<std::uint32_t>(set.size());
+  stride = static_cast<std::uint32_t>(round_up(count, 16));
+  const auto rows = static_cast<std::size_t>(param_rows(sh_degree));
+  const std::size_t full_rows = sh_storage == ShStorage::kHalf ? SIM_SH : rows;
+  // Padding is made of particles that nobody can see, and whose quaternions can be normalised.
+  std::vector<float> padded(full_rows * stride + (rows - full_rows) * stride / 2, 0.0F);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto column = set.params.col(static_cast<Eigen::Index>(row));
+    if (row >= full_rows) {
+      store_halves(column, padded.data() + full_rows * stride + (row - full_rows) * stride / 2);
+      continue;
+    }
+    float* target = padded.data() + row * stride;
+    std::copy(column.data(), column.data() + count, target);
+    const float filler = row == kRotationRow ? 1.0F : row == kOpacityRow ? -80.0F : 0.0F;
+    std::fill(target + count, target + stride, filler);
+  }
+  params.assign(padded);
+  upload_actors(set.actor);
+}
+
+void ParticleBuffers::refresh_actors() {
+  std::vector<std::uint32_t> actor = actor_of.download();
+  actor.resize(actor.empty() ? 0 : count);
+  upload_actors(actor);
+}
+
+void ParticleBuffers::upload_actors(const std::vector<std::uint32_t>& actor) {
+  actors = actor.empty() ? 0 : *std::max_element(actor.begin(), actor.end());
+  if (!actor.empty() && actor.size() != count) {
+    throw Error(ErrorKind::kInternal, "particles: one actor per particle is needed, or none at all");
+  }
+  std::vector<std::uint32_t> of, first, list;
+  if (actors > 0) {
+    of = actor;
+    of.resize(stride, 0);
+    first.assign(std::size_t{actors} + 1, 0);
+    for (const std::uint32_t a : actor) {
+      if (a > 0) ++first[a];
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    list.resize(first.back());
+    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (actor[i] > 0) list[next[actor[i] - 1]++] = i;
+    }
+  }
+  actor_of.assign(of);
+  actor_list.assign(list);
+  actor_first.assign(first);
+}
+
+GaussianSet ParticleBuffers::download() const {
+  GaussianSet set(kind, sh_degree, count);
+  const std::vector<float> padded = params.download_float();
+  const auto rows = static_cast<std::size_t>(set.params.cols());
+  const std::size_t full_rows = sh_storage == ShStorage::kHalf ? SIM_SH : rows;
+  for (std::size_t row = 0; row < rows; ++row) {
+    auto column = set.params.col(static_cast<Eigen::Index>(row));
+    if (row >= full_rows) {
+      load_halves(padded.data() + full_rows * stride + (row - full_rows) * stride / 2, column);
+      continue;
+    }
+    const float* source = padded.data() + row * stride;
+    std::copy(source, source + count, column.data());
+  }
+  if (actors > 0) {
+    set.actor = actor_of.download();
+    set.actor.resize(count);
+  }
+  return set;
+}
+
+}  // namespace simuli

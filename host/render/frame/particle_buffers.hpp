@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "host/render/device/buffer_table.hpp"
+#include "host/render/options/options.hpp"
+#include "host/scene/gaussians.hpp"
+
+namespace simuli {
+
+/// What a particle set is sized by.
+struct ParticleSizes {
+  std::uint64_t rows = 0;    // param_rows
+  std::uint64_t stride = 0;  // particles, rounded up
+  std::uint64_t actors = 0;
+
+  [[nodiscard]] static ParticleSizes of(std::uint64_t particles, int sh_degree, std::uint64_t actors);
+};
+
+/// Particles of one set on the device, each parameter a row of `stride` reals.
+struct ParticleBuffers : BufferTable<ParticleSizes> {
+  ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision);
+  /// Only the bands of spherical harmonics that options.sh_degree keeps take memory, as options.sh_storage
+  /// says. Error{kUsage} when halves are asked for in double, or cannot hold a coefficient (beyond 65504).
+  ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options);
+  void upload(const GaussianSet& set);
+  [[nodiscard]] GaussianSet download() const;
+  SetKind kind = SetKind::kCamera;
+  int sh_degree = 0;
+  ShStorage sh_storage = ShStorage::kFull;
+  std::uint32_t count = 0;
+  std::uint32_t stride = 0;
+  /// [param_rows][stride]; of ShStorage::kHalf the rows from SIM_SH on are halves, two in a float.
+  Reals params{*this, "params", [](const ParticleSizes& s) { return s.rows * s.stride; }};
+  /// GaussianSet::actor. All empty without actors.
+  std::uint32_t actors = 0;  // the largest number in actor_of
+  Words actor_of{
+      *this, "actor_of", [](const ParticleSizes& s) { return s.actors > 0 ? s.stride : 0; }};  // [stride]
+  /// Particles of actors, those of an actor consecutive; and where each actor's begin.
+  Words actor_list{*this, "actor_list", [](const ParticleSizes& s) { return s.actors > 0 ? s.stride : 0; }};
+  Words actor_first{
+      *this, "actor_first", [](const ParticleSizes& s) { return s.actors > 0 ? s.actors + 1 : 0; }};
+  /// After actor_of changed on the device (particles relocated or added): the other members again. Waits.
+  void refresh_actors();
+
+ private:
+  ShDegree kept_sh_ = ShDegree::k3;
+  double sh_error_ = 0.0;
+  void upload_actors(const std::vector<std::uint32_t>& actor);
+};
+
+}  // namespace simuli

@@ -1,0 +1,14 @@
+#pragma once
+#include "host/render/options/options.hpp"
+#include "host/runtime/device.hpp"
+#include "host/sensors/camera.hpp"
+
+namespace simuli {
+
+/// The camera itself; Error{kDevice} with the numbers, before any memory is taken, where the device has no
+/// room for the rays of its pixels.
+[[nodiscard]] const Camera& with_room_on(const Device& device,
+                                         const Camera& camera,
+                                         const RenderOptions& options);
+
+}  // namespace simuli

@@ -1,0 +1,37 @@
+// Launcher of "kernels/loss_lidar.cl".
+#include "host/render/options/lane_shape.hpp"
+#include "host/render/train/loss_stages.hpp"
+
+namespace simuli {
+
+LidarLossStage::LidarLossStage(const Device& device, Precision precision)
+    : buffers_(device, precision),
+      loss_lidar_(Program(device,
+                          "kernels/loss_lidar.cl",
+                          BuildOptions().real(precision).define("V", lane_shape_of(device, precision).lanes)),
+                  "loss_lidar") {}
+
+LidarLoss LidarLossStage::run(const shared::FrameParams& frame,
+                              const WorldRays& world_rays,
+                              const Blended& blended,
+                              const RealBuffer& truth,
+                              const LidarLossScale& scale,
+                              GradientBuffers& out) {
+  const std::size_t tiles = std::size_t{frame.tiles_x} * frame.tiles_y;
+  out.grad_out.reserve(std::size_t{5} * frame.slots);
+  buffers_.reserve({tiles});
+  buffers_.scale.assign(std::vector<double>{scale.distance, scale.intensity, scale.entropy});
+  loss_lidar_.run(tiles,
+                  1,
+                  {{"frame", frame},
+                   {"scale", buffers_.scale},
+                   world_rays,
+                   blended,
+                   {"truth", truth},
+                   {"grad_out", out.grad_out},
+                   {"sums", buffers_.sums}});
+  const std::vector<double> total = column_sums(buffers_.sums, 4);
+  return {total[0], total[1], total[2], total[3]};
+}
+
+}  // namespace simuli

@@ -1,0 +1,20 @@
+#pragma once
+// A scene of any size for measurements, made up of nothing but a seed.
+#include <cstdint>
+
+#include "host/scene/gaussians.hpp"
+#include "host/scene/pose.hpp"
+
+namespace simuli {
+
+/// A street of `count` flattened Gaussians: road and pavements, two rows of facades, boxes and poles,
+/// 180 m long, scales of 3 to 15 cm, opacities 0.1 to 0.95. The same bits for the same arguments.
+[[nodiscard]] GaussianSet street_particles(SetKind kind,
+                                           int sh_degree,
+                                           Eigen::Index count,
+                                           std::uint64_t seed);
+
+/// Half-way down that street, 1.9 m up: a LiDAR.
+[[nodiscard]] Pose world_from_street_lidar();
+
+}  // namespace simuli

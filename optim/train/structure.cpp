@@ -1,0 +1,122 @@
+#include "optim/train/structure.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace simuli {
+namespace {
+
+/// Adds the time until it goes, the device's work included.
+class Stopwatch {
+ public:
+  Stopwatch(const Device& device, double& seconds) : device_(device), seconds_(seconds) {
+    device_.finish();
+    begin_ = std::chrono::steady_clock::now();
+  }
+  void stop() {
+    device_.finish();
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  const Device& device_;
+  double& seconds_;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+}  // namespace
+
+Structure::Structure(const Device& device,
+                     const TrainOptions& options,
+                     std::uint64_t seed,
+                     TrainedSet& camera,
+                     TrainedSet& lidar)
+    : device_(device), options_(options), seed_(seed), camera_(camera), lidar_(lidar) {
+  if (options.anchor.weight > 0.0 && camera.particles.count > 0 && lidar.particles.count > 0) {
+    anchor_.emplace(device, Precision::kFloat, static_cast<std::uint32_t>(options.anchor.neighbours));
+  }
+  if (options.densify.every > 0) densify_.emplace(device, Precision::kFloat);
+}
+
+bool Structure::collects_errors(int iteration) const {
+  return densify_ && iteration < options_.densify.last_share * options_.iterations;
+}
+
+void Structure::find_anchors(int iteration) {
+  if (!anchor_ || iteration % options_.anchor.every != 0) return;
+  Stopwatch watch(device_, anchor_seconds_);
+  anchor_->assign(camera_.particles, lidar_.particles, options_.anchor.reach_m);
+  watch.stop();
+}
+
+void Structure::add_anchor_gradient(const Renderer& renderer, int iteration) {
+  if (!anchor_) return;
+  Stopwatch watch(device_, anchor_seconds_);
+  // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
+  anchor_->add_gradient(camera_.particles,
+                        lidar_.particles,
+                        renderer.buffers().projected.keys,
+                        options_.anchor.weight / camera_.particles.count,
+                        iteration % options_.anchor.choose_every == 0,
+                        camera_.grads);
+  watch.stop();
+}
+
+void Structure::jitter(TrainedSet& set,
+                       SetNumber number,
+                       const LearningRates& rates,
+                       const Renderer& renderer,
+                       int iteration,
+                       double progress) {
+  if (!collects_errors(iteration) || !(options_.densify.noise > 0.0)) return;
+  const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
+  densify_->jitter(set.particles,
+                   renderer.buffers().projected.keys,
+                   options_.densify.noise * rate_m,
+                   {seed_, static_cast<std::uint32_t>(iteration), number});
+}
+
+void Structure::densify(int iteration) {
+  const DensifyOptions& o = options_.densify;
+  if (!collects_errors(iteration) || iteration < o.first || iteration % o.every != 0) return;
+  Stopwatch watch(device_, densify_seconds_);
+  const double count = static_cast<double>(camera_.particles.count) + lidar_.particles.count;
+  // What is left to the cap is shared as the growth would be.
+  const double room = std::max(0.0, static_cast<double>(o.cap) - count);
+  const double growth = std::min(o.growth, room / std::max(count, 1.0));
+  for (const SetNumber number : {kCameraSet, kLidarSet}) {
+    TrainedSet& set = number == kCameraSet ? camera_ : lidar_;
+    RealBuffer* const moments[] = {&set.adam.first_moment(), &set.adam.second_moment()};
+    const DensifyCounts counts = densify_->relocate(set.particles,
+                                                    moments,
+                                                    set.error,
+                                                    static_cast<std::uint32_t>(growth * set.particles.count),
+                                                    {seed_, static_cast<std::uint32_t>(iteration), number});
+    set.fit_gradients();
+    if (number == kCameraSet && anchor_) {
+      densify_->follow(anchor_->candidates(), anchor_->neighbours());
+      densify_->follow(anchor_->nearest(), 1);
+    }
+    relocated_ += counts.relocated;
+    grown_ += counts.grown;
+  }
+  watch.stop();
+}
+
+void Structure::report(TrainReport& report) const {
+  report.relocated = relocated_;
+  report.grown = grown_;
+  if (anchor_) report.anchor_m = anchor_->loss().mean_m();
+  report.anchor_seconds = anchor_seconds_;
+  report.densify_seconds = densify_seconds_;
+}
+
+void Structure::add_state(StateList& list) {
+  list.add("relocated", relocated_);
+  list.add("grown", grown_);
+  if (!anchor_) return;
+  list.add("anchor/candidates", anchor_->candidates());
+  list.add("anchor/nearest", anchor_->nearest());
+}
+
+}  // namespace simuli

@@ -1,0 +1,58 @@
+#pragma once
+// What holds particles in place and what changes their number: anchors, relocation, growth, noise.
+#include <cstdint>
+#include <optional>
+
+#include "host/render/scene/renderer.hpp"
+#include "host/render/train/anchor.hpp"
+#include "host/render/train/densify.hpp"
+#include "optim/train/state.hpp"
+#include "optim/train/train_options.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/train/trained_set.hpp"
+
+namespace simuli {
+
+class Structure {
+ public:
+  /// All of them must outlive it; `seed` of what is drawn.
+  Structure(const Device& device,
+            const TrainOptions& options,
+            std::uint64_t seed,
+            TrainedSet& camera,
+            TrainedSet& lidar);
+
+  /// Whether frames are to tell errors in this iteration, for where particles are missing.
+  [[nodiscard]] bool collects_errors(int iteration) const;
+  /// The stage that takes them; there is one when collects_errors().
+  [[nodiscard]] DensifyStage& errors() { return *densify_; }
+
+  /// Before the steps of an iteration, when it is its turn.
+  void find_anchors(int iteration);
+  /// To the camera set's gradients of the particles that the renderer's last frame shows.
+  void add_anchor_gradient(const Renderer& renderer, int iteration);
+  /// Moves the particles of that frame at random.
+  void jitter(TrainedSet& set,
+              SetNumber number,
+              const LearningRates& rates,
+              const Renderer& renderer,
+              int iteration,
+              double progress);
+  /// Behind the steps of an iteration, when it is its turn; `iteration`: done.
+  void densify(int iteration);
+
+  void report(TrainReport& report) const;
+  void add_state(StateList& list);
+
+ private:
+  Device device_;
+  const TrainOptions& options_;
+  std::uint64_t seed_;
+  TrainedSet &camera_, &lidar_;
+  std::optional<AnchorStage> anchor_;    // when camera particles are anchored
+  std::optional<DensifyStage> densify_;  // when particles are relocated
+  std::uint64_t relocated_ = 0, grown_ = 0;
+  double anchor_seconds_ = 0.0, densify_seconds_ = 0.0;
+};
+
+}  // namespace simuli

@@ -1,0 +1,150 @@
+// One iteration: a picture and its losses for the camera set, a sweep for the LiDAR set.
+#include <algorithm>
+#include <cmath>
+
+#include "optim/base/frames.hpp"
+#include "optim/train/trainer.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kPoseFinalShare = 0.01;  // of the offsets' rates, at the end
+
+}  // namespace
+
+void Trainer::step() {
+  const double progress = static_cast<double>(status_.iteration) / std::max(1, options_.iterations);
+  structure_.find_anchors(status_.iteration);
+  if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
+  const bool lidar_turn = status_.iteration % options_.lidar_every == 0;
+  if (lidar_turn && !sweeps_.empty() && lidar_.particles.count > 0) step_lidar(progress);
+  ++status_.iteration;
+  structure_.densify(status_.iteration);
+  status_.camera_particles = camera_.particles.count;
+  status_.lidar_particles = lidar_.particles.count;
+}
+
+void Trainer::step_camera(double progress) {
+  const std::size_t index = images_.at(static_cast<std::uint64_t>(status_.iteration));
+  const ImageFrame& frame = log_.images[index];
+  const auto truth = truth_.image(index);
+  renderer_.render(
+      camera_.particles, truth_.camera_rays(frame.camera), view(frame, frame.camera), look_.environment());
+  look_.grade(renderer_, index);
+  const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
+  const ImageWeights& w = options_.image;
+  const ImageLoss loss =
+      renderer_.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
+  const bool errors = structure_.collects_errors(status_.iteration);
+  if (errors) {
+    structure_.errors().pixel_error(renderer_.frame(),
+                                    renderer_.buffers().rays,
+                                    renderer_.picture(),
+                                    truth->truth,
+                                    renderer_.gradients());
+  }
+  look_.step(renderer_, index, static_cast<std::uint64_t>(status_.iteration), progress);
+  descend({camera_,
+           kCameraSet,
+           options_.camera,
+           options_.camera_particles,
+           frame.camera,
+           frame.time_start_s,
+           frame.time_end_s,
+           progress,
+           errors});
+  if (!is_sound(loss.absolute + loss.squared + loss.dissimilarity)) return;
+  square_.add(loss.squared / values);
+  status_.psnr_db = -10.0 * std::log10(square_.value());
+}
+
+void Trainer::step_lidar(double progress) {
+  const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.lidar_every));
+  const SweepFrame& frame = log_.sweeps[index];
+  const auto truth = truth_.sweep(index);
+  renderer_.render(lidar_.particles, *truth->rays, view(frame, frame.lidar));
+  const double rays = std::max(1.0, static_cast<double>(truth->known));
+  // A sweep without a return has no distance loss to weigh: its sums are zero.
+  const double returned = std::max(1.0, static_cast<double>(truth->returned));
+  const LidarWeights& w = options_.weights;
+  const LidarLoss loss =
+      renderer_.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
+  const bool errors = structure_.collects_errors(status_.iteration);
+  if (errors) {
+    structure_.errors().beam_error(renderer_.frame(),
+                                   renderer_.buffers().rays,
+                                   renderer_.buffers().blended,
+                                   truth->truth,
+                                   {w.distance, w.intensity, w.drop},
+                                   renderer_.gradients());
+  }
+  descend({lidar_,
+           kLidarSet,
+           options_.lidar,
+           options_.lidar_particles,
+           frame.lidar,
+           frame.time_start_s,
+           frame.time_end_s,
+           progress,
+           errors});
+  if (!is_sound(loss.distance_m + loss.intensity + loss.entropy)) return;
+  distance_.add(loss.distance_m / returned);
+  right_.add(1.0 - loss.wrong / rays);
+  status_.distance_m = distance_.value();
+  status_.drop_accuracy = right_.value();
+}
+
+void Trainer::descend(const Turn& turn) {
+  TrainedSet& set = turn.set;
+  renderer_.backward(
+      set.particles, set.grads, {.errors = turn.errors, .ray_gradients = offsets_.contains(turn.sensor)});
+  if (turn.errors) {
+    structure_.errors().accumulate(
+        renderer_.frame(), renderer_.buffers(), renderer_.gradients(), set.error);
+  }
+  step_pose(turn);
+  regularize(set, turn.weights);
+  if (turn.number == kCameraSet) structure_.add_anchor_gradient(renderer_, status_.iteration);
+  set.adam.run(set.particles,
+               set.grads,
+               renderer_.buffers().projected.keys,
+               row_rates(turn.rates, set.particles.sh_degree, turn.progress));
+  structure_.jitter(set, turn.number, turn.rates, renderer_, status_.iteration, turn.progress);
+  step_actors(turn);
+}
+
+void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
+  const double count = std::max(1.0, static_cast<double>(set.particles.count));
+  const RegularizeScale scale{w.scale / count, w.opacity / count, w.entropy / count};
+  if (!scale.is_zero()) regularize_.run(set.particles, scale, set.grads);
+}
+
+void Trainer::step_pose(const Turn& turn) {
+  const auto offset = offsets_.find(turn.sensor);
+  if (offset == offsets_.end()) return;
+  const double share = std::pow(kPoseFinalShare, turn.progress);
+  offset->second.step(renderer_.pose_gradient(turn.set.grads),
+                      share * options_.poses.translation_m,
+                      share * options_.poses.rotation_rad);
+}
+
+void Trainer::step_actors(const Turn& turn) {
+  TrainedSet& set = turn.set;
+  if (set.particles.actors == 0) return;
+  renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
+  if (!set.poses.learns()) return;
+  set.poses.step(scene_.actors,
+                 renderer_.pose_gradients(set.particles),
+                 turn.time_start_s,
+                 turn.time_end_s,
+                 turn.progress);
+}
+
+template <class Frame>
+View Trainer::view(const Frame& frame, const std::string& sensor) const {
+  const View from_log = view_of(log_, scene_, frame);
+  const auto offset = offsets_.find(sensor);
+  return offset == offsets_.end() ? from_log : moved_by(offset->second, from_log);
+}
+
+}  // namespace simuli

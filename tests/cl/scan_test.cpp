@@ -1,0 +1,65 @@
+// Prefix sums against the standard library, in the shapes of CPUs and of GPUs.
+#include "host/render/device/scan.hpp"
+
+#include <cstdint>
+#include <gtest/gtest.h>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+using Words = std::vector<std::uint32_t>;
+
+Words random_words(std::size_t count, double limit, std::uint64_t seed) {
+  test::Random random(seed);
+  Words words(count);
+  for (std::uint32_t& w : words) w = static_cast<std::uint32_t>(random.uniform(0.0, limit));
+  return words;
+}
+
+// Around one element per work-item, one chunk, one group, and far more.
+constexpr std::size_t kSizes[] = {0, 1, 2, 15, 16, 17, 63, 64, 65, 255, 256, 257, 1000, 4095, 4097, 50'001};
+
+class Scan : public testing::TestWithParam<std::size_t> {
+ protected:
+  Device device_ = Device::best();
+  ScanStage scan_{device_, GetParam()};
+};
+
+TEST_P(Scan, MatchesTheStandardLibrary) {
+  for (const std::size_t n : kSizes) {
+    const Words values = random_words(n, 1000.0, n);
+    Words expected(n);
+    std::exclusive_scan(values.begin(), values.end(), expected.begin(), 0U);
+    // One element more than is summed: it stays.
+    Words padded = values;
+    padded.push_back(77);
+    Buffer<std::uint32_t> data(device_, "data", padded);
+    const std::uint64_t total = scan_.run(data, static_cast<std::uint32_t>(n), true);
+    EXPECT_EQ(total, std::accumulate(values.begin(), values.end(), std::uint64_t{0})) << n;
+    Words found = data.download();
+    EXPECT_EQ(found.back(), 77U) << n;
+    found.pop_back();
+    EXPECT_EQ(found, expected) << n;
+  }
+}
+
+TEST_P(Scan, TotalsExceed32Bits) {
+  const Words values(5, 0xffffffffU);
+  Buffer<std::uint32_t> data(device_, "data", values);
+  EXPECT_EQ(scan_.run(data, 5, true), std::uint64_t{5} * 0xffffffffU);
+}
+
+INSTANTIATE_TEST_SUITE_P(WorkItems,
+                         Scan,
+                         testing::Values(std::size_t{1}, std::size_t{64}),
+                         [](const auto& instance) {
+                           return std::string(instance.param == 1 ? "cpu" : "gpu");
+                         });
+
+}  // namespace
+}  // namespace simuli

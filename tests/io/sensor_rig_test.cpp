@@ -1,0 +1,98 @@
+#include "io/scene/sensor_rig.hpp"
+
+#include <gtest/gtest.h>
+
+#include "io/log/lidar_file.hpp"
+#include "tests/io/scratch.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace simuli {
+namespace {
+
+using test::expect_input_error;
+using test::Scratch;
+
+Pose at(double x) { return {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}}; }
+
+SceneFile some_scene() {
+  SceneFile file;
+  Camera camera = test::small_camera(8, 6);
+  camera.name = "front";
+  file.cameras.push_back({camera, at(1.0)});
+  Lidar lidar = test::small_lidar(4, 20);
+  lidar.name = "top";
+  file.lidars.push_back({lidar, at(2.0)});
+  return file;
+}
+
+void expect_unknown(const SensorRig& rig, const std::string& name, const std::string& said) {
+  try {
+    (void)rig.find(name);
+    ADD_FAILURE() << name;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << error.what();
+  }
+}
+
+TEST(SensorRig, FindsItsOwn) {
+  const SensorRig rig(some_scene());
+  ASSERT_EQ(rig.sensors().size(), 2U);
+  EXPECT_TRUE(rig.find("front").is_camera());
+  EXPECT_EQ(rig.find("front").rig_from_sensor().translation.x(), 1.0);
+  EXPECT_EQ(rig.find("top", at(9.0)).rig_from_sensor().translation.x(), 2.0);
+}
+
+TEST(SensorRig, MountsOthersInTheirPlace) {
+  const SensorRig rig(some_scene());
+  const Sensor lidar = rig.find("hesai_xt32@20");
+  EXPECT_EQ(lidar.name(), "hesai_xt32@20");
+  EXPECT_EQ(lidar.duration_s(), 0.05);
+  EXPECT_EQ(lidar.rig_from_sensor().translation.x(), 2.0);
+  EXPECT_EQ(rig.find("tum_vi_cam0").rig_from_sensor().translation.x(), 1.0);
+  EXPECT_EQ(rig.find("tum_vi_cam0", at(9.0)).rig_from_sensor().translation.x(), 9.0);
+  const Scratch scratch;
+  const BuiltinLidar built_in = builtin_lidar_with_facts("velodyne_vlp16@20");
+  const auto file = scratch.file("mine.json", to_json({built_in.model, built_in.facts}).dump());
+  EXPECT_EQ(rig.find(file.string()).name(), "mine");
+  EXPECT_EQ(named_sensor(file.string()).duration_s(), 0.05);
+  const SensorRig empty{SceneFile{}};
+  expect_input_error([&] { (void)empty.find("hesai_xt32"); }, {"lidars", "none"});
+  expect_input_error([&] { (void)empty.find("tum_vi_cam0"); }, {"cameras", "none"});
+  expect_input_error([&] { (void)rig.find((scratch / "nowhere.json").string()); }, {"nowhere.json"});
+}
+
+TEST(SensorRig, NamesTheNearest) {
+  const SensorRig rig(some_scene());
+  expect_unknown(rig, "hesai_x32", "allowed front, top, hesai_xt32");
+  expect_unknown(SensorRig(), "hesai_x32", "did you mean hesai_xt32");
+  expect_unknown(SensorRig(), "tum_vi_cam9", "tum_vi_cam0");
+  expect_unknown(rig, "qqqqqqqqqqqqqqqqqqqqqqqq", "generic64");
+  expect_unknown(rig, "hesai_xt32@7", "turns per second");
+}
+
+TEST(SensorRig, OpensNoFileForOthers) {
+  SensorRig rig(some_scene());
+  rig.refuse_files();
+  const Scratch scratch;
+  const auto file = scratch.file("mine.json", "{}");
+  expect_unknown(rig, file.string(), "allowed front, top");
+}
+
+TEST(SensorRig, TakesOneMore) {
+  SensorRig rig(some_scene());
+  rig.add(named_sensor("velodyne_vlp16").mounted(at(5.0)));
+  EXPECT_EQ(rig.find("velodyne_vlp16").rig_from_sensor().translation.x(), 5.0);
+  EXPECT_THROW(rig.add(named_sensor("velodyne_vlp16")), Error);
+}
+
+TEST(SensorRig, CamerasOfALogTakeWhatTheyTook) {
+  Log log;
+  log.cameras = some_scene().cameras;
+  log.lidars = some_scene().lidars;
+  for (const double end_s : {0.02, 0.03, 0.02}) log.images.push_back({"front", "", 0.0, end_s});
+  EXPECT_EQ(SensorRig(log).find("front").duration_s(), 0.02);
+}
+
+}  // namespace
+}  // namespace simuli

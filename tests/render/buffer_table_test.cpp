@@ -1,0 +1,99 @@
+// What is kept on a device is told once, in tables: that is what a frame takes, and names tell buffers apart.
+#include <gtest/gtest.h>
+#include <map>
+#include <set>
+#include <string>
+
+#include "host/render/backward/backward_stages.hpp"
+#include "host/render/backward/pose_bwd.hpp"
+#include "host/render/frame/stages.hpp"
+#include "host/render/rays/ray_mask.hpp"
+#include "host/render/train/actor.hpp"
+#include "host/render/train/adam.hpp"
+#include "host/render/train/anchor.hpp"
+#include "host/render/train/densify.hpp"
+#include "host/render/train/loss_stages.hpp"
+#include "tests/cl/support.hpp"
+
+namespace simuli {
+namespace {
+
+template <class Sizes>
+void expect_counted(const Device& device, const BufferTable<Sizes>& table, const Sizes& sizes) {
+  for (const BufferBytes& told : table.bytes(sizes)) {
+    EXPECT_EQ(device.memory_by_name().at(told.name).now, told.bytes) << told.name;
+  }
+}
+
+TEST(BufferTable, TellsWhatAFrameTakes) {
+  for (const test::SceneCase& scene : {test::kCameraStill, test::kLidarMoving}) {
+    SCOPED_TRACE(scene.name);
+    const Device device = Device::best();
+    const test::Shot shot = test::shot_of(scene, 72, 40);
+    Renderer renderer(device, {});
+    const GaussianSet set = test::set_for(scene, {.count = 200, .low = {-8, -8, -3}, .high = {8, 8, 3}}, 5);
+    const ParticleBuffers particles(device, set, Precision::kFloat);
+    const SensorRays rays = shot.on(device, {});
+    renderer.render(particles, rays, shot.view);
+    const FrameBuffers& made = renderer.buffers();
+    const shared::FrameParams& frame = renderer.frame();
+    const FrameSizes sizes{.particles = frame.particles,
+                           .stride = frame.stride,
+                           .visible = made.binned.visible,
+                           .instances = made.binned.instances,
+                           .slots = frame.slots,
+                           .tiles = std::uint64_t{frame.tiles_x} * frame.tiles_y,
+                           .ray_rows = scene.moving ? 6U : 3U};
+    ASSERT_GT(sizes.instances, sizes.visible);
+    expect_counted(device, made.rays, sizes);
+    expect_counted(device, made.projected, sizes);
+    expect_counted(device, made.binned, sizes);
+    expect_counted(device, made.blended, sizes);
+    expect_counted(device, particles, ParticleSizes::of(200, scene.sh_degree, 0));
+  }
+}
+
+TEST(BufferTable, KeepsItsMembersWhenItMoves) {
+  const Device device = Device::best();
+  Projected first(device);
+  Projected second(std::move(first));
+  second.reserve({.particles = 7});
+  EXPECT_EQ(second.keys.count(), 7U);
+  EXPECT_EQ(second.records.count(), 7U * SIM_RECORD);
+}
+
+TEST(BufferTable, NamesAreUnique) {
+  const Device device = Device::best();
+  std::map<std::string, int> times;
+  const auto add = [&](const auto& table) {
+    for (const BufferBytes& buffer : table.bytes({})) ++times[buffer.name];
+  };
+  add(ActorBuffers(device));
+  add(AdamBuffers(device));
+  add(AnchorBuffers(device));
+  add(BinScratch(device));
+  add(Binned(device));
+  add(Blended(device));
+  add(ColorGridScratch(device));
+  add(DensifyBuffers(device));
+  add(EnvironmentScratch(device));
+  add(FrameConstants(device));
+  add(GradientBuffers(device));
+  add(ImageLossBuffers(device));
+  add(LidarLossBuffers(device));
+  add(ParticleBuffers(device, GaussianSet(SetKind::kCamera, 0, 0), Precision::kFloat));
+  add(PictureBuffers(device));
+  add(PoseBuffers(device));
+  add(Projected(device));
+  add(RayBuffers(device));
+  add(RayMaskScratch(device));
+  add(ScanBuffers(device));
+  add(SortBuffers(device));
+  add(SsimBuffers(device));
+  add(WorldRays(device));
+  EXPECT_GT(times.size(), 70U);
+  for (const auto& [name, n] : times) EXPECT_EQ(n, 1) << name;
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,296 @@
+// What pictures may ask for beyond the default: each ray's own order, colours along each ray, fewer bands,
+// built-in functions (host/render/options/options.hpp).
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
+
+#include "host/render/options/quality.hpp"
+#include "host/render/options/sh_degree.hpp"
+#include "tests/cl/support.hpp"
+#include "tests/host/expect_error.hpp"
+
+namespace simuli {
+namespace {
+
+using test::SceneCase;
+
+test::Shot shot_for(const SceneCase& scene) {
+  return scene.kind == SetKind::kCamera ? test::shot_of(scene, 72, 50) : test::shot_of(scene, 150, 20);
+}
+
+/// Wide particles in each other: the order by range is often not that along a ray.
+GaussianSet crowd(const SceneCase& scene, Eigen::Index count = 600) {
+  const test::SetRecipe recipe{.count = count,
+                               .low = {-12, -12, -4},
+                               .high = {12, 12, 4},
+                               .scale_min = 0.05,
+                               .scale_max = 1.8,
+                               .opacity_max = 0.6};
+  return test::set_for(scene, recipe, 7);
+}
+
+RayResults render(const Device& device,
+                  const GaussianSet& set,
+                  const test::Shot& shot,
+                  const RenderOptions& options) {
+  Renderer renderer(device, options);
+  const SensorRays rays = shot.on(device, options);
+  renderer.render(ParticleBuffers(device, set, options), rays, shot.view);
+  return renderer.results();
+}
+
+struct OrderCase {
+  SceneCase scene;
+  Precision precision;
+  LaneShape shape;
+  ShDirection direction;
+};
+void PrintTo(const OrderCase& c, std::ostream* out) { PrintTo(c.scene, out); }
+
+class PerRay : public testing::TestWithParam<OrderCase> {};
+
+TEST_P(PerRay, MatchesTheReference) {
+  const auto& [scene, precision, shape, direction] = GetParam();
+  const Device device = Device::best();
+  if (precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
+  const GaussianSet set = crowd(scene);
+  const test::Shot shot = shot_for(scene);
+  RenderOptions options = paper_options();
+  options.precision = precision;
+  options.shape = shape;
+  options.order = Order::kPerRay;
+  options.sh_direction = direction;
+  const RayResults results = render(device, set, shot, options);
+  const auto& background = shot.view.background;
+  const auto reference_of = [&](bool per_ray) {
+    reference::Options twin;
+    twin.per_ray_order = per_ray;
+    twin.per_ray_features = direction == ShDirection::kRay;
+    return reference::render(reference::Particles(set),
+                             shot.reference(),
+                             twin,
+                             {static_cast<double>(background[0]),
+                              static_cast<double>(background[1]),
+                              static_cast<double>(background[2])});
+  };
+  const auto expected = reference_of(true), by_range = reference_of(false);
+  const bool is_double = precision == Precision::kDouble;
+  const test::Tolerance& tolerance = is_double ? test::kDoubleTolerance : test::kFloatTolerance;
+  EXPECT_GT(test::expect_same_rays(results, expected, scene.kind, tolerance).compared,
+            is_double ? 0.98 : 0.2);
+  double otherwise = 0.0;  // what the order by range is off
+  int most = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    most = std::max(most, expected[i].contributors);
+    otherwise = std::max(otherwise, (expected[i].feature - by_range[i].feature).cwiseAbs().maxCoeff());
+  }
+  EXPECT_GT(otherwise, 2.0 * tolerance.feature);
+  EXPECT_GT(most, 20) << "no ray needs a second round";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All,
+    PerRay,
+    testing::Values(OrderCase{test::kCameraSh3, Precision::kDouble, test::kDefaultShape, ShDirection::kRay},
+                    OrderCase{test::kCameraStill, Precision::kFloat, test::kCpuShape, ShDirection::kParticle},
+                    OrderCase{test::kCameraStill, Precision::kFloat, test::kGpuShape, ShDirection::kParticle},
+                    OrderCase{test::kLidarMoving, Precision::kDouble, test::kDefaultShape, ShDirection::kRay},
+                    OrderCase{
+                        test::kLidarMoving, Precision::kFloat, test::kCpuShape, ShDirection::kParticle}),
+    [](const auto& instance) {
+      const OrderCase& c = instance.param;
+      return std::string(c.scene.name) + (c.precision == Precision::kFloat ? "_float" : "_double") +
+             "_lanes" + std::to_string(c.shape.lanes);
+    });
+
+TEST(RaySh, InOrderOfRangeMatchesTheReference) {
+  const Device device = Device::best();
+  SIMULI_NEEDS_DOUBLE(device);
+  const GaussianSet set = crowd(test::kCameraSh3);
+  const test::Shot shot = shot_for(test::kCameraSh3);
+  RenderOptions options = paper_options();
+  options.precision = Precision::kDouble;
+  options.sh_direction = ShDirection::kRay;
+  const RayResults results = render(device, set, shot, options);
+  reference::Options twin;
+  twin.per_ray_features = true;
+  const auto& background = shot.view.background;
+  const auto expected = reference::render(reference::Particles(set),
+                                          shot.reference(),
+                                          twin,
+                                          {static_cast<double>(background[0]),
+                                           static_cast<double>(background[1]),
+                                           static_cast<double>(background[2])});
+  test::expect_same_rays(results, expected, SetKind::kCamera, test::kDoubleTolerance);
+}
+
+TEST(RaySh, SumsThatAreNoNumbersAreNotSpread) {
+  const Device device = Device::best();
+  GaussianSet set = crowd(test::kCameraSh3, 60);
+  set.sh(2).row(3).setConstant(3e38F);  // 0 towards a particle straight ahead, huge a little beside it
+  set.mean().row(3) << 5.0F, 0.0F, 0.0F;
+  RenderOptions options = paper_options();
+  options.sh_direction = ShDirection::kRay;
+  for (const Order order : {Order::kRange, Order::kPerRay}) {
+    options.order = order;
+    const RayResults results = render(device, set, shot_for(test::kCameraSh3), options);
+    for (const auto& feature : results.feature) {
+      for (const float v : feature) ASSERT_TRUE(std::isfinite(v));
+    }
+  }
+}
+
+// The polynomials are within 3e-7, arguments up to 11 away from 0: a few 1e-6 of a transmittance.
+TEST(PreciseMath, DiffersByRoundingAlone) {
+  constexpr double kRounding = 1e-4;  // sums of hundreds of terms, decisions aside
+  const Device device = Device::best();
+  for (const SceneCase& scene : {test::kCameraStill, test::kLidarMoving}) {
+    RenderOptions options = paper_options();
+    const RayResults fast = render(device, crowd(scene), shot_for(scene), options);
+    options.math = Math::kPrecise;
+    const RayResults precise = render(device, crowd(scene), shot_for(scene), options);
+    std::size_t apart = 0;
+    for (std::size_t i = 0; i < fast.rays; ++i) {
+      apart += std::abs(fast.transmittance[i] - precise.transmittance[i]) > kRounding ? 1U : 0U;
+    }
+    EXPECT_NE(fast.transmittance, precise.transmittance);
+    EXPECT_LT(apart, fast.rays / 50);  // rays that meet one particle more or less
+  }
+}
+
+TEST(ShDegrees, LeftOutBandsAreNotThere) {
+  const Device device = Device::best();
+  const GaussianSet set = crowd(test::kCameraSh3);
+  GaussianSet cut(set.kind, 1, set.size());
+  cut.params = set.params.leftCols(param_rows(1));
+  const test::Shot shot = shot_for(test::kCameraSh3);
+  RenderOptions options = paper_options();
+  const RayResults expected = render(device, cut, shot, options);
+  options.sh_degree = ShDegree::k1;
+  const ParticleBuffers buffers(device, set, options);
+  EXPECT_EQ(buffers.sh_degree, 1);
+  EXPECT_EQ(buffers.params.count(), static_cast<std::size_t>(param_rows(1)) * buffers.stride);
+  const RayResults found = render(device, set, shot, options);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(found.feature[k], expected.feature[k]);
+}
+
+TEST(ShDegrees, AutoTakesTheLowestThatIsGoodEnough) {
+  GaussianSet set = crowd(test::kCameraSh3);
+  for (int k = 1; k < sh_coefficients(3); ++k) set.sh(k) *= k < 4 ? 1.0F : k < 9 ? 0.01F : 1e-4F;
+  const double linear = dropped_sh(set, 0), quadratic = dropped_sh(set, 1), cubic = dropped_sh(set, 2);
+  EXPECT_GT(linear, 10.0 * quadratic);
+  EXPECT_GT(quadratic, 10.0 * cubic);
+  EXPECT_EQ(dropped_sh(set, 3), 0.0);
+  EXPECT_EQ(sufficient_sh_degree(set, 2.0 * linear), 0);
+  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * linear), 1);
+  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * quadratic), 2);
+  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * cubic), 3);
+  EXPECT_EQ(kept_sh_degree(set, ShDegree::k2, 1.0), 2);
+  EXPECT_EQ(kept_sh_degree(GaussianSet(SetKind::kCamera, 1, 0), ShDegree::k3, 1.0), 1);
+  EXPECT_EQ(sufficient_sh_degree(GaussianSet(SetKind::kCamera, 3, 0), 1e-3), 0);
+  set.params.row(0).setConstant(std::nanf(""));
+  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * linear), 1);
+  // What it says is what pictures show: RMS over a picture's colours, of particles alone and in layers.
+  const Device device = Device::best();
+  const test::Shot shot = shot_for(test::kCameraSh3);
+  RenderOptions options = paper_options();
+  const RayResults all = render(device, set, shot, options);
+  options.sh_degree = ShDegree::kAuto;
+  options.sh_error = 2.0 * quadratic;
+  const RayResults found = render(device, set, shot, options);
+  double square = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < all.rays; ++i) {
+      square +=
+          std::pow(static_cast<double>(all.feature[k][i]) - static_cast<double>(found.feature[k][i]), 2);
+    }
+  }
+  const double rms = std::sqrt(square / (3.0 * static_cast<double>(all.rays)));
+  EXPECT_GT(rms, 0.0);
+  EXPECT_LT(rms, options.sh_error);
+}
+
+TEST(ShStorage, HalvesAreRoundedCoefficients) {
+  const Device device = Device::best();
+  for (const SceneCase& scene : {test::kCameraSh3, test::kLidarMoving}) {
+    GaussianSet set = crowd(scene);
+    set.sh(0).row(0).setConstant(1e-7F);  // a denormal half
+    const test::Shot shot = shot_for(scene);
+    RenderOptions options = paper_options();
+    options.sh_storage = ShStorage::kHalf;
+    const ParticleBuffers buffers(device, set, options);
+    const GaussianSet rounded = buffers.download();
+    for (Eigen::Index row = 0; row < set.params.cols(); ++row) {
+      for (Eigen::Index i = 0; i < set.size(); ++i) {
+        const float value = set.params(i, row);
+        const float expected = row < kShRow ? value : static_cast<float>(Eigen::half(value));
+        ASSERT_EQ(rounded.params(i, row), expected) << row;
+      }
+    }
+    EXPECT_NE(rounded.params, set.params);
+    // The same as from what was rounded before: to the bit, each ray's colour, too.
+    for (const ShDirection direction : {ShDirection::kParticle, ShDirection::kRay}) {
+      options.sh_storage = ShStorage::kHalf;
+      options.sh_direction = direction;
+      const RayResults halves = render(device, set, shot, options);
+      options.sh_storage = ShStorage::kFull;
+      const RayResults full = render(device, rounded, shot, options);
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(halves.feature[k], full.feature[k]);
+      EXPECT_EQ(halves.transmittance, full.transmittance);
+      EXPECT_EQ(halves.distance, full.distance);
+    }
+    const ParticleBuffers all(device, set, paper_options());
+    const std::size_t sh_rows = static_cast<std::size_t>(set.params.cols()) - SIM_SH;
+    EXPECT_EQ(all.params.count() - buffers.params.count(), sh_rows * buffers.stride / 2);
+  }
+}
+
+TEST(ShStorage, WhatHalvesCannotHoldIsRefused) {
+  const Device device = Device::best();
+  GaussianSet set = crowd(test::kCameraSh3, 20);
+  RenderOptions options = paper_options();
+  options.sh_storage = ShStorage::kHalf;
+  options.precision = Precision::kDouble;
+  expect_error(ErrorKind::kUsage, "allowed full", [&] { ParticleBuffers(device, set, options); });
+  options.precision = Precision::kFloat;
+  set.sh(3).row(1).setConstant(-65504.0F);
+  (void)ParticleBuffers(device, set, options);
+  set.sh(3).row(1).setConstant(-70000.0F);
+  expect_error(ErrorKind::kUsage, "allowed at most 65504", [&] { ParticleBuffers(device, set, options); });
+}
+
+TEST(ShutterOf0, IsAFrameHalfWay) {
+  const Device device = Device::best();
+  RenderOptions options = paper_options();
+  options.shutter_iterations = 0;
+  for (const SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
+    test::Shot shot = shot_for(scene);
+    const RayResults found = render(device, crowd(scene), shot, options);
+    View& v = shot.view;
+    EXPECT_NE(found.transmittance, render(device, crowd(scene), shot, paper_options()).transmittance);
+    v.scene_from_sensor_start = v.scene_from_sensor_end =
+        interpolate(v.scene_from_sensor_start, v.scene_from_sensor_end, 0.5);
+    EXPECT_EQ(found.transmittance, render(device, crowd(scene), shot, paper_options()).transmittance);
+  }
+}
+
+TEST(PicturesOnly, HaveNoGradients) {
+  const Device device = Device::best();
+  const test::Shot shot = shot_for(test::kCameraStill);
+  const GaussianSet set = crowd(test::kCameraStill, 40);
+  RenderOptions options = paper_options();
+  EXPECT_TRUE(has_gradients(options));
+  options.order = Order::kPerRay;
+  EXPECT_FALSE(has_gradients(options));
+  Renderer renderer(device, options);
+  const SensorRays rays = shot.on(device, options);
+  const ParticleBuffers particles(device, set, options);
+  renderer.render(particles, rays, shot.view);
+  RealBuffer grads(device, "gradients", Precision::kFloat);
+  expect_error(ErrorKind::kInternal, "have no gradients", [&] { renderer.backward(particles, grads); });
+}
+
+}  // namespace
+}  // namespace simuli

@@ -1,0 +1,116 @@
+#include "host/render/scene/frame.hpp"
+
+#include <gtest/gtest.h>
+#include <memory>
+
+#include "host/base/error.hpp"
+#include "host/render/scene/frame_state.hpp"
+#include "tests/render/scene/two_cars.hpp"
+
+namespace simuli {
+namespace {
+
+using test::shot_of;
+
+TEST(Frame, KeepsItsResultsWhateverIsRenderedLater) {
+  const Device device = Device::best();
+  const Sensor sensors[] = {test::camera(), test::lidar()};
+  std::vector<RayResults> alone;
+  for (int i = 0; i < 8; ++i) {
+    SceneOnDevice scene(device, test::two_cars());
+    alone.push_back(scene.render(sensors[i % 2], shot_of(sensors[i % 2], 0.03 * i)).results());
+  }
+  for (const bool fetched : {true, false}) {
+    auto scene = std::make_unique<SceneOnDevice>(device, test::two_cars());
+    std::vector<Frame> frames;
+    for (int i = 0; i < 8; ++i) {
+      frames.push_back(scene->render(sensors[i % 2], shot_of(sensors[i % 2], 0.03 * i)));
+      if (fetched) frames.back().fetch();
+    }
+    scene.reset();  // frames outlive what rendered them
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      frames[i].wait();
+      EXPECT_TRUE(frames[i].is_ready());
+      EXPECT_EQ(frames[i].results().feature[0], alone[i].feature[0]) << i;
+      EXPECT_EQ(frames[i].results().median, alone[i].median) << i;
+    }
+  }
+}
+
+TEST(Frame, LeavesItsBuffersToTheNextOnes) {
+  const Device device = Device::best();
+  SceneOnDevice scene(device, test::two_cars());
+  const Sensor lidar = test::lidar();
+  const auto render = [&] { (void)scene.render(lidar, shot_of(lidar, 0.1)).results(); };
+  render();
+  render();
+  const std::uint64_t bytes = device.memory().now;
+  for (int i = 0; i < 10; ++i) render();
+  EXPECT_EQ(device.memory().now, bytes);
+}
+
+TEST(Frame, KnowsWhereRaysAreOnTheDevice) {
+  SceneOnDevice scene(Device::best(), test::two_cars());
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    const Frame frame = scene.render(sensor, shot_of(sensor, 0.1));
+    const FrameBuffersOfRays at = FrameAccess::buffers(frame);
+    const std::vector<float> outputs = at.outputs.download_float();
+    const std::vector<std::int32_t> slot = at.slot_of_ray.download(), ray = at.ray_of_slot.download();
+    ASSERT_EQ(slot.size(), sensor.ray_count());
+    ASSERT_EQ(ray.size(), at.slots);
+    for (std::size_t i = 0; i < slot.size(); ++i) {
+      const auto place = static_cast<std::size_t>(slot[i]);
+      ASSERT_EQ(ray[place], static_cast<std::int32_t>(i));
+      for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_EQ(outputs[c * at.slots + place], frame.results().feature[c][i]);
+      }
+    }
+    EXPECT_EQ(at.picture, nullptr);
+  }
+}
+
+TEST(Frame, HasPointsInTheWorldToAMillimetre) {
+  SceneOnDevice scene(Device::best(), test::two_cars());
+  const Sensor lidar = test::lidar();
+  const Shot shot = shot_of(lidar, 0.1);
+  const Frame frame = scene.render(lidar, shot);
+  const LidarFrame sweep = frame.lidar();
+  const std::vector<Eigen::Vector3d> points = frame.points();
+  ASSERT_EQ(points.size(), lidar.ray_count());
+  EXPECT_GT(sweep.returns(), 100);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d centre = shot.pose_at(sweep.rays.time_fraction[i]).translation;
+    // Floats would step by half a metre here.
+    ASSERT_NEAR((points[i] - centre).norm(), static_cast<double>(sweep.range[i]), 1e-3) << i;
+  }
+}
+
+TEST(Frame, IsOfItsKindOfSensor) {
+  SceneOnDevice scene(Device::best(), test::two_cars());
+  const Frame picture = scene.render(test::camera(), shot_of(test::camera(), 0.1));
+  EXPECT_EQ(picture.image().width, 48);
+  EXPECT_THROW((void)picture.lidar(), Error);
+  EXPECT_THROW((void)picture.points(), Error);
+  EXPECT_THROW((void)scene.render(test::lidar(), shot_of(test::lidar(), 0.1)).image(), Error);
+}
+
+TEST(Frame, PutsPointsIntoTheWorld) {
+  Lidar lidar;
+  lidar.name = "two";
+  lidar.rows = {{}, {}};
+  lidar.rows[1].vertical_offset = -0.5;
+  lidar.columns = 1;
+  lidar.azimuth_span = 1.0;
+  LidarFrame frame;
+  frame.rays = {2, 1, {0.0F, 0.0F}, {0.0F, 0.0F}, {0.0F, 0.5F}};
+  frame.range = {2.0F, 3.0F};
+  EXPECT_EQ(frame.returns(), 2);
+  Shot shot = Shot::at({Eigen::Quaterniond::Identity(), {100.0, 0.0, 0.0}}, 0.0);
+  shot.world_from_sensor_end.translation.y() = 1.0;
+  const auto points = world_points(lidar, frame, shot);
+  EXPECT_LT((points[0] - Eigen::Vector3d(102.0, 0.0, 0.0)).norm(), 1e-9);
+  EXPECT_LT((points[1] - Eigen::Vector3d(103.0, 0.5, -0.5)).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace simuli
