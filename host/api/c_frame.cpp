@@ -25,21 +25,33 @@ std::vector<float> each(const RayResults& results, F&& value) {
 
 std::vector<float> values_of(const Frame& frame, simuli_quantity quantity) {
   switch (quantity) {
-    case SIMULI_RGB: return frame.image().data;
-    case SIMULI_RANGE: return frame.lidar().range;
-    case SIMULI_INTENSITY: return frame.lidar().intensity;
-    case SIMULI_DROP: return frame.lidar().drop;
-    default: break;
+    case SIMULI_RGB:
+      return frame.image().data;
+    case SIMULI_RANGE:
+      return frame.lidar().range;
+    case SIMULI_INTENSITY:
+      return frame.lidar().intensity;
+    case SIMULI_DROP:
+      return frame.lidar().drop;
+    default:
+      break;
   }
   const RayResults& r = frame.results();
   switch (quantity) {
-    case SIMULI_FEATURE: return interleaved(r);
-    case SIMULI_OPACITY: return each(r, [&](std::size_t i) { return 1.0F - r.transmittance[i]; });
-    case SIMULI_DISTANCE: return each(r, [&](std::size_t i) { return r.expected_distance(i); });
-    case SIMULI_MEDIAN: return r.median;
-    case SIMULI_TRANSMITTANCE: return r.transmittance;
-    case SIMULI_DISTANCE_SUM: return r.distance;
-    default: break;
+    case SIMULI_FEATURE:
+      return interleaved(r);
+    case SIMULI_OPACITY:
+      return each(r, [&](std::size_t i) { return 1.0F - r.transmittance[i]; });
+    case SIMULI_DISTANCE:
+      return each(r, [&](std::size_t i) { return r.expected_distance(i); });
+    case SIMULI_MEDIAN:
+      return r.median;
+    case SIMULI_TRANSMITTANCE:
+      return r.transmittance;
+    case SIMULI_DISTANCE_SUM:
+      return r.distance;
+    default:
+      break;
   }
   throw Error(ErrorKind::kUsage,
               fmt::format("quantity: found {}, allowed {} to {}",

@@ -101,9 +101,11 @@ simuli_status simuli_scene_add_camera(simuli_scene* scene,
                                       const simuli_pose* rig_from_camera) {
   return guarded([&] {
     const simuli_camera& from = need(camera, "camera");
-    Camera model{&need(from.name, "camera.name"), from.width, from.height, from.fx, from.fy, from.cx, from.cy};
+    Camera model{
+        &need(from.name, "camera.name"), from.width, from.height, from.fx, from.fy, from.cx, from.cy};
     const std::string& name = model.name;
-    if (from.shutter != nullptr) model.shutter = shutter_from_string(from.shutter, "camera " + name, "shutter");
+    if (from.shutter != nullptr)
+      model.shutter = shutter_from_string(from.shutter, "camera " + name, "shutter");
     if (from.lens != nullptr) {
       std::vector<double> parameters;
       for (std::size_t i = 0; i < from.lens_parameter_count; ++i) {

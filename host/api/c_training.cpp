@@ -3,7 +3,6 @@
 #include "optim/eval/eval_settings.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/train/training.hpp"
-#include "optim/train/training_settings.hpp"
 
 using namespace simuli;
 using namespace simuli::capi;

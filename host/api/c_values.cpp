@@ -54,9 +54,14 @@ std::vector<std::string> settings_of(const simuli_options* options) {
 ActorEdit edit_of(const simuli_edit& edit) {
   ActorEdit out{&need(edit.actor, "actor"), ActorEdit::Remove{}};
   switch (edit.kind) {
-    case SIMULI_REMOVE: return out;
-    case SIMULI_MOVE: out.change = ActorEdit::Move{Eigen::Vector3d(edit.by_m)}; return out;
-    case SIMULI_RETIME: out.change = ActorEdit::Retime{edit.rate, edit.delay_s}; return out;
+    case SIMULI_REMOVE:
+      return out;
+    case SIMULI_MOVE:
+      out.change = ActorEdit::Move{Eigen::Vector3d(edit.by_m)};
+      return out;
+    case SIMULI_RETIME:
+      out.change = ActorEdit::Retime{edit.rate, edit.delay_s};
+      return out;
     case SIMULI_RETRACK: {
       ActorEdit::Retrack track;
       for (std::size_t i = 0; i < edit.pose_count; ++i) {
@@ -66,7 +71,8 @@ ActorEdit edit_of(const simuli_edit& edit) {
       out.change = std::move(track);
       return out;
     }
-    case SIMULI_DUPLICATE: break;
+    case SIMULI_DUPLICATE:
+      break;
   }
   throw Error(ErrorKind::kUsage,
               fmt::format("edit: found kind {}, allowed {} to {}",

@@ -8,7 +8,8 @@ endif()
 
 set(SIMULI_PUBLIC_base
   "Errors, version, pictures, and the keys of options."
-  host/base/version.hpp host/base/error.hpp host/base/image.hpp host/base/allowed.hpp host/base/fields.hpp)
+  host/base/version.hpp host/base/error.hpp host/base/image.hpp host/base/allowed.hpp
+  host/base/fields.hpp host/base/precision.hpp)
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/scene/pose.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
@@ -20,7 +21,7 @@ set(SIMULI_PUBLIC_sensors
   host/sensors/sensor.hpp)
 set(SIMULI_PUBLIC_device
   "OpenCL devices. Their own handles: <simuli/opencl.h>."
-  host/runtime/precision.hpp host/runtime/profile.hpp host/runtime/device.hpp)
+  host/runtime/profile.hpp host/runtime/device.hpp)
 set(SIMULI_PUBLIC_options
   "How frames are rendered: speed against accuracy."
   host/render/options/options.hpp host/render/options/quality.hpp
@@ -43,10 +44,10 @@ set(SIMULI_PUBLIC_import
   io/import/points/point_grid.hpp io/import/points/points_log.hpp io/import/waymo/waymo.hpp)
 set(SIMULI_PUBLIC_training
   "A scene from a log: what `simuli train` does."
-  optim/init/init_options.hpp optim/init/init_report.hpp optim/log/range_bias.hpp optim/log/own_vehicle.hpp
+  optim/init/init_options.hpp optim/log/range_bias.hpp optim/log/own_vehicle.hpp
   optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/train/schedule.hpp
   optim/train/structure_options.hpp optim/train/train_options.hpp optim/train/train_report.hpp
-  optim/train/training_options.hpp optim/train/training_settings.hpp optim/train/training.hpp)
+  optim/train/training_options.hpp optim/train/training.hpp)
 set(SIMULI_PUBLIC_evaluation
   "A scene beside a log: what `simuli eval` does."
   optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp

@@ -66,8 +66,7 @@ Numbers numbers_of(const py::handle& from, const std::string& what) {
 Pose pose_of(const py::handle& from, const std::string& what) {
   const Numbers matrix = numbers_of(from, what);
   if (matrix.shape.size() != 2 || matrix.shape[0] < 3 || matrix.shape[0] > 4 || matrix.shape[1] != 4) {
-    throw Error(ErrorKind::kUsage,
-                what + ": found " + shape_text(matrix.shape) + ", allowed 4 x 4 or 3 x 4");
+    throw Error(ErrorKind::kUsage, what + ": found " + shape_text(matrix.shape) + ", allowed 4 x 4 or 3 x 4");
   }
   return pose_at(matrix.values.data());
 }
@@ -98,8 +97,12 @@ py::object array_on(std::shared_ptr<const void> owner,
 }
 
 py::object array_on(std::shared_ptr<const void> owner, const double* data, std::vector<py::ssize_t> shape) {
-  return numpy_array(
-      {std::move(owner), data, py::format_descriptor<double>::format(), sizeof(double), std::move(shape), {}});
+  return numpy_array({std::move(owner),
+                      data,
+                      py::format_descriptor<double>::format(),
+                      sizeof(double),
+                      std::move(shape),
+                      {}});
 }
 
 py::object array_of(const Pose& a_from_b) {

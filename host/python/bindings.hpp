@@ -1,6 +1,6 @@
 #pragma once
-// What the parts of the module share. NumPy is spoken to through Python's buffer protocol alone: its C interface,
-// which differs between NumPy 1 and 2, is not used.
+// What the parts of the module share. NumPy is spoken to through Python's buffer protocol alone: its C
+// interface, which differs between NumPy 1 and 2, is not used.
 #include <cstddef>
 #include <map>
 #include <memory>

@@ -133,7 +133,8 @@ class PyScene {
     RayGradients given;
     for (std::size_t c = 0; c < 3 && !feature.is_none(); ++c) {
       const std::vector<double> values = per_ray(feature, "feature", 3 * rays);
-      for (std::size_t i = 0; i < rays; ++i) given.feature[c].push_back(static_cast<float>(values[3 * i + c]));
+      for (std::size_t i = 0; i < rays; ++i)
+        given.feature[c].push_back(static_cast<float>(values[3 * i + c]));
     }
     for (const auto& [from, to, name] : {std::tuple(&transmittance, &given.transmittance, "transmittance"),
                                          std::tuple(&distance_sum_m, &given.distance, "distance_sum_m")}) {
@@ -163,7 +164,9 @@ class PyScene {
                     std::to_string(count));
   }
 
-  [[nodiscard]] Sensor sensor_of(const py::object& sensor, bool is_placed, std::optional<double> duration_s) const {
+  [[nodiscard]] Sensor sensor_of(const py::object& sensor,
+                                 bool is_placed,
+                                 std::optional<double> duration_s) const {
     const auto found = [&] {
       if (py::isinstance<Sensor>(sensor)) return sensor.cast<Sensor>();
       if (!py::isinstance<py::str>(sensor)) {
@@ -186,7 +189,8 @@ class PyScene {
                              const std::vector<ActorEdit>& edits) const {
     finite(time_s, "time_s");
     if (end && !start) {
-      throw Error(ErrorKind::kUsage, "world_from_sensor_end: found without world_from_sensor, allowed with it");
+      throw Error(ErrorKind::kUsage,
+                  "world_from_sensor_end: found without world_from_sensor, allowed with it");
     }
     Shot shot = start ? Shot::at(*start, time_s, sensor.duration_s()) : Shot::along(path(), sensor, time_s);
     if (end) shot.world_from_sensor_end = *end;
@@ -236,7 +240,8 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("duration_s") = py::none(),
            py::arg("edits") = std::vector<ActorEdit>{},
            py::arg("graded") = true,
-           "Queues a frame of a Sensor, or of one by name: the scene's own, a built-in one, a LiDAR file. Without "
+           "Queues a frame of a Sensor, or of one by name: the scene's own, a built-in one, a LiDAR file. "
+           "Without "
            "a pose where it is on the recorded path. graded: pictures through the scene's colour grids.")
       .def("render_batch",
            &PyScene::render_batch,
@@ -266,7 +271,10 @@ void add_rendering(py::class_<PyScene>& scene) {
 void add_scenes(py::module_& m) {
   py::class_<PyScene> scene(m, "Scene", "A scene folder on a device, ready to render.");
   scene
-      .def(py::init<const std::string&, const py::object&, const std::string&, const std::vector<std::string>&>(),
+      .def(py::init<const std::string&,
+                    const py::object&,
+                    const std::string&,
+                    const std::vector<std::string>&>(),
            py::arg("folder"),
            py::arg("device") = py::none(),
            py::arg("quality") = "",

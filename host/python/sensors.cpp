@@ -56,8 +56,7 @@ Sensor lidar(const std::string& name,
   }
   for (std::size_t i = 0; i < elevations.size(); ++i) model.rows.push_back({elevations[i], offsets[i]});
   if (spin != "clockwise" && spin != "counter_clockwise") {
-    throw Error(ErrorKind::kUsage,
-                "spin: found \"" + spin + "\", allowed clockwise or counter_clockwise");
+    throw Error(ErrorKind::kUsage, "spin: found \"" + spin + "\", allowed clockwise or counter_clockwise");
   }
   model.columns = columns;
   model.azimuth_first = azimuth_first_rad;
@@ -129,7 +128,9 @@ void add_sensors(py::module_& m) {
       .def("with_duration", &Sensor::with_duration, py::arg("duration_s"))
       .def(
           "mounted",
-          [](const Sensor& s, const py::object& mount) { return s.mounted(pose_of(mount, "rig_from_sensor")); },
+          [](const Sensor& s, const py::object& mount) {
+            return s.mounted(pose_of(mount, "rig_from_sensor"));
+          },
           py::arg("rig_from_sensor"));
   m.def("sensor",
         &named_sensor,
@@ -164,15 +165,22 @@ void add_sensors(py::module_& m) {
         py::arg("azimuth_offset_rad") = py::none(),
         "Beams from top to bottom.");
   py::class_<ActorEdit>(m, "Edit", "A change of what an actor does: remove, move, retime, retrack.");
-  m.def("remove", [](const std::string& actor) { return ActorEdit{actor, ActorEdit::Remove{}}; },
-        py::arg("actor"));
+  m.def(
+      "remove",
+      [](const std::string& actor) {
+        return ActorEdit{actor, ActorEdit::Remove{}};
+      },
+      py::arg("actor"));
   m.def("move", &move, py::arg("actor"), py::arg("by_m"), "Forward, left, up in its own frame.");
-  m.def("retime",
-        [](const std::string& actor, double rate, double delay_s) {
-          return ActorEdit{actor, ActorEdit::Retime{rate, delay_s}};
-        },
-        py::arg("actor"), py::arg("rate") = 1.0, py::arg("delay_s") = 0.0,
-        "Its track rate times as fast, delay_s later.");
+  m.def(
+      "retime",
+      [](const std::string& actor, double rate, double delay_s) {
+        return ActorEdit{actor, ActorEdit::Retime{rate, delay_s}};
+      },
+      py::arg("actor"),
+      py::arg("rate") = 1.0,
+      py::arg("delay_s") = 0.0,
+      "Its track rate times as fast, delay_s later.");
   m.def("retrack", &retrack, py::arg("actor"), py::arg("times_s"), py::arg("world_from_actor"));
 }
 

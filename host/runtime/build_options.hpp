@@ -5,7 +5,7 @@
 #include <string>
 #include <type_traits>
 
-#include "host/runtime/precision.hpp"
+#include "host/base/precision.hpp"
 
 namespace simuli {
 

@@ -70,7 +70,8 @@ Download::Download(const RealBuffer& buffer) {
         if (bytes == 0) {
           queue.enqueueMarkerWithWaitList(nullptr, &event->event);
         } else {
-          queue.enqueueReadBuffer(cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &event->event);
+          queue.enqueueReadBuffer(
+              cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &event->event);
         }
         queue.flush();
       });

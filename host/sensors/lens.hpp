@@ -12,12 +12,12 @@ namespace simuli {
 
 /// Numbered as SIM_LENS_.. of cl/shared/layout.h.
 enum class LensKind : int {
-  kPinhole = 0,                  // ideal
-  kOpencvPinhole = 1,     // rational radial, tangential and thin-prism distortion
-  kOpencvFisheye = 2,     // Kannala-Brandt: radius = t + k1 t^3 + .. + k4 t^9
-  kFtheta = 3,                    // radius = a1 t + .. + a5 t^5, then [[c d] [e 1]]
-  kFthetaInverse = 4,     // t = b1 radius + .. + b5 radius^5, then [[c d] [e 1]]
-  kMei = 5,                          // unified mirror model with radial-tangential distortion
+  kPinhole = 0,          // ideal
+  kOpencvPinhole = 1,    // rational radial, tangential and thin-prism distortion
+  kOpencvFisheye = 2,    // Kannala-Brandt: radius = t + k1 t^3 + .. + k4 t^9
+  kFtheta = 3,           // radius = a1 t + .. + a5 t^5, then [[c d] [e 1]]
+  kFthetaInverse = 4,    // t = b1 radius + .. + b5 radius^5, then [[c d] [e 1]]
+  kMei = 5,              // unified mirror model with radial-tangential distortion
   kEquirectangular = 6,  // (azimuth, elevation): a full turn about the y axis
   kDoubleSphere = 7,
   kEucm = 8,  // extended unified model

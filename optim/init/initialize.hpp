@@ -8,7 +8,6 @@
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/init/init_report.hpp"
 #include "optim/init/moving_space.hpp"
 
 namespace simuli {

@@ -10,8 +10,8 @@
 #include "host/base/fields.hpp"
 #include "host/base/version.hpp"
 #include "host/render/options/quality.hpp"
-#include "optim/log/sensor_learning.hpp"
 #include "optim/init/initialize.hpp"
+#include "optim/log/sensor_learning.hpp"
 #include "optim/train/trainer.hpp"
 
 namespace simuli {

@@ -34,7 +34,8 @@ class CApi : public ScratchTest {
   }
   simuli_shot shot(simuli_scene* scene, const char* name, double start_s = 0.0, double duration_s = 0.0) {
     simuli_shot out{};
-    EXPECT_EQ(simuli_scene_shot(scene, name, start_s, start_s + duration_s, &out), SIMULI_OK) << simuli_error();
+    EXPECT_EQ(simuli_scene_shot(scene, name, start_s, start_s + duration_s, &out), SIMULI_OK)
+        << simuli_error();
     return out;
   }
   simuli_frame* render(simuli_scene* scene,
@@ -42,7 +43,8 @@ class CApi : public ScratchTest {
                        const simuli_shot& at,
                        const std::vector<simuli_edit>& edits = {}) {
     simuli_frame* frame = nullptr;
-    EXPECT_EQ(simuli_render(scene, name, &at, edits.data(), edits.size(), &frame), SIMULI_OK) << simuli_error();
+    EXPECT_EQ(simuli_render(scene, name, &at, edits.data(), edits.size(), &frame), SIMULI_OK)
+        << simuli_error();
     frames_.push_back(frame);
     return frame;
   }
@@ -111,8 +113,10 @@ TEST_F(CApi, PointsFarFromTheWorldsOriginKeepTheirPlace) {
   simuli_sensor lidar{};
   ASSERT_EQ(simuli_scene_sensor(far, 1, &lidar), SIMULI_OK);
   std::vector<double> there(3 * lidar.rows * lidar.columns), here(there.size());
-  ASSERT_EQ(simuli_frame_points(render(far, lidar.name, shot(far, lidar.name)), there.data(), there.size()), SIMULI_OK);
-  ASSERT_EQ(simuli_frame_points(render(near, lidar.name, shot(near, lidar.name)), here.data(), here.size()), SIMULI_OK);
+  ASSERT_EQ(simuli_frame_points(render(far, lidar.name, shot(far, lidar.name)), there.data(), there.size()),
+            SIMULI_OK);
+  ASSERT_EQ(simuli_frame_points(render(near, lidar.name, shot(near, lidar.name)), here.data(), here.size()),
+            SIMULI_OK);
   double worst_m = 0.0;
   for (std::size_t i = 0; i < there.size(); ++i) {
     worst_m = std::max(worst_m, std::abs(there[i] - utm[static_cast<Eigen::Index>(i % 3)] - here[i]));
@@ -133,7 +137,9 @@ TEST_F(CApi, NamesOfSensorsOutliveThoseThatAreAdded) {
   ASSERT_EQ(simuli_scene_sensor(scene_, 101, &lidar), SIMULI_OK);
   EXPECT_STREQ(lidar.name, "l99");
   EXPECT_EQ(lidar.rig_from_sensor.rotation_wxyz[0], 1.0);
-  expect_error(simuli_scene_add_sensor(scene_, "hesai_xt32", "l5", &mount), SIMULI_USAGE, "found \"l5\", allowed a new name");
+  expect_error(simuli_scene_add_sensor(scene_, "hesai_xt32", "l5", &mount),
+               SIMULI_USAGE,
+               "found \"l5\", allowed a new name");
   expect_error(simuli_scene_add_sensor(scene_, "hesai_xt", nullptr, &mount), SIMULI_USAGE, "hesai_xt32");
 }
 
@@ -232,10 +238,12 @@ TEST_F(CApi, ParticlesGoOutAndIn) {
   ASSERT_EQ(rows, 2U);
   ASSERT_EQ(columns, 14U);
   std::vector<float> values_of_set(rows * columns);
-  ASSERT_EQ(simuli_scene_particles(scene_, 0, nullptr, nullptr, values_of_set.data(), values_of_set.size()), SIMULI_OK);
+  ASSERT_EQ(simuli_scene_particles(scene_, 0, nullptr, nullptr, values_of_set.data(), values_of_set.size()),
+            SIMULI_OK);
   EXPECT_EQ(values_of_set[0], 5.0F);
   for (std::size_t i = 0; i < rows; ++i) values_of_set[10 * rows + i] = -20.0F;  // opacity logits
-  ASSERT_EQ(simuli_scene_set_particles(scene_, 0, rows, values_of_set.data(), values_of_set.size()), SIMULI_OK)
+  ASSERT_EQ(simuli_scene_set_particles(scene_, 0, rows, values_of_set.data(), values_of_set.size()),
+            SIMULI_OK)
       << simuli_error();
   const std::vector<float> opacity =
       values(render(scene_, "front", shot(scene_, "front")), SIMULI_OPACITY, kPixels);
@@ -244,7 +252,8 @@ TEST_F(CApi, ParticlesGoOutAndIn) {
   expect_error(simuli_scene_set_particles(scene_, 0, rows, values_of_set.data(), values_of_set.size()),
                SIMULI_INPUT,
                "particles");
-  expect_error(simuli_scene_set_particles(scene_, 0, 1, values_of_set.data(), columns), SIMULI_USAGE, "rows: found 1");
+  expect_error(
+      simuli_scene_set_particles(scene_, 0, 1, values_of_set.data(), columns), SIMULI_USAGE, "rows: found 1");
 }
 
 TEST_F(CApi, SaysWhatIsWrong) {

@@ -45,7 +45,8 @@ class CTraining : public ScratchTest {
       const Sensor camera = rig.find("front").resized(48, 36), lidar = rig.find("velodyne_vlp16");
       log.cameras[0].model = camera.camera();
       const std::string image = "images/" + std::to_string(i) + ".png";
-      write_image(folder / image, scene.render(camera, Shot::along(log.world_from_rig, camera, time_s)).image());
+      write_image(folder / image,
+                  scene.render(camera, Shot::along(log.world_from_rig, camera, time_s)).image());
       log.images.push_back({"front", image, time_s, time_s});
       LidarFrame seen = scene.render(lidar, Shot::along(log.world_from_rig, lidar, time_s)).lidar();
       const std::string sweep = "sweeps/" + std::to_string(i) + ".exr";
@@ -88,7 +89,8 @@ TEST_F(CTraining, GivesTheSameSceneAndTheSameNumbers) {
   }
 
   simuli_evaluation found{};
-  ASSERT_EQ(simuli_evaluate(device_, scene.c_str(), log_.c_str(), nullptr, &found), SIMULI_OK) << simuli_error();
+  ASSERT_EQ(simuli_evaluate(device_, scene.c_str(), log_.c_str(), nullptr, &found), SIMULI_OK)
+      << simuli_error();
   const EvalReport report = Evaluation(device, training.result(), read_log(log_)).run();
   EXPECT_EQ(found.psnr_db, report.psnr_db);
   EXPECT_TRUE(std::isfinite(found.psnr_db));
@@ -100,12 +102,14 @@ TEST_F(CTraining, GivesTheSameSceneAndTheSameNumbers) {
 TEST_F(CTraining, EndsWhenItsObserverSaysSoAndNamesWhatIsWrong) {
   const auto stop = [](int iteration, double, void*) { return iteration == 2 ? 1 : 0; };
   const std::string scene = (folder_ / "c.scene").string();
-  EXPECT_EQ(simuli_train(device_, log_.c_str(), scene.c_str(), nullptr, stop, nullptr, nullptr), SIMULI_USAGE);
+  EXPECT_EQ(simuli_train(device_, log_.c_str(), scene.c_str(), nullptr, stop, nullptr, nullptr),
+            SIMULI_USAGE);
   EXPECT_EQ(std::string(simuli_error()), "training: ended by its observer");
   EXPECT_FALSE(fs::exists(scene));
   const char* const wrong[] = {"iterations=-1"};
   const simuli_options options{nullptr, wrong, 1};
-  EXPECT_EQ(simuli_train(device_, log_.c_str(), scene.c_str(), &options, nullptr, nullptr, nullptr), SIMULI_USAGE);
+  EXPECT_EQ(simuli_train(device_, log_.c_str(), scene.c_str(), &options, nullptr, nullptr, nullptr),
+            SIMULI_USAGE);
   EXPECT_NE(std::string(simuli_error()).find("iterations: found"), std::string::npos) << simuli_error();
 }
 

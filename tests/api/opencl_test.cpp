@@ -32,8 +32,15 @@ class OwnQueue {
   [[nodiscard]] std::vector<T> read(cl_mem memory, std::size_t count, cl_event after = nullptr) const {
     std::vector<T> out(count);
     const cl_uint events = after == nullptr ? 0 : 1;
-    EXPECT_EQ(clEnqueueReadBuffer(
-                  queue_, memory, CL_TRUE, 0, count * sizeof(T), out.data(), events, after ? &after : nullptr, nullptr),
+    EXPECT_EQ(clEnqueueReadBuffer(queue_,
+                                  memory,
+                                  CL_TRUE,
+                                  0,
+                                  count * sizeof(T),
+                                  out.data(),
+                                  events,
+                                  after ? &after : nullptr,
+                                  nullptr),
               CL_SUCCESS);
     return out;
   }

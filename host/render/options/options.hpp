@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "host/base/allowed.hpp"
-#include "host/runtime/precision.hpp"
+#include "host/base/precision.hpp"
 
 namespace simuli {
 

@@ -1,5 +1,4 @@
 #include "host/render/scene/renderer.hpp"
-#include "host/render/scene/slot_results.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "host/render/options/validate.hpp"
 #include "host/render/rays/ray_mask.hpp"
 #include "host/render/scene/renderer_stages.hpp"
+#include "host/render/scene/slot_results.hpp"
 
 namespace simuli {
 namespace {
@@ -98,8 +98,7 @@ void SensorRays::State::place_requested() {
   mark_rays(all ? mask_size : of_some_rays(mask_size, grid));
 }
 
-RayMap::RayMap(const Device& device, const RayGrid& grid)
-    : BufferTable(device) {
+RayMap::RayMap(const Device& device, const RayGrid& grid) : BufferTable(device) {
   ray_of_slot.assign(grid.ray_of_slot);
   std::vector<std::int32_t> slots(grid.rays, -1);
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
@@ -243,8 +242,7 @@ void Renderer::render(const ParticleBuffers& particles,
                           ? particles.sh_degree
                           : std::min(particles.sh_degree, static_cast<int>(options_.sh_degree));
   variant.sh_storage = particles.sh_storage;
-  variant.median = median_ =
-      grid.type == SensorType::kLidar ? options_.median_distance : camera_median_;
+  variant.median = median_ = grid.type == SensorType::kLidar ? options_.median_distance : camera_median_;
   variant.precision = options_.precision;
   variant.projection = options_.projection;
   variant.extent = options_.extent;

@@ -71,8 +71,10 @@ std::vector<double> slot_gradients(const RayGrid& grid, const RayGradients& of_r
     const std::vector<float>& values = *all[k];
     if (values.empty()) continue;
     if (values.size() != grid.rays) {
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("gradients: found {} values, allowed one for each of {} rays", values.size(), grid.rays));
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format(
+              "gradients: found {} values, allowed one for each of {} rays", values.size(), grid.rays));
     }
     if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
       throw Error(ErrorKind::kUsage, "gradients: found a value that is not finite, allowed finite ones");
@@ -231,7 +233,8 @@ Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients&
   State& s = *state_;
   const Frame::State& f = *frame.state_;
   if (f.scene.lock() != s.scene) {
-    throw Error(ErrorKind::kUsage, "gradients: found a frame of another scene, allowed one of the scene as it is");
+    throw Error(ErrorKind::kUsage,
+                "gradients: found a frame of another scene, allowed one of the scene as it is");
   }
   if (f.graded) {
     throw Error(ErrorKind::kUsage,

@@ -43,10 +43,10 @@ class SceneOnDevice {
   [[nodiscard]] Frame render(const Sensor& sensor, const Shot& shot, const FrameRequest& request = {});
 
   /// dL/d(particles) of the set that the frame's sensor sees, for a loss L of which the caller has the
-  /// derivatives by what each ray saw: [N, param_rows] as GaussianSet::params, zeros for particles that no ray
-  /// sees. Renders the frame again, as it was asked for, and waits. Error{kUsage} for a frame of another scene
-  /// (or from before set_scene()), one through colour grids, options that have no gradients (has_gradients())
-  /// and derivatives that are not finite or not one per ray.
+  /// derivatives by what each ray saw: [N, param_rows] as GaussianSet::params, zeros for particles that no
+  /// ray sees. Renders the frame again, as it was asked for, and waits. Error{kUsage} for a frame of another
+  /// scene (or from before set_scene()), one through colour grids, options that have no gradients
+  /// (has_gradients()) and derivatives that are not finite or not one per ray.
   [[nodiscard]] Eigen::MatrixXf gradients(const Frame& frame, const RayGradients& of_rays);
 
   /// From now on this scene is rendered; rays of sensors stay. Frames that were rendered before stay, too.
