@@ -30,7 +30,8 @@ class Gradients : public testing::TestWithParam<bool> {
   [[nodiscard]] GaussianSet& set(Scene& scene) const { return GetParam() ? scene.camera : scene.lidar; }
   [[nodiscard]] Shot shot() const { return Shot::along(file_.world_from_rig, sensor_, 0.2); }
   static double weight(std::size_t ray, std::size_t quantity) {
-    return std::sin(0.7 * static_cast<double>(ray) + static_cast<double>(quantity));
+    // Not around 0: over many rays of a smooth function that would be none.
+    return 1.0 + std::sin(0.7 * static_cast<double>(ray) + static_cast<double>(quantity));
   }
   [[nodiscard]] RayGradients weights() const {
     RayGradients out;
