@@ -12,6 +12,17 @@
 namespace simuli {
 namespace {
 
+static_assert(Lens::kConstants == SIM_LENS_REALS);
+static_assert(static_cast<int>(LensKind::kPinhole) == SIM_LENS_PINHOLE);
+static_assert(static_cast<int>(LensKind::kOpencvPinhole) == SIM_LENS_OPENCV_PINHOLE);
+static_assert(static_cast<int>(LensKind::kOpencvFisheye) == SIM_LENS_OPENCV_FISHEYE);
+static_assert(static_cast<int>(LensKind::kFtheta) == SIM_LENS_FTHETA);
+static_assert(static_cast<int>(LensKind::kFthetaInverse) == SIM_LENS_FTHETA_INVERSE);
+static_assert(static_cast<int>(LensKind::kMei) == SIM_LENS_MEI);
+static_assert(static_cast<int>(LensKind::kEquirectangular) == SIM_LENS_EQUIRECTANGULAR);
+static_assert(static_cast<int>(LensKind::kDoubleSphere) == SIM_LENS_DOUBLE_SPHERE);
+static_assert(static_cast<int>(LensKind::kEucm) == SIM_LENS_EUCM);
+
 // How far unproject may miss the image it was asked for, in focal lengths: far below a thousandth of a
 // pixel for focal lengths up to 1e5 px, far above the rounding of the iterations.
 constexpr double kReprojection = 1e-9;

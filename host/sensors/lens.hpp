@@ -3,24 +3,24 @@
 // (x right, y down, z forward). Image coordinates (u, v) are in focal lengths from the principal point.
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cl/shared/layout.h"
-
 namespace simuli {
 
+/// Numbered as SIM_LENS_.. of cl/shared/layout.h.
 enum class LensKind : int {
-  kPinhole = SIM_LENS_PINHOLE,                  // ideal
-  kOpencvPinhole = SIM_LENS_OPENCV_PINHOLE,     // rational radial, tangential and thin-prism distortion
-  kOpencvFisheye = SIM_LENS_OPENCV_FISHEYE,     // Kannala-Brandt: radius = t + k1 t^3 + .. + k4 t^9
-  kFtheta = SIM_LENS_FTHETA,                    // radius = a1 t + .. + a5 t^5, then [[c d] [e 1]]
-  kFthetaInverse = SIM_LENS_FTHETA_INVERSE,     // t = b1 radius + .. + b5 radius^5, then [[c d] [e 1]]
-  kMei = SIM_LENS_MEI,                          // unified mirror model with radial-tangential distortion
-  kEquirectangular = SIM_LENS_EQUIRECTANGULAR,  // (azimuth, elevation): a full turn about the y axis
-  kDoubleSphere = SIM_LENS_DOUBLE_SPHERE,
-  kEucm = SIM_LENS_EUCM,  // extended unified model
+  kPinhole = 0,          // ideal
+  kOpencvPinhole = 1,    // rational radial, tangential and thin-prism distortion
+  kOpencvFisheye = 2,    // Kannala-Brandt: radius = t + k1 t^3 + .. + k4 t^9
+  kFtheta = 3,           // radius = a1 t + .. + a5 t^5, then [[c d] [e 1]]
+  kFthetaInverse = 4,    // t = b1 radius + .. + b5 radius^5, then [[c d] [e 1]]
+  kMei = 5,              // unified mirror model with radial-tangential distortion
+  kEquirectangular = 6,  // (azimuth, elevation): a full turn about the y axis
+  kDoubleSphere = 7,
+  kEucm = 8,  // extended unified model
 };
 
 /// Names as they stand in files: "pinhole", "opencv_pinhole", ..., in the order of LensKind.
@@ -38,6 +38,8 @@ enum class LensKind : int {
 /// whichever comes first; points and pixels beyond it have no image and no ray.
 class Lens {
  public:
+  static constexpr std::size_t kConstants = 32;  // SIM_LENS_REALS
+
   /// The ideal pinhole. It projects points up to 84 degrees off axis (z >= a tenth of the distance); beyond,
   /// where images run away to infinity, it has rays alone.
   Lens();
@@ -48,7 +50,7 @@ class Lens {
   [[nodiscard]] LensKind kind() const { return kind_; }
   [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
   /// What the device needs: SIM_L_.. of cl/shared/layout.h.
-  [[nodiscard]] const std::array<double, SIM_LENS_REALS>& constants() const { return constants_; }
+  [[nodiscard]] const std::array<double, kConstants>& constants() const { return constants_; }
 
   /// Image of a point (m); false when it has none. The same text as on the device (cl/math/camera.h).
   [[nodiscard]] bool project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;
@@ -72,7 +74,7 @@ class Lens {
 
   LensKind kind_ = LensKind::kPinhole;
   std::vector<double> parameters_;
-  std::array<double, SIM_LENS_REALS> constants_{};
+  std::array<double, kConstants> constants_{};
 };
 
 }  // namespace simuli

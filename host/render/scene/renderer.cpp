@@ -16,6 +16,7 @@
 #include "host/render/options/validate.hpp"
 #include "host/render/rays/ray_mask.hpp"
 #include "host/render/scene/renderer_stages.hpp"
+#include "host/render/scene/slot_results.hpp"
 
 namespace simuli {
 namespace {
@@ -97,8 +98,7 @@ void SensorRays::State::place_requested() {
   mark_rays(all ? mask_size : of_some_rays(mask_size, grid));
 }
 
-RayMap::RayMap(const Device& device, const RayGrid& grid)
-    : BufferTable(device) {
+RayMap::RayMap(const Device& device, const RayGrid& grid) : BufferTable(device) {
   ray_of_slot.assign(grid.ray_of_slot);
   std::vector<std::int32_t> slots(grid.rays, -1);
   for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
@@ -242,7 +242,7 @@ void Renderer::render(const ParticleBuffers& particles,
                           ? particles.sh_degree
                           : std::min(particles.sh_degree, static_cast<int>(options_.sh_degree));
   variant.sh_storage = particles.sh_storage;
-  variant.median = median_ = options_.median_distance && grid.type == SensorType::kLidar;
+  variant.median = median_ = grid.type == SensorType::kLidar ? options_.median_distance : camera_median_;
   variant.precision = options_.precision;
   variant.projection = options_.projection;
   variant.extent = options_.extent;

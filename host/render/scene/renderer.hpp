@@ -104,6 +104,8 @@ class Renderer {
               const SensorRays& rays,
               const View& view,
               const EnvironmentBuffers* environment = nullptr);
+  /// Whether pictures have median distances from now on; sweeps have them as the options say.
+  void want_camera_median(bool wanted) { camera_median_ = wanted; }
   /// The camera's last render through grid `index`: what results() and image_loss() then see.
   void grade(const ColorGridBuffers& grids, std::size_t index);
   /// Results of the last render, in ray order. Waits.
@@ -173,6 +175,7 @@ class Renderer {
   std::optional<SensorRays> rays_;  // of the last frame
   Stages* current_ = nullptr;
   bool median_ = false;
+  bool camera_median_ = false;
   bool graded_ = false;
   bool actor_motion_ = false;
   std::array<float, 3> background_{};

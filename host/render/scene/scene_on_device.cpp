@@ -1,11 +1,14 @@
 #include "host/render/scene/scene_on_device.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <list>
 #include <utility>
 #include <vector>
 
 #include "host/base/lru_cache.hpp"
+#include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/scene/frame_state.hpp"
 #include "host/render/scene/look.hpp"
@@ -14,6 +17,8 @@
 
 namespace simuli {
 namespace {
+
+constexpr std::uint32_t kCulled = 0xffffffffU;  // sorts behind all distances
 
 /// A particle set with what is kept of it.
 struct Upload {
@@ -44,6 +49,59 @@ struct Painter {
   RenderOptions options;
   Renderer renderer;
 };
+
+/// What is there of a frame behind its rendering.
+struct Drawn {
+  Renderer& renderer;
+  SensorRays rays;
+  const ParticleBuffers& particles;
+  std::array<float, 3> background;
+};
+
+/// [5][slots] in slot order; slots without a ray get 0.
+std::vector<double> slot_gradients(const RayGrid& grid, const RayGradients& of_rays) {
+  const std::size_t slots = grid.ray_of_slot.size();
+  std::vector<double> out(5 * slots, 0.0);
+  const std::array<const std::vector<float>*, 5> all{&of_rays.feature[0],
+                                                     &of_rays.feature[1],
+                                                     &of_rays.feature[2],
+                                                     &of_rays.transmittance,
+                                                     &of_rays.distance};
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const std::vector<float>& values = *all[k];
+    if (values.empty()) continue;
+    if (values.size() != grid.rays) {
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format(
+              "gradients: found {} values, allowed one for each of {} rays", values.size(), grid.rays));
+    }
+    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
+      throw Error(ErrorKind::kUsage, "gradients: found a value that is not finite, allowed finite ones");
+    }
+    for (std::size_t slot = 0; slot < slots; ++slot) {
+      const std::int32_t ray = grid.ray_of_slot[slot];
+      if (ray >= 0) out[k * slots + slot] = static_cast<double>(values[static_cast<std::size_t>(ray)]);
+    }
+  }
+  return out;
+}
+
+/// [N, rows] from [rows][stride]; of particles that the frame culled the kernels leave undefined what they
+/// have there, and the derivative is 0.
+Eigen::MatrixXf by_particle(const RealBuffer& gradients,
+                            const Buffer<std::uint32_t>& keys,
+                            const ParticleBuffers& particles) {
+  const std::vector<float> values = gradients.download_float();
+  const std::vector<std::uint32_t> key = keys.download();
+  const int rows = param_rows(particles.sh_degree);
+  Eigen::MatrixXf out(particles.count, rows);
+  for (int row = 0; row < rows; ++row) {
+    const float* const from = values.data() + static_cast<std::size_t>(row) * particles.stride;
+    for (std::uint32_t i = 0; i < particles.count; ++i) out(i, row) = key[i] == kCulled ? 0.0F : from[i];
+  }
+  return out;
+}
 
 const RenderOptions& valid(const RenderOptions& options) {
   validate(options);
@@ -116,6 +174,25 @@ struct SceneOnDevice::State {
     return *look;
   }
 
+  /// Renders; everything stays on the device, and with the renderer.
+  Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
+    const RenderOptions& o = request.options ? *request.options : options;
+    const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
+    const View view = view_of(*scene, shot, kind);
+    Renderer& on = renderer(o);
+    SensorRays seen = rays(sensor, on, o);
+    seen.request(request.rays);
+    const ParticleBuffers& set = particles(kind, o);
+    on.want_camera_median(request.camera_median);
+    if (sensor.is_camera()) {
+      const std::string& camera = request.graded ? sensor.camera().name : std::string();
+      look_of(o.precision).render(on, set, seen, view, camera, shot.middle_s());
+    } else {
+      on.render(set, seen, view);
+    }
+    return {on, seen, set, view.background};
+  }
+
   Device device;
   std::shared_ptr<const Scene> scene;
   RenderOptions options;
@@ -139,26 +216,43 @@ SceneOnDevice::~SceneOnDevice() = default;
 
 Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
   State& s = *state_;
-  const RenderOptions& options = request.options ? *request.options : s.options;
-  const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
-  const View view = view_of(*s.scene, shot, kind);
-  Renderer& renderer = s.renderer(options);
-  SensorRays rays = s.rays(sensor, renderer, options);
-  rays.request(request.rays);
-  const ParticleBuffers& particles = s.particles(kind, options);
-  auto frame = std::make_shared<Frame::State>(s.device, options.precision, sensor, shot, rays, s.pool);
-  if (sensor.is_camera()) {
-    const std::string& camera = request.graded ? sensor.camera().name : std::string();
-    s.look_of(options.precision).render(renderer, particles, rays, view, camera, shot.middle_s());
-  } else {
-    renderer.render(particles, rays, view);
-  }
+  const Drawn drawn = s.draw(sensor, shot, request);
+  Renderer& renderer = drawn.renderer;
+  auto frame = std::make_shared<Frame::State>(
+      s.device, renderer.options().precision, sensor, shot, request, drawn.rays, s.pool);
+  frame->scene = s.scene;
   frame->graded = renderer.is_graded();
   frame->has_median = renderer.has_median();
-  frame->background = view.background;
+  frame->background = drawn.background;
   renderer.exchange_outputs(frame->outputs, frame->picture);
   frame->done.emplace(s.device);
   return Frame(std::move(frame));
+}
+
+Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients& of_rays) {
+  State& s = *state_;
+  const Frame::State& f = *frame.state_;
+  if (f.scene.lock() != s.scene) {
+    throw Error(ErrorKind::kUsage,
+                "gradients: found a frame of another scene, allowed one of the scene as it is");
+  }
+  if (f.graded) {
+    throw Error(ErrorKind::kUsage,
+                "gradients: found a picture seen through colour grids, allowed one that is not graded");
+  }
+  if (!has_gradients(f.request.options ? *f.request.options : s.options)) {
+    throw Error(ErrorKind::kUsage,
+                "gradients: found render.order=per_ray, render.sh_direction=ray, render.sh_storage=half or "
+                "render.sh_degree below 3, allowed range, particle, full and 3");
+  }
+  const RayGrid& grid = f.rays.grid();
+  const std::vector<double> by_slot = slot_gradients(grid, of_rays);
+  const Drawn drawn = s.draw(f.sensor, f.shot, f.request);
+  Renderer& renderer = drawn.renderer;
+  renderer.set_output_gradients(by_slot);
+  RealBuffer gradients(s.device, "gradients by particle", renderer.options().precision);
+  renderer.backward(drawn.particles, gradients);
+  return by_particle(gradients, renderer.buffers().projected.keys, drawn.particles);
 }
 
 void SceneOnDevice::set_scene(Scene scene) { set_scene(std::make_shared<const Scene>(std::move(scene))); }
