@@ -113,7 +113,7 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
   file.facts.note = fmt::format("fitted to {} sweeps of bare points{}",
                                 count,
                                 spin.spin ? "" : "; spin direction not determined: clockwise assumed");
-  const auto& lidar = std::get<Lidar>(file.model);
+  std::get<Lidar>(file.model).sweep_s = 1.0 / command.spin_hz;
   if (!command.output.empty()) write_lidar_file(command.output, file);
   if (globals.json) {
     Json json = to_json(file);
