@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "cl/shared/layout.h"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {

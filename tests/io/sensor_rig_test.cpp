@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/log/lidar_file.hpp"
+#include "io/log/lidar_json.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/support/scenes.hpp"
 
