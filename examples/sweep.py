@@ -6,10 +6,10 @@ import simuli
 
 scene = simuli.Scene(sys.argv[1])
 start_s, end_s = scene.span
-sweep = scene.render_lidar(sys.argv[2], time_s=start_s)
-ranges = sweep["range_m"]
+sweep = scene.render(sys.argv[2], time_s=start_s)
+ranges = sweep.range_m
 hit = ranges > 0
-points = sweep["points_m"][hit]
+points = sweep.points_m[hit]
 print(f"{hit.sum()} of {hit.size} rays of {sys.argv[2]} returned; nearest {ranges[hit].min():.2f} m")
 print("they lie between", points.min(axis=0).round(1), "and", points.max(axis=0).round(1))
 

@@ -75,8 +75,15 @@ allow("host/cli" "host/(base|scene|sensors|runtime|render|cli)|io|optim" "the pr
 
 forbid("cl" "\"(host|io|optim|tests|bench)/" "cl includes nothing above it")
 forbid("host/api;host/python" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")
-forbid("cl;host/api;host/python;host/base;host/scene;host/sensors;host/render;host/cli;io;optim;tests;bench;examples" "[<\"]CL/"
+forbid("cl;host/python;host/base;host/scene;host/sensors;host/render;host/cli;io;optim;tests;bench;examples" "[<\"]CL/"
        "only host/runtime includes <CL/*>")
+file(GLOB api_sources RELATIVE "${ROOT}" "${ROOT}/host/api/*.?pp" "${ROOT}/host/api/*.h")
+foreach(file IN LISTS api_sources)
+  file(STRINGS "${ROOT}/${file}" lines REGEX "#[ \t]*include[ \t]*[<\"]CL/")
+  if(lines AND NOT file STREQUAL "host/api/opencl.h")
+    broken_rule("${file}: <simuli/opencl.h> alone includes <CL/*>, but has: ${lines}")
+  endif()
+endforeach()
 # The C++ binding is parsed by sources of the runtime alone: its headers name no OpenCL, but one on request.
 file(GLOB runtime_headers RELATIVE "${ROOT}" "${ROOT}/host/runtime/*.hpp")
 foreach(file IN LISTS runtime_headers)

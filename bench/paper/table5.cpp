@@ -5,6 +5,7 @@
 
 #include "bench/paper/unified.hpp"
 #include "io/synth/street.hpp"
+#include "optim/init/initialize.hpp"
 
 namespace simuli::bench {
 namespace {

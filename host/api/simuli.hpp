@@ -10,22 +10,4 @@
 //   const simuli::Frame frame = scene.render(lidar, simuli::Shot::along(file.world_from_rig, lidar, 1.5));
 //   frame.points();
 //
-// Devices: Device::adopt() works on a cl_context and queue of the caller's.
-#include "host/base/error.hpp"
-#include "host/base/image.hpp"
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/runtime/device.hpp"
-#include "host/scene/edit.hpp"
-#include "host/scene/pose.hpp"
-#include "host/scene/scene.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar_library.hpp"
-#include "host/sensors/lidar_model.hpp"
-#include "host/sensors/trajectory.hpp"
-#include "io/log/log.hpp"
-#include "io/picture/image.hpp"
-#include "io/scene/scene_folder.hpp"
-#include "io/scene/sensor_rig.hpp"
-#include "io/splat/ply.hpp"
-#include "optim/eval/evaluation.hpp"
-#include "optim/train/training.hpp"
+// A context and queue of the caller's, and frames as device memory: <simuli/opencl.h>.

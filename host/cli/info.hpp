@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "io/log/lidar_file.hpp"
+#include "io/log/lidar_json.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 

@@ -5,10 +5,9 @@
 #include <string>
 #include <type_traits>
 
-namespace simuli {
+#include "host/base/precision.hpp"
 
-/// What `real` is in kernel text. kDouble needs a device with fp64 (DeviceInfo::fp64).
-enum class Precision { kFloat, kDouble };
+namespace simuli {
 
 /// How kernel text is specialised: integers and enums by -D, and the one axis `real`. Floats travel as
 /// kernel arguments, as each new value would be a new program. -cl-fast-relaxed-math is never used:

@@ -41,6 +41,8 @@ void Event::wait() const {
       ErrorKind::kDevice, [&] { return state_->where(); }, [&] { state_->event.wait(); });
 }
 
+_cl_event* Event::handle() const { return state_->event(); }
+
 struct Download::State {
   explicit State(std::shared_ptr<Event::State> event) : done(std::move(event)) {}
   Event done;
@@ -68,7 +70,8 @@ Download::Download(const RealBuffer& buffer) {
         if (bytes == 0) {
           queue.enqueueMarkerWithWaitList(nullptr, &event->event);
         } else {
-          queue.enqueueReadBuffer(cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &event->event);
+          queue.enqueueReadBuffer(
+              cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &event->event);
         }
         queue.flush();
       });

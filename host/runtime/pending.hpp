@@ -6,6 +6,8 @@
 
 #include "host/runtime/real_buffer.hpp"
 
+struct _cl_event;  // what a cl_event points to (host/api/opencl.h)
+
 namespace simuli {
 
 /// When everything that was queued on a device so far is done. A handle.
@@ -17,6 +19,8 @@ class Event {
   [[nodiscard]] bool is_done() const;
   /// Until it is done. Error{kDevice} when it failed.
   void wait() const;
+  /// Borrowed: valid as long as any copy.
+  [[nodiscard]] _cl_event* handle() const;
 
  private:
   friend class Download;

@@ -6,11 +6,22 @@
 #include <fmt/ranges.h>
 #include <numbers>
 
+#include "cl/shared/sensor_constants.h"
 #include "host/base/error.hpp"
 #include "host/sensors/lens_forward.hpp"
 
 namespace simuli {
 namespace {
+
+static_assert(static_cast<int>(LensKind::kPinhole) == SIM_LENS_PINHOLE);
+static_assert(static_cast<int>(LensKind::kOpencvPinhole) == SIM_LENS_OPENCV_PINHOLE);
+static_assert(static_cast<int>(LensKind::kOpencvFisheye) == SIM_LENS_OPENCV_FISHEYE);
+static_assert(static_cast<int>(LensKind::kFtheta) == SIM_LENS_FTHETA);
+static_assert(static_cast<int>(LensKind::kFthetaInverse) == SIM_LENS_FTHETA_INVERSE);
+static_assert(static_cast<int>(LensKind::kMei) == SIM_LENS_MEI);
+static_assert(static_cast<int>(LensKind::kEquirectangular) == SIM_LENS_EQUIRECTANGULAR);
+static_assert(static_cast<int>(LensKind::kDoubleSphere) == SIM_LENS_DOUBLE_SPHERE);
+static_assert(static_cast<int>(LensKind::kEucm) == SIM_LENS_EUCM);
 
 // How far unproject may miss the image it was asked for, in focal lengths: far below a thousandth of a
 // pixel for focal lengths up to 1e5 px, far above the rounding of the iterations.
@@ -101,10 +112,10 @@ const std::vector<std::string>& lens_parameter_names(LensKind kind) {
   return names.at(static_cast<std::size_t>(kind));
 }
 
-Lens::Lens() = default;
+Lens::Lens() : constants_(std::make_shared<shared::LensConstants<double>>()) {}
 
 Lens::Lens(LensKind kind, const std::vector<double>& parameters, const std::string& file)
-    : kind_(kind), parameters_(parameters) {
+    : kind_(kind), parameters_(parameters), constants_(std::make_shared<shared::LensConstants<double>>()) {
   check(kind, parameters, file);
   fill_constants();
   find_domain(parameters.empty() ? kPi : parameters.back());
@@ -112,7 +123,7 @@ Lens::Lens(LensKind kind, const std::vector<double>& parameters, const std::stri
 
 void Lens::fill_constants() {
   const auto& p = parameters_;
-  auto& c = constants_;
+  auto& c = *constants_;
   switch (kind_) {
     case LensKind::kPinhole:
     case LensKind::kEquirectangular:
@@ -145,7 +156,7 @@ void Lens::fill_constants() {
 
 bool Lens::forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
   const double x = p_camera.x(), y = p_camera.y(), z = p_camera.z();
-  const auto* const lens = &constants_;
+  const auto* const lens = constants_.get();
   double u = 0.0, v = 0.0;
   int valid = 1;
   namespace forward = lens_forward;
@@ -197,7 +208,7 @@ bool Lens::continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) co
       double u = 0.0, v = 0.0;
       int valid = 1;
       lens_forward::pinhole_image(x, y, z, &u, &v, &valid);
-      const double* const k = constants_.distortion;
+      const double* const k = constants_->distortion;
       const double r2 = u * u + v * v;
       return valid != 0 && 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) > 0.0;
     }
@@ -225,12 +236,12 @@ Eigen::Vector3d Lens::unproject(const Eigen::Vector2d& image) const {
 double Lens::centre_slope() const {
   switch (kind_) {
     case LensKind::kFtheta:
-      return constants_.polynomial[0];
+      return constants_->polynomial[0];
     case LensKind::kFthetaInverse:
-      return 1.0 / constants_.polynomial[0];
+      return 1.0 / constants_->polynomial[0];
     case LensKind::kMei:
     case LensKind::kDoubleSphere:
-      return 1.0 / (1.0 + constants_.xi);
+      return 1.0 / (1.0 + constants_->xi);
     default:
       return 1.0;
   }

@@ -2,24 +2,29 @@
 // The map between directions and the picture, without focal length and principal point. Frame: OpenCV
 // (x right, y down, z forward). Image coordinates (u, v) are in focal lengths from the principal point.
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cl/shared/sensor_constants.h"
-
 namespace simuli {
 
+namespace shared {
+template <class real>
+struct LensConstants;
+}
+
+/// Numbered as SIM_LENS_.. of cl/shared/sensor_constants.h.
 enum class LensKind : int {
-  kPinhole = SIM_LENS_PINHOLE,                  // ideal
-  kOpencvPinhole = SIM_LENS_OPENCV_PINHOLE,     // rational radial, tangential and thin-prism distortion
-  kOpencvFisheye = SIM_LENS_OPENCV_FISHEYE,     // Kannala-Brandt: radius = t + k1 t^3 + .. + k4 t^9
-  kFtheta = SIM_LENS_FTHETA,                    // radius = a1 t + .. + a5 t^5, then [[c d] [e 1]]
-  kFthetaInverse = SIM_LENS_FTHETA_INVERSE,     // t = b1 radius + .. + b5 radius^5, then [[c d] [e 1]]
-  kMei = SIM_LENS_MEI,                          // unified mirror model with radial-tangential distortion
-  kEquirectangular = SIM_LENS_EQUIRECTANGULAR,  // (azimuth, elevation): a full turn about the y axis
-  kDoubleSphere = SIM_LENS_DOUBLE_SPHERE,
-  kEucm = SIM_LENS_EUCM,  // extended unified model
+  kPinhole = 0,          // ideal
+  kOpencvPinhole = 1,    // rational radial, tangential and thin-prism distortion
+  kOpencvFisheye = 2,    // Kannala-Brandt: radius = t + k1 t^3 + .. + k4 t^9
+  kFtheta = 3,           // radius = a1 t + .. + a5 t^5, then [[c d] [e 1]]
+  kFthetaInverse = 4,    // t = b1 radius + .. + b5 radius^5, then [[c d] [e 1]]
+  kMei = 5,              // unified mirror model with radial-tangential distortion
+  kEquirectangular = 6,  // (azimuth, elevation): a full turn about the y axis
+  kDoubleSphere = 7,
+  kEucm = 8,  // extended unified model
 };
 
 /// Names as they stand in files: "pinhole", "opencv_pinhole", ..., in the order of LensKind.
@@ -46,8 +51,8 @@ class Lens {
 
   [[nodiscard]] LensKind kind() const { return kind_; }
   [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
-  /// What the device needs.
-  [[nodiscard]] const shared::LensConstants<double>& constants() const { return constants_; }
+  /// What the device needs: cl/shared/sensor_constants.h.
+  [[nodiscard]] const shared::LensConstants<double>& constants() const { return *constants_; }
 
   /// Image of a point (m); false when it has none. The same text as on the device (cl/math/camera.h).
   [[nodiscard]] bool project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;
@@ -72,7 +77,8 @@ class Lens {
 
   LensKind kind_ = LensKind::kPinhole;
   std::vector<double> parameters_;
-  shared::LensConstants<double> constants_{};
+  std::shared_ptr<shared::LensConstants<double>>
+      constants_;  // of this and its copies; whole once constructed
 };
 
 }  // namespace simuli

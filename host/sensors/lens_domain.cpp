@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "cl/shared/sensor_constants.h"
 #include "host/sensors/lens.hpp"
 #include "host/sensors/lens_forward.hpp"
 
@@ -101,7 +102,7 @@ double largest_radius2(const double* k, const std::function<double(double)>& rad
 }  // namespace
 
 void Lens::find_domain(double max_angle_rad) {
-  auto& k = constants_;
+  auto& k = *constants_;
   const double largest = std::min(max_angle_rad, kLargestAngle_rad);
   switch (kind_) {
     case LensKind::kPinhole:

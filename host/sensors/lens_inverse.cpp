@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cl/shared/sensor_constants.h"
 #include "host/sensors/lens.hpp"
 #include "host/sensors/lens_forward.hpp"
 
@@ -99,7 +100,7 @@ Vector3d double_sphere_direction(const Vector2d& m, double xi, double alpha) {
 }  // namespace
 
 Vector3d Lens::inverse(const Vector2d& image) const {
-  const auto& k = constants_;
+  const auto& k = *constants_;
   const double* const a = k.polynomial;
   const Vector2d unlinear = [&]() -> Vector2d {
     if (kind_ != LensKind::kFtheta && kind_ != LensKind::kFthetaInverse) return image;

@@ -1,4 +1,4 @@
-#include "io/log/lidar_file.hpp"
+#include "io/log/lidar_json.hpp"
 
 #include <limits>
 #include <string>
@@ -206,6 +206,11 @@ LidarModel lidar_model_from_json(JsonObject& object) {
 
 LidarFile read_lidar_file(const std::filesystem::path& file) {
   return read_json_text(read_file(file, kMostBytes), file.string(), file_from_json);
+}
+
+void write_lidar_file(const std::filesystem::path& path, const LidarFile& file) {
+  validate(file.model, path.string());
+  write_file_atomically(path, to_json(file).dump(2) + '\n');
 }
 
 Json to_json(const LidarFile& file) {

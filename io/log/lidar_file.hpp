@@ -25,7 +25,6 @@
 
 #include "host/sensors/lidar_library.hpp"
 #include "host/sensors/lidar_model.hpp"
-#include "io/base/json_reader.hpp"
 
 namespace simuli {
 
@@ -38,13 +37,7 @@ struct LidarFile {
 /// that validate() refuses.
 [[nodiscard]] LidarFile read_lidar_file(const std::filesystem::path& file);
 
-/// The content of such a file.
-[[nodiscard]] Json to_json(const LidarFile& file);
-
-/// The part that logs and scenes share with it: kind to rows or to the list.
-[[nodiscard]] Json to_json(const LidarModel& model);
-/// Reads that part and validates it. A missing kind is "lidar", a missing radial_offset_m or range_bias_m 0,
-/// a missing sweep_s 0.1.
-[[nodiscard]] LidarModel lidar_model_from_json(JsonObject& object);
+/// Error{kInput} for a model that validate() refuses, and when it can't be written. Atomic.
+void write_lidar_file(const std::filesystem::path& path, const LidarFile& file);
 
 }  // namespace simuli

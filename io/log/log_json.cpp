@@ -5,7 +5,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
-#include "io/log/lidar_file.hpp"
+#include "io/log/lidar_json.hpp"
 
 namespace simuli {
 namespace {

@@ -87,12 +87,17 @@ Sensor SensorRig::other(const std::string& name) const {
   return find_named(name, reads_files_, std::move(known));
 }
 
+const Sensor* SensorRig::first_like(const Sensor& sensor) const {
+  const auto found = std::find_if(
+      sensors_.begin(), sensors_.end(), [&](const Sensor& s) { return s.is_camera() == sensor.is_camera(); });
+  return found == sensors_.end() ? nullptr : &*found;
+}
+
 Sensor SensorRig::find(const std::string& name) const {
   if (const Sensor* const found = own(name)) return *found;
   const Sensor sensor = other(name);
-  const auto place = std::find_if(
-      sensors_.begin(), sensors_.end(), [&](const Sensor& s) { return s.is_camera() == sensor.is_camera(); });
-  if (place == sensors_.end()) {
+  const Sensor* const place = first_like(sensor);
+  if (place == nullptr) {
     throw_input_error("sensor " + name,
                       sensor.is_camera() ? "cameras" : "lidars",
                       "none",
@@ -101,9 +106,11 @@ Sensor SensorRig::find(const std::string& name) const {
   return sensor.mounted(place->rig_from_sensor());
 }
 
-Sensor SensorRig::find(const std::string& name, const Pose& rig_from_sensor) const {
-  const Sensor* const found = own(name);
-  return found != nullptr ? *found : other(name).mounted(rig_from_sensor);
+Sensor SensorRig::find(const std::string& name, const Pose& rig_from_other) const {
+  if (const Sensor* const found = own(name)) return *found;
+  const Sensor sensor = other(name);
+  const Sensor* const place = first_like(sensor);
+  return sensor.mounted(place == nullptr ? rig_from_other : place->rig_from_sensor());
 }
 
 void SensorRig::add(const Sensor& sensor) {

@@ -27,8 +27,8 @@ class SensorRig {
   /// A sensor of its own, else named_sensor() mounted where its first sensor of that kind is. Errors as
   /// those; Error{kInput} where it has none of that kind.
   [[nodiscard]] Sensor find(const std::string& name) const;
-  /// The same; what isn't its own is mounted there instead.
-  [[nodiscard]] Sensor find(const std::string& name, const Pose& rig_from_sensor) const;
+  /// The same; where it has none of that kind, the other is mounted there.
+  [[nodiscard]] Sensor find(const std::string& name, const Pose& rig_from_other) const;
   /// From now on no name is a file: for names that others send.
   void refuse_files() { reads_files_ = false; }
   /// One more of its own. Error{kUsage} for a name that it has already.
@@ -36,6 +36,7 @@ class SensorRig {
 
  private:
   [[nodiscard]] const Sensor* own(const std::string& name) const;
+  [[nodiscard]] const Sensor* first_like(const Sensor& sensor) const;
   /// named_sensor() that also knows the rig's own names.
   [[nodiscard]] Sensor other(const std::string& name) const;
 

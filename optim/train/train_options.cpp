@@ -2,6 +2,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
+#include "host/render/options/render_settings.hpp"
 #include "host/render/options/validate.hpp"
 #include "optim/train/training_options.hpp"
 
@@ -29,6 +30,13 @@ TrainingOptions checked(const TrainingOptions& options) {
   check(options.init);
   static_cast<void>(checked(options.train));
   return options;
+}
+
+TrainingOptions training_options(const std::string& quality, const std::vector<std::string>& settings) {
+  TrainingOptions options;
+  options.train.render = training_options_of(quality_of_name(quality));
+  fields_of(options).apply(settings, "settings");
+  return checked(options);
 }
 
 }  // namespace simuli

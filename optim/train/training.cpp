@@ -10,6 +10,7 @@
 #include "host/base/fields.hpp"
 #include "host/base/version.hpp"
 #include "host/render/options/quality.hpp"
+#include "optim/init/initialize.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/train/trainer.hpp"
 

@@ -9,7 +9,7 @@
 #include "host/runtime/device.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
-#include "optim/init/initialize.hpp"
+#include "optim/init/init_options.hpp"
 #include "optim/train/train_report.hpp"
 #include "optim/train/training_options.hpp"
 

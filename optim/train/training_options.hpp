@@ -1,7 +1,10 @@
 #pragma once
 // What a training is told, from the log to the scene. TrainingOptions{} are what `simuli train` takes.
+#include <string>
+#include <vector>
+
 #include "io/log/frame_selection.hpp"
-#include "optim/init/initialize.hpp"
+#include "optim/init/init_options.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/train/train_options.hpp"
 
@@ -25,5 +28,10 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
 
 /// The options themselves. Error{kUsage} naming the field when one is outside its range.
 [[nodiscard]] TrainingOptions checked(const TrainingOptions& options);
+
+/// The options of `simuli train --quality QUALITY --set SETTING...`: quality "" is balanced; settings are
+/// "key=value" each. Error{kUsage} naming key, found and allowed.
+[[nodiscard]] TrainingOptions training_options(const std::string& quality,
+                                               const std::vector<std::string>& settings);
 
 }  // namespace simuli

@@ -1,68 +1,72 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <gtest/gtest.h>
-#include <stdlib.h>
+#include <limits>
+#include <simuli/simuli.h>
 #include <string>
 #include <vector>
 
-#include "host/api/simuli.h"
-#include "host/api/simuli.hpp"
+#include "tests/api/small_scene.hpp"
 
 namespace simuli {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// One particle 5 m ahead of a rig that drives 1 m along x in a second.
-SceneFile small_scene() {
-  SceneFile file;
-  Scene& scene = file.scene;
-  scene.name = "small";
-  scene.camera = GaussianSet(SetKind::kCamera, 0, 1);
-  scene.lidar = GaussianSet(SetKind::kLidar, 0, 1);
-  for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
-    set->mean().row(0) << 5.0F, 0.0F, 0.0F;
-    set->log_scale().setConstant(-1.0F);
-    set->rotation()(0, 0) = 1.0F;
-    set->opacity_logit().setConstant(6.0F);
-    set->sh(0).row(0) << 1.0F, -1.0F, 0.0F;
-  }
-  scene.lidar.sh(0).row(0) << 0.5F, 20.0F, -20.0F;
-  Camera camera{"front", 16, 12, 12.0, 12.0, 8.0, 6.0};
-  const Eigen::Quaterniond forward(0.5, -0.5, 0.5, -0.5);  // camera axes on a rig
-  file.cameras = {{camera, {forward, Eigen::Vector3d::Zero()}}};
-  file.lidars = {{builtin_lidar("velodyne_vlp16"), {}}};
-  const Pose end{Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0}};
-  file.world_from_rig = Trajectory({{0.0, {}}, {1.0, end}});
-  return file;
-}
-
-class CApi : public testing::Test {
+/// Opens what it is given; closed at the end of the test.
+class CApi : public ScratchTest {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "simuli_c_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    write_scene(folder_ / "small.scene", small_scene());
+    ScratchTest::SetUp();
     ASSERT_EQ(simuli_device_open(nullptr, &device_), SIMULI_OK) << simuli_error();
-    const std::string path = (folder_ / "small.scene").string();
-    ASSERT_EQ(simuli_scene_open(device_, path.c_str(), &scene_), SIMULI_OK) << simuli_error();
+    scene_ = open(scene_with_actor());
   }
   void TearDown() override {
-    simuli_scene_close(scene_);
+    for (simuli_frame* frame : frames_) simuli_frame_close(frame);
+    for (simuli_scene* scene : scenes_) simuli_scene_close(scene);
     simuli_device_close(device_);
-    fs::remove_all(folder_);
+    ScratchTest::TearDown();
+  }
+  simuli_scene* open(const SceneFile& file) {
+    const std::string path = (folder_ / ("scene" + std::to_string(scenes_.size()))).string();
+    write_scene(path, file);
+    simuli_scene* scene = nullptr;
+    EXPECT_EQ(simuli_scene_open(device_, path.c_str(), &scene), SIMULI_OK) << simuli_error();
+    scenes_.push_back(scene);
+    return scene;
+  }
+  simuli_shot shot(simuli_scene* scene, const char* name, double start_s = 0.0, double duration_s = 0.0) {
+    simuli_shot out{};
+    EXPECT_EQ(simuli_scene_shot(scene, name, start_s, start_s + duration_s, &out), SIMULI_OK)
+        << simuli_error();
+    return out;
+  }
+  simuli_frame* render(simuli_scene* scene,
+                       const char* name,
+                       const simuli_shot& at,
+                       const std::vector<simuli_edit>& edits = {}) {
+    simuli_frame* frame = nullptr;
+    EXPECT_EQ(simuli_render(scene, name, &at, edits.data(), edits.size(), &frame), SIMULI_OK)
+        << simuli_error();
+    frames_.push_back(frame);
+    return frame;
+  }
+  static std::vector<float> values(const simuli_frame* frame, simuli_quantity quantity, std::size_t count) {
+    std::vector<float> out(count);
+    EXPECT_EQ(simuli_frame_values(frame, quantity, out.data(), count), SIMULI_OK) << simuli_error();
+    return out;
   }
   static void expect_error(simuli_status found, simuli_status expected, const std::string& part) {
     EXPECT_EQ(found, expected);
-    EXPECT_NE(std::string(simuli_error()).find(part), std::string::npos) << simuli_error();
+    const std::string says = simuli_error();
+    EXPECT_NE(says.find(part), std::string::npos) << says;
+    EXPECT_EQ(says.find('\n'), std::string::npos) << says;
   }
 
-  fs::path folder_;
   simuli_device* device_ = nullptr;
   simuli_scene* scene_ = nullptr;
+  std::vector<simuli_scene*> scenes_;
+  std::vector<simuli_frame*> frames_;
 };
+
+constexpr std::size_t kPixels = 16 * 12;
 
 TEST_F(CApi, ListsSensorsAndRendersThem) {
   ASSERT_EQ(simuli_scene_sensor_count(scene_), 2U);
@@ -71,42 +75,185 @@ TEST_F(CApi, ListsSensorsAndRendersThem) {
   ASSERT_EQ(simuli_scene_sensor(scene_, 1, &lidar), SIMULI_OK);
   EXPECT_STREQ(camera.name, "front");
   EXPECT_EQ(camera.is_camera, 1);
-  EXPECT_EQ(camera.columns * camera.rows, 16U * 12U);
+  EXPECT_EQ(camera.columns * camera.rows, kPixels);
   EXPECT_STREQ(lidar.name, "velodyne_vlp16");
   EXPECT_EQ(lidar.rows, 16U);
+  EXPECT_EQ(lidar.duration_s, 0.1);
 
-  simuli_shot shot{};
-  ASSERT_EQ(simuli_scene_shot(scene_, "front", 0.5, 0.5, &shot), SIMULI_OK) << simuli_error();
-  EXPECT_NEAR(shot.world_from_sensor_start.position_m[0], 0.5, 1e-9);
-  std::vector<float> rgb(std::size_t{3} * 16 * 12);
-  ASSERT_EQ(simuli_render_camera(scene_, "front", &shot, rgb.data(), rgb.size()), SIMULI_OK);
-  const std::size_t middle = 3 * (6 * 16 + 8);
-  EXPECT_GT(rgb[middle], 0.6F);
-  EXPECT_LT(rgb[middle + 1], 0.4F);
+  const simuli_shot at = shot(scene_, "front", 0.5);
+  EXPECT_NEAR(at.world_from_sensor_start.position_m[0], 0.5, 1e-9);
+  const simuli_frame* picture = render(scene_, "front", at);
+  const std::vector<float> rgb = values(picture, SIMULI_RGB, 3 * kPixels);
+  const std::size_t middle = 6 * 16 + 8;
+  EXPECT_GT(rgb[3 * middle], 0.6F);
+  EXPECT_LT(rgb[3 * middle + 1], 0.4F);
+  EXPECT_GT(values(picture, SIMULI_OPACITY, kPixels)[middle], 0.5F);
+  EXPECT_NEAR(values(picture, SIMULI_DISTANCE, kPixels)[middle], 4.5F, 0.5F);
+  EXPECT_NEAR(values(picture, SIMULI_MEDIAN, kPixels)[middle], 4.5F, 0.5F);
+  EXPECT_EQ(values(picture, SIMULI_MEDIAN, kPixels)[0], 0.0F);
 
-  ASSERT_EQ(simuli_scene_shot(scene_, lidar.name, 0.0, 0.1, &shot), SIMULI_OK);
   const std::size_t rays = lidar.rows * lidar.columns;
-  std::vector<float> range(rays), points(3 * rays);
-  const simuli_lidar_frame frame{range.data(), nullptr, nullptr, points.data(), rays};
-  ASSERT_EQ(simuli_render_lidar(scene_, lidar.name, &shot, &frame), SIMULI_OK) << simuli_error();
-  const auto farthest = std::max_element(range.begin(), range.end()) - range.begin();
-  EXPECT_GT(range[static_cast<std::size_t>(farthest)], 3.0F);
+  const simuli_frame* sweep = render(scene_, lidar.name, shot(scene_, lidar.name, 0.0, 0.1));
+  const std::vector<float> range = values(sweep, SIMULI_RANGE, rays);
+  std::vector<double> points(3 * rays);
+  ASSERT_EQ(simuli_frame_points(sweep, points.data(), points.size()), SIMULI_OK) << simuli_error();
+  EXPECT_GT(*std::max_element(range.begin(), range.end()), 3.0F);
   for (std::size_t i = 0; i < rays; ++i) {
     if (range[i] > 0.0F) {
-      EXPECT_NEAR(points[3 * i], 5.0F, 1.5F) << i;
+      EXPECT_NEAR(points[3 * i], 6.5, 3.0) << i;
     }
   }
 }
 
-TEST_F(CApi, MountsAnotherLidar) {
+// As floats, points at northings of 5e6 m would lie on steps of half a metre.
+TEST_F(CApi, PointsFarFromTheWorldsOriginKeepTheirPlace) {
+  const Eigen::Vector3d utm(691000.25, 5334000.125, 500.5);
+  simuli_scene* far = open(small_scene(utm));
+  simuli_scene* near = open(small_scene());
+  simuli_sensor lidar{};
+  ASSERT_EQ(simuli_scene_sensor(far, 1, &lidar), SIMULI_OK);
+  std::vector<double> there(3 * lidar.rows * lidar.columns), here(there.size());
+  ASSERT_EQ(simuli_frame_points(render(far, lidar.name, shot(far, lidar.name)), there.data(), there.size()),
+            SIMULI_OK);
+  ASSERT_EQ(simuli_frame_points(render(near, lidar.name, shot(near, lidar.name)), here.data(), here.size()),
+            SIMULI_OK);
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    worst_m = std::max(worst_m, std::abs(there[i] - utm[static_cast<Eigen::Index>(i % 3)] - here[i]));
+  }
+  EXPECT_LT(worst_m, 1e-6);
+}
+
+TEST_F(CApi, NamesOfSensorsOutliveThoseThatAreAdded) {
+  simuli_sensor lidar{};
+  ASSERT_EQ(simuli_scene_sensor(scene_, 0, &lidar), SIMULI_OK);
+  const char* const name = lidar.name;  // so short that it may lie inside of its string
   const simuli_pose mount{{0.0, 0.0, 0.2}, {2.0, 0.0, 0.0, 0.0}};
-  ASSERT_EQ(simuli_scene_add_lidar(scene_, "hesai_xt32", &mount), SIMULI_OK) << simuli_error();
-  simuli_sensor sensor{};
-  ASSERT_EQ(simuli_scene_sensor(scene_, 2, &sensor), SIMULI_OK);
-  EXPECT_STREQ(sensor.name, "hesai_xt32");
-  EXPECT_EQ(sensor.rig_from_sensor.rotation_wxyz[0], 1.0);
-  expect_error(simuli_scene_add_lidar(scene_, "hesai_xt32", &mount), SIMULI_USAGE, "already");
-  expect_error(simuli_scene_add_lidar(scene_, "hesai_xt", &mount), SIMULI_USAGE, "hesai_xt32");
+  for (int i = 0; i < 100; ++i) {
+    const std::string as = "l" + std::to_string(i);
+    ASSERT_EQ(simuli_scene_add_sensor(scene_, "hesai_xt32", as.c_str(), &mount), SIMULI_OK) << simuli_error();
+  }
+  EXPECT_STREQ(name, "front");
+  ASSERT_EQ(simuli_scene_sensor(scene_, 101, &lidar), SIMULI_OK);
+  EXPECT_STREQ(lidar.name, "l99");
+  EXPECT_EQ(lidar.rig_from_sensor.rotation_wxyz[0], 1.0);
+  expect_error(simuli_scene_add_sensor(scene_, "hesai_xt32", "l5", &mount),
+               SIMULI_USAGE,
+               "found \"l5\"");
+  expect_error(simuli_scene_add_sensor(scene_, "hesai_xt", nullptr, &mount), SIMULI_USAGE, "hesai_xt32");
+}
+
+TEST_F(CApi, SensorsOfOnesOwn) {
+  const simuli_pose ahead{{0.0, 0.0, 0.0}, {0.5, -0.5, 0.5, -0.5}};
+  const double k[4] = {0.01, 0.0, 0.0, 0.0};
+  simuli_camera camera{"own", "opencv_fisheye", k, 4, 16, 12, 12.0, 12.0, 8.0, 6.0, "global", 0.0};
+  // The domain of a fisheye is one more parameter.
+  const double parameters[5] = {0.01, 0.0, 0.0, 0.0, 1.5};
+  camera.lens_parameters = parameters;
+  camera.lens_parameter_count = 5;
+  ASSERT_EQ(simuli_scene_add_camera(scene_, &camera, &ahead), SIMULI_OK) << simuli_error();
+  const std::vector<float> rgb = values(render(scene_, "own", shot(scene_, "own")), SIMULI_RGB, 3 * kPixels);
+  EXPECT_GT(rgb[3 * (6 * 16 + 8)], 0.6F);
+
+  const simuli_lidar_row rows[2] = {{0.02, 0.0, 0.0, 0.0, 0.0, 0.0}, {-0.02, 0.0, 0.0, 0.0, 0.0, 0.0}};
+  simuli_lidar lidar{"two", rows, 2, 360, 3.14, 6.283185307179586, 1, 0.1, 0.5, 100.0, 0.0};
+  const simuli_pose level{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+  ASSERT_EQ(simuli_scene_add_lidar(scene_, &lidar, &level), SIMULI_OK) << simuli_error();
+  const std::vector<float> range = values(render(scene_, "two", shot(scene_, "two")), SIMULI_RANGE, 720);
+  EXPECT_GT(std::count_if(range.begin(), range.end(), [](float r) { return r > 4.0F; }), 4);
+
+  lidar.name = "bad";
+  lidar.columns = 0;
+  expect_error(simuli_scene_add_lidar(scene_, &lidar, &level), SIMULI_INPUT, "columns");
+  camera.name = "bad";
+  camera.fx = std::numeric_limits<double>::quiet_NaN();
+  expect_error(simuli_scene_add_camera(scene_, &camera, &level), SIMULI_INPUT, "fx");
+}
+
+TEST_F(CApi, EditsActorsForGoodAndForAFrame) {
+  ASSERT_EQ(simuli_scene_actor_count(scene_), 1U);
+  simuli_actor car{};
+  ASSERT_EQ(simuli_scene_actor(scene_, 0, &car), SIMULI_OK);
+  EXPECT_STREQ(car.name, "car");
+  ASSERT_EQ(car.pose_count, 2U);
+  double times[2];
+  simuli_pose track[2];
+  ASSERT_EQ(simuli_scene_actor_track(scene_, 0, times, track, 2), SIMULI_OK);
+  EXPECT_EQ(track[1].position_m[1], 2.0);
+
+  const simuli_shot at = shot(scene_, "front");
+  const auto rgb = [&](const std::vector<simuli_edit>& edits) {
+    return values(render(scene_, "front", at, edits), SIMULI_RGB, 3 * kPixels);
+  };
+  const std::vector<float> before = rgb({});
+  simuli_edit edit{SIMULI_REMOVE, "car", {}, 1.0, 0.0, nullptr, nullptr, 0, nullptr};
+  const std::vector<float> without = rgb({edit});
+  EXPECT_NE(before, without);
+  EXPECT_EQ(before, rgb({}));
+  simuli_edit move = edit;
+  move.kind = SIMULI_MOVE;
+  move.by_m[1] = -4.0;
+  const std::vector<float> moved = rgb({move});
+  EXPECT_NE(before, moved);
+
+  simuli_edit twice = edit;
+  twice.kind = SIMULI_DUPLICATE;
+  twice.new_name = "car_2";
+  ASSERT_EQ(simuli_scene_edit(scene_, &twice), SIMULI_OK) << simuli_error();
+  ASSERT_EQ(simuli_scene_edit(scene_, &move), SIMULI_OK) << simuli_error();
+  EXPECT_EQ(simuli_scene_actor_count(scene_), 2U);
+  EXPECT_NE(rgb({}), moved);  // car_2 is where car was
+  twice.actor = "car_2";
+  twice.kind = SIMULI_REMOVE;
+  ASSERT_EQ(simuli_scene_edit(scene_, &twice), SIMULI_OK) << simuli_error();
+  EXPECT_EQ(rgb({}), moved);
+  ASSERT_EQ(simuli_scene_edit(scene_, &edit), SIMULI_OK) << simuli_error();
+  EXPECT_EQ(rgb({}), without);
+  simuli_scene* other = open(scene_with_actor());
+  ASSERT_EQ(simuli_scene_add_actor(scene_, other, "car", "back"), SIMULI_OK) << simuli_error();
+  EXPECT_EQ(rgb({}), before);
+  expect_error(simuli_scene_edit(scene_, &edit), SIMULI_USAGE, "car");
+}
+
+TEST_F(CApi, ChoosesQualityAndSettings) {
+  const simuli_shot at = shot(scene_, "front");
+  const auto rgb = [&] { return values(render(scene_, "front", at), SIMULI_RGB, 3 * kPixels); };
+  const std::vector<float> balanced = rgb();
+  const char* const settings[] = {"render.alpha_cut=0.4"};
+  simuli_options options{"draft", settings, 1};
+  ASSERT_EQ(simuli_scene_set_options(scene_, &options), SIMULI_OK) << simuli_error();
+  EXPECT_NE(rgb(), balanced);
+  ASSERT_EQ(simuli_scene_set_options(scene_, nullptr), SIMULI_OK);
+  EXPECT_EQ(rgb(), balanced);
+  options.quality = "best";
+  expect_error(simuli_scene_set_options(scene_, &options), SIMULI_USAGE, "quality: found \"best\"");
+  const char* const wrong[] = {"render.alpha_cut=7"};
+  options = {nullptr, wrong, 1};
+  expect_error(simuli_scene_set_options(scene_, &options), SIMULI_USAGE, "render.alpha_cut");
+}
+
+TEST_F(CApi, ParticlesGoOutAndIn) {
+  std::size_t rows = 0, columns = 0;
+  ASSERT_EQ(simuli_scene_particles(scene_, 0, &rows, &columns, nullptr, 0), SIMULI_OK);
+  ASSERT_EQ(rows, 2U);
+  ASSERT_EQ(columns, 14U);
+  std::vector<float> values_of_set(rows * columns);
+  ASSERT_EQ(simuli_scene_particles(scene_, 0, nullptr, nullptr, values_of_set.data(), values_of_set.size()),
+            SIMULI_OK);
+  EXPECT_EQ(values_of_set[0], 5.0F);
+  for (std::size_t i = 0; i < rows; ++i) values_of_set[10 * rows + i] = -20.0F;  // opacity logits
+  ASSERT_EQ(simuli_scene_set_particles(scene_, 0, rows, values_of_set.data(), values_of_set.size()),
+            SIMULI_OK)
+      << simuli_error();
+  const std::vector<float> opacity =
+      values(render(scene_, "front", shot(scene_, "front")), SIMULI_OPACITY, kPixels);
+  EXPECT_LT(*std::max_element(opacity.begin(), opacity.end()), 1e-3F);
+  values_of_set[3] = std::numeric_limits<float>::quiet_NaN();
+  expect_error(simuli_scene_set_particles(scene_, 0, rows, values_of_set.data(), values_of_set.size()),
+               SIMULI_INPUT,
+               "particles");
+  expect_error(
+      simuli_scene_set_particles(scene_, 0, 1, values_of_set.data(), columns), SIMULI_USAGE, "rows: found 1");
 }
 
 TEST_F(CApi, SaysWhatIsWrong) {
@@ -116,17 +263,25 @@ TEST_F(CApi, SaysWhatIsWrong) {
   simuli_device* device = nullptr;
   expect_error(simuli_device_open("no such device", &device), SIMULI_DEVICE, "no such device");
   expect_error(simuli_scene_open(nullptr, "x", &none), SIMULI_USAGE, "device: found NULL");
-  simuli_shot shot{};
-  expect_error(simuli_scene_shot(scene_, "rear", 0.0, 0.0, &shot), SIMULI_USAGE, "rear");
-  expect_error(simuli_scene_shot(scene_, "front", 9.0, 9.0, &shot), SIMULI_INPUT, "9");
+  simuli_shot at{};
+  expect_error(simuli_scene_shot(scene_, "rear", 0.0, 0.0, &at), SIMULI_USAGE, "rear");
+  expect_error(simuli_scene_shot(scene_, "front", 9.0, 9.0, &at), SIMULI_INPUT, "9");
+  simuli_frame* frame = nullptr;
+  expect_error(simuli_render(scene_, "front", &at, nullptr, 0, &frame), SIMULI_USAGE, "quaternion");
+  at = shot(scene_, "front");
+  at.time_end_s = -1.0;
+  expect_error(simuli_render(scene_, "front", &at, nullptr, 0, &frame), SIMULI_USAGE, "end before its start");
+  at.time_end_s = std::numeric_limits<double>::quiet_NaN();
+  expect_error(simuli_render(scene_, "front", &at, nullptr, 0, &frame), SIMULI_USAGE, "not finite");
+  const simuli_frame* picture = render(scene_, "front", shot(scene_, "front"));
   float one = 0.0F;
-  expect_error(simuli_render_camera(scene_, "front", &shot, &one, 1), SIMULI_USAGE, "found 1, allowed 576");
-  std::vector<float> rgb(576);
-  expect_error(simuli_render_camera(scene_, "front", &shot, rgb.data(), 576), SIMULI_USAGE, "quaternion");
+  expect_error(simuli_frame_values(picture, SIMULI_RGB, &one, 1), SIMULI_USAGE, "found 1, allowed 576");
+  expect_error(simuli_frame_values(picture, SIMULI_RANGE, &one, 1), SIMULI_USAGE, "LiDAR");
   simuli_sensor sensor{};
   expect_error(simuli_scene_sensor(scene_, 2, &sensor), SIMULI_USAGE, "index: found 2");
   simuli_scene_close(nullptr);
   simuli_device_close(nullptr);
+  simuli_frame_close(nullptr);
 }
 
 }  // namespace

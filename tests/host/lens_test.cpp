@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "cl/shared/sensor_constants.h"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {

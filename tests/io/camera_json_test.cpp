@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "cl/shared/sensor_constants.h"
 #include "host/base/error.hpp"
 #include "io/log/log_json.hpp"
 

@@ -1,4 +1,4 @@
-#include "io/log/lidar_file.hpp"
+#include "io/log/lidar_json.hpp"
 
 #include <gtest/gtest.h>
 #include <string>

@@ -1,4 +1,4 @@
-# A small street, then python_test.py on it.
+# A small street, then python_test.py on it; opencl_test.py where pyopencl is installed.
 cmake_minimum_required(VERSION 3.23)
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
@@ -10,4 +10,11 @@ if(no_numpy)
   return()
 endif()
 set(ENV{PYTHONPATH} ${MODULE})
-execute_process(COMMAND ${PYTHON} ${SOURCE}/python_test.py ${WORK}/street.log ${WORK} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${PYTHON} ${SOURCE}/python_test.py ${WORK}/street.log ${WORK} ${PROGRAM}
+  COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${PYTHON} -c "import pyopencl" RESULT_VARIABLE no_pyopencl ERROR_QUIET)
+if(no_pyopencl)
+  message("not run: a context of pyopencl's, ${PYTHON} has no pyopencl")
+  return()
+endif()
+execute_process(COMMAND ${PYTHON} ${SOURCE}/opencl_test.py ${WORK}/python.scene COMMAND_ERROR_IS_FATAL ANY)

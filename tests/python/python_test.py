@@ -1,53 +1,202 @@
-"""import simuli, as a user would: python_test.py LOG WORK"""
+"""import simuli, as a user would: python_test.py LOG WORK PROGRAM"""
+import filecmp
+import gc
+import json
 import os
 import subprocess
 import sys
+import threading
+import time
 
 import numpy as np
 import simuli
 
-log, work = sys.argv[1:3]
+log, work, program = sys.argv[1:4]
 folder = os.path.join(work, "python.scene")
+print("NumPy", np.__version__)
 
-seen = []
-report = simuli.train(log, folder, iterations=5, image_scale=1.0, progress=lambda i, psnr: seen.append(i))
-assert seen == [1, 2, 3, 4, 5], seen
-assert np.isfinite(report["psnr_db"])
 
-scene = simuli.Scene(folder)
-assert scene.device in simuli.devices()
-(name, (height, width)), = scene.cameras.items()
-start_s, end_s = scene.span
-image = scene.render_camera(name, time_s=start_s)
-assert image.shape == (height, width, 3) and image.dtype == np.float32 and image.std() > 0.02
-pose = scene.world_from_rig(start_s) @ scene.rig_from_sensor(name)
-assert np.array_equal(scene.render_camera(name, pose, start_s), image)
-assert np.array_equal(scene.render_camera(name, pose[:3].tolist(), start_s), image)
-
-(lidar, shape), = scene.lidars.items()
-sweep = scene.render_lidar(lidar, time_s=start_s)
-assert sweep["range_m"].shape == shape and sweep["points_m"].shape == (*shape, 3)
-hit = sweep["range_m"] > 0
-assert 0.2 < hit.mean() <= 1.0 and np.isfinite(sweep["points_m"]).all()
-assert scene.render_lidar("velodyne_vlp16", time_s=start_s)["drop"].shape[0] == 16
-
-particles = scene.particles()
-particles[:, 10] = -20.0  # opacity logits: nothing is left but the background
-scene.set_particles(particles)
-assert scene.render_camera(name, time_s=start_s).std(axis=(0, 1)).max() < 1e-3
-
-for call in (
-    lambda: simuli.Scene("/nowhere"),
-    lambda: scene.render_camera("rear"),
-    lambda: scene.render_camera(name, np.eye(3)),
-    lambda: scene.set_particles(particles[:, 1:]),
-):
+def refused(call, part):
+    """Whether that is an error of one line that names `part`."""
     try:
         call()
     except simuli.Error as error:
-        assert "\n" not in str(error), error
+        assert "\n" not in str(error) and part in str(error), error
     else:
-        raise AssertionError("nothing was raised")
+        raise AssertionError("nothing was raised for " + part)
+
+
+# Training is that of the command, and so are the numbers of an evaluation.
+seen = []
+settings = ["iterations=5", "image_scale=1"]
+report = simuli.train(log, folder, settings=settings, progress=lambda i, psnr: seen.append(i))
+assert seen == [1, 2, 3, 4, 5], seen
+assert np.isfinite(report["train_psnr_db"])
+theirs = os.path.join(work, "command.scene")
+subprocess.run([program, "train", log, "-o", theirs, "--iterations", "5", "--scale", "1"], check=True,
+               capture_output=True)
+for file in ("camera.ply", "lidar.ply", "scene.json"):
+    assert filecmp.cmp(os.path.join(folder, file), os.path.join(theirs, file), shallow=False), file
+said = json.loads(subprocess.run([program, "eval", theirs, log, "--json"], check=True, capture_output=True).stdout)
+found = simuli.evaluate(folder, log)
+for name in ("psnr_db", "ssim", "distance_median_m", "intensity_rmse", "raydrop_accuracy", "chamfer_m"):
+    assert found[name] == said[name], (name, found[name], said[name])
+assert found["frames"] == said["frames"] == "held_out"
+
+
+class Enough(Exception):
+    pass
+
+
+def stop(iteration, psnr):
+    raise Enough()
+
+
+try:
+    simuli.train(log, os.path.join(work, "none.scene"), progress=stop)
+except Enough:
+    assert not os.path.exists(os.path.join(work, "none.scene"))
+else:
+    raise AssertionError("an exception of the callback was lost")
+
+scene = simuli.Scene(folder)
+assert scene.device in simuli.devices()
+(name, camera), = scene.cameras.items()
+height, width = camera.shape
+start_s, end_s = scene.span
+
+# Frames: the same wherever the pose comes from; arrays are the frame's own memory and keep it alive.
+frame = scene.render(name, time_s=start_s)
+image = frame.image
+assert image.shape == (height, width, 3) and image.dtype == np.float32 and image.std() > 0.02
+assert not image.flags.owndata and not image.flags.writeable
+pose = scene.world_from_rig(start_s) @ camera.rig_from_sensor
+assert np.array_equal(scene.render(name, pose, start_s).image, image)
+assert np.array_equal(scene.render(camera, pose[:3].tolist(), start_s).image, image)
+assert np.shares_memory(frame.transmittance, frame.transmittance)  # no copies
+kept = frame.transmittance
+before = kept.copy()
+del frame
+gc.collect()
+for i in range(3):
+    scene.render(name, time_s=end_s - 0.2).wait()
+assert np.array_equal(kept, before)
+frame = scene.render(name, time_s=start_s)
+assert np.allclose(frame.opacity, 1 - kept)
+opaque = frame.opacity > 0.9
+assert opaque.any() and (frame.distance_m[opaque] > 0.5).all()
+assert (frame.median_m[opaque] > 0.5).all() and frame.median_m.shape == (height, width)
+
+(lidar, sensor), = scene.lidars.items()
+sweep = scene.render(lidar, time_s=start_s)
+assert sweep.range_m.shape == sensor.shape and sweep.points_m.shape == (*sensor.shape, 3)
+assert sweep.points_m.dtype == np.float64
+hit = sweep.range_m > 0
+assert 0.2 < hit.mean() <= 1.0 and np.isfinite(sweep.points_m).all()
+assert scene.render("velodyne_vlp16", time_s=start_s).drop.shape[0] == 16
+
+# Batches, sensors of one's own, qualities.
+times = np.linspace(start_s, start_s + 0.2, 3)
+batch = scene.render_batch(name, times)
+assert np.array_equal(batch[0].image, image) and not np.array_equal(batch[2].image, image)
+poses = np.stack([pose] * 3)
+assert np.array_equal(scene.render_batch(name, times, poses)[2].image, scene.render(name, pose, times[2]).image)
+own = simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0).mounted(camera.rig_from_sensor)
+assert scene.render(own, time_s=start_s).image.shape == (18, 32, 3)
+beams = simuli.lidar("two", np.radians([2.0, -2.0]), 90)
+assert scene.render(beams, scene.world_from_rig(start_s), start_s).range_m.shape == (2, 90)
+scene.add_sensor(own)
+assert "own" in scene.cameras
+draft = simuli.Scene(folder, quality="draft", settings=["render.alpha_cut=0.1"])
+assert not np.array_equal(draft.render(name, time_s=start_s).image, image)
+
+# Actors.
+actors = [actor["name"] for actor in scene.actors]
+assert actors, "the street has a car"
+car = actors[0]
+when = scene.actors[0]["times_s"][len(scene.actors[0]["times_s"]) // 2]
+there = scene.render(lidar, time_s=when).range_m
+assert not np.array_equal(scene.render(lidar, time_s=when, edits=[simuli.remove(car)]).range_m, there)
+assert np.array_equal(scene.render(lidar, time_s=when).range_m, there)
+scene.duplicate_actor(car, "second")
+scene.edit(simuli.move("second", [0, 3, 0]))
+scene.edit(simuli.retime("second", 2.0, 0.1))
+assert not np.array_equal(scene.render(lidar, time_s=when).range_m, there)
+scene.edit(simuli.remove("second"))
+assert np.array_equal(scene.render(lidar, time_s=when).range_m, there)
+scene.edit(simuli.remove(car))
+scene.add_actor(draft, car, "again")
+edited = os.path.join(work, "edited.scene")
+scene.save(edited)
+assert [actor["name"] for actor in simuli.Scene(edited).actors] == actors[1:] + ["again"]
+
+# Gradients by ray, against a difference; zeros for what is not seen.
+scene = simuli.Scene(folder)
+frame = scene.render(lidar, time_s=start_s)
+weights = np.cos(np.arange(frame.transmittance.size)).reshape(frame.transmittance.shape)
+gradients = scene.gradients(frame, transmittance=weights)
+particles = scene.particles(lidar=True)
+assert gradients.shape == particles.shape and gradients.dtype == np.float32
+assert (gradients == 0).all(axis=1).any() and np.isfinite(gradients).all()
+most = int(np.abs(gradients[:, 10]).argmax())
+losses = []
+for step in (0.02, -0.02):
+    moved = particles.copy()
+    moved[most, 10] += step
+    scene.set_particles(moved, lidar=True)
+    losses.append(float((weights * scene.render(lidar, time_s=start_s).transmittance.astype(float)).sum()))
+slope = (losses[0] - losses[1]) / 0.04
+assert abs(slope - gradients[most, 10]) < 0.05 * abs(slope), (slope, gradients[most, 10])
+scene.set_particles(particles, lidar=True)
+
+# The GIL is free while the device works: another thread counts meanwhile.
+counted = [0]
+done = threading.Event()
+
+
+def count():
+    while not done.is_set():
+        counted[0] += 1
+        time.sleep(1e-4)
+
+
+thread = threading.Thread(target=count)
+thread.start()
+simuli.train(log, os.path.join(work, "busy.scene"), settings=["iterations=1"])
+done.set()
+thread.join()
+assert counted[0] > 20, counted
+
+particles = scene.particles()
+hidden = particles.copy()
+hidden[:, 10] = -20.0  # opacity logits: nothing is left but what stands behind
+scene.set_particles(hidden)
+assert scene.render(name, time_s=start_s).opacity.max() < 1e-3
+scene.set_particles(particles)
+
+nan = float("nan")
+refused(lambda: simuli.Scene("/nowhere"), "/nowhere")
+refused(lambda: simuli.Scene(folder, quality="best"), "quality")
+refused(lambda: simuli.Scene(folder, settings=["render.alpha_cut=7"]), "render.alpha_cut")
+refused(lambda: simuli.Scene(folder, device="no such device"), "no such device")
+refused(lambda: scene.render("rear"), "rear")
+refused(lambda: scene.render(name, np.eye(3)), "4 x 4")
+refused(lambda: scene.render(name, np.full((4, 4), nan)), "pose")
+refused(lambda: scene.render(name, pose.astype(complex)), "real numbers")
+refused(lambda: scene.render(name, [[1, 2], [3]]), "real numbers")
+refused(lambda: scene.render(name, pose, nan), "time_s")
+refused(lambda: scene.render(name, time_s=nan), "time_s")
+refused(lambda: scene.render(name, pose, 1.0, duration_s=-1.0), "duration_s")
+refused(lambda: scene.render(name, pose, 1.0, duration_s=nan), "duration_s")
+refused(lambda: scene.render(7), "sensor")
+refused(lambda: scene.render_batch(name, times, poses[:2]), "time_s")
+refused(lambda: scene.set_particles(particles[:, 1:]), "particles")
+refused(lambda: scene.set_particles(np.where(np.arange(particles.shape[1]) == 3, nan, particles)), "particles")
+refused(lambda: scene.set_particles(np.zeros(particles.shape, dtype="U1")), "real numbers")
+refused(lambda: scene.gradients(frame, transmittance=[1.0]), "transmittance")
+refused(lambda: scene.edit(simuli.remove("nobody")), "nobody")
+refused(lambda: simuli.train(log, folder, settings=["no.such=1"]), "no.such")
+refused(lambda: simuli.train(log, folder, settings=["iterations=-1"]), "iterations")
 
 example = os.path.join(os.path.dirname(__file__), "..", "..", "examples", "sweep.py")
 out = subprocess.run([sys.executable, example, folder, "velodyne_vlp16"], cwd=work, check=True, text=True,

@@ -12,7 +12,7 @@
 #include "host/sensors/camera.hpp"
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
-#include "io/log/lidar_file.hpp"
+#include "io/log/lidar_json.hpp"
 #include "io/log/log_json.hpp"
 #include "optim/calibration/beams/beams.hpp"
 #include "optim/calibration/lens/lens_fit.hpp"
@@ -113,11 +113,8 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
   file.facts.note = fmt::format("fitted to {} sweeps of bare points{}",
                                 count,
                                 spin.spin ? "" : "; spin direction not determined: clockwise assumed");
-  const auto& lidar = std::get<Lidar>(file.model);
-  if (!command.output.empty()) {
-    validate(lidar, command.output);
-    write_file_atomically(command.output, to_json(file).dump(2) + "\n");
-  }
+  std::get<Lidar>(file.model).sweep_s = 1.0 / command.spin_hz;
+  if (!command.output.empty()) write_lidar_file(command.output, file);
   if (globals.json) {
     Json json = to_json(file);
     json["encoder_ticks"] = table.encoder_ticks;

@@ -3,6 +3,7 @@
 
 #include "host/render/options/options.hpp"
 #include "host/render/rays/ray_grid.hpp"
+#include "host/runtime/build_options.hpp"
 
 namespace simuli {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "host/base/allowed.hpp"
-#include "host/runtime/build_options.hpp"
+#include "host/base/precision.hpp"
 
 namespace simuli {
 

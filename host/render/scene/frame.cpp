@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "host/render/scene/frame_state.hpp"
+#include "host/render/scene/slot_results.hpp"
 
 namespace simuli {
 
@@ -26,10 +27,12 @@ Frame::State::State(const Device& device,
                     Precision precision,
                     Sensor of,
                     Shot at,
+                    FrameRequest as,
                     SensorRays on,
                     std::shared_ptr<OutputPool> from)
     : sensor(std::move(of)),
       shot(std::move(at)),
+      request(std::move(as)),
       rays(std::move(on)),
       pool(std::move(from)),
       outputs(pool->take(device, "ray outputs", precision)),

@@ -3,15 +3,32 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/base/image.hpp"
+#include "host/render/options/options.hpp"
 #include "host/render/scene/ray_results.hpp"
 #include "host/render/scene/seen.hpp"
 #include "host/render/scene/shot.hpp"
 #include "host/sensors/sensor.hpp"
 
 namespace simuli {
+
+/// What one frame is asked for beside sensor and shot.
+struct FrameRequest {
+  std::optional<RenderOptions> options = {};  // instead of the scene's
+  std::vector<bool> rays = {};  // [rays] those to render, the others show the background; empty: all
+  bool graded = true;           // pictures through the scene's colour grids
+  bool camera_median = false;   // cameras: also RayResults::median (LiDARs: RenderOptions::median_distance)
+};
+
+/// dL/d(RayResults) by ray, of a loss that is the caller's. What is empty is 0.
+struct RayGradients {
+  std::vector<float> feature[3];     // [rays]
+  std::vector<float> transmittance;  // [rays]
+  std::vector<float> distance;       // [rays], of the sum of w tau
+};
 
 /// A frame that SceneOnDevice renders. A handle: copies are the same frame. It has its results to itself:
 /// frames that are rendered later leave it as it is, and any number of them may be on their way at once.

@@ -28,6 +28,7 @@ struct Frame::State {
         Precision precision,
         Sensor of,
         Shot at,
+        FrameRequest as,
         SensorRays on,
         std::shared_ptr<OutputPool> from);
   State(const State&) = delete;
@@ -36,6 +37,8 @@ struct Frame::State {
 
   Sensor sensor;
   Shot shot;
+  FrameRequest request;
+  std::weak_ptr<const Scene> scene;
   SensorRays rays;
   std::shared_ptr<OutputPool> pool;
   RealBuffer outputs;  // [SIM_OUTPUTS][slots]
@@ -61,6 +64,7 @@ struct FrameBuffersOfRays {
 
 struct FrameAccess {
   [[nodiscard]] static FrameBuffersOfRays buffers(const Frame& frame);
+  [[nodiscard]] static _cl_event* ready(const Frame& frame) { return frame.state_->done->handle(); }
   [[nodiscard]] static const RayGrid& grid(const Frame& frame) { return frame.state_->rays.grid(); }
 };
 

@@ -6,6 +6,7 @@
 #include "host/base/error.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/scene/pass_state.hpp"
+#include "host/render/scene/slot_results.hpp"
 
 namespace simuli {
 namespace {

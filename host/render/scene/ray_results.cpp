@@ -1,9 +1,8 @@
-#include "host/render/scene/ray_results.hpp"
-
 #include <cmath>
 #include <cstdint>
 
 #include "host/render/rays/ray_grid.hpp"
+#include "host/render/scene/slot_results.hpp"
 
 namespace simuli {
 

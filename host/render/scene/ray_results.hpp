@@ -1,12 +1,8 @@
 #pragma once
-#include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 namespace simuli {
-
-struct RayGrid;
 
 /// What every ray saw, in ray order (pixels or beams row-major).
 struct RayResults {
@@ -21,13 +17,5 @@ struct RayResults {
   /// Expected distance in m; 0 where nothing at all was met.
   [[nodiscard]] float expected_distance(std::size_t ray) const;
 };
-
-/// From slot order. outputs: [SIM_OUTPUTS][slots]; picture: [3][slots], shown instead of the outputs'
-/// features where it isn't empty. Pixels without a ray show `background`.
-[[nodiscard]] RayResults results_of(const RayGrid& grid,
-                                    std::span<const float> outputs,
-                                    std::span<const float> picture,
-                                    const std::array<float, 3>& background,
-                                    bool has_median);
 
 }  // namespace simuli

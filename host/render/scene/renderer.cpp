@@ -33,6 +33,7 @@ RenderOptions resolve(const Device& device, RenderOptions options) {
 Variant variant_of(const RenderOptions& options,
                    const ParticleBuffers& particles,
                    const SensorRays& rays,
+                   bool camera_median,
                    bool moving,
                    bool actor_motion) {
   const RayGrid& grid = rays.grid();
@@ -47,7 +48,7 @@ Variant variant_of(const RenderOptions& options,
                           ? particles.sh_degree
                           : std::min(particles.sh_degree, static_cast<int>(options.sh_degree));
   variant.sh_storage = particles.sh_storage;
-  variant.median = options.median_distance && grid.type == SensorType::kLidar;
+  variant.median = grid.type == SensorType::kLidar ? options.median_distance : camera_median;
   variant.precision = options.precision;
   variant.projection = options.projection;
   variant.extent = options.extent;
@@ -153,8 +154,8 @@ Pass Renderer::render(const ParticleBuffers& particles,
                              Eigen::Vector3d(sensor.constants.centre_ref),
                              actor_motion);
   }
-  Pass::State::Stages& stages =
-      s.stages(variant_of(s.options, particles, rays, sensor.moving || actor_motion, actor_motion));
+  Pass::State::Stages& stages = s.stages(variant_of(
+      s.options, particles, rays, view.camera_median, sensor.moving || actor_motion, actor_motion));
 
   // From here on the last frame's buffers are taken.
   const std::uint64_t number = ++s.frames;

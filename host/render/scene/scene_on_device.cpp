@@ -1,11 +1,14 @@
 #include "host/render/scene/scene_on_device.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <list>
 #include <utility>
 #include <vector>
 
 #include "host/base/lru_cache.hpp"
+#include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/scene/frame_state.hpp"
 #include "host/render/scene/look.hpp"
@@ -44,6 +47,50 @@ struct Painter {
   RenderOptions options;
   Renderer renderer;
 };
+
+/// What is there of a frame behind its rendering.
+struct Drawn {
+  Pass pass;
+  Precision precision;
+  const ParticleBuffers& particles;
+  std::array<float, 3> background;
+};
+
+/// [5][rays] in ray order; what is not given is 0.
+std::vector<double> output_gradients(std::size_t rays, const RayGradients& of_rays) {
+  std::vector<double> out(5 * rays, 0.0);
+  const std::array<const std::vector<float>*, 5> all{&of_rays.feature[0],
+                                                     &of_rays.feature[1],
+                                                     &of_rays.feature[2],
+                                                     &of_rays.transmittance,
+                                                     &of_rays.distance};
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const std::vector<float>& values = *all[k];
+    if (values.empty()) continue;
+    if (values.size() != rays) {
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format("gradients: found {} values, allowed one for each of {} rays", values.size(), rays));
+    }
+    if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
+      throw Error(ErrorKind::kUsage, "gradients: found a value that is not finite, allowed finite ones");
+    }
+    std::copy(values.begin(), values.end(), out.begin() + static_cast<std::ptrdiff_t>(k * rays));
+  }
+  return out;
+}
+
+/// [N, rows] from [rows][stride].
+Eigen::MatrixXf by_particle(const RealBuffer& gradients, const ParticleBuffers& particles) {
+  const std::vector<float> values = gradients.download_float();
+  const int rows = param_rows(particles.sh_degree);
+  Eigen::MatrixXf out(particles.count, rows);
+  for (int row = 0; row < rows; ++row) {
+    const float* const from = values.data() + static_cast<std::size_t>(row) * particles.stride;
+    for (std::uint32_t i = 0; i < particles.count; ++i) out(i, row) = from[i];
+  }
+  return out;
+}
 
 const RenderOptions& valid(const RenderOptions& options) {
   validate(options);
@@ -116,6 +163,22 @@ struct SceneOnDevice::State {
     return *look;
   }
 
+  /// Renders; everything stays on the device, and with the pass.
+  Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
+    const RenderOptions& o = request.options ? *request.options : options;
+    const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
+    View view = view_of(*scene, shot, kind);
+    view.camera_median = request.camera_median;
+    Renderer& on = renderer(o);
+    SensorRays seen = rays(sensor, on, o);
+    seen.request(request.rays);
+    const ParticleBuffers& set = particles(kind, o);
+    const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
+    Pass pass = sensor.is_camera() ? look_of(o.precision).render(on, set, seen, view, camera, shot.middle_s())
+                                   : on.render(set, seen, view);
+    return {std::move(pass), o.precision, set, view.background};
+  }
+
   Device device;
   std::shared_ptr<const Scene> scene;
   RenderOptions options;
@@ -139,25 +202,40 @@ SceneOnDevice::~SceneOnDevice() = default;
 
 Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
   State& s = *state_;
-  const RenderOptions& options = request.options ? *request.options : s.options;
-  const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
-  const View view = view_of(*s.scene, shot, kind);
-  Renderer& renderer = s.renderer(options);
-  SensorRays rays = s.rays(sensor, renderer, options);
-  rays.request(request.rays);
-  const ParticleBuffers& particles = s.particles(kind, options);
-  auto frame = std::make_shared<Frame::State>(s.device, options.precision, sensor, shot, rays, s.pool);
-  const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
-  Pass pass =
-      sensor.is_camera()
-          ? s.look_of(options.precision).render(renderer, particles, rays, view, camera, shot.middle_s())
-          : renderer.render(particles, rays, view);
-  frame->graded = pass.is_graded();
-  frame->has_median = pass.has_median();
-  frame->background = view.background;
-  pass.exchange_outputs(frame->outputs, frame->picture);
+  Drawn drawn = s.draw(sensor, shot, request);
+  auto frame = std::make_shared<Frame::State>(
+      s.device, drawn.precision, sensor, shot, request, drawn.pass.rays(), s.pool);
+  frame->scene = s.scene;
+  frame->graded = drawn.pass.is_graded();
+  frame->has_median = drawn.pass.has_median();
+  frame->background = drawn.background;
+  drawn.pass.exchange_outputs(frame->outputs, frame->picture);
   frame->done.emplace(s.device);
   return Frame(std::move(frame));
+}
+
+Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients& of_rays) {
+  State& s = *state_;
+  const Frame::State& f = *frame.state_;
+  if (f.scene.lock() != s.scene) {
+    throw Error(ErrorKind::kUsage,
+                "gradients: found a frame of another scene, allowed one of the scene as it is");
+  }
+  if (f.graded) {
+    throw Error(ErrorKind::kUsage,
+                "gradients: found a picture seen through colour grids, allowed one that is not graded");
+  }
+  if (!has_gradients(f.request.options ? *f.request.options : s.options)) {
+    throw Error(ErrorKind::kUsage,
+                "gradients: found render.order=per_ray, render.sh_direction=ray, render.sh_storage=half or "
+                "render.sh_degree below 3, allowed range, particle, full and 3");
+  }
+  const std::vector<double> by_ray = output_gradients(f.rays.grid().rays, of_rays);
+  Drawn drawn = s.draw(f.sensor, f.shot, f.request);
+  drawn.pass.set_output_gradients(by_ray);
+  RealBuffer gradients(s.device, "gradients by particle", drawn.precision);
+  drawn.pass.backward(drawn.particles, gradients);
+  return by_particle(gradients, drawn.particles);
 }
 
 void SceneOnDevice::set_scene(Scene scene) { set_scene(std::make_shared<const Scene>(std::move(scene))); }

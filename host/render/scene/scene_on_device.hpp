@@ -1,9 +1,8 @@
 #pragma once
 // A scene and a device, ready to be looked at.
+#include <Eigen/Core>
 #include <cstddef>
 #include <memory>
-#include <optional>
-#include <vector>
 
 #include "host/render/options/options.hpp"
 #include "host/render/scene/frame.hpp"
@@ -18,13 +17,6 @@ namespace simuli {
 [[nodiscard]] inline std::shared_ptr<const Scene> borrowed(const Scene& scene) {
   return {std::shared_ptr<const Scene>(), &scene};
 }
-
-/// What one frame is asked for beside sensor and shot.
-struct FrameRequest {
-  std::optional<RenderOptions> options = {};  // instead of the scene's
-  std::vector<bool> rays = {};  // [rays] those to render, the others show the background; empty: all
-  bool graded = true;           // pictures through the scene's colour grids
-};
 
 /// Renders any sensor in a scene. Movable; used by one thread at a time.
 ///   SceneOnDevice scene(Device::best(), std::move(file.scene));
@@ -49,6 +41,13 @@ class SceneOnDevice {
   /// still be at work. Error{kUsage} for edits of unknown actors and options that validate() refuses,
   /// Error{kInput} for poses that are none, Error{kDevice} when the device has no room.
   [[nodiscard]] Frame render(const Sensor& sensor, const Shot& shot, const FrameRequest& request = {});
+
+  /// dL/d(particles) of the set that the frame's sensor sees, for a loss L of which the caller has the
+  /// derivatives by what each ray saw: [N, param_rows] as GaussianSet::params, zeros for particles that no
+  /// ray sees. Renders the frame again, as it was asked for, and waits. Error{kUsage} for a frame of another
+  /// scene (or from before set_scene()), one through colour grids, options that have no gradients
+  /// (has_gradients()) and derivatives that are not finite or not one per ray.
+  [[nodiscard]] Eigen::MatrixXf gradients(const Frame& frame, const RayGradients& of_rays);
 
   /// From now on this scene is rendered; rays of sensors stay. Frames that were rendered before stay, too.
   void set_scene(Scene scene);

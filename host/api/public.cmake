@@ -1,0 +1,68 @@
+# What libsimuli shows: each installed header, and the headers of the tree that it is made of, in order.
+# Nothing else becomes public, whatever includes what: headers.cmake refuses a header that needs one which is in
+# no line above it. A header of calibration is there when the library has it (SIMULI_CALIBRATION).
+set(SIMULI_PUBLIC base scene sensors device options render log files import training evaluation)
+if(SIMULI_CALIBRATION)
+  list(APPEND SIMULI_PUBLIC calibration)
+endif()
+
+set(SIMULI_PUBLIC_base
+  "Errors, version, pictures, and the keys of options."
+  host/base/version.hpp host/base/error.hpp host/base/image.hpp host/base/allowed.hpp
+  host/base/fields.hpp host/base/precision.hpp)
+set(SIMULI_PUBLIC_scene
+  "Scenes: particles, actors, appearance, and edits of them."
+  host/scene/pose.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
+  host/scene/scene.hpp host/scene/edit.hpp)
+set(SIMULI_PUBLIC_sensors
+  "Cameras, LiDARs and the paths that carry them."
+  host/sensors/lens.hpp host/sensors/camera.hpp host/sensors/lidar.hpp host/sensors/ray_list.hpp
+  host/sensors/lidar_model.hpp host/sensors/lidar_library.hpp host/sensors/trajectory.hpp
+  host/sensors/sensor.hpp)
+set(SIMULI_PUBLIC_device
+  "OpenCL devices. Their own handles: <simuli/opencl.h>."
+  host/runtime/profile.hpp host/runtime/device.hpp)
+set(SIMULI_PUBLIC_options
+  "How frames are rendered: speed against accuracy."
+  host/render/options/options.hpp host/render/options/quality.hpp
+  host/render/options/render_settings.hpp)
+set(SIMULI_PUBLIC_render
+  "A scene on a device, a sensor and a shot make a frame."
+  host/render/scene/shot.hpp host/render/scene/ray_results.hpp host/render/scene/seen.hpp
+  host/render/scene/frame.hpp host/render/scene/scene_on_device.hpp)
+set(SIMULI_PUBLIC_log
+  "Recorded drives."
+  io/log/frame_selection.hpp io/log/log.hpp)
+set(SIMULI_PUBLIC_files
+  "Pictures, splats, clouds, LiDAR files, scene folders."
+  io/picture/image.hpp io/splat/ply.hpp io/splat/splat_file.hpp io/splat/cloud_file.hpp
+  io/log/lidar_file.hpp io/scene/training_record.hpp io/scene/scene_folder.hpp io/scene/sensor_rig.hpp)
+set(SIMULI_PUBLIC_import
+  "Logs from the files of others."
+  io/import/kitti/kitti.hpp io/import/kitti360/kitti360.hpp io/import/nuscenes/nuscenes.hpp
+  io/import/photos/photo_log.hpp io/import/photos/colmap.hpp io/import/photos/nerfstudio.hpp
+  io/import/points/point_grid.hpp io/import/points/points_log.hpp io/import/waymo/waymo.hpp)
+set(SIMULI_PUBLIC_training
+  "A scene from a log: what `simuli train` does."
+  optim/init/init_options.hpp optim/log/range_bias.hpp optim/log/own_vehicle.hpp
+  optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/train/schedule.hpp
+  optim/train/structure_options.hpp optim/train/train_options.hpp optim/train/train_report.hpp
+  optim/train/training_options.hpp optim/train/training.hpp)
+set(SIMULI_PUBLIC_evaluation
+  "A scene beside a log: what `simuli eval` does."
+  optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp
+  optim/eval/eval_frames.hpp optim/eval/evaluation.hpp)
+set(SIMULI_PUBLIC_calibration
+  "Paths, mountings, beams and lenses found from recorded data."
+  optim/calibration/path/returns.hpp optim/calibration/path/plane_map.hpp
+  optim/calibration/path/odometry.hpp optim/calibration/path/refine.hpp optim/calibration/path/spin.hpp
+  optim/calibration/path/align.hpp optim/calibration/beams/beams.hpp optim/calibration/lens/lens_fit.hpp
+  optim/calibration/camera/luminance.hpp optim/calibration/camera/camera_edges.hpp
+  optim/calibration/camera/camera_texture.hpp optim/calibration/camera/camera_pose.hpp)
+
+# The headers of the tree that this build shows.
+set(SIMULI_PUBLIC_PARTS "")
+foreach(header IN LISTS SIMULI_PUBLIC)
+  list(APPEND SIMULI_PUBLIC_PARTS ${SIMULI_PUBLIC_${header}})
+endforeach()
+list(FILTER SIMULI_PUBLIC_PARTS INCLUDE REGEX "\\.hpp$")

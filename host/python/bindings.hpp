@@ -1,0 +1,99 @@
+#pragma once
+// What the parts of the module share. NumPy is spoken to through Python's buffer protocol alone: its C
+// interface, which differs between NumPy 1 and 2, is not used.
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <simuli/simuli.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace simuli::python {
+
+namespace py = pybind11;
+
+/// Whose turn it is on a device: its calls release the GIL, and another thread may come in between.
+using Turns = std::shared_ptr<std::recursive_mutex>;
+
+/// Releases the GIL, then waits for the device; for as long as it lives. Recursive, so that a callback of a
+/// training may render.
+class Turn {
+ public:
+  explicit Turn(const Turns& turns) : turns_(turns), lock_(*turns_) {}
+
+ private:
+  py::gil_scoped_release release_;
+  Turns turns_;
+  std::unique_lock<std::recursive_mutex> lock_;
+};
+
+struct PyDevice {
+  Device device;
+  Turns turns = std::make_shared<std::recursive_mutex>();
+};
+/// None: the best there is; a text: Device::best() of it; or a Device.
+[[nodiscard]] PyDevice device_of(const py::object& device);
+
+// Arrays.
+
+/// Numbers from anything that NumPy makes an array of. Error{kUsage} naming `what` for what holds no numbers.
+struct Numbers {
+  std::vector<double> values;  // row-major
+  std::vector<py::ssize_t> shape;
+};
+[[nodiscard]] Numbers numbers_of(const py::handle& from, const std::string& what);
+/// A 4 x 4 or 3 x 4 matrix. Error{kUsage} for another shape, Error{kInput} for what is no pose.
+[[nodiscard]] Pose pose_of(const py::handle& from, const std::string& what);
+/// [n, 4, 4] or [n, 3, 4].
+[[nodiscard]] std::vector<Pose> poses_of(const py::handle& from, const std::string& what);
+/// Error{kUsage} naming `what` unless it is finite.
+double finite(double value, const char* what);
+
+/// A NumPy array on memory that `owner` keeps, read-only, without a copy.
+[[nodiscard]] py::object array_on(std::shared_ptr<const void> owner,
+                                  const float* data,
+                                  std::vector<py::ssize_t> shape,
+                                  std::vector<py::ssize_t> strides = {});
+[[nodiscard]] py::object array_on(std::shared_ptr<const void> owner,
+                                  const double* data,
+                                  std::vector<py::ssize_t> shape);
+[[nodiscard]] py::object array_of(const Pose& a_from_b);  // 4 x 4
+
+// Parts of the module.
+void add_arrays(py::module_& m);
+void add_devices(py::module_& m);
+void add_sensors(py::module_& m);
+void add_frames(py::module_& m);
+void add_scenes(py::module_& m);
+void add_training(py::module_& m);
+
+/// A frame in Python. Whatever shows its memory keeps it alive.
+class PyFrame : public std::enable_shared_from_this<PyFrame> {
+ public:
+  PyFrame(Frame frame, Turns turns) : frame_(std::move(frame)), turns_(std::move(turns)) {}
+  PyFrame(const PyFrame&) = delete;
+  PyFrame& operator=(const PyFrame&) = delete;
+  ~PyFrame();
+
+  [[nodiscard]] const Frame& frame() const { return *frame_; }
+  [[nodiscard]] Turn turn() const { return Turn(turns_); }
+
+  [[nodiscard]] py::object values(const std::string& name);
+  [[nodiscard]] py::object points();
+  [[nodiscard]] py::dict memory() const;
+
+ private:
+  [[nodiscard]] std::vector<float> computed(const std::string& name) const;
+
+  std::optional<Frame> frame_;
+  Turns turns_;
+  std::map<std::string, std::shared_ptr<const std::vector<float>>> computed_;
+  std::shared_ptr<const std::vector<Eigen::Vector3d>> points_;
+};
+
+}  // namespace simuli::python

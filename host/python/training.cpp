@@ -1,0 +1,97 @@
+// Training and evaluation in Python.
+#include <functional>
+#include <pybind11/functional.h>
+
+#include "host/python/bindings.hpp"
+
+namespace simuli::python {
+namespace {
+
+py::dict train(const std::string& log,
+               const std::string& scene,
+               const std::string& quality,
+               const std::vector<std::string>& settings,
+               const std::function<void(int, double)>& progress,
+               const py::object& device) {
+  const PyDevice on = device_of(device);
+  const TrainReport report = [&] {
+    const Turn turn(on.turns);
+    Training training(on.device, read_log(log), training_options(quality, settings));
+    const TrainReport& done = training
+                                  .run([&](const TrainStatus& status) {
+                                    const py::gil_scoped_acquire acquire;
+                                    if (progress) progress(status.iteration, status.psnr_db);
+                                    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+                                  })
+                                  .train;
+    write_scene(scene, training.result());
+    return done;
+  }();
+  py::dict out;
+  out["iterations"] = report.last.iteration;
+  out["train_psnr_db"] = report.last.psnr_db;
+  out["train_distance_m"] = report.last.distance_m;
+  out["train_drop_accuracy"] = report.last.drop_accuracy;
+  out["camera_particles"] = report.camera_particles;
+  out["lidar_particles"] = report.lidar_particles;
+  out["seconds"] = report.seconds;
+  return out;
+}
+
+py::dict evaluate(const std::string& scene,
+                  const std::string& log,
+                  const std::string& quality,
+                  const std::vector<std::string>& settings,
+                  const py::object& device) {
+  const PyDevice on = device_of(device);
+  const EvalReport r = [&] {
+    const Turn turn(on.turns);
+    return Evaluation(on.device, read_scene(scene), read_log(log), eval_options(quality, settings)).run();
+  }();
+  py::dict out;
+  out["frames"] = to_string(r.frames.kind);
+  out["held_out_every"] = r.frames.held_out_every;
+  out["image_scale"] = r.frames.image_scale;
+  out["images"] = r.images;
+  out["sweeps"] = r.sweeps;
+  out["psnr_db"] = r.psnr_db;
+  out["ssim"] = r.ssim;
+  out["psnr_ungraded_db"] = r.psnr_ungraded_db;
+  out["distance_median_m"] = r.lidar.distance_median_m;
+  out["distance_expected_median_m"] = r.distance_expected_median_m;
+  out["medl2_m2"] = r.lidar.medl2_m2;
+  out["mean_rel_l2"] = r.lidar.mean_rel_l2;
+  out["intensity_rmse"] = r.lidar.intensity_rmse;
+  out["raydrop_accuracy"] = r.lidar.raydrop_accuracy;
+  out["chamfer_m2"] = r.lidar.chamfer_m2;
+  out["chamfer_m"] = r.lidar.chamfer_m;
+  out["actor_psnr_db"] = r.actor_psnr_db;
+  out["actor_distance_median_m"] = r.actor_distance_median_m;
+  out["actor_share_met"] = r.actor_share_met;
+  return out;
+}
+
+}  // namespace
+
+void add_training(py::module_& m) {
+  m.def("train",
+        &train,
+        py::arg("log"),
+        py::arg("scene"),
+        py::arg("quality") = "",
+        py::arg("settings") = std::vector<std::string>{},
+        py::arg("progress") = nullptr,
+        py::arg("device") = py::none(),
+        "A scene from a log folder, as `simuli train` makes it, bit for bit. settings: \"key=value\", as "
+        "`simuli train --set help` lists them; progress(iteration, psnr_db) is called after each iteration.");
+  m.def("evaluate",
+        &evaluate,
+        py::arg("scene"),
+        py::arg("log"),
+        py::arg("quality") = "",
+        py::arg("settings") = std::vector<std::string>{},
+        py::arg("device") = py::none(),
+        "What `simuli eval SCENE LOG` says, by the names of its --json; NaN where there is no such frame.");
+}
+
+}  // namespace simuli::python

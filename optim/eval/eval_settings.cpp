@@ -1,0 +1,36 @@
+#include "optim/eval/eval_settings.hpp"
+
+#include "host/base/fields.hpp"
+#include "host/render/options/render_settings.hpp"
+
+namespace simuli {
+namespace {
+
+/// What an evaluation takes from the training unless it is told.
+struct Told {
+  double image_scale = 0.0;
+  int held_out_every = -1;
+};
+template <class F>
+constexpr void visit_fields(Told& o, F&& field) {
+  field("image_scale", o.image_scale, above(0.0, 1.0), "size of the compared pictures over the recorded");
+  field("held_out_every", o.held_out_every, zero_or(at_least(2)), "every N-th frame; 0: all");
+}
+
+}  // namespace
+
+EvalOptions eval_options(const std::string& quality, const std::vector<std::string>& settings) {
+  EvalOptions options;
+  options.render = options_of(quality_of_name(quality));
+  Told told;
+  Fields fields;
+  fields.part("", options);
+  fields.part("", told);
+  fields.apply(settings, "settings");
+  if (told.image_scale > 0.0) options.image_scale = told.image_scale;
+  if (told.held_out_every >= 0) options.held_out_every = told.held_out_every;
+  check(options);
+  return options;
+}
+
+}  // namespace simuli
