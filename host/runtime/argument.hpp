@@ -53,6 +53,7 @@ struct PassedType {
   std::string_view element;  // "uint", "FrameParams"; "real": of the program's precision
   ArgumentSpace space = ArgumentSpace::kValue;
   bool is_const = false;
+  std::size_t real_bytes = 0;  // of a struct of reals: those of one
 };
 inline constexpr PassedType kPassedReal{"real", ArgumentSpace::kValue, false};
 inline constexpr PassedType kPassedLocal{"", ArgumentSpace::kLocal, false};
@@ -61,6 +62,11 @@ inline constexpr PassedType kPassedValue{ClTypeName<T>::value, ArgumentSpace::kV
 template <class T>
 inline constexpr PassedType kPassedBuffer{
     ClTypeName<std::remove_const_t<T>>::value, ArgumentSpace::kGlobal, std::is_const_v<T>};
+template <class Struct, class Real>
+inline constexpr PassedType kPassedStructs{ClTypeName<std::remove_const_t<Struct>>::value,
+                                           ArgumentSpace::kGlobal,
+                                           std::is_const_v<Struct>,
+                                           sizeof(Real)};
 
 }  // namespace detail
 

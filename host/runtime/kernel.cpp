@@ -145,6 +145,10 @@ std::uint32_t Kernel::find_place(const char* name, const PassedType& type, bool 
   if (type.space == ArgumentSpace::kGlobal) passed += '*';
   passed = type.space == ArgumentSpace::kLocal ? declared : canonical(passed, program_.precision());
   if (declared != passed) refuse(declared, passed);
+  const bool is_double = program_.precision() == Precision::kDouble;
+  if (type.real_bytes != 0 && type.real_bytes != (is_double ? sizeof(double) : sizeof(float))) {
+    refuse(declared + (is_double ? " of double" : " of float"), is_double ? "float" : "double");
+  }
   if (type.is_const && !found->is_const) refuse(declared, "const " + passed);
   return static_cast<std::uint32_t>(found - declaration_->begin());
 }

@@ -73,10 +73,10 @@ class Binding {
   /// __global T*, T a struct of reals, likewise.
   template <template <class> class T>
   Binding(ArgumentName name, StructBuffer<T>& buffer)
-      : name_(name.text()), type_(&detail::kPassedBuffer<T<double>>), memory_(&buffer.memory()) {}
+      : name_(name.text()), type_(&type_of<T<double>>(buffer)), memory_(&buffer.memory()) {}
   template <template <class> class T>
   Binding(ArgumentName name, const StructBuffer<T>& buffer)
-      : name_(name.text()), type_(&detail::kPassedBuffer<const T<double>>), memory_(&buffer.memory()) {}
+      : name_(name.text()), type_(&type_of<const T<double>>(buffer)), memory_(&buffer.memory()) {}
   /// real by value, passed in the program's precision.
   Binding(ArgumentName name, double value) : name_(name.text()), type_(&detail::kPassedReal), real_(value) {}
   /// Integers, float and shared structs by value.
@@ -100,6 +100,12 @@ class Binding {
   [[nodiscard]] static const detail::PassedType& type_of(const RealBuffer& buffer) {
     return buffer.precision() == Precision::kFloat ? detail::kPassedBuffer<const float>
                                                    : detail::kPassedBuffer<const double>;
+  }
+
+  template <class Struct>
+  [[nodiscard]] static const detail::PassedType& type_of(const RealBuffer& structs) {
+    return structs.precision() == Precision::kFloat ? detail::kPassedStructs<Struct, float>
+                                                    : detail::kPassedStructs<Struct, double>;
   }
 
  private:

@@ -151,6 +151,9 @@ TEST_F(KernelTest, StructsOfRealsFollowThePrecision) {
   RealBuffer out(device_, "out", Precision::kFloat, 2);
   EXPECT_EQ(refusal("lines", {{"line", reals}, {"out", out}}),
             "kernel lines: argument line is Line*, the host passes float*");
+  const StructBuffer<Line> wide(device_, "wide", Precision::kDouble, 4);
+  EXPECT_EQ(refusal("lines", {{"line", wide}, {"out", out}}),
+            "kernel lines: argument line is Line* of float, the host passes double");
 }
 
 TEST_F(KernelTest, RealBufferOfTheOtherPrecisionIsRefused) {

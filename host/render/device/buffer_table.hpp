@@ -92,8 +92,11 @@ class BufferTable {
    public:
     Structs(BufferTable& table, ArgumentName name, Count size)
         : StructBuffer<T>(table.device_, name.text(), table.precision_) {
-      const bool is_float = table.precision_ == Precision::kFloat;
-      table.template add<T<double>>(name, this->memory(), size, is_float ? sizeof(float) : sizeof(double));
+      if (table.precision_ == Precision::kFloat) {
+        table.template add_structs<T, float>(name, this->memory(), size);
+      } else {
+        table.template add_structs<T, double>(name, this->memory(), size);
+      }
     }
   };
 
@@ -116,8 +119,17 @@ class BufferTable {
 
  private:
   template <class T>
-  void add(ArgumentName name, detail::Memory& memory, Count count, std::size_t element_bytes = sizeof(T)) {
-    rows_.add(name, memory, element_bytes, detail::kPassedBuffer<T>, detail::kPassedBuffer<const T>);
+  void add(ArgumentName name, detail::Memory& memory, Count count) {
+    rows_.add(name, memory, sizeof(T), detail::kPassedBuffer<T>, detail::kPassedBuffer<const T>);
+    counts_.push_back(count);
+  }
+  template <template <class> class T, class Real>
+  void add_structs(ArgumentName name, detail::Memory& memory, Count count) {
+    rows_.add(name,
+              memory,
+              sizeof(Real),
+              detail::kPassedStructs<T<double>, Real>,
+              detail::kPassedStructs<const T<double>, Real>);
     counts_.push_back(count);
   }
 
