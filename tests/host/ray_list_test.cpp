@@ -1,6 +1,7 @@
 #include "host/sensors/ray_list.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <limits>
 
@@ -37,7 +38,7 @@ TEST(RayList, ValidateNamesTheFieldThatIsWrong) {
   const auto refused = [](const char* field, auto set) {
     RayList list = three_rays();
     set(list);
-    expect_error(ErrorKind::kInput, std::string("list.json: ray list three: ") + field, [&] {
+    expect_error(ErrorKind::kInput, fmt::format("list.json: ray list three: {}", field), [&] {
       validate(list, "list.json");
     });
   };
