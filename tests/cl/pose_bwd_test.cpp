@@ -66,7 +66,11 @@ TEST_P(PoseGradientOf, MatchesDifferences) {
   RealBuffer plain(device, "gradients", options.precision), grads(device, "gradients", options.precision);
   pass.backward(particles, plain);
   pass.backward(particles, grads, {.errors = false, .ray_gradients = true});
-  EXPECT_EQ(plain.download_double(), grads.download_double());  // of the particles: the same bits
+  const std::vector<double> of_plain = plain.download_double(), of_both = grads.download_double();
+  for (std::size_t i = 0; i < of_plain.size(); ++i) {
+    if (i % particles.stride >= particles.count) continue;  // behind the last particle nothing is written
+    EXPECT_EQ(of_plain[i], of_both[i]) << i;                // of the particles: the same bits
+  }
   const PoseGradient found = pass.pose_gradient(grads);
   double scale[2] = {0.0, 0.0};
   for (int axis = 0; axis < 6; ++axis) {
