@@ -22,6 +22,15 @@ struct ProgramState {
 };
 
 struct DeviceState {
+  DeviceState() = default;
+  DeviceState(const DeviceState&) = delete;
+  DeviceState& operator=(const DeviceState&) = delete;
+  /// Frames that nobody waited for may still be rendered: a program that ends meanwhile takes the driver away
+  /// from under its threads.
+  ~DeviceState() {
+    if (queue() != nullptr) clFinish(queue());
+  }
+
   DeviceInfo info;
   Quirks quirks;
   cl::Device device;
