@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/stopwatch.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "io/base/json_reader.hpp"
@@ -26,15 +27,6 @@ constexpr int kJpegQuality = 90;
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-
-/// Milliseconds since the object was made.
-class Stopwatch {
- public:
-  [[nodiscard]] double ms() const { return 1e3 * (now_s() - start_s_); }
-
- private:
-  double start_s_ = now_s();
-};
 
 Json json_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Json json_of(const Pose& pose) {
