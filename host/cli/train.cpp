@@ -76,11 +76,12 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                    100.0 * r.densify_seconds / r.seconds)
             << fmt::format(
                    "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
-                   "camera set, {} that no image saw\n",
+                   "camera set, {} that no image saw, {} that none shows apart from others\n",
                    init.moving_points,
                    init.lidar_thinned,
                    init.camera_thinned,
-                   init.unseen_points);
+                   init.unseen_points,
+                   init.joined_points);
 }
 
 /// With what held-out frames say; of all frames when none was held out.

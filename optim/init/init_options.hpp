@@ -8,6 +8,7 @@ namespace simuli {
 
 struct InitOptions {
   double voxel_m = 0.1;
+  double camera_voxel_px = 3.0;
   int camera_sh_degree = 2;
   int lidar_sh_degree = 1;
   std::size_t max_camera = 1'000'000;
@@ -34,6 +35,10 @@ struct InitOptions {
 template <class F>
 constexpr void visit_fields(InitOptions& o, F&& field) {
   field("init.voxel_m", o.voxel_m, range(1e-3, 50.0), "m, side of a voxel, each of which keeps one point");
+  field("init.camera_voxel_px",
+        o.camera_voxel_px,
+        range(0.0, 64.0),
+        "px, least width of the camera set's voxels in the closest training picture of them");
   field("init.camera_sh_degree",
         o.camera_sh_degree,
         range(0, 3),
@@ -93,6 +98,7 @@ struct InitReport {
   std::size_t actor_points = 0;   // voxels of actors
   std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
   std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
+  std::size_t joined_points = 0;  // voxels that no picture shows apart from others
   std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
   std::size_t lidar_thinned = 0;  // voxels left out to keep to max_lidar
   std::size_t camera_thinned = 0;

@@ -57,25 +57,34 @@ PointSet keep_static(const PointSet& points, const std::vector<bool>& moved) {
   return points.subset(kept);
 }
 
-/// Drops points that no image saw, then thins to `limit`. Returns the number of unseen points.
-std::size_t keep_seen(PointSet& points,
-                      std::vector<PointLook>& looks,
-                      std::size_t limit,
-                      std::uint64_t seed) {
+/// Keeps the points at `indices`, with their looks.
+void keep(PointSet& points, std::vector<PointLook>& looks, const std::vector<std::uint32_t>& indices) {
+  std::vector<PointLook> kept_looks;
+  kept_looks.reserve(indices.size());
+  for (const std::uint32_t i : indices) kept_looks.push_back(looks[i]);
+  points = points.subset(indices);
+  looks = std::move(kept_looks);
+}
+
+/// Drops points that no image saw. Returns their number.
+std::size_t keep_seen(PointSet& points, std::vector<PointLook>& looks) {
   std::vector<std::uint32_t> seen;
   for (std::size_t i = 0; i < looks.size(); ++i) {
     if (std::isfinite(looks[i].range_m)) seen.push_back(static_cast<std::uint32_t>(i));
   }
   const std::size_t unseen = points.size() - seen.size();
-  std::vector<std::uint32_t> kept;
-  std::vector<PointLook> kept_looks;
-  for (const std::uint32_t k : thin(seen.size(), limit, seed)) {
-    kept.push_back(seen[k]);
-    kept_looks.push_back(looks[seen[k]]);
-  }
-  points = points.subset(kept);
-  looks = std::move(kept_looks);
+  keep(points, looks, seen);
   return unseen;
+}
+
+/// Thins to `limit` points. Returns the number of those left out.
+std::size_t keep_some(PointSet& points,
+                      std::vector<PointLook>& looks,
+                      std::size_t limit,
+                      std::uint64_t seed) {
+  const std::size_t count = points.size();
+  keep(points, looks, thin(count, limit, seed));
+  return count - points.size();
 }
 
 /// Adds the log's own points, one per voxel, for the camera set. Returns how many there were.
@@ -267,8 +276,9 @@ void Initialisation::take_colours() {
 void Initialisation::place_camera_set() {
   auto actor_looks = actors_->split(looks_, points_.size());
   looks_.resize(points_.size());
-  report_.unseen_points = keep_seen(points_, looks_, options_.max_camera, frames_.seed);
-  report_.camera_thinned = static_points_ + report_.depth_points - report_.unseen_points - points_.size();
+  report_.unseen_points = keep_seen(points_, looks_);
+  report_.joined_points = join_by_footprint(points_, looks_, options_.voxel_m, options_.camera_voxel_px);
+  report_.camera_thinned = keep_some(points_, looks_, options_.max_camera, frames_.seed);
 
   const std::vector<FarShell::Patch> patches = shell_->patches();
   const auto shell_kept = thin(patches.size(), options_.max_shell, frames_.seed);
@@ -276,7 +286,8 @@ void Initialisation::place_camera_set() {
   append(scene_.camera, shell_set(*shell_, patches, shell_kept, options_), 0);
   for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
     PointSet seen = actors_->camera_points()[i];
-    (void)keep_seen(seen, actor_looks[i], options_.max_camera, frames_.seed);
+    static_cast<void>(keep_seen(seen, actor_looks[i]));
+    static_cast<void>(keep_some(seen, actor_looks[i], options_.max_camera, frames_.seed));
     append(scene_.camera, camera_set(seen, actor_looks[i], options_), static_cast<std::uint32_t>(i + 1));
   }
   if (!patches.empty()) scene_.camera_background = sky_colour(patches);

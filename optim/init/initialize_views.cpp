@@ -1,6 +1,7 @@
 #include "optim/init/initialize_views.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -156,6 +157,59 @@ Coverage look_at_points(const ImageView& view,
     look.colour = sample_bilinear(image, s.pixel.cast<double>());
   }
   return coverage;
+}
+
+std::size_t join_by_footprint(PointSet& points,
+                              std::vector<PointLook>& looks,
+                              double finest_m,
+                              double pixels) {
+  struct Key {
+    int level;
+    std::array<std::int64_t, 3> voxel;  // z, y, x
+    std::uint32_t index;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<Key> keys(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double side_m = std::max(finest_m, pixels * static_cast<double>(looks[i].footprint_m));
+    const int level = static_cast<int>(std::lround(std::log2(side_m / finest_m)));
+    const Eigen::Vector3d voxel =
+        (points.position.col(static_cast<Eigen::Index>(i)).cast<double>() / std::ldexp(finest_m, level))
+            .array()
+            .floor();
+    keys[i] = {level,
+               {std::int64_t(voxel.z()), std::int64_t(voxel.y()), std::int64_t(voxel.x())},
+               static_cast<std::uint32_t>(i)};
+  }
+  std::sort(keys.begin(), keys.end());
+
+  PointSet out;
+  out.position.resize(3, points.position.cols());
+  std::vector<PointLook> out_looks;
+  for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    Eigen::Vector3d colour = Eigen::Vector3d::Zero();
+    double intensity = 0.0;
+    PointLook closest = looks[keys[begin].index];
+    for (; end < keys.size() && keys[end].level == keys[begin].level && keys[end].voxel == keys[begin].voxel;
+         ++end) {
+      const std::uint32_t i = keys[end].index;
+      position += points.position.col(i).cast<double>();
+      colour += looks[i].colour.cast<double>();
+      intensity += static_cast<double>(points.intensity[i]);
+      if (looks[i].range_m < closest.range_m) closest = looks[i];
+    }
+    const auto count = static_cast<double>(end - begin);
+    closest.colour = (colour / count).cast<float>();
+    out.position.col(static_cast<Eigen::Index>(out.size())) = (position / count).cast<float>();
+    out.intensity.push_back(static_cast<float>(intensity / count));
+    out_looks.push_back(closest);
+  }
+  out.position.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(out.size()));
+  const std::size_t joined = points.size() - out.size();
+  points = std::move(out);
+  looks = std::move(out_looks);
+  return joined;
 }
 
 FarShell::FarShell(double spacing_deg, double distance_m)

@@ -71,6 +71,14 @@ Coverage look_at_points(const ImageView& view,
                         int cell_px,
                         std::vector<PointLook>& looks);
 
+/// Joins points that no picture shows apart: one average point and colour is left in each voxel, of a side of
+/// finest_m times the power of two nearest to `pixels` pixels of the closest look at its points (or finest_m,
+/// if that is more). Points in order of side and voxel; returns by how many there are fewer.
+std::size_t join_by_footprint(PointSet& points,
+                              std::vector<PointLook>& looks,
+                              double finest_m,
+                              double pixels);
+
 /// Bilinear colour at a pixel position; the border is continued outwards.
 [[nodiscard]] Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel);
 

@@ -125,7 +125,8 @@ TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
   const auto on_points = set.size() - static_cast<Eigen::Index>(init.report.shell_particles);
   EXPECT_EQ(static_cast<std::size_t>(set.size()), init.report.camera_particles);
   EXPECT_EQ(init.report.voxels,
-            static_cast<std::size_t>(on_points) + init.report.unseen_points + init.report.camera_thinned);
+            static_cast<std::size_t>(on_points) + init.report.unseen_points + init.report.joined_points +
+                init.report.camera_thinned);
   EXPECT_GT(init.report.unseen_points, 0U);  // the laser sees further to the sides than the camera
   int left = 0;
   int right = 0;

@@ -98,6 +98,37 @@ TEST(LookAtPoints, TheClosestImageGivesTheColour) {
   }
 }
 
+TEST(JoinByFootprint, OnlyWhatNoPictureShowsApartBecomesOne) {
+  // Voxels of 0.1 m; 3 px are 0.03 m for the first pair and 0.45 m, so 0.4 m voxels, for the others.
+  PointSet points = point_set({{0.05F, 0.05F, 0.05F},
+                               {0.15F, 0.05F, 0.05F},
+                               {10.05F, 0.05F, 0.05F},
+                               {10.25F, 0.15F, 0.05F},
+                               {10.45F, 0.05F, 0.05F}});
+  points.intensity = {0.1F, 0.2F, 0.3F, 0.5F, 0.9F};
+  std::vector<PointLook> looks(5, {3.0F, 0.01F, {0.2F, 0.4F, 0.6F}});
+  for (std::size_t i = 2; i < 5; ++i) looks[i] = {30.0F, 0.15F, {0.5F, 0.5F, 0.5F}};
+  looks[3] = {29.0F, 0.145F, {0.7F, 0.5F, 0.1F}};
+  EXPECT_EQ(join_by_footprint(points, looks, 0.1, 3.0), 1U);
+  ASSERT_EQ(points.size(), 4U);
+  ASSERT_EQ(looks.size(), 4U);
+  EXPECT_EQ(looks[1].range_m, 3.0F);  // the near ones stay as they are
+  EXPECT_TRUE(points.position.col(1).isApprox(Eigen::Vector3f(0.15F, 0.05F, 0.05F)));
+  EXPECT_TRUE(points.position.col(2).isApprox(Eigen::Vector3f(10.15F, 0.1F, 0.05F)));
+  EXPECT_NEAR(points.intensity[2], 0.4F, 1e-6F);
+  EXPECT_EQ(looks[2].range_m, 29.0F);  // the closest look's, the colour that of all
+  EXPECT_EQ(looks[2].footprint_m, 0.145F);
+  EXPECT_TRUE(looks[2].colour.isApprox(Eigen::Vector3f(0.6F, 0.5F, 0.3F)));
+  EXPECT_TRUE(points.position.col(3).isApprox(Eigen::Vector3f(10.45F, 0.05F, 0.05F)));
+}
+
+TEST(JoinByFootprint, ZeroPixelsJoinNothingInVoxelsOfTheirOwn) {
+  PointSet points = point_set({{0.05F, 0.0F, 0.0F}, {50.15F, 0.0F, 0.0F}, {50.25F, 0.0F, 0.0F}});
+  std::vector<PointLook> looks(3, {50.0F, 5.0F, {0.5F, 0.5F, 0.5F}});
+  EXPECT_EQ(join_by_footprint(points, looks, 0.1, 0.0), 0U);
+  EXPECT_EQ(points.size(), 3U);
+}
+
 TEST(SampleBilinear, PixelCentresAreAtHalves) {
   Image image(2, 1, 3);
   for (int c = 0; c < 3; ++c) image.at(1, 0, c) = 1.0F;
