@@ -13,6 +13,7 @@
 #include "host/render/train/densify.hpp"
 #include "host/render/train/loss_stages.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/train/trained_set.hpp"
 
 namespace simuli {
 namespace {
@@ -80,15 +81,18 @@ Rays sweep_rays(const Log& log, const FrameSelection& frames) {
 }
 
 /// The particles that a set may come to have.
-std::uint64_t grown(Eigen::Index particles, Eigen::Index other, const TrainOptions& options) {
+std::uint64_t grown(SetNumber number,
+                    Eigen::Index particles,
+                    Eigen::Index other,
+                    const TrainOptions& options) {
   const DensifyOptions& d = options.densify;
   const auto count = static_cast<double>(particles);
-  if (d.every == 0) return static_cast<std::uint64_t>(particles);
+  if (d.every == 0 || (number == kLidarSet && !d.lidar)) return static_cast<std::uint64_t>(particles);
   const double times = std::floor(d.last_share * options.iterations / d.every);
   const double by_growth = count * std::pow(1.0 + d.growth, times);
   const double by_cap =
       std::max(1.0, static_cast<double>(d.cap) / std::max(count + static_cast<double>(other), 1.0)) * count;
-  return static_cast<std::uint64_t>(std::min(by_growth, by_cap));
+  return static_cast<std::uint64_t>(std::min({by_growth, by_cap, d.most * count}));
 }
 
 }  // namespace
@@ -219,8 +223,8 @@ MemoryNeed training_memory(const Device& device,
   const TrainOptions& options = training.train;
   MemoryNeed need;
   Tally tally(need);
-  const Counts counts{grown(scene.camera.size(), scene.lidar.size(), options),
-                      grown(scene.lidar.size(), scene.camera.size(), options),
+  const Counts counts{grown(kCameraSet, scene.camera.size(), scene.lidar.size(), options),
+                      grown(kLidarSet, scene.lidar.size(), scene.camera.size(), options),
                       scene.actors.size(),
                       image_rays(log, training.frames),
                       sweep_rays(log, training.frames)};

@@ -31,15 +31,22 @@ Structure::Structure(const Device& device,
                      std::uint64_t seed,
                      TrainedSet& camera,
                      TrainedSet& lidar)
-    : device_(device), options_(options), seed_(seed), camera_(camera), lidar_(lidar) {
+    : device_(device),
+      options_(options),
+      seed_(seed),
+      camera_(camera),
+      lidar_(lidar),
+      camera_start_(camera.particles.count),
+      lidar_start_(lidar.particles.count) {
   if (options.anchor.weight > 0.0 && camera.particles.count > 0 && lidar.particles.count > 0) {
     anchor_.emplace(device, Precision::kFloat, static_cast<std::uint32_t>(options.anchor.neighbours));
   }
   if (options.densify.every > 0) densify_.emplace(device, Precision::kFloat);
 }
 
-bool Structure::collects_errors(int iteration) const {
-  return densify_ && iteration < options_.densify.last_share * options_.iterations;
+bool Structure::collects_errors(SetNumber number, int iteration) const {
+  return densify_ && (number == kCameraSet || options_.densify.lidar) &&
+         iteration < options_.densify.last_share * options_.iterations;
 }
 
 void Structure::find_anchors(int iteration) {
@@ -68,7 +75,7 @@ void Structure::jitter(TrainedSet& set,
                        const Pass& pass,
                        int iteration,
                        double progress) {
-  if (!collects_errors(iteration) || !(options_.densify.noise > 0.0)) return;
+  if (!collects_errors(number, iteration) || !(options_.densify.noise > 0.0)) return;
   const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
   densify_->jitter(set.particles,
                    pass.buffers().projected.keys,
@@ -76,21 +83,30 @@ void Structure::jitter(TrainedSet& set,
                    {seed_, static_cast<std::uint32_t>(iteration), number});
 }
 
+/// The particles that a set gets when it is its turn.
+std::uint32_t Structure::growth(SetNumber number) const {
+  const DensifyOptions& o = options_.densify;
+  const double count = (number == kCameraSet ? camera_ : lidar_).particles.count;
+  const double both = static_cast<double>(camera_.particles.count) + lidar_.particles.count;
+  // What is left to the cap is shared as the growth would be.
+  const double share = (static_cast<double>(o.cap) - both) / std::max(both, 1.0);
+  const double room = o.most * (number == kCameraSet ? camera_start_ : lidar_start_) - count;
+  return static_cast<std::uint32_t>(std::max(0.0, std::min(count * std::min(o.growth, share), room)));
+}
+
 void Structure::densify(int iteration) {
   const DensifyOptions& o = options_.densify;
-  if (!collects_errors(iteration) || iteration < o.first || iteration % o.every != 0) return;
+  if (o.every <= 0 || iteration < o.first || iteration % o.every != 0) return;
   Stopwatch watch(device_, densify_seconds_);
-  const double count = static_cast<double>(camera_.particles.count) + lidar_.particles.count;
-  // What is left to the cap is shared as the growth would be.
-  const double room = std::max(0.0, static_cast<double>(o.cap) - count);
-  const double growth = std::min(o.growth, room / std::max(count, 1.0));
+  const std::uint32_t added[] = {growth(kCameraSet), growth(kLidarSet)};
   for (const SetNumber number : {kCameraSet, kLidarSet}) {
+    if (!collects_errors(number, iteration)) continue;
     TrainedSet& set = number == kCameraSet ? camera_ : lidar_;
     RealBuffer* const moments[] = {&set.adam.first_moment(), &set.adam.second_moment()};
     const DensifyCounts counts = densify_->relocate(set.particles,
                                                     moments,
                                                     set.error,
-                                                    static_cast<std::uint32_t>(growth * set.particles.count),
+                                                    added[number],
                                                     {seed_, static_cast<std::uint32_t>(iteration), number});
     set.fit_gradients();
     if (number == kCameraSet && anchor_) {

@@ -22,8 +22,8 @@ class Structure {
             TrainedSet& camera,
             TrainedSet& lidar);
 
-  /// Whether frames are to tell errors in this iteration, for where particles are missing.
-  [[nodiscard]] bool collects_errors(int iteration) const;
+  /// Whether frames are to tell errors in this iteration, for where particles of the set are missing.
+  [[nodiscard]] bool collects_errors(SetNumber number, int iteration) const;
   /// The stage that takes them; there is one when collects_errors().
   [[nodiscard]] DensifyStage& errors() { return *densify_; }
 
@@ -45,10 +45,13 @@ class Structure {
   void add_state(StateList& list);
 
  private:
+  [[nodiscard]] std::uint32_t growth(SetNumber number) const;
+
   Device device_;
   const TrainOptions& options_;
   std::uint64_t seed_;
   TrainedSet &camera_, &lidar_;
+  double camera_start_, lidar_start_;    // particles
   std::optional<AnchorStage> anchor_;    // when camera particles are anchored
   std::optional<DensifyStage> densify_;  // when particles are relocated
   std::uint64_t relocated_ = 0, grown_ = 0;

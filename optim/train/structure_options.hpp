@@ -32,10 +32,12 @@ constexpr void visit_fields(AnchorOptions& o, F&& field) {
 
 /// Relocation and growth by reconstruction error (METHOD section 11).
 struct DensifyOptions {
-  int every = 0;
+  int every = 50;
   int first = 100;
   double last_share = 0.8;
-  double growth = 0.05;
+  bool lidar = false;  // its particles start where returns are; there are enough of them
+  double growth = 0.1;
+  double most = 2.0;
   std::size_t cap = 4'000'000;
   double noise = 500.0;
 };
@@ -44,10 +46,12 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
   field("densify.every",
         o.every,
         at_least(0),
-        "iterations from one relocation and growth by error to the next, 100 for instance; 0: never");
+        "iterations from one relocation and growth by error to the next; 0: never");
   field("densify.first", o.first, at_least(1), "iteration of the first");
   field("densify.last_share", o.last_share, range(0.0, 1.0), "of the iterations: none after that");
-  field("densify.growth", o.growth, range(0.0, 1.0), "of each set's particles, per time");
+  field("densify.lidar", o.lidar, "also the LiDAR set");
+  field("densify.growth", o.growth, range(0.0, 1.0), "of a set's particles, per time");
+  field("densify.most", o.most, at_least(1.0), "particles of a set over those at the start, at most");
   field("densify.cap", o.cap, at_least(0), "particles of both sets together, at most");
   field("densify.noise", o.noise, at_least(0.0), "m^-2, of positions' jitter per m of their learning rate");
 }

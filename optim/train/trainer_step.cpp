@@ -35,7 +35,7 @@ void Trainer::step_camera(double progress) {
   const ImageWeights& w = options_.image;
   const ImageLoss loss =
       pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
-  const bool errors = structure_.collects_errors(status_.iteration);
+  const bool errors = structure_.collects_errors(kCameraSet, status_.iteration);
   if (errors) {
     structure_.errors().pixel_error(
         pass.frame(), pass.buffers().rays, pass.picture(), truth->truth.slots(), pass.ray_error());
@@ -67,7 +67,7 @@ void Trainer::step_lidar(double progress) {
   const LidarWeights& w = options_.weights;
   const LidarLoss loss =
       pass.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
-  const bool errors = structure_.collects_errors(status_.iteration);
+  const bool errors = structure_.collects_errors(kLidarSet, status_.iteration);
   if (errors) {
     structure_.errors().beam_error(pass.frame(),
                                    pass.buffers().rays,

@@ -118,9 +118,22 @@ TEST_F(TrainerTest, MaskedFramesTeachNothing) {
   EXPECT_NE(unmasked.status().psnr_db, masked.status().psnr_db);
 }
 
+TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
+  TrainingOptions o = options(60);
+  o.train.densify.every = o.train.densify.first = 5;
+  o.train.densify.growth = 0.5;
+  const Scene start = initial_scene();
+  Trainer trainer(Device::best(), log_, start, o);
+  trainer.run();
+  EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());
+  EXPECT_EQ(trainer.scene().camera.size(), 2 * start.camera.size());  // densify.most
+}
+
 TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
   TrainingOptions o = options(60);
   o.train.densify.every = o.train.densify.first = 10;
+  o.train.densify.lidar = true;
+  o.train.densify.growth = 0.05;
   Scene start = initial_scene();
   for (Eigen::Index i = 0; i < start.camera.size(); i += 20) start.camera.opacity_logit()(i) = -7.0F;  // dead
   const Eigen::Index count = start.camera.size() + start.lidar.size();
@@ -172,6 +185,7 @@ TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
   for (const bool relocate : {false, true}) {
     TrainingOptions o = options(30);
     o.train.densify.every = relocate ? 10 : 0;
+    o.train.densify.lidar = true;
     o.train.densify.first = 10;
     o.train.densify.growth = 0.0;
     Trainer trainer(Device::best(), log_, scene, o);
