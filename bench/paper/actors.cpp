@@ -44,7 +44,7 @@ WhereItWas where_it_was(const Device& device, const Log& log, const Log& empty, 
   SceneOnDevice on_device(device, borrowed(scene), RenderOptions{});
   std::vector<double> errors;
   double parted = 0.0, ghosts = 0.0;
-  for (const std::size_t index : select_frames(log.sweeps, FrameSelection{}.held_out_every, true)) {
+  for (const std::size_t index : HeldOutRule(log, FrameSelection{}).held_out(log.sweeps)) {
     const SweepFrame& frame = log.sweeps[index];
     const SweepPair pair = render_sweep(on_device, log, frame);
     const std::vector<float> behind = render_sweep(on_device, empty, empty.sweeps[index]).recorded.range;
@@ -53,7 +53,7 @@ WhereItWas where_it_was(const Device& device, const Log& log, const Log& empty, 
     const auto on = returns_on_actors(
         ActorBoxes(log.actors, view), log.lidar(frame.lidar).model, pair.recorded.rays, pair.recorded.range);
     for (std::size_t i = 0; i < on.size(); ++i) {
-      if (!on[i]) continue;
+      if (on[i] == ActorBoxes::kNone) continue;
       const double range = behind[i];
       if (range > 0.0) errors.push_back(std::abs(best_distance(pair.simulated, i) - range));
       if (range > 0.0 && range - pair.recorded.range[i] < SweepPair::kSame_m) continue;

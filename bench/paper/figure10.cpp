@@ -96,11 +96,11 @@ Errors measure(const Device& device,
                const std::vector<std::vector<bool>>& on_pole,
                const Scene& scene,
                const RenderOptions& options,
-               int held_out_every) {
+               const FrameSelection& frames) {
   constexpr double kFound_m = 0.1;
   SceneOnDevice on_device(device, borrowed(scene), options);
   std::vector<double> poles, all;
-  for (const std::size_t index : select_frames(log.sweeps, held_out_every, true)) {
+  for (const std::size_t index : HeldOutRule(log, frames).held_out(log.sweeps)) {
     const SweepPair pair = render_sweep(on_device, log, log.sweeps[index]);
     for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
       const double range = pair.recorded.range[i];
@@ -148,8 +148,7 @@ std::vector<Row> run_figure10(const std::string& device_request,
     train.lidar_every = 1;
     train.render.lidar_compensation = v.compensation;
     const Scene scene = fit(device, log, training).scene;
-    const Errors e =
-        measure(device, log, recording.on_pole, scene, train.render, training.frames.held_out_every);
+    const Errors e = measure(device, log, recording.on_pole, scene, train.render, training.frames);
     rows.push_back({fmt::format("figure10/{}/pole_error", v.name), 100.0 * e.pole_m, "cm", 0.0});
     rows.push_back({fmt::format("figure10/{}/pole_found", v.name), e.pole_found, "of 1", 0.0});
     rows.push_back({fmt::format("figure10/{}/all_error", v.name), 100.0 * e.all_m, "cm", 0.0});

@@ -27,7 +27,10 @@ SceneFile fit(const Device& device, const Log& log, const TrainingOptions& optio
 }
 
 EvalReport compare(const Device& device, const Log& log, const SceneFile& scene, EvalOptions options) {
-  if (scene.training) options.held_out_every = scene.training->frames.held_out_every;
+  if (scene.training) {
+    options.held_out_every = scene.training->frames.held_out_every;
+    options.held_out_last = scene.training->frames.held_out_last;
+  }
   return Evaluation(device, scene, log, options).run();
 }
 

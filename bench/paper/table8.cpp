@@ -36,7 +36,7 @@ RenderOptions render_with(const Named& column) {
 }
 
 std::vector<std::size_t> held_out_sweeps(const Log& log) {
-  return select_frames(log.sweeps, FrameSelection{}.held_out_every, true);
+  return HeldOutRule(log, FrameSelection{}).held_out(log.sweeps);
 }
 
 /// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.

@@ -64,8 +64,8 @@ class UnifiedTrainer {
         lidar_(device, scene_.lidar),
         look_(device, log, scene_, options),
         keys_(device, "keys of both", scene_.camera.size()),
-        images_(select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, 1),
-        sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false), options.frames.seed, 2) {}
+        images_(HeldOutRule(log, options.frames).training(log.images), options.frames.seed, 1),
+        sweeps_(HeldOutRule(log, options.frames).training(log.sweeps), options.frames.seed, 2) {}
 
   void step(int iteration) {
     const double progress = static_cast<double>(iteration) / options_.iterations;

@@ -32,7 +32,7 @@ set(SIMULI_PUBLIC_render
   host/render/scene/frame.hpp host/render/scene/scene_on_device.hpp)
 set(SIMULI_PUBLIC_log
   "Recorded drives."
-  io/log/frame_selection.hpp io/log/log.hpp)
+  io/log/log.hpp io/log/frame_selection.hpp)
 set(SIMULI_PUBLIC_files
   "Pictures, splats, clouds, LiDAR files, scene folders."
   io/picture/image.hpp io/splat/ply.hpp io/splat/splat_file.hpp io/splat/cloud_file.hpp
@@ -51,7 +51,7 @@ set(SIMULI_PUBLIC_training
 set(SIMULI_PUBLIC_evaluation
   "A scene beside a log: what `simuli eval` does."
   optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp
-  optim/eval/eval_frames.hpp optim/eval/evaluation.hpp)
+  optim/eval/eval_frames.hpp optim/eval/eval_scores.hpp optim/eval/evaluation.hpp)
 set(SIMULI_PUBLIC_calibration
   "Paths, mountings, beams and lenses found from recorded data."
   optim/calibration/path/returns.hpp optim/calibration/path/plane_map.hpp

@@ -93,7 +93,8 @@ typedef struct simuli_evaluation {
   double chamfer_m;
 } simuli_evaluation;
 
-/* What `simuli eval SCENE LOG` does; the settings may name image_scale and held_out_every, too. */
+/* What `simuli eval SCENE LOG` does; the settings may name image_scale, held_out_every and held_out_last, too:
+ * held_out_every=5 alone compares the frames between those trained on, held_out_last=0.2 alone the end of the path. */
 simuli_status simuli_evaluate(const simuli_device* device,
                               const char* scene,
                               const char* log,

@@ -26,6 +26,7 @@ namespace fs = std::filesystem;
 struct DemoCommand {
   std::string output;  // empty: a new folder below the temporary one
   int iterations = 400;
+  double held_out_last = 0.0;
 };
 
 void demo(const DemoCommand& command, const Globals& globals) {
@@ -47,6 +48,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
     options.train.render = training_options_of(globals.quality);
     options.train.iterations = command.iterations;
     options.frames.image_scale = 1.0;
+    options.frames.held_out_last = command.held_out_last;
     Training training(device, log, options);
     const TrainHistory history = run_training(training, device, command.iterations, globals);
     const TrainedReport trained{training.report(), history};
@@ -81,6 +83,8 @@ void add_demo(Command app, const Globals& globals) {
   Command sub = app.command("demo", "the whole system on an embedded street, in two minutes");
   sub.option("-o,--output", command->output, "folder to make; default: a new temporary one");
   sub.option("--iterations", command->iterations, "of training").with_default();
+  sub.option("--held-out-last", command->held_out_last, "keep that share of the path, too, for evaluation")
+      .with_default();
   sub.run([command, &globals] { demo(*command, globals); });
 }
 

@@ -24,6 +24,7 @@ struct EvalCommand {
   EvalOptions options;
   double scale = 1.0;  // where they are given
   int held_out = 0;
+  double held_out_last = 0.0;
   std::string report;  // file to write; empty: none
 };
 
@@ -68,6 +69,9 @@ void add_eval(Command app, const Globals& globals) {
           .shown_as("FLOAT", "as in training");
   const Option held_out = sub.option("--held-out", command->held_out, "every N-th frame, 0: all frames")
                               .shown_as("INT", "those that training held out, all of another log");
+  const Option held_out_last =
+      sub.option("--held-out-last", command->held_out_last, "frames of that share of the path, at its end")
+          .shown_as("FLOAT", "as --held-out; of the two, one alone stands for all that is asked");
   sub.option("--repeats", command->options.timed_renders, "timed renders of each sensor").with_default();
   const auto fields = [command, &globals] {
     command->options.render = options_of(globals.quality);
@@ -76,9 +80,10 @@ void add_eval(Command app, const Globals& globals) {
   add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
   add_edit_options(sub, command->edits);
-  sub.run([command, scale, held_out, &globals] {
+  sub.run([command, scale, held_out, held_out_last, &globals] {
     if (scale.is_given()) command->options.image_scale = command->scale;
     if (held_out.is_given()) command->options.held_out_every = command->held_out;
+    if (held_out_last.is_given()) command->options.held_out_last = command->held_out_last;
     eval(*command, globals);
   });
 }

@@ -38,20 +38,7 @@ py::dict train(const std::string& log,
   return out;
 }
 
-py::dict evaluate(const std::string& scene,
-                  const std::string& log,
-                  const std::string& quality,
-                  const std::vector<std::string>& settings,
-                  const py::object& device) {
-  const PyDevice on = device_of(device);
-  const EvalReport r = [&] {
-    const Turn turn(on.turns);
-    return Evaluation(on.device, read_scene(scene), read_log(log), eval_options(quality, settings)).run();
-  }();
-  py::dict out;
-  out["frames"] = to_string(r.frames.kind);
-  out["held_out_every"] = r.frames.held_out_every;
-  out["image_scale"] = r.frames.image_scale;
+void put_scores(py::dict& out, const EvalScores& r) {
   out["images"] = r.images;
   out["sweeps"] = r.sweeps;
   out["psnr_db"] = r.psnr_db;
@@ -68,6 +55,58 @@ py::dict evaluate(const std::string& scene,
   out["actor_psnr_db"] = r.actor_psnr_db;
   out["actor_distance_median_m"] = r.actor_distance_median_m;
   out["actor_share_met"] = r.actor_share_met;
+  py::list ranges, kinds;
+  for (std::size_t i = 0; i < r.ranges.size(); ++i) {
+    const RangeScores& s = r.ranges[i];
+    py::dict range;
+    range["from_m"] = RangeScores::kFrom_m[i];
+    range["returns"] = s.returns;
+    range["distance_median_m"] = s.distance_median_m;
+    range["distance_mean_m"] = s.distance_mean_m;
+    range["share_dropped"] = s.share_dropped;
+    range["returns_of_nothing"] = s.returns_of_nothing;
+    range["pixels"] = s.pixels;
+    range["psnr_db"] = s.psnr_db;
+    ranges.append(range);
+  }
+  for (const KindScores& s : r.kinds) {
+    py::dict kind;
+    kind["kind"] = s.kind;
+    kind["pixels"] = s.pixels;
+    kind["psnr_db"] = s.psnr_db;
+    kind["returns"] = s.returns;
+    kind["distance_median_m"] = s.distance_median_m;
+    kind["share_met"] = s.share_met;
+    kinds.append(kind);
+  }
+  out["ranges"] = ranges;
+  out["kinds"] = kinds;
+}
+
+py::dict evaluate(const std::string& scene,
+                  const std::string& log,
+                  const std::string& quality,
+                  const std::vector<std::string>& settings,
+                  const py::object& device) {
+  const PyDevice on = device_of(device);
+  const EvalReport r = [&] {
+    const Turn turn(on.turns);
+    return Evaluation(on.device, read_scene(scene), read_log(log), eval_options(quality, settings)).run();
+  }();
+  py::dict out;
+  out["frames"] = to_string(r.frames.kind);
+  out["held_out_every"] = r.frames.held_out_every;
+  out["held_out_last"] = r.frames.held_out_last;
+  out["image_scale"] = r.frames.image_scale;
+  put_scores(out, r);
+  const auto part = [](const std::optional<EvalScores>& scores) -> py::object {
+    if (!scores) return py::none();
+    py::dict of_part;
+    put_scores(of_part, *scores);
+    return of_part;
+  };
+  out["between"] = part(r.between);
+  out["beyond"] = part(r.beyond);
   return out;
 }
 

@@ -1,15 +1,20 @@
 #pragma once
 // Which frames of a log a scene is made from, and at which size: the same for its start, its training and,
 // unless asked otherwise, its evaluation.
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <vector>
 
 #include "host/base/allowed.hpp"
+#include "io/log/log.hpp"
 
 namespace simuli {
 
 struct FrameSelection {
   double image_scale = 0.5;
-  int held_out_every = 5;  // frames for which is_held_out() says yes are not read
+  int held_out_every = 5;
+  double held_out_last = 0.0;
   std::uint64_t seed = 1;  // of the frames' order, and of which points go when there are too many
 };
 
@@ -20,8 +25,57 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
   field("held_out_every",
         o.held_out_every,
         zero_or(at_least(2)),
-        "every so many frames, one is kept for evaluation; 0: all are trained on");
+        "every so many frames, one is kept for evaluation; 0: none is");
+  field("held_out_last",
+        o.held_out_last,
+        range(0.0, 0.9),
+        "share of the path, at its end, whose frames are kept for evaluation, too");
   field("seed", o.seed, at_least(0), "of the frames' order and of thinning");
 }
+
+/// What a frame is to a training.
+enum class FrameUse {
+  kTraining,
+  kBetween,  // held out, training frames before and behind: what a scene makes of what it saw
+  kBeyond,   // held out at the end of the path, where training read nothing: what it makes of the rest
+};
+
+/// The one rule by which frames of a log are held out: with held_out_every = N those with index % N == N - 1;
+/// with held_out_last those that end when the rig has that share of its path, by length, still before it, or
+/// later. Both together hold out what either does; a frame behind the cut is kBeyond whatever its index.
+class HeldOutRule {
+ public:
+  /// Error{kInput} when a share of a path is asked for that is 0 m long.
+  HeldOutRule(const Log& log, const FrameSelection& frames);
+
+  /// Of the frame at `index` among the log's pictures or its sweeps.
+  template <class Frame>
+  [[nodiscard]] FrameUse use(std::size_t index, const Frame& frame) const {
+    if (frame.time_end_s > cut_s_) return FrameUse::kBeyond;
+    return every_ > 0 && index % every_ == every_ - 1 ? FrameUse::kBetween : FrameUse::kTraining;
+  }
+  /// Indices of the frames that training reads, and of all others.
+  template <class Frame>
+  [[nodiscard]] std::vector<std::size_t> training(const std::vector<Frame>& frames) const {
+    return select(frames, true);
+  }
+  template <class Frame>
+  [[nodiscard]] std::vector<std::size_t> held_out(const std::vector<Frame>& frames) const {
+    return select(frames, false);
+  }
+
+ private:
+  template <class Frame>
+  [[nodiscard]] std::vector<std::size_t> select(const std::vector<Frame>& frames, bool trained) const {
+    std::vector<std::size_t> selected;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if ((use(i, frames[i]) == FrameUse::kTraining) == trained) selected.push_back(i);
+    }
+    return selected;
+  }
+
+  std::size_t every_;
+  double cut_s_ = std::numeric_limits<double>::infinity();
+};
 
 }  // namespace simuli

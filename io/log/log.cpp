@@ -242,10 +242,4 @@ void copy_picture(const fs::path& from, const fs::path& to, const Camera& camera
   write_file_atomically(to, read_file(from));
 }
 
-bool is_held_out(std::size_t index, int every) {
-  if (every < 1) return false;
-  const auto period = static_cast<std::size_t>(every);
-  return index % period == period - 1;
-}
-
 }  // namespace simuli

@@ -68,7 +68,8 @@ struct Sweep {
   std::vector<float> intensity;  // [rows*columns] in [0, 1]
 };
 
-/// Reads log.json. LiDARs take as long for a turn as their sweeps did (the median). Unknown keys, missing keys, wrong types or units, dangling names are Error{kInput}.
+/// Reads log.json. LiDARs take as long for a turn as their sweeps did (the median). Unknown keys, missing
+/// keys, wrong types or units, dangling names are Error{kInput}.
 [[nodiscard]] Log read_log(const std::filesystem::path& folder);
 /// Writes log.json (temporary name, sync, rename); images and sweeps are written by their writers.
 void write_log(const Log& log);
@@ -88,9 +89,5 @@ void copy_picture(const std::filesystem::path& from,
                   const std::filesystem::path& to,
                   const Camera& camera,
                   const std::string& source);
-
-/// Frames with index % every == every - 1 are for evaluation, all others for training; every = 0
-/// holds nothing out.
-[[nodiscard]] bool is_held_out(std::size_t index, int every);
 
 }  // namespace simuli

@@ -17,9 +17,11 @@ Pose ActorBoxes::actor_from_sensor(std::size_t actor, double time_fraction) cons
          interpolate(view_.scene_from_sensor_start, view_.scene_from_sensor_end, time_fraction);
 }
 
-bool ActorBoxes::are_met(const Eigen::Vector3d& origin,
-                         const Eigen::Vector3d& direction,
-                         double time_fraction) const {
+int ActorBoxes::met_first(const Eigen::Vector3d& origin,
+                          const Eigen::Vector3d& direction,
+                          double time_fraction) const {
+  int first = kNone;
+  double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < half_.size(); ++i) {
     if (!view_.actors[i].is_there) continue;
     const Pose to_actor = actor_from_sensor(i, time_fraction);
@@ -35,48 +37,52 @@ bool ActorBoxes::are_met(const Eigen::Vector3d& origin,
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     }
-    if (enter <= leave) return true;
+    if (enter > leave || enter >= nearest) continue;
+    nearest = enter;
+    first = static_cast<int>(i);
   }
-  return false;
+  return first;
 }
 
-bool ActorBoxes::contain(const Eigen::Vector3d& origin,
-                         const Eigen::Vector3d& direction,
-                         double range,
-                         double time_fraction) const {
+int ActorBoxes::around(const Eigen::Vector3d& origin,
+                       const Eigen::Vector3d& direction,
+                       double range,
+                       double time_fraction) const {
   for (std::size_t i = 0; i < half_.size(); ++i) {
     if (!view_.actors[i].is_there) continue;
     const Eigen::Vector3d p =
         actor_from_sensor(i, time_fraction) * Eigen::Vector3d(origin + range * direction);
-    if ((p.array().abs() <= half_[i].array()).all()) return true;
+    if ((p.array().abs() <= half_[i].array()).all()) return static_cast<int>(i);
   }
-  return false;
+  return kNone;
 }
 
-std::vector<bool> pixels_on_actors(const ActorBoxes& boxes, const Camera& camera) {
-  std::vector<bool> on;
+std::vector<int> pixels_on_actors(const ActorBoxes& boxes, const Camera& camera) {
+  std::vector<int> on;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const Eigen::Vector3d direction = camera.unproject(pixel);
-      on.push_back(!direction.isZero(0.0) &&
-                   boxes.are_met(Eigen::Vector3d::Zero(), direction, camera.exposure_fraction(pixel)));
+      const bool has_ray = !direction.isZero(0.0);
+      on.push_back(has_ray
+                       ? boxes.met_first(Eigen::Vector3d::Zero(), direction, camera.exposure_fraction(pixel))
+                       : ActorBoxes::kNone);
     }
   }
   return on;
 }
 
-std::vector<bool> returns_on_actors(const ActorBoxes& boxes,
-                                    const LidarModel& lidar,
-                                    const LidarRays& rays,
-                                    const std::vector<float>& range) {
-  std::vector<bool> on(range.size(), false);
+std::vector<int> returns_on_actors(const ActorBoxes& boxes,
+                                   const LidarModel& lidar,
+                                   const LidarRays& rays,
+                                   const std::vector<float>& range) {
+  std::vector<int> on(range.size(), ActorBoxes::kNone);
   for (std::size_t i = 0; i < range.size(); ++i) {
     if (!(range[i] > 0.0F)) continue;
-    on[i] = boxes.contain(ray_origin(lidar, rays, i),
-                          Lidar::direction(rays.azimuth[i], rays.elevation[i]),
-                          range[i],
-                          rays.time_fraction[i]);
+    on[i] = boxes.around(ray_origin(lidar, rays, i),
+                         Lidar::direction(rays.azimuth[i], rays.elevation[i]),
+                         range[i],
+                         rays.time_fraction[i]);
   }
   return on;
 }

@@ -15,15 +15,17 @@ class ActorBoxes {
  public:
   /// `view` with the poses of `actors`, in their order (frames.hpp).
   ActorBoxes(const std::vector<Actor>& actors, const View& view);
-  /// Whether the ray from a point of the sensor frame, at that share of the frame, meets a box.
-  [[nodiscard]] bool are_met(const Eigen::Vector3d& origin,
-                             const Eigen::Vector3d& direction,
-                             double time_fraction) const;
-  /// Whether the point at `range` m along that ray is inside a box.
-  [[nodiscard]] bool contain(const Eigen::Vector3d& origin,
-                             const Eigen::Vector3d& direction,
-                             double range,
-                             double time_fraction) const;
+  static constexpr int kNone = -1;
+  /// The actor whose box the ray from a point of the sensor frame, at that share of the frame, enters first;
+  /// kNone: it meets none.
+  [[nodiscard]] int met_first(const Eigen::Vector3d& origin,
+                              const Eigen::Vector3d& direction,
+                              double time_fraction) const;
+  /// The first actor whose box the point at `range` m along that ray is in; kNone: it is in none.
+  [[nodiscard]] int around(const Eigen::Vector3d& origin,
+                           const Eigen::Vector3d& direction,
+                           double range,
+                           double time_fraction) const;
 
  private:
   [[nodiscard]] Pose actor_from_sensor(std::size_t actor, double time_fraction) const;
@@ -32,13 +34,14 @@ class ActorBoxes {
   View view_;
 };
 
-/// [height][width]: pixels whose ray meets a box, whatever stands before it.
-[[nodiscard]] std::vector<bool> pixels_on_actors(const ActorBoxes& boxes, const Camera& camera);
+/// [height][width]: the actor whose box the pixel's ray meets first, whatever stands before it; kNone: none.
+[[nodiscard]] std::vector<int> pixels_on_actors(const ActorBoxes& boxes, const Camera& camera);
 
-/// [rays]: rays whose recorded return is inside a box. range: [rays] m, 0 for no return.
-[[nodiscard]] std::vector<bool> returns_on_actors(const ActorBoxes& boxes,
-                                                  const LidarModel& lidar,
-                                                  const LidarRays& rays,
-                                                  const std::vector<float>& range);
+/// [rays]: the actor whose box the ray's recorded return is in; kNone: none. range: [rays] m, 0 for no
+/// return.
+[[nodiscard]] std::vector<int> returns_on_actors(const ActorBoxes& boxes,
+                                                 const LidarModel& lidar,
+                                                 const LidarRays& rays,
+                                                 const std::vector<float>& range);
 
 }  // namespace simuli

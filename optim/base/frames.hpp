@@ -30,16 +30,4 @@ namespace simuli {
 /// The channels of an interleaved picture, one behind the other: [3][height][width].
 [[nodiscard]] std::vector<float> planar(const Image& image);
 
-/// Indices of frames that are held out, or of all others.
-template <class Frame>
-[[nodiscard]] std::vector<std::size_t> select_frames(const std::vector<Frame>& frames,
-                                                     int held_out_every,
-                                                     bool held_out) {
-  std::vector<std::size_t> selected;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (is_held_out(i, held_out_every) == held_out) selected.push_back(i);
-  }
-  return selected;
-}
-
 }  // namespace simuli

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
@@ -10,13 +11,53 @@
 namespace simuli {
 namespace {
 
-FrameKind kind_of(const EvalFrames& frames, const TrainingRecord& made) {
-  const auto was_read = [&](std::size_t index) { return !is_held_out(index, made.frames.held_out_every); };
-  const auto read = std::count_if(frames.images.begin(), frames.images.end(), was_read) +
-                    std::count_if(frames.sweeps.begin(), frames.sweeps.end(), was_read);
-  if (read == 0) return FrameKind::kHeldOut;
-  const auto all = static_cast<std::ptrdiff_t>(frames.images.size() + frames.sweeps.size());
-  return read == all ? FrameKind::kTraining : FrameKind::kMixed;
+template <class Frame>
+std::vector<FrameUse> uses_of(const std::vector<Frame>& frames, const HeldOutRule& rule) {
+  std::vector<FrameUse> uses;
+  for (std::size_t i = 0; i < frames.size(); ++i) uses.push_back(rule.use(i, frames[i]));
+  return uses;
+}
+
+/// How many of the frames compared had that use.
+std::size_t count_of(const EvalFrames& frames, FrameUse use) {
+  const auto count = [use](const std::vector<std::size_t>& compared, const std::vector<FrameUse>& uses) {
+    if (uses.empty()) return std::ptrdiff_t{0};
+    return std::count_if(compared.begin(), compared.end(), [&](std::size_t i) { return uses[i] == use; });
+  };
+  return static_cast<std::size_t>(count(frames.images, frames.image_uses) +
+                                  count(frames.sweeps, frames.sweep_uses));
+}
+
+/// Says what training made of the frames.
+void take_uses(EvalFrames& frames, const Log& log, const FrameSelection& made) {
+  const HeldOutRule rule(log, made);
+  frames.image_uses = uses_of(log.images, rule);
+  frames.sweep_uses = uses_of(log.sweeps, rule);
+  const std::size_t read = count_of(frames, FrameUse::kTraining);
+  if (read == 0) {
+    frames.kind = FrameKind::kHeldOut;
+    return;
+  }
+  frames.kind =
+      read == frames.images.size() + frames.sweeps.size() ? FrameKind::kTraining : FrameKind::kMixed;
+  frames.image_uses.clear();
+  frames.sweep_uses.clear();
+}
+
+/// What is asked for instead of the training's own rule: wholly, or not at all.
+void take_rule(const EvalOptions& options, FrameSelection& as) {
+  if (!options.held_out_every && !options.held_out_last) return;
+  as.held_out_every = options.held_out_every.value_or(0);
+  as.held_out_last = options.held_out_last.value_or(0.0);
+}
+
+std::string which_frames(const EvalFrames& frames) {
+  std::vector<std::string> which;
+  if (frames.held_out_every > 0) which.push_back(fmt::format("every {}. frame", frames.held_out_every));
+  if (frames.held_out_last > 0.0) {
+    which.push_back(fmt::format("frames of the last {:.3g} % of the path", 100.0 * frames.held_out_last));
+  }
+  return which.empty() ? "all frames" : fmt::format("{}", fmt::join(which, " and "));
 }
 
 }  // namespace
@@ -37,12 +78,13 @@ const char* to_string(FrameKind kind) {
   return "unknown";
 }
 
+bool EvalFrames::has(FrameUse use) const { return count_of(*this, use) > 0; }
+
 std::string EvalFrames::label() const {
-  const std::string which =
-      held_out_every > 0 ? fmt::format("every {}. frame", held_out_every) : "all frames";
+  const std::string which = which_frames(*this);
   switch (kind) {
     case FrameKind::kHeldOut:
-      return "held-out frames";
+      return has(FrameUse::kBetween) ? "held-out frames" : "held-out frames at the end of the path";
     case FrameKind::kTraining:
       return "training frames";
     case FrameKind::kMixed:
@@ -55,29 +97,32 @@ std::string EvalFrames::label() const {
   return which + " (the scene does not say which were trained on)";
 }
 
-EvalFrames select_eval_frames(const Log& log,
-                              const SceneFile& scene,
-                              std::optional<double> image_scale,
-                              std::optional<int> held_out_every) {
+EvalFrames select_eval_frames(const Log& log, const SceneFile& scene, const EvalOptions& options) {
   const TrainingRecord* const made = scene.training ? &*scene.training : nullptr;
   const bool other_log = made != nullptr && made->log_hash != log_hash(log);
   FrameSelection as = made != nullptr ? made->frames : FrameSelection{};
-  if (other_log) as.held_out_every = 0;
-  as.image_scale = image_scale.value_or(as.image_scale);
-  as.held_out_every = held_out_every.value_or(as.held_out_every);
+  if (other_log) as.held_out_every = 0, as.held_out_last = 0.0;
+  as.image_scale = options.image_scale.value_or(as.image_scale);
+  take_rule(options, as);
   check_fields(as);
-  const bool held_out = as.held_out_every > 0;  // else every frame is "not held out", and all are compared
-  EvalFrames frames{.held_out_every = as.held_out_every,
-                    .image_scale = as.image_scale,
-                    .images = select_frames(log.images, as.held_out_every, held_out),
-                    .sweeps = select_frames(log.sweeps, as.held_out_every, held_out)};
+  EvalFrames frames{
+      .held_out_every = as.held_out_every, .held_out_last = as.held_out_last, .image_scale = as.image_scale};
+  const HeldOutRule rule(log, as);
+  const bool all = as.held_out_every == 0 && !(as.held_out_last > 0.0);  // else what the rule holds out
+  frames.images = all ? rule.training(log.images) : rule.held_out(log.images);
+  frames.sweeps = all ? rule.training(log.sweeps) : rule.held_out(log.sweeps);
   if (frames.images.empty() && frames.sweeps.empty()) {
-    throw_input_error(log.folder.string(),
-                      "frames to compare",
-                      "0",
-                      fmt::format("at least one: a log of {} frames or more", as.held_out_every));
+    throw_input_error(
+        log.folder.string(),
+        "frames to compare",
+        "0",
+        fmt::format("at least one: a log of {} frames or more", std::max(as.held_out_every, 1)));
   }
-  if (made != nullptr) frames.kind = other_log ? FrameKind::kOtherLog : kind_of(frames, *made);
+  if (other_log) {
+    frames.kind = FrameKind::kOtherLog;
+  } else if (made != nullptr) {
+    take_uses(frames, log, made->frames);
+  }
   return frames;
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 // Which frames of a log a scene is compared with, and what they are to it.
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "io/log/log.hpp"
+#include "io/log/frame_selection.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "optim/eval/eval_options.hpp"
 
 namespace simuli {
 
@@ -22,20 +22,24 @@ enum class FrameKind {
 
 struct EvalFrames {
   FrameKind kind = FrameKind::kUnknown;
-  int held_out_every = 0;                             // every that many frames; 0: all
+  int held_out_every = 0;                             // every that many frames ...
+  double held_out_last = 0.0;                         // ... and those of that share of the path; 0, 0: all
   double image_scale = 1.0;                           // pictures are compared at this size
   std::vector<std::size_t> images = {}, sweeps = {};  // indices into the log's
+  /// [log.images], [log.sweeps]: what each frame was to the scene's training; empty unless kind is kHeldOut.
+  std::vector<FrameUse> image_uses = {}, sweep_uses = {};
 
+  /// Whether frames of that use are compared.
+  [[nodiscard]] bool has(FrameUse use) const;
   /// "held-out frames", "training frames", ...
   [[nodiscard]] std::string label() const;
 };
 
-/// As the scene was trained, but for what is asked for. Of a log that it wasn't trained on nothing is held
-/// out: all frames, unless every N-th is asked for. Error{kUsage} for a size or a rule outside its range,
-/// Error{kInput} when no frame is left.
+/// As the scene was trained, but for the size and the rule that `options` ask for. Of a log that it wasn't
+/// trained on nothing is held out: all frames, unless a rule is asked for. Error{kUsage} for a size or a rule
+/// outside its range, Error{kInput} when no frame is left.
 [[nodiscard]] EvalFrames select_eval_frames(const Log& log,
                                             const SceneFile& scene,
-                                            std::optional<double> image_scale,
-                                            std::optional<int> held_out_every);
+                                            const EvalOptions& options = {});
 
 }  // namespace simuli

@@ -12,33 +12,13 @@
 #include "host/render/options/validate.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/returns_near.hpp"
+#include "optim/eval/score_sums.hpp"
 #include "optim/eval/sweep_pair.hpp"
 #include "optim/init/initialize_actors.hpp"
 
 namespace simuli {
 namespace {
-
-/// Mean of the values that are numbers.
-class Mean {
- public:
-  void add(double value) {
-    if (std::isnan(value)) {
-      ++left_out_;
-      return;
-    }
-    sum_ += value;
-    ++count_;
-  }
-  [[nodiscard]] double value() const {
-    return count_ > 0 ? sum_ / static_cast<double>(count_) : std::numeric_limits<double>::quiet_NaN();
-  }
-  [[nodiscard]] std::size_t left_out() const { return left_out_; }
-
- private:
-  double sum_ = 0.0;
-  std::size_t count_ = 0;
-  std::size_t left_out_ = 0;
-};
 
 /// Median seconds of a render whose results stay on the device.
 double time_render(const Device& device, const std::function<Frame()>& render, int repeats) {
@@ -120,31 +100,23 @@ LidarFrame as_stated(const LidarModel& lidar, Sweep sweep) {
   return out;
 }
 
-constexpr std::array kSweepMetrics{&SweepMetrics::distance_median_m,
-                                   &SweepMetrics::medl2_m2,
-                                   &SweepMetrics::mean_rel_l2,
-                                   &SweepMetrics::intensity_rmse,
-                                   &SweepMetrics::raydrop_accuracy,
-                                   &SweepMetrics::chamfer_m2,
-                                   &SweepMetrics::chamfer_m};
+/// The kinds of actors, each once.
+std::vector<std::string> kinds_of(const std::vector<Actor>& actors) {
+  std::vector<std::string> kinds;
+  for (const Actor& actor : actors) {
+    if (std::find(kinds.begin(), kinds.end(), actor.kind) == kinds.end()) kinds.push_back(actor.kind);
+  }
+  return kinds;
+}
 
-/// Of each metric.
-struct SweepMeans {
-  std::array<Mean, kSweepMetrics.size()> means;
-
-  void add(const SweepMetrics& metrics) {
-    for (std::size_t m = 0; m < means.size(); ++m) means[m].add(metrics.*kSweepMetrics[m]);
+double square_of(const Image& rendered, const Image& truth, std::size_t pixel) {
+  double square = 0.0;
+  for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
+    const double apart = static_cast<double>(rendered.data[c]) - static_cast<double>(truth.data[c]);
+    square += apart * apart;
   }
-  [[nodiscard]] SweepMetrics values() const {
-    SweepMetrics out;
-    for (std::size_t m = 0; m < means.size(); ++m) out.*kSweepMetrics[m] = means[m].value();
-    return out;
-  }
-  [[nodiscard]] const Mean& of(double SweepMetrics::*metric) const {
-    const auto found = std::find(kSweepMetrics.begin(), kSweepMetrics.end(), metric);
-    return means[static_cast<std::size_t>(found - kSweepMetrics.begin())];
-  }
-};
+  return square;
+}
 
 }  // namespace
 
@@ -152,132 +124,176 @@ struct SweepMeans {
 class Evaluation::Run {
  public:
   Run(Evaluation& of, const Progress& progress)
-      : of_(of), progress_(progress), actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)) {
+      : of_(of),
+        progress_(progress),
+        actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)),
+        kinds_(kinds_of(actors_)),
+        all_(kinds_),
+        between_(kinds_),
+        beyond_(kinds_) {
     report_.frames = of.frames_;
     report_.device = of.on_device_.device().info().label();
   }
   [[nodiscard]] EvalReport run() && {
     const auto begin = std::chrono::steady_clock::now();
-    if (!of_.frames_.images.empty()) images();
+    images();
     sweeps();
+    static_cast<EvalScores&>(report_) = all_.scores();
+    if (of_.frames_.has(FrameUse::kBetween) && of_.frames_.has(FrameUse::kBeyond)) {
+      report_.between = between_.scores();
+      report_.beyond = beyond_.scores();
+    }
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(report_);
   }
 
  private:
+  void images();
+  void sweeps();
+  [[nodiscard]] PictureScore score_picture(const ImageFrame& frame, ErrorPools& pools);
+  [[nodiscard]] SweepScore score_sweep(const SweepFrame& frame, ErrorPools& pools);
+  void pool_pixels(const ImageFrame& frame, const Image& rendered, const Image& truth, ErrorPools& pools);
+  void pool_rays(const SweepFrame& frame, const SweepPair& pair, ErrorPools& pools) const;
+  void time_picture(const ImageFrame& frame);
+  void time_sweep(const SweepFrame& frame);
+
   [[nodiscard]] ActorBoxes boxes(const Shot& shot, SetKind kind) const {
     View view = view_of(of_.scene_.scene, shot, kind);
     view.actors = actors_during(actors_, shot, of_.scene_.scene.origin);
     return {actors_, view};
   }
-  void step() {
+  [[nodiscard]] ErrorPool& pool_of(int actor, ErrorPools& pools) const {
+    if (actor == ActorBoxes::kNone) return pools.by_kind.back();
+    const auto kind = std::find(kinds_.begin(), kinds_.end(), actors_[static_cast<std::size_t>(actor)].kind);
+    return pools.by_kind[static_cast<std::size_t>(kind - kinds_.begin())];
+  }
+  [[nodiscard]] ErrorPools pools() const { return ErrorPools(kinds_.empty() ? 0 : kinds_.size() + 1); }
+  /// `uses`: of the frames, as EvalFrames has them.
+  template <class Score>
+  void add(const Score& score,
+           const ErrorPools& pools,
+           const std::vector<FrameUse>& uses,
+           std::size_t index) {
+    all_.add(score, pools);
+    if (!uses.empty()) (uses[index] == FrameUse::kBeyond ? beyond_ : between_).add(score, pools);
     ++done_;
     if (progress_) progress_(done_, of_.frames_.images.size() + of_.frames_.sweeps.size());
   }
-  void images();
-  void sweeps();
-  /// Adds to the sum, over pixels and channels, of the squared errors of actors.
-  void add_actor_pixels(const std::vector<bool>& on, const Image& rendered, const Image& truth);
 
   Evaluation& of_;
   const Progress& progress_;
   std::vector<Actor> actors_;  // of the log, as recorded
+  std::vector<std::string> kinds_;
+  ScoreSums all_, between_, beyond_;
+  ReturnsNear returns_near_{of_.log_, of_.scene_.scene};
   EvalReport report_;
   std::size_t done_ = 0;
-  double actor_square_ = 0.0;
 };
 
-void Evaluation::Run::add_actor_pixels(const std::vector<bool>& on,
-                                       const Image& rendered,
-                                       const Image& truth) {
-  for (std::size_t i = 0; i < on.size(); ++i) {
-    if (!on[i]) continue;
-    ++report_.actor_pixels;
-    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
-      const double apart = static_cast<double>(rendered.data[c]) - static_cast<double>(truth.data[c]);
-      actor_square_ += apart * apart;
-    }
-  }
+void Evaluation::Run::time_picture(const ImageFrame& frame) {
+  const Camera model = of_.camera(frame);
+  const Sensor camera(model);
+  const Shot shot = shot_of(of_.log_, frame);
+  const double seconds = time_render(
+      of_.device(), [&] { return of_.on_device_.render(camera, shot); }, of_.options_.timed_renders);
+  report_.camera_mp_per_s = static_cast<double>(camera.ray_count()) / seconds / 1e6;
+  report_.image_width = model.width;
+  report_.image_height = model.height;
 }
 
 void Evaluation::Run::images() {
-  SceneOnDevice& on_device = of_.on_device_;
-  const Scene& scene = of_.scene_.scene;
-  Mean psnr, ssim_mean, psnr_ungraded;
-  for (const std::size_t index : of_.frames_.images) {
-    const ImageFrame& frame = of_.log_.images[index];
-    const Camera model = of_.camera(frame);
-    const Sensor camera(model);
-    const Shot shot = shot_of(of_.log_, frame);
-    const auto render = [&] { return on_device.render(camera, shot); };
-    if (index == of_.frames_.images.front()) {
-      const double seconds = time_render(on_device.device(), render, of_.options_.timed_renders);
-      report_.camera_mp_per_s = static_cast<double>(camera.ray_count()) / seconds / 1e6;
-      report_.image_width = model.width;
-      report_.image_height = model.height;
-    }
-    const Image rendered = render().image();
-    const Image truth = load_image(of_.log_, frame, model);
-    psnr.add(psnr_db(rendered, truth));
-    if (!actors_.empty()) {
-      add_actor_pixels(pixels_on_actors(boxes(shot, SetKind::kCamera), model), rendered, truth);
-    }
-    ssim_mean.add(ssim(rendered, truth));
-    if (!scene.color_grids.empty()) {
-      psnr_ungraded.add(psnr_db(on_device.render(camera, shot, {.graded = false}).image(), truth));
-    }
-    step();
-  }
-  report_.images = of_.frames_.images.size();
-  report_.psnr_db = psnr.value();
-  report_.ssim = ssim_mean.value();
-  report_.psnr_ungraded_db = psnr_ungraded.value();
-  if (report_.actor_pixels > 0) {
-    report_.actor_psnr_db =
-        -10.0 * std::log10(actor_square_ / (3.0 * static_cast<double>(report_.actor_pixels)));
+  const EvalFrames& frames = of_.frames_;
+  if (!frames.images.empty()) time_picture(of_.log_.images[frames.images.front()]);
+  for (const std::size_t index : frames.images) {
+    ErrorPools errors = pools();
+    const PictureScore score = score_picture(of_.log_.images[index], errors);
+    add(score, errors, frames.image_uses, index);
   }
 }
 
+PictureScore Evaluation::Run::score_picture(const ImageFrame& frame, ErrorPools& pools) {
+  const Sensor camera(of_.camera(frame));
+  const Shot shot = shot_of(of_.log_, frame);
+  const Image rendered = of_.on_device_.render(camera, shot).image();
+  const Image truth = load_image(of_.log_, frame, camera.camera());
+  PictureScore score;
+  score.psnr_db = psnr_db(rendered, truth);
+  score.ssim = ssim(rendered, truth);
+  if (!of_.scene_.scene.color_grids.empty()) {
+    score.psnr_ungraded_db = psnr_db(of_.on_device_.render(camera, shot, {.graded = false}).image(), truth);
+  }
+  pool_pixels(frame, rendered, truth, pools);
+  return score;
+}
+
+void Evaluation::Run::pool_pixels(const ImageFrame& frame,
+                                  const Image& rendered,
+                                  const Image& truth,
+                                  ErrorPools& pools) {
+  const Camera camera = of_.camera(frame);
+  if (!actors_.empty()) {
+    const auto on = pixels_on_actors(boxes(shot_of(of_.log_, frame), SetKind::kCamera), camera);
+    for (std::size_t i = 0; i < on.size(); ++i) {
+      pool_of(on[i], pools).add_pixel(square_of(rendered, truth, i));
+    }
+  }
+  for (const SeenReturn& seen : returns_near_.in(frame, camera)) {
+    pools.at(seen.range_m).add_pixel(square_of(rendered, truth, seen.pixel));
+  }
+}
+
+void Evaluation::Run::time_sweep(const SweepFrame& frame) {
+  const LidarModel& lidar = of_.log_.lidar(frame.lidar).model;
+  const Sensor sensor = Sensor(lidar).with_rays(read_sweep(of_.log_.folder / frame.file, lidar).rays);
+  const Shot shot = shot_of(of_.log_, frame);
+  const double seconds = time_render(
+      of_.device(), [&] { return of_.on_device_.render(sensor, shot); }, of_.options_.timed_renders);
+  report_.lidar_mr_per_s = static_cast<double>(sensor.ray_count()) / seconds / 1e6;
+}
+
 void Evaluation::Run::sweeps() {
-  SceneOnDevice& on_device = of_.on_device_;
-  std::vector<double> actor_errors;
-  double met = 0.0;
-  SweepMeans means;
-  Mean expected;
-  for (const std::size_t index : of_.frames_.sweeps) {
-    const SweepFrame& frame = of_.log_.sweeps[index];
-    const LidarModel& lidar = of_.log_.lidar(frame.lidar).model;
-    const Shot shot = shot_of(of_.log_, frame);
-    const SweepPair pair = render_sweep(on_device, of_.log_, frame);
-    if (index == of_.frames_.sweeps.front()) {
-      const Sensor sensor = Sensor(lidar).with_rays(pair.recorded.rays);
-      const auto render = [&] { return on_device.render(sensor, shot); };
-      const double seconds = time_render(on_device.device(), render, of_.options_.timed_renders);
-      report_.lidar_mr_per_s = static_cast<double>(sensor.ray_count()) / seconds / 1e6;
-    }
-    if (!actors_.empty()) {
-      const ActorBoxes where = boxes(shot, SetKind::kLidar);
-      const auto on = returns_on_actors(where, lidar, pair.recorded.rays, pair.recorded.range);
-      for (std::size_t i = 0; i < on.size(); ++i) {
-        if (!on[i]) continue;
-        actor_errors.push_back(std::abs(best_distance(pair.simulated, i) - pair.recorded.range[i]));
-        met += is_met(pair, i) ? 1.0 : 0.0;
-      }
-    }
-    means.add(compare_sweep(compare_rays(pair, lidar, shot.relative_to(of_.scene_.scene.origin))));
-    expected.add(expected_median_m(pair));
-    step();
+  const EvalFrames& frames = of_.frames_;
+  if (!frames.sweeps.empty()) time_sweep(of_.log_.sweeps[frames.sweeps.front()]);
+  for (const std::size_t index : frames.sweeps) {
+    ErrorPools errors = pools();
+    const SweepScore score = score_sweep(of_.log_.sweeps[index], errors);
+    add(score, errors, frames.sweep_uses, index);
   }
-  report_.sweeps = of_.frames_.sweeps.size();
-  report_.lidar = means.values();
-  report_.distance_expected_median_m = expected.value();
-  report_.actor_returns = actor_errors.size();
-  if (!actor_errors.empty()) {
-    report_.actor_share_met = met / static_cast<double>(actor_errors.size());
-    report_.actor_distance_median_m = median(std::move(actor_errors));
+}
+
+SweepScore Evaluation::Run::score_sweep(const SweepFrame& frame, ErrorPools& pools) {
+  const Shot shot = shot_of(of_.log_, frame);
+  const SweepPair pair = render_sweep(of_.on_device_, of_.log_, frame);
+  pool_rays(frame, pair, pools);
+  const Shot in_scene = shot.relative_to(of_.scene_.scene.origin);
+  return {compare_sweep(compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene)),
+          expected_median_m(pair)};
+}
+
+void Evaluation::Run::pool_rays(const SweepFrame& frame, const SweepPair& pair, ErrorPools& pools) const {
+  const std::vector<float>& range = pair.recorded.range;
+  std::vector<int> on(range.size(), ActorBoxes::kNone);
+  if (!actors_.empty()) {
+    on = returns_on_actors(boxes(shot_of(of_.log_, frame), SetKind::kLidar),
+                           of_.log_.lidar(frame.lidar).model,
+                           pair.recorded.rays,
+                           range);
   }
-  report_.sweeps_without_chamfer = means.of(&SweepMetrics::chamfer_m).left_out();
-  report_.sweeps_without_distance = means.of(&SweepMetrics::distance_median_m).left_out();
+  for (std::size_t i = 0; i < range.size(); ++i) {
+    const bool drops = pair.simulated.drop_probability(i) > 0.5F;
+    const float simulated = best_distance(pair.simulated, i);
+    if (!(range[i] > 0.0F)) {
+      if (!drops) ++pools.at(simulated).returns_of_nothing;
+      continue;
+    }
+    const auto put = [&](ErrorPool& pool) {
+      pool.errors_m.push_back(std::abs(simulated - range[i]));
+      pool.met += is_met(pair, i) ? 1U : 0U;
+      pool.dropped += drops ? 1U : 0U;
+    };
+    put(pools.at(range[i]));
+    if (!kinds_.empty()) put(pool_of(on[i], pools));
+  }
 }
 
 void check(const EvalOptions& options) {
@@ -288,7 +304,7 @@ void check(const EvalOptions& options) {
 Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const EvalOptions& options)
     : scene_(std::move(scene)),
       options_(checked(options)),
-      frames_(select_eval_frames(log, scene_, options.image_scale, options.held_out_every)),
+      frames_(select_eval_frames(log, scene_, options)),
       log_(with_sensors_of(scene_, std::move(log))),
       on_device_(device, borrowed(scene_.scene), options.render) {}
 

@@ -2,42 +2,23 @@
 // The metrics of METHOD section 13: a scene beside the frames of a log. The whole recipe of `simuli eval`.
 #include <cstddef>
 #include <functional>
-#include <limits>
+#include <optional>
 #include <string>
 
 #include "host/base/image.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
-#include "optim/base/metrics.hpp"
 #include "optim/eval/eval_frames.hpp"
 #include "optim/eval/eval_options.hpp"
+#include "optim/eval/eval_scores.hpp"
 
 namespace simuli {
 
-/// Means over frames. NaN where the log has no such frame; a sweep whose value is NaN (nothing predicted,
-/// nothing returned) is left out of that mean and counted.
-struct EvalReport {
-  static constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+struct EvalReport : EvalScores {
   EvalFrames frames;  // that were compared
-  std::size_t images = 0;
-  std::size_t sweeps = 0;
-  double psnr_db = kNoNumber;
-  double ssim = kNoNumber;
-  double psnr_ungraded_db = kNoNumber;            // without colour grids; NaN when the scene has none
-  SweepMetrics lidar;                             // distance: median, the mean where no median exists
-  double distance_expected_median_m = kNoNumber;  // the same median error with expected distances alone
-  /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
-  /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside, and the share of
-  /// those rays that return from the same place in the scene (is_met()): of an actor that was taken away, its
-  /// ghost.
-  double actor_psnr_db = kNoNumber;
-  double actor_distance_median_m = kNoNumber;
-  double actor_share_met = kNoNumber;
-  std::size_t actor_pixels = 0;
-  std::size_t actor_returns = 0;
-  std::size_t sweeps_without_chamfer = 0;
-  std::size_t sweeps_without_distance = 0;
+  /// Of held-out frames that are of both uses: each by itself; else nothing.
+  std::optional<EvalScores> between, beyond;
   double camera_mp_per_s = kNoNumber;  // 1e6 pixels per second: median of the timed renders of one frame,
   double lidar_mr_per_s = kNoNumber;   // projection to blending, results left on the device
   int image_width = 0;                 // px, of the pictures compared

@@ -130,8 +130,8 @@ class Initialisation {
         frames_(frames),
         options_(options),
         progress_(progress),
-        sweeps_(training_frames(log.sweeps, frames.held_out_every)),
-        images_(training_frames(log.images, frames.held_out_every)) {
+        sweeps_(training_frames(log.sweeps, HeldOutRule(log, frames))),
+        images_(training_frames(log.images, HeldOutRule(log, frames))) {
     if (sweeps_.empty() && images_.empty()) {
       throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
     }

@@ -317,7 +317,7 @@ void ActorPoints::cover(const ImageView& view, double time_s, Coverage& coverage
           (Eigen::Vector2d(column, row).array() + 0.5) * static_cast<double>(coverage.cell_px);
       Eigen::Vector3d origin, direction;
       view.unproject(middle, origin, direction);
-      if (direction.isZero(0.0) || !boxes.are_met(origin, direction, 0.5)) continue;
+      if (direction.isZero(0.0) || boxes.met_first(origin, direction, 0.5) == ActorBoxes::kNone) continue;
       coverage.covered[static_cast<std::size_t>(row) * static_cast<std::size_t>(coverage.columns) +
                        static_cast<std::size_t>(column)] = 1;
     }

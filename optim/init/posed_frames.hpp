@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/log/log.hpp"
+#include "io/log/frame_selection.hpp"
 #include "io/picture/image.hpp"
 #include "optim/init/initialize_views.hpp"
 
@@ -40,11 +40,10 @@ struct PosedSweep {
 
 /// Those that are not held out.
 template <class Frame>
-[[nodiscard]] std::vector<const Frame*> training_frames(const std::vector<Frame>& frames, int every) {
+[[nodiscard]] std::vector<const Frame*> training_frames(const std::vector<Frame>& frames,
+                                                        const HeldOutRule& rule) {
   std::vector<const Frame*> out;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (!is_held_out(i, every)) out.push_back(&frames[i]);
-  }
+  for (const std::size_t i : rule.training(frames)) out.push_back(&frames[i]);
   return out;
 }
 

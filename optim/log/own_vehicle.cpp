@@ -46,9 +46,9 @@ void append_arcs(const Cell* cells, std::size_t count, int row, std::vector<Blin
 
 }  // namespace
 
-std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, int held_out_every) {
+std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, const FrameSelection& frames) {
   std::vector<std::vector<BlindArc>> found;
-  const std::vector<std::size_t> training = select_frames(log.sweeps, held_out_every, false);
+  const std::vector<std::size_t> training = HeldOutRule(log, frames).training(log.sweeps);
   for (const LogLidar& mounted : log.lidars) {
     found.emplace_back();
     if (!std::holds_alternative<Lidar>(mounted.model)) continue;  // arcs are of rows
@@ -86,8 +86,8 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, int held_out_
   return found;
 }
 
-Log with_blind_arcs(Log log, int held_out_every) {
-  const auto found = find_blind_arcs(log, held_out_every);
+Log with_blind_arcs(Log log, const FrameSelection& frames) {
+  const auto found = find_blind_arcs(log, frames);
   for (std::size_t i = 0; i < log.lidars.size(); ++i) {
     auto* const lidar = std::get_if<Lidar>(&log.lidars[i].model);
     if (lidar != nullptr && lidar->blind.empty()) lidar->blind = found[i];

@@ -2,7 +2,7 @@
 // Where a mounted LiDAR sees nothing but the vehicle under it: learned from the sweeps, as no log tells.
 #include <vector>
 
-#include "io/log/log.hpp"
+#include "io/log/frame_selection.hpp"
 
 namespace simuli {
 
@@ -10,9 +10,10 @@ namespace simuli {
 /// the ground: 5 degrees and more below the horizon. Empty for a sensor with fewer than 8 training sweeps or
 /// less than 10 m driven between its first and last: what stands beside a resting car is no part of it.
 /// Error{kInput} when a sweep can't be read.
-[[nodiscard]] std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, int held_out_every);
+[[nodiscard]] std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log,
+                                                                 const FrameSelection& frames);
 
 /// The log with these arcs, in LiDARs that have none yet.
-[[nodiscard]] Log with_blind_arcs(Log log, int held_out_every);
+[[nodiscard]] Log with_blind_arcs(Log log, const FrameSelection& frames);
 
 }  // namespace simuli

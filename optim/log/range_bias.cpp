@@ -8,10 +8,10 @@
 #include <numbers>
 #include <utility>
 
-#include "optim/base/frames.hpp"
-#include "optim/init/initialize_points.hpp"
-#include "optim/base/metrics.hpp"
 #include "host/base/parallel.hpp"
+#include "optim/base/frames.hpp"
+#include "optim/base/metrics.hpp"
+#include "optim/init/initialize_points.hpp"
 #include "optim/init/point_tree.hpp"
 
 namespace simuli {
@@ -127,9 +127,9 @@ struct Sums {
 
 }  // namespace
 
-std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, int held_out_every) {
+std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, const FrameSelection& frames) {
   std::vector<std::size_t> sweeps;
-  for (const std::size_t index : select_frames(log.sweeps, held_out_every, false)) {
+  for (const std::size_t index : HeldOutRule(log, frames).training(log.sweeps)) {
     if (log.sweeps[index].lidar == name_of(lidar.model)) sweeps.push_back(index);
   }
   if (sweeps.size() < kFewestSweeps) return {};
@@ -189,14 +189,14 @@ std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, in
   return biases;
 }
 
-Log with_range_bias(Log log, int held_out_every) {
+Log with_range_bias(Log log, const FrameSelection& frames) {
   for (std::size_t i = 0; i < log.lidars.size(); ++i) {
     auto* const lidar = std::get_if<Lidar>(&log.lidars[i].model);
     if (lidar == nullptr) continue;  // biases are of rows
     std::vector<LidarRow>& rows = lidar->rows;
     if (std::any_of(rows.begin(), rows.end(), [](const LidarRow& row) { return row.range_bias != 0.0; }))
       continue;
-    const std::vector<RangeBias> found = find_range_bias(log, log.lidars[i], held_out_every);
+    const std::vector<RangeBias> found = find_range_bias(log, log.lidars[i], frames);
     for (std::size_t row = 0; row < found.size(); ++row) {
       const double size_m = std::abs(found[row].bias_m);
       if (size_m > kCounts_m && size_m > kCountsSigmas * found[row].sigma_m)

@@ -2,7 +2,7 @@
 // How far off each row of a LiDAR measures: learned from surfaces that several rows see.
 #include <vector>
 
-#include "io/log/log.hpp"
+#include "io/log/frame_selection.hpp"
 
 namespace simuli {
 
@@ -18,9 +18,9 @@ struct RangeBias {
 /// Empty for fewer than 8 training sweeps. Error{kInput} when a sweep can't be read.
 [[nodiscard]] std::vector<RangeBias> find_range_bias(const Log& log,
                                                      const LogLidar& lidar,
-                                                     int held_out_every);
+                                                     const FrameSelection& frames);
 
 /// The log with these biases where they count (5 standard deviations and 5 mm), in LiDARs that have none yet.
-[[nodiscard]] Log with_range_bias(Log log, int held_out_every);
+[[nodiscard]] Log with_range_bias(Log log, const FrameSelection& frames);
 
 }  // namespace simuli

@@ -7,9 +7,9 @@
 
 namespace simuli {
 
-Log with_learned_sensors(Log log, int held_out_every, const SensorLearning& what) {
-  if (what.range_bias) log = with_range_bias(std::move(log), held_out_every);
-  if (what.own_vehicle) log = with_blind_arcs(std::move(log), held_out_every);
+Log with_learned_sensors(Log log, const FrameSelection& frames, const SensorLearning& what) {
+  if (what.range_bias) log = with_range_bias(std::move(log), frames);
+  if (what.own_vehicle) log = with_blind_arcs(std::move(log), frames);
   return log;
 }
 

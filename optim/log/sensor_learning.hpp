@@ -1,6 +1,6 @@
 #pragma once
 // What no log tells of its LiDARs and its sweeps do: learned before a scene is made of them.
-#include "io/log/log.hpp"
+#include "io/log/frame_selection.hpp"
 
 namespace simuli {
 
@@ -16,6 +16,6 @@ constexpr void visit_fields(SensorLearning& o, F&& field) {
 }
 
 /// The log with what its training sweeps say of its LiDARs. Error{kInput} when a sweep can't be read.
-[[nodiscard]] Log with_learned_sensors(Log log, int held_out_every, const SensorLearning& what);
+[[nodiscard]] Log with_learned_sensors(Log log, const FrameSelection& frames, const SensorLearning& what);
 
 }  // namespace simuli

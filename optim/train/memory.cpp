@@ -59,7 +59,7 @@ struct Rays {
 
 Rays image_rays(const Log& log, const FrameSelection& frames) {
   Rays rays;
-  for (const std::size_t index : select_frames(log.images, frames.held_out_every, false)) {
+  for (const std::size_t index : HeldOutRule(log, frames).training(log.images)) {
     const Camera camera = scaled_camera(log.camera(log.images[index].camera).model, frames.image_scale);
     const auto pixels = static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
     rays.largest = std::max(rays.largest, pixels);
@@ -71,7 +71,7 @@ Rays image_rays(const Log& log, const FrameSelection& frames) {
 
 Rays sweep_rays(const Log& log, const FrameSelection& frames) {
   Rays rays;
-  for (const std::size_t index : select_frames(log.sweeps, frames.held_out_every, false)) {
+  for (const std::size_t index : HeldOutRule(log, frames).training(log.sweeps)) {
     const auto beams = static_cast<std::uint64_t>(ray_count(log.lidar(log.sweeps[index].lidar).model));
     rays.largest = std::max(rays.largest, beams);
     rays.slots += slots_of(beams);

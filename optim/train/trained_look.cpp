@@ -34,7 +34,7 @@ TrainedLook::TrainedLook(const Device& device,
                                      RealBuffer(device, "environment gradients", kFloat, reals),
                                      AdamStage(device, kFloat, reals)});
   }
-  const std::vector<std::size_t> images = select_frames(log.images, options.frames.held_out_every, false);
+  const std::vector<std::size_t> images = HeldOutRule(log, options.frames).training(log.images);
   if (!options_.color_grids || images.empty()) return;
   ColorGrids frames = starting_grids(log, scene, images);
   std::vector<std::size_t> of_image(log.images.size(), 0);

@@ -113,11 +113,8 @@ Trainer::Trainer(
       look_(device, log, scene_, options),
       structure_(device, options_, options.frames.seed, camera_, lidar_),
       regularize_(device, Precision::kFloat),
-      images_(
-          select_frames(log.images, options.frames.held_out_every, false), options.frames.seed, kImageStream),
-      sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false),
-              options.frames.seed,
-              kSweepStream) {
+      images_(HeldOutRule(log, options.frames).training(log.images), options.frames.seed, kImageStream),
+      sweeps_(HeldOutRule(log, options.frames).training(log.sweeps), options.frames.seed, kSweepStream) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }

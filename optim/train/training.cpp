@@ -56,7 +56,7 @@ std::string Training::identity() const {
 
 void Training::prepare(const Progress& progress) {
   if (state_) return;
-  log_ = with_learned_sensors(std::move(log_), options_.frames.held_out_every, options_.sensors);
+  log_ = with_learned_sensors(std::move(log_), options_.frames, options_.sensors);
   SceneInit start = initialize_scene(log_, options_.frames, options_.init, progress);
   report_.init = start.report;
   state_ = std::make_unique<State>(device_, log_, std::move(start), options_);

@@ -29,7 +29,7 @@ TruthCache::TruthCache(const Device& device,
       scene_(scene),
       render_(render),
       moving_(options.train.mask_moving ? std::move(moving) : MovingSpace{}),
-      training_sweeps_(select_frames(log.sweeps, options.frames.held_out_every, false)),
+      training_sweeps_(HeldOutRule(log, options.frames).training(log.sweeps)),
       images_(options.train.cache_bytes),
       sweeps_(options.train.cache_bytes) {
   for (const LogCamera& camera : log.cameras) {

@@ -97,6 +97,12 @@ TEST_F(CTraining, GivesTheSameSceneAndTheSameNumbers) {
   EXPECT_EQ(found.raydrop_accuracy, report.lidar.raydrop_accuracy);
   EXPECT_EQ(found.images, 1U);
   EXPECT_EQ(found.is_held_out, 1);
+  // The settings of a comparison choose its frames: the last quarter of the path, part of which was trained on.
+  const char* const end[] = {"held_out_last=0.25"};
+  const simuli_options of_end{nullptr, end, 1};
+  ASSERT_EQ(simuli_evaluate(device_, scene.c_str(), log_.c_str(), &of_end, &found), SIMULI_OK) << simuli_error();
+  EXPECT_EQ(found.is_held_out, 0);
+  EXPECT_GT(found.images, 0U);
 }
 
 TEST_F(CTraining, EndsWhenItsObserverSaysSoAndNamesWhatIsWrong) {

@@ -241,15 +241,5 @@ TEST(Log, NamesTheSensorsItKnows) {
   expect_input_error([&] { (void)log.lidar("back"); }, {"log.json", "\"back\"", "allowed top"});
 }
 
-TEST(HeldOut, IsEveryNth) {
-  std::vector<std::size_t> held;
-  for (std::size_t i = 0; i < 12; ++i) {
-    if (is_held_out(i, 5)) held.push_back(i);
-    EXPECT_FALSE(is_held_out(i, 0));
-    EXPECT_TRUE(is_held_out(i, 1));
-  }
-  EXPECT_EQ(held, (std::vector<std::size_t>{4, 9}));
-}
-
 }  // namespace
 }  // namespace simuli

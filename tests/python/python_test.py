@@ -42,6 +42,12 @@ found = simuli.evaluate(folder, log)
 for name in ("psnr_db", "ssim", "distance_median_m", "intensity_rmse", "raydrop_accuracy", "chamfer_m"):
     assert found[name] == said[name], (name, found[name], said[name])
 assert found["frames"] == said["frames"] == "held_out"
+assert [r["returns"] for r in found["ranges"]] == [r["returns"] for r in said["ranges"]]
+assert found["between"] is None and found["beyond"] is None  # all that was held out is between training frames
+simuli.train(log, os.path.join(work, "end.scene"), settings=settings + ["held_out_every=3", "held_out_last=0.3"])
+both = simuli.evaluate(os.path.join(work, "end.scene"), log)
+end = simuli.evaluate(os.path.join(work, "end.scene"), log, settings=["held_out_last=0.3"])
+assert both["beyond"]["psnr_db"] == end["psnr_db"] and both["between"]["images"] + end["images"] == both["images"]
 
 
 class Enough(Exception):

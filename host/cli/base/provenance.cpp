@@ -9,6 +9,18 @@
 
 namespace simuli::cli {
 
+namespace {
+
+std::string held_out_text(const FrameSelection& f) {
+  std::string text = f.held_out_every > 0 ? fmt::format("every {}. frame", f.held_out_every) : "";
+  if (f.held_out_last > 0.0) {
+    text += fmt::format("{}the last {:.3g} % of the path", text.empty() ? "" : ", ", 100.0 * f.held_out_last);
+  }
+  return text.empty() ? "nothing" : text;
+}
+
+}  // namespace
+
 std::vector<RecordLine> record_lines(const TrainingRecord& r) {
   const FrameSelection& f = r.frames;
   const std::string iterations = r.iterations == r.planned_iterations
@@ -17,7 +29,7 @@ std::vector<RecordLine> record_lines(const TrainingRecord& r) {
   return {{"log", fmt::format("{} ({})", r.log_name, r.log_hash)},
           {"iterations", iterations},
           {"size of pictures", fmt::format("{} of the recorded", f.image_scale)},
-          {"held out", f.held_out_every > 0 ? fmt::format("every {}. frame", f.held_out_every) : "nothing"},
+          {"held out", held_out_text(f)},
           {"seed", fmt::format("{}", f.seed)},
           {"quality", r.quality},
           {"by", fmt::format("simuli {} on {}, driver {}", r.version, r.device, r.driver)}};

@@ -12,6 +12,7 @@
 #include "host/cli/base/progress.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/draw/html_report.hpp"
+#include "host/cli/report/eval_tables.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/ray_grid.hpp"
@@ -40,6 +41,10 @@ void add_metrics(HtmlReport& html, const EvalReport& report) {
   std::vector<std::vector<std::string>> rows;
   for (const MetricLine& line : metric_lines(report)) rows.push_back({line.name, line.value, line.unit});
   html.table({"metric", "value", "unit"}, rows);
+  for (const TextTable& table : eval_tables(report)) {
+    html.paragraph(table.title + ":");
+    html.table(table.header, table.rows);
+  }
 }
 
 std::vector<double> scaled(std::vector<double> values, double factor) {

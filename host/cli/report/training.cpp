@@ -5,12 +5,12 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/progress.hpp"
+#include "host/cli/report/eval_tables.hpp"
 #include "host/cli/view/view_session.hpp"
 #include "io/base/event_file.hpp"
 #include "io/scene/training_json.hpp"
@@ -118,10 +118,6 @@ class LiveScene {
   std::chrono::steady_clock::time_point shown_;
 };
 
-std::string number(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
-}
-
 }  // namespace
 
 TrainHistory run_training(Training& training,
@@ -174,62 +170,44 @@ std::vector<MetricLine> metric_lines(const EvalReport& r) {
   const auto line = [&](const char* name, const std::string& value, const char* unit) {
     lines.push_back({name, value, unit});
   };
-  line("PSNR", number(r.psnr_db, 2), "dB");
-  if (std::isfinite(r.psnr_ungraded_db)) line("  without colour grids", number(r.psnr_ungraded_db, 2), "dB");
-  line("SSIM", number(r.ssim, 4), "");
-  line("distance error, median", number(l.distance_median_m * 100.0, 2), "cm");
-  line("  of expected distances", number(r.distance_expected_median_m * 100.0, 2), "cm");
-  line("distance error, median squared", number(l.medl2_m2, 6), "m^2");
-  line("distance error, mean rel. squared", number(l.mean_rel_l2, 5), "");
-  line("intensity error, RMS", number(l.intensity_rmse, 4), "of 1");
-  line("ray drop, right decisions", number(l.raydrop_accuracy * 100.0, 2), "% of rays");
-  line("Chamfer, squared", number(l.chamfer_m2, 4), "m^2");
-  line("Chamfer, mean of both ways", number(l.chamfer_m, 4), "m");
+  line("PSNR", number_text(r.psnr_db, 2), "dB");
+  if (std::isfinite(r.psnr_ungraded_db))
+    line("  without colour grids", number_text(r.psnr_ungraded_db, 2), "dB");
+  line("SSIM", number_text(r.ssim, 4), "");
+  line("distance error, median", number_text(l.distance_median_m * 100.0, 2), "cm");
+  line("  of expected distances", number_text(r.distance_expected_median_m * 100.0, 2), "cm");
+  line("distance error, median squared", number_text(l.medl2_m2, 6), "m^2");
+  line("distance error, mean rel. squared", number_text(l.mean_rel_l2, 5), "");
+  line("intensity error, RMS", number_text(l.intensity_rmse, 4), "of 1");
+  line("ray drop, right decisions", number_text(l.raydrop_accuracy * 100.0, 2), "% of rays");
+  line("Chamfer, squared", number_text(l.chamfer_m2, 4), "m^2");
+  line("Chamfer, mean of both ways", number_text(l.chamfer_m, 4), "m");
   if (r.actor_pixels + r.actor_returns > 0) {
-    line("PSNR inside actors' boxes", number(r.actor_psnr_db, 2), "dB");
-    line("distance error there, median", number(r.actor_distance_median_m * 100.0, 2), "cm");
-    line("returns there that end there", number(r.actor_share_met * 100.0, 2), "% of them");
+    line("PSNR inside actors' boxes", number_text(r.actor_psnr_db, 2), "dB");
+    line("distance error there, median", number_text(r.actor_distance_median_m * 100.0, 2), "cm");
+    line("returns there that end there", number_text(r.actor_share_met * 100.0, 2), "% of them");
   }
-  line("camera speed", number(r.camera_mp_per_s, 2), "MP/s");
-  line("LiDAR speed", number(r.lidar_mr_per_s, 2), "MR/s");
+  line("camera speed", number_text(r.camera_mp_per_s, 2), "MP/s");
+  line("LiDAR speed", number_text(r.lidar_mr_per_s, 2), "MR/s");
   return lines;
 }
 
 void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
-  const SweepMetrics& l = r.lidar;
   if (json) {
-    // A value that is not a number (no such frame in the log) is null.
-    const nlohmann::ordered_json trained = scene.training ? to_json(*scene.training) : Json();
-    const nlohmann::ordered_json out = {{"frames", to_string(r.frames.kind)},
-                                        {"held_out_every", r.frames.held_out_every},
-                                        {"image_scale", r.frames.image_scale},
-                                        {"psnr_db", r.psnr_db},
-                                        {"ssim", r.ssim},
-                                        {"psnr_ungraded_db", r.psnr_ungraded_db},
-                                        {"distance_median_m", l.distance_median_m},
-                                        {"distance_expected_median_m", r.distance_expected_median_m},
-                                        {"medl2_m2", l.medl2_m2},
-                                        {"mean_rel_l2", l.mean_rel_l2},
-                                        {"intensity_rmse", l.intensity_rmse},
-                                        {"raydrop_accuracy", l.raydrop_accuracy},
-                                        {"chamfer_m2", l.chamfer_m2},
-                                        {"chamfer_m", l.chamfer_m},
-                                        {"actor_psnr_db", r.actor_psnr_db},
-                                        {"actor_pixels", r.actor_pixels},
-                                        {"actor_distance_median_m", r.actor_distance_median_m},
-                                        {"actor_returns", r.actor_returns},
-                                        {"actor_share_met", r.actor_share_met},
-                                        {"camera_mp_per_s", r.camera_mp_per_s},
-                                        {"lidar_mr_per_s", r.lidar_mr_per_s},
-                                        {"images", r.images},
-                                        {"sweeps", r.sweeps},
-                                        {"sweeps_without_distance", r.sweeps_without_distance},
-                                        {"sweeps_without_chamfer", r.sweeps_without_chamfer},
-                                        {"image_width_px", r.image_width},
-                                        {"image_height_px", r.image_height},
-                                        {"device", r.device},
-                                        {"seconds", r.seconds},
-                                        {"training", trained}};
+    Json out = {{"frames", to_string(r.frames.kind)},
+                {"held_out_every", r.frames.held_out_every},
+                {"held_out_last", r.frames.held_out_last},
+                {"image_scale", r.frames.image_scale}};
+    out.update(json_of(r));
+    out.update(Json{{"between", r.between ? json_of(*r.between) : Json()},
+                    {"beyond", r.beyond ? json_of(*r.beyond) : Json()},
+                    {"camera_mp_per_s", r.camera_mp_per_s},
+                    {"lidar_mr_per_s", r.lidar_mr_per_s},
+                    {"image_width_px", r.image_width},
+                    {"image_height_px", r.image_height},
+                    {"device", r.device},
+                    {"seconds", r.seconds},
+                    {"training", scene.training ? to_json(*scene.training) : Json()}});
     std::cout << out.dump(2) << '\n';
     return;
   }
@@ -243,6 +221,7 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
   for (const MetricLine& line : metric_lines(r)) {
     std::cout << fmt::format("  {:<34} {:>10} {}\n", line.name, line.value, line.unit);
   }
+  for (const TextTable& table : eval_tables(r)) std::cout << text_of(table);
   if (r.sweeps_without_distance + r.sweeps_without_chamfer > 0) {
     std::cout << fmt::format("  left out of means: {} sweeps without returns, {} without predicted points\n",
                              r.sweeps_without_distance,

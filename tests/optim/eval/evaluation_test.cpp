@@ -1,8 +1,10 @@
 #include "optim/eval/evaluation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <limits>
 #include <string>
 #include <variant>
 
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 using test::compare;
 
 const EvalOptions kFull{.image_scale = 1.0};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class EvaluationTest : public test::SmallStreet {
  protected:
@@ -117,7 +120,7 @@ SceneFile trained_on(const Log& log, Scene scene, const FrameSelection& frames) 
 
 TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
   const SceneFile scene = trained_on(log_, initial_scene(), {.image_scale = 0.5, .held_out_every = 3});
-  const EvalFrames frames = select_eval_frames(log_, scene, {}, {});
+  const EvalFrames frames = select_eval_frames(log_, scene);
   EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
   EXPECT_EQ(frames.label(), "held-out frames");
   EXPECT_EQ(frames.image_scale, 0.5);
@@ -132,7 +135,7 @@ TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
 TEST_F(EvaluationTest, NothingIsCalledHeldOutThatWasTrainedOn) {
   const auto kind = [&](int trained, std::optional<int> asked) {
     const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = trained});
-    return select_eval_frames(log_, scene, {}, asked);
+    return select_eval_frames(log_, scene, {.held_out_every = asked});
   };
   EXPECT_EQ(kind(0, {}).kind, FrameKind::kTraining);
   EXPECT_EQ(kind(0, {}).label(), "training frames");
@@ -149,18 +152,113 @@ TEST_F(EvaluationTest, AnotherLogHasNoHeldOutFrames) {
   const SceneFile scene = trained_on(log_, initial_scene(), {});
   Log other = log_;
   other.images.pop_back();
-  const EvalFrames all = select_eval_frames(other, scene, {}, {});
+  const EvalFrames all = select_eval_frames(other, scene);
   EXPECT_EQ(all.kind, FrameKind::kOtherLog);
   EXPECT_EQ(all.images.size(), 5U);
   EXPECT_EQ(all.sweeps.size(), 6U);
-  const EvalFrames some = select_eval_frames(other, scene, {}, 5);
+  const EvalFrames some = select_eval_frames(other, scene, {.held_out_every = 5});
   EXPECT_EQ(some.kind, FrameKind::kOtherLog);
   EXPECT_EQ(some.label(), "every 5. frame of a log that was not trained on");
   EXPECT_EQ(some.images.size(), 1U);
   // A scene that doesn't say is not trusted, either.
-  const EvalFrames unknown = select_eval_frames(log_, test::file_of(log_, initial_scene()), {}, {});
+  const EvalFrames unknown = select_eval_frames(log_, test::file_of(log_, initial_scene()));
   EXPECT_EQ(unknown.kind, FrameKind::kUnknown);
   EXPECT_EQ(unknown.label().find("held"), std::string::npos);
+}
+
+TEST_F(EvaluationTest, TheEndOfThePathIsToldApart) {
+  // Six frames along an even path, the pictures in the middle of the sweeps: the last third is two frames.
+  const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = 3, .held_out_last = 0.3});
+  const EvalFrames frames = select_eval_frames(log_, scene);
+  EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 4, 5}));
+  EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
+  EXPECT_EQ(frames.image_uses[2], FrameUse::kBetween);
+  EXPECT_EQ(frames.image_uses[5], FrameUse::kBeyond);  // every third's, too, but behind the cut
+  const EvalReport r = Evaluation(Device::best(), scene, log_).run();
+  ASSERT_TRUE(r.between && r.beyond);
+  EXPECT_EQ(r.images, 3U);
+  EXPECT_EQ(r.between->images, 1U);
+  EXPECT_EQ(r.beyond->images, 2U);
+  EXPECT_NEAR(r.psnr_db, (r.between->psnr_db + 2.0 * r.beyond->psnr_db) / 3.0, 1e-9);
+  EXPECT_EQ(r.sweeps, r.between->sweeps + r.beyond->sweeps);
+  // One asked for alone is all that is compared, and still what it was to the training.
+  const EvalFrames end = select_eval_frames(log_, scene, {.held_out_last = 0.3});
+  EXPECT_EQ(end.images, (std::vector<std::size_t>{4, 5}));
+  EXPECT_EQ(end.label(), "held-out frames at the end of the path");
+  const EvalFrames third = select_eval_frames(log_, scene, {.held_out_every = 3});
+  EXPECT_EQ(third.images, (std::vector<std::size_t>{2, 5}));
+  EXPECT_TRUE(third.has(FrameUse::kBeyond));
+  EXPECT_EQ(select_eval_frames(log_, scene, {.held_out_every = 2}).kind, FrameKind::kMixed);  // 1, 3, 5
+  EXPECT_EQ(select_eval_frames(log_, scene, {.held_out_every = 0}).images.size(), 6U);
+}
+
+TEST_F(EvaluationTest, RangesShareOutAllReturns) {
+  const EvalReport r = compare(log_, initial_scene(), kFull);
+  ASSERT_EQ(r.ranges.size(), RangeScores::kFrom_m.size());
+  const Sweep sweep = read_sweep(log_.folder / log_.sweeps[4].file, log_.lidars[0].model);
+  for (std::size_t k = 0; k < r.ranges.size(); ++k) {
+    const double to_m = k + 1 < r.ranges.size() ? RangeScores::kFrom_m[k + 1] : kInfinity;
+    const auto here = std::count_if(sweep.range.begin(), sweep.range.end(), [&](float range) {
+      return range > 0.0F && range >= RangeScores::kFrom_m[k] && range < to_m;
+    });
+    EXPECT_EQ(r.ranges[k].returns, static_cast<std::size_t>(here)) << k;
+    EXPECT_EQ(std::isfinite(r.ranges[k].distance_median_m), here > 0) << k;
+  }
+  EXPECT_GT(r.ranges[1].returns, 0U);
+  EXPECT_GT(r.ranges[0].pixels, 0U);
+  EXPECT_TRUE(std::isfinite(r.ranges[0].psnr_db));
+  EXPECT_TRUE(r.kinds.empty());  // nothing moves
+}
+
+TEST_F(EvaluationTest, ErrorsStandAtTheirOwnRange) {
+  // A log that agrees with the scene, but for returns beyond 20 m: they are 1 m short.
+  const Scene scene = initial_scene();
+  Log log = log_of(scene, "ranges.log");
+  const std::filesystem::path file = log.folder / log.sweeps[4].file;
+  Sweep sweep = read_sweep(file, log.lidars[0].model);
+  for (float& range : sweep.range) range += range > 20.0F ? 1.0F : 0.0F;
+  write_sweep(file, sweep);
+  const EvalReport r = compare(log, scene, kFull);
+  EXPECT_EQ(r.ranges[0].distance_mean_m, 0.0);
+  EXPECT_EQ(r.ranges[1].distance_mean_m, 0.0);
+  EXPECT_NEAR(r.ranges[2].distance_median_m, 1.0, 1e-5);
+  EXPECT_EQ(r.ranges[0].share_dropped, 0.0);
+  EXPECT_EQ(r.ranges[0].returns_of_nothing, 0U);
+}
+
+TEST_F(EvaluationTest, KindsPartActorsFromTheBackground) {
+  // Boxes that drive beside each other, a wide one and a narrow one within it that is nearer.
+  Log log = log_;
+  const auto add = [&](const char* name, const char* kind, double x_m, double side_m) {
+    Actor actor{name, kind, Eigen::Vector3d(4.0, side_m, 4.0), {}};
+    for (const double time_s : {0.0, 1.0}) {
+      actor.track.push_back({time_s, {Eigen::Quaterniond::Identity(), {x_m + 8.0 * time_s, 0.0, 1.0}}});
+    }
+    log.actors.push_back(actor);
+  };
+  add("far", "truck", 30.0, 12.0);
+  add("near", "car", 20.0, 3.0);
+  add("second", "car", 12.0, 1.0);
+  const EvalReport r = compare(log, initial_scene(), kFull);
+  ASSERT_EQ(r.kinds.size(), 3U);
+  EXPECT_EQ(r.kinds[0].kind, "truck");
+  EXPECT_EQ(r.kinds[1].kind, "car");
+  EXPECT_EQ(r.kinds[2].kind, KindScores::kBackground);
+  EXPECT_GT(r.kinds[0].pixels, 0U);
+  EXPECT_GT(r.kinds[1].pixels, 0U);
+  EXPECT_EQ(r.kinds[0].pixels + r.kinds[1].pixels, r.actor_pixels);
+  EXPECT_EQ(r.actor_pixels + r.kinds[2].pixels, 64U * 36U);
+  std::size_t returns = 0, in_ranges = 0;
+  for (const KindScores& kind : r.kinds) returns += kind.returns;
+  for (const RangeScores& range : r.ranges) in_ranges += range.returns;
+  EXPECT_EQ(returns, in_ranges);
+  EXPECT_TRUE(std::isfinite(r.kinds[2].psnr_db));
+  // The squares of the kinds are those of the picture.
+  const auto square = [](const KindScores& k) {
+    return static_cast<double>(k.pixels) * std::pow(10.0, -0.1 * k.psnr_db);
+  };
+  const double all = square(r.kinds[0]) + square(r.kinds[1]) + square(r.kinds[2]);
+  EXPECT_NEAR(-10.0 * std::log10(all / (64.0 * 36.0)), r.psnr_db, 1e-9);
 }
 
 TEST_F(EvaluationTest, SensorsAreWhereTheSceneHasThem) {

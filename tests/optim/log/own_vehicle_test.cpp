@@ -69,7 +69,7 @@ bool bonnet(int index, int row, int column) {
 TEST(OwnVehicle, IsWhereNoTrainingSweepHasAReturn) {
   const Scratch folder;
   Log log = log_of(folder, 20, 10.0, bonnet);
-  const auto found = find_blind_arcs(log, 5);
+  const auto found = find_blind_arcs(log, {});
   ASSERT_EQ(found.size(), 1U);
   ASSERT_EQ(found[0].size(), 1U);
   EXPECT_EQ(found[0][0].row, 2);
@@ -77,7 +77,8 @@ TEST(OwnVehicle, IsWhereNoTrainingSweepHasAReturn) {
   EXPECT_NEAR(found[0][0].azimuth_last, 13 * kStep_rad, 1e-12);
   std::get<Lidar>(log.lidars[0].model).blind = found[0];
   EXPECT_NO_THROW(validate(log.lidars[0].model, "found"));
-  EXPECT_TRUE(find_blind_arcs(log, 0)[0].empty());  // with the held-out sweeps there are returns
+  EXPECT_TRUE(
+      find_blind_arcs(log, {.held_out_every = 0})[0].empty());  // with the held-out sweeps there are returns
 }
 
 TEST(OwnVehicle, OneReturnOpensACell) {
@@ -85,7 +86,7 @@ TEST(OwnVehicle, OneReturnOpensACell) {
   const Log log = log_of(folder, 20, 10.0, [](int index, int row, int column) {
     return bonnet(index, row, column) || (index == 7 && column == 8);
   });
-  const auto found = find_blind_arcs(log, 5);
+  const auto found = find_blind_arcs(log, {});
   ASSERT_EQ(found[0].size(), 2U);
   EXPECT_NEAR(found[0][0].azimuth_last, 8 * kStep_rad, 1e-12);
   EXPECT_NEAR(found[0][1].azimuth_first, 9 * kStep_rad, 1e-12);
@@ -93,8 +94,8 @@ TEST(OwnVehicle, OneReturnOpensACell) {
 
 TEST(OwnVehicle, IsNotToldFromAFewSweepsOrAtRest) {
   const Scratch folder;
-  EXPECT_TRUE(find_blind_arcs(log_of(folder, 8, 30.0, bonnet), 5)[0].empty());
-  EXPECT_TRUE(find_blind_arcs(log_of(folder, 20, 1.0, bonnet), 5)[0].empty());
+  EXPECT_TRUE(find_blind_arcs(log_of(folder, 8, 30.0, bonnet), {})[0].empty());
+  EXPECT_TRUE(find_blind_arcs(log_of(folder, 20, 1.0, bonnet), {})[0].empty());
 }
 
 }  // namespace

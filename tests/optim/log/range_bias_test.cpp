@@ -47,7 +47,7 @@ TEST_F(RangeBiases, AreFoundUpToTheirMedian) {
   const Scratch folder;
   const Log log = street(folder);
   add_biases(log);
-  const std::vector<RangeBias> found = find_range_bias(log, log.lidars[0], 5);
+  const std::vector<RangeBias> found = find_range_bias(log, log.lidars[0], {});
   const std::size_t rows = log.lidars[0].with_rows().rows.size();
   ASSERT_EQ(found.size(), rows);
   std::vector<double> truth;
@@ -69,12 +69,12 @@ TEST_F(RangeBiases, AreFoundUpToTheirMedian) {
   }
   EXPECT_GE(sharp, rows / 2);
   // What a log is given stays: nothing is found twice.
-  const Log corrected = with_range_bias(log, 5);
+  const Log corrected = with_range_bias(log, {});
   const auto counted = [](const LidarRow& row) { return row.range_bias != 0.0; };
   const std::vector<LidarRow>& corrected_rows = corrected.lidars[0].with_rows().rows;
   EXPECT_GE(std::count_if(corrected_rows.begin(), corrected_rows.end(), counted),
             static_cast<long>(rows / 2));
-  const Log again = with_range_bias(corrected, 5);
+  const Log again = with_range_bias(corrected, {});
   for (std::size_t row = 0; row < rows; ++row) {
     EXPECT_EQ(again.lidars[0].with_rows().rows[row].range_bias, corrected_rows[row].range_bias);
   }
@@ -83,7 +83,7 @@ TEST_F(RangeBiases, AreFoundUpToTheirMedian) {
 TEST_F(RangeBiases, AreNotSeenWhereThereAreNone) {
   const Scratch folder;
   const Log log = street(folder);
-  for (const RangeBias& bias : find_range_bias(log, log.lidars[0], 5)) {
+  for (const RangeBias& bias : find_range_bias(log, log.lidars[0], {})) {
     if (!std::isfinite(bias.sigma_m)) continue;
     EXPECT_LT(std::abs(bias.bias_m), 0.004 + 6.0 * bias.sigma_m);
   }
@@ -93,8 +93,8 @@ TEST_F(RangeBiases, NeedEightSweeps) {
   const Scratch folder;
   Log log = street(folder);
   log.sweeps.resize(8);  // two of them held out
-  EXPECT_TRUE(find_range_bias(log, log.lidars[0], 5).empty());
-  EXPECT_EQ(with_range_bias(log, 5).lidars[0].with_rows().rows[0].range_bias, 0.0);
+  EXPECT_TRUE(find_range_bias(log, log.lidars[0], {}).empty());
+  EXPECT_EQ(with_range_bias(log, {}).lidars[0].with_rows().rows[0].range_bias, 0.0);
 }
 
 }  // namespace

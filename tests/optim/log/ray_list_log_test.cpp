@@ -47,7 +47,7 @@ class RayListLog : public test::SmallStreet {
                   scan_street(street, log.lidars[0], log.world_from_rig, f.time_start_s, f.time_end_s));
     }
     write_log(log);
-    return with_blind_arcs(read_log(log.folder), 5);
+    return with_blind_arcs(read_log(log.folder), {});
   }
 };
 

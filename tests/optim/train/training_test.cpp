@@ -36,7 +36,7 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   const TrainingOptions o = options(12);
   Training training(Device::best(), log_, o);
   training.run();
-  const Log log = with_learned_sensors(log_, o.frames.held_out_every, o.sensors);
+  const Log log = with_learned_sensors(log_, o.frames, o.sensors);
   SceneInit start = initialize_scene(log, o.frames, o.init);
   Trainer trainer(Device::best(), log, std::move(start.scene), o, std::move(start.moving));
   (void)trainer.run();
