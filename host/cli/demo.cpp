@@ -50,7 +50,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
     options.frames.image_scale = 1.0;
     options.frames.held_out_last = command.held_out_last;
     Training training(device, log, options);
-    const TrainHistory history = run_training(training, device, command.iterations, globals);
+    const TrainHistory history = run_training(training, device, globals);
     const TrainedReport trained{training.report(), history};
     scene = training.result();
     write_scene(folder / "street.scene", scene);

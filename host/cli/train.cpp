@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
@@ -26,6 +27,42 @@ struct TrainCommand {
   int view_port = -1;  // of the viewer; below 0: none
 };
 
+nlohmann::ordered_json json_of(const std::vector<LengthStage>& stages) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const LengthStage& s : stages) {
+    out.push_back({{"iterations", s.iterations},
+                   {"square", s.square},
+                   {"lidar_loss", s.lidar_loss},
+                   {"gain_db", s.gain_db},
+                   {"gain_share", s.gain_share}});
+  }
+  return out;
+}
+
+std::string stages_text(const std::vector<LengthStage>& stages) {
+  std::string text;
+  for (const LengthStage& s : stages) {
+    text += fmt::format("  {} iterations", s.iterations);
+    if (&s != &stages.front()) {
+      text += fmt::format(": per doubling {:+.2f} dB of training pictures, LiDAR loss {:+.1f} %",
+                          s.gain_db,
+                          -100.0 * s.gain_share);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+void take_iterations(const std::string& text, TrainOptions& options) {
+  options.length.automatic = text == "auto";
+  if (options.length.automatic) return;
+  const Fields fields = fields_of(options);
+  const Field& iterations = *fields.find("iterations");
+  if (iterations.set(text)) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("--iterations: found {}, allowed auto, or {}", text, iterations.allowed()));
+}
+
 void print_report(const TrainingReport& report, const TrainCommand& command, bool json) {
   const TrainReport& r = report.train;
   const InitReport& init = report.init;
@@ -33,6 +70,7 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
     const nlohmann::ordered_json out = {{"scene", command.output},
                                         {"iterations", r.last.iteration},
                                         {"stopped_early", r.stopped_early},
+                                        {"stages", json_of(r.stages)},
                                         {"images", r.images},
                                         {"sweeps", r.sweeps},
                                         {"camera_particles", r.camera_particles},
@@ -62,6 +100,7 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                            r.sweeps,
                            init.seconds,
                            r.seconds)
+            << stages_text(r.stages)
             << fmt::format("  camera set {} particles ({} of them the far shell), LiDAR set {} particles\n",
                            r.camera_particles,
                            init.shell_particles,
@@ -153,7 +192,7 @@ void train(TrainCommand command, const Globals& globals) {
   }
   Training training(device, log, options);
   TrainedReport trained;
-  trained.history = run_training(training, device, options.train.iterations, globals, command.outputs);
+  trained.history = run_training(training, device, globals, command.outputs);
   trained.report = training.report();
   SceneFile scene = training.result();
   write_scene(command.output, scene);
@@ -177,7 +216,11 @@ void add_train(Command app, const Globals& globals) {
   const auto add = [&](const char* name, auto& value, const char* text) {
     sub.option(name, value, text).with_default();
   };
-  add("--iterations", command->options.train.iterations, "one image each, a sweep every lidar_every");
+  sub.option(
+         "--iterations",
+         [command](const std::string& text) { take_iterations(text, command->options.train); },
+         "one image each, a sweep every lidar_every; auto: until the training frames gain little")
+      .shown_as("INT|auto", fmt::format("{}", command->options.train.iterations));
   add("--max-seconds", command->options.train.max_seconds, "stop training early after this time; 0: never");
   add("--scale", command->options.frames.image_scale, "size of the training pictures over the recorded");
   add("--held-out", command->options.frames.held_out_every, "keep every N-th frame for evaluation; 0: none");

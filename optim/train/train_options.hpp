@@ -4,6 +4,7 @@
 
 #include "host/base/allowed.hpp"
 #include "host/render/options/options.hpp"
+#include "optim/length/length_options.hpp"
 #include "optim/poses/pose_rates.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure_options.hpp"
@@ -83,6 +84,7 @@ constexpr void visit_fields(ParticleWeights& o, F&& field) {
 
 struct TrainOptions {
   int iterations = 1500;
+  LengthOptions length;
   int lidar_every = 3;  // returns start where they belong, colours do not
   double max_seconds = 0.0;
   ImageWeights image;
@@ -112,6 +114,7 @@ struct TrainOptions {
 template <class F>
 constexpr void visit_fields(TrainOptions& o, F&& field) {
   field("iterations", o.iterations, at_least(0), "one picture each");
+  field.part("", o.length);
   field("max_seconds",
         o.max_seconds,
         at_least(0.0),

@@ -3,12 +3,16 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
+
+#include "optim/length/length_options.hpp"
 
 namespace simuli {
 
 /// How the training stands. Values are running means over about the last 20 frames; NaN before the first.
 struct TrainStatus {
   int iteration = 0;  // done
+  int planned = 0;    // as far as it is known: a training that decides itself may go on
   double psnr_db = 0.0;
   double distance_m = 0.0;     // mean |d^ - d| over returned rays, expected distance
   double drop_accuracy = 0.0;  // share of rays
@@ -31,6 +35,7 @@ struct TrainReport {
   std::uint64_t unsound_particles = 0;   // not finite at the end: nobody sees them, the scene leaves them out
   std::uint32_t unsound_losses = 0;      // of frames, not finite
   bool stopped_early = false;            // max_seconds ran out first
+  std::vector<LengthStage> stages;       // of a training that decides how long it goes on
   double seconds = 0.0;
 };
 

@@ -21,6 +21,7 @@ namespace {
 
 constexpr const char* kSettings = "settings";
 constexpr const char* kIterations = "iterations";  // planned
+constexpr const char* kLength = "length";
 
 enum Stream : std::uint64_t { kImageStream = 1, kSweepStream = 2 };
 
@@ -53,14 +54,38 @@ GaussianSet finite_ones(const GaussianSet& set) {
   return out;
 }
 
-void need_iterations(const std::string& file, std::span<const std::byte> saved, int iterations) {
-  int planned = 0;
+int planned_in(std::span<const std::byte> saved) {
+  int planned = std::numeric_limits<int>::max();
   if (saved.size() == sizeof planned) std::memcpy(&planned, saved.data(), sizeof planned);
-  if (saved.size() == sizeof planned && planned <= iterations) return;
+  return planned;
+}
+
+void need_iterations(const std::string& file, std::span<const std::byte> saved, const TrainOptions& options) {
+  const int planned = planned_in(saved);
+  const int iterations = options.length.automatic ? options.length.most : options.iterations;
+  if (planned <= iterations) return;
   throw_input_error(file,
                     kIterations,
                     fmt::format("a training of {}", planned),
                     fmt::format("of {} or fewer: it can be made longer, not shorter", iterations));
+}
+
+void add_length(StateList& list, TrainLength& length) {
+  list.add(
+      kLength,
+      [&length] {
+        const std::vector<double> state = length.state();
+        StateList::Bytes bytes(state.size() * sizeof(double));
+        if (!bytes.empty()) std::memcpy(bytes.data(), state.data(), bytes.size());
+        return bytes;
+      },
+      [&length](const std::string& file, std::span<const std::byte> saved) {
+        std::vector<double> state(saved.size() / sizeof(double));
+        if (!state.empty()) std::memcpy(state.data(), saved.data(), state.size() * sizeof(double));
+        if (saved.size() % sizeof(double) == 0 && length.set_state(state)) return;
+        throw_input_error(
+            file, kLength, fmt::format("{} bytes", saved.size()), "a value per frame, whole stages");
+      });
 }
 
 /// What has been learned of the actors' tracks.
@@ -114,10 +139,17 @@ Trainer::Trainer(
       structure_(device, options_, options.frames.seed, camera_, lidar_),
       regularize_(device, Precision::kFloat),
       images_(HeldOutRule(log, options.frames).training(log.images), options.frames.seed, kImageStream),
-      sweeps_(HeldOutRule(log, options.frames).training(log.sweeps), options.frames.seed, kSweepStream) {
+      sweeps_(HeldOutRule(log, options.frames).training(log.sweeps), options.frames.seed, kSweepStream),
+      length_(
+          options_.length,
+          images_.empty() ? sweeps_.size() * static_cast<std::size_t>(options_.lidar_every) : images_.size(),
+          log.images.size(),
+          log.sweeps.size()) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
+  if (options_.length.automatic) options_.iterations = length_.first();
+  status_.planned = options_.iterations;
   status_.camera_particles = camera_.particles.count;
   status_.lidar_particles = lidar_.particles.count;
   status_.psnr_db = status_.distance_m = status_.drop_accuracy = std::numeric_limits<double>::quiet_NaN();
@@ -160,6 +192,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   report.unsound_particles = (camera_.particles.count - finite_ones(camera_.particles.download()).size()) +
                              (lidar_.particles.count - finite_ones(lidar_.particles.download()).size());
   report.unsound_losses = unsound_losses_;
+  report.stages = length_.stages();
   report.seconds = elapsed_s();
   return report;
 }
@@ -183,7 +216,8 @@ StateList Trainer::state(const std::string& settings) {
         return bytes;
       },
       [this](const std::string& file, std::span<const std::byte> saved) {
-        need_iterations(file, saved, options_.iterations);
+        need_iterations(file, saved, options_);
+        if (options_.length.automatic) options_.iterations = planned_in(saved);
       });
   list.add("status", status_);
   list.add("mean/squared_error", square_);
@@ -193,6 +227,7 @@ StateList Trainer::state(const std::string& settings) {
   camera_.add_state(list, "camera");
   lidar_.add_state(list, "lidar");
   structure_.add_state(list);
+  if (options_.length.automatic) add_length(list, length_);
   add_tracks(list, scene_.actors);
   for (TrainedSet* set : {&camera_, &lidar_}) {
     list.add_numbers(
@@ -209,14 +244,17 @@ void Trainer::save(const std::filesystem::path& file, const std::string& setting
   state(settings).write(file);
 }
 
-void Trainer::need_settings(const std::filesystem::path& file, const std::string& settings, int iterations) {
+void Trainer::need_settings(const std::filesystem::path& file,
+                            const std::string& settings,
+                            const TrainOptions& options) {
   const StateFile state(file);
   StateList::need_text(file.string(), kSettings, state.block(kSettings), settings);
-  need_iterations(file.string(), state.block(kIterations), iterations);
+  need_iterations(file.string(), state.block(kIterations), options);
 }
 
 void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {
   state(settings).read(file);
+  status_.planned = options_.iterations;  // may be more than when it was saved
   for (TrainedSet* set : {&camera_, &lidar_}) {
     set->fit_gradients();
     set->particles.refresh_actors();

@@ -12,6 +12,7 @@
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/moving_space.hpp"
+#include "optim/length/length.hpp"
 #include "optim/poses/sensor_offsets.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/state.hpp"
@@ -62,7 +63,9 @@ class Trainer {
   void resume(const std::filesystem::path& file, const std::string& settings);
   /// Error{kInput} when the file is no checkpoint, or of other settings: what resume() would say, before the
   /// start has been made.
-  static void need_settings(const std::filesystem::path& file, const std::string& settings, int iterations);
+  static void need_settings(const std::filesystem::path& file,
+                            const std::string& settings,
+                            const TrainOptions& options);
 
   [[nodiscard]] const TrainStatus& status() const { return status_; }
   /// What has been learned of where sensors sit; empty unless train.poses ask for it.
@@ -99,6 +102,8 @@ class Trainer {
   /// Whether the loss of a frame is a finite number; counts it when it is not.
   bool is_sound(double loss);
   StateList state(const std::string& settings);
+  /// Sees what its end says, when a stage is done of a training that decides how long it goes on.
+  void end_stage();
 
   const Log& log_;
   Scene scene_;
@@ -111,6 +116,7 @@ class Trainer {
   Structure structure_;
   RegularizeStage regularize_;
   FrameOrder images_, sweeps_;
+  TrainLength length_;
   SensorOffsets offsets_;  // of the sensors whose poses are learned
   RunningMean square_, distance_, right_;
   TrainStatus status_;

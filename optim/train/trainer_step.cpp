@@ -20,8 +20,16 @@ void Trainer::step() {
   if (lidar_turn && !sweeps_.empty() && lidar_.particles.count > 0) step_lidar(progress);
   ++status_.iteration;
   structure_.densify(status_.iteration);
+  if (options_.length.automatic && status_.iteration == options_.iterations) end_stage();
   status_.camera_particles = camera_.particles.count;
   status_.lidar_particles = lidar_.particles.count;
+}
+
+void Trainer::end_stage() {
+  const int next = length_.end_stage(status_.iteration);
+  if (next == 0) return;
+  options_.iterations = next;
+  status_.planned = next;
 }
 
 void Trainer::step_camera(double progress) {
@@ -53,6 +61,7 @@ void Trainer::step_camera(double progress) {
            errors});
   if (!is_sound(loss.absolute + loss.squared + loss.dissimilarity)) return;
   square_.add(loss.squared / values);
+  length_.add_image(index, loss.squared / values);
   status_.psnr_db = -10.0 * std::log10(square_.value());
 }
 
@@ -88,6 +97,9 @@ void Trainer::step_lidar(double progress) {
            errors});
   if (!is_sound(loss.distance_m + loss.intensity + loss.entropy)) return;
   distance_.add(loss.distance_m / returned);
+  length_.add_sweep(index,
+                    (w.distance * loss.distance_m + w.intensity * loss.intensity) / returned +
+                        w.drop * loss.entropy / rays);
   right_.add(1.0 - loss.wrong / rays);
   status_.distance_m = distance_.value();
   status_.drop_accuracy = right_.value();

@@ -63,7 +63,7 @@ void Training::prepare(const Progress& progress) {
 }
 
 void Training::resume(const std::filesystem::path& checkpoint, const Progress& progress) {
-  Trainer::need_settings(checkpoint, identity(), options_.train.iterations);
+  Trainer::need_settings(checkpoint, identity(), options_.train);
   prepare(progress);
   state_->trainer.resume(checkpoint, identity());
 }
@@ -104,7 +104,7 @@ SceneFile Training::result() const {
                                  .log_hash = log_hash_,
                                  .frames = options_.frames,
                                  .iterations = status().iteration,
-                                 .planned_iterations = options_.train.iterations,
+                                 .planned_iterations = status().planned,
                                  .quality = quality_of(options_.train.render),
                                  .settings = lines_of(options_),
                                  .version = version(),

@@ -52,13 +52,15 @@ class Training {
   void resume(const std::filesystem::path& checkpoint, const Progress& progress = {});
   /// Stores all that decides how the training goes on. Atomic.
   void save(const std::filesystem::path& checkpoint);
-  /// prepare(), and then all iterations that are left. `on_step` is called after each; checkpoints are saved
+  /// prepare(), and then all iterations that are left, or as many as the training frames ask for
+  /// (train.length.automatic). `on_step` is called after each; checkpoints are saved
   /// behind it, and at the end.
   const TrainingReport& run(const Observer& on_step = {}, const Checkpoints& checkpoints = {});
 
   // What there is from prepare() on.
   [[nodiscard]] const TrainStatus& status() const;
   [[nodiscard]] const TrainingReport& report() const { return report_; }
+  [[nodiscard]] const TrainingOptions& options() const { return options_; }
   /// The particles as trained so far. Error{kInternal} before prepare().
   [[nodiscard]] Scene scene() const;
   /// The same with sensors and trajectory, mounted as was learned, and how it was made.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/base/stopwatch.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/report/eval_tables.hpp"
@@ -37,15 +38,36 @@ ProgressNote status_note(const TrainStatus& s, const MemoryUse& memory) {
            {"device_bytes", static_cast<double>(memory.now)}}};
 }
 
+/// Of a training that decides how long it goes on: what it may come to. Its progress tells of the stage.
+class Outlook {
+ public:
+  explicit Outlook(const Training& training)
+      : length_(training.options().train.length), first_(training.status().iteration) {}
+  [[nodiscard]] ProgressNote on(ProgressNote note, const TrainStatus& status) const {
+    if (!length_.automatic) return note;
+    const int done = status.iteration - first_;
+    const double left_s = watch_.seconds() / std::max(done, 1) * (length_.most - status.iteration);
+    note.text += fmt::format("  (or on, {} at most: {})", length_.most, format_duration(left_s));
+    note.values.emplace_back("most", length_.most);
+    note.values.emplace_back("left_at_most_s", left_s);
+    return note;
+  }
+
+ private:
+  const LengthOptions& length_;
+  int first_;
+  Stopwatch watch_;
+};
+
 /// Keeps some of the states of a training, and writes them for TensorBoard when asked to.
 class Recorder {
  public:
   Recorder(TrainHistory& history, int iterations, const std::filesystem::path& event_folder)
-      : history_(history), iterations_(iterations), every_(std::max(1, iterations / TrainHistory::kPoints)) {
+      : history_(history), every_(std::max(1, iterations / TrainHistory::kPoints)) {
     if (!event_folder.empty()) events_.emplace(event_folder, now_s());
   }
   void add(const TrainStatus& s, const MemoryUse& memory) {
-    if (s.iteration % every_ != 0 && s.iteration != iterations_) return;
+    if (s.iteration % every_ != 0 && s.iteration != s.planned) return;
     TrainHistory& h = history_;
     const auto put = [&](std::vector<double>& values, const char* tag, double value) {
       values.push_back(value);
@@ -65,12 +87,11 @@ class Recorder {
     return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   }
   TrainHistory& history_;
-  int iterations_;
   int every_;
   std::optional<EventFile> events_;
 };
 
-void warn(const TrainReport& report, int iterations) {
+void warn(const TrainReport& report) {
   if (report.rejected_gradients > 0) {
     std::cerr << fmt::format("simuli: warning: {} gradient entries were not finite and moved nothing\n",
                              report.rejected_gradients);
@@ -87,21 +108,20 @@ void warn(const TrainReport& report, int iterations) {
         "down\n",
         report.seconds,
         report.last.iteration,
-        iterations);
+        report.last.planned);
   }
 }
 
 /// Hands the training's newest scene to the viewer, as long as somebody looks.
 class LiveScene {
  public:
-  LiveScene(ViewSession* view, const Training& training, int iterations)
-      : view_(view), training_(training), iterations_(iterations) {
+  LiveScene(ViewSession* view, const Training& training) : view_(view), training_(training) {
     update(training.status(), true);
   }
   /// `at_once`: whoever looks and however little time has passed.
   void update(const TrainStatus& status, bool at_once = false) {
     if (view_ == nullptr) return;
-    view_->set_progress({status.iteration < iterations_, status, iterations_});
+    view_->set_progress({status.iteration < status.planned, status, status.planned});
     const auto now = std::chrono::steady_clock::now();
     const bool due = now - shown_ > kEvery && view_->idle_s() < kLooks_s;
     if (!due && !at_once) return;
@@ -114,7 +134,6 @@ class LiveScene {
   static constexpr double kLooks_s = 10.0;
   ViewSession* view_;
   const Training& training_;
-  int iterations_;
   std::chrono::steady_clock::time_point shown_;
 };
 
@@ -122,7 +141,6 @@ class LiveScene {
 
 TrainHistory run_training(Training& training,
                           const Device& device,
-                          int iterations,
                           const Globals& globals,
                           const TrainOutputs& outputs) {
   const Checkpoints& checkpoints = outputs.checkpoints;
@@ -138,22 +156,26 @@ TrainHistory run_training(Training& training,
   }
   reading.finish();
   TrainHistory history;
-  Progress progress("train", static_cast<std::uint64_t>(iterations), progress_style(globals));
-  LiveScene live(outputs.view, training, iterations);
-  Recorder recorder(history, iterations, outputs.event_folder);
-  const TrainReport& report = training
-                                  .run(
-                                      [&](const TrainStatus& status) {
-                                        progress.update(static_cast<std::uint64_t>(status.iteration),
-                                                        status_note(status, device.memory()));
-                                        recorder.add(status, device.memory());
-                                        live.update(status);
-                                      },
-                                      checkpoints)
-                                  .train;
+  const auto planned = [&training] { return static_cast<std::uint64_t>(training.status().planned); };
+  Progress progress("train", planned(), progress_style(globals));
+  const Outlook outlook(training);
+  LiveScene live(outputs.view, training);
+  Recorder recorder(history, training.status().planned, outputs.event_folder);
+  const TrainReport& report =
+      training
+          .run(
+              [&](const TrainStatus& status) {
+                progress.set_total(planned());
+                progress.update(static_cast<std::uint64_t>(status.iteration),
+                                outlook.on(status_note(status, device.memory()), status));
+                recorder.add(status, device.memory());
+                live.update(status);
+              },
+              checkpoints)
+          .train;
   progress.finish(status_note(report.last, device.memory()));
   live.update(report.last, true);
-  warn(report, iterations);
+  warn(report);
   return history;
 }
 

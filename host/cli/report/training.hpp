@@ -32,11 +32,10 @@ struct TrainOutputs {
   ViewSession* view = nullptr;         // who shows it; may be nobody
 };
 
-/// Prepares and runs a training of `iterations`, with progress on stderr. A warning line tells of rejected
+/// Prepares and runs a training, with progress on stderr. A warning line tells of rejected
 /// gradients and of an early stop.
 TrainHistory run_training(Training& training,
                           const Device& device,
-                          int iterations,
                           const Globals& globals,
                           const TrainOutputs& outputs = {});
 

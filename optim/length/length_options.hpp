@@ -1,0 +1,44 @@
+#pragma once
+// What a training is told that decides itself how long it goes on, and what it says of that.
+#include "host/base/allowed.hpp"
+
+namespace simuli {
+
+/// Stages, each of which is a training with its rates run down: the first as long as its frames ask for, each
+/// further one longer by `growth`. What a stage has gained over the one before decides whether another
+/// follows.
+struct LengthOptions {
+  bool automatic = false;
+  double first_epochs = 10.0;
+  double growth = 1.5;
+  double gain_db = 0.5;
+  double gain_share = 0.05;
+  int most = 6000;
+};
+template <class F>
+constexpr void visit_fields(LengthOptions& o, F&& field) {
+  field("auto.on", o.automatic, "training goes on until it gains little; iterations counts for nothing then");
+  field("auto.first_epochs", o.first_epochs, above(0.0), "looks at each training picture in the first stage");
+  field("auto.growth",
+        o.growth,
+        range(1.1, 4.0),
+        "iterations at the end of a stage over those of the one before");
+  field("auto.gain_db", o.gain_db, at_least(0.0), "dB of training pictures per doubling that ask for more");
+  field("auto.gain_share",
+        o.gain_share,
+        range(0.0, 1.0),
+        "of the LiDAR set's loss, by which it falls per doubling, that asks for more");
+  field("auto.most", o.most, at_least(1), "iterations, however much is gained");
+}
+
+/// The end of a stage. Gains are those per doubling of the iterations; NaN where a set has no frames, and in
+/// the first stage.
+struct LengthStage {
+  int iterations = 0;
+  double square = 0.0;      // of training pictures' colours, a mean over all of them
+  double lidar_loss = 0.0;  // weighted, a mean over all training sweeps
+  double gain_db = 0.0;
+  double gain_share = 0.0;
+};
+
+}  // namespace simuli
