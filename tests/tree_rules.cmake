@@ -69,7 +69,7 @@ allow("host/render/(device|rays)" "cl$|host/(base|scene|sensors|runtime)|host/re
       "rays know no frame")
 allow("io" "host/(base|scene|sensors)|io" "io knows no device and no optimiser")
 allow("optim" "cl$|host/(base|scene|sensors|runtime|render)|io|optim" "optim knows no program")
-allow("bench/(paper|peers|render|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(paper|peers|render|trade)"
+allow("bench/(drives|paper|peers|render|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(drives|paper|peers|render|trade)"
       "benches know no program")
 allow("host/cli" "host/(base|scene|sensors|runtime|render|cli)|io|optim" "the program knows no bench")
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/drives/drives.hpp"
 #include "bench/paper/actors.hpp"
 #include "bench/paper/figure10.hpp"
 #include "bench/paper/figure11.hpp"
@@ -65,7 +66,15 @@ struct BenchCommand {
   ActorsOptions actor_options;
   TradeOptions trade_options;
   PeersOptions peer_options;
+  DrivesOptions drives;
 };
+
+void run_drives(const BenchCommand& command, const Globals& globals, const Note& note) {
+  DrivesOptions options = command.drives;
+  options.settings = command.settings;
+  const std::vector<DriveRow> rows = run_drives(globals.device, options, note);
+  std::cout << (globals.json ? to_json(rows) : to_markdown(rows));
+}
 
 void run_trade(const BenchCommand& command, const Globals& globals, const Note& note) {
   TradeOptions options = command.trade_options;
@@ -96,17 +105,17 @@ void measure(BenchCommand command, const Globals& globals) {
                          command.plan,
                          command.trade,
                          command.peers,
+                         !command.drives.drives.empty(),
                          !command.agreement.empty(),
                          command.table != 0,
                          command.figure != 0};
   const auto count = std::count(asked.begin(), asked.end(), true);
   if (count != 1) {
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format(
-            "bench: found {} tables, allowed one of --stages, --training, --extremes, "
-            "--lidar-rates, --actors, --plan, --trade, --peers, --agreement, --table 5|6|7|8, --figure 10|11",
-            count));
+    throw Error(ErrorKind::kUsage,
+                fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
+                            "--drive, --lidar-rates, --actors, --plan, --trade, --peers, --agreement, "
+                            "--table 5|6|7|8, --figure 10|11",
+                            count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
@@ -140,6 +149,7 @@ void measure(BenchCommand command, const Globals& globals) {
   }
   if (command.trade) return run_trade(command, globals, note);
   if (command.peers) return run_peers(command, globals, note);
+  if (!command.drives.drives.empty()) return run_drives(command, globals, note);
   if (command.extremes) {
     ExtremesReport report = run_extremes(globals.device, note);
     rows = std::move(report.rows);
@@ -150,6 +160,21 @@ void measure(BenchCommand command, const Globals& globals) {
   if (broken.empty()) return;
   for (const std::string& line : broken) note(line);
   throw Error(ErrorKind::kNumeric, fmt::format("bench --extremes: {} bounds broken", broken.size()));
+}
+
+void add_drives(const Command& command, BenchCommand& options) {
+  command.option(
+      "--drive",
+      options.drives.drives,
+      "the README's table: trains on each drive with defaults alone and compares; log folders, street, "
+      "folders of KITTI raw as DIR[,poses=FILE][,labels=FILE]");
+  command.option(
+      "--lengths",
+      options.drives.lengths,
+      "--drive: iterations, ascending; a row for each, each training going on from the one before");
+  command.option("--keep",
+                 options.drives.keep,
+                 "--drive: folder of rows, scenes and checkpoints; what is there is not made again");
 }
 
 void add_bench(const Command& command, const Globals& globals) {
@@ -166,6 +191,7 @@ void add_bench(const Command& command, const Globals& globals) {
   command.flag("--actors",
                options->actors,
                "the street's moving car: with actors, without, edited, with a noisy track");
+  add_drives(command, *options);
   command
       .option("--table",
               options->table,
@@ -213,11 +239,13 @@ void add_bench(const Command& command, const Globals& globals) {
     options->trade_options.own = options_of(globals.quality);
     return fields_of(options->trade_options.own);
   };
-  cli::add_settings(command,
-                    options->settings,
-                    globals,
-                    fields,
-                    "--trade: KEY=VALUE..., only these together, and the qualities; help: lists the keys");
+  cli::add_settings(
+      command,
+      options->settings,
+      globals,
+      fields,
+      "--trade: KEY=VALUE..., only these together, and the qualities; help: lists the keys; --drive: keys "
+      "of simuli train, for all trainings");
   command.option("--repeats", options->trade_options.repeats, "--trade: timed renders of each view")
       .range(1, 1000)
       .with_default();
