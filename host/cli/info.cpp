@@ -12,6 +12,7 @@
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -31,21 +32,15 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
+void print_any(const SensorFile& file, bool json) {
+  std::visit([json](const auto& sensor) { print_sensor(sensor, json); }, file);
+}
+
 /// Prints the sensor `name` of a log or a scene.
-void print_sensor_of(const std::string& folder,
-                     const std::vector<LogCamera>& cameras,
-                     const std::vector<LogLidar>& lidars,
-                     const std::string& name,
-                     bool json) {
+void print_sensor_of(const std::string& folder, const SensorRig& rig, const std::string& name, bool json) {
+  if (rig.has(name)) return print_any(sensor_file_of(rig.find(name)), json);
   std::vector<std::string> known;
-  for (const LogCamera& camera : cameras) {
-    if (camera.model.name == name) return print_camera(camera.model, json);
-    known.push_back(camera.model.name);
-  }
-  for (const LogLidar& lidar : lidars) {
-    if (name_of(lidar.model) == name) return print_lidar({lidar.model, {}}, json);
-    known.push_back(name_of(lidar.model));
-  }
+  for (const Sensor& sensor : rig.sensors()) known.push_back(sensor.name());
   throw_input_error(folder, "sensor", '"' + name + '"', fmt::format("{}", fmt::join(known, ", ")));
 }
 
@@ -60,12 +55,10 @@ void print_builtin(const std::string& name, bool json) {
   if (name == kAllSensors) return print_sensor_names(cameras, lidars, json);
   if (holds(lidars, name.substr(0, name.find('@')))) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
-    return print_lidar({sensor.model, sensor.facts}, json);
+    return print_sensor(LidarFile{sensor.model, sensor.facts}, json);
   }
   if (holds(cameras, name)) {
-    print_camera(builtin_camera(name), json);
-    if (!json) std::cout << "  source: " << builtin_camera_source(name) << '\n';
-    return;
+    return print_sensor(CameraFile{builtin_camera(name), 0.0, builtin_camera_source(name)}, json);
   }
   std::vector<std::string> known = cameras;
   known.insert(known.end(), lidars.begin(), lidars.end());
@@ -84,12 +77,12 @@ void info(const InfoOptions& options, bool json) {
   if (is_there(target / "log.json")) {
     const Log log = read_log(target);
     if (options.sensor.empty()) return print_log(log, json);
-    return print_sensor_of(options.target, log.cameras, log.lidars, options.sensor, json);
+    return print_sensor_of(options.target, SensorRig(log), options.sensor, json);
   }
   if (is_there(target / "scene.json")) {
     const SceneFile scene = read_scene(target);
     if (options.sensor.empty()) return print_scene(scene, json);
-    return print_sensor_of(options.target, scene.cameras, scene.lidars, options.sensor, json);
+    return print_sensor_of(options.target, SensorRig(scene), options.sensor, json);
   }
   if (!options.sensor.empty()) {
     throw Error(
@@ -98,7 +91,7 @@ void info(const InfoOptions& options, bool json) {
             "{} is a sensor: found \"{}\" behind it, allowed nothing", options.target, options.sensor));
   }
   std::error_code ignored;
-  if (fs::is_regular_file(target, ignored)) return print_lidar(read_lidar_file(target), json);
+  if (fs::is_regular_file(target, ignored)) return print_any(read_sensor_file(target), json);
   print_builtin(options.target, json);
 }
 
@@ -110,7 +103,7 @@ void add_info(Command app, const Globals& globals) {
   command
       .option("TARGET",
               options->target,
-              "log folder, scene folder, LiDAR file, built-in sensor (a LiDAR's name may end in "
+              "log folder, scene folder, sensor file, built-in sensor (a LiDAR's name may end in "
               "@COLUMNSxHZ), or \"sensors\" for the list of them")
       .required();
   command.option("SENSOR", options->sensor, "name of one sensor in that log or scene");

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/cli/info.hpp"
+#include "io/log/sensor_json.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -94,10 +95,7 @@ std::string facts_text(const LidarFacts& facts) {
     }
     text += fmt::format("  modes (columns x turns per second) {}\n", fmt::join(modes, ", "));
   }
-  if (!facts.source.empty()) text += fmt::format("  source {}\n", facts.source);
-  if (!facts.licence.empty()) text += fmt::format("  licence {}\n", facts.licence);
-  if (!facts.note.empty()) text += fmt::format("  note {}\n", facts.note);
-  return text;
+  return text + origin_text(facts.source, facts.licence, facts.note);
 }
 
 std::string line_of(const Lidar& lidar) {
@@ -153,7 +151,7 @@ std::string lidar_line(const LidarModel& lidar) {
   return std::visit([](const auto& model) { return line_of(model); }, lidar);
 }
 
-void print_lidar(const LidarFile& lidar, bool json) {
+void print_sensor(const LidarFile& lidar, bool json) {
   if (json) {
     std::cout << to_json(lidar).dump(2) << '\n';
   } else {

@@ -4,7 +4,8 @@
 
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/info.hpp"
-#include "io/log/log_json.hpp"
+#include "io/log/sensor_json.hpp"
+#include "io/scene/sensor_rig.hpp"
 #include "io/scene/training_json.hpp"
 
 namespace simuli::cli {
@@ -21,14 +22,6 @@ double path_length_m(const Trajectory& trajectory) {
   return length;
 }
 
-Json camera_json(const Camera& c) {
-  Json json = {{"kind", "camera"}};
-  json.update(simuli::to_json(c));
-  return json;
-}
-
-Json lidar_json(const LidarModel& l) { return to_json(LidarFile{l, {}}); }
-
 Json trajectory_json(const Trajectory& t) {
   if (t.poses().empty()) return {{"poses", 0}};
   return {{"poses", t.poses().size()},
@@ -37,10 +30,12 @@ Json trajectory_json(const Trajectory& t) {
           {"length_m", path_length_m(t)}};
 }
 
-Json sensors_json(const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars) {
+Json sensors_json(const SensorRig& rig) {
   Json sensors = Json::array();
-  for (const LogCamera& camera : cameras) sensors.push_back(camera_json(camera.model));
-  for (const LogLidar& lidar : lidars) sensors.push_back(lidar_json(lidar.model));
+  for (const Sensor& sensor : rig.sensors()) {
+    sensors.push_back(
+        std::visit([](const auto& file) { return simuli::to_json(file); }, sensor_file_of(sensor)));
+  }
   return sensors;
 }
 
@@ -103,7 +98,7 @@ void print_log(const Log& log, bool json) {
                   {"images", log.images.size()},
                   {"sweeps", log.sweeps.size()},
                   {"trajectory", trajectory_json(log.world_from_rig)},
-                  {"sensors", sensors_json(log.cameras, log.lidars)}});
+                  {"sensors", sensors_json(SensorRig(log))}});
   }
   std::cout << fmt::format("log {}\n  {} images, {} sweeps\n", log.name, log.images.size(), log.sweeps.size())
             << trajectory_text(log.world_from_rig) << sensors_text(log.cameras, log.lidars);
@@ -118,7 +113,7 @@ void print_scene(const SceneFile& file, bool json) {
                   {"camera_set", set_json(scene.camera)},
                   {"lidar_set", set_json(scene.lidar)},
                   {"trajectory", trajectory_json(file.world_from_rig)},
-                  {"sensors", sensors_json(file.cameras, file.lidars)},
+                  {"sensors", sensors_json(SensorRig(file))},
                   {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
@@ -131,8 +126,9 @@ void print_scene(const SceneFile& file, bool json) {
   }
 }
 
-void print_camera(const Camera& camera, bool json) {
-  if (json) return print(camera_json(camera));
+void print_sensor(const CameraFile& file, bool json) {
+  if (json) return print(simuli::to_json(file));
+  const Camera& camera = file.model;
   std::cout << camera_line(camera) << '\n'
             << fmt::format("  centre {:.2f}, {:.2f} px\n", camera.cx, camera.cy);
   const auto& names = lens_parameter_names(camera.lens.kind());
@@ -143,6 +139,16 @@ void print_camera(const Camera& camera, bool json) {
   const std::size_t missing = pixels_without_ray(camera);
   std::cout << fmt::format(
       "  {} pixels without a ray, {:.2f} %\n", missing, 100.0 * static_cast<double>(missing) / pixels);
+  if (file.readout_s > 0.0) std::cout << fmt::format("  read out in {} s\n", file.readout_s);
+  std::cout << origin_text(file.source, file.licence, file.note);
+}
+
+std::string origin_text(const std::string& source, const std::string& licence, const std::string& note) {
+  std::string text;
+  if (!source.empty()) text += fmt::format("  source {}\n", source);
+  if (!licence.empty()) text += fmt::format("  licence {}\n", licence);
+  if (!note.empty()) text += fmt::format("  note {}\n", note);
+  return text;
 }
 
 }  // namespace simuli::cli

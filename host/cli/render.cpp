@@ -93,8 +93,8 @@ std::vector<double> parse_numbers(const char* option, const std::string& text, s
 /// How long one frame takes when it is not a recorded one.
 double duration_of(const Sensor& sensor, const RenderCommand& command) {
   if (command.duration_s >= 0.0) return command.duration_s;
-  const bool is_known = !sensor.is_camera() ||
-                        sensor.camera().shutter == ShutterKind::kGlobal || sensor.duration_s() > 0.0;
+  const bool is_known =
+      !sensor.is_camera() || sensor.camera().shutter == ShutterKind::kGlobal || sensor.duration_s() > 0.0;
   if (is_known) return sensor.duration_s();
   refuse("--duration",
          "",
@@ -195,8 +195,8 @@ Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand&
   } else {
     const Log log = read_log(command.trajectory);
     plan.world_from_rig = log.world_from_rig;
-    recorded = recorded_spans(
-        log, sensor, command.duration_s < 0.0 ? sensor.duration_s() : command.duration_s);
+    recorded =
+        recorded_spans(log, sensor, command.duration_s < 0.0 ? sensor.duration_s() : command.duration_s);
     if (times.empty() && recorded.empty()) {
       throw_input_error(
           command.trajectory, "frames of " + command.sensor, "none", "at least one, or --times");
@@ -321,7 +321,7 @@ void add_render(Command app, const Globals& globals) {
   sub.option("SCENE", command->scene, "scene folder").required();
   sub.option("--sensor",
              command->sensor,
-             "a sensor of the scene; or a built-in camera or LiDAR, or a LiDAR file, in its place")
+             "a sensor of the scene; or a built-in camera or LiDAR, or one of a file, in its place")
       .required();
   sub.option("-o,--output",
              command->output,

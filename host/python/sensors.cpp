@@ -135,7 +135,7 @@ void add_sensors(py::module_& m) {
   m.def("sensor",
         &named_sensor,
         py::arg("name"),
-        "A built-in camera or LiDAR (\"hesai_xt32@20\"), or the LiDAR of a file (.json).");
+        "A built-in camera or LiDAR (\"hesai_xt32@20\"), or the one of a sensor file (.json).");
   m.def("camera",
         &camera,
         py::arg("name"),

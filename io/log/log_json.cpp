@@ -5,7 +5,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
-#include "io/log/lidar_json.hpp"
+#include "io/log/sensor_json.hpp"
 
 namespace simuli {
 namespace {
@@ -45,21 +45,6 @@ Pose pose_from_json(JsonObject& object) {
   return a_from_b;
 }
 
-Json to_json(const Camera& model) {
-  Json json = {{"name", model.name},
-               {"model", simuli::to_string(model.lens.kind())},
-               {"width_px", model.width},
-               {"height_px", model.height},
-               {"fx_px", model.fx},
-               {"fy_px", model.fy},
-               {"cx_px", model.cx},
-               {"cy_px", model.cy}};
-  const auto& names = lens_parameter_names(model.lens.kind());
-  for (std::size_t i = 0; i < names.size(); ++i) json[names[i]] = model.lens.parameters()[i];
-  json["shutter"] = simuli::to_string(model.shutter);
-  return json;
-}
-
 Json to_json(const LogCamera& camera) {
   Json json = to_json(camera.model);
   json["rig_from_camera"] = to_json(camera.rig_from_camera);
@@ -67,28 +52,9 @@ Json to_json(const LogCamera& camera) {
 }
 
 LogCamera camera_from_json(JsonObject& object) {
-  constexpr int kLargestSide_px = 65536;
   LogCamera camera;
-  Camera& model = camera.model;
-  model.name = object.text("name");
-  model.width = static_cast<int>(object.integer("width_px", 1, kLargestSide_px));
-  model.height = static_cast<int>(object.integer("height_px", 1, kLargestSide_px));
-  model.fx = object.number("fx_px");
-  model.fy = object.number("fy_px");
-  model.cx = object.number("cx_px");
-  model.cy = object.number("cy_px");
-  if (object.has("model")) {
-    const LensKind kind = lens_from_string(object.text("model"), object.file(), object.field("model"));
-    std::vector<double> parameters;
-    for (const std::string& name : lens_parameter_names(kind)) parameters.push_back(object.number(name));
-    const std::string field = object.field("model");  // "cameras[0].model", or "model" of a file's root
-    const std::size_t dot = field.rfind('.');
-    const std::string where = dot == std::string::npos ? "" : ": " + field.substr(0, dot);
-    model.lens = Lens(kind, parameters, object.file() + where);
-  }
-  model.shutter = shutter_from_string(object.text("shutter"), object.file(), object.field("shutter"));
+  camera.model = camera_model_from_json(object);
   camera.rig_from_camera = object.object("rig_from_camera", pose_from_json);
-  validate(model, object.file());
   return camera;
 }
 

@@ -16,9 +16,7 @@ namespace simuli {
 [[nodiscard]] Json to_json(const Pose& a_from_b);
 [[nodiscard]] Pose pose_from_json(JsonObject& object);
 
-/// {"name", "model", "width_px", ..., the model's parameters by lens_parameter_names(), "shutter"}
-[[nodiscard]] Json to_json(const Camera& model);
-/// Model and mounting of one camera. Without "model" it is a pinhole.
+/// Model and mounting of one camera.
 [[nodiscard]] Json to_json(const LogCamera& camera);
 [[nodiscard]] LogCamera camera_from_json(JsonObject& object);
 

@@ -8,7 +8,7 @@
 
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
-#include "io/log/lidar_file.hpp"
+#include "io/log/sensor_file.hpp"
 
 namespace simuli {
 namespace {
@@ -23,7 +23,7 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
 Sensor find_named(const std::string& name, bool reads_files, std::vector<std::string> own) {
   std::error_code ignored;
   if (reads_files && (name.ends_with(".json") || fs::is_regular_file(name, ignored))) {
-    return Sensor(read_lidar_file(name).model).named(fs::path(name).stem().string());
+    return sensor_of(read_sensor_file(name)).named(fs::path(name).stem().string());
   }
   const std::vector<std::string> lidars = builtin_lidar_names(), cameras = builtin_camera_names();
   const std::string model = name.substr(0, name.find('@'));
@@ -115,7 +115,8 @@ Sensor SensorRig::find(const std::string& name, const Pose& rig_from_other) cons
 
 void SensorRig::add(const Sensor& sensor) {
   if (has(sensor.name())) {
-    throw Error(ErrorKind::kUsage, fmt::format("sensor: found \"{}\", which there is already", sensor.name()));
+    throw Error(ErrorKind::kUsage,
+                fmt::format("sensor: found \"{}\", which there is already", sensor.name()));
   }
   sensors_.push_back(sensor);
 }

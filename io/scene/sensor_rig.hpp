@@ -8,8 +8,8 @@
 
 namespace simuli {
 
-/// A built-in camera ("tum_vi_cam0") or LiDAR ("hesai_xt32", "hesai_xt32@20": in another mode), or the LiDAR
-/// of a JSON file (io/log/lidar_file.hpp; named by its stem) at the origin of no rig. Error{kUsage} naming
+/// A built-in camera ("tum_vi_cam0") or LiDAR ("hesai_xt32", "hesai_xt32@20": in another mode), or the one
+/// of a JSON file (io/log/sensor_file.hpp; named by its stem), at the origin of no rig. Error{kUsage} naming
 /// the closest names for one that is not there, Error{kInput} for a file that can't be read.
 [[nodiscard]] Sensor named_sensor(const std::string& name);
 

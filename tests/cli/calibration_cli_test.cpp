@@ -37,7 +37,9 @@ TEST_F(Cli, FitLensSaysWhatIsLeft) {
   const auto report = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(report["camera"]["model"], "ftheta_angle_to_radius");
   EXPECT_LT(report["rms_px"].get<double>(), 0.1);
-  EXPECT_TRUE(fs::exists(folder_ / "lens.json"));
+  const Outcome read = run("info lens.json --json");
+  EXPECT_EQ(nlohmann::json::parse(read.out), report["camera"]) << read.err;
+  EXPECT_EQ(run("fit lens lens.json --model opencv_fisheye").exit_code, 0);
   expect_failure("fit lens tum_vi_cam0 --model ftheta", kUsage, "opencv_fisheye");
   expect_failure("fit lens tum_vi_cam0 --model equirectangular", kUsage, "no parameter to fit");
   expect_failure("fit lens no_such_camera --model pinhole", kUsage, "no_such_camera");

@@ -107,6 +107,22 @@ TEST_F(Cli, InfoOfASensorFileAndOfAMode) {
   EXPECT_NE(run("info sensors").out.find("velodyne_vlp16"), std::string::npos);
 }
 
+TEST_F(Cli, InfoOfACameraFile) {
+  const Outcome built_in = run("info tum_vi_cam0 --json");
+  ASSERT_EQ(built_in.exit_code, 0) << built_in.err;
+  std::ofstream(folder_ / "mine.json") << built_in.out;
+  const Outcome file = run("info mine.json --json");
+  ASSERT_EQ(file.exit_code, 0) << file.err;
+  EXPECT_EQ(file.out, built_in.out);
+  const Outcome text = run("info mine.json");
+  EXPECT_EQ(text.out, run("info tum_vi_cam0").out);
+  for (const char* part : {"opencv_fisheye", "max_angle_rad", "pixels without a ray", "source"}) {
+    EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in " << text.out;
+  }
+  std::ofstream(folder_ / "wrong.json") << "{\"kind\": \"camera\", \"name\": \"a\", \"width_px\": 0}";
+  expect_failure("info wrong.json", kInput, "wrong.json: width_px: found 0");
+}
+
 TEST_F(Cli, SynthesisedLogCanBeLookedAt) {
   const Outcome synth =
       run("synth street -o small.log --frames 2 --image-width 32 --image-height 18 --lidar-columns 36");

@@ -8,24 +8,24 @@
 #include <string_view>
 
 #include "host/sensors/lidar_library.hpp"
-#include "io/import/photos/colmap.hpp"
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
-#include "io/picture/image.hpp"
-#include "io/import/kitti360/kitti360_parts.hpp"
+#include "io/base/state_file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
-#include "io/log/lidar_file.hpp"
-#include "io/log/log.hpp"
-#include "io/import/photos/nerfstudio.hpp"
+#include "io/import/kitti360/kitti360_parts.hpp"
 #include "io/import/nuscenes/nuscenes.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
-#include "io/splat/ply.hpp"
+#include "io/import/photos/colmap.hpp"
+#include "io/import/photos/nerfstudio.hpp"
 #include "io/import/points/points_log.hpp"
-#include "io/scene/scene_folder.hpp"
-#include "io/splat/splat_file.hpp"
-#include "io/base/state_file.hpp"
 #include "io/import/waymo/tfrecord.hpp"
 #include "io/import/waymo/waymo_frame.hpp"
+#include "io/log/log.hpp"
+#include "io/log/sensor_file.hpp"
+#include "io/picture/image.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/splat/ply.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli::test {
 namespace {
@@ -147,7 +147,7 @@ constexpr std::array kReaders{
     FuzzedReader{"spz", [](const fs::path& f) { (void)read_spz(f); }, "a.spz"},
     FuzzedReader{"image", [](const fs::path& f) { (void)read_image(f); }, "a.png"},
     FuzzedReader{"sweep", [](const fs::path& f) { (void)read_sweep(f, sweep_lidar()); }, "a.exr"},
-    FuzzedReader{"lidar", [](const fs::path& f) { (void)read_lidar_file(f); }, "a.json"},
+    FuzzedReader{"sensor", [](const fs::path& f) { (void)read_sensor_file(f); }, "a.json"},
     FuzzedReader{"log", read_log_beside_frames, "log.json"},
     FuzzedReader{"scene", [](const fs::path& f) { (void)read_scene(f.parent_path()); }, "scene.json", false},
     FuzzedReader{"state",

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/log/lidar_file.hpp"
-#include "io/log/lidar_json.hpp"
+#include "io/log/sensor_json.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -58,6 +57,11 @@ TEST(SensorRig, MountsOthersInTheirPlace) {
   const auto file = scratch.file("mine.json", to_json({built_in.model, built_in.facts}).dump());
   EXPECT_EQ(rig.find(file.string()).name(), "mine");
   EXPECT_EQ(named_sensor(file.string()).duration_s(), 0.05);
+  write_sensor_file(scratch / "wide.json", CameraFile{builtin_camera("tum_vi_cam0")});
+  const Sensor wide = rig.find((scratch / "wide.json").string());
+  EXPECT_EQ(wide.name(), "wide");
+  EXPECT_EQ(wide.camera(), builtin_camera("tum_vi_cam0"));
+  EXPECT_EQ(wide.rig_from_sensor().translation.x(), 1.0);
   const SensorRig empty{SceneFile{}};
   expect_input_error([&] { (void)empty.find("hesai_xt32"); }, {"lidars", "none"});
   expect_input_error([&] { (void)empty.find("tum_vi_cam0"); }, {"cameras", "none"});

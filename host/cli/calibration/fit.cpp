@@ -10,10 +10,10 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/sensors/camera.hpp"
-#include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
-#include "io/log/lidar_json.hpp"
-#include "io/log/log_json.hpp"
+#include "io/log/log.hpp"
+#include "io/log/sensor_json.hpp"
+#include "io/scene/sensor_rig.hpp"
 #include "optim/calibration/beams/beams.hpp"
 #include "optim/calibration/lens/lens_fit.hpp"
 #include "optim/calibration/path/spin.hpp"
@@ -114,7 +114,7 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
                                 count,
                                 spin.spin ? "" : "; spin direction not determined: clockwise assumed");
   std::get<Lidar>(file.model).sweep_s = 1.0 / command.spin_hz;
-  if (!command.output.empty()) write_lidar_file(command.output, file);
+  if (!command.output.empty()) write_sensor_file(command.output, file);
   if (globals.json) {
     Json json = to_json(file);
     json["encoder_ticks"] = table.encoder_ticks;
@@ -165,7 +165,7 @@ Camera camera_by_name(const LensCommand& command) {
       throw_input_error(
           command.target, "folder", "no log.json", "a log, with the name of its camera behind it");
     }
-    return builtin_camera(command.target);
+    return named_sensor(command.target).camera();
   }
   const Log log = read_log(command.target);
   if (command.sensor.empty()) {
@@ -184,11 +184,11 @@ void fit_lens(const LensCommand& command, const Globals& globals) {
   }();
   const Camera source = camera_by_name(command);
   const calib::LensFit fit = calib::fit_lens(source, kind);
-  Json camera = {{"kind", "camera"}};
-  camera.update(to_json(fit.camera));
-  if (!command.output.empty()) write_file_atomically(command.output, camera.dump(2) + "\n");
+  CameraFile file{fit.camera};
+  file.note = fmt::format("fitted to {}, RMS {:.4f} px", to_string(source.lens.kind()), fit.rms_px);
+  if (!command.output.empty()) write_sensor_file(command.output, file);
   if (globals.json) {
-    std::cout << Json{{"camera", camera},
+    std::cout << Json{{"camera", to_json(file)},
                       {"rms_px", fit.rms_px},
                       {"largest_px", fit.largest_px},
                       {"largest_at_px", {fit.largest_at.x(), fit.largest_at.y()}},
@@ -243,10 +243,10 @@ void add_fit(Command app, const Globals& globals) {
 
   const auto lens = std::make_shared<LensCommand>();
   Command model = fit.command("lens", "a camera in terms of another lens model");
-  model.option("TARGET", lens->target, "built-in camera, or a log").required();
+  model.option("TARGET", lens->target, "built-in camera, camera file, or a log").required();
   model.option("SENSOR", lens->sensor, "camera of that log");
   model.option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...").required();
-  model.option("-o,--output", lens->output, "JSON file to write");
+  model.option("-o,--output", lens->output, "camera file to write");
   model.run([lens, &globals] { fit_lens(*lens, globals); });
 }
 

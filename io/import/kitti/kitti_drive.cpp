@@ -8,7 +8,7 @@
 #include "host/base/error.hpp"
 #include "io/import/kitti/kitti.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
-#include "io/log/lidar_file.hpp"
+#include "io/log/sensor_file.hpp"
 
 namespace simuli::kitti {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
-#include "io/log/lidar_file.hpp"
+#include "io/log/sensor_file.hpp"
 
 namespace simuli::calibration {
 namespace {

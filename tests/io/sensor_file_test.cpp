@@ -1,8 +1,7 @@
-#include "io/log/lidar_json.hpp"
-
 #include <gtest/gtest.h>
 #include <string>
 
+#include "io/log/sensor_json.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -163,6 +162,64 @@ TEST(LidarFile, OlderLogsHaveNeitherKindNorRadialOffset) {
   json.erase("kind");
   const LidarModel read = read_json_text(json.dump(), "log.json", lidar_model_from_json);
   expect_same(std::get<Lidar>(read), model);
+}
+
+CameraFile some_camera() {
+  Camera camera{"wide", 640, 480, 200.5, 201.25, 320.5, 239.75};
+  camera.lens = Lens(LensKind::kOpencvFisheye, {0.02, 0.01, 0.005, 0.002, 1.8});
+  camera.shutter = ShutterKind::kTopToBottom;
+  return {camera, 0.03, "a bench", "CC0", "of a made-up sensor"};
+}
+
+TEST(CameraFile, EveryBuiltInModelRoundTrips) {
+  const Scratch scratch;
+  for (const std::string& name : builtin_camera_names()) {
+    const CameraFile written{builtin_camera(name), 0.0, builtin_camera_source(name)};
+    write_sensor_file(scratch / "camera.json", written);
+    const CameraFile read = read_camera_file(scratch / "camera.json");
+    EXPECT_EQ(read.model, written.model) << name;
+    EXPECT_EQ(read.source, written.source);
+    EXPECT_EQ(to_json(read).dump(), to_json(written).dump());
+  }
+}
+
+TEST(CameraFile, SaysHowLongItReadsOut) {
+  const Scratch scratch;
+  write_sensor_file(scratch / "wide.json", some_camera());
+  const CameraFile read = read_camera_file(scratch / "wide.json");
+  EXPECT_EQ(read.model, some_camera().model);
+  EXPECT_EQ(read.licence, "CC0");
+  EXPECT_EQ(read.note, "of a made-up sensor");
+  const Sensor sensor = sensor_of(read_sensor_file(scratch / "wide.json"));
+  EXPECT_TRUE(sensor.is_camera());
+  EXPECT_EQ(sensor.duration_s(), 0.03);
+  EXPECT_EQ(std::get<CameraFile>(sensor_file_of(sensor)).readout_s, 0.03);
+  CameraFile still = some_camera();
+  still.model.shutter = ShutterKind::kGlobal;
+  EXPECT_EQ(std::get<CameraFile>(sensor_file_of(Sensor(still.model, {}, 0.01))).readout_s, 0.0);
+  expect_input_error([&] { write_sensor_file(scratch / "still.json", still); },
+                     {"still.json: readout_s: found 0.03 with a global shutter"});
+}
+
+TEST(CameraFile, BadFilesAreRefusedByField) {
+  const Scratch scratch;
+  const std::string good = to_json(some_camera()).dump();
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+    expect_input_error([&] { (void)read_camera_file(scratch.file("bad.json", text)); }, words);
+  };
+  refused(replaced(good, "\"kind\":\"camera\",", ""), {"bad.json: kind"});
+  refused(replaced(good, "\"camera\"", "\"radar\""),
+          {"bad.json: kind", "radar", "camera, lidar or ray_list"});
+  refused(replaced(good, "opencv_fisheye", "fov"), {"bad.json: model", "fov", "pinhole"});
+  refused(replaced(good, "\"fx_px\"", "\"fx_m\""), {"fx_px"});
+  refused(replaced(good, "\"fx_px\":200.5", "\"fx_px\":0"), {"bad.json", "fx_px", "found 0", "above 0"});
+  refused(replaced(good, "\"k2\"", "\"k9\""), {"k2"});
+  refused(replaced(good, "top_to_bottom", "rolling"), {"shutter", "rolling", "top_to_bottom"});
+  refused(replaced(good, "top_to_bottom", "global"), {"readout_s", "0.03 with a global shutter"});
+  refused(replaced(good, "\"readout_s\":0.03", "\"readout_s\":-1"), {"readout_s", "-1"});
+  refused(to_json(some_file()).dump(), {"bad.json: kind: found a LiDAR, allowed camera"});
+  expect_input_error([&] { (void)read_lidar_file(scratch.file("bad.json", good)); },
+                     {"bad.json: kind: found a camera, allowed lidar or ray_list"});
 }
 
 }  // namespace

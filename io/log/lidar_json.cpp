@@ -1,19 +1,15 @@
-#include "io/log/lidar_json.hpp"
-
 #include <limits>
 #include <string>
 #include <variant>
 
 #include "host/base/error.hpp"
-#include "io/base/file.hpp"
+#include "io/log/sensor_json.hpp"
 
 namespace simuli {
 namespace {
 
 constexpr char kRows[] = "lidar";
 constexpr char kList[] = "ray_list";
-constexpr int kMostColumns = 1 << 20;
-constexpr std::size_t kMostBytes = std::size_t{2} << 30U;  // 2^24 rays of six numbers with 17 digits
 
 const char* to_string(SpinDirection spin) {
   return spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise";
@@ -140,56 +136,6 @@ Lidar row_model_from_json(JsonObject& object) {
   return model;
 }
 
-LidarFacts facts_from_json(JsonObject& object) {
-  LidarFacts facts;
-  if (object.has("source")) facts.source = object.text("source");
-  if (object.has("licence")) facts.licence = object.text("licence");
-  if (object.has("note")) facts.note = object.text("note");
-  if (object.has("modes")) {
-    facts.modes = object.objects("modes", [](JsonObject& mode) {
-      return LidarMode{mode.number("spin_hz", 1e-3, 1e4),
-                       static_cast<int>(mode.integer("columns", 1, kMostColumns))};
-    });
-    if (!facts.modes.empty()) facts.mode = facts.modes.front();
-  }
-  return facts;
-}
-
-void add_facts(Json& json, const LidarFacts& facts) {
-  if (!facts.source.empty()) json["source"] = facts.source;
-  if (!facts.licence.empty()) json["licence"] = facts.licence;
-  if (!facts.note.empty()) json["note"] = facts.note;
-  if (facts.modes.empty()) return;
-  Json modes = Json::array();
-  const auto add = [&modes](const LidarMode& mode) {
-    modes.push_back({{"spin_hz", mode.spin_hz}, {"columns", mode.columns}});
-  };
-  add(facts.mode);
-  for (const LidarMode& mode : facts.modes) {
-    if (mode.spin_hz != facts.mode.spin_hz || mode.columns != facts.mode.columns) add(mode);
-  }
-  json["modes"] = std::move(modes);
-}
-
-LidarFile file_from_json(JsonObject& object) {
-  LidarFile file;
-  (void)object.text("kind");  // here no other is meant when it is missing
-  file.facts = facts_from_json(object);
-  const bool says_sweep = object.has("sweep_s");
-  file.model = lidar_model_from_json(object);
-  if (!says_sweep && !file.facts.modes.empty()) {
-    std::visit([&](auto& model) { model.sweep_s = 1.0 / file.facts.mode.spin_hz; }, file.model);
-  }
-  const auto* const lidar = std::get_if<Lidar>(&file.model);
-  if (lidar != nullptr && !file.facts.modes.empty() && file.facts.mode.columns != lidar->columns) {
-    throw_input_error(object.file(),
-                      object.field("modes[0].columns"),
-                      std::to_string(file.facts.mode.columns),
-                      std::to_string(lidar->columns) + ", the model's");
-  }
-  return file;
-}
-
 }  // namespace
 
 Json to_json(const LidarModel& model) {
@@ -202,23 +148,6 @@ LidarModel lidar_model_from_json(JsonObject& object) {
   if (kind == kRows) return row_model_from_json(object);
   if (kind == kList) return ray_list_from_json(object);
   throw_input_error(object.file(), object.field("kind"), Json(kind).dump(-1, ' ', true), "lidar or ray_list");
-}
-
-LidarFile read_lidar_file(const std::filesystem::path& file) {
-  return read_json_text(read_file(file, kMostBytes), file.string(), file_from_json);
-}
-
-void write_lidar_file(const std::filesystem::path& path, const LidarFile& file) {
-  validate(file.model, path.string());
-  write_file_atomically(path, to_json(file).dump(2) + '\n');
-}
-
-Json to_json(const LidarFile& file) {
-  const Json model = to_json(file.model);
-  Json json{{"kind", model.at("kind")}, {"name", model.at("name")}};
-  add_facts(json, file.facts);
-  json.update(model);
-  return json;
 }
 
 }  // namespace simuli
