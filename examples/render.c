@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
     if (simuli_scene_shot(scene, sensor.name, start_s, start_s + sensor.duration_s, &shot) != SIMULI_OK) {
       return fail("shot");
     }
-    if (simuli_render(scene, sensor.name, &shot, NULL, 0, &frames[i]) != SIMULI_OK) return fail(sensor.name);
+    if (simuli_render(scene, sensor.name, &shot, NULL, &frames[i]) != SIMULI_OK) return fail(sensor.name);
   }
   for (size_t i = 0; i < count; ++i) {
     simuli_sensor sensor;

@@ -23,6 +23,17 @@ std::vector<float> each(const RayResults& results, F&& value) {
   return out;
 }
 
+/// But for the options, which are the scene's, and the edits, which are the shot's.
+FrameRequest request_of(const simuli_request* request, std::size_t rays) {
+  FrameRequest out{.camera_median = true};
+  if (request == nullptr) return out;
+  out.graded = request->is_ungraded == 0;
+  if (request->rays == nullptr) return out;
+  need_length("ray_count", request->ray_count, rays);
+  for (std::size_t i = 0; i < rays; ++i) out.rays.push_back(request->rays[i] != 0);
+  return out;
+}
+
 std::vector<float> values_of(const Frame& frame, simuli_quantity quantity) {
   switch (quantity) {
     case SIMULI_RGB:
@@ -67,16 +78,18 @@ extern "C" {
 simuli_status simuli_render(simuli_scene* scene,
                             const char* name,
                             const simuli_shot* shot,
-                            const simuli_edit* edits,
-                            size_t edit_count,
+                            const simuli_request* request,
                             simuli_frame** frame) {
   return guarded([&] {
     simuli_frame*& out = need(frame, "frame");
     const Sensor sensor = sensor_of(need(scene, "scene"), name);
     Shot wanted = shot_of(need(shot, "shot"));
-    for (std::size_t i = 0; i < edit_count; ++i) wanted.edits.push_back(edit_of((&need(edits, "edits"))[i]));
-    out = new simuli_frame{
-        scene->on_device.render(sensor, wanted, {.options = scene->options, .camera_median = true})};
+    FrameRequest asked = request_of(request, sensor.ray_count());
+    asked.options = scene->options;
+    for (std::size_t i = 0; request != nullptr && i < request->edit_count; ++i) {
+      wanted.edits.push_back(edit_of((&need(request->edits, "edits"))[i]));
+    }
+    out = new simuli_frame{scene->on_device.render(sensor, wanted, asked)};
   });
 }
 

@@ -123,8 +123,8 @@ typedef struct simuli_sensor {
 /* The sensors that the scene was trained on, and those added: index 0 to count - 1. */
 size_t simuli_scene_sensor_count(const simuli_scene* scene);
 simuli_status simuli_scene_sensor(const simuli_scene* scene, size_t index, simuli_sensor* sensor);
-/* Mounts a built-in camera or LiDAR ("hesai_pandar128", "hesai_xt32@20") or the LiDAR of a file as one more sensor
- * of the scene. as: what it is called; NULL: as it is. */
+/* Mounts a built-in camera or LiDAR ("hesai_pandar128", "hesai_xt32@20") or the one of a sensor file as one more
+ * sensor of the scene. as: what it is called; NULL: as it is. */
 simuli_status simuli_scene_add_sensor(simuli_scene* scene,
                                       const char* name_or_file,
                                       const char* as,
@@ -216,12 +216,21 @@ simuli_status simuli_scene_add_actor(simuli_scene* scene,
 
 /* ---- Frames ---- */
 
-/* Queues a frame and returns; any number may be on their way at once. `edits` are of this frame alone. */
+/* What a frame is asked for beside sensor and shot. All zeros: nothing. */
+typedef struct simuli_request {
+  const simuli_edit* edits; /* of this frame alone, one after the other */
+  size_t edit_count;
+  const unsigned char* rays; /* [rows][columns]; those that are not 0 are rendered, the others see the background: a
+                                LiDAR's return nothing. NULL: all */
+  size_t ray_count;          /* of `rays` */
+  int is_ungraded;           /* pictures not through the scene's colour grids: those have gradients */
+} simuli_request;
+
+/* Queues a frame and returns; any number may be on their way at once. request may be NULL. */
 simuli_status simuli_render(simuli_scene* scene,
                             const char* name,
                             const simuli_shot* shot,
-                            const simuli_edit* edits,
-                            size_t edit_count,
+                            const simuli_request* request,
                             simuli_frame** frame);
 void simuli_frame_close(simuli_frame* frame);
 simuli_status simuli_frame_is_ready(const simuli_frame* frame, int* is_ready);

@@ -50,13 +50,14 @@ class PyScene {
                                                 const py::object& world_from_sensor_end,
                                                 std::optional<double> duration_s,
                                                 const std::vector<ActorEdit>& edits,
-                                                bool graded) {
+                                                bool graded,
+                                                const py::object& rays) {
     const bool is_placed = !world_from_sensor.is_none();
     const Sensor used = sensor_of(sensor, is_placed, duration_s);
     std::optional<Pose> start, end;
     if (is_placed) start = pose_of(world_from_sensor, "world_from_sensor");
     if (!world_from_sensor_end.is_none()) end = pose_of(world_from_sensor_end, "world_from_sensor_end");
-    return queue(used, shot_of(used, start, end, time_s, edits), graded);
+    return queue(used, shot_of(used, start, end, time_s, edits), request_of(used, graded, rays));
   }
 
   /// All are queued, and on their way to the host, before this returns.
@@ -65,7 +66,8 @@ class PyScene {
                                                                    const py::object& world_from_sensor,
                                                                    std::optional<double> duration_s,
                                                                    const std::vector<ActorEdit>& edits,
-                                                                   bool graded) {
+                                                                   bool graded,
+                                                                   const py::object& rays) {
     const Numbers times = numbers_of(time_s, "time_s");
     const bool is_placed = !world_from_sensor.is_none();
     std::vector<Pose> poses;
@@ -74,10 +76,11 @@ class PyScene {
       throw Error(ErrorKind::kUsage, "time_s: found another shape, allowed one time for each pose");
     }
     const Sensor used = sensor_of(sensor, is_placed, duration_s);
+    const FrameRequest request = request_of(used, graded, rays);
     std::vector<std::shared_ptr<PyFrame>> frames;
     for (std::size_t i = 0; i < times.values.size(); ++i) {
       const auto start = is_placed ? std::optional(poses[i]) : std::nullopt;
-      frames.push_back(queue(used, shot_of(used, start, {}, times.values[i], edits), graded));
+      frames.push_back(queue(used, shot_of(used, start, {}, times.values[i], edits), request));
       const Turn turn(device_.turns);
       frames.back()->frame().fetch();
     }
@@ -197,10 +200,26 @@ class PyScene {
     shot.edits = edits;
     return shot;
   }
-  [[nodiscard]] std::shared_ptr<PyFrame> queue(const Sensor& sensor, const Shot& shot, bool graded) {
+  /// rays: None, or a flag for each, [rows, columns].
+  [[nodiscard]] static FrameRequest request_of(const Sensor& sensor, bool graded, const py::object& rays) {
+    FrameRequest out{.graded = graded, .camera_median = true};
+    if (rays.is_none()) return out;
+    const Numbers flags = numbers_of(rays, "rays");
+    const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(sensor.rows()),
+                                         static_cast<py::ssize_t>(sensor.columns())};
+    if (flags.shape != shape) {
+      throw Error(ErrorKind::kUsage,
+                  "rays: found another shape, allowed the sensor's, " + std::to_string(sensor.rows()) +
+                      " x " + std::to_string(sensor.columns()));
+    }
+    for (const double flag : flags.values) out.rays.push_back(flag != 0.0);
+    return out;
+  }
+  [[nodiscard]] std::shared_ptr<PyFrame> queue(const Sensor& sensor,
+                                               const Shot& shot,
+                                               const FrameRequest& request) {
     const Turn turn(device_.turns);
-    return std::make_shared<PyFrame>(
-        on_device_->render(sensor, shot, {.graded = graded, .camera_median = true}), device_.turns);
+    return std::make_shared<PyFrame>(on_device_->render(sensor, shot, request), device_.turns);
   }
 
   PyDevice device_;
@@ -240,9 +259,10 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("duration_s") = py::none(),
            py::arg("edits") = std::vector<ActorEdit>{},
            py::arg("graded") = true,
-           "Queues a frame of a Sensor, or of one by name: the scene's own, a built-in one, a LiDAR file. "
-           "Without "
-           "a pose where it is on the recorded path. graded: pictures through the scene's colour grids.")
+           py::arg("rays") = py::none(),
+           "Queues a frame of a Sensor, or of one by name: the scene's own, a built-in one, a sensor file. "
+           "Without a pose where it is on the recorded path. graded: pictures through the scene's colour "
+           "grids; rays: [rows, columns], those that are not 0 are rendered, the others see the background.")
       .def("render_batch",
            &PyScene::render_batch,
            py::arg("sensor"),
@@ -251,6 +271,7 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("duration_s") = py::none(),
            py::arg("edits") = std::vector<ActorEdit>{},
            py::arg("graded") = true,
+           py::arg("rays") = py::none(),
            "A frame for each time (and pose, [n, 4, 4]), all on their way at once.")
       .def("particles",
            &PyScene::particles,

@@ -43,8 +43,10 @@ class CApi : public ScratchTest {
                        const simuli_shot& at,
                        const std::vector<simuli_edit>& edits = {}) {
     simuli_frame* frame = nullptr;
-    EXPECT_EQ(simuli_render(scene, name, &at, edits.data(), edits.size(), &frame), SIMULI_OK)
-        << simuli_error();
+    simuli_request request{};
+    request.edits = edits.data();
+    request.edit_count = edits.size();
+    EXPECT_EQ(simuli_render(scene, name, &at, &request, &frame), SIMULI_OK) << simuli_error();
     frames_.push_back(frame);
     return frame;
   }
@@ -137,9 +139,7 @@ TEST_F(CApi, NamesOfSensorsOutliveThoseThatAreAdded) {
   ASSERT_EQ(simuli_scene_sensor(scene_, 101, &lidar), SIMULI_OK);
   EXPECT_STREQ(lidar.name, "l99");
   EXPECT_EQ(lidar.rig_from_sensor.rotation_wxyz[0], 1.0);
-  expect_error(simuli_scene_add_sensor(scene_, "hesai_xt32", "l5", &mount),
-               SIMULI_USAGE,
-               "found \"l5\"");
+  expect_error(simuli_scene_add_sensor(scene_, "hesai_xt32", "l5", &mount), SIMULI_USAGE, "found \"l5\"");
   expect_error(simuli_scene_add_sensor(scene_, "hesai_xt", nullptr, &mount), SIMULI_USAGE, "hesai_xt32");
 }
 
@@ -215,6 +215,68 @@ TEST_F(CApi, EditsActorsForGoodAndForAFrame) {
   expect_error(simuli_scene_edit(scene_, &edit), SIMULI_USAGE, "car");
 }
 
+TEST_F(CApi, RendersTheRaysThatAreAskedFor) {
+  for (const std::size_t index : {0, 1}) {
+    simuli_sensor sensor{};
+    ASSERT_EQ(simuli_scene_sensor(scene_, index, &sensor), SIMULI_OK);
+    const char* const name = sensor.name;
+    const std::size_t rays = sensor.rows * sensor.columns;
+    const auto quantity = sensor.is_camera != 0 ? SIMULI_DISTANCE : SIMULI_RANGE;
+    const simuli_shot at = shot(scene_, name);
+    const auto seen = [&](const simuli_request* request) {
+      simuli_frame* frame = nullptr;
+      EXPECT_EQ(simuli_render(scene_, name, &at, request, &frame), SIMULI_OK) << simuli_error();
+      frames_.push_back(frame);
+      return values(frame, quantity, rays);
+    };
+    const std::vector<float> all = seen(nullptr);
+    std::vector<unsigned char> wanted(rays, 0);
+    std::size_t kept = 0, left_out = 0;
+    for (std::size_t i = 0; i < rays; ++i) {
+      wanted[i] = i % 3 == 0 ? 1 : 0;
+      if (all[i] > 0.0F) ++(wanted[i] != 0 ? kept : left_out);
+    }
+    EXPECT_GT(kept, 0U) << name;
+    EXPECT_GT(left_out, 0U) << name;
+    simuli_request request{};
+    request.rays = wanted.data();
+    request.ray_count = rays;
+    const std::vector<float> some = seen(&request);
+    for (std::size_t i = 0; i < rays; ++i) EXPECT_EQ(some[i], wanted[i] != 0 ? all[i] : 0.0F) << name << i;
+    EXPECT_EQ(seen(nullptr), all);
+    simuli_frame* frame = nullptr;
+    --request.ray_count;
+    expect_error(simuli_render(scene_, name, &at, &request, &frame), SIMULI_USAGE, "ray_count: found");
+  }
+}
+
+TEST_F(CApi, UngradedPicturesHaveGradients) {
+  SceneFile file = small_scene();
+  file.scene.color_grids = ColorGrids::identity(2, 2, 2, {{"front", 0.0}});
+  for (float& value : file.scene.color_grids.values) value *= 0.5F;
+  simuli_scene* scene = open(file);
+  const simuli_shot at = shot(scene, "front");
+  simuli_request request{};
+  request.is_ungraded = 1;
+  simuli_frame* plain = nullptr;
+  ASSERT_EQ(simuli_render(scene, "front", &at, &request, &plain), SIMULI_OK) << simuli_error();
+  frames_.push_back(plain);
+  const simuli_frame* graded = render(scene, "front", at);
+  const std::size_t middle = 3 * (6 * 16 + 8);
+  const float red = values(plain, SIMULI_RGB, 3 * kPixels)[middle];
+  EXPECT_GT(red, 0.6F);
+  EXPECT_NEAR(values(graded, SIMULI_RGB, 3 * kPixels)[middle], 0.5F * red, 1e-3F);
+  const std::vector<float> ones(kPixels, 1.0F);
+  std::vector<float> gradients(14);
+  ASSERT_EQ(simuli_frame_gradients(scene, plain, nullptr, ones.data(), nullptr, gradients.data(), 14),
+            SIMULI_OK)
+      << simuli_error();
+  EXPECT_LT(gradients[10], 0.0F);  // a denser particle lets less light through
+  expect_error(simuli_frame_gradients(scene, graded, nullptr, ones.data(), nullptr, gradients.data(), 14),
+               SIMULI_USAGE,
+               "colour grids");
+}
+
 TEST_F(CApi, ChoosesQualityAndSettings) {
   const simuli_shot at = shot(scene_, "front");
   const auto rgb = [&] { return values(render(scene_, "front", at), SIMULI_RGB, 3 * kPixels); };
@@ -267,12 +329,12 @@ TEST_F(CApi, SaysWhatIsWrong) {
   expect_error(simuli_scene_shot(scene_, "rear", 0.0, 0.0, &at), SIMULI_USAGE, "rear");
   expect_error(simuli_scene_shot(scene_, "front", 9.0, 9.0, &at), SIMULI_INPUT, "9");
   simuli_frame* frame = nullptr;
-  expect_error(simuli_render(scene_, "front", &at, nullptr, 0, &frame), SIMULI_USAGE, "quaternion");
+  expect_error(simuli_render(scene_, "front", &at, nullptr, &frame), SIMULI_USAGE, "quaternion");
   at = shot(scene_, "front");
   at.time_end_s = -1.0;
-  expect_error(simuli_render(scene_, "front", &at, nullptr, 0, &frame), SIMULI_USAGE, "end before its start");
+  expect_error(simuli_render(scene_, "front", &at, nullptr, &frame), SIMULI_USAGE, "end before its start");
   at.time_end_s = std::numeric_limits<double>::quiet_NaN();
-  expect_error(simuli_render(scene_, "front", &at, nullptr, 0, &frame), SIMULI_USAGE, "not finite");
+  expect_error(simuli_render(scene_, "front", &at, nullptr, &frame), SIMULI_USAGE, "not finite");
   const simuli_frame* picture = render(scene_, "front", shot(scene_, "front"));
   float one = 0.0F;
   expect_error(simuli_frame_values(picture, SIMULI_RGB, &one, 1), SIMULI_USAGE, "found 1, allowed 576");

@@ -101,6 +101,17 @@ hit = sweep.range_m > 0
 assert 0.2 < hit.mean() <= 1.0 and np.isfinite(sweep.points_m).all()
 assert scene.render("velodyne_vlp16", time_s=start_s).drop.shape[0] == 16
 
+# Some rays alone: the same there, nothing elsewhere.
+for which, whole, quantity in ((name, frame, "distance_m"), (lidar, sweep, "range_m")):
+    whole = getattr(whole, quantity)
+    some = np.arange(whole.size).reshape(whole.shape) % 3 == 0
+    assert (whole[some] > 0).any() and (whole[~some] > 0).any()
+    part = getattr(scene.render(which, time_s=start_s, rays=some), quantity)
+    assert np.array_equal(part, np.where(some, whole, 0)), which
+    part, = scene.render_batch(which, [start_s], rays=some.astype(np.uint8))
+    assert np.array_equal(getattr(part, quantity), np.where(some, whole, 0)), which
+    refused(lambda: scene.render(which, time_s=start_s, rays=some[1:]), "rays")
+
 # Batches, sensors of one's own, qualities.
 times = np.linspace(start_s, start_s + 0.2, 3)
 batch = scene.render_batch(name, times)
