@@ -77,6 +77,8 @@ forbid("cl" "\"(host|io|optim|tests|bench)/" "cl includes nothing above it")
 forbid("host/api;host/python" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")
 forbid("cl;host/python;host/base;host/scene;host/sensors;host/render;host/cli;io;optim;tests;bench;examples" "[<\"]CL/"
        "only host/runtime includes <CL/*>")
+forbid("host/api;host/base;host/cli/base;host/cli/draw;host/cli/report;host/cli/view;io;optim/base;optim/eval;optim/init;optim/log;optim/train"
+       "\"optim/calibration/" "only calibration, which a build may lack, includes its own headers")
 file(GLOB api_sources RELATIVE "${ROOT}" "${ROOT}/host/api/*.?pp" "${ROOT}/host/api/*.h")
 foreach(file IN LISTS api_sources)
   file(STRINGS "${ROOT}/${file}" lines REGEX "#[ \t]*include[ \t]*[<\"]CL/")

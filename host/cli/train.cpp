@@ -10,7 +10,7 @@
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
-#include "host/cli/view/view_server.hpp"
+#include "host/cli/view/live_page.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/train/training.hpp"
 
@@ -156,22 +156,6 @@ SceneFile without_particles(const Log& log) {
   return file;
 }
 
-ServerOptions on_port(int port) {
-  ServerOptions options;
-  options.port = port;
-  return options;
-}
-
-/// A page that shows a training.
-struct LivePage {
-  LivePage(const Globals& globals, const Log& log, int port)
-      : session(globals, without_particles(log)), server(session, on_port(port)) {
-    std::cerr << fmt::format("simuli: the training in the browser: {}\n", server.url());
-  }
-  ViewSession session;
-  ViewServer server;
-};
-
 void train(TrainCommand command, const Globals& globals) {
   TrainingOptions& options = command.options;
   options.train.render = training_options_of(globals.quality);
@@ -187,8 +171,9 @@ void train(TrainCommand command, const Globals& globals) {
   checkpoints.file = checkpoint_beside(command.output);
   std::unique_ptr<LivePage> page;
   if (command.view_port >= 0) {
-    page = std::make_unique<LivePage>(globals, log, command.view_port);
-    command.outputs.view = &page->session;
+    page = open_live_page(globals, without_particles(log), command.view_port);
+    std::cerr << fmt::format("simuli: the training in the browser: {}\n", page->url());
+    command.outputs.view = page.get();
   }
   Training training(device, log, options);
   TrainedReport trained;

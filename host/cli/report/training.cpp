@@ -115,7 +115,7 @@ void warn(const TrainReport& report) {
 /// Hands the training's newest scene to the viewer, as long as somebody looks.
 class LiveScene {
  public:
-  LiveScene(ViewSession* view, const Training& training) : view_(view), training_(training) {
+  LiveScene(LivePage* view, const Training& training) : view_(view), training_(training) {
     update(training.status(), true);
   }
   /// `at_once`: whoever looks and however little time has passed.
@@ -132,7 +132,7 @@ class LiveScene {
  private:
   static constexpr std::chrono::seconds kEvery{3};
   static constexpr double kLooks_s = 10.0;
-  ViewSession* view_;
+  LivePage* view_;
   const Training& training_;
   std::chrono::steady_clock::time_point shown_;
 };

@@ -10,7 +10,7 @@
 
 namespace simuli::cli {
 
-class ViewSession;
+class LivePage;
 
 /// How a training went, at most kPoints times of it. One value each per point; NaN: not known yet.
 struct TrainHistory {
@@ -29,7 +29,7 @@ struct TrainOutputs {
   Checkpoints checkpoints;
   bool resume = false;                 // from checkpoints.file, if it is there
   std::filesystem::path event_folder;  // TensorBoard's; empty: none
-  ViewSession* view = nullptr;         // who shows it; may be nobody
+  LivePage* view = nullptr;            // who shows it; may be nobody
 };
 
 /// Prepares and runs a training, with progress on stderr. A warning line tells of rejected

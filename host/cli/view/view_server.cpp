@@ -97,7 +97,7 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
     const auto serve = [file](const httplib::Request&, httplib::Response& response) {
       response.set_content(std::string(file.text), type_of(file.path));
     };
-    server.Get("/" + std::string(file.path), serve);
+    server.Get(fmt::format("/{}", file.path), serve);
     if (file.path == "index.html") server.Get("/", serve);
   }
   // What is refused is said to the page in one line.

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "host/cli/base/commands.hpp"
+#include "host/cli/view/live_page.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/scene/sensor_rig.hpp"
-#include "optim/train/train_report.hpp"
 
 namespace simuli::cli {
 
@@ -31,13 +31,6 @@ struct ViewRequest {
 };
 /// Error{kInput} for what is no request: syntax, missing and unknown keys, numbers out of range.
 [[nodiscard]] ViewRequest parse_view_request(const std::string& json);
-
-/// How a training stands whose scene is shown.
-struct ViewProgress {
-  bool training = false;
-  TrainStatus status;
-  int iterations = 0;
-};
 
 /// Calls may come from any thread; renders wait for each other.
 class ViewSession {

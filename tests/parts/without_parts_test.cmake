@@ -1,0 +1,30 @@
+# A program without viewer and calibration says so where they are asked for, and holds nothing of them.
+cmake_minimum_required(VERSION 3.23)
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
+
+# expect(CODE PART ARGUMENTS...): exit code, and what stdout and stderr have to say.
+function(expect code part)
+  execute_process(COMMAND ${PROGRAM} ${ARGN} WORKING_DIRECTORY ${WORK}
+                  RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  string(FIND "${out}" "${part}" at)
+  if(NOT result EQUAL code OR at EQUAL -1)
+    message(FATAL_ERROR "${ARGN}: wanted ${code} and '${part}', got ${result}: ${out}")
+  endif()
+endfunction()
+
+expect(0 "" synth street -o street.log --frames 2 --image-width 32 --image-height 18 --lidar-columns 36)
+expect(0 "train" --help)
+expect(2 "view" view street.scene)
+expect(2 "SIMULI_VIEWER" view street.scene)
+expect(2 "SIMULI_VIEWER" train street.log -o street.scene --view 0)
+expect(2 "SIMULI_CALIBRATION" align street.log)
+expect(2 "SIMULI_CALIBRATION" fit)
+execute_process(COMMAND ${NM} --demangle ${PROGRAM} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+foreach(part IN ITEMS "httplib::" "ceres::" "simuli::calib::" "ViewSession::")
+  string(FIND "${symbols}" "${part}" at)
+  if(NOT at EQUAL -1)
+    string(SUBSTRING "${symbols}" ${at} 120 some)
+    message(FATAL_ERROR "${PROGRAM}: holds ${some}: a stand-in (absent.cpp) lacks what the program uses")
+  endif()
+endforeach()
