@@ -8,7 +8,10 @@
 #define TWO_PI_R R(6.28318530717958647693)
 #define HALF_PI_R R(1.57079632679489661923)
 
-#if defined(SIMULI_REAL_DOUBLE) || defined(MATH_PRECISE)
+#ifndef MATH_PRECISE
+#define MATH_PRECISE 0
+#endif
+#if defined(SIMULI_REAL_DOUBLE) || MATH_PRECISE
 FN F exp_lanes(F x) { return exp(x); }
 FN F round_lanes(F x) { return rint(x); }
 FN F atan2_lanes(F y, F x) { return atan2(y, x); }

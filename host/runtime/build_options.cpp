@@ -12,11 +12,20 @@ namespace {
 constexpr std::string_view kRealDouble = "SIMULI_REAL_DOUBLE";
 
 // By hand: <cctype> follows the locale, the compiler doesn't.
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_in_word(char c) { return is_letter(c) || (c >= '0' && c <= '9'); }
+
 bool is_identifier(std::string_view name) {
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  return !name.empty() && is_letter(name.front()) &&
-         std::all_of(name.begin(), name.end(), [&](char c) { return is_letter(c) || is_digit(c); });
+  return !name.empty() && is_letter(name.front()) && std::all_of(name.begin(), name.end(), is_in_word);
+}
+
+bool holds_word(std::string_view text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    const bool starts = at == 0 || !is_in_word(text[at - 1]);
+    if (starts && (end == text.size() || !is_in_word(text[end]))) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -32,6 +41,12 @@ BuildOptions& BuildOptions::define_text(const std::string& name, std::string val
 BuildOptions& BuildOptions::real(Precision precision) {
   precision_ = precision;
   return *this;
+}
+
+BuildOptions BuildOptions::named_in(std::string_view source) const {
+  BuildOptions out = *this;
+  std::erase_if(out.defines_, [&](const auto& define) { return !holds_word(source, define.first); });
+  return out;
 }
 
 std::string BuildOptions::text() const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "host/base/precision.hpp"
@@ -22,6 +23,10 @@ class BuildOptions {
   }
   /// kDouble defines SIMULI_REAL_DOUBLE=1; kFloat, the default, defines nothing.
   BuildOptions& real(Precision precision);
+
+  /// Without the names that `source` doesn't hold as a word: what kernels don't look at makes no other
+  /// program of them.
+  [[nodiscard]] BuildOptions named_in(std::string_view source) const;
 
   [[nodiscard]] Precision precision() const { return precision_; }
   /// The options as the compiler gets them: canonical, sorted by name.

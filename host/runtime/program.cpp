@@ -93,7 +93,7 @@ Program::Program(const Device& device, const Expanded& expanded, const BuildOpti
     throw Error(ErrorKind::kDevice,
                 fmt::format("{} in double precision: {} has no fp64", expanded.shown, device.info().label()));
   }
-  const std::string text = options.text();
+  const std::string text = options.named_in(expanded.source).text();
   const std::string key = program_key(device.info(), text, expanded.source);
   auto& programs = device.state().programs;
   if (const auto found = programs.find(key); found != programs.end()) {

@@ -16,9 +16,10 @@ struct ProgramState;
 /// Where a program came from: the compiler, the disk cache, or this Device's earlier programs.
 enum class ProgramOrigin { kCompiled, kDisk, kMemory };
 
-/// Kernel text built for one device. A handle: copies refer to the same program, and the same text with
-/// the same options is built once per Device. Error{kKernel} naming file, options and build log when it
-/// doesn't build; Error{kDevice} for Precision::kDouble on a device without fp64.
+/// Kernel text built for one device, with those of the options that it names. A handle: copies refer to the
+/// same program, and the same text with the same options is built once per Device. Error{kKernel} naming
+/// file, options and build log when it doesn't build; Error{kDevice} for Precision::kDouble on a device
+/// without fp64.
 class Program {
  public:
   /// `path` is relative to cl/: "kernels/bin.cl".

@@ -49,6 +49,13 @@ TEST(BuildOptions, AreCanonical) {
   EXPECT_EQ(options.text().find("DOUBLE"), std::string::npos);
 }
 
+TEST(BuildOptions, AreThoseThatATextNames) {
+  BuildOptions options;
+  options.real(Precision::kDouble).define("V", 4).define("MOVING", true).define("MOV", 1).define("END", 2);
+  const std::string text = options.named_in("#if MOVING // V_1, AV\nint x = END").text();
+  EXPECT_EQ(text, "-cl-std=CL1.2 -cl-kernel-arg-info -D SIMULI_REAL_DOUBLE=1 -D END=2 -D MOVING=1");
+}
+
 TEST(BuildOptions, RefuseWhatIsNoIdentifier) {
   for (const char* name : {"", "1A", "A B", "A=1 -D B", "SIMULI_REAL_DOUBLE"}) {
     EXPECT_TRUE(contains(error_of(ErrorKind::kInternal, [&] { BuildOptions().define(name, 1); }), {name}));
@@ -112,7 +119,7 @@ TEST_F(SourceFolder, BuildErrorNamesTheIncludedFileAndLine) {
   const Device device = test::open_device();
   SKIP_WITHOUT_LINES(device);
   write("kernels/main.cl",
-        "#include \"math/broken.h\"\n__kernel void k(__global int* out) { out[0] = 1; }\n");
+        "#include \"math/broken.h\"\n__kernel void k(__global int* out) { out[0] = LANES; }\n");
   write("math/broken.h", "// one\n// two\nint broken( { return 1; }\n");
   const std::string message = error_of(ErrorKind::kKernel, [&] {
     (void)Program(device, "kernels/main.cl", BuildOptions().define("LANES", 4));
@@ -146,6 +153,9 @@ TEST(Program, IsBuiltOncePerDevice) {
   EXPECT_EQ(build(device, 1).origin(), ProgramOrigin::kMemory);
   EXPECT_EQ(build(device, 2).origin(), ProgramOrigin::kCompiled);
   EXPECT_EQ(build(test::open_device(), 1).origin(), ProgramOrigin::kCompiled);
+  // What the text doesn't name makes no other program.
+  const auto more = BuildOptions().define("VALUE", 1).define("UNNAMED", 1);
+  EXPECT_EQ(Program::from_text(device, "constant.cl", kConstant, more).origin(), ProgramOrigin::kMemory);
   EXPECT_EQ(build(device, 1).kernel_names(), std::vector<std::string>{"constant_value"});
   EXPECT_EQ(&build(device, 1).state(), &build(device, 1).state());
 }

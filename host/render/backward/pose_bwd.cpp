@@ -9,7 +9,7 @@ namespace simuli {
 namespace {
 
 Program program(const Device& device, const Variant& variant) {
-  return {device, "kernels/pose_bwd.cl", variant.options()};
+  return {device, "kernels/pose_bwd.cl", variant.build_options()};
 }
 
 Eigen::Vector3d sum_of(const RealBuffer& parts) {
@@ -25,7 +25,7 @@ Eigen::Vector3d sum_of(const RealBuffer& parts) {
 
 PoseStage::PoseStage(const Device& device, const Variant& variant)
     : device_(device),
-      buffers_(device, variant.precision),
+      buffers_(device, variant.options.precision),
       rays_(program(device, variant), "rays_torque"),
       particles_(program(device, variant), "particles_force") {}
 

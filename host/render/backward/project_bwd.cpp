@@ -6,19 +6,12 @@ namespace {
 
 constexpr std::size_t kLocalSize = 32;
 
-BuildOptions backward_options(const Variant& variant) {
-  BuildOptions options = variant.options();
-  // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
-  return options.define("CLAMPED_CHANNELS", variant.sensor == SensorType::kCamera ? 3 : 1)
-      .define("COMPENSATION", variant.compensation);
-}
-
 }  // namespace
 
 ProjectBackwardStage::ProjectBackwardStage(const Device& device, const Variant& variant)
-    : lanes_(variant.shape.lanes),
-      actors_(variant.actors),
-      project_bwd_(Program(device, "kernels/project_bwd.cl", backward_options(variant)), "project_bwd") {}
+    : lanes_(variant.frame.shape.lanes),
+      actors_(variant.frame.actors),
+      project_bwd_(Program(device, "kernels/project_bwd.cl", variant.build_options()), "project_bwd") {}
 
 void ProjectBackwardStage::run(const shared::FrameParams& frame,
                                const ParticleBuffers& particles,

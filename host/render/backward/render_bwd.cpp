@@ -9,7 +9,7 @@ RenderBackwardStage::RenderBackwardStage(const Device& device, const Variant& va
 Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
   std::optional<Kernel>& kernel = kernels_[extras.errors ? 1 : 0][extras.ray_gradients ? 1 : 0];
   if (!kernel) {
-    BuildOptions options = variant_.tile_options();
+    BuildOptions options = variant_.build_options();
     options.define("ERRORS", extras.errors).define("RAY_GRADIENTS", extras.ray_gradients);
     kernel.emplace(Program(device_, "kernels/render_bwd.cl", options), "render_bwd");
   }
@@ -24,10 +24,10 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
   const std::size_t instances = made.binned.instances;
   if (extras.errors) gradients.instance_error.reserve(instances);
   if (extras.ray_gradients) {
-    gradients.ray_grads.reserve((variant_.origins ? 6U : 3U) * std::size_t{frame.slots});
+    gradients.ray_grads.reserve((variant_.frame.origins ? 6U : 3U) * std::size_t{frame.slots});
   }
   gradients.grads.reserve(instances * SIM_GRAD);
-  const auto work_items = static_cast<std::size_t>(variant_.shape.work_items);
+  const auto work_items = static_cast<std::size_t>(variant_.frame.shape.work_items);
   kernel(extras).run(std::size_t{frame.tiles_x} * frame.tiles_y * work_items,
                      work_items,
                      {{"frame", frame},

@@ -7,24 +7,14 @@ namespace {
 
 constexpr std::size_t kLocalSize = 32;
 
-/// Only the forward projection asks for these: other kernels are one program for all.
-BuildOptions forward_options(const Variant& variant) {
-  BuildOptions options = variant.options();
-  if (variant.order == Order::kPerRay) options.define("PER_RAY", true);
-  return options.define("EXTENT", variant.extent)
-      .define("SHUTTER_ITERATIONS", variant.shutter_iterations)
-      .define("COMPENSATION", variant.compensation)
-      .define("CULLING", variant.culling);
-}
-
 }  // namespace
 
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
-    : lanes_(variant.shape.lanes),
-      actor_motion_(variant.actor_motion),
-      samples_(device, variant.precision),
-      project_(Program(device, "kernels/project.cl", forward_options(variant)), "project") {
-  if (variant.projection == Projection::kMonteCarlo) samples_.normal_samples.assign(normal_samples());
+    : lanes_(variant.frame.shape.lanes),
+      actor_motion_(variant.frame.actor_motion),
+      samples_(device, variant.options.precision),
+      project_(Program(device, "kernels/project.cl", variant.build_options()), "project") {
+  if (variant.options.projection == Projection::kMonteCarlo) samples_.normal_samples.assign(normal_samples());
 }
 
 void ProjectStage::run(const shared::FrameParams& frame,

@@ -4,11 +4,11 @@
 namespace simuli {
 
 RaysStage::RaysStage(const Device& device, const Variant& variant)
-    : lanes_(variant.shape.lanes),
-      rows_(variant.actor_motion ? 7
-            : variant.origins    ? 6
-                                 : 3),
-      rays_(Program(device, "kernels/rays.cl", variant.options()), "rays") {}
+    : lanes_(variant.frame.shape.lanes),
+      rows_(variant.frame.actor_motion ? 7
+            : variant.frame.origins    ? 6
+                                       : 3),
+      rays_(Program(device, "kernels/rays.cl", variant.build_options()), "rays") {}
 
 void RaysStage::run(const shared::FrameParams& frame,
                     const RayBuffers& rays,

@@ -3,24 +3,13 @@
 
 namespace simuli {
 
-namespace {
-
-BuildOptions forward_options(const Variant& variant) {
-  BuildOptions options = variant.tile_options();
-  if (variant.sh_direction == ShDirection::kRay) {
-    options.define("RAY_SH", true).define("CLAMPED_CHANNELS", variant.sensor == SensorType::kCamera ? 3 : 1);
-  }
-  return options;
-}
-
-}  // namespace
-
 RenderStage::RenderStage(const Device& device, const Variant& variant)
-    : work_items_(static_cast<std::size_t>(variant.shape.work_items)),
-      render_(Program(device,
-                      variant.order == Order::kPerRay ? "kernels/render_per_ray.cl" : "kernels/render.cl",
-                      forward_options(variant)),
-              "render") {}
+    : work_items_(static_cast<std::size_t>(variant.frame.shape.work_items)),
+      render_(
+          Program(device,
+                  variant.options.order == Order::kPerRay ? "kernels/render_per_ray.cl" : "kernels/render.cl",
+                  variant.build_options()),
+          "render") {}
 
 void RenderStage::run(const shared::FrameParams& frame,
                       const ParticleBuffers& particles,

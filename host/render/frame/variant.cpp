@@ -1,27 +1,38 @@
 #include "host/render/frame/variant.hpp"
 
+#include <algorithm>
+
 namespace simuli {
 
-BuildOptions Variant::options() const {
-  BuildOptions options;
-  // Only where there are any: programs of scenes without actors are the same as ever.
-  if (actors) options.define("ACTORS", true).define("ACTOR_MOTION", actor_motion);
-  options.real(precision)
-      .define("SENSOR", sensor)
-      .define("LENS", lens)
-      .define("MOVING", moving)
-      .define("ORIGINS", origins)
-      .define("SH_DEGREE", sh_degree)
-      .define("MEDIAN", median)
-      .define("PROJECTION", projection)
-      .define("V", shape.lanes);
-  if (math == Math::kPrecise) options.define("MATH_PRECISE", true);
-  if (sh_storage == ShStorage::kHalf) options.define("SH_HALF", true);
-  return options;
-}
-
-BuildOptions Variant::tile_options() const {
-  return options().define("NR", shape.vectors).define("LS", shape.work_items);
+BuildOptions Variant::build_options() const {
+  const bool is_camera = frame.sensor == SensorType::kCamera;
+  BuildOptions out;
+  out.real(options.precision)
+      .define("SENSOR", frame.sensor)
+      .define("LENS", frame.lens)
+      .define("MOVING", frame.moving)
+      .define("ORIGINS", frame.origins)
+      .define("ACTORS", frame.actors)
+      .define("ACTOR_MOTION", frame.actor_motion)
+      .define("SH_DEGREE", frame.sh_degree)
+      .define("SH_HALF", frame.sh_storage == ShStorage::kHalf)
+      .define("MEDIAN", frame.median)
+      .define("CULLING", frame.culling)
+      .define("V", frame.shape.lanes)
+      .define("NR", frame.shape.vectors)
+      .define("LS", frame.shape.work_items)
+      // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
+      .define("CLAMPED_CHANNELS", is_camera ? 3 : 1)
+      .define("PROJECTION", options.projection)
+      .define("EXTENT", options.extent)
+      .define("PER_RAY", options.order == Order::kPerRay)
+      // Without bands above 0 a particle looks alike from everywhere.
+      .define("RAY_SH", options.sh_direction == ShDirection::kRay && frame.sh_degree > 0)
+      // Double has the built-in functions anyway.
+      .define("MATH_PRECISE", options.math == Math::kPrecise && options.precision == Precision::kFloat)
+      .define("SHUTTER_ITERATIONS", std::max(options.shutter_iterations, 1))
+      .define("COMPENSATION", is_camera ? options.camera_compensation : options.lidar_compensation);
+  return out;
 }
 
 }  // namespace simuli

@@ -7,8 +7,8 @@
 
 namespace simuli {
 
-/// What kernels are specialised for. What a frame doesn't need compiles to nothing.
-struct Variant {
+/// What a frame is, beside the options of its renderer.
+struct FrameKind {
   SensorType sensor = SensorType::kCamera;
   LensKind lens = LensKind::kPinhole;  // of a camera
   bool moving = false;                 // the pose changes during the frame
@@ -18,21 +18,19 @@ struct Variant {
   int sh_degree = 0;
   ShStorage sh_storage = ShStorage::kFull;
   bool median = false;
-  Precision precision = Precision::kFloat;
-  Projection projection = Projection::kUnscented;
-  Extent extent = Extent::kUnscented;
-  Order order = Order::kRange;
-  ShDirection sh_direction = ShDirection::kParticle;
-  Math math = Math::kFast;
-  int shutter_iterations = 4;
-  bool compensation = false;
   bool culling = false;  // by the ray mask
   LaneShape shape;
 
-  [[nodiscard]] BuildOptions options() const;
-  /// With the shape of a tile, for kernels of one work-group per tile.
-  [[nodiscard]] BuildOptions tile_options() const;
-  auto operator<=>(const Variant&) const = default;
+  auto operator<=>(const FrameKind&) const = default;
+};
+
+/// What kernels are specialised for. What a frame doesn't need compiles to nothing.
+struct Variant {
+  FrameKind frame;
+  RenderOptions options;
+
+  /// For all kernels of a frame: each takes those that its text names.
+  [[nodiscard]] BuildOptions build_options() const;
 };
 
 }  // namespace simuli

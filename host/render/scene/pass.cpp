@@ -65,7 +65,7 @@ const GradientBuffers& Pass::gradients() const { return last("gradients").gradie
 const RealBuffer& Pass::picture() const { return last("picture").shown(); }
 
 bool Pass::is_graded() const { return last("is_graded").frame.graded; }
-bool Pass::has_median() const { return last("has_median").frame.stages->own.median; }
+bool Pass::has_median() const { return last("has_median").frame.stages->own.frame.median; }
 
 RealBuffer& Pass::ray_error() {
   State& s = last("ray_error");
@@ -92,7 +92,7 @@ RayResults Pass::results() const {
                     s.buffers.blended.out.download_float(),
                     s.frame.graded ? s.pictures.picture.download_float() : std::vector<float>{},
                     s.frame.background,
-                    s.frame.stages->own.median);
+                    s.frame.stages->own.frame.median);
 }
 
 void Pass::exchange_outputs(RealBuffer& outputs, RealBuffer& picture) {
@@ -178,7 +178,7 @@ void Pass::backward(const ParticleBuffers& particles, RealBuffer& param_grads, c
   State& s = last("backward");
   s.need_particles("backward", particles);
   const Variant& own = s.frame.stages->own;
-  need(has_gradients(s.options) && own.sh_degree == particles.sh_degree &&
+  need(has_gradients(s.options) && own.frame.sh_degree == particles.sh_degree &&
            particles.sh_storage == ShStorage::kFull,
        "backward",
        "order per_ray, sh_direction ray, left out bands or halves, which have no gradients",
@@ -219,7 +219,7 @@ std::vector<ActorPoseGradient> Pass::pose_gradients(const ParticleBuffers& parti
   need(s.frame.went_back, "pose_gradients", "no gradients", "backward() before");
   s.need_particles("pose_gradients", particles);
   return s.actors.pose_gradients(
-      particles, s.buffers.projected, s.gradients, s.frame.stages->own.actor_motion);
+      particles, s.buffers.projected, s.gradients, s.frame.stages->own.frame.actor_motion);
 }
 
 }  // namespace simuli

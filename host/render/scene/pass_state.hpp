@@ -47,7 +47,7 @@ struct Pass::State {
   };
 
   State(const Device& on, const RenderOptions& wanted);
-  Stages& stages(const Variant& variant);
+  Stages& stages(const FrameKind& kind);
   ColorGrid& grid_stages(const ColorGridBuffers& of);
   // What a call may ask of the last frame, else Error{kUsage}.
   void need_grid(const char* call, const ColorGridBuffers& of, std::size_t index) const;
@@ -62,7 +62,7 @@ struct Pass::State {
 
   Device device;
   RenderOptions options;
-  std::map<Variant, std::unique_ptr<Stages>> all_stages;
+  std::map<FrameKind, std::unique_ptr<Stages>> all_stages;
   BinStage bin;
   ImageLossStage image_loss;
   LidarLossStage lidar_loss;

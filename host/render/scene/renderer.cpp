@@ -29,41 +29,29 @@ RenderOptions resolve(const Device& device, RenderOptions options) {
   return options;
 }
 
-/// What a frame of these options, particles and rays compiles to.
-Variant variant_of(const RenderOptions& options,
-                   const ParticleBuffers& particles,
-                   const SensorRays& rays,
-                   bool camera_median,
-                   bool moving,
-                   bool actor_motion) {
+FrameKind kind_of(const RenderOptions& options,
+                  const ParticleBuffers& particles,
+                  const SensorRays& rays,
+                  bool camera_median,
+                  bool moving,
+                  bool actor_motion) {
   const RayGrid& grid = rays.grid();
-  Variant variant;
-  variant.actors = particles.actors > 0;
-  variant.actor_motion = actor_motion;
-  variant.sensor = grid.type;
-  variant.lens = grid.lens;
-  variant.moving = moving;
-  variant.origins = moving || grid.lever_arms;
-  variant.sh_degree = options.sh_degree == ShDegree::kAuto
-                          ? particles.sh_degree
-                          : std::min(particles.sh_degree, static_cast<int>(options.sh_degree));
-  variant.sh_storage = particles.sh_storage;
-  variant.median = grid.type == SensorType::kLidar ? options.median_distance : camera_median;
-  variant.precision = options.precision;
-  variant.projection = options.projection;
-  variant.extent = options.extent;
-  variant.order = options.order;
-  // Without bands above 0 a particle looks alike from everywhere.
-  variant.sh_direction = variant.sh_degree > 0 ? options.sh_direction : ShDirection::kParticle;
-  // Double has the built-in functions anyway.
-  variant.math = options.precision == Precision::kFloat ? options.math : Math::kFast;
-  variant.shutter_iterations = std::max(options.shutter_iterations, 1);
-  variant.compensation =
-      grid.type == SensorType::kCamera ? options.camera_compensation : options.lidar_compensation;
-  variant.culling = rays.marked() && (options.culling == Culling::kAlways ||
-                                      (options.culling == Culling::kAuto && rays.can_cull()));
-  variant.shape = options.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
-  return variant;
+  FrameKind kind;
+  kind.actors = particles.actors > 0;
+  kind.actor_motion = actor_motion;
+  kind.sensor = grid.type;
+  kind.lens = grid.lens;
+  kind.moving = moving;
+  kind.origins = moving || grid.lever_arms;
+  kind.sh_degree = options.sh_degree == ShDegree::kAuto
+                       ? particles.sh_degree
+                       : std::min(particles.sh_degree, static_cast<int>(options.sh_degree));
+  kind.sh_storage = particles.sh_storage;
+  kind.median = grid.type == SensorType::kLidar ? options.median_distance : camera_median;
+  kind.culling = rays.marked() && (options.culling == Culling::kAlways ||
+                                   (options.culling == Culling::kAuto && rays.can_cull()));
+  kind.shape = options.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
+  return kind;
 }
 
 void check(const RenderOptions& options,
@@ -110,9 +98,9 @@ Pass::State::State(const Device& on, const RenderOptions& wanted)
       actors(on, wanted.precision),
       pictures(on, wanted.precision) {}
 
-Pass::State::Stages& Pass::State::stages(const Variant& variant) {
-  auto& entry = all_stages[variant];
-  if (!entry) entry = std::make_unique<Stages>(device, variant);
+Pass::State::Stages& Pass::State::stages(const FrameKind& kind) {
+  auto& entry = all_stages[kind];
+  if (!entry) entry = std::make_unique<Stages>(device, Variant{kind, options});
   return *entry;
 }
 
@@ -154,8 +142,8 @@ Pass Renderer::render(const ParticleBuffers& particles,
                              Eigen::Vector3d(sensor.constants.centre_ref),
                              actor_motion);
   }
-  Pass::State::Stages& stages = s.stages(variant_of(
-      s.options, particles, rays, view.camera_median, sensor.moving || actor_motion, actor_motion));
+  Pass::State::Stages& stages = s.stages(
+      kind_of(s.options, particles, rays, view.camera_median, sensor.moving || actor_motion, actor_motion));
 
   // From here on the last frame's buffers are taken.
   const std::uint64_t number = ++s.frames;
