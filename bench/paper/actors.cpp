@@ -8,7 +8,7 @@
 #include <random>
 #include <utility>
 
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/readings.hpp"
 #include "host/scene/edit.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/evaluate_actors.hpp"

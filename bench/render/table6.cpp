@@ -9,7 +9,7 @@
 namespace simuli::bench {
 namespace {
 
-RenderOptions options_with(const LidarTiles& tiles) {
+RenderOptions options_with(const TileChoice& tiles) {
   RenderOptions options = paper_options();
   options.lidar_tiles = tiles;
   return options;

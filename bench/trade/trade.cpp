@@ -45,7 +45,7 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
   add("precision", {"double"});
   if (is_camera) return all;
   add("culling", {"always"});
-  for (const LidarTiles& tiles : {LidarTiles{8, 128}, LidarTiles{16, 64}}) {
+  for (const TileChoice& tiles : {TileChoice{8, 128}, TileChoice{16, 64}}) {
     RenderOptions o;
     o.lidar_tiles = tiles;
     all.push_back({fmt::format("lidar_tiles={}x{}", tiles.elevation, tiles.rays), o, false});

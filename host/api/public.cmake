@@ -28,7 +28,7 @@ set(SIMULI_PUBLIC_options
   host/render/options/render_settings.hpp)
 set(SIMULI_PUBLIC_render
   "A scene on a device, a sensor and a shot make a frame."
-  host/render/scene/shot.hpp host/render/scene/ray_results.hpp host/render/scene/seen.hpp
+  host/render/scene/shot.hpp host/render/scene/ray_results.hpp host/render/scene/readings.hpp
   host/render/scene/frame.hpp host/render/scene/scene_on_device.hpp)
 set(SIMULI_PUBLIC_log
   "Recorded drives."

@@ -20,7 +20,7 @@ namespace {
 struct TileCommand {
   std::string sensor;
   std::string picture;
-  LidarTiles tiles;
+  TileChoice tiles;
   bool tune = false;
   std::int64_t particles = 200'000;
 };
@@ -31,7 +31,7 @@ TileChoiceKey key_of(const LidarModel& sensor) {
   return {lidar.name, lidar.rows.size(), lidar.ray_count()};
 }
 
-RayGrid grid_of(const Device& device, const LidarModel& sensor, const LidarTiles& tiles) {
+RayGrid grid_of(const Device& device, const LidarModel& sensor, const TileChoice& tiles) {
   RenderOptions options;
   options.lidar_tiles = tiles;
   return make_ray_grid(device, sensor, nominal_rays(sensor), options);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/readings.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {

@@ -26,10 +26,10 @@ struct Facts {
 
 /// Every ray has its own slot, in the tile of its row and place and in its row's slot rows; no tile exceeds
 /// what was asked for or what it has slots for. row_of_ray[rays].
-void expect_sound(const LidarTiling& tiling,
+void expect_sound(const LidarTiles& tiling,
                   const std::vector<std::uint32_t>& row_of_ray,
                   const std::vector<float>& x,
-                  const LidarTiles& wanted,
+                  const TileChoice& wanted,
                   Facts& facts) {
   ASSERT_EQ(tiling.slot_of_ray.size(), x.size());
   ASSERT_TRUE(tiling.tile_rays == 32 || tiling.tile_rays == 64 || tiling.tile_rays == 128 ||
@@ -90,7 +90,7 @@ Rays rays_of(const Lidar& lidar) {
 
 /// No boundary splits beams of one elevation unless it has to, and k of n boundaries leave k / n of the beams
 /// above, to within one beam and those of its elevation.
-void expect_equal_counts(const LidarTiling& tiling, const std::vector<float>& elevation, int wanted) {
+void expect_equal_counts(const LidarTiles& tiling, const std::vector<float>& elevation, int wanted) {
   const std::size_t tiles = tiling.tile_rows.size() - 1;
   if (tiles != static_cast<std::size_t>(wanted)) return;  // beams collapsed, or a tile had to be cut
   const double rows = static_cast<double>(tiling.rows());
@@ -112,9 +112,9 @@ TEST(LidarTiling, EveryTableInEveryGridOfTiles) {
     const Rays rays = rays_of(builtin_lidar(name));
     for (const int elevation : {1, 4, 8, 16, 32, 64}) {
       for (const int most : {32, 64, 128, 256}) {
-        const LidarTiles wanted{elevation, most};
+        const TileChoice wanted{elevation, most};
         SCOPED_TRACE(name + ", " + std::to_string(elevation) + " x " + std::to_string(most));
-        const LidarTiling tiling = tile_rows_of_rays(device, name, rays.elevation, rays.x, wanted);
+        const LidarTiles tiling = tile_rows_of_rays(device, name, rays.elevation, rays.x, wanted);
         Facts facts;
         expect_sound(tiling, rays.row_of_ray, rays.x, wanted, facts);
         if (HasFatalFailure()) return;
@@ -137,7 +137,7 @@ TEST(LidarTiling, EveryTableInEveryGridOfTiles) {
 TEST(LidarTiling, OddSensors) {
   const Device device = Device::best();
   const auto check = [&](const std::vector<float>& elevation, std::uint32_t columns, double span) {
-    for (const LidarTiles wanted : {LidarTiles{}, {1, 256}, {7, 64}, {4096, 16}}) {
+    for (const TileChoice wanted : {TileChoice{}, {1, 256}, {7, 64}, {4096, 16}}) {
       Rays rays;
       rays.elevation = elevation;
       for (std::uint32_t row = 0; row < elevation.size(); ++row) {
@@ -149,7 +149,7 @@ TEST(LidarTiling, OddSensors) {
       SCOPED_TRACE(std::to_string(elevation.size()) + " beams of " + std::to_string(columns) + ", " +
                    std::to_string(wanted.elevation) + " x " + std::to_string(wanted.rays));
       Facts facts;
-      const LidarTiling tiling = tile_rows_of_rays(device, "odd", rays.elevation, rays.x, wanted);
+      const LidarTiles tiling = tile_rows_of_rays(device, "odd", rays.elevation, rays.x, wanted);
       expect_sound(tiling, rays.row_of_ray, rays.x, wanted, facts);
     }
   };
@@ -176,10 +176,10 @@ TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
       elevation.push_back(static_cast<float>(0.1 * random.normal()));
       x.push_back(static_cast<float>(1.5 + 0.2 * random.normal()));
     }
-    for (const LidarTiles wanted : {LidarTiles{}, {1, 256}, {16, 128}, {64, 32}}) {
+    for (const TileChoice wanted : {TileChoice{}, {1, 256}, {16, 128}, {64, 32}}) {
       SCOPED_TRACE(std::to_string(count) + " rays, " + std::to_string(wanted.elevation) + " x " +
                    std::to_string(wanted.rays));
-      const LidarTiling tiling = tile_ray_list(device, "list", elevation, x, wanted);
+      const LidarTiles tiling = tile_ray_list(device, "list", elevation, x, wanted);
       std::vector<std::uint32_t> row_of_ray(count);
       for (std::uint32_t row = 0; row < tiling.rows(); ++row) {
         for (std::uint32_t i = tiling.row_starts[row]; i < tiling.row_starts[row + 1]; ++i)
@@ -206,7 +206,7 @@ TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
   Lidar lidar = test::small_lidar(16, 90);
   lidar.name = "tuned";
   const TileChoiceKey key{lidar.name, 16, 16 * 90};
-  const auto tile_rows = [&](const LidarTiles& tiles) {
+  const auto tile_rows = [&](const TileChoice& tiles) {
     RenderOptions options = paper_options();
     options.lidar_tiles = tiles;
     return make_ray_grid(device, lidar, nominal_rays(lidar), options).frame.tiles_y;
@@ -262,7 +262,7 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
       }
     }
     const ParticleBuffers set(device, test::set_of(SetKind::kLidar, particles), Precision::kFloat);
-    for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {8, 32}, {64, 64}, {32, 128}}) {
+    for (const TileChoice tiles : {TileChoice{}, {1, 256}, {8, 32}, {64, 64}, {32, 128}}) {
       RenderOptions options = paper_options();
       options.lidar_tiles = tiles;
       Renderer renderer(device, options);

@@ -253,7 +253,7 @@ TEST_P(DegenerateSweep, TilesOfAnyHeightSeeTheSame) {
   const GaussianSet set = test::set_for(GetParam(), recipe, 3);
   const test::Shot usual = usual_shot();
   const RayResults expected = render(set, usual);
-  for (const LidarTiles tiles : {LidarTiles{1, 256}, {2, 128}, {5, 64}, {9, 64}, {18, 32}, {4, 16}}) {
+  for (const TileChoice tiles : {TileChoice{1, 256}, {2, 128}, {5, 64}, {9, 64}, {18, 32}, {4, 16}}) {
     options_.lidar_tiles = tiles;
     const RayResults found = render(set, usual);
     for (std::size_t i = 0; i < found.rays; ++i) {

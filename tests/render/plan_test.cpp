@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "host/render/scene/look.hpp"
+#include "host/render/scene/appearance_on_device.hpp"
 #include "host/runtime/device_state.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
@@ -20,7 +20,7 @@ struct Traces {
   std::vector<double> outputs;
 };
 
-/// Renders on a device of its own; with `scene` as the commands do, through its look.
+/// Renders on a device of its own; with `scene` as the commands do, through its appearance.
 Traces traces_of(const GaussianSet& set,
                  const test::Shot& shot,
                  const RenderOptions& options,
@@ -29,11 +29,11 @@ Traces traces_of(const GaussianSet& set,
   Renderer renderer(device, options);
   const ParticleBuffers particles(device, set, options);
   const SensorRays rays = shot.on(device, options);
-  const auto through_look = [&] {
-    SceneLook look(device, *scene, options.precision);
-    return look.render(renderer, particles, rays, shot.view, "camera", 0.0);
+  const auto through_appearance = [&] {
+    AppearanceOnDevice appearance(device, *scene, options.precision);
+    return appearance.render(renderer, particles, rays, shot.view, "camera", 0.0);
   };
-  const Pass pass = scene == nullptr ? renderer.render(particles, rays, shot.view) : through_look();
+  const Pass pass = scene == nullptr ? renderer.render(particles, rays, shot.view) : through_appearance();
   Traces traces;
   traces.outputs = test::outputs(pass);
   traces.peak_bytes = device.memory().peak;

@@ -106,7 +106,7 @@ TEST(RayGrid, PicturesOfAnySizeAreComplete) {
 }
 
 TEST(RayGrid, SweepsAreCompleteInEveryTileHeight) {
-  for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {4, 128}, {3, 32}, {64, 16}}) {
+  for (const TileChoice tiles : {TileChoice{}, {1, 256}, {4, 128}, {3, 32}, {64, 16}}) {
     RenderOptions options;
     options.lidar_tiles = tiles;
     for (const auto& [rows, columns] : {std::pair(1, 1), {1, 500}, {20, 150}, {33, 7}, {64, 257}}) {
@@ -188,7 +188,7 @@ TEST(RayGrid, WrongRaysAreRefused) {
   refused([](LidarRays& r) { r.elevation[8] = kNan; }, "ray 8");
   refused([](LidarRays& r) { r.time_fraction[9] = std::numeric_limits<float>::infinity(); }, "ray 9");
   RenderOptions options;
-  for (const LidarTiles tiles : {LidarTiles{-1, 256}, {4097, 256}, {8, -1}, {8, 15}, {8, 257}}) {
+  for (const TileChoice tiles : {TileChoice{-1, 256}, {4097, 256}, {8, -1}, {8, 15}, {8, 257}}) {
     options.lidar_tiles = tiles;
     expect_error(ErrorKind::kUsage, "render.lidar_tiles.", [&] {
       static_cast<void>(make_ray_grid(Device::best(), lidar, good, options));

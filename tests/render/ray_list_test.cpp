@@ -83,7 +83,7 @@ void expect_complete(const RayList& list, const RayGrid& grid) {
 
 TEST(RayListGrid, AnyListIsComplete) {
   const Device device = Device::best();
-  for (const LidarTiles tiles : {LidarTiles{}, {1, 256}, {3, 16}, {40, 64}}) {
+  for (const TileChoice tiles : {TileChoice{}, {1, 256}, {3, 16}, {40, 64}}) {
     RenderOptions options = paper_options();
     options.lidar_tiles = tiles;
     for (const std::size_t rays : {1U, 2U, 257U, 24000U}) {

@@ -66,13 +66,13 @@ enum class ShStorage : int {
 
 /// The tiles of a LiDAR: what procedure 1 of the paper is asked for. Both 0: what `simuli tile --tune` has
 /// found for the sensor on the device, if it has; else 0 is as suits most.
-struct LidarTiles {
+struct TileChoice {
   int elevation = 0;
   int rays = 0;
-  bool operator==(const LidarTiles&) const = default;
+  bool operator==(const TileChoice&) const = default;
 };
 template <class F>
-constexpr void visit_fields(LidarTiles& o, F&& field) {
+constexpr void visit_fields(TileChoice& o, F&& field) {
   field("render.lidar_tiles.elevation",
         o.elevation,
         range(0, 4096),
@@ -127,7 +127,7 @@ struct RenderOptions {
   bool camera_compensation = false;
   bool lidar_compensation = false;  // blends thin things with what is behind
   bool median_distance = true;
-  LidarTiles lidar_tiles;
+  TileChoice lidar_tiles;
   Culling culling = Culling::kAuto;
   RayMaskSize ray_mask;
   LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())

@@ -16,7 +16,7 @@ namespace {
 // The paper's 400 bins hold two neighbouring beams of a dense sensor in one; these tell them apart.
 constexpr std::uint32_t kBins = 4096;
 constexpr std::uint32_t kMostRows = 16;  // of a tile: its slot rows
-constexpr std::uint32_t kMostIndex = LidarTiling::kMostIndex;
+constexpr std::uint32_t kMostIndex = LidarTiles::kMostIndex;
 // In wider tiles the two places of a particle at the cut could not be told apart.
 constexpr std::uint32_t kFewestColumns = 8;
 constexpr double kTurn = 6.283185307179586;
@@ -35,28 +35,28 @@ std::uint32_t divided_up(std::size_t a, std::size_t b) { return static_cast<std:
 constexpr int kBeamsOfTile = 8;  // nothing asked for, nothing tuned
 
 /// Most rays of a tile. Error{kUsage} for requests that no tiling can answer.
-std::uint32_t most_rays_of(const LidarTiles& wanted) {
+std::uint32_t most_rays_of(const TileChoice& wanted) {
   check_fields(wanted);
   return wanted.rays == 0 ? SIM_TILE_RAYS : static_cast<std::uint32_t>(wanted.rays);
 }
 
 }  // namespace
 
-double LidarTiling::column_begin(std::size_t c) const {
+double LidarTiles::column_begin(std::size_t c) const {
   const auto bin = std::lower_bound(column_of_bin.begin(), column_of_bin.end(), c) - column_of_bin.begin();
   return static_cast<double>(first) + static_cast<double>(bin) / static_cast<double>(scale);
 }
 
-LidarTiling tile_rows_of_rays(const Device& device,
-                              const std::string& sensor,
-                              const std::vector<float>& row_elevation,
-                              const std::vector<float>& x,
-                              const LidarTiles& wanted) {
+LidarTiles tile_rows_of_rays(const Device& device,
+                             const std::string& sensor,
+                             const std::vector<float>& row_elevation,
+                             const std::vector<float>& x,
+                             const TileChoice& wanted) {
   const auto rows = static_cast<std::uint32_t>(row_elevation.size());
   const auto row_rays = static_cast<std::uint32_t>(x.size() / rows);
   const std::uint32_t most_rays = most_rays_of(wanted);
   LidarTilingStage tiler(device);
-  LidarTiling out;
+  LidarTiles out;
 
   const Buffer<float> elevation(device, "row elevations", row_elevation);
   const TileBins bins = bins_over(row_elevation, kBins);
@@ -102,11 +102,11 @@ LidarTiling tile_rows_of_rays(const Device& device,
                     "rays spread along the sweep");
 }
 
-LidarTiling tile_ray_list(const Device& device,
-                          const std::string& sensor,
-                          const std::vector<float>& elevation,
-                          const std::vector<float>& x,
-                          const LidarTiles& wanted) {
+LidarTiles tile_ray_list(const Device& device,
+                         const std::string& sensor,
+                         const std::vector<float>& elevation,
+                         const std::vector<float>& x,
+                         const TileChoice& wanted) {
   const std::uint32_t most_rays = most_rays_of(wanted);
   const std::uint32_t most_rows = most_rays / SIM_SLOT_ROW;
   LidarTilingStage tiler(device);
@@ -129,9 +129,9 @@ LidarTiling tile_ray_list(const Device& device,
       if (numbers.empty() || numbers.back() != number) numbers.push_back(number);
     }
   }
-  LidarTiling best;
+  LidarTiles best;
   for (const std::uint32_t number : numbers) {
-    LidarTiling out;
+    LidarTiles out;
     std::uint32_t groups = 0;
     const Uints group_of_bin = tiler.groups_of(elevations, 1, bins, number, kBins, groups);
     const std::uint32_t group_rays = tiler.fullest_group(elevations, 1, bins, group_of_bin, groups);

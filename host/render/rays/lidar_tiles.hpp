@@ -13,7 +13,7 @@ namespace simuli {
 
 /// Tiles of a LiDAR: tile rows of whole sensor rows x tile columns. A tile's slots are its rows' slots, each
 /// row_slots x 16 of them.
-struct LidarTiling {
+struct LidarTiles {
   static constexpr std::uint32_t kMostIndex = 0xffff;  // footprints name rows and tiles in 16 bits
   std::uint32_t columns = 0;                           // of tiles
   std::uint32_t tile_rays = 0;                         // slots of a tile: 32, 64, 128 or 256
@@ -37,17 +37,17 @@ struct LidarTiling {
 /// Rows of equally many rays, all of one elevation: row_elevation[rows] rad, never rising. x[rows][row_rays]
 /// rad is the place along the spin. Tile columns are uniform, as few as no tile needs to hold more rays than
 /// asked for. Error{kInput} naming `sensor` for rays too uneven for that.
-[[nodiscard]] LidarTiling tile_rows_of_rays(const Device& device,
-                                            const std::string& sensor,
-                                            const std::vector<float>& row_elevation,
-                                            const std::vector<float>& x,
-                                            const LidarTiles& wanted);
+[[nodiscard]] LidarTiles tile_rows_of_rays(const Device& device,
+                                           const std::string& sensor,
+                                           const std::vector<float>& row_elevation,
+                                           const std::vector<float>& x,
+                                           const TileChoice& wanted);
 
 /// Rays without rows: the same along both axes, and rows cut from the elevation tiles. elevation, x: [rays].
-[[nodiscard]] LidarTiling tile_ray_list(const Device& device,
-                                        const std::string& sensor,
-                                        const std::vector<float>& elevation,
-                                        const std::vector<float>& x,
-                                        const LidarTiles& wanted);
+[[nodiscard]] LidarTiles tile_ray_list(const Device& device,
+                                       const std::string& sensor,
+                                       const std::vector<float>& elevation,
+                                       const std::vector<float>& x,
+                                       const TileChoice& wanted);
 
 }  // namespace simuli

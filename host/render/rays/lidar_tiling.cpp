@@ -95,7 +95,7 @@ Uints LidarTilingStage::groups_of_rows(const Buffer<float>& elevation,
 std::uint32_t LidarTilingStage::cut(const Uints& group_of_row,
                                     std::uint32_t rows,
                                     std::uint32_t most,
-                                    LidarTiling& out) {
+                                    LidarTiles& out) {
   first_rows_.reserve(std::size_t{rows} + 1);
   tile_row_of_row_.reserve(rows);
   tile_rows_.run(1,
@@ -117,7 +117,7 @@ LidarTilingStage::Fullest LidarTilingStage::place(const Buffer<float>& x,
                                                   const Uints& row_starts,
                                                   const TileBins& bins,
                                                   const Uints& column_of_bin,
-                                                  const LidarTiling& tiling) {
+                                                  const LidarTiles& tiling) {
   const auto rows = static_cast<std::uint32_t>(tiling.rows());
   used_.reserve(std::size_t{rows} * tiling.columns);
   slot_of_ray_.reserve(x.count());
@@ -167,7 +167,7 @@ bool LidarTilingStage::list_rows(const BinnedValues& elevation,
             64,
             {{"elevation", elevation.values}, {"n", n}, {"keys", keys}, {"order", rows.order}});
   sort_.run(keys, rows.order, n, 32);
-  const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiling::kMostIndex});
+  const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiles::kMostIndex});
   rows.starts.reserve(std::size_t{most_rows} + 1);
   rows.group_of_row.reserve(most_rows);
   used_.reserve(std::size_t{2} * columns);

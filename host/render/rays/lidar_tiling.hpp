@@ -51,7 +51,7 @@ class LidarTilingStage {
                               std::uint32_t groups);
   Uints groups_of_rows(const Buffer<float>& elevation, const TileBins& bins, const Uints& group_of_bin);
   /// Cuts rows into tile rows of at most `most`; returns the most and leaves the tables on the device.
-  std::uint32_t cut(const Uints& group_of_row, std::uint32_t rows, std::uint32_t most, LidarTiling& out);
+  std::uint32_t cut(const Uints& group_of_row, std::uint32_t rows, std::uint32_t most, LidarTiles& out);
   /// Most rays of one row in one tile, and of one tile.
   struct Fullest {
     std::uint32_t row = 0;
@@ -63,7 +63,7 @@ class LidarTilingStage {
                 const Uints& row_starts,
                 const TileBins& bins,
                 const Uints& column_of_bin,
-                const LidarTiling& tiling);
+                const LidarTiles& tiling);
   /// Rows of a list, of SIM_SLOT_ROW rays of a tile column at most; false when they would be more than a
   /// footprint can name. Elevations fall into groups, places into tile columns, of which there are `columns`.
   bool list_rows(const BinnedValues& elevation,

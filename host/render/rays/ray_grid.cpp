@@ -255,7 +255,7 @@ RayGrid make_ray_grid(const Device& device,
   const std::vector<double> angles = spin_angles(lidar, rays);
   std::vector<double> elevations;
   for (const LidarRow& row : lidar.rows) elevations.push_back(row.elevation);
-  const LidarTiling tiling =
+  const LidarTiles tiling =
       tile_rows_of_rays(device,
                         lidar.name,
                         {elevations.begin(), elevations.end()},

@@ -72,7 +72,7 @@ RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOpt
     const double turned = list.azimuth[i] - cut;
     angles[i] = static_cast<float>(turned - kTurn * std::floor(turned / kTurn));
   }
-  const LidarTiling tiling =
+  const LidarTiles tiling =
       tile_ray_list(device,
                     list.name,
                     {list.elevation.begin(), list.elevation.end()},

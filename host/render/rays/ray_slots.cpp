@@ -26,7 +26,7 @@ void allocate(RayGrid& grid) {
   grid.u.assign(slots, 0.0F);
 }
 
-void set_tiles(RayGrid& grid, const LidarTiling& tiling) {
+void set_tiles(RayGrid& grid, const LidarTiles& tiling) {
   auto& frame = grid.frame;
   frame.tiles_x = tiling.columns;
   frame.tiles_y = static_cast<std::uint32_t>(tiling.tile_rows.size() - 1);

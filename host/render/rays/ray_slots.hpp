@@ -13,7 +13,7 @@ namespace simuli::ray_slots {
 void allocate(RayGrid& grid);
 
 /// Takes a LiDAR's tiles over: frame, tables, constants of x, and slots without a ray.
-void set_tiles(RayGrid& grid, const LidarTiling& tiling);
+void set_tiles(RayGrid& grid, const LidarTiles& tiling);
 
 /// Puts a ray of the sensor frame into a slot. `time`: its share of the frame.
 void set_ray(RayGrid& grid,

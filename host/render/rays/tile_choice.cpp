@@ -18,11 +18,11 @@ std::string key_text(const Device& device, const TileChoiceKey& key) {
 
 }  // namespace
 
-std::optional<LidarTiles> stored_tiles(const Device& device, const TileChoiceKey& key) {
+std::optional<TileChoice> stored_tiles(const Device& device, const TileChoiceKey& key) {
   const auto stored = load_binary(key_text(device, key));
   if (!stored) return std::nullopt;
   const std::string text(stored->begin(), stored->end());
-  LidarTiles tiles;
+  TileChoice tiles;
   const char* const end = text.data() + text.size();
   const auto elevation = std::from_chars(text.data(), end, tiles.elevation);
   if (elevation.ec != std::errc() || elevation.ptr == end) return std::nullopt;
@@ -31,12 +31,12 @@ std::optional<LidarTiles> stored_tiles(const Device& device, const TileChoiceKey
   return tiles;
 }
 
-void store_tiles(const Device& device, const TileChoiceKey& key, const LidarTiles& tiles) {
+void store_tiles(const Device& device, const TileChoiceKey& key, const TileChoice& tiles) {
   const std::string text = fmt::format("{} {}", tiles.elevation, tiles.rays);
   save_binary(key_text(device, key), {text.begin(), text.end()});
 }
 
-LidarTiles resolved_tiles(const Device& device, const TileChoiceKey& key, LidarTiles asked) {
+TileChoice resolved_tiles(const Device& device, const TileChoiceKey& key, TileChoice asked) {
   if (asked.elevation != 0 || asked.rays != 0) return asked;
   return stored_tiles(device, key).value_or(asked);
 }

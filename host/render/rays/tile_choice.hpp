@@ -18,11 +18,11 @@ struct TileChoiceKey {
 };
 
 /// Nothing when none is stored for this sensor, device and driver.
-[[nodiscard]] std::optional<LidarTiles> stored_tiles(const Device& device, const TileChoiceKey& key);
+[[nodiscard]] std::optional<TileChoice> stored_tiles(const Device& device, const TileChoiceKey& key);
 /// Replaces what was stored. A cache that can't be written is no error.
-void store_tiles(const Device& device, const TileChoiceKey& key, const LidarTiles& tiles);
+void store_tiles(const Device& device, const TileChoiceKey& key, const TileChoice& tiles);
 
 /// `asked`, with what it leaves open filled in from the stored choice; nothing stored: as it is.
-[[nodiscard]] LidarTiles resolved_tiles(const Device& device, const TileChoiceKey& key, LidarTiles asked);
+[[nodiscard]] TileChoice resolved_tiles(const Device& device, const TileChoiceKey& key, TileChoice asked);
 
 }  // namespace simuli

@@ -9,7 +9,7 @@
 #include "host/base/image.hpp"
 #include "host/render/options/options.hpp"
 #include "host/render/scene/ray_results.hpp"
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/readings.hpp"
 #include "host/render/scene/shot.hpp"
 #include "host/sensors/sensor.hpp"
 

@@ -10,8 +10,8 @@
 #include "host/base/lru_cache.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
+#include "host/render/scene/appearance_on_device.hpp"
 #include "host/render/scene/frame_state.hpp"
-#include "host/render/scene/look.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/render/scene/view.hpp"
 
@@ -155,12 +155,12 @@ struct SceneOnDevice::State {
     return *sensors.get({sensor, o}, make, [](const SensorRays& made) { return made.bytes(); });
   }
 
-  SceneLook& look_of(Precision precision) {
-    if (!look || look_precision != precision) {
-      look.emplace(device, *scene, precision);
-      look_precision = precision;
+  AppearanceOnDevice& appearance_on(Precision precision) {
+    if (!appearance || appearance_precision != precision) {
+      appearance.emplace(device, *scene, precision);
+      appearance_precision = precision;
     }
-    return *look;
+    return *appearance;
   }
 
   /// Renders; everything stays on the device, and with the pass.
@@ -174,8 +174,9 @@ struct SceneOnDevice::State {
     seen.request(request.rays);
     const ParticleBuffers& set = particles(kind, o);
     const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
-    Pass pass = sensor.is_camera() ? look_of(o.precision).render(on, set, seen, view, camera, shot.middle_s())
-                                   : on.render(set, seen, view);
+    Pass pass = sensor.is_camera()
+                    ? appearance_on(o.precision).render(on, set, seen, view, camera, shot.middle_s())
+                    : on.render(set, seen, view);
     return {std::move(pass), o.precision, set, view.background};
   }
 
@@ -185,8 +186,8 @@ struct SceneOnDevice::State {
   std::list<Upload> uploads;
   std::list<Painter> painters;
   LruCache<SensorRays, RaysKey, RaysHash> sensors;
-  std::optional<SceneLook> look;
-  Precision look_precision = Precision::kFloat;
+  std::optional<AppearanceOnDevice> appearance;
+  Precision appearance_precision = Precision::kFloat;
   std::shared_ptr<OutputPool> pool = std::make_shared<OutputPool>();
 };
 
@@ -242,7 +243,7 @@ void SceneOnDevice::set_scene(Scene scene) { set_scene(std::make_shared<const Sc
 
 void SceneOnDevice::set_scene(std::shared_ptr<const Scene> scene) {
   state_->uploads.clear();
-  state_->look.reset();
+  state_->appearance.reset();
   state_->scene = std::move(scene);
 }
 

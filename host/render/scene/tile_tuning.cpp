@@ -17,7 +17,7 @@ constexpr int kRays[] = {32, 64, 128, 256};
 constexpr int kBriefFrames = 3;
 constexpr std::size_t kFinalists = 4;
 
-RenderOptions options_with(const LidarTiles& tiles) {
+RenderOptions options_with(const TileChoice& tiles) {
   RenderOptions options;
   options.lidar_tiles = tiles;
   return options;
@@ -53,7 +53,7 @@ class LidarTimer {
   View view_;
 };
 
-TileTime tiles_of(const LidarTiles& tiles, const LidarTimer& frames) {
+TileTime tiles_of(const TileChoice& tiles, const LidarTimer& frames) {
   const auto& frame = frames.pass().frame();
   return {tiles, frame.tiles_y, frame.tiles_x, frame.tile_rays, {}};
 }

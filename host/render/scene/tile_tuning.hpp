@@ -13,7 +13,7 @@ namespace simuli {
 
 /// One request of tiles, what became of it, and how long a frame takes with it.
 struct TileTime {
-  LidarTiles tiles;
+  TileChoice tiles;
   std::uint32_t tile_rows = 0, tile_columns = 0;
   std::uint32_t tile_slots = 0;
   Spread frame_ms;

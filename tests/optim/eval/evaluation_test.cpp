@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "host/base/error.hpp"
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/readings.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/sweep_pair.hpp"
 #include "tests/optim/small_street.hpp"

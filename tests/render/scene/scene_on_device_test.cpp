@@ -5,7 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/render/options/quality.hpp"
-#include "host/render/scene/look.hpp"
+#include "host/render/scene/appearance_on_device.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "tests/render/scene/two_cars.hpp"
 
@@ -184,13 +184,13 @@ TEST(SceneOnDevice, PicturesHaveWhatTheirSceneHasBesideParticles) {
   const RayResults seen = scene.render(camera, shot).results();
   Renderer renderer(device, kBalanced);
   const ParticleBuffers particles(device, graded.camera, renderer.options());
-  SceneLook look(device, graded, Precision::kFloat);
-  const Pass pass = look.render(renderer,
-                                particles,
-                                SensorRays(device, camera.camera(), renderer.options()),
-                                view_of(graded, shot, SetKind::kCamera),
-                                "front",
-                                shot.middle_s());
+  AppearanceOnDevice appearance(device, graded, Precision::kFloat);
+  const Pass pass = appearance.render(renderer,
+                                      particles,
+                                      SensorRays(device, camera.camera(), renderer.options()),
+                                      view_of(graded, shot, SetKind::kCamera),
+                                      "front",
+                                      shot.middle_s());
   expect_same(seen, pass.results());
 
   const RayResults ungraded = SceneOnDevice(device, plain).render(camera, shot).results();

@@ -1,4 +1,4 @@
-#include "host/render/scene/seen.hpp"
+#include "host/render/scene/readings.hpp"
 
 #include <algorithm>
 #include <utility>

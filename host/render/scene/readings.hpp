@@ -1,5 +1,5 @@
 #pragma once
-// What a frame's results mean to those who look at it: pictures of cameras, returns of LiDARs.
+// What sensors read of what their rays saw: pictures of cameras, returns of LiDARs.
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>

@@ -9,10 +9,10 @@ namespace simuli {
 
 /// What a trained scene adds to the pictures of its camera set: environment and colour grids, where it has
 /// them.
-class SceneLook {
+class AppearanceOnDevice {
  public:
   /// `scene` must outlive it.
-  SceneLook(const Device& device, const Scene& scene, Precision precision);
+  AppearanceOnDevice(const Device& device, const Scene& scene, Precision precision);
 
   /// Renders the camera set as `camera` sees it at time_s (of the log): through the grid that
   /// ColorGrids::at gives, and none for cameras that were not trained on. No name: colours are those that all

@@ -1,21 +1,21 @@
-#include "host/render/scene/look.hpp"
+#include "host/render/scene/appearance_on_device.hpp"
 
 #include <utility>
 
 namespace simuli {
 
-SceneLook::SceneLook(const Device& device, const Scene& scene, Precision precision)
+AppearanceOnDevice::AppearanceOnDevice(const Device& device, const Scene& scene, Precision precision)
     : device_(device), scene_(scene), precision_(precision) {
   if (scene.environment.empty()) return;
   environment_ = std::make_unique<EnvironmentBuffers>(device, scene.environment, precision);
 }
 
-Pass SceneLook::render(Renderer& renderer,
-                       const ParticleBuffers& camera_set,
-                       const SensorRays& rays,
-                       const View& view,
-                       const std::string& camera,
-                       double time_s) {
+Pass AppearanceOnDevice::render(Renderer& renderer,
+                                const ParticleBuffers& camera_set,
+                                const SensorRays& rays,
+                                const View& view,
+                                const std::string& camera,
+                                double time_s) {
   Pass pass = renderer.render(camera_set, rays, view, environment_.get());
   const ColorGrids& all = scene_.color_grids;
   if (all.empty() || camera.empty()) return pass;
