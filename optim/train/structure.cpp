@@ -1,28 +1,22 @@
 #include "optim/train/structure.hpp"
 
 #include <algorithm>
-#include <chrono>
+#include <utility>
+
+#include "host/base/stopwatch.hpp"
 
 namespace simuli {
 namespace {
 
-/// Adds the time until it goes, the device's work included.
-class Stopwatch {
- public:
-  Stopwatch(const Device& device, double& seconds) : device_(device), seconds_(seconds) {
-    device_.finish();
-    begin_ = std::chrono::steady_clock::now();
-  }
-  void stop() {
-    device_.finish();
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  const Device& device_;
-  double& seconds_;
-  std::chrono::steady_clock::time_point begin_;
-};
+/// Runs f, and adds the time that it takes, the device's work included.
+template <class F>
+void add_time(const Device& device, double& seconds, F&& f) {
+  device.finish();
+  const Stopwatch watch;
+  std::forward<F>(f)();
+  device.finish();
+  seconds += watch.seconds();
+}
 
 }  // namespace
 
@@ -51,22 +45,22 @@ bool Structure::collects_errors(SetNumber number, int iteration) const {
 
 void Structure::find_anchors(int iteration) {
   if (!anchor_ || iteration % options_.anchor.every != 0) return;
-  Stopwatch watch(device_, anchor_seconds_);
-  anchor_->assign(camera_.particles, lidar_.particles, options_.anchor.reach_m);
-  watch.stop();
+  add_time(device_, anchor_seconds_, [&] {
+    anchor_->assign(camera_.particles, lidar_.particles, options_.anchor.reach_m);
+  });
 }
 
 void Structure::add_anchor_gradient(const Pass& pass, int iteration) {
   if (!anchor_) return;
-  Stopwatch watch(device_, anchor_seconds_);
   // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
-  anchor_->add_gradient(camera_.particles,
-                        lidar_.particles,
-                        pass.buffers().projected.keys,
-                        options_.anchor.weight / camera_.particles.count,
-                        iteration % options_.anchor.choose_every == 0,
-                        camera_.grads);
-  watch.stop();
+  add_time(device_, anchor_seconds_, [&] {
+    anchor_->add_gradient(camera_.particles,
+                          lidar_.particles,
+                          pass.buffers().projected.keys,
+                          options_.anchor.weight / camera_.particles.count,
+                          iteration % options_.anchor.choose_every == 0,
+                          camera_.grads);
+  });
 }
 
 void Structure::jitter(TrainedSet& set,
@@ -97,7 +91,10 @@ std::uint32_t Structure::growth(SetNumber number) const {
 void Structure::densify(int iteration) {
   const DensifyOptions& o = options_.densify;
   if (o.every <= 0 || iteration < o.first || iteration % o.every != 0) return;
-  Stopwatch watch(device_, densify_seconds_);
+  add_time(device_, densify_seconds_, [&] { relocate(iteration); });
+}
+
+void Structure::relocate(int iteration) {
   const std::uint32_t added[] = {growth(kCameraSet), growth(kLidarSet)};
   for (const SetNumber number : {kCameraSet, kLidarSet}) {
     if (!collects_errors(number, iteration)) continue;
@@ -116,7 +113,6 @@ void Structure::densify(int iteration) {
     relocated_ += counts.relocated;
     grown_ += counts.grown;
   }
-  watch.stop();
 }
 
 void Structure::report(TrainReport& report) const {

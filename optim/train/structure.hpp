@@ -46,6 +46,7 @@ class Structure {
 
  private:
   [[nodiscard]] std::uint32_t growth(SetNumber number) const;
+  void relocate(int iteration);
 
   Device device_;
   const TrainOptions& options_;

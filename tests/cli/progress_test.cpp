@@ -92,7 +92,7 @@ TEST_F(ProgressTest, JsonIsOneObjectALineOnceASecond) {
   Progress progress = make(ProgressStyle::kJson, 4);
   progress.update(0);
   EXPECT_EQ(take(),
-            R"({"task": "train", "done": 0, "total": 4, "elapsed_s": 0, "left_s": null, "finished": false})"
+            R"({"task":"train","done":0,"total":4,"elapsed_s":0.0,"left_s":null,"finished":false})"
             "\n");
   now_s_ += 0.5;
   progress.update(1);
@@ -100,11 +100,11 @@ TEST_F(ProgressTest, JsonIsOneObjectALineOnceASecond) {
   now_s_ += 1.5;
   progress.update(2, {"said to people", {{"psnr_db", 21.25}, {"distance_m", std::nan("")}}});
   EXPECT_EQ(take(),
-            R"({"task": "train", "done": 2, "total": 4, "elapsed_s": 2, "left_s": 2, "finished": false, )"
-            R"("psnr_db": 21.25, "distance_m": null})"
+            R"({"task":"train","done":2,"total":4,"elapsed_s":2.0,"left_s":2.0,"finished":false,)"
+            R"("psnr_db":21.25,"distance_m":null})"
             "\n");
   progress.finish();
-  EXPECT_NE(take().find(R"("left_s": 0, "finished": true)"), std::string::npos);
+  EXPECT_NE(take().find(R"("left_s":0.0,"finished":true)"), std::string::npos);
 }
 
 TEST_F(ProgressTest, UnknownAndImpossibleSizesAreShownAsTheyAre) {

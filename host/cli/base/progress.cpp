@@ -10,6 +10,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include "io/base/json_reader.hpp"
+
 namespace simuli {
 namespace {
 
@@ -27,8 +29,6 @@ int terminal_columns() {
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return 80;
   return size.ws_col;
 }
-
-std::string json_number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
 
 double interval_s(ProgressStyle style) {
   if (style == ProgressStyle::kBar) return kBarInterval_s;
@@ -112,18 +112,14 @@ double Progress::left_s(double now_s) const {
 }
 
 std::string Progress::json(const ProgressNote& note, double now_s) const {
-  // Labels and names are the program's own: nothing in them needs escaping.
-  std::string text =
-      fmt::format(R"({{"task": "{}", "done": {}, "total": {}, "elapsed_s": {}, "left_s": {}, "finished": {})",
-                  label_,
-                  done_,
-                  total_,
-                  json_number(now_s - start_s_),
-                  json_number(left_s(now_s)),
-                  finished_);
-  for (const auto& [name, value] : note.values)
-    text += fmt::format(R"(, "{}": {})", name, json_number(value));
-  return text + "}";
+  Json object{{"task", label_},
+              {"done", done_},
+              {"total", total_},
+              {"elapsed_s", now_s - start_s_},
+              {"left_s", left_s(now_s)},
+              {"finished", finished_}};
+  for (const auto& [name, value] : note.values) object[std::string(name)] = value;
+  return object.dump();  // what is not finite as null
 }
 
 std::string Progress::line(std::string_view extra, double now_s) const {

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kLocalSize = 32;
 
 Program program(const Device& device, Precision precision, int lanes) {
-  return {device, "kernels/environment_bwd.cl", BuildOptions().real(precision).define("V", lanes)};
+  return {device, "kernels/environment_bwd.cl", lane_options(device, precision, lanes)};
 }
 
 }  // namespace

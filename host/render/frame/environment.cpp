@@ -11,9 +11,8 @@ constexpr std::size_t kLocalSize = 32;
 
 EnvironmentStage::EnvironmentStage(const Device& device, Precision precision, int lanes)
     : lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
-      environment_(
-          Program(device, "kernels/environment.cl", BuildOptions().real(precision).define("V", lanes_)),
-          "environment") {}
+      environment_(Program(device, "kernels/environment.cl", lane_options(device, precision, lanes_)),
+                   "environment") {}
 
 void EnvironmentStage::run(const shared::FrameParams& frame,
                            const EnvironmentBuffers& environment,

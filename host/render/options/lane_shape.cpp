@@ -9,6 +9,11 @@ LaneShape lane_shape_of(const Device& device, Precision precision) {
   return precision == Precision::kFloat ? LaneShape{16, 16, 1} : LaneShape{8, 32, 1};
 }
 
+BuildOptions lane_options(const Device& device, Precision precision, int lanes) {
+  BuildOptions options;
+  return options.real(precision).define("V", lanes == 0 ? lane_shape_of(device, precision).lanes : lanes);
+}
+
 LaneShape LaneShape::for_tile(int tile_rays) const {
   const int items = std::min(work_items, tile_rays / lanes);
   return {lanes, tile_rays / lanes / items, items};

@@ -1,10 +1,14 @@
 #pragma once
 #include "host/render/options/options.hpp"
+#include "host/runtime/build_options.hpp"
 #include "host/runtime/device.hpp"
 
 namespace simuli {
 
 /// As suits the device. CPUs: one work-item per tile, explicit vectors. GPUs: 64 scalar work-items of 4 rays.
 [[nodiscard]] LaneShape lane_shape_of(const Device& device, Precision precision);
+
+/// For kernels whose work-items take `lanes` values each; 0: as suits the device.
+[[nodiscard]] BuildOptions lane_options(const Device& device, Precision precision, int lanes = 0);
 
 }  // namespace simuli

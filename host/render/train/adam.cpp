@@ -15,11 +15,6 @@ constexpr double kEpsilon = 1e-15;  // gradients of means over many rays are tin
 
 constexpr std::size_t kLocalSize = 32;
 
-BuildOptions adam_options(const Device& device, Precision precision) {
-  BuildOptions options;
-  return options.real(precision).define("V", lane_shape_of(device, precision).lanes);
-}
-
 }  // namespace
 
 AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
@@ -28,7 +23,7 @@ AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
 AdamStage::AdamStage(const Device& device, Precision precision, std::size_t parameters)
     : lanes_(lane_shape_of(device, precision).lanes),
       buffers_(device, precision),
-      adam_(Program(device, "kernels/adam.cl", adam_options(device, precision)), "adam") {
+      adam_(Program(device, "kernels/adam.cl", lane_options(device, precision)), "adam") {
   buffers_.reserve({parameters, 1});
   buffers_.first_moment.fill(0.0);
   buffers_.second_moment.fill(0.0);

@@ -14,10 +14,7 @@ std::vector<double> column_sums(const RealBuffer& parts, std::size_t columns) {
 ImageLossStage::ImageLossStage(const Device& device, Precision precision)
     : device_(device),
       buffers_(device, precision),
-      loss_image_(Program(device,
-                          "kernels/loss_image.cl",
-                          BuildOptions().real(precision).define("V", lane_shape_of(device, precision).lanes)),
-                  "loss_image") {}
+      loss_image_(Program(device, "kernels/loss_image.cl", lane_options(device, precision)), "loss_image") {}
 
 ImageLoss ImageLossStage::run(const shared::FrameParams& frame,
                               const WorldRays& world_rays,

@@ -6,10 +6,7 @@ namespace simuli {
 
 LidarLossStage::LidarLossStage(const Device& device, Precision precision)
     : buffers_(device, precision),
-      loss_lidar_(Program(device,
-                          "kernels/loss_lidar.cl",
-                          BuildOptions().real(precision).define("V", lane_shape_of(device, precision).lanes)),
-                  "loss_lidar") {}
+      loss_lidar_(Program(device, "kernels/loss_lidar.cl", lane_options(device, precision)), "loss_lidar") {}
 
 LidarLoss LidarLossStage::run(const shared::FrameParams& frame,
                               const WorldRays& world_rays,

@@ -22,7 +22,7 @@ std::vector<double> gaussian_window() {
 }
 
 Program ssim_program(const Device& device, Precision precision, int lanes) {
-  return {device, "kernels/loss_ssim.cl", BuildOptions().real(precision).define("V", lanes)};
+  return {device, "kernels/loss_ssim.cl", lane_options(device, precision, lanes)};
 }
 
 }  // namespace

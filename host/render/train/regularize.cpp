@@ -12,9 +12,8 @@ constexpr std::size_t kLocalSize = 32;
 
 RegularizeStage::RegularizeStage(const Device& device, Precision precision)
     : lanes_(lane_shape_of(device, precision).lanes),
-      regularize_(
-          Program(device, "kernels/regularize.cl", BuildOptions().real(precision).define("V", lanes_)),
-          "regularize") {}
+      regularize_(Program(device, "kernels/regularize.cl", lane_options(device, precision, lanes_)),
+                  "regularize") {}
 
 void RegularizeStage::run(const ParticleBuffers& particles,
                           const RegularizeScale& scale,

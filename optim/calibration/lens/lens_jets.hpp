@@ -1,7 +1,7 @@
 #pragma once
 // cl/math/camera.h compiled for automatic derivatives: the text that the device and the host run is the one
-// that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this; the
-// vocabulary ends with the file.
+// that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this,
+// and none that includes host/sensors/lens_forward.hpp.
 #include <Eigen/Core>
 #include <algorithm>
 #include <ceres/jet.h>
@@ -17,31 +17,7 @@ using real = F;
 using I = int;
 inline F atan2_lanes(const F& y, const F& x) { return ceres::atan2(y, x); }
 
-#define FN inline
-#define R(x) x
-#define REALS const F*
-#define LENS_CONSTANTS const shared::LensConstants<F>*
-#define SEL(c, a, b) ((c) ? (a) : (b))
-#define AND(a, b) ((a) && (b))
-#define ANY(c) (c)
-#define VMIN(a, b) SEL((a) < (b), (a), (b))
-#define VMAX(a, b) SEL((a) > (b), (a), (b))
-
-// camera.h guards itself; host/sensors/lens_forward.hpp must not have been included before.
-#include "cl/math/camera.h"
-
-#undef FN
-#undef R
-#undef REALS
-#undef LENS_CONSTANTS
-#undef SEL
-#undef AND
-#undef ANY
-#undef VMIN
-#undef VMAX
-#undef CAMERA_NEAR
-#undef PINHOLE_COS2_MIN
-#undef FTHETA_MAX_ITERATIONS
+#include "host/sensors/lens_text.hpp"
 
 using Constants = shared::LensConstants<F>;
 

@@ -1,0 +1,27 @@
+// cl/math/camera.h compiled for the host, in the namespace of whoever includes this: the text that the device runs,
+// with the numbers F that are declared there (and `real`, masks I, atan2_lanes()). Sources of lenses alone include
+// it, each once; the vocabulary ends with the file. camera.h guards itself: one of these per source.
+#define FN inline
+#define R(x) x
+#define REALS const F*
+#define LENS_CONSTANTS const shared::LensConstants<F>*
+#define SEL(c, a, b) ((c) ? (a) : (b))
+#define AND(a, b) ((a) && (b))
+#define ANY(c) (c)
+#define VMIN(a, b) SEL((a) < (b), (a), (b))
+#define VMAX(a, b) SEL((a) > (b), (a), (b))
+
+#include "cl/math/camera.h"
+
+#undef FN
+#undef R
+#undef REALS
+#undef LENS_CONSTANTS
+#undef SEL
+#undef AND
+#undef ANY
+#undef VMIN
+#undef VMAX
+#undef CAMERA_NEAR
+#undef PINHOLE_COS2_MIN
+#undef FTHETA_MAX_ITERATIONS
