@@ -46,14 +46,12 @@ std::uint32_t seen_between(const Device& device, const ParticleBuffers& street, 
 
 double removed(std::uint32_t off, std::uint32_t on) { return off == 0 ? 0.0 : 100.0 * (off - on) / off; }
 
-}  // namespace
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kTop_deg = 2.0, kBottom_deg = -24.8;
+constexpr int kFrames = 21;
 
-std::vector<Row> run_table7(const std::string& device_request, std::int64_t particles, const Progress& note) {
-  const Device device = profiled_device(device_request, note);
-  const ParticleBuffers street = lidar_street(device, particles);
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  constexpr double kTop_deg = 2.0, kBottom_deg = -24.8;
-  const Case cases[] = {
+std::vector<Case> all_cases() {
+  return {
       {"full_sweep", kTurn, {}},
       {"one_ray_in_16",
        kTurn,
@@ -69,54 +67,98 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
        [](std::size_t, std::size_t column, std::size_t columns) { return column < columns / 8; }},
       {"sensor_of_60_degrees", kTurn / 6.0, {}},
   };
-  constexpr int kFrames = 21;
-  std::vector<Row> rows;
-  for (const Case& one : cases) {
-    const Lidar sensor =
-        even_lidar(64, static_cast<int>(2650 * one.span_rad / kTurn), kTop_deg, kBottom_deg, one.span_rad);
-    RenderOptions off_options = paper_options(), on_options = off_options, fine_options = off_options;
-    off_options.culling = Culling::kOff;
-    on_options.culling = fine_options.culling = Culling::kAlways;
-    on_options.ray_mask = {1599, 8};  // any but the default, which is refined for some of the rays
-    LidarFrames off(device, sensor, street, off_options), on(device, sensor, street, on_options),
-        fine(device, sensor, street, fine_options);
-    const std::array<std::pair<const char*, LidarFrames*>, 3> ways{
-        {{"off", &off}, {"on", &on}, {"fine", &fine}}};
-    const auto columns = static_cast<std::size_t>(sensor.columns);
-    std::vector<bool> requested(sensor.ray_count(), true);
-    if (one.wants) {
-      for (std::size_t ray = 0; ray < requested.size(); ++ray)
-        requested[ray] = one.wants(ray / columns, ray % columns, columns);
-    }
-    for (const auto& [name, way] : ways) way->rays().request(requested);
-    const std::string base = fmt::format("table7/{}_{}k/", one.name, particles / 1000);
-    if (!on.rays().can_cull())
-      note(base + ": every cell of the mask holds a ray, by default nothing is asked");
-    std::map<std::string, std::map<std::string, std::vector<double>>> samples;  // way, stage
+}
+
+/// The rays that a case asks for.
+std::vector<bool> rays_of(const Case& one, const Lidar& sensor) {
+  const auto columns = static_cast<std::size_t>(sensor.columns);
+  std::vector<bool> requested(sensor.ray_count(), true);
+  if (!one.wants) return requested;
+  for (std::size_t ray = 0; ray < requested.size(); ++ray)
+    requested[ray] = one.wants(ray / columns, ray % columns, columns);
+  return requested;
+}
+
+/// One case without culling, with it, and with a mask that is refined for some of the rays.
+class Ways {
+ public:
+  using Samples = std::map<std::string, std::map<std::string, std::vector<double>>>;  // way, stage
+
+  Ways(const Device& device, const Lidar& sensor, const ParticleBuffers& street)
+      : off(device, sensor, street, options(Culling::kOff)),
+        on(device, sensor, street, coarse()),
+        fine(device, sensor, street, options(Culling::kAlways)) {}
+
+  void request(const std::vector<bool>& rays) {
+    for (const auto& [name, way] : all()) way->rays().request(rays);
+  }
+  /// Times of the stages, ms, in turns.
+  Samples time() {
+    Samples samples;
     for (int frame = -2; frame < kFrames; ++frame) {
-      for (const auto& [name, way] : ways) {
+      for (const auto& [name, way] : all()) {
         FrameTimes times = way->run();
         if (frame < 0) continue;
         times.stage_ms["frame"] = times.frame_ms;
         for (const auto& [stage, ms] : times.stage_ms) samples[name][stage].push_back(ms);
       }
     }
-    const auto& without = samples.at("off");
-    for (const std::string stage : {"project", "sort", "bin", "blend", "frame"}) {
-      const Spread plain = spread_of(without.at(stage));
-      rows.push_back({base + stage + "_off", plain.median, "ms", plain.half_iqr});
-      for (const std::string way : {"on", "fine"}) {
-        const std::vector<double>& with = samples.at(way).at(stage);
-        std::vector<double> saved;
-        for (std::size_t i = 0; i < with.size(); ++i)
-          saved.push_back(100.0 * (1.0 - with[i] / without.at(stage)[i]));
-        const Spread ms = spread_of(with), percent = spread_of(saved);
-        rows.push_back({base + stage + "_" + way, ms.median, "ms", ms.half_iqr});
-        rows.push_back({base + stage + "_saved_" + way, percent.median, "%", percent.half_iqr});
-      }
+    return samples;
+  }
+
+  LidarFrames off, on, fine;
+
+ private:
+  std::array<std::pair<const char*, LidarFrames*>, 3> all() {
+    return {{{"off", &off}, {"on", &on}, {"fine", &fine}}};
+  }
+  static RenderOptions options(Culling culling) {
+    RenderOptions o = paper_options();
+    o.culling = culling;
+    return o;
+  }
+  static RenderOptions coarse() {
+    RenderOptions o = options(Culling::kAlways);
+    o.ray_mask = {1599, 8};  // any but the default, which is refined for some of the rays
+    return o;
+  }
+};
+
+void add_times(const std::string& base, const Ways::Samples& samples, std::vector<Row>& rows) {
+  const auto& without = samples.at("off");
+  for (const std::string stage : {"project", "sort", "bin", "blend", "frame"}) {
+    const Spread plain = spread_of(without.at(stage));
+    rows.push_back({base + stage + "_off", plain.median, "ms", plain.half_iqr});
+    for (const std::string way : {"on", "fine"}) {
+      const std::vector<double>& with = samples.at(way).at(stage);
+      std::vector<double> saved;
+      for (std::size_t i = 0; i < with.size(); ++i)
+        saved.push_back(100.0 * (1.0 - with[i] / without.at(stage)[i]));
+      const Spread ms = spread_of(with), percent = spread_of(saved);
+      rows.push_back({base + stage + "_" + way, ms.median, "ms", ms.half_iqr});
+      rows.push_back({base + stage + "_saved_" + way, percent.median, "%", percent.half_iqr});
     }
-    const auto& a = off.pass().buffers().binned;
-    for (const auto& [name, way] : {ways[1], ways[2]}) {
+  }
+}
+
+}  // namespace
+
+std::vector<Row> run_table7(const std::string& device_request, std::int64_t particles, const Progress& note) {
+  const Device device = profiled_device(device_request, note);
+  const ParticleBuffers street = lidar_street(device, particles);
+  std::vector<Row> rows;
+  for (const Case& one : all_cases()) {
+    const Lidar sensor =
+        even_lidar(64, static_cast<int>(2650 * one.span_rad / kTurn), kTop_deg, kBottom_deg, one.span_rad);
+    Ways ways(device, sensor, street);
+    const std::vector<bool> requested = rays_of(one, sensor);
+    ways.request(requested);
+    const std::string base = fmt::format("table7/{}_{}k/", one.name, particles / 1000);
+    if (!ways.on.rays().can_cull())
+      note(base + ": every cell of the mask holds a ray, by default nothing is asked");
+    add_times(base, ways.time(), rows);
+    const auto& a = ways.off.pass().buffers().binned;
+    for (const auto& [name, way] : {std::pair{"on", &ways.on}, std::pair{"fine", &ways.fine}}) {
       const auto& b = way->pass().buffers().binned;
       rows.push_back({base + "particles_removed_" + name, removed(a.visible, b.visible), "%", 0.0});
       rows.push_back({base + "instances_removed_" + name, removed(a.instances, b.instances), "%", 0.0});
@@ -127,7 +169,8 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
       rows.push_back({base + "particles_beside_the_beams", removed(around, within), "%", 0.0});
       rows.push_back({base + "particles_between_the_beams", removed(within, a.visible), "%", 0.0});
     }
-    rows.push_back({base + "instances_in_empty_tiles", in_empty_tiles(on, on.rays(), requested), "%", 0.0});
+    const double empty = in_empty_tiles(ways.on, ways.on.rays(), requested);
+    rows.push_back({base + "instances_in_empty_tiles", empty, "%", 0.0});
   }
   return rows;
 }

@@ -50,89 +50,122 @@ class Boxes {
   std::map<std::string, std::size_t> index_;
 };
 
+/// A segment on its way into a log's folder, record by record.
+class SegmentLog {
+ public:
+  SegmentLog(const std::string& file, const fs::path& folder, WaymoReport& report)
+      : file_(file), reader_(file), report_(report) {
+    log_.folder = folder;
+    fs::create_directory(folder / "images");
+    fs::create_directory(folder / "sweeps");
+  }
+
+  void add(const std::string& record) {
+    const Frame frame = reader_.frame(record);
+    if (frames_ == 0) begin(frame);
+    for (const auto& [time_s, pose] : frame.poses) place(time_s, pose);
+    if (frame.poses.empty()) place(frame.time_s, frame.world_from_vehicle);
+    for (const Picture& p : frame.pictures) add_picture(p);
+    if (!frame.top.empty()) add_sweep(frame);
+    boxes_.add(frame, frame.time_s - origin_s_);
+    ++frames_;
+  }
+
+  /// The whole log, in time's order.
+  Log take() {
+    report_.frames = frames_;
+    end_sweeps();
+    std::stable_sort(log_.images.begin(), log_.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
+      return a.time_start_s < b.time_start_s;
+    });
+    log_.actors = boxes_.take(file_);
+    std::vector<TimedPose> poses;
+    for (const auto& [ns, pose] : path_) poses.push_back({static_cast<double>(ns) * 1e-9, pose});
+    log_.world_from_rig = Trajectory(std::move(poses));
+    return std::move(log_);
+  }
+
+ private:
+  void begin(const Frame& frame) {
+    log_.name = frame.name;
+    log_.start_ns = static_cast<std::int64_t>(std::llround(frame.time_s * 1e6)) * 1000;
+    origin_s_ = static_cast<double>(log_.start_ns) * 1e-9;
+    for (const std::string_view calibration : frame.cameras)
+      log_.cameras.push_back(reader_.camera(calibration));
+  }
+
+  void place(double time_s, const Pose& pose) { path_[std::llround((time_s - origin_s_) * 1e9)] = pose; }
+
+  void add_picture(const Picture& p) {
+    const std::string name = reader_.camera_name(p.name);
+    const std::string image = fmt::format("images/{}_{:06}.jpg", name, frames_);
+    write_file_atomically(log_.folder / image, std::string(p.bytes));
+    const bool global = log_.camera(name).model.shutter == ShutterKind::kGlobal;
+    const double middle_s = 0.5 * (p.start_s + p.end_s);
+    log_.images.push_back({name,
+                           image,
+                           (global ? middle_s : p.start_s) - origin_s_,
+                           (global ? middle_s : p.end_s) - origin_s_});
+  }
+
+  void add_sweep(const Frame& frame) {
+    const Grid grid = reader_.grid(frame.top);
+    for (const std::string_view calibration : frame.lidars) {
+      LogLidar lidar;
+      if (log_.lidars.empty() && reader_.lidar(calibration, grid.rows, grid.columns, lidar))
+        log_.lidars = {lidar};
+    }
+    if (log_.lidars.empty()) throw_input_error(file_, "laser calibrations", "none of TOP", "one");
+    const Lidar& model = log_.lidars[0].with_rows();
+    if (grid.rows != model.rows.size() || grid.columns != static_cast<std::size_t>(model.columns)) {
+      throw_input_error(file_, "range image", "another size than the first", "one size");
+    }
+    const Sweep sweep = sweep_of(grid, model);
+    const std::string name = fmt::format("sweeps/{:06}.exr", frames_);
+    write_sweep(log_.folder / name, sweep);
+    report_.rays += sweep.range.size();
+    report_.returned += static_cast<std::size_t>(
+        std::count_if(sweep.range.begin(), sweep.range.end(), [](float r) { return r > 0.0F; }));
+    log_.sweeps.push_back({model.name, name, frame.time_s - origin_s_, 0.0});
+  }
+
+  /// A sweep ends where the next begins, or a turn later.
+  void end_sweeps() {
+    constexpr double kTurn_s = 0.1;
+    std::vector<SweepFrame>& sweeps = log_.sweeps;
+    for (std::size_t i = 0; i < sweeps.size(); ++i) {
+      const bool follows =
+          i + 1 < sweeps.size() && sweeps[i + 1].time_start_s - sweeps[i].time_start_s < 1.5 * kTurn_s;
+      sweeps[i].time_end_s = follows ? sweeps[i + 1].time_start_s : sweeps[i].time_start_s + kTurn_s;
+    }
+  }
+
+  std::string file_;
+  Reader reader_;
+  WaymoReport& report_;
+  Log log_;
+  double origin_s_ = 0.0;              // of the log's times, since 1970
+  std::map<std::int64_t, Pose> path_;  // by ns
+  Boxes boxes_;
+  std::size_t frames_ = 0;
+};
+
 }  // namespace
 
 Log import_waymo(const WaymoOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress,
                  WaymoReport& report) {
-  const std::string file = options.segment.string();
-  const Reader reader(file);
   TfRecords records(options.segment);
-  Log log, written;
-  std::map<std::int64_t, Pose> path;
-  std::vector<double> starts_s;  // of the frames, since 1970
-  Boxes boxes;
+  Log written;
   write_folder_atomically(options.output, [&](const fs::path& folder) {
-    log.folder = folder;
-    fs::create_directory(folder / "images");
-    fs::create_directory(folder / "sweeps");
+    SegmentLog segment(options.segment.string(), folder, report);
     std::string record;
     while (records.next(record)) {
-      const Frame frame = reader.frame(record);
-      if (starts_s.empty()) {
-        log.name = frame.name;
-        log.start_ns = static_cast<std::int64_t>(std::llround(frame.time_s * 1e6)) * 1000;
-        for (const std::string_view calibration : frame.cameras)
-          log.cameras.push_back(reader.camera(calibration));
-      }
-      const double origin_s = static_cast<double>(log.start_ns) * 1e-9;
-      const auto place = [&](double time_s, const Pose& pose) {
-        path[std::llround((time_s - origin_s) * 1e9)] = pose;
-      };
-      for (const auto& [time_s, pose] : frame.poses) place(time_s, pose);
-      if (frame.poses.empty()) place(frame.time_s, frame.world_from_vehicle);
-      for (const Picture& p : frame.pictures) {
-        const std::string name = reader.camera_name(p.name);
-        const std::string image = fmt::format("images/{}_{:06}.jpg", name, starts_s.size());
-        write_file_atomically(folder / image, std::string(p.bytes));
-        const bool global = log.camera(name).model.shutter == ShutterKind::kGlobal;
-        const double middle_s = 0.5 * (p.start_s + p.end_s);
-        log.images.push_back({name,
-                              image,
-                              (global ? middle_s : p.start_s) - origin_s,
-                              (global ? middle_s : p.end_s) - origin_s});
-      }
-      if (!frame.top.empty()) {
-        const Grid grid = reader.grid(frame.top);
-        for (const std::string_view calibration : frame.lidars) {
-          LogLidar lidar;
-          if (log.lidars.empty() && reader.lidar(calibration, grid.rows, grid.columns, lidar))
-            log.lidars = {lidar};
-        }
-        if (log.lidars.empty()) throw_input_error(file, "laser calibrations", "none of TOP", "one");
-        const Lidar& model = log.lidars[0].with_rows();
-        if (grid.rows != model.rows.size() || grid.columns != static_cast<std::size_t>(model.columns)) {
-          throw_input_error(file, "range image", "another size than the first", "one size");
-        }
-        const Sweep sweep = sweep_of(grid, model);
-        const std::string name = fmt::format("sweeps/{:06}.exr", starts_s.size());
-        write_sweep(folder / name, sweep);
-        report.rays += sweep.range.size();
-        report.returned += static_cast<std::size_t>(
-            std::count_if(sweep.range.begin(), sweep.range.end(), [](float r) { return r > 0.0F; }));
-        log.sweeps.push_back({model.name, name, frame.time_s - origin_s, 0.0});
-      }
-      boxes.add(frame, frame.time_s - origin_s);
-      starts_s.push_back(frame.time_s);
+      segment.add(record);
       if (progress)
         progress(static_cast<std::size_t>(records.at()), static_cast<std::size_t>(records.size()));
     }
-    report.frames = starts_s.size();
-    constexpr double kTurn_s = 0.1;
-    for (std::size_t i = 0; i < log.sweeps.size(); ++i) {
-      const bool follows = i + 1 < log.sweeps.size() &&
-                           log.sweeps[i + 1].time_start_s - log.sweeps[i].time_start_s < 1.5 * kTurn_s;
-      log.sweeps[i].time_end_s =
-          follows ? log.sweeps[i + 1].time_start_s : log.sweeps[i].time_start_s + kTurn_s;
-    }
-    std::stable_sort(log.images.begin(), log.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
-      return a.time_start_s < b.time_start_s;
-    });
-    log.actors = boxes.take(file);
-    std::vector<TimedPose> poses;
-    for (const auto& [ns, pose] : path) poses.push_back({static_cast<double>(ns) * 1e-9, pose});
-    log.world_from_rig = Trajectory(std::move(poses));
-    write_log(log);
+    write_log(segment.take());
     written = read_log(folder);  // what was written is what the next command will read
   });
   written.folder = options.output;
