@@ -79,6 +79,200 @@ FN void join_columns(Footprint* f) {
   }
 }
 
+/// 2 ln(opacity / least alpha): up to which squared distance in standard deviations a particle counts.
+FN F largest_q(__global const SensorConstants* sensor, const Gaussian* g, F logit) {
+  // ln(sigma / cut), where a logit of -80 is as good as -infinity.
+  const F bounded = VMAX(VMIN(logit, (F)R(80.0)), (F)R(-80.0));
+#if COMPENSATION
+  Compensation kept;
+  compensation(g, &kept);
+  return R(2.0) * (kept.log_share - log(R(1.0) + exp_lanes(-bounded)) - log(sensor->alpha_cut));
+#else
+  return R(-2.0) * (log(R(1.0) + exp_lanes(-bounded)) + log(sensor->alpha_cut));
+#endif
+}
+
+/// Whether particles may be met at all, `radius` large, carried along by `travel` (m) during the frame. False for
+/// what is not a number.
+FN I may_be_seen(const FrameParams* frame,
+                 __global const SensorConstants* sensor,
+                 __global const real* params,
+                 uint i,
+                 const Gaussian* g,
+                 const F* centre,
+                 F logit,
+                 F qmax,
+                 F radius,
+                 F travel) {
+  // Positive guards: NaN anywhere makes them false. Beyond these bounds exp, squares and inverses leave the
+  // range of floats.
+  I visible = AND(qmax > R(0.0), AND(fabs(logit) < R(1e35), radius < R(1e18)));
+#if ACTORS
+  if (g->actor.any) visible = AND(visible, g->actor.there);
+#endif
+  visible = AND(visible, AND(g->inv_norm > R(1e-18), g->inv_norm < R(1e18)));
+  for (int k = 0; k < 3; ++k) {
+    visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame->stride + i)) < R(80.0));
+  }
+  const F far = sensor->model.t_max + origin_reach(frame, sensor);
+  visible = AND(visible, AND(g->range - radius - R(0.5) * travel < far, g->range > R(1e-6)));
+#if SENSOR == SENSOR_CAMERA
+  // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
+  // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
+  const F step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
+                      sensor->centre_step[1] * sensor->centre_step[1] +
+                      sensor->centre_step[2] * sensor->centre_step[2]);
+  const F ball = radius + R(0.5) * (step + travel);
+  const F tangent2 = fma(g->range, g->range, -(ball * ball));
+  const F tangent = sqrt(VMAX(tangent2, (F)R(0.0)));
+  const F limit = fma(tangent, (F)sensor->cos_view, ball * -sensor->sin_view);
+  const I all_round = fma(tangent, (F)sensor->sin_view, ball * sensor->cos_view) <= R(0.0);
+  visible = AND(visible, OR(OR(tangent2 <= R(0.0), all_round), centre[2] >= limit));
+#endif
+  return visible;
+}
+
+/// What particles are ordered by, m: how far they are, or how near a ray may meet them at most.
+FN F key_range(const FrameParams* frame, __global const SensorConstants* sensor, const Gaussian* g, F radius, F travel) {
+#if PER_RAY
+  // Where a ray meets it is within `radius` of its centre; rays start, and its actor takes it, elsewhere.
+  const F apart = radius + travel + origin_reach(frame, sensor);
+  return VMAX(g->range - apart - R(1e-5) * (g->range + apart), (F)R(0.0));
+#else
+  return g->range;
+#endif
+}
+
+/// Where particles are on the sensor. Where x goes round, a particle has two places: at the cut of a sweep it is met
+/// from the pose at the start and from that at the end (the unrolled spin angle of METHOD section 3).
+FN void bounds_of(const FrameParams* frame,
+                  __global const SensorConstants* sensor,
+                  __global const real* normal_samples,
+                  const Gaussian* g,
+                  const F* centre,
+                  F reach,
+                  F radius,
+                  I visible,
+                  Bounds* box) {
+#if EXTENT == EXTENT_EXACT
+  exact_bounds(frame, sensor, g, reach, radius, box);
+#else
+  const I known = unscented_bounds(frame, sensor, normal_samples, g, centre, reach, radius, visible, box);
+  if (ANY(AND(visible, NOT(known)))) {
+    Bounds all;
+    exact_bounds(frame, sensor, g, reach, radius, &all);
+    box->mean_x = SEL(known, box->mean_x, all.mean_x);
+    box->other_x = SEL(known, box->other_x, all.other_x);
+    box->half_x = SEL(known, box->half_x, all.half_x);
+    box->low = SEL(known, box->low, all.low);
+    box->high = SEL(known, box->high, all.high);
+  }
+#endif
+}
+
+/// What footprints are looked up in (the kernel's contract says what each is).
+typedef struct {
+  __global const int* row_lut;
+  __global const real* row_elevation;
+  __global const uint* tile_row_of_row;
+  __global const uint* column_of_bin;
+  __global const uint* mask_row_of_row;
+  __global const uint* areas;
+} Tables;
+
+/// Rows and tiles that one particle's box touches; no tiles: nothing sees it. record: its lane of [SIM_RECORD][V].
+FN Footprint footprint_of(const FrameParams* frame,
+                          __global const SensorConstants* sensor,
+                          const Tables* tables,
+                          real low_y,
+                          real high_y,
+                          const real* record) {
+  Footprint f = {0, 0, 0, 0};
+#if SENSOR == SENSOR_CAMERA
+  // Pixel rows whose centres lie in the box; comparing before converting keeps huge values defined.
+  const real row0 = max(ceil(low_y - R(0.5)), R(0.0));
+  const real row1 = min(floor(high_y - R(0.5)), sensor->model.picture_height - R(1.0));
+  const int row_first = row0 <= row1 ? (int)row0 : 1;
+  const int row_last = row0 <= row1 ? (int)row1 : 0;
+#else
+  const int rows = (int)frame->rows;
+  const int row_first = beams_above(tables->row_lut, tables->row_elevation, sensor, rows, high_y, 0);
+  const int row_last = beams_above(tables->row_lut, tables->row_elevation + rows, sensor, rows, low_y, 1) - 1;
+#endif
+  if (row_first <= row_last) {
+    const real half_width = fabs(record[SIM_R_BOX_HALF * V]);
+    f.columns = tile_columns(sensor, tables->column_of_bin, record[SIM_R_BOX_MEAN * V], half_width);
+#if WRAPS
+    f.others = tile_columns(sensor, tables->column_of_bin, record[SIM_R_BOX_OTHER * V], half_width);
+    join_columns(&f);
+#endif
+    f.rows = (uint)row_first | (uint)row_last << 16;
+#if SENSOR == SENSOR_CAMERA
+    const uint ty0 = (uint)row_first / SIM_SLOT_ROWS, ty1 = (uint)row_last / SIM_SLOT_ROWS;
+#else
+    const uint ty0 = tables->tile_row_of_row[row_first], ty1 = tables->tile_row_of_row[row_last];
+#endif
+    f.tile_rows = ty0 | (ty1 - ty0 + 1) << 16;
+#if CULLING
+    // Both intervals may hold the same cells: only whether there are any counts.
+    const uint top = tables->mask_row_of_row[row_first], bottom = tables->mask_row_of_row[row_last];
+    if (occupied_cells(sensor, tables->areas, record[SIM_R_BOX_MEAN * V], half_width, top, bottom) == 0 &&
+        occupied_cells(sensor, tables->areas, record[SIM_R_BOX_OTHER * V], half_width, top, bottom) == 0) {
+      f.tile_rows = 0;
+    }
+#endif
+  }
+  return f;
+}
+
+/// All of a record [SIM_RECORD][V] but its features.
+FN void put_record(const BlendMatrix* b, const Bounds* box, F qmax, real* out) {
+  STV(out, b->a[0]);
+  STV(out + V, b->a[1]);
+  for (int k = 2; k < 8; ++k) STV(out + k * V, b->a[k + 1]);
+  STV(out + SIM_R_RADIUS2 * V, b->radius2);
+  STV(out + SIM_R_QMAX * V, qmax);
+  STV(out + SIM_R_BOX_MEAN * V, box->mean_x);
+  STV(out + SIM_R_BOX_OTHER * V, box->other_x);
+  STV(out + SIM_R_BOX_HALF * V, box->half_x);
+}
+
+#if ACTOR_MOTION
+/// motion[SIM_MOTION][V] of particles of actors, whose records tell it by a box of negative width.
+FN void put_motion(const Gaussian* g, const Bounds* box, const F* velocity, F own_time, real* out, real* motion) {
+  STV(out + SIM_R_BOX_HALF * V, SEL(g->actor.on, -VMAX(box->half_x, (F)R(1e-30)), box->half_x));
+  for (int k = 0; k < 3; ++k) STV(motion + (SIM_M_VELOCITY + k) * V, velocity[k]);
+  STV(motion + SIM_M_TIME * V, own_time);
+}
+#endif
+
+/// One lane of [count][V] to where it stays.
+FN void store_lane(const real* lane, __global real* to, int count) {
+  for (int k = 0; k < count; ++k) to[k] = lane[k * V];
+}
+
+/// Features as they are seen from `towards`, into the lanes of records [SIM_RECORD][V]; false where they are no
+/// numbers to blend.
+FN I features_of(const FrameParams* frame, __global const real* params, uint i, const F* towards, real* records) {
+  F basis[SH_COEFFICIENTS];
+  sh_basis(towards[0], towards[1], towards[2], basis);
+  I usable = (F)R(0.0) == (F)R(0.0);
+  for (int channel = 0; channel < 3; ++channel) {
+    F sum = (F)R(0.0);
+    for (int k = 0; k < SH_COEFFICIENTS; ++k) {
+      sum = fma(basis[k], SH_LANES(params, frame->stride, k, channel, i), sum);
+    }
+    usable = AND(usable, fabs(sum) < R(1e20));
+#if SENSOR == SENSOR_CAMERA
+    sum = VMAX(sum + R(0.5), (F)R(0.0));
+#else
+    if (channel == 0) sum = VMAX(sum + R(0.5), (F)R(0.0));
+#endif
+    STV(records + (SIM_R_FEATURE + channel) * V, sum);
+  }
+  return usable;
+}
+
 /// V particles per work-item: visibility, box, features, record.
 /// in  params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
@@ -108,68 +302,21 @@ __kernel void project(const FrameParams frame,
   Gaussian g;
   load_gaussian(params, actor_of, actors, frame.stride, i, sensor, &g);
   const F logit = LDV(params + SIM_OPACITY * frame.stride + i);
-  // ln(sigma / cut), where a logit of -80 is as good as -infinity.
-  const F bounded = VMAX(VMIN(logit, (F)R(80.0)), (F)R(-80.0));
-#if COMPENSATION
-  Compensation kept;
-  compensation(&g, &kept);
-  const F qmax = R(2.0) * (kept.log_share - log(R(1.0) + exp_lanes(-bounded)) - log(sensor->alpha_cut));
-#else
-  const F qmax = R(-2.0) * (log(R(1.0) + exp_lanes(-bounded)) + log(sensor->alpha_cut));
-#endif
+  const F qmax = largest_q(sensor, &g, logit);
   const F reach = sqrt(VMAX(qmax, (F)R(0.0)));
   const F radius = reach * VMAX(g.filtered[0], VMAX(g.filtered[1], g.filtered[2]));
   F centre[3];
   sensor_from_world_point(sensor, g.offset, (F)R(0.5), centre);
 
-  // Positive guards: NaN anywhere makes them false. Beyond these bounds exp, squares and inverses leave the
-  // range of floats.
-  I visible = AND(qmax > R(0.0), AND(fabs(logit) < R(1e35), radius < R(1e18)));
-#if ACTORS
-  if (g.actor.any) visible = AND(visible, g.actor.there);
-#endif
   const F travel = carried(&g, radius);
-  visible = AND(visible, AND(g.inv_norm > R(1e-18), g.inv_norm < R(1e18)));
-  for (int k = 0; k < 3; ++k) {
-    visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame.stride + i)) < R(80.0));
-  }
-  const F far = sensor->model.t_max + origin_reach(&frame, sensor);
-  visible = AND(visible, AND(g.range - radius - R(0.5) * travel < far, g.range > R(1e-6)));
-#if SENSOR == SENSOR_CAMERA
-  // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
-  // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
-  const F step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
-                      sensor->centre_step[1] * sensor->centre_step[1] +
-                      sensor->centre_step[2] * sensor->centre_step[2]);
-  const F ball = radius + R(0.5) * (step + travel);
-  const F tangent2 = fma(g.range, g.range, -(ball * ball));
-  const F tangent = sqrt(VMAX(tangent2, (F)R(0.0)));
-  const F limit = fma(tangent, (F)sensor->cos_view, ball * -sensor->sin_view);
-  const I all_round = fma(tangent, (F)sensor->sin_view, ball * sensor->cos_view) <= R(0.0);
-  visible = AND(visible, OR(OR(tangent2 <= R(0.0), all_round), centre[2] >= limit));
-#endif
+  I visible = may_be_seen(&frame, sensor, params, i, &g, centre, logit, qmax, radius, travel);
   if (!ANY(visible)) {
     for (uint lane = 0; lane < lanes; ++lane) keys[i + lane] = 0xffffffffu;
     return;
   }
 
-  // Where x goes round, a particle has two places: at the cut of a sweep it is met from the pose at the start
-  // and from that at the end (the unrolled spin angle of METHOD section 3).
   Bounds box;
-#if EXTENT == EXTENT_EXACT
-  exact_bounds(&frame, sensor, &g, reach, radius, &box);
-#else
-  const I known = unscented_bounds(&frame, sensor, normal_samples, &g, centre, reach, radius, visible, &box);
-  if (ANY(AND(visible, NOT(known)))) {
-    Bounds all;
-    exact_bounds(&frame, sensor, &g, reach, radius, &all);
-    box.mean_x = SEL(known, box.mean_x, all.mean_x);
-    box.other_x = SEL(known, box.other_x, all.other_x);
-    box.half_x = SEL(known, box.half_x, all.half_x);
-    box.low = SEL(known, box.low, all.low);
-    box.high = SEL(known, box.high, all.high);
-  }
-#endif
+  bounds_of(&frame, sensor, normal_samples, &g, centre, reach, radius, visible, &box);
 
   F towards[3];
   view_direction(&g, towards);
@@ -184,75 +331,25 @@ __kernel void project(const FrameParams frame,
   visible = AND(visible, AND(b.radius2 > R(1e-30), b.radius2 < R(1e30)));
 
   real out[SIM_RECORD * V];
-  STV(out, b.a[0]);
-  STV(out + V, b.a[1]);
-  for (int k = 2; k < 8; ++k) STV(out + k * V, b.a[k + 1]);
-  STV(out + SIM_R_RADIUS2 * V, b.radius2);
-  STV(out + SIM_R_QMAX * V, qmax);
-  STV(out + SIM_R_BOX_MEAN * V, box.mean_x);
-  STV(out + SIM_R_BOX_OTHER * V, box.other_x);
-  F half_x = box.half_x;
+  put_record(&b, &box, qmax, out);
 #if ACTOR_MOTION
   real motion[SIM_MOTION * V];
-  if (g.actor.any) {
-    half_x = SEL(g.actor.on, -VMAX(half_x, (F)R(1e-30)), half_x);
-    for (int k = 0; k < 3; ++k) STV(motion + (SIM_M_VELOCITY + k) * V, velocity[k]);
-    STV(motion + SIM_M_TIME * V, own_time);
-  }
+  if (g.actor.any) put_motion(&g, &box, velocity, own_time, out, motion);
 #endif
-  STV(out + SIM_R_BOX_HALF * V, half_x);
 
   // Tiles and rows, lane by lane: integers from here on.
   real low_y[V], high_y[V], seen[V], range[V];
   STV(low_y, box.low);
   STV(high_y, box.high);
   STV(seen, SEL(visible, (F)R(1.0), (F)R(0.0)));
-#if PER_RAY
-  // Where a ray meets it is within `radius` of its centre; rays start, and its actor takes it, elsewhere.
-  const F apart = radius + travel + origin_reach(&frame, sensor);
-  STV(range, VMAX(g.range - apart - R(1e-5) * (g.range + apart), (F)R(0.0)));
-#else
-  STV(range, g.range);
-#endif
+  STV(range, key_range(&frame, sensor, &g, radius, travel));
+  const Tables tables = {row_lut, row_elevation, tile_row_of_row, column_of_bin, mask_row_of_row, areas};
   uint drawn = 0;
   for (uint lane = 0; lane < lanes; ++lane) {
     Footprint f = {0, 0, 0, 0};
     uint key = 0xffffffffu;
     if (seen[lane] > R(0.5)) {
-#if SENSOR == SENSOR_CAMERA
-      // Pixel rows whose centres lie in the box; comparing before converting keeps huge values defined.
-      const real row0 = max(ceil(low_y[lane] - R(0.5)), R(0.0));
-      const real row1 = min(floor(high_y[lane] - R(0.5)), sensor->model.picture_height - R(1.0));
-      const int row_first = row0 <= row1 ? (int)row0 : 1;
-      const int row_last = row0 <= row1 ? (int)row1 : 0;
-#else
-      const int rows = (int)frame.rows;
-      const int row_first = beams_above(row_lut, row_elevation, sensor, rows, high_y[lane], 0);
-      const int row_last = beams_above(row_lut, row_elevation + rows, sensor, rows, low_y[lane], 1) - 1;
-#endif
-      if (row_first <= row_last) {
-        const real half_width = fabs(out[SIM_R_BOX_HALF * V + lane]);
-        f.columns = tile_columns(sensor, column_of_bin, out[SIM_R_BOX_MEAN * V + lane], half_width);
-#if WRAPS
-        f.others = tile_columns(sensor, column_of_bin, out[SIM_R_BOX_OTHER * V + lane], half_width);
-        join_columns(&f);
-#endif
-        f.rows = (uint)row_first | (uint)row_last << 16;
-#if SENSOR == SENSOR_CAMERA
-        const uint ty0 = (uint)row_first / SIM_SLOT_ROWS, ty1 = (uint)row_last / SIM_SLOT_ROWS;
-#else
-        const uint ty0 = tile_row_of_row[row_first], ty1 = tile_row_of_row[row_last];
-#endif
-        f.tile_rows = ty0 | (ty1 - ty0 + 1) << 16;
-#if CULLING
-        // Both intervals may hold the same cells: only whether there are any counts.
-        const uint top = mask_row_of_row[row_first], bottom = mask_row_of_row[row_last];
-        if (occupied_cells(sensor, areas, out[SIM_R_BOX_MEAN * V + lane], half_width, top, bottom) == 0 &&
-            occupied_cells(sensor, areas, out[SIM_R_BOX_OTHER * V + lane], half_width, top, bottom) == 0) {
-          f.tile_rows = 0;
-        }
-#endif
-      }
+      f = footprint_of(&frame, sensor, &tables, low_y[lane], high_y[lane], out + lane);
       if (SIM_TILES(f) > 0) key = as_uint((float)range[lane]);
     }
     keys[i + lane] = key;
@@ -262,22 +359,7 @@ __kernel void project(const FrameParams frame,
   if (drawn == 0) return;
 
   // Features only now: most particles outside the field of view never read their SH.
-  F basis[SH_COEFFICIENTS];
-  sh_basis(towards[0], towards[1], towards[2], basis);
-  I usable = (F)R(0.0) == (F)R(0.0);
-  for (int channel = 0; channel < 3; ++channel) {
-    F sum = (F)R(0.0);
-    for (int k = 0; k < SH_COEFFICIENTS; ++k) {
-      sum = fma(basis[k], SH_LANES(params, frame.stride, k, channel, i), sum);
-    }
-    usable = AND(usable, fabs(sum) < R(1e20));
-#if SENSOR == SENSOR_CAMERA
-    sum = VMAX(sum + R(0.5), (F)R(0.0));
-#else
-    if (channel == 0) sum = VMAX(sum + R(0.5), (F)R(0.0));
-#endif
-    STV(out + (SIM_R_FEATURE + channel) * V, sum);
-  }
+  const I usable = features_of(&frame, params, i, towards, out);
   STV(seen, SEL(usable, (F)R(1.0), (F)R(0.0)));
   for (uint lane = 0; lane < lanes; ++lane) {
     if (!(drawn >> lane & 1u)) continue;
@@ -285,11 +367,9 @@ __kernel void project(const FrameParams frame,
       keys[i + lane] = 0xffffffffu;
       continue;
     }
-    __global real* record = records + (ulong)(i + lane) * SIM_RECORD;
-    for (int k = 0; k < SIM_RECORD; ++k) record[k] = out[k * V + lane];
+    store_lane(out + lane, records + (ulong)(i + lane) * SIM_RECORD, SIM_RECORD);
 #if ACTOR_MOTION
-    if (!g.actor.any) continue;
-    for (int k = 0; k < SIM_MOTION; ++k) motions[(ulong)(i + lane) * SIM_MOTION + k] = motion[k * V + lane];
+    if (g.actor.any) store_lane(motion + lane, motions + (ulong)(i + lane) * SIM_MOTION, SIM_MOTION);
 #endif
   }
 }

@@ -137,6 +137,7 @@ FN void drift(__global const SensorConstants* sensor, const Gaussian* g, F t, F 
 /// Bounds by the projected points, of a particle `radius` large at `centre` in the frame of the sensor
 /// half-way. False in lanes where they are no measure of it: some point without an image or without a time of
 /// its own, a sensor that moves too fast for just one place, or a particle around the sensor or its axis.
+#if SENSOR == SENSOR_CAMERA
 FN I unscented_bounds(const FrameParams* frame,
                       __global const SensorConstants* sensor,
                       __global const real* normal_samples,
@@ -147,7 +148,6 @@ FN I unscented_bounds(const FrameParams* frame,
                       I visible,
                       Bounds* out) {
   Box box;
-#if SENSOR == SENSOR_CAMERA
   F anchor = (F)R(0.0);
 #if WRAPS
   F anchor_y;
@@ -180,7 +180,18 @@ FN I unscented_bounds(const FrameParams* frame,
   out->low = box.mean_y - box.half_y;
   out->high = box.mean_y + box.half_y;
   return known;
+}
 #else
+FN I unscented_bounds(const FrameParams* frame,
+                      __global const SensorConstants* sensor,
+                      __global const real* normal_samples,
+                      const Gaussian* g,
+                      const F* centre,
+                      F reach,
+                      F radius,
+                      I visible,
+                      Bounds* out) {
+  Box box;
   F middle_x, middle_y;
   I has_image = visible;
   project_point(sensor, centre, &middle_x, &middle_y, &has_image);
@@ -241,7 +252,7 @@ FN I unscented_bounds(const FrameParams* frame,
   // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
   out->half_x = SEL(out->half_x > R(1.5), (F)NO_BOUND, out->half_x);
   return known;
-#endif
 }
+#endif
 
 #endif
