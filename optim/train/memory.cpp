@@ -6,6 +6,7 @@
 
 #include "cl/shared/layout.h"
 #include "host/base/error.hpp"
+#include "host/render/backward/backward_stages.hpp"
 #include "host/render/backward/pose_bwd.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/render/train/adam.hpp"
@@ -13,6 +14,7 @@
 #include "host/render/train/densify.hpp"
 #include "host/render/train/loss_stages.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
 
 namespace simuli {
@@ -53,6 +55,7 @@ constexpr std::uint64_t kSorts = 2, kScans = 4;
 
 struct Rays {
   std::uint64_t largest = 0;  // rays of the largest frame
+  std::uint64_t rows = 0;     // of the highest picture
   std::uint64_t slots = 0;    // of all frames
   std::uint64_t frames = 0;
 };
@@ -63,6 +66,7 @@ Rays image_rays(const Log& log, const FrameSelection& frames) {
     const Camera camera = scaled_camera(log.camera(log.images[index].camera).model, frames.image_scale);
     const auto pixels = static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
     rays.largest = std::max(rays.largest, pixels);
+    rays.rows = std::max(rays.rows, static_cast<std::uint64_t>(camera.height));
     rays.slots += slots_of(pixels);
     ++rays.frames;
   }
@@ -178,6 +182,34 @@ void add_ssim(const Device& device, Tally& tally, const Counts& counts) {
   tally.add("SSIM", SsimBuffers(device), SsimStage::sizes(side, side, 1));
 }
 
+void add_environment(const Device& device, Tally& tally, const EnvironmentMap& map, const Counts& counts) {
+  const auto texels = static_cast<std::uint64_t>(map.width) * static_cast<std::uint64_t>(map.height);
+  const EnvironmentSizes sizes{texels};
+  const EnvironmentBuffers texture(device);
+  const std::uint64_t slots = slots_of(counts.images.largest);
+  tally.add("environment", texture, sizes);
+  tally.add("environment", {"environment gradients", texture.bytes(sizes).front().bytes});
+  tally.add("environment", AdamBuffers(device), {4 * texels, 1});
+  tally.add("environment", EnvironmentScratch(device), {slots, texels + 1});
+  tally.add("environment", SortBuffers(device), SortStage::sizes(device, slots));
+  tally.add("environment", ScanBuffers(device), {});
+}
+
+/// A grid for each picture, all moved by one optimiser, the gradients of one at a time.
+void add_color_grids(const Device& device, Tally& tally, const Counts& counts) {
+  const auto [x, y, z] = kGridSize;
+  const auto vertices = static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y * z);
+  const ColorGridBuffers grids(device);
+  const ColorGridSizes all{counts.images.frames, vertices};
+  tally.add("colour grids", grids, all);
+  tally.add("colour grids", {"colour grid gradients", grids.bytes({1, vertices}).front().bytes});
+  tally.add("colour grids",
+            AdamBuffers(device),
+            {counts.images.frames * vertices * ColorGridBuffers::kVertexReals, 1});
+  const auto partials = static_cast<std::uint64_t>((x - 1) * 2 * z) * ColorGridBuffers::kVertexReals;
+  tally.add("colour grids", ColorGridScratch(device), {counts.images.rows, partials});
+}
+
 void add_rays(const Device& device, Tally& tally, const Counts& counts, const Log& log, std::uint64_t cache) {
   const RayBuffers rays(device);
   tally.add("rays", rays, {.slots = slots_of(counts.images.largest), .tile_rows = 1024}, log.cameras.size());
@@ -233,6 +265,8 @@ MemoryNeed training_memory(const Device& device,
   add_set(device, tally, "LiDAR set", scene.lidar, counts.lidar, counts, options);
   add_frame(device, tally, counts, options);
   if (options.image.dissimilarity > 0.0) add_ssim(device, tally, counts);
+  if (!scene.environment.empty()) add_environment(device, tally, scene.environment, counts);
+  if (options.look.color_grids && counts.images.frames > 0) add_color_grids(device, tally, counts);
   add_rays(device, tally, counts, log, options.cache_bytes);
   add_structure(device, tally, counts, options);
   std::sort(need.items.begin(), need.items.end(), [](const MemoryItem& a, const MemoryItem& b) {

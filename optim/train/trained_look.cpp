@@ -17,7 +17,7 @@ ColorGrids starting_grids(const Log& log, const Scene& scene, const std::vector<
     frames.push_back({image.camera, 0.5 * (image.time_start_s + image.time_end_s)});
   }
   if (scene.color_grids.frames == frames) return scene.color_grids;
-  return ColorGrids::identity(16, 16, 8, std::move(frames));  // METHOD section 9
+  return ColorGrids::identity(kGridSize[0], kGridSize[1], kGridSize[2], std::move(frames));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 // The appearance of the camera set in training: environment and colour grids with their optimisers.
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "optim/train/training_options.hpp"
 
 namespace simuli {
+
+/// Vertices of a grid along x, y and luminance (METHOD section 9).
+inline constexpr std::array<int, 3> kGridSize{16, 16, 8};
 
 class TrainedLook {
  public:

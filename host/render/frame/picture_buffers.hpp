@@ -12,6 +12,7 @@ struct EnvironmentSizes {
   std::uint64_t texels = 0;
 };
 struct EnvironmentBuffers : BufferTable<EnvironmentSizes> {
+  using BufferTable::BufferTable;  // none yet
   EnvironmentBuffers(const Device& device, const EnvironmentMap& map, Precision precision);
   [[nodiscard]] EnvironmentMap download() const;
   std::uint32_t width = 0;
@@ -26,6 +27,7 @@ struct ColorGridSizes {
   std::uint64_t vertices = 0;  // of one
 };
 struct ColorGridBuffers : BufferTable<ColorGridSizes> {
+  using BufferTable::BufferTable;  // none yet
   ColorGridBuffers(const Device& device, const ColorGrids& grids, Precision precision);
   /// Into `grids` of the same sizes.
   void download(ColorGrids& grids) const;

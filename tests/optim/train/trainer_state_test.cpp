@@ -1,4 +1,5 @@
 // Training that is stored and goes on, learned sensor poses, and the memory a training needs.
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -91,6 +92,28 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
   // A pixel of these pictures is a degree.
   EXPECT_LT(turned_deg, 0.3 * 1.5);
   EXPECT_LT(moved_m, 0.5 * (wrong.translation - truth.translation).norm());
+}
+
+TEST_F(TrainerStateTest, MemoryOfAppearanceIsEstimated) {
+  TrainingOptions o = options(4);
+  o.train.look.color_grids = true;
+  Scene scene = initial_scene();
+  scene.environment = {32, 16, std::vector<float>(std::size_t{3} * 32 * 16, 0.5F)};
+  const Device device = Device::best();
+  const MemoryNeed need = training_memory(device, log_, scene, o);
+  Trainer trainer(device, log_, scene, o);
+  (void)trainer.run();
+  for (const auto& [name, use] : device.memory_by_name()) {
+    if (use.now == 0) continue;
+    const auto told = need.by_buffer.find(name);
+    ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
+    EXPECT_LE(use.now, 2 * told->second) << name;
+  }
+  for (const char* item : {"environment", "colour grids"}) {
+    EXPECT_TRUE(std::any_of(need.items.begin(), need.items.end(), [&](const MemoryItem& i) {
+      return i.name == item && i.bytes > 0;
+    })) << item;
+  }
 }
 
 TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
