@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/cli_fixture.hpp"
+#include "tests/io/ascii_ply.hpp"
 
 namespace {
 
@@ -188,26 +189,7 @@ TEST_F(Cli, DamagedLogsAreOneLineAndLeaveNothing) {
 }
 
 /// A scene of one particle: what `simuli info` can read.
-std::string one_particle_ply() {
-  std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n";
-  for (const char* name : {"x",
-                           "y",
-                           "z",
-                           "f_dc_0",
-                           "f_dc_1",
-                           "f_dc_2",
-                           "opacity",
-                           "scale_0",
-                           "scale_1",
-                           "scale_2",
-                           "rot_0",
-                           "rot_1",
-                           "rot_2",
-                           "rot_3"}) {
-    text += fmt::format("property float {}\n", name);
-  }
-  return text + "end_header\n1 2 3 0 0 0 0 -2 -2 -2 1 0 0 0\n";
-}
+std::string one_particle_ply() { return ascii_ply("", "1 2 3 0 0 0 0 -2 -2 -2 1 0 0 0\n"); }
 
 TEST_F(Cli, DamagedScenesAreOneLine) {
   fs::create_directory(folder_ / "a.scene");

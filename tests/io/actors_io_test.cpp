@@ -7,9 +7,10 @@
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/log/log_json.hpp"
-#include "io/splat/ply.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/splat/ply.hpp"
 #include "io/synth/street.hpp"
+#include "tests/io/ascii_ply.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -134,29 +135,13 @@ TEST(ActorsInAScene, MustBeThoseOfTheParticles) {
 
 TEST(ActorsInAPly, AreWholeNumbers) {
   const Scratch scratch;
-  std::string header = "ply\nformat ascii 1.0\nelement vertex 1\n";
-  for (const char* name : {"x",
-                           "y",
-                           "z",
-                           "f_dc_0",
-                           "f_dc_1",
-                           "f_dc_2",
-                           "opacity",
-                           "scale_0",
-                           "scale_1",
-                           "scale_2",
-                           "rot_0",
-                           "rot_1",
-                           "rot_2",
-                           "rot_3",
-                           "actor"}) {
-    header += std::string("property float ") + name + "\n";
-  }
-  header += "end_header\n1 2 3 0 0 0 0 0 0 0 1 0 0 0 ";
-  const auto good = scratch.file("good.ply", header + "5\n");
+  const auto with_actor = [](const std::string& value) {
+    return test::ascii_ply("property float actor\n", "1 2 3 0 0 0 0 0 0 0 1 0 0 0 " + value + "\n");
+  };
+  const auto good = scratch.file("good.ply", with_actor("5"));
   EXPECT_EQ(read_gaussians_ply(good, SetKind::kCamera).actor, std::vector<std::uint32_t>{5});
   for (const char* value : {"-1", "0.5", "1e10"}) {
-    const auto bad = scratch.file("bad.ply", header + value + "\n");
+    const auto bad = scratch.file("bad.ply", with_actor(value));
     expect_input_error([&] { (void)read_gaussians_ply(bad, SetKind::kCamera); },
                        {"vertex 0: actor", "a whole number"});
   }

@@ -12,11 +12,13 @@
 #include <random>
 
 #include "io/base/file.hpp"
+#include "tests/io/ascii_ply.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
 namespace {
 
+using test::ascii_ply;
 using test::expect_input_error;
 using test::Scratch;
 
@@ -67,29 +69,6 @@ std::map<std::string, std::vector<float>> read_plain(const std::string& bytes) {
     }
   }
   return columns;
-}
-
-/// Header and one line of values of an ascii file of degree 0.
-std::string ascii(const std::string& extra_header = "",
-                  const std::string& values = "1 2 3 4 5 6 7 8 9 10 1 0 0 0\n") {
-  std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n";
-  for (const char* name : {"x",
-                           "y",
-                           "z",
-                           "f_dc_0",
-                           "f_dc_1",
-                           "f_dc_2",
-                           "opacity",
-                           "scale_0",
-                           "scale_1",
-                           "scale_2",
-                           "rot_0",
-                           "rot_1",
-                           "rot_2",
-                           "rot_3"}) {
-    text += std::string("property float ") + name + "\n";
-  }
-  return text + extra_header + "end_header\n" + values;
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -210,7 +189,7 @@ TEST(Ply, AsciiIsReadTheSameInAnyLocale) {
   for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_ALL, name) != nullptr) break;
   }
-  const auto file = scratch.file("a.ply", ascii("", "1.5 2 3 4 5 6 7 8 9 10 1 0 0 0"));
+  const auto file = scratch.file("a.ply", ascii_ply("", "1.5 2 3 4 5 6 7 8 9 10 1 0 0 0"));
   const GaussianSet set = read_gaussians_ply(file, SetKind::kCamera);
   std::setlocale(LC_ALL, old_locale.c_str());
   EXPECT_EQ(set.mean()(0, 0), 1.5F);
@@ -222,7 +201,7 @@ TEST(Ply, BadHeadersAreRefused) {
     const auto file = scratch.file("bad.ply", text);
     expect_input_error([&] { (void)read_gaussians_ply(file, SetKind::kCamera); }, words);
   };
-  const std::string good = ascii();
+  const std::string good = ascii_ply();
   ASSERT_EQ(read_gaussians_ply(scratch.file("good.ply", good), SetKind::kCamera).size(), 1);
   refused("", {"bad.ply", "no further line"});
   refused(replaced(good, "ply\n", "plx\n"), {"bad.ply", "line 1", "magic", "plx"});
@@ -240,7 +219,7 @@ TEST(Ply, BadHeadersAreRefused) {
   refused(
       replaced(good, "end_header\n", "comment simuli channels intensity hit_logit drop_logit\nend_header\n"),
       {"channels", "red green blue"});
-  refused(ascii("property float f_rest_0\n", "1 2 3 4 5 6 7 8 9 10 1 0 0 0 0\n"),
+  refused(ascii_ply("property float f_rest_0\n", "1 2 3 4 5 6 7 8 9 10 1 0 0 0 0\n"),
           {"f_rest", "found 1", "0, 9, 24 or 45"});
   refused(std::string(2 << 20, '\n'), {"bad.ply", "magic"});
 }
@@ -251,21 +230,22 @@ TEST(Ply, CountsThatTheFileCannotHoldAreRefused) {
     const auto file = scratch.file("bad.ply", text);
     expect_input_error([&] { (void)read_gaussians_ply(file, SetKind::kCamera); }, words);
   };
-  refused(replaced(ascii(), "vertex 1", "vertex 4000000000"), {"4000000000 vertices", "at most"});
-  refused(replaced(ascii(), "vertex 1", "vertex 18446744073709551615"), {"18446744073709551615", "at most"});
-  refused(replaced(ascii(), "vertex 1", "vertex 2"), {"2 vertices", "at most 1"});
+  refused(replaced(ascii_ply(), "vertex 1", "vertex 4000000000"), {"4000000000 vertices", "at most"});
+  refused(replaced(ascii_ply(), "vertex 1", "vertex 18446744073709551615"),
+          {"18446744073709551615", "at most"});
+  refused(replaced(ascii_ply(), "vertex 1", "vertex 2"), {"2 vertices", "at most 1"});
   write_gaussians_ply(scratch / "set.ply", any_set(SetKind::kCamera, 3, 10));
   const std::string binary = read_file(scratch / "set.ply");
   refused(replaced(binary, "vertex 10", "vertex 4000000000"), {"4000000000 vertices", "at most 10"});
   refused(binary.substr(0, binary.size() - 1), {"10 vertices", "at most 9"});
   refused(binary + "x", {"10 vertices and 1 bytes", "nothing behind"});
-  refused(ascii() + "7\n", {"more values", "nothing behind"});
+  refused(ascii_ply() + "7\n", {"more values", "nothing behind"});
 }
 
 TEST(Ply, BadValuesAreRefusedByVertexAndProperty) {
   const Scratch scratch;
   const auto refused = [&](const std::string& values, const std::vector<std::string>& words) {
-    const auto file = scratch.file("bad.ply", ascii("", values));
+    const auto file = scratch.file("bad.ply", ascii_ply("", values));
     expect_input_error([&] { (void)read_gaussians_ply(file, SetKind::kCamera); }, words);
   };
   refused("1 nan 3 4 5 6 7 8 9 10 1 0 0 0\n", {"vertex 0: y", "NaN or Inf"});
