@@ -12,7 +12,7 @@
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/report/eval_tables.hpp"
-#include "host/cli/view/view_session.hpp"
+#include "host/cli/view/live_page.hpp"
 #include "io/base/event_file.hpp"
 #include "io/scene/training_json.hpp"
 
