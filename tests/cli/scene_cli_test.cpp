@@ -141,9 +141,8 @@ TEST_F(SceneCli, TrainingDecidesHowLongItGoesOn) {
   EXPECT_EQ(report.at("stages").at(0).at("iterations"), 100);
   EXPECT_TRUE(report.at("stages").at(1).at("gain_db").is_number());
   EXPECT_NE(train.err.find("\"left_at_most_s\""), std::string::npos) << train.err;
-  expect_failure("train s.log -o x.scene --iterations some",
-                 kUsage,
-                 "--iterations: found some, allowed auto, or 0");
+  expect_failure(
+      "train s.log -o x.scene --iterations some", kUsage, "--iterations: found some, allowed auto, or 0");
 }
 
 /// Whoever trains and compares through the library gets what the program gets, bit for bit.
@@ -234,23 +233,6 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   EXPECT_EQ(nlohmann::json::parse(list.out).at("sensor"), "list");
   EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000.ply"));
   EXPECT_TRUE(fs::exists(folder_ / "list" / "list_000000_range.png"));
-
-  // The log's own camera, from a file: the same picture, at another size and with a read-out of its own.
-  const auto picture = [&](const std::string& sensor, const std::string& options, const std::string& to) {
-    const Outcome seen =
-        run("render s.scene --sensor " + sensor + " --times 0.1:0.1:1 " + options + " -o " + to);
-    EXPECT_EQ(seen.exit_code, 0) << seen.err;
-    return simuli::read_file(folder_ / to / (sensor.substr(0, sensor.find('.')) + "_000000.png"));
-  };
-  nlohmann::json mine = nlohmann::json::parse(run("info s.scene front --json").out);
-  std::ofstream(folder_ / "mine.json") << mine.dump();
-  EXPECT_EQ(picture("mine.json", "", "mine"), picture("front", "", "front"));
-  mine["shutter"] = "top_to_bottom";
-  mine["readout_s"] = 0.1;
-  std::ofstream(folder_ / "rolling.json") << mine.dump();
-  const std::string rolling = picture("rolling.json", "", "rolling");
-  EXPECT_NE(rolling, picture("front", "", "front_again"));
-  EXPECT_EQ(rolling, picture("rolling.json", "--duration 0.1", "rolling_again"));
 
   // A LiDAR that turns 20 times a second moves for a twentieth of a second.
   const auto cloud_of = [&](const std::string& options, const std::string& to) {
