@@ -80,10 +80,13 @@ struct Metric {
   double SweepMetrics::*value;
   const char* unit;
 };
-constexpr std::array<Metric, 5> kMetrics{{{"medl2_m2", &SweepMetrics::medl2_m2, "m^2"},
+constexpr std::array<Metric, 8> kMetrics{{{"medl2_m2", &SweepMetrics::medl2_m2, "m^2"},
                                           {"mean_rel_l2", &SweepMetrics::mean_rel_l2, "of 1"},
                                           {"intensity_rmse", &SweepMetrics::intensity_rmse, "of 1"},
                                           {"raydrop_accuracy", &SweepMetrics::raydrop_accuracy, "of rays"},
+                                          {"raydrop_trivial", &SweepMetrics::raydrop_trivial, "of rays"},
+                                          {"drop_recall", &SweepMetrics::drop_recall, "of dropped rays"},
+                                          {"drop_precision", &SweepMetrics::drop_precision, "of said drops"},
                                           {"chamfer_m2", &SweepMetrics::chamfer_m2, "m^2"}}};
 
 /// Middle of the values, give or take half of their range.

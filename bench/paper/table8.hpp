@@ -20,10 +20,11 @@ struct Table8Options {
 ///   table8/<monte_carlo|unscented|linearized|exact>/<metric>   trained and rendered with that projection
 ///   table8_render/<projection>/<metric>                        trained with unscented, rendered with that
 ///   table8_coarse/... and the same again                       with few large particles
-///   table8_clipped/...                                         of single long particles (bench/paper/clipped.hpp)
-/// Metrics: medl2_m2, mean_rel_l2, intensity_rmse, raydrop_accuracy, chamfer_m2 (METHOD section 13), the
-/// middle of all seeds, give or take half of their range (as are all spreads here but that of a time). Beside
-/// each
+///   table8_clipped/...                                         of single long particles
+///   (bench/paper/clipped.hpp)
+/// Metrics: medl2_m2, mean_rel_l2, intensity_rmse, raydrop_accuracy, raydrop_trivial, drop_recall,
+/// drop_precision, chamfer_m2 (METHOD section 13), the middle of all seeds, give or take half of their range
+/// (as are all spreads here but that of a time). Beside each
 ///   <metric>_from_monte_carlo   difference from monte_carlo with the same seed, %
 ///   <metric>_seeds              of monte_carlo itself: half of the range of its seeds, % of their middle
 /// Of the first seed: clipped, the share of the light of held-out sweeps that the boxes cut off, in %, and

@@ -59,7 +59,10 @@ simuli_status simuli_evaluate(const simuli_device* device,
            report.lidar.distance_median_m,
            report.lidar.intensity_rmse,
            report.lidar.raydrop_accuracy,
-           report.lidar.chamfer_m};
+           report.lidar.chamfer_m,
+           report.lidar.raydrop_trivial,
+           report.lidar.drop_recall,
+           report.lidar.drop_precision};
   });
 }
 

@@ -91,6 +91,9 @@ typedef struct simuli_evaluation {
   double intensity_rmse;
   double raydrop_accuracy;
   double chamfer_m;
+  double raydrop_trivial; /* the accuracy of "every ray returns" */
+  double drop_recall;     /* of the dropped rays those found; NaN: none dropped */
+  double drop_precision;  /* of the rays said to drop those that do; NaN: none is said to */
 } simuli_evaluation;
 
 /* What `simuli eval SCENE LOG` does; the settings may name image_scale, held_out_every and held_out_last, too:

@@ -50,6 +50,9 @@ void put_scores(py::dict& out, const EvalScores& r) {
   out["mean_rel_l2"] = r.lidar.mean_rel_l2;
   out["intensity_rmse"] = r.lidar.intensity_rmse;
   out["raydrop_accuracy"] = r.lidar.raydrop_accuracy;
+  out["raydrop_trivial"] = r.lidar.raydrop_trivial;
+  out["drop_recall"] = r.lidar.drop_recall;
+  out["drop_precision"] = r.lidar.drop_precision;
   out["chamfer_m2"] = r.lidar.chamfer_m2;
   out["chamfer_m"] = r.lidar.chamfer_m;
   out["actor_psnr_db"] = r.actor_psnr_db;

@@ -87,6 +87,28 @@ void check_sweep(const SweepComparison& sweep) {
   }
 }
 
+/// How often rays are said to drop, and how often they do.
+struct DropCounts {
+  std::size_t rays = 0, dropped = 0, said = 0, found = 0;
+
+  void add(bool drops, bool says_dropped) {
+    ++rays;
+    dropped += drops ? 1U : 0U;
+    said += says_dropped ? 1U : 0U;
+    found += drops && says_dropped ? 1U : 0U;
+  }
+  void store(SweepMetrics& metrics) const {
+    // 0/0 of nothing is the NaN that the contract promises.
+    const auto share = [](std::size_t part, std::size_t of) {
+      return static_cast<double>(part) / static_cast<double>(of);
+    };
+    metrics.raydrop_accuracy = share(rays - dropped - said + 2 * found, rays);
+    metrics.raydrop_trivial = share(rays - dropped, rays);
+    metrics.drop_recall = share(found, dropped);
+    metrics.drop_precision = share(found, said);
+  }
+};
+
 Eigen::Vector3d point_on_ray(const SweepComparison& sweep, std::size_t ray, double range_m) {
   return sweep.origin[ray].cast<double>() + range_m * sweep.direction[ray].cast<double>();
 }
@@ -109,14 +131,14 @@ SweepMetrics compare_sweep(const SweepComparison& sweep) {
   std::vector<double> squared_errors_m2;
   double relative_sum = 0.0;
   double intensity_sum = 0.0;
-  std::size_t drops_right = 0;
+  DropCounts drops;
   const std::size_t rays = sweep.range.size();
   for (std::size_t i = 0; i < rays; ++i) {
     const double range_m = sweep.range[i];
     const double truth_m = sweep.truth_range[i];
     const bool truth_returned = truth_m > 0.0;
     const bool says_dropped = sweep.drop[i] > kDropThreshold;
-    if (says_dropped != truth_returned) ++drops_right;
+    drops.add(!truth_returned, says_dropped);
     if (!says_dropped) predicted.points.push_back(point_on_ray(sweep, i, range_m));
     if (!truth_returned) continue;
     returned.points.push_back(point_on_ray(sweep, i, truth_m));
@@ -129,14 +151,14 @@ SweepMetrics compare_sweep(const SweepComparison& sweep) {
     intensity_sum += intensity_error * intensity_error;
   }
 
-  // 0/0 of nothing is the NaN that the contract promises.
+  // 0/0 of nothing is NaN, here as well.
   const auto returns = static_cast<double>(returned.points.size());
   SweepMetrics metrics;
   metrics.distance_median_m = median(std::move(errors_m));
   metrics.medl2_m2 = median(std::move(squared_errors_m2));
   metrics.mean_rel_l2 = relative_sum / returns;
   metrics.intensity_rmse = std::sqrt(intensity_sum / returns);
-  metrics.raydrop_accuracy = static_cast<double>(drops_right) / static_cast<double>(rays);
+  drops.store(metrics);
   metrics.chamfer_m2 = kNaN;
   metrics.chamfer_m = kNaN;
   if (!predicted.points.empty() && !returned.points.empty()) {

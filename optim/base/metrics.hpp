@@ -30,12 +30,16 @@ struct SweepMetrics {
   double mean_rel_l2 = 0.0;        // mean ((d^ - d)/d)^2 over returned rays
   double intensity_rmse = 0.0;     // over returned rays
   double raydrop_accuracy = 0.0;   // over all rays, threshold 0.5
+  double raydrop_trivial = 0.0;    // what "every ray returns" scores there
+  double drop_recall = 0.0;        // share of the rays without a return that are said to drop
+  double drop_precision = 0.0;     // share of the rays said to drop that have no return
   double chamfer_m2 = 0.0;         // (sum_P min |p-g|^2 + sum_G min |g-p|^2) / |G|
   double chamfer_m = 0.0;          // (mean_P min |p-g| + mean_G min |g-p|) / 2
 };
 
 /// Exact nearest neighbours (k-d tree). P: rays with drop <= 0.5; G: rays that returned. With no
-/// predicted or no true point the Chamfer values are NaN, as are the medians with no returned ray.
+/// predicted or no true point the Chamfer values are NaN, as are the medians with no returned ray, the recall
+/// with no dropped one and the precision with none that is said to drop.
 [[nodiscard]] SweepMetrics compare_sweep(const SweepComparison& sweep);
 
 /// Mean of the two middle values when their number is even; NaN of nothing.

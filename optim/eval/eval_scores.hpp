@@ -60,6 +60,8 @@ struct EvalScores {
   std::size_t actor_returns = 0;
   std::size_t sweeps_without_chamfer = 0;
   std::size_t sweeps_without_distance = 0;
+  std::size_t sweeps_without_drops = 0;            // left out of the mean of recalls
+  std::size_t sweeps_without_predicted_drops = 0;  // and of precisions
   std::vector<RangeScores> ranges;  // [RangeScores::kFrom_m]
   std::vector<KindScores> kinds;    // in the order of the log's moving actors, the background last; or empty
 };

@@ -13,6 +13,9 @@ constexpr std::array kMetrics{&SweepMetrics::distance_median_m,
                               &SweepMetrics::mean_rel_l2,
                               &SweepMetrics::intensity_rmse,
                               &SweepMetrics::raydrop_accuracy,
+                              &SweepMetrics::raydrop_trivial,
+                              &SweepMetrics::drop_recall,
+                              &SweepMetrics::drop_precision,
                               &SweepMetrics::chamfer_m2,
                               &SweepMetrics::chamfer_m};
 
@@ -118,6 +121,8 @@ EvalScores ScoreSums::scores() const {
   out.distance_expected_median_m = expected_.value();
   out.sweeps_without_chamfer = left_out(sweep_means_, &SweepMetrics::chamfer_m);
   out.sweeps_without_distance = left_out(sweep_means_, &SweepMetrics::distance_median_m);
+  out.sweeps_without_drops = left_out(sweep_means_, &SweepMetrics::drop_recall);
+  out.sweeps_without_predicted_drops = left_out(sweep_means_, &SweepMetrics::drop_precision);
   for (const ErrorPool& pool : pools_.by_range) out.ranges.push_back(scores_of(pool));
   if (kinds_.empty()) return out;
   ErrorPool actors;

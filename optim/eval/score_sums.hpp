@@ -75,7 +75,7 @@ class ScoreSums {
   [[nodiscard]] EvalScores scores() const;
 
  private:
-  static constexpr std::size_t kSweepMetrics = 7;
+  static constexpr std::size_t kSweepMetrics = 10;
 
   std::vector<std::string> kinds_;
   std::size_t images_ = 0, sweeps_ = 0;

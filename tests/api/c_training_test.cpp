@@ -95,6 +95,9 @@ TEST_F(CTraining, GivesTheSameSceneAndTheSameNumbers) {
   EXPECT_EQ(found.psnr_db, report.psnr_db);
   EXPECT_TRUE(std::isfinite(found.psnr_db));
   EXPECT_EQ(found.raydrop_accuracy, report.lidar.raydrop_accuracy);
+  EXPECT_EQ(found.raydrop_trivial, report.lidar.raydrop_trivial);
+  EXPECT_EQ(found.drop_recall, report.lidar.drop_recall);
+  EXPECT_EQ(found.drop_precision, report.lidar.drop_precision);
   EXPECT_EQ(found.images, 1U);
   EXPECT_EQ(found.is_held_out, 1);
   // The settings of a comparison choose its frames: the last quarter of the path, part of which was trained on.

@@ -167,6 +167,9 @@ TEST_F(SceneCli, TheLibraryTrainsAndComparesAsTheProgramDoes) {
   EXPECT_EQ(program.at("distance_median_m"), own.lidar.distance_median_m);
   EXPECT_EQ(program.at("chamfer_m2"), own.lidar.chamfer_m2);
   EXPECT_EQ(program.at("raydrop_accuracy"), own.lidar.raydrop_accuracy);
+  EXPECT_EQ(program.at("raydrop_trivial"), own.lidar.raydrop_trivial);
+  EXPECT_EQ(program.at("drop_recall"), own.lidar.drop_recall);
+  EXPECT_EQ(program.at("drop_precision"), own.lidar.drop_precision);
 }
 
 TEST_F(SceneCli, InfoTellsHowASceneWasMade) {
@@ -201,6 +204,7 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
                           "mean_rel_l2",
                           "intensity_rmse",
                           "raydrop_accuracy",
+                          "raydrop_trivial",
                           "chamfer_m2",
                           "chamfer_m",
                           "camera_mp_per_s",

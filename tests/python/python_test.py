@@ -39,7 +39,8 @@ for file in ("camera.ply", "lidar.ply", "scene.json"):
     assert filecmp.cmp(os.path.join(folder, file), os.path.join(theirs, file), shallow=False), file
 said = json.loads(subprocess.run([program, "eval", theirs, log, "--json"], check=True, capture_output=True).stdout)
 found = simuli.evaluate(folder, log)
-for name in ("psnr_db", "ssim", "distance_median_m", "intensity_rmse", "raydrop_accuracy", "chamfer_m"):
+for name in ("psnr_db", "ssim", "distance_median_m", "intensity_rmse", "raydrop_accuracy",
+             "raydrop_trivial", "drop_recall", "drop_precision", "chamfer_m"):
     assert found[name] == said[name], (name, found[name], said[name])
 assert found["frames"] == said["frames"] == "held_out"
 assert [r["returns"] for r in found["ranges"]] == [r["returns"] for r in said["ranges"]]

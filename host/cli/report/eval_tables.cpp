@@ -141,6 +141,9 @@ Json json_of(const EvalScores& s) {
           {"mean_rel_l2", l.mean_rel_l2},
           {"intensity_rmse", l.intensity_rmse},
           {"raydrop_accuracy", l.raydrop_accuracy},
+          {"raydrop_trivial", l.raydrop_trivial},
+          {"drop_recall", l.drop_recall},
+          {"drop_precision", l.drop_precision},
           {"chamfer_m2", l.chamfer_m2},
           {"chamfer_m", l.chamfer_m},
           {"actor_psnr_db", s.actor_psnr_db},
@@ -151,6 +154,8 @@ Json json_of(const EvalScores& s) {
           {"images", s.images},
           {"sweeps", s.sweeps},
           {"sweeps_without_distance", s.sweeps_without_distance},
+          {"sweeps_without_drops", s.sweeps_without_drops},
+          {"sweeps_without_predicted_drops", s.sweeps_without_predicted_drops},
           {"sweeps_without_chamfer", s.sweeps_without_chamfer},
           {"ranges", ranges},
           {"kinds", kinds}};

@@ -137,6 +137,11 @@ class LiveScene {
   std::chrono::steady_clock::time_point shown_;
 };
 
+/// The unit of a share, or that there is nothing to have a share of.
+const char* share_of(const char* unit, double value) {
+  return std::isfinite(value) ? unit : "undefined: there are none";
+}
+
 }  // namespace
 
 TrainHistory run_training(Training& training,
@@ -202,6 +207,13 @@ std::vector<MetricLine> metric_lines(const EvalReport& r) {
   line("distance error, mean rel. squared", number_text(l.mean_rel_l2, 5), "");
   line("intensity error, RMS", number_text(l.intensity_rmse, 4), "of 1");
   line("ray drop, right decisions", number_text(l.raydrop_accuracy * 100.0, 2), "% of rays");
+  line("  if every ray returned", number_text(l.raydrop_trivial * 100.0, 2), "% of rays");
+  line("  dropped rays found",
+       number_text(l.drop_recall * 100.0, 2),
+       share_of("% of dropped rays", l.drop_recall));
+  line("  drops that are right",
+       number_text(l.drop_precision * 100.0, 2),
+       share_of("% of rays said to drop", l.drop_precision));
   line("Chamfer, squared", number_text(l.chamfer_m2, 4), "m^2");
   line("Chamfer, mean of both ways", number_text(l.chamfer_m, 4), "m");
   if (r.actor_pixels + r.actor_returns > 0) {
@@ -248,6 +260,12 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
     std::cout << fmt::format("  left out of means: {} sweeps without returns, {} without predicted points\n",
                              r.sweeps_without_distance,
                              r.sweeps_without_chamfer);
+  }
+  if (r.sweeps_without_drops + r.sweeps_without_predicted_drops > 0) {
+    std::cout << fmt::format(
+        "  left out of means: {} sweeps without dropped rays, {} without predicted ones\n",
+        r.sweeps_without_drops,
+        r.sweeps_without_predicted_drops);
   }
 }
 

@@ -149,10 +149,38 @@ TEST(SweepMetricsTest, MatchHandComputation) {
   EXPECT_NEAR(metrics.mean_rel_l2, 3 * 0.0025 / 3, kDouble);  // 5 % on each
   EXPECT_NEAR(metrics.intensity_rmse, std::sqrt((0.0625 + 0.25) / 3), kDouble);
   EXPECT_NEAR(metrics.raydrop_accuracy, 0.75, kDouble);
+  EXPECT_NEAR(metrics.raydrop_trivial, 0.75, kDouble);
+  EXPECT_NEAR(metrics.drop_recall, 1.0, kDouble);
+  EXPECT_NEAR(metrics.drop_precision, 0.5, kDouble);
   // G = (10,0) (20,100) (40,200), P = (10.5,0) (19,100); the third true point is nearest to (19,100).
   const double lost_squared = 21.0 * 21.0 + 100.0 * 100.0;
   EXPECT_NEAR(metrics.chamfer_m2, (0.25 + 1.0 + 0.25 + 1.0 + lost_squared) / 3, kDouble * lost_squared);
   EXPECT_NEAR(metrics.chamfer_m, 0.5 * (1.5 / 2 + (1.5 + std::sqrt(lost_squared)) / 3), kDouble * 100);
+}
+
+TEST(SweepMetricsTest, DropsAreCountedBothWays) {
+  // Of 10 rays 5 drop, of which 2 are found; 3 are said to drop.
+  SweepComparison sweep = sweep_of(10);
+  sweep.range.assign(10, 5.0F);
+  for (std::size_t i = 5; i < 10; ++i) sweep.truth_range[i] = 5.0F;
+  for (const std::size_t said : {0U, 4U, 9U}) sweep.drop[said] = 0.9F;
+  const SweepMetrics metrics = compare_sweep(sweep);
+  EXPECT_DOUBLE_EQ(metrics.raydrop_accuracy, 0.6);
+  EXPECT_DOUBLE_EQ(metrics.raydrop_trivial, 0.5);
+  EXPECT_DOUBLE_EQ(metrics.drop_recall, 0.4);
+  EXPECT_DOUBLE_EQ(metrics.drop_precision, 2.0 / 3.0);
+}
+
+TEST(SweepMetricsTest, SharesOfNoDropsAreUndefined) {
+  SweepComparison sweep = sweep_of(2);
+  sweep.range = sweep.truth_range = {5.0F, 6.0F};
+  EXPECT_TRUE(std::isnan(compare_sweep(sweep).drop_recall));     // none dropped
+  EXPECT_TRUE(std::isnan(compare_sweep(sweep).drop_precision));  // none is said to
+  EXPECT_EQ(compare_sweep(sweep).raydrop_trivial, 1.0);
+  sweep.drop = {0.9F, 0.0F};
+  EXPECT_TRUE(std::isnan(compare_sweep(sweep).drop_recall));
+  EXPECT_EQ(compare_sweep(sweep).drop_precision, 0.0);  // one is, and it is wrong
+  EXPECT_EQ(compare_sweep(sweep).raydrop_accuracy, 0.5);
 }
 
 TEST(SweepMetricsTest, MedianOfAnEvenCountIsTheMeanOfTheMiddle) {
