@@ -1,4 +1,5 @@
 // Training and evaluation in Python.
+#include <cmath>
 #include <functional>
 #include <pybind11/functional.h>
 
@@ -38,6 +39,11 @@ py::dict train(const std::string& log,
   return out;
 }
 
+/// None for a share of nothing.
+py::object share(double value) {
+  return std::isfinite(value) ? py::object(py::float_(value)) : py::object(py::none());
+}
+
 void put_scores(py::dict& out, const EvalScores& r) {
   out["images"] = r.images;
   out["sweeps"] = r.sweeps;
@@ -51,8 +57,8 @@ void put_scores(py::dict& out, const EvalScores& r) {
   out["intensity_rmse"] = r.lidar.intensity_rmse;
   out["raydrop_accuracy"] = r.lidar.raydrop_accuracy;
   out["raydrop_trivial"] = r.lidar.raydrop_trivial;
-  out["drop_recall"] = r.lidar.drop_recall;
-  out["drop_precision"] = r.lidar.drop_precision;
+  out["drop_recall"] = share(r.lidar.drop_recall);
+  out["drop_precision"] = share(r.lidar.drop_precision);
   out["chamfer_m2"] = r.lidar.chamfer_m2;
   out["chamfer_m"] = r.lidar.chamfer_m;
   out["actor_psnr_db"] = r.actor_psnr_db;
@@ -133,7 +139,8 @@ void add_training(py::module_& m) {
         py::arg("quality") = "",
         py::arg("settings") = std::vector<std::string>{},
         py::arg("device") = py::none(),
-        "What `simuli eval SCENE LOG` says, by the names of its --json; NaN where there is no such frame.");
+        "What `simuli eval SCENE LOG` says, by the names of its --json; NaN where there is no such frame, "
+        "drop_recall and drop_precision None where no ray drops or is said to.");
 }
 
 }  // namespace simuli::python
