@@ -73,6 +73,8 @@ Log with_sensors_of(const SceneFile& scene, Log log) {
     const LogLidar* const known = scene.find_lidar(name_of(lidar.model));
     if (known == nullptr) continue;
     lidar.rig_from_lidar = known->rig_from_lidar;
+    const double farthest_m = range_max(known->model);
+    std::visit([&](auto& model) { model.range_max = farthest_m; }, lidar.model);
     auto* const model = std::get_if<Lidar>(&lidar.model);
     if (model == nullptr) continue;
     const Lidar& trained = known->with_rows();

@@ -43,9 +43,9 @@ class Evaluation {
  public:
   using Progress = std::function<void(std::size_t done, std::size_t total)>;
 
-  /// `log` as it was read: mounts, range biases and blind arcs are taken from the scene, where training may
-  /// have learned better. Error{kUsage} for options outside their range, Error{kInput} when no frame is left
-  /// to compare.
+  /// `log` as it was read: mounts, range biases, limits and blind arcs are taken from the scene, where
+  /// training may have learned better. Error{kUsage} for options outside their range, Error{kInput} when no
+  /// frame is left to compare.
   Evaluation(const Device& device, SceneFile scene, Log log, const EvalOptions& options = {});
   Evaluation(const Evaluation&) = delete;  // scene_on_device() looks at scene()
   Evaluation& operator=(const Evaluation&) = delete;

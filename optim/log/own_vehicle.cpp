@@ -14,9 +14,9 @@ namespace {
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kBelowHorizon_rad = 5.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kFewestSweeps = 8;
-constexpr double kShortestDrive_m = 10.0;
-constexpr std::size_t kFewestRays = 5;   // in a cell, before it is called blind
-constexpr std::size_t kFewestCells = 3;  // in an arc: a single cell may be chance
+constexpr double kShortestDrive_m = 5.0;  // behind which a parked car is seen elsewhere
+constexpr std::size_t kFewestRays = 5;    // in a cell, before it is called blind
+constexpr std::size_t kFewestCells = 3;   // in an arc: a single cell may be chance
 
 struct Cell {
   std::uint32_t rays = 0;

@@ -4,12 +4,14 @@
 
 #include "optim/log/own_vehicle.hpp"
 #include "optim/log/range_bias.hpp"
+#include "optim/log/range_limit.hpp"
 
 namespace simuli {
 
 Log with_learned_sensors(Log log, const FrameSelection& frames, const SensorLearning& what) {
   if (what.range_bias) log = with_range_bias(std::move(log), frames);
   if (what.own_vehicle) log = with_blind_arcs(std::move(log), frames);
+  if (what.range_limit) log = with_range_limit(std::move(log), frames);
   return log;
 }
 
