@@ -14,6 +14,7 @@ set(SIMULI_CL_FILES
   math/extent.h
   math/gaussian.h
   math/random.h
+  math/ray_drop.h
   math/ray_feature.h
   math/response.h
   math/sensor.h

@@ -107,8 +107,12 @@ class Traced {
                  set.kind == SetKind::kCamera ? 3 : 1}),
         packets_(packets_of(rays.grid())),
         rays_(rays.grid().rays) {
-    const SensorInFrame of_frame = sensor_in_frame(
-        rays.grid(), view.scene_from_sensor_start, view.scene_from_sensor_end, options, view.background);
+    const SensorInFrame of_frame = sensor_in_frame(rays.grid(),
+                                                   view.scene_from_sensor_start,
+                                                   view.scene_from_sensor_end,
+                                                   options,
+                                                   view.background,
+                                                   view.drop);
     frame_ = {of_frame.constants, of_frame.moving};
   }
   void build() { tracer_.build(frame_); }

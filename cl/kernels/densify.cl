@@ -27,7 +27,7 @@ __kernel void pixel_error(const uint slots,
 
 /// Error of each LiDAR ray, in the proportions of the loss: distance (at most 1 m: what is further off is simply
 /// wrong), intensity, and the probability given to the wrong one of hit and drop.
-/// in  weight[3]; out[6][slots] of render; truth[2][slots] (range 0: no return, below 0: not known), world_ray
+/// in  weight[3]; out[7][slots] of render; truth[2][slots] (range 0: no return, below 0: not known), world_ray
 __kernel void beam_error(const uint slots,
                          __global const real* weight,
                          __global const real* world_ray,
@@ -40,7 +40,7 @@ __kernel void beam_error(const uint slots,
   const int fired = (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
                     range >= R(0.0);
   const int returned = range > R(0.0);
-  const real drop = sigma_of(out[2 * slots + i] - out[slots + i]);
+  const real drop = sigma_of(out[SIM_O_DROP * slots + i]);
   real sum = weight[2] * (returned ? drop : R(1.0) - drop);
   if (returned) {
     const real opacity = R(1.0) - out[SIM_O_TRANSMITTANCE * slots + i];

@@ -1,18 +1,56 @@
 // loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/render/train/loss_lidar.cpp
-#include "math/elementary.h"
+#include "math/ray_drop.h"
 #include "shared/layout.h"
 
 #define MIN_OPACITY R(1e-3)
+#define DROP_PARAMETERS (sizeof(DropConstants) / sizeof(real))
 
-/// One work-item per tile. With O = 1 - T, d^ = (sum of w tau) / O and p = softmax(hit, drop)[drop]:
+/// What a tile's rays say of the drop function: sums of dL/d(its parameters), in their order.
+typedef struct {
+  F skip[SIM_DROP_INPUTS];
+  F bias;
+  F hidden[SIM_DROP_HIDDEN * (SIM_DROP_INPUTS + 1)];
+  F out[SIM_DROP_HIDDEN];
+} DropSums;
+
+/// Adds the gradients of the parameters for slope = dL/d(logit) at the inputs x.
+/// out by_margin, by_transmittance: d(logit) / d(drop logit less hit logit), d(T)
+FN void drop_backward(__global const DropConstants* f,
+                      const F* x,
+                      F slope,
+                      DropSums* sums,
+                      F* by_margin,
+                      F* by_transmittance) {
+  F d0 = (F)f->skip[0], d1 = (F)f->skip[1];
+  for (int j = 0; j < SIM_DROP_INPUTS; ++j) sums->skip[j] = fma(slope, x[j], sums->skip[j]);
+  sums->bias += slope;
+  for (int k = 0; k < SIM_DROP_HIDDEN; ++k) {
+    F bend;
+    sums->out[k] = fma(slope, drop_hidden(f, k, x, &bend), sums->out[k]);
+    const int first = k * (SIM_DROP_INPUTS + 1);
+    const F by_sum = bend * f->out[k];
+    const F g = slope * by_sum;
+    for (int j = 0; j < SIM_DROP_INPUTS; ++j) sums->hidden[first + j] = fma(g, x[j], sums->hidden[first + j]);
+    sums->hidden[first + SIM_DROP_INPUTS] += g;
+    d0 = fma(by_sum, (F)f->hidden[first], d0);
+    d1 = fma(by_sum, (F)f->hidden[first + 1], d1);
+  }
+  *by_margin = d0;
+  *by_transmittance = DROP_SCALE * d1;
+}
+
+/// One work-item per tile. With O = 1 - T, d^ = (sum of w tau) / O and p of the drop function:
 ///   distance:  mean over returned rays of |d^ - d|, where O > 0.001 (elsewhere nothing has a distance)
 ///   intensity: mean over returned rays of |feature0 - intensity|
 ///   drop:      mean over all rays of the cross entropy of p
-/// scale[3]: weight of each term over its number of rays.
-/// in  out[6][slots]; truth[2][slots]: range (m, 0: no return, below 0: not known) and intensity;
+/// scale[4]: weight of each term over its number of rays; of the last, of what particles get and of what the
+/// function's parameters get.
+/// in  out[7][slots]; truth[2][slots]: range (m, 0: no return, below 0: not known) and intensity;
 ///     world_ray: zero marks no ray
-/// out grad_out[5][slots]; sums[tiles][4]: |d^ - d|, |intensity error|, cross entropy, wrong decisions
+/// out grad_out[5][slots]; sums[tiles][4 + DROP_PARAMETERS]: |d^ - d|, |intensity error|, cross entropy, wrong
+///     decisions, dL/d(parameters of the drop function)
 __kernel void loss_lidar(const FrameParams frame,
+                         __global const SensorConstants* sensor,
                          __global const real* scale,
                          __global const real* world_ray,
                          __global const real* out,
@@ -21,6 +59,8 @@ __kernel void loss_lidar(const FrameParams frame,
                          __global real* sums) {
   const uint tile = get_global_id(0);
   const uint s = frame.slots;
+  DropSums drops;
+  for (uint k = 0; k < DROP_PARAMETERS; ++k) ((F*)&drops)[k] = (F)R(0.0);
   F sum_distance = (F)R(0.0), sum_intensity = (F)R(0.0), sum_entropy = (F)R(0.0), sum_wrong = (F)R(0.0);
   for (uint j = 0; j < frame.tile_rays; j += V) {
     const uint i = tile * frame.tile_rays + j;
@@ -36,35 +76,44 @@ __kernel void loss_lidar(const FrameParams frame,
     STV(grad_out + i, sign * scale[1]);
     sum_intensity += fabs(intensity);
 
-    // Ray drop: cross entropy log(1 + exp(m)), m > 0 when the wrong logit is ahead.
-    const F margin = LDV(out + 2 * s + i) - LDV(out + s + i);
-    F m = SEL(returned, margin, -margin);
+    // Ray drop: cross entropy log(1 + exp(m)), m > 0 when the wrong decision is ahead.
+    const F t = LDV(out + SIM_O_TRANSMITTANCE * s + i);
+    const F distance_sum = LDV(out + SIM_O_DISTANCE * s + i);
+    F met[SIM_DROP_INPUTS];
+    drop_inputs(LDV(out + i), LDV(out + s + i), LDV(out + 2 * s + i), t, distance_sum, met);
+    const F logit = drop_logit(&sensor->drop, met);
+    F m = SEL(returned, logit, -logit);
     m = VMAX(VMIN(m, (F)R(60.0)), (F)R(-60.0));
     const F e = exp_lanes(-fabs(m));
     const F wrong = SEL(m > R(0.0), (F)R(1.0), e) / (R(1.0) + e);
     const F entropy = VMAX(m, (F)R(0.0)) + log(R(1.0) + e);
     sum_entropy += SEL(fired, entropy, (F)R(0.0));
     sum_wrong += SEL(AND(fired, m > R(0.0)), (F)R(1.0), (F)R(0.0));
-    F g_drop = SEL(returned, wrong, -wrong) * scale[2];
-    g_drop = SEL(fired, g_drop, (F)R(0.0));
+    const F slope = SEL(fired, SEL(returned, wrong, -wrong), (F)R(0.0));
+    F by_margin, by_transmittance;
+    drop_backward(&sensor->drop, met, slope * scale[3], &drops, &by_margin, &by_transmittance);
+    const F g_drop = slope * scale[2] * by_margin;
     STV(grad_out + s + i, -g_drop);
     STV(grad_out + 2 * s + i, g_drop);
 
     // Distance.
-    const F t = LDV(out + SIM_O_TRANSMITTANCE * s + i);
     const F opacity = R(1.0) - t;
     const I placed = AND(returned, opacity > MIN_OPACITY);
     const F inv_opacity = R(1.0) / SEL(placed, opacity, (F)R(1.0));
-    const F distance = LDV(out + SIM_O_DISTANCE * s + i) * inv_opacity;
+    const F distance = distance_sum * inv_opacity;
     const F error = SEL(placed, distance - range, (F)R(0.0));
     sign = SEL(error > R(0.0), (F)R(1.0), (F)R(0.0));
     sign = SEL(error < R(0.0), (F)R(-1.0), sign) * scale[0];
     STV(grad_out + SIM_O_DISTANCE * s + i, sign * inv_opacity);
-    STV(grad_out + SIM_O_TRANSMITTANCE * s + i, sign * distance * inv_opacity);
+    STV(grad_out + SIM_O_TRANSMITTANCE * s + i,
+        fma(slope * scale[2], by_transmittance, sign * distance * inv_opacity));
     sum_distance += fabs(error);
   }
-  sums[4 * tile] = HSUM(sum_distance);
-  sums[4 * tile + 1] = HSUM(sum_intensity);
-  sums[4 * tile + 2] = HSUM(sum_entropy);
-  sums[4 * tile + 3] = HSUM(sum_wrong);
+  __global real* of_tile = sums + tile * (4 + DROP_PARAMETERS);
+  of_tile[0] = HSUM(sum_distance);
+  of_tile[1] = HSUM(sum_intensity);
+  of_tile[2] = HSUM(sum_entropy);
+  of_tile[3] = HSUM(sum_wrong);
+  const F* all = (const F*)&drops;
+  for (uint k = 0; k < DROP_PARAMETERS; ++k) of_tile[4 + k] = HSUM(all[k]);
 }

@@ -1,12 +1,13 @@
 // render.cl - front-to-back blending of a tile's particles. Launcher: host/render/frame/render.cpp
+#include "math/ray_drop.h"
 #include "math/ray_feature.h"
 #include "math/response.h"
 
 /// One work-group of LS work-items per tile; each holds NR vectors of V rays in registers or L1.
 /// in  world_ray[3|6|7][slots], ray_u[slots], of every slot a place in its tile; first[tiles+1]; payload[K] by
 ///     tile, nearest first; records[N][16]; motions[N][4] of particles that move, with ACTOR_MOTION
-/// out out[6][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
-///     0 where transmittance never falls to 1/2). Slots without a ray get the background.
+/// out out[7][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
+///     0 where transmittance never falls to 1/2), with DROP the drop logit. Slots without a ray get the background.
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
 /// footprint touches are visited, of these the vectors that still have a ray. A ray is retired (direction
 /// zeroed) once T < transmittance cut.
@@ -135,13 +136,19 @@ __kernel void render(const FrameParams frame,
   for (int j = 0; j < NR; ++j) {
     __global real* slot = out + base + VECTOR_SLOT(j, lid);
     const F t = transmittance[j];
-    STV(slot, fma(t, (F)sensor->background[0], f0[j]));
-    STV(slot + frame.slots, fma(t, (F)sensor->background[1], f1[j]));
-    STV(slot + 2 * frame.slots, fma(t, (F)sensor->background[2], f2[j]));
+    f0[j] = fma(t, (F)sensor->background[0], f0[j]);
+    f1[j] = fma(t, (F)sensor->background[1], f1[j]);
+    f2[j] = fma(t, (F)sensor->background[2], f2[j]);
+    STV(slot, f0[j]);
+    STV(slot + frame.slots, f1[j]);
+    STV(slot + 2 * frame.slots, f2[j]);
     STV(slot + SIM_O_TRANSMITTANCE * frame.slots, t);
     STV(slot + SIM_O_DISTANCE * frame.slots, distance[j]);
 #if MEDIAN
     STV(slot + SIM_O_MEDIAN * frame.slots, median[j]);
+#endif
+#if DROP
+    STV(slot + SIM_O_DROP * frame.slots, drop_of(&sensor->drop, f0[j], f1[j], f2[j], t, distance[j]));
 #endif
   }
 }

@@ -54,7 +54,8 @@ typedef int sim_i32;
 #define SIM_O_TRANSMITTANCE 3
 #define SIM_O_DISTANCE 4
 #define SIM_O_MEDIAN 5
-#define SIM_OUTPUTS 6
+#define SIM_O_DROP 6  // LiDARs: ln(p / (1 - p)), p the probability that the ray doesn't return
+#define SIM_OUTPUTS 7
 
 // Payload of an instance: particle in the low 24 bits, first and last slot row in the high 8.
 #define SIM_PARTICLE_BITS 24

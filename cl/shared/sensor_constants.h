@@ -75,6 +75,16 @@ SIM_REALS(ModelConstants) {
   real mask_scale, mask_columns;   // columns of the ray mask per rad of x, and their number
 } SIM_REALS_END(ModelConstants);
 
+// The drop function of a LiDAR (cl/math/ray_drop.h).
+#define SIM_DROP_INPUTS 4
+#define SIM_DROP_HIDDEN 8
+SIM_REALS(DropConstants) {
+  real skip[SIM_DROP_INPUTS];
+  real bias;
+  real hidden[SIM_DROP_HIDDEN * (SIM_DROP_INPUTS + 1)];  // of each hidden value: by the inputs, and its own bias
+  real out[SIM_DROP_HIDDEN];
+} SIM_REALS_END(DropConstants);
+
 // Of a sensor in one frame. o_ref is its centre half-way.
 SIM_REALS(SensorConstants) {
   real centre_ref[3];      // o_ref, from the scene's origin
@@ -87,6 +97,7 @@ SIM_REALS(SensorConstants) {
   real alpha_cut;
   real transmittance_cut;
   real background[3];  // features
+  SIM_REALS_OF(DropConstants) drop;
   SIM_REALS_OF(ModelConstants) model;
 } SIM_REALS_END(SensorConstants);
 

@@ -13,7 +13,8 @@
  * long as the frame, and holds its values once `ready` is complete. `real` is float, or double when the frame was
  * rendered with render.precision=double. */
 typedef struct simuli_frame_memory {
-  cl_mem outputs;     /* real[6][slots]: three features, transmittance, sum of w tau (m), median distance (m) */
+  cl_mem outputs;     /* real[6][slots]: three features, transmittance, sum of w tau (m), median distance (m); of
+                       * LiDARs [7]: ln(p / (1 - p)), p the probability that the ray doesn't return */
   cl_mem picture;     /* real[3][slots] that replaces the features; NULL: colours are not graded */
   cl_mem ray_of_slot; /* int[slots]; -1: none */
   cl_mem slot_of_ray; /* int[rays]; -1: a pixel through which the lens sees nothing */

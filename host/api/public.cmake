@@ -13,7 +13,7 @@ set(SIMULI_PUBLIC_base
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/scene/pose.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
-  host/scene/scene.hpp host/scene/edit.hpp)
+  host/scene/ray_drop.hpp host/scene/scene.hpp host/scene/edit.hpp)
 set(SIMULI_PUBLIC_sensors
   "Cameras, LiDARs and the paths that carry them."
   host/sensors/lens.hpp host/sensors/camera.hpp host/sensors/lidar.hpp host/sensors/ray_list.hpp
@@ -45,6 +45,7 @@ set(SIMULI_PUBLIC_import
 set(SIMULI_PUBLIC_training
   "A scene from a log: what `simuli train` does."
   optim/init/init_options.hpp optim/log/range_bias.hpp optim/log/own_vehicle.hpp
+  optim/log/range_limit.hpp
   optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/train/schedule.hpp
   optim/train/structure_options.hpp optim/length/length_options.hpp optim/train/train_options.hpp optim/train/train_report.hpp
   optim/train/training_options.hpp optim/train/training.hpp)

@@ -120,7 +120,8 @@ void add_frames(py::module_& m) {
       .def_property_readonly("memory",
                              &PyFrame::memory,
                              "OpenCL handles as numbers, alive as long as the frame: outputs [6][slots] "
-                             "(features, transmittance, distance_sum, median), picture [3][slots] or None, "
+                             "(features, transmittance, distance_sum, median), of LiDARs [7][slots] (and the "
+                             "logit of drop), picture [3][slots] or None, "
                              "ray_of_slot, slot_of_ray (int32), ready (event); slots, rays, dtype");
   const std::pair<const char*, const char*> all[] = {
       {"image", "of cameras: [height, width, 3] in [0, 1]"},

@@ -7,6 +7,7 @@
 #include "host/scene/actor.hpp"
 #include "host/scene/appearance.hpp"
 #include "host/scene/gaussians.hpp"
+#include "host/scene/ray_drop.hpp"
 
 namespace simuli {
 
@@ -20,6 +21,7 @@ struct Scene {
   EnvironmentMap environment;  // of the camera set; empty: camera_background in all directions
   ColorGrids color_grids;      // of the camera set; empty: colours as they are
   std::vector<Actor> actors;
+  std::vector<RayDrop> ray_drop;  // of the LiDARs that it was trained on; none: of hit and drop logits alone
   /// Seen where transmittance is left: colour in [0,1] for the camera set; intensity, hit logit and
   /// drop logit for the LiDAR set (a ray through empty space returns nothing).
   std::array<float, 3> camera_background{0.0F, 0.0F, 0.0F};

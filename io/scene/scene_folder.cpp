@@ -53,6 +53,22 @@ SetEntry read_set(JsonObject& object) {
   return entry;
 }
 
+Json to_json(const std::vector<RayDrop>& all) {
+  Json out = Json::array();
+  for (const RayDrop& drop : all) {
+    out.push_back({{"lidar", drop.lidar}, {"parameters", drop.parameters}});
+  }
+  return out;
+}
+
+RayDrop read_ray_drop(JsonObject& object) {
+  RayDrop drop;
+  drop.lidar = object.text("lidar");
+  const auto parameters = object.vector<static_cast<int>(RayDrop::kParameters)>("parameters");
+  std::copy(parameters.begin(), parameters.end(), drop.parameters.begin());
+  return drop;
+}
+
 struct Contents {
   SceneFile scene;  // but for the Gaussians
   SetEntry camera_set;
@@ -76,6 +92,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     scene.scene.lidar_background = contents.lidar_set.background;
     read_appearance(root, scene.scene);
     read_sensors(root, scene.cameras, scene.lidars);
+    if (root.has("ray_drop")) scene.scene.ray_drop = root.objects("ray_drop", read_ray_drop);
     if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
     if (root.has("training")) scene.training = root.object("training", training_from_json);
@@ -92,6 +109,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
             {"camera_set", set_to_json(scene.scene.camera, scene.scene.camera_background)},
             {"lidar_set", set_to_json(scene.scene.lidar, scene.scene.lidar_background)}};
   add_appearance(root, scene.scene);
+  if (!scene.scene.ray_drop.empty()) root["ray_drop"] = to_json(scene.scene.ray_drop);
   if (scene.training) root["training"] = to_json(*scene.training);
   add_sensors(root, scene.cameras, scene.lidars);
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);

@@ -1,21 +1,16 @@
 #pragma once
 // Offsets of sensors from where the log says they sit, learned by Adam.
-#include <array>
-#include <cstdint>
 #include <map>
 #include <string>
 
 #include "host/render/backward/pose_gradient.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "optim/poses/small_adam.hpp"
 
 namespace simuli {
 
-/// One sensor's offset with its optimiser. Without pointers, so that checkpoints store it as it is.
-struct SensorOffset {
-  std::array<double, 6> value{};  // PoseTangent: translation (m), rotation (rad)
-  std::array<double, 6> first{}, second{};
-  std::uint64_t steps = 0;
-
+/// One sensor's offset with its optimiser: a PoseTangent, translation (m) and rotation (rad).
+struct SensorOffset : SmallAdam<6> {
   [[nodiscard]] PoseTangent tangent() const;
   /// A step of Adam. A gradient that is not finite moves nothing.
   void step(const PoseGradient& gradient, double translation_rate_m, double rotation_rate_rad);

@@ -26,6 +26,29 @@ constexpr void visit_fields(LidarWeights& o, F&& field) {
   field("loss.drop", o.drop, at_least(0.0), "of the cross entropy of its ray drop, all rays");
 }
 
+/// How the LiDARs' drop functions are learned (METHOD section 7).
+struct RayDropOptions {
+  double rate = 0.1;
+  double final_share = 0.1;
+  int apart = 5;
+  int looks = 10;  // cheap: the sweep is rendered once
+};
+template <class F>
+constexpr void visit_fields(RayDropOptions& o, F&& field) {
+  field("ray_drop.rate",
+        o.rate,
+        at_least(0.0),
+        "per step of Adam, of the parameters of a LiDAR's drop function; 0: drops are those of hit and drop "
+        "logits alone");
+  field("ray_drop.final_share", o.final_share, above(0.0, 1.0), "of it, at the end");
+  field("ray_drop.looks", o.looks, at_least(1), "steps of the function on a sweep that teaches it");
+  field("ray_drop.apart",
+        o.apart,
+        at_least(0),
+        "every how many sweeps the drops of one teach the function alone, and those of the others particles "
+        "alone; 0: all teach both");
+}
+
 /// Weights of a picture's losses (METHOD section 10), each a mean over its values.
 struct ImageWeights {
   double absolute = 0.8;
@@ -96,6 +119,7 @@ struct TrainOptions {
   /// heart.
   LearningRates lidar{.mean_m = 2e-3, .mean_final_m = 2e-5, .opacity = 5e-2, .sh = 5e-3, .sh_rest = 2.5e-4};
   LidarWeights weights;
+  RayDropOptions ray_drop;
   AnchorOptions anchor;
   DensifyOptions densify;
   PoseRates actor_poses;
@@ -127,6 +151,7 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part("camera.", o.camera);
   field.part("lidar.", o.lidar);
   field.part("", o.weights);
+  field.part("", o.ray_drop);
   field.part("", o.anchor);
   field.part("", o.densify);
   field.part("", o.poses);

@@ -136,6 +136,7 @@ Trainer::Trainer(
       camera_(device, scene_.camera, options_.actor_poses),
       lidar_(device, scene_.lidar, options_.actor_poses),
       look_(device, log, scene_, options),
+      drop_(log, scene_, options),
       structure_(device, options_, options.frames.seed, camera_, lidar_),
       regularize_(device, Precision::kFloat),
       images_(HeldOutRule(log, options.frames).training(log.images), options.frames.seed, kImageStream),
@@ -202,6 +203,7 @@ Scene Trainer::scene() const {
   out.camera = finite_ones(camera_.particles.download());
   out.lidar = finite_ones(lidar_.particles.download());
   look_.store(out);
+  drop_.store(out);
   return out;
 }
 
@@ -236,6 +238,7 @@ StateList Trainer::state(const std::string& settings) {
         [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene_.actors, numbers); });
   }
   look_.add_state(list);
+  drop_.add_state(list);
   for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
   return list;
 }

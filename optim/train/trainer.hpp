@@ -18,6 +18,7 @@
 #include "optim/train/state.hpp"
 #include "optim/train/structure.hpp"
 #include "optim/train/train_report.hpp"
+#include "optim/train/trained_drop.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
 #include "optim/train/training_options.hpp"
@@ -113,6 +114,7 @@ class Trainer {
   TruthCache truth_;
   TrainedSet camera_, lidar_;
   TrainedLook look_;
+  TrainedDrop drop_;
   Structure structure_;
   RegularizeStage regularize_;
   FrameOrder images_, sweeps_;

@@ -69,13 +69,19 @@ void Trainer::step_lidar(double progress) {
   const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.lidar_every));
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = truth_.sweep(index);
-  Pass pass = renderer_.render(lidar_.particles, truth->truth.rays(), view(frame, frame.lidar));
+  View seen = view(frame, frame.lidar);
+  seen.drop = drop_.of(frame.lidar);
+  Pass pass = renderer_.render(lidar_.particles, truth->truth.rays(), seen);
   const double rays = std::max(1.0, static_cast<double>(truth->known));
   // A sweep without a return has no distance loss to weigh: its sums are zero.
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarWeights& w = options_.weights;
-  const LidarLoss loss =
-      pass.lidar_loss(truth->truth, {w.distance / returned, w.intensity / returned, w.drop / rays});
+  const LidarLoss loss = drop_.learn(pass,
+                                     truth->truth,
+                                     index,
+                                     frame.lidar,
+                                     {w.distance / returned, w.intensity / returned, w.drop / rays},
+                                     progress);
   const bool errors = structure_.collects_errors(kLidarSet, status_.iteration);
   if (errors) {
     structure_.errors().beam_error(pass.frame(),

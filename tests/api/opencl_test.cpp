@@ -66,7 +66,8 @@ TEST(OpenClInterop, FramesOnTheCallersQueueAreTheSame) {
     ASSERT_EQ(memory.is_double, 0);
     EXPECT_EQ(memory.picture, nullptr);
     // Behind the frame's event, before anything asks the frame itself.
-    const auto outputs = own.read<float>(memory.outputs, 6 * memory.slots, memory.ready);
+    const std::size_t rows = sensor.is_camera() ? 6 : 7;
+    const auto outputs = own.read<float>(memory.outputs, rows * memory.slots, memory.ready);
     const auto slot_of_ray = own.read<std::int32_t>(memory.slot_of_ray, memory.rays);
     const auto ray_of_slot = own.read<std::int32_t>(memory.ray_of_slot, memory.slots);
     const RayResults& seen = frame.results();
@@ -81,6 +82,7 @@ TEST(OpenClInterop, FramesOnTheCallersQueueAreTheSame) {
       }
       ASSERT_EQ(outputs[3 * memory.slots + slot], seen.transmittance[ray]);
       ASSERT_EQ(outputs[4 * memory.slots + slot], seen.distance[ray]);
+      if (rows == 7) ASSERT_EQ(outputs[6 * memory.slots + slot], seen.drop_logit[ray]);
       met += seen.transmittance[ray] < 0.5F ? 1 : 0;
     }
     EXPECT_GT(met, 0U);

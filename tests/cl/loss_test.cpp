@@ -43,21 +43,28 @@ struct Rendered {
       }
     }
     buffers.rays.world_ray.assign(std::span<const double>(world_ray));
+    drop = test::some_ray_drop(29);
     upload();
   }
   ImageLoss image_loss(ImageLossStage& stage, const RealBuffer& truth, const ImageLossScale& scale) {
     return stage.run(frame, buffers.rays, buffers.blended.out, truth, scale, gradients);
   }
   LidarLoss lidar_loss(LidarLossStage& stage, const RealBuffer& truth, const LidarLossScale& scale) {
-    return stage.run(frame, buffers.rays, buffers.blended, truth, scale, gradients);
+    return stage.run(frame, buffers.constants, buffers.rays, buffers.blended, truth, scale, gradients);
   }
-  void upload() { buffers.blended.out.assign(std::span<const double>(out)); }
+  void upload() {
+    buffers.blended.out.assign(std::span<const double>(out));
+    shared::SensorConstants<double> sensor{};
+    sensor.drop = shared::from_reals<shared::DropConstants>(drop);
+    buffers.constants.sensor.assign(shared::reals_of(sensor));
+  }
   [[nodiscard]] static bool fired(std::size_t slot) { return slot % 7 != 0; }
 
   shared::FrameParams frame{};
   FrameBuffers buffers;
   GradientBuffers gradients;
   std::vector<double> out;
+  RayDrop::Parameters drop{};
 };
 
 std::vector<double> random_truth(std::size_t channels, double low, double high, std::uint64_t seed) {
@@ -122,7 +129,10 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
 struct RayTerms {
   double distance = 0.0, intensity = 0.0, entropy = 0.0, wrong = 0.0;
 };
-RayTerms terms_of(const std::vector<double>& out, const std::vector<double>& truth, std::size_t i) {
+RayTerms terms_of(const std::vector<double>& out,
+                  const RayDrop::Parameters& drop,
+                  const std::vector<double>& truth,
+                  std::size_t i) {
   RayTerms terms;
   const bool returned = truth[i] > 0.0;
   const double opacity = 1.0 - out[SIM_O_TRANSMITTANCE * kSlots + i];
@@ -130,11 +140,30 @@ RayTerms terms_of(const std::vector<double>& out, const std::vector<double>& tru
   if (returned && opacity > 1e-3) {
     terms.distance = std::abs(out[SIM_O_DISTANCE * kSlots + i] / opacity - truth[i]);
   }
-  const double hit = std::exp(out[kSlots + i]), drop = std::exp(out[2 * kSlots + i]);
-  const double p = drop / (hit + drop);
+  const double logit = reference::drop_logit(drop,
+                                             {.feature = {out[i], out[kSlots + i], out[2 * kSlots + i]},
+                                              .transmittance = out[SIM_O_TRANSMITTANCE * kSlots + i],
+                                              .distance = out[SIM_O_DISTANCE * kSlots + i]});
+  const double p = 1.0 / (1.0 + std::exp(-logit));
   terms.entropy = -std::log(returned ? 1.0 - p : p);
   terms.wrong = (p > 0.5) == returned ? 1.0 : 0.0;
   return terms;
+}
+
+/// d(cross entropy) / dT of a ray by transmittance itself; how far it came stays what it is.
+double slope_by_transmittance(const Rendered& rendered, const std::vector<double>& truth, std::size_t i) {
+  const auto entropy = [&](double by) {
+    std::vector<double> out = rendered.out;
+    // The input is O m / (m + 20 m), m the mean distance: such a mean that it stays.
+    const double opacity = 1.0 - out[SIM_O_TRANSMITTANCE * kSlots + i];
+    const double sum = out[SIM_O_DISTANCE * kSlots + i];
+    const double input = opacity * sum / (sum + 20.0 * opacity);
+    const double other = opacity - by;
+    out[SIM_O_TRANSMITTANCE * kSlots + i] += by;
+    out[SIM_O_DISTANCE * kSlots + i] = 20.0 * other * input / (other - input);
+    return terms_of(out, rendered.drop, truth, i).entropy;
+  };
+  return (entropy(1e-6) - entropy(-1e-6)) / 2e-6;
 }
 
 TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
@@ -146,7 +175,7 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
   for (std::size_t i = 0; i < kSlots; ++i) truth_values[i] = i % 3 == 0 ? 0.0 : 1.0 + 49.0 * truth_values[i];
   RealBuffer truth(device_, "truth", GetParam());
   truth.assign(std::span<const double>(truth_values));
-  constexpr LidarLossScale kScale{0.11, 0.7, 0.3};
+  constexpr LidarLossScale kScale{0.11, 0.7, 0.3, 0.45};
   const LidarLoss loss = rendered.lidar_loss(stage, truth, kScale);
   const std::vector<double> grad = rendered.gradients.grad_out.download_double();
 
@@ -156,7 +185,7 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
       for (std::size_t row = 0; row < 5; ++row) ASSERT_EQ(grad[row * kSlots + i], 0.0) << i;
       continue;
     }
-    const RayTerms terms = terms_of(rendered.out, truth_values, i);
+    const RayTerms terms = terms_of(rendered.out, rendered.drop, truth_values, i);
     sum.distance += terms.distance;
     sum.intensity += terms.intensity;
     sum.entropy += terms.entropy;
@@ -168,22 +197,41 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
   EXPECT_EQ(loss.wrong, sum.wrong);
 
   if (GetParam() == Precision::kFloat) return;
+  const auto total = [&](const LidarLossScale& scale) {
+    rendered.upload();
+    const LidarLoss l = rendered.lidar_loss(stage, truth, scale);
+    return scale.distance * l.distance_m + scale.intensity * l.intensity + scale.entropy * l.entropy;
+  };
   for (std::size_t row = 0; row < 5; ++row) {
     for (const std::size_t slot :
          {1UL, 3UL, 11UL, 22UL, 44UL, 301UL, 512UL, 700UL}) {  // 11, 22, 44: all but clear
       const std::size_t i = row * kSlots + slot;
       const double before = rendered.out[i];
       const double step = row == SIM_O_TRANSMITTANCE ? 1e-6 : 1e-4;
+      // Intensity and distance learn nothing from drops.
+      LidarLossScale scale = kScale;
+      if (row == 0 || row >= SIM_O_TRANSMITTANCE) scale.entropy = 0.0;
       const auto at = [&](double by) {
         rendered.out[i] = before + by;
-        rendered.upload();
-        const LidarLoss l = rendered.lidar_loss(stage, truth, kScale);
-        return kScale.distance * l.distance_m + kScale.intensity * l.intensity + kScale.entropy * l.entropy;
+        return total(scale);
       };
-      const double quotient = (at(step) - at(-step)) / (2.0 * step);
-      EXPECT_NEAR(quotient, grad[i], kQuotientTolerance * (1.0 + std::abs(grad[i]))) << row << " " << slot;
+      double quotient = (at(step) - at(-step)) / (2.0 * step);
       rendered.out[i] = before;
+      if (row == SIM_O_TRANSMITTANCE)
+        quotient += kScale.entropy * slope_by_transmittance(rendered, truth_values, slot);
+      EXPECT_NEAR(quotient, grad[i], kQuotientTolerance * (1.0 + std::abs(grad[i]))) << row << " " << slot;
     }
+  }
+  const double to_function = kScale.function_entropy / kScale.entropy;
+  for (std::size_t k = 0; k < RayDrop::kParameters; ++k) {
+    const double before = rendered.drop[k];
+    const auto at = [&](double by) {
+      rendered.drop[k] = before + by;
+      return to_function * total({0.0, 0.0, kScale.entropy, 0.0});
+    };
+    const double quotient = (at(1e-4) - at(-1e-4)) / 2e-4;
+    rendered.drop[k] = before;
+    EXPECT_NEAR(quotient, loss.drop[k], 1e-5 * (1.0 + std::abs(loss.drop[k]))) << k;
   }
 }
 

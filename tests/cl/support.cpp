@@ -126,6 +126,25 @@ RayCounts expect_same_rays(const RayResults& results,
   return counts;
 }
 
+void expect_drop_logits(const RayResults& results, const View& view, SetKind kind) {
+  if (kind == SetKind::kCamera) {
+    EXPECT_TRUE(results.drop_logit.empty());
+    return;
+  }
+  ASSERT_EQ(results.drop_logit.size(), results.rays);
+  for (std::size_t i = 0; i < results.rays; ++i) {
+    const reference::RayResult ray{
+        .feature = {results.feature[0][i], results.feature[1][i], results.feature[2][i]},
+        .transmittance = results.transmittance[i],
+        .distance = results.distance[i]};
+    // 24 bits of logits up to 30 and of a transmittance, times parameters up to 3 in two layers.
+    const double expected = reference::drop_logit(view.drop, ray);
+    ASSERT_NEAR(results.drop_logit[i], expected, 2e-4 * (1.0 + std::abs(expected))) << i;
+    const double p = 1.0 / (1.0 + std::exp(-static_cast<double>(results.drop_logit[i])));
+    ASSERT_NEAR(results.drop_probability(i), p, 1e-6) << i;
+  }
+}
+
 bool has_double(const Device& device) { return device.info().fp64; }
 
 }  // namespace simuli::test

@@ -77,6 +77,10 @@ RayCounts expect_same_rays(const RayResults& results,
                            SetKind kind,
                            const Tolerance& tolerance);
 
+/// Fails unless the drop logits of a LiDAR are those of the view's function at what the rays themselves have
+/// met; a camera has none.
+void expect_drop_logits(const RayResults& results, const View& view, SetKind kind);
+
 /// Whether the default device computes in double; where not, tests in double are skipped by name.
 [[nodiscard]] bool has_double(const Device& device);
 #define SIMULI_NEEDS_DOUBLE(device)                                                     \

@@ -27,6 +27,7 @@ SceneFile some_scene() {
   }
   scene.camera_background = {0.1F, 0.2F, 0.3F};
   scene.lidar_background = {0.0F, -3.7F, 4.5F};
+  scene.ray_drop = {{"top", RayDrop::start()}, {"front", RayDrop::of_logits()}};
   LogCamera camera;
   camera.model = {"front", 64, 48, 50.5, 51.5, 32.25, 24.125, ShutterKind::kTopToBottom};
   camera.rig_from_camera.translation = {1.5, -0.1, 1.4};
@@ -60,6 +61,7 @@ TEST(SceneFolder, RoundTrip) {
   EXPECT_EQ(read.scene.origin, written.scene.origin);  // every digit of a double
   EXPECT_EQ(read.scene.camera_background, written.scene.camera_background);
   EXPECT_EQ(read.scene.lidar_background, written.scene.lidar_background);
+  EXPECT_EQ(read.scene.ray_drop, written.scene.ray_drop);  // every digit
   EXPECT_EQ(read.scene.camera.sh_degree, 2);
   EXPECT_EQ(read.scene.camera.kind, SetKind::kCamera);
   EXPECT_EQ(read.scene.lidar.kind, SetKind::kLidar);

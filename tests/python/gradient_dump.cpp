@@ -59,7 +59,8 @@ nlohmann::json dumped(const test::SceneCase& scene, const Device& device) {
   Pass pass = renderer.render(particles, rays, shot.view);
   pass.set_output_gradients(test::by_ray(pass.rays(), weights));
   pass.backward(particles, grads);
-  const auto constants = sensor_in_frame(grid, start, end, options, shot.view.background).constants;
+  const auto constants =
+      sensor_in_frame(grid, start, end, options, shot.view.background, shot.view.drop).constants;
   out["kappa"] = constants.model.kappa;
   out["t_min_m"] = constants.model.t_min;
   out["t_max_m"] = constants.model.t_max;

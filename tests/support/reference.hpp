@@ -10,6 +10,7 @@
 
 #include "host/scene/gaussians.hpp"
 #include "host/scene/pose.hpp"
+#include "host/scene/ray_drop.hpp"
 #include "host/sensors/camera.hpp"
 #include "host/sensors/lidar.hpp"
 
@@ -97,6 +98,9 @@ struct RayResult {
   double margin = 0.0;
   double median_margin = 0.0;  // smallest |transmittance - 0.5| after any contributor
 };
+
+/// ln(p / (1 - p)) of the probability p that a LiDAR's ray doesn't return.
+[[nodiscard]] double drop_logit(const RayDrop::Parameters& parameters, const RayResult& ray);
 
 /// Real spherical harmonics up to `degree` (0..3) in the order and signs of 3DGS: [(degree + 1)^2].
 [[nodiscard]] Eigen::VectorXd sh_basis(int degree, const Eigen::Vector3d& direction);

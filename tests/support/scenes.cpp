@@ -135,6 +135,13 @@ Lidar small_lidar(int rows, int columns) {
   return lidar;
 }
 
+RayDrop::Parameters some_ray_drop(std::uint64_t seed) {
+  Random random(seed);
+  RayDrop::Parameters parameters = RayDrop::start();
+  for (double& parameter : parameters) parameter += 0.7 * random.normal();
+  return parameters;
+}
+
 Pose forward_from_camera() {
   Eigen::Matrix<double, 3, 4> m;
   m << 0, 0, 1, 0,  //

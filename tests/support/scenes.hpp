@@ -9,6 +9,7 @@
 
 #include "host/scene/gaussians.hpp"
 #include "host/scene/pose.hpp"
+#include "host/scene/ray_drop.hpp"
 #include "host/sensors/camera.hpp"
 #include "host/sensors/lidar.hpp"
 
@@ -67,6 +68,8 @@ struct SingleParticle {
 /// Full turn from azimuth_first = pi counter-clockwise, elevations evenly from +10 to -25 degrees, no
 /// offsets, 1 to 80 m, ideal rays.
 [[nodiscard]] Lidar small_lidar(int rows, int columns);
+/// A drop function of which every parameter counts: RayDrop::start() and normal numbers.
+[[nodiscard]] RayDrop::Parameters some_ray_drop(std::uint64_t seed);
 /// Camera axes (x right, y down, z forward) of a camera that looks along +x of a z-up frame.
 [[nodiscard]] Pose forward_from_camera();
 

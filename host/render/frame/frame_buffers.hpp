@@ -29,8 +29,9 @@ struct FrameSizes {
   std::uint64_t instances = 0;         // K
   std::uint64_t slots = 0;             // S
   std::uint64_t tiles = 0;
-  std::uint64_t ray_rows = 3;    // of world_ray: directions, with origins 6, with times 7
-  std::uint64_t work_items = 0;  // of counting passes
+  std::uint64_t ray_rows = 3;           // of world_ray: directions, with origins 6, with times 7
+  std::uint64_t outputs = SIM_OUTPUTS;  // rows of what blending writes; cameras have no drop logit
+  std::uint64_t work_items = 0;         // of counting passes
 };
 
 /// Constants of sensor and actors, from the host.
@@ -85,7 +86,7 @@ struct BinScratch : BufferTable<FrameSizes> {
 /// What rays have met.
 struct Blended : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
-  Reals out{*this, "out", [](const FrameSizes& s) { return SIM_OUTPUTS * s.slots; }};  // [6][S]
+  Reals out{*this, "out", [](const FrameSizes& s) { return s.outputs * s.slots; }};  // [6|7][S]
 };
 
 /// A camera's picture, graded.

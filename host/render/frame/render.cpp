@@ -5,6 +5,7 @@ namespace simuli {
 
 RenderStage::RenderStage(const Device& device, const Variant& variant)
     : work_items_(static_cast<std::size_t>(variant.frame.shape.work_items)),
+      outputs_(variant.frame.sensor == SensorType::kLidar ? SIM_OUTPUTS : SIM_O_DROP),
       render_(
           Program(device,
                   variant.options.order == Order::kPerRay ? "kernels/render_per_ray.cl" : "kernels/render.cl",
@@ -19,7 +20,7 @@ void RenderStage::run(const shared::FrameParams& frame,
                       const Projected& projected,
                       const Binned& binned,
                       Blended& out) {
-  out.reserve({.slots = frame.slots});
+  out.reserve({.slots = frame.slots, .outputs = outputs_});
   render_.run(std::size_t{frame.tiles_x} * frame.tiles_y * work_items_,
               work_items_,
               {{"frame", frame}, constants, world_rays, rays, binned, projected, particles, out});

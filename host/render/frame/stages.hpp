@@ -95,7 +95,8 @@ class RenderStage {
 
  private:
   std::size_t work_items_;
-  Kernel render_;  // of render.cl or render_per_ray.cl
+  std::uint64_t outputs_;  // rows of out
+  Kernel render_;          // of render.cl or render_per_ray.cl
 };
 
 /// 5. Of a camera with an environment: over black -> over the texture. S -> S.

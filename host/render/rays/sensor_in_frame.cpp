@@ -24,7 +24,8 @@ SensorInFrame sensor_in_frame(const RayGrid& grid,
                               const Pose& scene_from_sensor_start,
                               const Pose& scene_from_sensor_end,
                               const RenderOptions& options,
-                              const std::array<float, 3>& background) {
+                              const std::array<float, 3>& background,
+                              const RayDrop::Parameters& drop) {
   SensorInFrame out;
   auto& c = out.constants;
   c.model = grid.model;
@@ -50,6 +51,7 @@ SensorInFrame sensor_in_frame(const RayGrid& grid,
   c.alpha_cut = options.alpha_cut;
   c.transmittance_cut = options.transmittance_cut;
   for (std::size_t k = 0; k < 3; ++k) c.background[k] = static_cast<double>(background[k]);
+  c.drop = shared::from_reals<shared::DropConstants>(drop);
   if (grid.type == SensorType::kCamera) {
     const double cone = std::min(grid.view_angle + c.turn_angle / 2.0 + 1e-4, kPi);
     c.cos_view = std::cos(cone);

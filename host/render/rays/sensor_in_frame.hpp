@@ -5,6 +5,7 @@
 
 #include "cl/shared/sensor_constants.h"
 #include "host/render/rays/ray_grid.hpp"
+#include "host/scene/ray_drop.hpp"
 
 namespace simuli {
 
@@ -13,12 +14,13 @@ struct SensorInFrame {
   bool moving = false;  // start and end differ
 };
 
-/// The constants of one frame: model, poses, cuts, background.
+/// The constants of one frame: model, poses, cuts, background, drop function.
 [[nodiscard]] SensorInFrame sensor_in_frame(const RayGrid& grid,
                                             const Pose& scene_from_sensor_start,
                                             const Pose& scene_from_sensor_end,
                                             const RenderOptions& options,
-                                            const std::array<float, 3>& background);
+                                            const std::array<float, 3>& background,
+                                            const RayDrop::Parameters& drop);
 
 /// SIM_MONTE_CARLO standard normal triples, the same always, in pairs of opposite sign so that their mean is
 /// exactly 0.

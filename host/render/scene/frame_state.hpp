@@ -41,7 +41,7 @@ struct Frame::State {
   std::weak_ptr<const Scene> scene;
   SensorRays rays;
   std::shared_ptr<OutputPool> pool;
-  RealBuffer outputs;  // [SIM_OUTPUTS][slots]
+  RealBuffer outputs;  // [SIM_OUTPUTS][slots], of cameras without the last
   RealBuffer picture;  // [3][slots] when graded
   bool graded = false;
   bool has_median = false;
@@ -54,7 +54,8 @@ struct Frame::State {
 /// A frame's results where they are, in slot order, with the map that tells rays from slots. All of it lives
 /// as long as the frame, and holds its values when the frame is_ready().
 struct FrameBuffersOfRays {
-  const RealBuffer& outputs;                // [SIM_OUTPUTS][slots]: features, transmittance, distance, median
+  const RealBuffer&
+      outputs;  // [6][slots]: features, transmittance, distance, median; LiDARs: [7], drop logit
   const RealBuffer* picture;                // [3][slots], graded: instead of the features; null: not graded
   const Buffer<std::int32_t>& ray_of_slot;  // [slots], -1: none
   const Buffer<std::int32_t>& slot_of_ray;  // [rays], -1: none

@@ -102,6 +102,13 @@ void Pass::exchange_outputs(RealBuffer& outputs, RealBuffer& picture) {
   ++s.frames;
 }
 
+void Pass::set_drop(const RayDrop::Parameters& drop) {
+  State& s = last("set_drop");
+  need(s.frame.rays->grid().type == SensorType::kLidar, "set_drop", "a camera's frame", "a LiDAR's");
+  s.frame.sensor.drop = shared::from_reals<shared::DropConstants>(drop);
+  s.buffers.constants.sensor.assign(shared::reals_of(s.frame.sensor));
+}
+
 ImageLoss Pass::image_loss(const RayValues& truth, const ImageLossScale& scale) {
   State& s = last("image_loss");
   need(s.frame.rays->grid().type == SensorType::kCamera, "image_loss", "a LiDAR's frame", "a camera's");
@@ -116,8 +123,13 @@ LidarLoss Pass::lidar_loss(const RayValues& truth, const LidarLossScale& scale) 
   State& s = last("lidar_loss");
   need(s.frame.rays->grid().type == SensorType::kLidar, "lidar_loss", "a camera's frame", "a LiDAR's");
   s.need_truth("lidar_loss", truth, 2);
-  const LidarLoss loss =
-      s.lidar_loss.run(s.frame.params, s.buffers.rays, s.buffers.blended, truth.slots(), scale, s.gradients);
+  const LidarLoss loss = s.lidar_loss.run(s.frame.params,
+                                          s.buffers.constants,
+                                          s.buffers.rays,
+                                          s.buffers.blended,
+                                          truth.slots(),
+                                          scale,
+                                          s.gradients);
   s.has_gradient();
   return loss;
 }

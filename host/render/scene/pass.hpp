@@ -34,6 +34,9 @@ class Pass {
   /// writes to `outputs` and, graded, `picture`.
   void exchange_outputs(RealBuffer& outputs, RealBuffer& picture);
 
+  /// Of a LiDAR: the drop function that losses see from here on; what the pass wrote stays.
+  void set_drop(const RayDrop::Parameters& drop);
+
   /// Losses of what results() shows; they leave its gradient for what follows. truth: three channels of
   /// colour in [0, 1] (negative: not known); or range (m, negative: not known, 0: no return) and intensity.
   ImageLoss image_loss(const RayValues& truth, const ImageLossScale& scale);

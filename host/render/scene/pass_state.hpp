@@ -38,6 +38,7 @@ struct Pass::State {
     std::optional<SensorRays> rays;
     Stages* stages = nullptr;
     shared::FrameParams params{};
+    shared::SensorConstants<double> sensor{};
     std::array<float, 3> background{};
     std::uint64_t particles = 0;                      // their id()
     const EnvironmentBuffers* environment = nullptr;  // only compared

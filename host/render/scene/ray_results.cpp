@@ -7,7 +7,7 @@
 namespace simuli {
 
 float RayResults::drop_probability(std::size_t ray) const {
-  return 1.0F / (1.0F + std::exp(feature[1][ray] - feature[2][ray]));
+  return 1.0F / (1.0F + std::exp(-drop_logit[ray]));
 }
 
 float RayResults::expected_distance(std::size_t ray) const {
@@ -28,11 +28,14 @@ RayResults results_of(const RayGrid& grid,
                                            &results.feature[2],
                                            &results.transmittance,
                                            &results.distance,
-                                           &results.median};
-  const std::size_t used = has_median ? SIM_OUTPUTS : SIM_O_MEDIAN;
-  for (std::size_t row = 0; row < used; ++row) {
+                                           &results.median,
+                                           &results.drop_logit};
+  for (std::size_t row = 0; row < SIM_OUTPUTS; ++row) {
+    if (row == SIM_O_MEDIAN && !has_median) continue;
+    if (row == SIM_O_DROP && grid.type != SensorType::kLidar) continue;
     const float empty = row < SIM_O_TRANSMITTANCE    ? background[row]
                         : row == SIM_O_TRANSMITTANCE ? 1.0F
+                        : row == SIM_O_DROP          ? background[2] - background[1]
                                                      : 0.0F;
     rows[row]->assign(grid.rays, empty);
     const std::span<const float> shown = !picture.empty() && row < SIM_O_TRANSMITTANCE ? picture : outputs;

@@ -12,7 +12,9 @@ struct RayResults {
   std::vector<float> distance;       // [rays] sum of w tau, m; divide by 1 - transmittance for the mean
   std::vector<float> median;         // [rays] m, 0 where transmittance stays above 1/2; may be empty
 
-  /// softmax(hit, drop)[drop] of a LiDAR ray.
+  std::vector<float> drop_logit;  // [rays] of LiDARs: ln(p / (1 - p)) of drop_probability(); else empty
+
+  /// That a LiDAR's ray doesn't return.
   [[nodiscard]] float drop_probability(std::size_t ray) const;
   /// Expected distance in m; 0 where nothing at all was met.
   [[nodiscard]] float expected_distance(std::size_t ray) const;

@@ -134,7 +134,8 @@ Pass Renderer::render(const ParticleBuffers& particles,
                       still ? middle : view.scene_from_sensor_start,
                       still ? middle : view.scene_from_sensor_end,
                       s.options,
-                      environment == nullptr ? view.background : std::array<float, 3>{});
+                      environment == nullptr ? view.background : std::array<float, 3>{},
+                      view.drop);
   bool actor_motion = false;
   std::vector<double> actors;
   if (particles.actors > 0) {
@@ -147,7 +148,8 @@ Pass Renderer::render(const ParticleBuffers& particles,
 
   // From here on the last frame's buffers are taken.
   const std::uint64_t number = ++s.frames;
-  s.frame = {rays, &stages, rays.grid().frame, view.background, particles.id(), environment};
+  s.frame = {
+      rays, &stages, rays.grid().frame, sensor.constants, view.background, particles.id(), environment};
   s.frame.params.particles = particles.count;
   s.frame.params.stride = particles.stride;
   const shared::FrameParams& frame = s.frame.params;

@@ -169,6 +169,7 @@ struct SceneOnDevice::State {
     const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
     View view = view_of(*scene, shot, kind);
     view.camera_median = request.camera_median;
+    if (!sensor.is_camera()) view.drop = ray_drop_of(scene->ray_drop, name_of(sensor.lidar()));
     Renderer& on = renderer(o);
     SensorRays seen = rays(sensor, on, o);
     seen.request(request.rays);

@@ -7,8 +7,8 @@
 
 namespace simuli {
 
-/// From slot order. outputs: [SIM_OUTPUTS][slots]; picture: [3][slots], shown instead of the outputs'
-/// features where it isn't empty. Pixels without a ray show `background`.
+/// From slot order. outputs: [SIM_OUTPUTS][slots], of cameras without the last; picture: [3][slots], shown
+/// instead of the outputs' features where it isn't empty. Pixels without a ray show `background`.
 [[nodiscard]] RayResults results_of(const RayGrid& grid,
                                     std::span<const float> outputs,
                                     std::span<const float> picture,

@@ -12,8 +12,9 @@ struct View {
   Pose scene_from_sensor_start;
   Pose scene_from_sensor_end;
   std::array<float, 3> background{0.0F, 0.0F, 0.0F};
-  std::vector<ActorView> actors{};  // of the scene, in its order (actors_during)
-  bool camera_median = false;       // of a camera: median distances, too
+  std::vector<ActorView> actors{};                  // of the scene, in its order (actors_during)
+  RayDrop::Parameters drop = RayDrop::of_logits();  // of a LiDAR
+  bool camera_median = false;                       // of a camera: median distances, too
 };
 
 /// What a sensor of that set sees from: the shot, relative to the scene's origin, before its background.

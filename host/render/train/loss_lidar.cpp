@@ -1,4 +1,6 @@
 // Launcher of "kernels/loss_lidar.cl".
+#include <algorithm>
+
 #include "host/render/options/lane_shape.hpp"
 #include "host/render/train/loss_stages.hpp"
 
@@ -9,6 +11,7 @@ LidarLossStage::LidarLossStage(const Device& device, Precision precision)
       loss_lidar_(Program(device, "kernels/loss_lidar.cl", lane_options(device, precision)), "loss_lidar") {}
 
 LidarLoss LidarLossStage::run(const shared::FrameParams& frame,
+                              const FrameConstants& constants,
                               const WorldRays& world_rays,
                               const Blended& blended,
                               const RealBuffer& truth,
@@ -17,18 +20,22 @@ LidarLoss LidarLossStage::run(const shared::FrameParams& frame,
   const std::size_t tiles = std::size_t{frame.tiles_x} * frame.tiles_y;
   out.grad_out.reserve(std::size_t{5} * frame.slots);
   buffers_.reserve({tiles});
-  buffers_.scale.assign(std::vector<double>{scale.distance, scale.intensity, scale.entropy});
+  buffers_.scale.assign(
+      std::vector<double>{scale.distance, scale.intensity, scale.entropy, scale.function_entropy});
   loss_lidar_.run(tiles,
                   1,
                   {{"frame", frame},
+                   constants,
                    {"scale", buffers_.scale},
                    world_rays,
                    blended,
                    {"truth", truth},
                    {"grad_out", out.grad_out},
                    {"sums", buffers_.sums}});
-  const std::vector<double> total = column_sums(buffers_.sums, 4);
-  return {total[0], total[1], total[2], total[3]};
+  const std::vector<double> total = column_sums(buffers_.sums, LidarLossBuffers::kSums);
+  LidarLoss loss{total[0], total[1], total[2], total[3]};
+  std::copy(total.begin() + 4, total.end(), loss.drop.begin());
+  return loss;
 }
 
 }  // namespace simuli

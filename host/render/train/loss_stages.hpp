@@ -65,8 +65,9 @@ struct ImageLossBuffers : BufferTable<LossSizes> {
 };
 struct LidarLossBuffers : BufferTable<LossSizes> {
   using BufferTable::BufferTable;
-  Reals sums{*this, "lidar_sums", [](const LossSizes& s) { return 4 * s.tiles; }};
-  Reals scale{*this, "loss_scale", [](const LossSizes&) { return std::uint64_t{3}; }};
+  Reals sums{*this, "lidar_sums", [](const LossSizes& s) { return kSums * s.tiles; }};
+  Reals scale{*this, "loss_scale", [](const LossSizes&) { return std::uint64_t{4}; }};
+  static constexpr std::uint64_t kSums = 4 + RayDrop::kParameters;
 };
 
 class ImageLossStage {
@@ -92,6 +93,7 @@ class LidarLossStage {
   LidarLossStage(const Device& device, Precision precision);
   /// out -> grad_out. truth[2][S]: range, intensity. Waits.
   LidarLoss run(const shared::FrameParams& frame,
+                const FrameConstants& constants,
                 const WorldRays& world_rays,
                 const Blended& blended,
                 const RealBuffer& truth,

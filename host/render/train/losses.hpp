@@ -1,5 +1,6 @@
 #pragma once
 // Losses of what was rendered: their sums and their weights.
+#include "host/scene/ray_drop.hpp"
 
 namespace simuli {
 
@@ -18,19 +19,21 @@ struct ImageLossScale {
 };
 
 /// Sums of a sweep's losses: |d^ - d| (m) and |intensity error| over returned rays, cross entropy and
-/// wrong drop decisions over all rays.
+/// wrong drop decisions over all rays. drop: dL/d(parameters of the drop function), scaled.
 struct LidarLoss {
   double distance_m = 0.0;
   double intensity = 0.0;
   double entropy = 0.0;
   double wrong = 0.0;
+  RayDrop::Parameters drop{};
 };
 
 /// Weights of a sweep's losses over the number of rays that each is the mean of.
 struct LidarLossScale {
   double distance = 0.0;
   double intensity = 0.0;
-  double entropy = 0.0;
+  double entropy = 0.0;           // in what particles get
+  double function_entropy = 0.0;  // in what the drop function gets
 };
 
 }  // namespace simuli

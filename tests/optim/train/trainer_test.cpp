@@ -66,6 +66,39 @@ TEST_F(TrainerTest, TrainingRecoversFromWrongColoursAndRanges) {
   EXPECT_FALSE(report.stopped_early);
 }
 
+TEST_F(TrainerTest, DropFunctionsAreLearnedByNameAndStored) {
+  TrainingOptions o = options(9);
+  o.train.ray_drop.apart = 2;  // of five sweeps, the second and fourth teach the function alone
+  const Scene scene = train(o);
+  ASSERT_EQ(scene.ray_drop.size(), 1U);
+  EXPECT_EQ(scene.ray_drop[0].lidar, name_of(log_.lidars[0].model));
+  EXPECT_NE(scene.ray_drop[0].parameters, RayDrop::start());
+  EXPECT_EQ(train(o).ray_drop, scene.ray_drop);
+  Scene start = initial_scene();
+  start.ray_drop = scene.ray_drop;  // goes on from there
+  o.train.iterations = 0;
+  EXPECT_EQ(Trainer(Device::best(), log_, start, o).scene().ray_drop, scene.ray_drop);
+  o.train.iterations = 9;
+  o.train.ray_drop.rate = 0.0;
+  EXPECT_TRUE(train(o).ray_drop.empty());
+}
+
+TEST_F(TrainerTest, ASweepTeachesTheDropFunctionOrParticles) {
+  TrainingOptions o = options(1);
+  o.train.ray_drop.apart = 2;
+  const TrainedDrop drop(log_, initial_scene(), o);
+  constexpr LidarLossScale kScale{0.5, 0.1, 0.05, 0.0};
+  const auto share = [&](std::size_t sweep) { return drop.share(sweep, kScale); };
+  EXPECT_EQ(share(0).entropy, 0.05);
+  EXPECT_EQ(share(0).function_entropy, 0.0);
+  EXPECT_EQ(share(1).entropy, 0.0);
+  EXPECT_EQ(share(1).function_entropy, 0.05);
+  EXPECT_EQ(share(1).distance, 0.5);
+  o.train.ray_drop.apart = 3;  // five sweeps are too few
+  EXPECT_EQ(TrainedDrop(log_, initial_scene(), o).share(1, kScale).entropy, 0.05);
+  EXPECT_EQ(TrainedDrop(log_, initial_scene(), o).share(1, kScale).function_entropy, 0.05);
+}
+
 TEST_F(TrainerTest, HeldOutFramesAreNeverRead) {
   Log log = log_;
   log.images[4].file = "images/none.png";

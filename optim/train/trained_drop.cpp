@@ -1,0 +1,76 @@
+#include "optim/train/trained_drop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "optim/base/frames.hpp"
+
+namespace simuli {
+
+TrainedDrop::TrainedDrop(const Log& log, const Scene& scene, const TrainingOptions& options)
+    : options_(options.train.ray_drop) {
+  if (options_.rate <= 0.0) {
+    for (const RayDrop& drop : scene.ray_drop) functions_[drop.lidar].value = drop.parameters;
+    return;
+  }
+  for (const LogLidar& lidar : log.lidars) {
+    const std::string& name = name_of(lidar.model);
+    const auto known = std::find_if(
+        scene.ray_drop.begin(), scene.ray_drop.end(), [&](const RayDrop& d) { return d.lidar == name; });
+    functions_[name].value = known == scene.ray_drop.end() ? RayDrop::start() : known->parameters;
+  }
+  teaches_function_.assign(log.sweeps.size(), true);
+  teaches_particles_ = teaches_function_;
+  const std::vector<std::size_t> sweeps = HeldOutRule(log, options.frames).training(log.sweeps);
+  const auto every = static_cast<std::size_t>(options_.apart);
+  if (every == 0 || sweeps.size() < 2 * every) return;  // too few to spare some
+  for (std::size_t place = 0; place < sweeps.size(); ++place) {
+    const bool function = place % every == every / 2;
+    teaches_function_[sweeps[place]] = function;
+    teaches_particles_[sweeps[place]] = !function;
+  }
+}
+
+RayDrop::Parameters TrainedDrop::of(const std::string& lidar) const {
+  const auto found = functions_.find(lidar);
+  return found == functions_.end() ? RayDrop::of_logits() : found->second.value;
+}
+
+LidarLossScale TrainedDrop::share(std::size_t sweep, LidarLossScale scale) const {
+  if (options_.rate <= 0.0) return scale;
+  scale.function_entropy = teaches_function_[sweep] ? scale.entropy : 0.0;
+  if (!teaches_particles_[sweep]) scale.entropy = 0.0;
+  return scale;
+}
+
+void TrainedDrop::step(const std::string& lidar, const LidarLoss& loss, double progress) {
+  std::array<double, RayDrop::kParameters> rates{};
+  rates.fill(options_.rate * std::pow(options_.final_share, progress));
+  functions_.at(lidar).step(loss.drop, rates);
+}
+
+LidarLoss TrainedDrop::learn(Pass& pass,
+                             const RayValues& truth,
+                             std::size_t sweep,
+                             const std::string& lidar,
+                             const LidarLossScale& scale,
+                             double progress) {
+  const LidarLossScale own = share(sweep, scale);
+  if (own.function_entropy == 0.0) return pass.lidar_loss(truth, own);
+  for (int look = 0; look < options_.looks; ++look) {
+    step(lidar, pass.lidar_loss(truth, {.function_entropy = own.function_entropy}), progress);
+    pass.set_drop(of(lidar));
+  }
+  return pass.lidar_loss(truth, own);
+}
+
+void TrainedDrop::store(Scene& scene) const {
+  scene.ray_drop.clear();
+  for (const auto& [name, function] : functions_) scene.ray_drop.push_back({name, function.value});
+}
+
+void TrainedDrop::add_state(StateList& list) {
+  for (auto& [name, function] : functions_) list.add("ray_drop/" + name, function);
+}
+
+}  // namespace simuli

@@ -1,0 +1,47 @@
+#pragma once
+// The drop functions of the LiDARs in training (METHOD section 7).
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/render/scene/renderer.hpp"
+#include "host/scene/scene.hpp"
+#include "optim/poses/small_adam.hpp"
+#include "optim/train/state.hpp"
+#include "optim/train/training_options.hpp"
+
+namespace simuli {
+
+class TrainedDrop {
+ public:
+  /// One for each LiDAR of the log: the scene's own, where it has one.
+  TrainedDrop(const Log& log, const Scene& scene, const TrainingOptions& options);
+
+  [[nodiscard]] RayDrop::Parameters of(const std::string& lidar) const;
+  /// The weight of a sweep's drops in what the function learns, beside that in what particles do. Particles
+  /// come to know by heart which rays of their sweeps dropped; a function that learned there would believe
+  /// them too much. So the drops of some sweeps teach the function alone, and those of the others particles
+  /// alone. `sweep`: an index into log.sweeps.
+  [[nodiscard]] LidarLossScale share(std::size_t sweep, LidarLossScale scale) const;
+  /// The losses of a pass that was rendered with of(lidar), as share() weighs them, which leave the
+  /// particles' gradient; before that the function takes its steps on the sweep.
+  LidarLoss learn(Pass& pass,
+                  const RayValues& truth,
+                  std::size_t sweep,
+                  const std::string& lidar,
+                  const LidarLossScale& scale,
+                  double progress);
+  void store(Scene& scene) const;
+  /// What a checkpoint holds of it.
+  void add_state(StateList& list);
+
+ private:
+  void step(const std::string& lidar, const LidarLoss& loss, double progress);
+  using Function = SmallAdam<RayDrop::kParameters>;
+  RayDropOptions options_;
+  std::vector<bool> teaches_function_, teaches_particles_;  // [log.sweeps]
+  std::map<std::string, Function> functions_;               // by name of the LiDAR
+};
+
+}  // namespace simuli
