@@ -10,7 +10,7 @@
 
 /// The nearest responses of V rays that a round has met, nearest first.
 typedef struct {
-  F tau[WINDOW];  // m
+  F tau[WINDOW];    // m
   F alpha[WINDOW];
   F place[WINDOW];  // in the tile's list
 } Window;
@@ -50,8 +50,8 @@ typedef struct {
   I going;
 } Light;
 
-/// Fills the window with the nearest responses behind (last_tau, last_place) from place `begin` of the list
-/// on. Returns the first place that the next round must look at.
+/// Fills the window with the nearest responses behind (last_tau, last_place) from place `begin` of the list on.
+/// Returns the first place that the next round must look at.
 FN F gather(const TileRow* tile,
             __global const SensorConstants* sensor,
             const RayLanes* ray,
@@ -69,8 +69,7 @@ FN F gather(const TileRow* tile,
   for (uint i = begin; i < tile->count; ++i) {
     const uint packed = tile->list[i];
     const uint particle = packed & SIM_PARTICLE_MASK;
-    if (tile->j < J_FIRST(packed) || tile->j > J_LAST(packed) || J_OUTSIDE(tile->j, tile->lid, packed))
-      continue;
+    if (tile->j < J_FIRST(packed) || tile->j > J_LAST(packed) || J_OUTSIDE(tile->j, tile->lid, packed)) continue;
     if (!ANY(AND(going, w->tau[WINDOW - 1] > (real)as_float(tile->keys[particle])))) {
       left_over = VMIN(left_over, (F)(real)i);
       break;
@@ -88,8 +87,7 @@ FN F gather(const TileRow* tile,
     }
 #endif
     Response response;
-    respond(
-        record, nearest_box_mean(record, tile->u), seen, sensor->model.t_min, sensor->model.t_max, &response);
+    respond(record, nearest_box_mean(record, tile->u), seen, sensor->model.t_min, sensor->model.t_max, &response);
     const F place = (F)(real)i;
     const I ahead = OR(response.tau > last_tau, AND(response.tau == last_tau, place > last_place));
     const I candidate = AND(response.inside, ahead);
@@ -104,8 +102,7 @@ FN F gather(const TileRow* tile,
   return left_over;
 }
 
-/// Blends what the window holds, nearest first; params, actor_of and actors as ray_feature(), for rays along
-/// d.
+/// Blends what the window holds, nearest first; params, actor_of and actors as ray_feature(), for rays along d.
 FN void blend(const FrameParams* frame,
               __global const SensorConstants* sensor,
               __global const real* params,
@@ -190,8 +187,7 @@ __kernel void render(const FrameParams frame,
     uint begin = 0;
     while (begin < count && ANY(light.going)) {
       Window w;
-      const F left_over =
-          gather(&tile_row, sensor, &ray, light.going, log_cut, last_tau, last_place, begin, &w);
+      const F left_over = gather(&tile_row, sensor, &ray, light.going, log_cut, last_tau, last_place, begin, &w);
       blend(&frame, sensor, params, actor_of, actors, &tile_row, &w, d, &light);
       last_tau = w.tau[WINDOW - 1];
       last_place = w.place[WINDOW - 1];
@@ -216,8 +212,7 @@ __kernel void render(const FrameParams frame,
 #endif
 #if DROP
     STV(slot + SIM_O_DROP * frame.slots,
-        drop_of(
-            &sensor->drop, light.sum[0], light.sum[1], light.sum[2], light.transmittance, light.distance));
+        drop_of(&sensor->drop, light.sum[0], light.sum[1], light.sum[2], light.transmittance, light.distance));
 #endif
   }
 }

@@ -101,10 +101,14 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                            init.seconds,
                            r.seconds)
             << stages_text(r.stages)
-            << fmt::format("  camera set {} particles ({} of them the far shell), LiDAR set {} particles\n",
-                           r.camera_particles,
-                           init.shell_particles,
-                           r.lidar_particles)
+            << fmt::format(
+                   "  camera set {} particles ({} of them the far shell), LiDAR set {} particles ({} of "
+                   "them on actors' surfaces that return nothing)
+",
+                   r.camera_particles,
+                   init.shell_particles,
+                   r.lidar_particles,
+                   init.dark_points)
             << fmt::format(
                    "  {} relocated, {} new; anchors {:.1f} cm away; share of the time: anchoring {:.1f} %, "
                    "densification {:.1f} %\n",

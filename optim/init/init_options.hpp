@@ -29,6 +29,7 @@ struct InitOptions {
   double actor_margin_m = 0.1;  // the road below stays outside
   bool mirror_actors = false;
   bool register_tracks = true;  // see actor_tracks.hpp
+  double dark_voxel_m = 0.1;    // see dark_surfaces.hpp
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
@@ -83,6 +84,10 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field(
       "init.actor_margin_m", o.actor_margin_m, at_least(0.0), "m by which boxes reach farther than labelled");
   field("init.mirror_actors", o.mirror_actors, "vehicles: also the mirror image of each point");
+  field("init.dark_voxel_m",
+        o.dark_voxel_m,
+        zero_or(range(0.02, 1.0)),
+        "m, side of the voxels in which actors' surfaces that return nothing are looked for; 0: not at all");
   field("init.register_tracks", o.register_tracks, "correct the actors' tracks by what the laser measured");
 }
 
@@ -96,6 +101,7 @@ struct InitReport {
   std::size_t points = 0;         // returns in those sweeps
   std::size_t voxels = 0;         // occupied
   std::size_t actor_points = 0;   // voxels of actors
+  std::size_t dark_points = 0;    // voxels of actors' surfaces that return nothing
   std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
   std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
   std::size_t joined_points = 0;  // voxels that no picture shows apart from others

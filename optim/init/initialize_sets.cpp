@@ -11,7 +11,8 @@ namespace {
 constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it either way
 /// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
 constexpr float kHitLogit = 1.5F;
-constexpr double kFlatRatio = 0.2;  // thickness of a particle on a plane over its width
+constexpr float kDarkOpacityLogit = 2.0F;  // 0.88: no distance ever pulls it up
+constexpr double kFlatRatio = 0.2;         // thickness of a particle on a plane over its width
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
 constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells
@@ -60,6 +61,14 @@ GaussianSet lidar_set(const PointSet& points, const InitOptions& options) {
     set.sh(0).row(static_cast<Eigen::Index>(i)) << (points.intensity[i] - 0.5F) / kSh0, kHitLogit / kSh0,
         -kHitLogit / kSh0;
   }
+  return set;
+}
+
+GaussianSet dark_set(const PointSet& points, const InitOptions& options) {
+  GaussianSet set = lidar_set(points, options);
+  set.sh(0).col(1).setConstant(-kHitLogit / kSh0);
+  set.sh(0).col(2).setConstant(kHitLogit / kSh0);
+  set.opacity_logit().setConstant(kDarkOpacityLogit);
   return set;
 }
 

@@ -13,6 +13,9 @@ namespace simuli {
 /// A LiDAR particle on every point.
 [[nodiscard]] GaussianSet lidar_set(const PointSet& points, const InitOptions& options);
 
+/// The same of what gives no light back: rays that meet it drop.
+[[nodiscard]] GaussianSet dark_set(const PointSet& points, const InitOptions& options);
+
 /// A camera particle on every point, coloured by `looks`.
 [[nodiscard]] GaussianSet camera_set(const PointSet& points,
                                      const std::vector<PointLook>& looks,

@@ -12,6 +12,7 @@
 #include "host/render/options/quality.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/log/sensor_learning.hpp"
+#include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/trainer.hpp"
 
 namespace simuli {
@@ -58,6 +59,8 @@ void Training::prepare(const Progress& progress) {
   if (state_) return;
   log_ = with_learned_sensors(std::move(log_), options_.frames, options_.sensors);
   SceneInit start = initialize_scene(log_, options_.frames, options_.init, progress);
+  start.report.dark_points = add_dark_surfaces(log_, options_.frames, options_.init, start.scene);
+  start.report.lidar_particles += start.report.dark_points;
   report_.init = start.report;
   state_ = std::make_unique<State>(device_, log_, std::move(start), options_);
 }

@@ -1,0 +1,162 @@
+#include "optim/surfaces/dark_surfaces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "optim/init/initialize_sets.hpp"
+
+namespace simuli {
+namespace {
+
+/// Before a return there is nothing in its way, but for what a track and a thick surface are off.
+constexpr double kMargin_m = 0.2;
+
+/// Where a ray is inside a box around the origin, shares of `direction`; first >= last: nowhere.
+std::pair<double, double> inside(const Eigen::Vector3d& origin,
+                                 const Eigen::Vector3d& direction,
+                                 const Eigen::Vector3d& half) {
+  double first = 0.0, last = std::numeric_limits<double>::infinity();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (direction[k] == 0.0) {
+      if (std::abs(origin[k]) > half[k]) return {1.0, 0.0};
+      continue;
+    }
+    const double a = (-half[k] - origin[k]) / direction[k], b = (half[k] - origin[k]) / direction[k];
+    first = std::max(first, std::min(a, b));
+    last = std::min(last, std::max(a, b));
+  }
+  return {first, last};
+}
+
+}  // namespace
+
+bool DarkSurfaces::Votes::is_dark() const {
+  return dropped >= kFewest &&
+         static_cast<double>(dropped) >= kLeastShare * static_cast<double>(dropped + through);
+}
+
+DarkSurfaces::DarkSurfaces(std::vector<Actor> actors, double voxel_m, const Eigen::Vector3d& scene_origin)
+    : actors_(std::move(actors)), voxel_m_(voxel_m), scene_origin_(scene_origin) {
+  for (const Actor& actor : actors_) {
+    Box box{0.5 * actor.size_m, {}, {}, {}};
+    box.voxels = (actor.size_m.array() / voxel_m).ceil().max(1.0).cast<int>();
+    box.votes.resize(static_cast<std::size_t>(box.voxels.cast<std::int64_t>().prod()));
+    boxes_.push_back(std::move(box));
+  }
+}
+
+std::size_t DarkSurfaces::voxel_of(const Box& box, const Eigen::Vector3d& p) const {
+  const Eigen::Array3i at =
+      ((p + box.half).array() / voxel_m_).floor().cast<int>().max(0).min(box.voxels - 1);
+  return (static_cast<std::size_t>(at.z()) * static_cast<std::size_t>(box.voxels.y()) +
+          static_cast<std::size_t>(at.y())) *
+             static_cast<std::size_t>(box.voxels.x()) +
+         static_cast<std::size_t>(at.x());
+}
+
+template <class Visit>
+void DarkSurfaces::walk(const Box& box, const Way& way, Visit&& visit) const {
+  const Eigen::Vector3d from = way.from.cast<double>(), along = (way.to - way.from).cast<double>();
+  // Half a voxel at a time: what is only grazed may be missed, and nothing counts twice.
+  const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * along.norm() / voxel_m_)));
+  std::size_t last = std::numeric_limits<std::size_t>::max();
+  for (int i = 0; i < steps; ++i) {
+    const Eigen::Vector3d p = from + (i + 0.5) / steps * along;
+    const std::size_t voxel = voxel_of(box, p);
+    if (voxel == last) continue;
+    last = voxel;
+    if (!visit(voxel, p)) return;
+  }
+}
+
+void DarkSurfaces::add_ray(std::size_t actor,
+                           const Pose& scene_from_actor,
+                           const Eigen::Vector3d& origin,
+                           const Eigen::Vector3d& direction,
+                           double range_m) {
+  Box& box = boxes_[actor];
+  const Pose actor_from_scene = scene_from_actor.inverse();
+  const Eigen::Vector3d o = actor_from_scene * origin, d = actor_from_scene.rotation * direction;
+  const bool returns = range_m > 0.0;
+  auto [first, last] = inside(o, d, box.half);
+  if (returns) last = std::min(last, range_m - kMargin_m);
+  if (!(first < last) || !std::isfinite(last)) return;
+  const Way way{(o + first * d).cast<float>(), (o + last * d).cast<float>()};
+  walk(box, way, [&](std::size_t voxel, const Eigen::Vector3d&) {
+    ++(returns ? box.votes[voxel].through : box.votes[voxel].dropped);
+    return true;
+  });
+  if (!returns) box.dropped.push_back(way);
+}
+
+void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time_end_s) {
+  const Sweep& sweep = posed.sweep;
+  const auto* const lidar = std::get_if<Lidar>(&posed.lidar);
+  const double duration_s = time_end_s - time_start_s;
+  const auto scene_from_actor = [&](std::size_t actor, double time_s) {
+    Pose pose = actors_[actor].at(time_s);
+    pose.translation -= scene_origin_;
+    return pose;
+  };
+  for (std::size_t a = 0; a < actors_.size(); ++a) {
+    if (!actors_[a].is_there(time_start_s) && !actors_[a].is_there(time_end_s)) continue;
+    const Pose start = scene_from_actor(a, time_start_s), end = scene_from_actor(a, time_end_s);
+    const Eigen::Vector3d middle = 0.5 * (start.translation + end.translation);
+    const double reach_m = boxes_[a].half.norm() + 0.5 * (end.translation - start.translation).norm();
+    for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+      const double share = sweep.rays.time_fraction[i];
+      const Pose scene_from_lidar =
+          interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, share);
+      const Eigen::Vector3d origin = scene_from_lidar * ray_origin(posed.lidar, sweep.rays, i);
+      const Eigen::Vector3d direction =
+          scene_from_lidar.rotation * Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
+      const Eigen::Vector3d to = middle - origin;
+      if (direction.dot(to) < -reach_m || direction.cross(to).squaredNorm() > reach_m * reach_m) continue;
+      if (!actors_[a].is_there(time_start_s + share * duration_s)) continue;
+      if (lidar != nullptr && sweep.range[i] == 0.0F) {
+        const auto row = static_cast<int>(i / static_cast<std::size_t>(lidar->columns));
+        if (is_blind(*lidar, row, sweep.rays.azimuth[i])) continue;
+      }
+      add_ray(a, scene_from_actor(a, time_start_s + share * duration_s), origin, direction, sweep.range[i]);
+    }
+  }
+}
+
+std::vector<PointSet> DarkSurfaces::points() const {
+  std::vector<PointSet> out;
+  for (const Box& box : boxes_) {
+    VoxelGrid grid(voxel_m_);
+    for (const Way& way : box.dropped) {
+      walk(box, way, [&](std::size_t voxel, const Eigen::Vector3d& place) {
+        if (!box.votes[voxel].is_dark()) return true;
+        grid.add(place, 0.0);
+        return false;
+      });
+    }
+    out.push_back(grid.averages());
+  }
+  return out;
+}
+
+std::size_t add_dark_surfaces(const Log& log,
+                              const FrameSelection& frames,
+                              const InitOptions& options,
+                              Scene& scene) {
+  if (scene.actors.empty() || options.dark_voxel_m == 0.0) return 0;
+  DarkSurfaces dark(scene.actors, options.dark_voxel_m, scene.origin);
+  for (const SweepFrame* frame : training_frames(log.sweeps, HeldOutRule(log, frames))) {
+    dark.add(load_sweep(log, *frame, scene.origin), frame->time_start_s, frame->time_end_s);
+  }
+  std::size_t count = 0;
+  const std::vector<PointSet> points = dark.points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    append(scene.lidar, dark_set(points[i], options), static_cast<std::uint32_t>(i + 1));
+    count += points[i].size();
+  }
+  return count;
+}
+
+}  // namespace simuli

@@ -1,0 +1,70 @@
+#pragma once
+// Surfaces of actors that are seen and send nothing back: black paint, glass. No return tells of them, but
+// rays that drop do, together with those that other rays came through.
+#include <cstdint>
+#include <vector>
+
+#include "host/scene/scene.hpp"
+#include "io/log/frame_selection.hpp"
+#include "optim/init/init_options.hpp"
+#include "optim/init/initialize_points.hpp"
+#include "optim/init/posed_frames.hpp"
+
+namespace simuli {
+
+/// What the rays of all sweeps say of the boxes of actors, each cut into voxels in the actor's frame.
+class DarkSurfaces {
+ public:
+  /// `actors` as their tracks are known by then.
+  DarkSurfaces(std::vector<Actor> actors, double voxel_m, const Eigen::Vector3d& scene_origin);
+
+  /// The rays of a sweep that pass a box before they return, or don't. Rays in blind arcs say nothing.
+  void add(const PosedSweep& posed, double time_start_s, double time_end_s);
+  /// Of each actor, in its frame: where rays that dropped first meet a voxel from which at least kLeastShare
+  /// of the rays that reached it did, and kFewest of them. One point per voxel, of intensity 0.
+  [[nodiscard]] std::vector<PointSet> points() const;
+
+  static constexpr double kLeastShare = 0.75;
+  static constexpr std::uint32_t kFewest = 4;
+
+ private:
+  struct Votes {
+    std::uint32_t dropped = 0;  // rays that reached it and didn't return
+    std::uint32_t through = 0;  // that returned from behind
+    [[nodiscard]] bool is_dark() const;
+  };
+  /// A ray in the actor's frame, from where it enters the box to where it leaves.
+  struct Way {
+    Eigen::Vector3f from, to;
+  };
+  struct Box {
+    Eigen::Vector3d half;   // m
+    Eigen::Array3i voxels;  // along each axis
+    std::vector<Votes> votes;
+    std::vector<Way> dropped;
+  };
+
+  void add_ray(std::size_t actor,
+               const Pose& scene_from_actor,
+               const Eigen::Vector3d& origin,
+               const Eigen::Vector3d& direction,
+               double range_m);
+  [[nodiscard]] std::size_t voxel_of(const Box& box, const Eigen::Vector3d& p) const;
+  /// Calls visit(voxel, place) for the voxels along a way, in order, until it returns false.
+  template <class Visit>
+  void walk(const Box& box, const Way& way, Visit&& visit) const;
+
+  std::vector<Actor> actors_;
+  double voxel_m_;
+  Eigen::Vector3d scene_origin_;
+  std::vector<Box> boxes_;
+};
+
+/// Particles of the LiDAR set that stand in rays' way where actors of the scene have such surfaces, behind
+/// those that there are. Returns how many. Error{kInput} when a sweep can't be read.
+std::size_t add_dark_surfaces(const Log& log,
+                              const FrameSelection& frames,
+                              const InitOptions& options,
+                              Scene& scene);
+
+}  // namespace simuli
