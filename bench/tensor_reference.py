@@ -25,6 +25,7 @@ CAMERA_FILTER_PX2 = 0.3
 SWEEP_S = 0.1
 RAYS_AT_ONCE, PARTICLES_AT_ONCE = 128, 2048  # their products stay in cache
 # Float against double: directions are off by 6e-8, responses at the cut may go the other way.
+ONE_SURFACE_M = 0.15  # host/render/scene/seen.cpp
 LEAST_PSNR_DB, MOST_MEDIAN_M, MOST_P99_M, MOST_CHANGED, MOST_INTENSITY = 60.0, 1e-4, 2e-3, 1e-3, 1e-3
 torch.set_default_dtype(torch.float64)
 
@@ -306,7 +307,7 @@ def main(program, folder, time_s="1"):
     feature, left, distance, median = render(read_set(folder / "lidar.ply", 1), origins, directions, (start[1] + end[1]) / 2, kappa,
                                              tensor(scene["lidar_set"]["background"]), lidar["range_min_m"], lidar["range_max_m"])
     expected = torch.where(left < 1, distance / (1 - left), torch.zeros_like(left))
-    distance = torch.where(median > 0, median, expected)
+    distance = torch.where((median > 0) & ((expected - median).abs() > ONE_SURFACE_M), median, expected)
     returns = (feature[:, 2] <= feature[:, 1]) & (distance > 0)
     cloud = np.load(f"{simuli(lidar['name'], '--clouds', 'npz')}.npz")
     which, beside = rays_of(tensor(cloud["xyz"]) - origin, origins, directions)

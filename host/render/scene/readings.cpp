@@ -1,13 +1,20 @@
 #include "host/render/scene/readings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace simuli {
+namespace {
+
+constexpr float kOneSurface_m = 0.15F;  // how near median and mean are where a ray meets a single surface
+
+}  // namespace
 
 float best_distance(const RayResults& results, std::size_t ray) {
-  const bool has_median = !results.median.empty() && results.median[ray] > 0.0F;
-  return has_median ? results.median[ray] : results.expected_distance(ray);
+  const float mean_m = results.expected_distance(ray);
+  if (results.median.empty() || !(results.median[ray] > 0.0F)) return mean_m;
+  return std::abs(mean_m - results.median[ray]) <= kOneSurface_m ? mean_m : results.median[ray];
 }
 
 Image picture_of(const RayResults& results, const Camera& camera) {

@@ -12,7 +12,8 @@
 
 namespace simuli {
 
-/// Distance of a LiDAR ray in m: where half of the light is gone if that is anywhere, else the mean.
+/// Distance of a LiDAR ray in m: the mean where the light is gone at one place, and where several surfaces
+/// share it, so that it is far from where half of the light is gone, that median.
 [[nodiscard]] float best_distance(const RayResults& results, std::size_t ray);
 
 /// What a camera saw, as a picture clipped to [0, 1]: [height][width][3].

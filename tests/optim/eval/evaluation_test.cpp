@@ -62,7 +62,7 @@ TEST_F(EvaluationTest, SceneAgreesWithALogMadeOfIt) {
   EXPECT_EQ(r.lidar.intensity_rmse, 0.0);
   EXPECT_EQ(r.lidar.raydrop_accuracy, 1.0);
   EXPECT_EQ(r.lidar.chamfer_m, 0.0);
-  EXPECT_GT(r.distance_expected_median_m, 0.0);  // the mean is not the median
+  EXPECT_LT(r.distance_expected_median_m, 0.05);  // the mean, but where rays meet several surfaces
   EXPECT_GT(r.camera_mp_per_s, 0.0);
   EXPECT_GT(r.lidar_mr_per_s, 0.0);
   EXPECT_EQ(r.image_width, 64);

@@ -112,5 +112,20 @@ TEST(Frame, PutsPointsIntoTheWorld) {
   EXPECT_LT((points[1] - Eigen::Vector3d(103.0, 0.5, -0.5)).norm(), 1e-9);
 }
 
+TEST(BestDistance, IsTheMeanOfOneSurfaceAndTheMedianOfSeveral) {
+  RayResults seen;
+  seen.rays = 5;
+  seen.transmittance = {0.0F, 0.0F, 0.6F, 0.2F, 0.2F};
+  seen.distance = {10.1F, 14.0F, 4.0F, 8.08F, 8.0F};
+  seen.median = {10.0F, 10.0F, 0.0F, 10.0F, 10.1F};
+  EXPECT_FLOAT_EQ(best_distance(seen, 0), 10.1F);
+  EXPECT_FLOAT_EQ(best_distance(seen, 1), 10.0F);  // the mean lies between two surfaces
+  EXPECT_FLOAT_EQ(best_distance(seen, 2), 10.0F);  // half of the light goes on
+  EXPECT_FLOAT_EQ(best_distance(seen, 3), 10.1F);  // a part of it does
+  EXPECT_FLOAT_EQ(best_distance(seen, 4), 10.0F);
+  seen.median.clear();
+  EXPECT_FLOAT_EQ(best_distance(seen, 1), 14.0F);
+}
+
 }  // namespace
 }  // namespace simuli
