@@ -30,6 +30,7 @@ set(SIMULI_CL_FILES
   kernels/densify.cl
   kernels/environment.cl
   kernels/environment_bwd.cl
+  kernels/largest_weight.cl
   kernels/lidar_tiling.cl
   kernels/loss_image.cl
   kernels/loss_lidar.cl

@@ -47,6 +47,7 @@ typedef int I;
 #define AND(a, b) ((a) && (b))
 #define OR(a, b) ((a) || (b))
 #define HSUM(v) (v)
+#define HMAX(v) (v)
 #else
 #ifdef SIMULI_REAL_DOUBLE
 typedef REAL_VECTOR(V) F;
@@ -71,22 +72,28 @@ typedef LANES_CAT(int, V) I;
 #define ANY(c) any(c)
 #endif
 
-// Sum of the lanes, by halves: one fixed order on every device.
+// Sum of the lanes, by halves: one fixed order on every device. The largest of them, none being NaN.
 #if V == 16
 #define HSUM(v) hsum16(v)
+#define HMAX(v) hmax16(v)
 #elif V == 8
 #define HSUM(v) hsum8(v)
+#define HMAX(v) hmax8(v)
 #elif V == 4
 #define HSUM(v) hsum4(v)
+#define HMAX(v) hmax4(v)
 #endif
 #if V >= 4
 FN real hsum4(REAL_VECTOR(4) v) { return (v.s0 + v.s2) + (v.s1 + v.s3); }
+FN real hmax4(REAL_VECTOR(4) v) { return fmax(fmax(v.s0, v.s2), fmax(v.s1, v.s3)); }
 #endif
 #if V >= 8
 FN real hsum8(REAL_VECTOR(8) v) { return hsum4(v.lo + v.hi); }
+FN real hmax8(REAL_VECTOR(8) v) { return hmax4(fmax(v.lo, v.hi)); }
 #endif
 #if V >= 16
 FN real hsum16(F v) { return hsum8(v.lo + v.hi); }
+FN real hmax16(F v) { return hmax8(fmax(v.lo, v.hi)); }
 #endif
 #endif
 

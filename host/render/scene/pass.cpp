@@ -234,4 +234,15 @@ std::vector<ActorPoseGradient> Pass::pose_gradients(const ParticleBuffers& parti
       particles, s.buffers.projected, s.gradients, s.frame.stages->own.frame.actor_motion);
 }
 
+void Pass::raise_largest_weights(Buffer<std::uint32_t>& largest) {
+  State& s = last("raise_largest_weights");
+  need(s.options.order == Order::kRange, "raise_largest_weights", "order per_ray", "range");
+  if (largest.count() < s.frame.params.particles) {
+    misused("raise_largest_weights", fmt::format("{} weights", largest.count()), "one for each particle");
+  }
+  State::Stages& stages = *s.frame.stages;
+  if (!stages.largest_weight) stages.largest_weight.emplace(s.device, stages.own);
+  stages.largest_weight->run(s.frame.params, s.frame.rays->buffers(), s.buffers, largest);
+}
+
 }  // namespace simuli

@@ -9,6 +9,7 @@
 #include "host/render/backward/pose_bwd.hpp"
 #include "host/render/frame/stages.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/render/train/largest_weight.hpp"
 #include "host/render/train/loss_stages.hpp"
 
 namespace simuli {
@@ -24,6 +25,7 @@ struct Pass::State {
     std::optional<RenderBackwardStage> render_back;
     std::optional<ProjectBackwardStage> project_back;
     std::optional<PoseStage> pose;
+    std::optional<LargestWeightStage> largest_weight;
     Variant own;
   };
   /// Of grids of one size.
