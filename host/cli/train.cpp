@@ -82,6 +82,9 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"train_drop_accuracy", r.last.drop_accuracy},
                                         {"relocated", r.relocated},
                                         {"grown", r.grown},
+                                        {"pruned", r.pruned},
+                                        {"lidar_cells", init.lidar_cells},
+                                        {"lidar_thinned", init.lidar_thinned},
                                         {"anchor_m", r.anchor_m},
                                         {"anchor_seconds", r.anchor_seconds},
                                         {"densify_seconds", r.densify_seconds},
@@ -110,10 +113,11 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                    r.lidar_particles,
                    init.dark_points)
             << fmt::format(
-                   "  {} relocated, {} new; anchors {:.1f} cm away; share of the time: anchoring {:.1f} %, "
-                   "densification {:.1f} %\n",
+                   "  {} relocated, {} new, {} pruned; anchors {:.1f} cm away; share of the time: anchoring "
+                   "{:.1f} %, densification {:.1f} %\n",
                    r.relocated,
                    r.grown,
+                   r.pruned,
                    100.0 * r.anchor_m,
                    100.0 * r.anchor_seconds / r.seconds,
                    100.0 * r.densify_seconds / r.seconds)

@@ -133,6 +133,9 @@ void add_set(const Device& device,
   tally.add(item, AdamBuffers(device), {matrix, sizes.rows});
   tally.add(item, {"gradients", matrix * sizeof(float)});
   tally.add(item, {"reconstruction errors", particles * sizeof(float)});
+  if (options.prune.weight > 0.0 && set.kind == SetKind::kLidar) {
+    tally.add(item, {"largest weights", particles * sizeof(std::uint32_t)});
+  }
   // While one of the matrices grows it is there twice.
   if (options.densify.every > 0) tally.add(item, {"params", matrix * sizeof(float)});
 }

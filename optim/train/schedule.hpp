@@ -21,6 +21,7 @@ class FrameOrder {
   FrameOrder(std::vector<std::size_t> frames, std::uint64_t seed, std::uint64_t stream);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   [[nodiscard]] std::size_t size() const { return frames_.size(); }
+  [[nodiscard]] const std::vector<std::size_t>& frames() const { return frames_; }  // in no epoch's order
   /// The frame of an iteration; iterations may be asked for in any order. There must be frames.
   [[nodiscard]] std::size_t at(std::uint64_t iteration);
 

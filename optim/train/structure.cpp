@@ -43,8 +43,8 @@ bool Structure::collects_errors(SetNumber number, int iteration) const {
          iteration < options_.densify.last_share * options_.iterations;
 }
 
-void Structure::find_anchors(int iteration) {
-  if (!anchor_ || iteration % options_.anchor.every != 0) return;
+void Structure::find_anchors(int iteration, bool lidar_pruned) {
+  if (!anchor_ || (iteration % options_.anchor.every != 0 && !lidar_pruned)) return;
   add_time(device_, anchor_seconds_, [&] {
     anchor_->assign(camera_.particles, lidar_.particles, options_.anchor.reach_m);
   });

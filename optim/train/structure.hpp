@@ -27,8 +27,8 @@ class Structure {
   /// The stage that takes them; there is one when collects_errors().
   [[nodiscard]] DensifyStage& errors() { return *densify_; }
 
-  /// Before the steps of an iteration, when it is its turn.
-  void find_anchors(int iteration);
+  /// Before the steps of an iteration, when it is its turn or LiDAR particles have gone.
+  void find_anchors(int iteration, bool lidar_pruned);
   /// To the camera set's gradients of the particles that the pass shows.
   void add_anchor_gradient(const Pass& pass, int iteration);
   /// Moves its particles at random.

@@ -56,6 +56,22 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
   field("densify.noise", o.noise, at_least(0.0), "m^-2, of positions' jitter per m of their learning rate");
 }
 
+/// LiDAR particles that no training sweep needs are taken out (METHOD section 11).
+struct PruneOptions {
+  double weight = 0.0;
+  int times = 2;
+  double last_share = 0.5;
+};
+template <class F>
+constexpr void visit_fields(PruneOptions& o, F&& field) {
+  field("prune.weight",
+        o.weight,
+        range(0.0, 1.0),
+        "LiDAR particles whose weight in no ray of any training sweep reaches this are taken out; 0: none");
+  field("prune.times", o.times, at_least(1), "how often, evenly spread");
+  field("prune.last_share", o.last_share, range(0.0, 1.0), "of the iterations: the last time");
+}
+
 /// Learning of where sensors sit on the rig: one offset for all frames of a sensor. Rates fall as the means'
 /// do.
 struct PoseOptions {

@@ -122,6 +122,7 @@ struct TrainOptions {
   RayDropOptions ray_drop;
   AnchorOptions anchor;
   DensifyOptions densify;
+  PruneOptions prune;
   PoseRates actor_poses;
   double actor_margin_m = 0.1;
   /// The background gets clean; unmasked, it takes on a smear of what moved, which is closer to the recorded
@@ -154,6 +155,7 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part("", o.ray_drop);
   field.part("", o.anchor);
   field.part("", o.densify);
+  field.part("", o.prune);
   field.part("", o.poses);
   field.part("", o.actor_poses);
   field(

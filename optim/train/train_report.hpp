@@ -28,6 +28,7 @@ struct TrainReport {
   Eigen::Index lidar_particles = 0;
   std::uint64_t relocated = 0;  // dead particles of both sets, put where the error is
   std::uint64_t grown = 0;      // particles of both sets that came new
+  std::uint64_t pruned = 0;     // LiDAR particles that no training sweep needed
   double anchor_m = 0.0;        // mean distance of anchored camera particles seen last
   double anchor_seconds = 0.0;
   double densify_seconds = 0.0;

@@ -1,6 +1,33 @@
 #include "optim/train/trained_set.hpp"
 
 namespace simuli {
+namespace {
+
+/// Of each row of `stride` the columns at `kept`, in rows of new_stride; zeros behind them.
+void keep_columns(RealBuffer& rows,
+                  std::size_t stride,
+                  std::size_t new_stride,
+                  const std::vector<Eigen::Index>& kept) {
+  const std::vector<float> before = rows.download_float();
+  std::vector<float> after(before.size() / stride * new_stride, 0.0F);
+  for (std::size_t row = 0; row * stride < before.size(); ++row) {
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      after[row * new_stride + i] = before[row * stride + static_cast<std::size_t>(kept[i])];
+    }
+  }
+  rows.assign(after);
+}
+
+}  // namespace
+
+GaussianSet subset(const GaussianSet& set, const std::vector<Eigen::Index>& kept) {
+  GaussianSet out(set.kind, set.sh_degree, static_cast<Eigen::Index>(kept.size()));
+  out.params = set.params(kept, Eigen::all);
+  if (!set.actor.empty()) {
+    for (const Eigen::Index i : kept) out.actor.push_back(set.actor[static_cast<std::size_t>(i)]);
+  }
+  return out;
+}
 
 TrainedSet::TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates)
     : particles(device, set, Precision::kFloat),
@@ -16,6 +43,17 @@ void TrainedSet::fit_gradients() {
   if (grads.count() == particles.params.count()) return;
   grads.reserve(particles.params.count());
   grads.fill(0.0);  // padding behind the last particle gets no gradient from any kernel
+}
+
+void TrainedSet::keep(const std::vector<Eigen::Index>& kept) {
+  const std::size_t count = particles.count, stride = particles.stride;
+  if (kept.size() == count) return;
+  particles.upload(subset(particles.download(), kept));
+  for (RealBuffer* const moment : {&adam.first_moment(), &adam.second_moment()}) {
+    keep_columns(*moment, stride, particles.stride, kept);
+  }
+  keep_columns(error, count, kept.size(), kept);
+  fit_gradients();
 }
 
 void TrainedSet::add_state(StateList& list, const std::string& name) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "host/render/train/adam.hpp"
 #include "optim/poses/actor_poses.hpp"
@@ -10,11 +11,16 @@ namespace simuli {
 /// Numbers of the sets, for random numbers and names of states.
 enum SetNumber : std::uint32_t { kCameraSet = 0, kLidarSet = 1 };
 
+/// The particles at `kept`, in that order.
+[[nodiscard]] GaussianSet subset(const GaussianSet& set, const std::vector<Eigen::Index>& kept);
+
 /// A particle set in training: parameters, their gradients, and the optimiser's state.
 struct TrainedSet {
   TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates);
   /// Makes the gradients fit the particles after those have grown.
   void fit_gradients();
+  /// Leaves the particles at `kept`, ascending, each with its optimiser's state. Waits.
+  void keep(const std::vector<Eigen::Index>& kept);
   /// What a checkpoint holds of it, but for the actors' poses.
   void add_state(StateList& list, const std::string& name);
   ParticleBuffers particles;

@@ -46,12 +46,7 @@ GaussianSet finite_ones(const GaussianSet& set) {
   for (Eigen::Index i = 0; i < set.size(); ++i) {
     if (set.params.row(i).allFinite()) kept.push_back(i);
   }
-  GaussianSet out(set.kind, set.sh_degree, static_cast<Eigen::Index>(kept.size()));
-  out.params = set.params(kept, Eigen::all);
-  if (!set.actor.empty()) {
-    for (const Eigen::Index i : kept) out.actor.push_back(set.actor[static_cast<std::size_t>(i)]);
-  }
-  return out;
+  return subset(set, kept);
 }
 
 int planned_in(std::span<const std::byte> saved) {
@@ -189,6 +184,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   report.camera_particles = camera_.particles.count;
   report.lidar_particles = lidar_.particles.count;
   structure_.report(report);
+  report.pruned = pruned_;
   report.rejected_gradients = camera_.adam.rejected() + lidar_.adam.rejected() + look_.rejected();
   report.unsound_particles = (camera_.particles.count - finite_ones(camera_.particles.download()).size()) +
                              (lidar_.particles.count - finite_ones(lidar_.particles.download()).size());
@@ -226,6 +222,7 @@ StateList Trainer::state(const std::string& settings) {
   list.add("mean/distance", distance_);
   list.add("mean/right_drops", right_);
   list.add("unsound_losses", unsound_losses_);
+  list.add("pruned", pruned_);
   camera_.add_state(list, "camera");
   lidar_.add_state(list, "lidar");
   structure_.add_state(list);

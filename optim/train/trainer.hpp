@@ -95,6 +95,9 @@ class Trainer {
   /// From the loss of the pass to the set's step: what both sets do, in its order.
   void descend(const Turn& turn);
   void regularize(TrainedSet& set, const ParticleWeights& weights);
+  [[nodiscard]] bool prunes(int iteration) const;
+  /// Takes out what no training sweep needs of the LiDAR set.
+  void prune_lidar();
   void step_pose(const Turn& turn);
   /// What the frame says of the actors: their poses, behind the particles' own step.
   void step_actors(const Turn& turn);
@@ -123,6 +126,7 @@ class Trainer {
   RunningMean square_, distance_, right_;
   TrainStatus status_;
   std::uint32_t unsound_losses_ = 0;
+  std::uint64_t pruned_ = 0;
 };
 
 }  // namespace simuli

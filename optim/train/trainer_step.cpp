@@ -1,6 +1,8 @@
 // One iteration: a picture and its losses for the camera set, a sweep for the LiDAR set.
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <vector>
 
 #include "optim/base/frames.hpp"
 #include "optim/train/trainer.hpp"
@@ -14,7 +16,9 @@ constexpr double kPoseFinalShare = 0.01;  // of the offsets' rates, at the end
 
 void Trainer::step() {
   const double progress = static_cast<double>(status_.iteration) / std::max(1, options_.iterations);
-  structure_.find_anchors(status_.iteration);
+  const bool prunes_now = prunes(status_.iteration);
+  if (prunes_now) prune_lidar();
+  structure_.find_anchors(status_.iteration, prunes_now);
   if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
   const bool lidar_turn = status_.iteration % options_.lidar_every == 0;
   if (lidar_turn && !sweeps_.empty() && lidar_.particles.count > 0) step_lidar(progress);
@@ -133,6 +137,34 @@ void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
   const double count = std::max(1.0, static_cast<double>(set.particles.count));
   const RegularizeScale scale{w.scale / count, w.opacity / count, w.entropy / count};
   if (!scale.is_zero()) regularize_.run(set.particles, scale, set.grads);
+}
+
+bool Trainer::prunes(int iteration) const {
+  const PruneOptions& o = options_.prune;
+  if (!(o.weight > 0.0) || sweeps_.empty() || lidar_.particles.count == 0) return false;
+  for (int k = 1; k <= o.times; ++k) {
+    if (iteration == static_cast<int>(o.last_share * options_.iterations * k / o.times)) return true;
+  }
+  return false;
+}
+
+void Trainer::prune_lidar() {
+  Buffer<std::uint32_t> largest(device_, "largest weights", lidar_.particles.count);
+  largest.fill(0);
+  for (const std::size_t index : sweeps_.frames()) {
+    const SweepFrame& frame = log_.sweeps[index];
+    Pass pass =
+        renderer_.render(lidar_.particles, truth_.sweep(index)->truth.rays(), view(frame, frame.lidar));
+    pass.raise_largest_weights(largest);
+  }
+  const std::vector<std::uint32_t> bits = largest.download();
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    const auto weight = static_cast<double>(std::bit_cast<float>(bits[i]));
+    if (weight >= options_.prune.weight) kept.push_back(static_cast<Eigen::Index>(i));
+  }
+  pruned_ += lidar_.particles.count - kept.size();
+  lidar_.keep(kept);
 }
 
 void Trainer::step_pose(const Turn& turn) {

@@ -23,6 +23,7 @@ class TrainerStateTest : public test::SmallStreet {
     o.train.densify.lidar = true;
     o.train.densify.noise = 1e4;
     o.train.anchor.every = 10;
+    o.train.prune = {.weight = 0.05, .times = 2, .last_share = 0.75};
     o.train.poses.camera = true;
     return o;
   }
@@ -49,6 +50,7 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
     EXPECT_GT(found.camera.size(), initial_scene().camera.size());
     EXPECT_EQ(found.camera.params, expected.camera.params) << i;
     EXPECT_EQ(found.lidar.params, expected.lidar.params) << i;
+    EXPECT_GT(report.pruned, 0U);
     EXPECT_EQ(resumed.sensor_offsets().at("front").value, whole.sensor_offsets().at("front").value);
   }
   // Another training's state is refused: other settings, other parts.

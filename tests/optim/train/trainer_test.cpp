@@ -162,6 +162,46 @@ TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
   EXPECT_EQ(trainer.scene().camera.size(), 2 * start.camera.size());  // densify.most
 }
 
+TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
+  Scene start = initial_scene();
+  const Eigen::Index buried = start.lidar.size() / 7;
+  for (Eigen::Index i = 0; i < buried; ++i) start.lidar.mean().row(7 * i).z() = -50.0F;
+  TrainingOptions o = options(2);
+  o.train.lidar = {.mean_m = 1e-9,
+                   .mean_final_m = 1e-9,
+                   .log_scale = 0.0,
+                   .rotation = 0.0,
+                   .opacity = 0.0,
+                   .sh = 0.0,
+                   .sh_rest = 0.0};
+  o.train.prune = {.weight = 1e-6, .times = 1, .last_share = 0.5};
+  Trainer trainer(Device::best(), log_, start, o);
+  trainer.step();
+  EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());  // it is not its turn yet
+  const TrainReport report = trainer.run();
+  const Scene pruned = trainer.scene();
+  EXPECT_EQ(report.pruned, static_cast<std::uint64_t>(start.lidar.size() - pruned.lidar.size()));
+  EXPECT_GE(report.pruned, static_cast<std::uint64_t>(buried));
+  EXPECT_LT(report.pruned, static_cast<std::uint64_t>(start.lidar.size() / 2));
+  EXPECT_EQ(pruned.camera.size(), start.camera.size());
+  // Those that are left are where they were, in their order.
+  Eigen::Index from = 0;
+  for (Eigen::Index i = 0; i < pruned.lidar.size(); ++i, ++from) {
+    EXPECT_GT(pruned.lidar.mean()(i, 2), -40.0F);
+    while (from < start.lidar.size() &&
+           (start.lidar.mean().row(from) - pruned.lidar.mean().row(i)).norm() > 1e-5F) {
+      ++from;
+    }
+  }
+  EXPECT_LE(from, start.lidar.size());
+  // And sweeps that were trained on see what they saw.
+  const EvalOptions trained{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};
+  const EvalReport before = test::compare(log_, start, trained), after = test::compare(log_, pruned, trained);
+  EXPECT_NEAR(after.lidar.distance_median_m, before.lidar.distance_median_m, 1e-5);
+  EXPECT_NEAR(after.lidar.intensity_rmse, before.lidar.intensity_rmse, 1e-5);
+  EXPECT_NEAR(after.lidar.chamfer_m, before.lidar.chamfer_m, 1e-5);
+}
+
 TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
   TrainingOptions o = options(60);
   o.train.densify.every = o.train.densify.first = 10;
