@@ -47,7 +47,7 @@ struct EvalScores {
   double psnr_db = kNoNumber;
   double ssim = kNoNumber;
   double psnr_ungraded_db = kNoNumber;            // without colour grids; NaN when the scene has none
-  SweepMetrics lidar;                             // distance: median, the mean where no median exists
+  SweepMetrics lidar;                             // of best_distance()
   double distance_expected_median_m = kNoNumber;  // the same median error with expected distances alone
   /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
   /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside, and the share of

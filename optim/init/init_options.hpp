@@ -18,6 +18,11 @@ struct InitOptions {
   double shell_spacing_deg = 0.5;
   double camera_scale = 0.5;
   double lidar_scale = 0.7;
+  double lidar_voxel_rad = 0.01;
+  double lidar_thin_m = 0.01;
+  double flat_side_m = 0.8;
+  double flat_m = 0.015;
+  double flat_alike = 0.1;
   double min_scale_m = 0.03;
   double max_scale_m = 0.5;
   bool sweep_depth = true;
@@ -49,7 +54,10 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         o.max_camera,
         at_least(0),
         "particles of the camera set on LiDAR points; the shell comes on top");
-  field("init.max_lidar", o.max_lidar, at_least(0), "particles of the LiDAR set");
+  field("init.max_lidar",
+        o.max_lidar,
+        at_least(0),
+        "particles of the LiDAR set, at most: more are thinned, and said");
   field("init.max_shell",
         o.max_shell,
         at_least(0),
@@ -62,7 +70,31 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         o.camera_scale,
         above(0.0, 10.0),
         "standard deviation of a camera particle over the distance to its neighbours");
-  field("init.lidar_scale", o.lidar_scale, above(0.0, 10.0), "the same of the LiDAR set");
+  field("init.lidar_scale",
+        o.lidar_scale,
+        above(0.0, 10.0),
+        "that of a LiDAR particle over the distance to the next one along the same axis");
+  field("init.lidar_voxel_rad",
+        o.lidar_voxel_rad,
+        range(0.0, 1.0),
+        "rad, side of a voxel of the LiDAR set over the nearest range it was seen from, at most: those of "
+        "init.voxel_m double until then; 0: none does");
+  field("init.lidar_thin_m",
+        o.lidar_thin_m,
+        above(0.0),
+        "m, least standard deviation of a LiDAR particle across its surface");
+  field("init.flat_side_m",
+        o.flat_side_m,
+        at_least(0.0),
+        "m, side of the LiDAR set's voxels where returns are flat and alike, at most; 0: they don't grow");
+  field("init.flat_m",
+        o.flat_m,
+        at_least(0.0),
+        "m, standard deviation from their plane of what counts as flat");
+  field("init.flat_alike",
+        o.flat_alike,
+        at_least(0.0),
+        "standard deviation of intensity, of 1, of what counts as alike");
   field("init.min_scale_m", o.min_scale_m, above(0.0), "m, least standard deviation of a particle");
   field("init.max_scale_m",
         o.max_scale_m,
@@ -106,7 +138,8 @@ struct InitReport {
   std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
   std::size_t joined_points = 0;  // voxels that no picture shows apart from others
   std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
-  std::size_t lidar_thinned = 0;  // voxels left out to keep to max_lidar
+  std::size_t lidar_cells = 0;    // voxels of the background's LiDAR set, grown where that costs nothing
+  std::size_t lidar_thinned = 0;  // of those, left out to keep to max_lidar
   std::size_t camera_thinned = 0;
   std::size_t lidar_particles = 0;
   std::size_t camera_particles = 0;  // with the shell

@@ -17,10 +17,10 @@
 #include "optim/init/initialize_depth.hpp"
 #include "optim/init/initialize_environment.hpp"
 #include "optim/init/initialize_moving.hpp"
-#include "optim/init/initialize_points.hpp"
 #include "optim/init/initialize_sets.hpp"
 #include "optim/init/initialize_views.hpp"
 #include "optim/init/posed_frames.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 namespace {
@@ -33,6 +33,7 @@ constexpr double kInfinitelyFar_m = 1e9;   // a drive moves no direction there
 void add_points(
     const PosedSweep& posed, double time_start_s, double time_end_s, VoxelGrid& grid, ActorPoints& actors) {
   const Sweep& sweep = posed.sweep;
+  const SightMaker sights(posed.lidar);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;  // fired, nothing came back
     const double azimuth = sweep.rays.azimuth[i];
@@ -44,7 +45,8 @@ void add_points(
     const Eigen::Vector3d p_scene = scene_from_lidar * p_lidar;
     const double time_s = time_start_s + sweep.rays.time_fraction[i] * (time_end_s - time_start_s);
     if (!actors.add(p_scene, time_s, sweep.intensity[i])) {
-      grid.add(p_scene, sweep.intensity[i]);
+      grid.add(
+          p_scene, sweep.intensity[i], sights.of(sweep.rays, i, sweep.range[i], scene_from_lidar.rotation));
     }
   }
 }
@@ -224,13 +226,22 @@ void Initialisation::drop_moving() {
 }
 
 void Initialisation::place_lidar_set() {
-  const auto kept = thin(points_.size(), options_.max_lidar, frames_.seed);
-  scene_.lidar = lidar_set(points_.subset(kept), options_);
+  CellOptions cells_of{
+      options_.voxel_m, options_.lidar_voxel_rad, options_.flat_side_m, options_.flat_m, options_.flat_alike};
+  const std::vector<SurfaceCell> cells = surface_cells(points_, cells_of);
+  std::vector<SurfaceCell> kept;
+  for (const std::uint32_t i : thin(cells.size(), options_.max_lidar, frames_.seed)) kept.push_back(cells[i]);
+  scene_.lidar = lidar_set(points_, kept, options_.voxel_m, options_);
+  cells_of.voxel_m = options_.actor_voxel_m;
   for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
-    append(scene_.lidar, lidar_set(actors_->points()[i], options_), static_cast<std::uint32_t>(i + 1));
+    const PointSet& points = actors_->points()[i];
+    append(scene_.lidar,
+           lidar_set(points, surface_cells(points, cells_of), options_.actor_voxel_m, options_),
+           static_cast<std::uint32_t>(i + 1));
   }
+  report_.lidar_cells = cells.size();
   report_.lidar_particles = static_cast<std::size_t>(scene_.lidar.size());
-  report_.lidar_thinned = points_.size() - kept.size();
+  report_.lidar_thinned = cells.size() - kept.size();
 }
 
 /// Points for the camera set alone: the log's own, those in the holes that no laser fills, and those whose

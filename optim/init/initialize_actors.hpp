@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "host/scene/actor.hpp"
-#include "optim/init/initialize_points.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 

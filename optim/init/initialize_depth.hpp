@@ -9,8 +9,8 @@
 #include "io/log/log.hpp"
 #include "io/picture/image.hpp"
 #include "optim/init/initialize_actors.hpp"
-#include "optim/init/initialize_points.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 

@@ -6,7 +6,7 @@
 #include "host/scene/pose.hpp"
 #include "host/sensors/lidar.hpp"
 #include "io/log/log.hpp"
-#include "optim/init/initialize_points.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 

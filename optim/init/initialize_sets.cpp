@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/base/error.hpp"
+#include "optim/points/surface_shapes.hpp"
 
 namespace simuli {
 namespace {
@@ -53,19 +54,30 @@ void set_colour(GaussianSet& set, std::size_t row, const Eigen::Vector3f& colour
 
 }  // namespace
 
-GaussianSet lidar_set(const PointSet& points, const InitOptions& options) {
-  GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
-  const std::vector<LocalShape> shapes = local_shapes(points);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], 0.0, options.lidar_scale, options);
-    set.sh(0).row(static_cast<Eigen::Index>(i)) << (points.intensity[i] - 0.5F) / kSh0, kHitLogit / kSh0,
-        -kHitLogit / kSh0;
+GaussianSet lidar_set(const PointSet& points,
+                      const std::vector<SurfaceCell>& cells,
+                      double voxel_m,
+                      const InitOptions& options) {
+  GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(cells.size()));
+  const std::vector<SurfaceShape> shapes = surface_shapes(
+      points,
+      cells,
+      {voxel_m, options.lidar_scale, options.min_scale_m, options.max_scale_m, options.lidar_thin_m});
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    set_shape(set, row, cells[i].mean, shapes[i].scene_from_local, shapes[i].scale_m.cast<double>());
+    set.sh(0).row(row) << (cells[i].intensity - 0.5F) / kSh0, kHitLogit / kSh0, -kHitLogit / kSh0;
   }
   return set;
 }
 
 GaussianSet dark_set(const PointSet& points, const InitOptions& options) {
-  GaussianSet set = lidar_set(points, options);
+  GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
+  const std::vector<LocalShape> shapes = local_shapes(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    set_on_point(set, points, i, shapes[i], 0.0, options.lidar_scale, options);
+    set.sh(0)(static_cast<Eigen::Index>(i), 0) = (points.intensity[i] - 0.5F) / kSh0;
+  }
   set.sh(0).col(1).setConstant(-kHitLogit / kSh0);
   set.sh(0).col(2).setConstant(kHitLogit / kSh0);
   set.opacity_logit().setConstant(kDarkOpacityLogit);

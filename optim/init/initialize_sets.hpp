@@ -5,13 +5,17 @@
 
 #include "host/scene/gaussians.hpp"
 #include "optim/init/initialize.hpp"
-#include "optim/init/initialize_points.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/points/points.hpp"
+#include "optim/points/surface_cells.hpp"
 
 namespace simuli {
 
-/// A LiDAR particle on every point.
-[[nodiscard]] GaussianSet lidar_set(const PointSet& points, const InitOptions& options);
+/// A LiDAR particle on each of `cells`, which are cells of `points`, returns averaged in voxels of voxel_m.
+[[nodiscard]] GaussianSet lidar_set(const PointSet& points,
+                                    const std::vector<SurfaceCell>& cells,
+                                    double voxel_m,
+                                    const InitOptions& options);
 
 /// The same of what gives no light back: rays that meet it drop.
 [[nodiscard]] GaussianSet dark_set(const PointSet& points, const InitOptions& options);

@@ -9,7 +9,7 @@
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
 #include "io/picture/image.hpp"
-#include "optim/init/initialize_points.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 

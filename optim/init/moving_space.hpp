@@ -8,8 +8,8 @@
 
 #include "host/sensors/lidar_model.hpp"
 #include "io/log/log.hpp"
-#include "optim/init/initialize_points.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 

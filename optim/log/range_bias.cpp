@@ -11,8 +11,8 @@
 #include "host/base/parallel.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/base/metrics.hpp"
-#include "optim/init/initialize_points.hpp"
-#include "optim/init/point_tree.hpp"
+#include "optim/points/point_tree.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 namespace {

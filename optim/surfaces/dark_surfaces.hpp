@@ -7,8 +7,8 @@
 #include "host/scene/scene.hpp"
 #include "io/log/frame_selection.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/init/initialize_points.hpp"
 #include "optim/init/posed_frames.hpp"
+#include "optim/points/points.hpp"
 
 namespace simuli {
 

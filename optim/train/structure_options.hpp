@@ -58,7 +58,8 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
 
 /// LiDAR particles that no training sweep needs are taken out (METHOD section 11).
 struct PruneOptions {
-  double weight = 0.0;
+  double weight = 0.05;
+  int first = 100;
   int times = 2;
   double last_share = 0.5;
 };
@@ -68,6 +69,7 @@ constexpr void visit_fields(PruneOptions& o, F&& field) {
         o.weight,
         range(0.0, 1.0),
         "LiDAR particles whose weight in no ray of any training sweep reaches this are taken out; 0: none");
+  field("prune.first", o.first, at_least(0), "iteration before which none is: opacities must settle");
   field("prune.times", o.times, at_least(1), "how often, evenly spread");
   field("prune.last_share", o.last_share, range(0.0, 1.0), "of the iterations: the last time");
 }

@@ -141,7 +141,8 @@ void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
 
 bool Trainer::prunes(int iteration) const {
   const PruneOptions& o = options_.prune;
-  if (!(o.weight > 0.0) || sweeps_.empty() || lidar_.particles.count == 0) return false;
+  if (!(o.weight > 0.0) || iteration < o.first) return false;
+  if (sweeps_.empty() || lidar_.particles.count == 0) return false;
   for (int k = 1; k <= o.times; ++k) {
     if (iteration == static_cast<int>(o.last_share * options_.iterations * k / o.times)) return true;
   }

@@ -103,6 +103,8 @@ TEST(Options, OfInitialisationAreCheckedByKey) {
   refused("init.camera_sh_degree: found 4, allowed 0 to 3", [](auto& o) { o.camera_sh_degree = 4; });
   refused("init.shell_spacing_deg: found 0", [](auto& o) { o.shell_spacing_deg = 0.0; });
   refused("init.lidar_scale: found 11, allowed above 0, at most 10", [](auto& o) { o.lidar_scale = 11.0; });
+  refused("init.lidar_voxel_rad: found -1, allowed 0 to 1", [](auto& o) { o.lidar_voxel_rad = -1.0; });
+  refused("init.flat_m: found -1, allowed 0 or more", [](auto& o) { o.flat_m = -1.0; });
   refused("init.environment_width: found 9, allowed 0, or 8 to 7200 and even",
           [](auto& o) { o.environment_width = 9; });
   refused("init.max_scale_m: found 0.01, allowed init.min_scale_m (0.03) or more",
@@ -120,6 +122,7 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("camera.loss.entropy: found -1", [](auto& o) { o.camera_particles.entropy = -1.0; });
   refused("anchor.neighbours: found 257, allowed 1 to 256", [](auto& o) { o.anchor.neighbours = 257; });
   refused("densify.last_share: found 1.5, allowed 0 to 1", [](auto& o) { o.densify.last_share = 1.5; });
+  refused("prune.weight: found 2, allowed 0 to 1", [](auto& o) { o.prune.weight = 2.0; });
   refused("poses.rotation_rad: found -1", [](auto& o) { o.poses.rotation_rad = -1.0; });
   refused("actors.rate.turn_rad: found -1", [](auto& o) { o.actor_poses.turn_rad = -1.0; });
   refused("actors.margin_m: found -1", [](auto& o) { o.actor_margin_m = -1.0; });

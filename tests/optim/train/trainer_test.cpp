@@ -174,7 +174,7 @@ TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
                    .opacity = 0.0,
                    .sh = 0.0,
                    .sh_rest = 0.0};
-  o.train.prune = {.weight = 1e-6, .times = 1, .last_share = 0.5};
+  o.train.prune = {.weight = 1e-6, .first = 0, .times = 1, .last_share = 0.5};
   Trainer trainer(Device::best(), log_, start, o);
   trainer.step();
   EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());  // it is not its turn yet

@@ -1,10 +1,12 @@
 #pragma once
-// Points of the initialisation: voxel averages, deterministic thinning, spacing and local planes.
+// Points that a scene starts from: voxel averages, deterministic thinning, spacing and local planes.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "optim/points/sight.hpp"
 
 namespace simuli {
 
@@ -12,6 +14,7 @@ namespace simuli {
 struct PointSet {
   Eigen::Matrix<float, 3, Eigen::Dynamic> position;  // [3, N]
   std::vector<float> intensity;                      // [N]
+  std::vector<Sight> sight;                          // [N]; empty: none is known
 
   [[nodiscard]] std::size_t size() const { return intensity.size(); }
   /// The points at `indices`, in that order.
@@ -26,9 +29,9 @@ class VoxelGrid {
  public:
   /// Throws Error{kUsage} unless 1 mm <= voxel_m <= 100 m.
   explicit VoxelGrid(double voxel_m);
-  /// A point in metres from the scene origin. Throws Error{kInput} when it is not finite or more than
-  /// 2^20 voxels from the origin.
-  void add(const Eigen::Vector3d& position, double intensity);
+  /// A point in metres from the scene origin; of a voxel's sights the nearest is kept. Throws Error{kInput}
+  /// when it is not finite or more than 2^20 voxels from the origin.
+  void add(const Eigen::Vector3d& position, double intensity, const Sight& sight = {});
   [[nodiscard]] std::size_t points() const { return points_; }
   /// One averaged point per occupied voxel, sorted by voxel (z, y, x).
   [[nodiscard]] PointSet averages();
@@ -39,6 +42,7 @@ class VoxelGrid {
     std::uint64_t count = 0;
     Eigen::Matrix<std::int64_t, 3, 1> offset_um{0, 0, 0};  // sum, from the voxel's corner
     std::int64_t intensity_ppm = 0;                        // sum
+    Sight sight;
   };
   void merge();
 

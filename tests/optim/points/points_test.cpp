@@ -1,4 +1,4 @@
-#include "optim/init/initialize_points.hpp"
+#include "optim/points/points.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "optim/init/initialize_points.hpp"
+#include "optim/points/points.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -10,14 +10,14 @@
 
 #include "host/base/error.hpp"
 #include "host/base/parallel.hpp"
-#include "optim/init/point_tree.hpp"
+#include "optim/points/point_tree.hpp"
 
 namespace simuli {
 namespace {
 
 constexpr int kKeyBits = 21;
 constexpr std::int64_t kHalfRange = std::int64_t{1} << (kKeyBits - 1);  // voxels either side of the origin
-constexpr std::size_t kMergeEvery = std::size_t{1} << 22U;              // cells, 48 bytes each
+constexpr std::size_t kMergeEvery = std::size_t{1} << 21U;              // cells, 88 bytes each
 constexpr std::size_t kSpacingNeighbours = 3;
 constexpr std::size_t kPlaneNeighbours = 8;
 /// Smallest over middle variance up to which neighbours count as a plane (a standard deviation of a third).
@@ -68,6 +68,7 @@ PointSet PointSet::subset(const std::vector<std::uint32_t>& indices) const {
   for (std::size_t i = 0; i < indices.size(); ++i) {
     out.position.col(static_cast<Eigen::Index>(i)) = position.col(static_cast<Eigen::Index>(indices[i]));
     out.intensity.push_back(intensity[indices[i]]);
+    if (!sight.empty()) out.sight.push_back(sight[indices[i]]);
   }
   return out;
 }
@@ -76,6 +77,11 @@ void PointSet::append(const PointSet& others) {
   const Eigen::Index count = position.cols();
   position.conservativeResize(Eigen::NoChange, count + others.position.cols());
   position.rightCols(others.position.cols()) = others.position;
+  if (!sight.empty() || !others.sight.empty()) {
+    sight.resize(intensity.size());
+    sight.insert(sight.end(), others.sight.begin(), others.sight.end());
+    sight.resize(intensity.size() + others.intensity.size());
+  }
   intensity.insert(intensity.end(), others.intensity.begin(), others.intensity.end());
 }
 
@@ -85,7 +91,7 @@ VoxelGrid::VoxelGrid(double voxel_m) : voxel_m_(voxel_m) {
   }
 }
 
-void VoxelGrid::add(const Eigen::Vector3d& position, double intensity) {
+void VoxelGrid::add(const Eigen::Vector3d& position, double intensity, const Sight& sight) {
   const Eigen::Vector3d voxel = (position / voxel_m_).array().floor();
   const auto half = static_cast<double>(kHalfRange);
   if (!((voxel.array() >= -half).all() && (voxel.array() < half).all() && std::isfinite(intensity))) {
@@ -101,6 +107,7 @@ void VoxelGrid::add(const Eigen::Vector3d& position, double intensity) {
   }
   cell.intensity_ppm = std::llround(intensity * 1e6);
   cell.count = 1;
+  cell.sight = sight;
   cells_.push_back(cell);
   ++points_;
   if (cells_.size() - merged_ >= std::max(kMergeEvery, merged_)) merge();
@@ -115,6 +122,7 @@ void VoxelGrid::merge() {
       sum.count += cells_[i].count;
       sum.offset_um += cells_[i].offset_um;
       sum.intensity_ppm += cells_[i].intensity_ppm;
+      if (is_nearer(cells_[i].sight, sum.sight)) sum.sight = cells_[i].sight;
     } else {
       cells_[out++] = cells_[i];
     }
@@ -140,6 +148,7 @@ PointSet VoxelGrid::averages() {
       out.position(axis, static_cast<Eigen::Index>(i)) = static_cast<float>(corner_m + offset_m);
     }
     out.intensity.push_back(static_cast<float>(static_cast<double>(cell.intensity_ppm) * 1e-6 / count));
+    out.sight.push_back(cell.sight);
   }
   return out;
 }

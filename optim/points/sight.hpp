@@ -1,0 +1,51 @@
+#pragma once
+// How densely a sensor has sampled what it met.
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+#include <vector>
+
+#include "host/sensors/lidar_model.hpp"
+
+namespace simuli {
+
+/// The nearest look at a point: the ray that met it, and how far its neighbours in the sweep look beside it.
+struct Sight {
+  float range_m = std::numeric_limits<float>::infinity();  // +inf: no ray has met it
+  Eigen::Vector3f towards = Eigen::Vector3f::Zero();       // unit, from the sensor to the point
+  /// From this ray's direction to those of the next firing and of the next beam, rad; perpendicular to it.
+  Eigen::Vector3f column_step = Eigen::Vector3f::Zero();
+  Eigen::Vector3f row_step = Eigen::Vector3f::Zero();
+
+  [[nodiscard]] bool is_known() const { return range_m < std::numeric_limits<float>::infinity(); }
+  /// The same in other axes.
+  [[nodiscard]] Sight turned(const Eigen::Quaternionf& to_from) const;
+  /// m^2 of a surface of that unit normal for each ray of the sweep; at most as if met at kGrazing.
+  [[nodiscard]] float area_per_ray_m2(const Eigen::Vector3f& normal) const;
+  /// From the point to where the neighbours meet the plane of that unit normal, m.
+  [[nodiscard]] Eigen::Vector3f column_step_on(const Eigen::Vector3f& normal) const;
+  [[nodiscard]] Eigen::Vector3f row_step_on(const Eigen::Vector3f& normal) const;
+
+  static constexpr float kGrazing = 0.02F;  // cosine of the incidence
+};
+
+/// A total order: the nearest first, and the same one whatever came before.
+[[nodiscard]] bool is_nearer(const Sight& a, const Sight& b);
+
+/// Sights of a sensor's returns.
+class SightMaker {
+ public:
+  explicit SightMaker(const LidarModel& lidar);
+  /// Of a ray of the sensor that met something at range_m, in the axes of scene_from_lidar.
+  [[nodiscard]] Sight of(const LidarRays& rays,
+                         std::size_t ray,
+                         float range_m,
+                         const Eigen::Quaterniond& scene_from_lidar) const;
+
+ private:
+  std::size_t columns_ = 1;
+  double column_step_rad_ = 0.0;
+  std::vector<double> row_step_rad_;  // [rows]
+};
+
+}  // namespace simuli
