@@ -213,6 +213,24 @@ Json to_json(const Log& log) {
 
 void write_log(const Log& log) { write_file_atomically(log.folder / "log.json", text_of(log)); }
 
+void copy_log(const Log& log, const fs::path& folder) {
+  write_folder_atomically(folder, [&](const fs::path& temporary) {
+    const auto bring = [&](const std::string& file) {
+      fs::create_directories((temporary / file).parent_path());
+      std::error_code failed;
+      fs::create_hard_link(log.folder / file, temporary / file, failed);
+      if (failed) write_file_atomically(temporary / file, read_file(log.folder / file));
+    };
+    for (const ImageFrame& frame : log.images) bring(frame.file);
+    for (const SweepFrame& frame : log.sweeps) bring(frame.file);
+    if (!log.points.empty()) bring(log.points);
+    Log copy = log;
+    copy.folder = temporary;
+    write_log(copy);
+    (void)read_log(temporary);  // what was written is what the next command will read
+  });
+}
+
 std::string log_hash(const Log& log) {
   std::string text = text_of(log);
   const auto add_size = [&](const std::string& file) {

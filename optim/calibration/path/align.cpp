@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "io/base/file.hpp"
 
 namespace simuli::calibration {
 namespace {
@@ -18,13 +17,6 @@ std::vector<TimedPose> recorded_path(const Log& log, const std::vector<double>& 
   std::vector<TimedPose> path;
   for (const double time_s : knots_s) path.push_back({time_s, log.world_from_rig.at(time_s)});
   return path;
-}
-
-void link_or_copy(const fs::path& from, const fs::path& to) {
-  fs::create_directories(to.parent_path());
-  std::error_code failed;
-  fs::create_hard_link(from, to, failed);
-  if (failed) write_file_atomically(to, read_file(from));
 }
 
 }  // namespace
@@ -91,23 +83,17 @@ AlignReport align_log(const Log& log,
 }
 
 void write_aligned_log(const Log& log, const Trajectory& world_from_rig, const fs::path& folder) {
-  write_folder_atomically(folder, [&](const fs::path& temporary) {
-    for (const ImageFrame& frame : log.images) link_or_copy(log.folder / frame.file, temporary / frame.file);
-    for (const SweepFrame& frame : log.sweeps) link_or_copy(log.folder / frame.file, temporary / frame.file);
-    Log aligned = log;
-    aligned.folder = temporary;
-    aligned.world_from_rig = world_from_rig;
-    for (Actor& actor : aligned.actors) {
-      for (KeyPose& key : actor.track) {
-        const Pose change = world_from_rig.at(key.time_s) * log.world_from_rig.at(key.time_s).inverse();
-        key.world_from_actor = change * key.world_from_actor;
-        key.shift_m = change.rotation * key.shift_m;
-        key.turn_rad = change.rotation * key.turn_rad;
-      }
+  Log aligned = log;
+  aligned.world_from_rig = world_from_rig;
+  for (Actor& actor : aligned.actors) {
+    for (KeyPose& key : actor.track) {
+      const Pose change = world_from_rig.at(key.time_s) * log.world_from_rig.at(key.time_s).inverse();
+      key.world_from_actor = change * key.world_from_actor;
+      key.shift_m = change.rotation * key.shift_m;
+      key.turn_rad = change.rotation * key.turn_rad;
     }
-    write_log(aligned);
-    (void)read_log(temporary);  // what was written is what the next command will read
-  });
+  }
+  copy_log(aligned, folder);
 }
 
 }  // namespace simuli::calibration
