@@ -1,5 +1,6 @@
 #include "optim/init/actor_tracks.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -111,6 +112,17 @@ void add_prior(const Actor& actor, const TrackPrior& prior, Equations& equations
 
 }  // namespace
 
+Matrix3d surface_information(const Matrix3d& covariance, double sigma_m, double voxel_m) {
+  constexpr double kFilled = 0.2;  // of the voxel's side; a uniform spread has 0.29
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(covariance);
+  Vector3d information;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double variance = std::max(axes.eigenvalues()(k), 0.0);
+    information(k) = std::sqrt(variance) > kFilled * voxel_m ? 0.0 : 1.0 / (variance + sigma_m * sigma_m);
+  }
+  return axes.eigenvectors() * information.asDiagonal() * axes.eigenvectors().transpose();
+}
+
 void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const TrackPrior& prior) {
   std::vector<KeyPose>& track = actor.track;
   if (track.size() < 2 || returns.empty()) return;
@@ -141,7 +153,7 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
       const auto count = static_cast<double>(s.count);
       s.mean /= count;
       const Matrix3d covariance = s.squares / count - s.mean * s.mean.transpose();
-      s.squares = (covariance + kSigma_m * kSigma_m * Matrix3d::Identity()).inverse();
+      s.squares = surface_information(covariance, kSigma_m, voxel_m);
     }
 
     Equations equations(track.size());

@@ -22,6 +22,13 @@ struct TrackPrior {
   double turn_rad_per_s2 = 0.5;
 };
 
+/// Inverse covariance of the returns in a voxel of that side, as what a surface tells of where it is: nothing
+/// along directions in which they fill the voxel, as a wall that slides along itself looks the same; what is
+/// seen of it would pull it towards where the sensor is. sigma_m: standard deviation of a return.
+[[nodiscard]] Eigen::Matrix3d surface_information(const Eigen::Matrix3d& covariance,
+                                                  double sigma_m,
+                                                  double voxel_m);
+
 /// Fills the offsets (shift_m, turn_rad) of the actor's key poses from its returns: each return is drawn to
 /// the normal distribution of those in its voxel of the actor's frame (Magnusson, "The three-dimensional
 /// normal-distributions transform", 2009), Cauchy weights, Gauss-Newton over all key poses at once. Where
