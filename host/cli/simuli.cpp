@@ -8,6 +8,7 @@ namespace {
 void add_commands(CommandLine& line, const Globals& globals) {
   const Command root = line.root();
   root.require_command();
+  add_actors(root, globals);
   add_align(root, globals);
   add_bench(line);
   add_convert(root, globals);

@@ -27,6 +27,7 @@ struct Globals {
 /// A command that this build lacks: it refuses, whatever its arguments.
 void add_absent(Command app, const std::string& name, const std::string& help, const std::string& option);
 
+void add_actors(Command app, const Globals& globals);
 void add_align(Command app, const Globals& globals);
 void add_bench(CommandLine& line);
 void add_convert(Command app, const Globals& globals);
