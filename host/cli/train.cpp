@@ -66,6 +66,7 @@ void take_iterations(const std::string& text, TrainOptions& options) {
 void print_report(const TrainingReport& report, const TrainCommand& command, bool json) {
   const TrainReport& r = report.train;
   const InitReport& init = report.init;
+  const FindReport& found = report.found;
   if (json) {
     const nlohmann::ordered_json out = {{"scene", command.output},
                                         {"iterations", r.last.iteration},
@@ -75,6 +76,10 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"sweeps", r.sweeps},
                                         {"camera_particles", r.camera_particles},
                                         {"lidar_particles", r.lidar_particles},
+                                        {"found_actors", found.actors},
+                                        {"moving_returns", found.moving_returns},
+                                        {"moving_returns_on_actors", found.moving_on_actors},
+                                        {"find_seconds", found.seconds},
                                         {"depth_points", init.depth_points},
                                         {"moving_points", init.moving_points},
                                         {"train_psnr_db", r.last.psnr_db},
@@ -104,10 +109,16 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                            init.seconds,
                            r.seconds)
             << stages_text(r.stages)
+            << (found.sweeps == 0
+                    ? ""
+                    : fmt::format("  {} moving things found in {:.1f} s, with {} of {} returns that moved\n",
+                                  found.actors,
+                                  found.seconds,
+                                  found.moving_on_actors,
+                                  found.moving_returns))
             << fmt::format(
                    "  camera set {} particles ({} of them the far shell), LiDAR set {} particles ({} of "
-                   "them on actors' surfaces that return nothing)
-",
+                   "them on actors' surfaces that return nothing)\n",
                    r.camera_particles,
                    init.shell_particles,
                    r.lidar_particles,

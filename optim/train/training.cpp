@@ -10,6 +10,7 @@
 #include "host/base/fields.hpp"
 #include "host/base/version.hpp"
 #include "host/render/options/quality.hpp"
+#include "optim/actors/find_actors.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/surfaces/dark_surfaces.hpp"
@@ -58,6 +59,11 @@ std::string Training::identity() const {
 void Training::prepare(const Progress& progress) {
   if (state_) return;
   log_ = with_learned_sensors(std::move(log_), options_.frames, options_.sensors);
+  if (options_.actors.find && options_.init.actors && log_.actors.empty()) {
+    FoundActors found = find_actors(log_, options_.frames, options_.actors);
+    log_.actors = std::move(found.actors);
+    report_.found = found.report;
+  }
   SceneInit start = initialize_scene(log_, options_.frames, options_.init, progress);
   start.report.dark_points = add_dark_surfaces(log_, options_.frames, options_.init, start.scene);
   start.report.lidar_particles += start.report.dark_points;

@@ -9,6 +9,7 @@
 #include "host/runtime/device.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/train/train_report.hpp"
 #include "optim/train/training_options.hpp"
@@ -17,6 +18,7 @@ namespace simuli {
 
 /// How a training went: its start, and what followed.
 struct TrainingReport {
+  FindReport found;  // zeros: not searched
   InitReport init;
   TrainReport train;
 };
@@ -41,7 +43,8 @@ class Training {
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// Learns what sweeps say of their LiDARs and places the first particles, unless that is done;
+  /// Learns what sweeps say of their LiDARs, finds what moves in a log that has no actors (find_actors.hpp)
+  /// and places the first particles, unless that is done;
   /// `progress` is called after each file of the latter. Error{kInput} when no frame is left to train on or a
   /// file can't be read, Error{kDevice} when the device has no room for the training.
   void prepare(const Progress& progress = {});
@@ -72,7 +75,7 @@ class Training {
   [[nodiscard]] std::string identity() const;
 
   Device device_;
-  Log log_;               // from prepare() on with what was learned of its LiDARs
+  Log log_;               // from prepare() on with what was learned of its LiDARs, and with found actors
   std::string log_hash_;  // as read
   TrainingOptions options_;
   std::unique_ptr<State> state_;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "io/log/frame_selection.hpp"
+#include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/train/train_options.hpp"
@@ -13,6 +14,7 @@ namespace simuli {
 struct TrainingOptions {
   FrameSelection frames = {};
   SensorLearning sensors = {};
+  ActorFinding actors = {};
   InitOptions init = {};
   TrainOptions train = {};
 };
@@ -22,6 +24,7 @@ template <class F>
 constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.part("", o.frames);
   field.part("", o.sensors);
+  field.part("", o.actors);
   field.part("", o.init);
   field.part("", o.train);
 }
