@@ -20,7 +20,11 @@ constexpr double kRoad_m = 0.1;
 constexpr double kGround_m = 0.05;   // ground is what lies this near to that around ...
 constexpr double kLow_m = 0.3;       // ... and below this part of a box
 constexpr double kHoleVoxels = 2.0;  // side of a voxel of holes over that of points
-constexpr double kHoleCells = 3.0;   // of a cell over a point's voxel, at the actor's distance
+/// A box that is this much higher than all of its points was cut by the laser's highest row: its walls go on
+/// above those of the points that lie this near to the highest.
+constexpr double kCut_m = 0.5, kRim_m = 0.7;
+constexpr double kSteep = 0.1;      // cosine of the steepest look at a wall
+constexpr double kHoleCells = 3.0;  // of a cell over a point's voxel, at the actor's distance
 /// Kinds whose left and right are alike.
 constexpr std::array<std::string_view, 4> kVehicles{"car", "van", "truck", "bus"};
 
@@ -120,6 +124,7 @@ class RangePicture {
   struct Hole {
     int column = 0, row = 0;
     double range_m = 0.0;
+    int row_of_range = 0;
   };
   [[nodiscard]] std::vector<Hole> holes() const {
     std::vector<Hole> out;
@@ -138,8 +143,20 @@ class RangePicture {
           sum += range_m(x, y) / steps;
           weight += 1.0 / steps;
         }
-        if (sides >= 3) out.push_back({column, row, sum / weight});
+        if (sides >= 3) out.push_back({column, row, sum / weight, row});
       }
+    }
+    return out;
+  }
+
+  /// Empty cells above the highest point of their column, with the range of that.
+  [[nodiscard]] std::vector<Hole> above() const {
+    std::vector<Hole> out;
+    for (int column = 0; column < columns_; ++column) {
+      int top = 0;
+      while (top < rows_ && range_m(column, top) == kNothing) ++top;
+      if (top == rows_) continue;
+      for (int row = 0; row < top; ++row) out.push_back({column, row, range_m(column, top), top});
     }
     return out;
   }
@@ -250,11 +267,26 @@ void ActorPoints::add_holes(const ImageView& view, double time_s, const PointSet
       if ((p - view.origin()).norm() < reach_m) others.add(view, p);
     }
     const Eigen::Vector3d half = 0.5 * actors_[i].size_m;
-    for (const RangePicture::Hole& hole : own.holes()) {
+    std::vector<RangePicture::Hole> holes = own.holes();
+    const double highest_m = static_cast<double>(points_[i].position.row(2).maxCoeff());
+    if (half.z() - highest_m > kCut_m) {
+      RangePicture high(view.camera(), cell_px);
+      for (std::size_t k = 0; k < points_[i].size(); ++k) {
+        const Eigen::Vector3d p = points_[i].position.col(static_cast<Eigen::Index>(k)).cast<double>();
+        if (p.z() > highest_m - kRim_m) high.add(view, pose * p);
+      }
+      const std::vector<RangePicture::Hole> above = high.above();
+      holes.insert(holes.end(), above.begin(), above.end());
+    }
+    for (const RangePicture::Hole& hole : holes) {
       if (others.range_m(hole.column, hole.row) < hole.range_m) continue;
-      Eigen::Vector3d origin, direction;
+      Eigen::Vector3d origin, direction, measured;
+      view.unproject(own.middle_px(hole.column, hole.row_of_range), origin, measured);
       view.unproject(own.middle_px(hole.column, hole.row), origin, direction);
-      const Eigen::Vector3d p = pose.inverse() * Eigen::Vector3d(origin + hole.range_m * direction);
+      // Walls are upright: as far away over ground as where the range was measured.
+      const double longer = measured.head<2>().norm() / std::max(direction.head<2>().norm(), kSteep);
+      const double along_m = hole.row == hole.row_of_range ? hole.range_m : hole.range_m * longer;
+      const Eigen::Vector3d p = pose.inverse() * Eigen::Vector3d(origin + along_m * direction);
       if ((p.array().abs() <= half.array()).all()) holes_[i].add(p, 0.0);
     }
   }
