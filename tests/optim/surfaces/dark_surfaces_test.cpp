@@ -35,7 +35,10 @@ Actor lorry() {
   for (int i = 0; i < 2; ++i) {
     Pose pose;
     pose.translation = {2.0 * i, kLorry_m, 0.0};  // 2 m/s
-    actor.track.push_back({1.0 * i, pose, {}, {}});
+    KeyPose key;
+    key.time_s = 1.0 * i;
+    key.world_from_actor = pose;
+    actor.track.push_back(key);
   }
   return actor;
 }
