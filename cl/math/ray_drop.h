@@ -13,10 +13,11 @@
 /// last two pass no gradient on: what a ray meets is learned from returns.
 FN void drop_inputs(F intensity, F hit, F drop, F transmittance, F distance, F* x) {
   const F opacity = R(1.0) - transmittance;
+  const F reach = distance + DROP_HALF_RANGE * opacity;
   x[0] = drop - hit;
   x[1] = DROP_SCALE * transmittance;
   x[2] = DROP_SCALE * intensity;
-  x[3] = DROP_SCALE * opacity * distance / (distance + DROP_HALF_RANGE * opacity + R(1e-6));
+  x[3] = DROP_SCALE * opacity * distance / SEL(reach > R(0.0), reach, (F)R(1.0));
 }
 
 /// A hidden value a / (1 + |a|) of a weighted sum a of the inputs; slope: its derivative by a.

@@ -26,7 +26,7 @@ std::optional<double> find_range_limit(const Log& log, const LogLidar& lidar, co
     const Sweep sweep = read_sweep(log.folder / frame.file, lidar.model);
     for (const float range : sweep.range) largest = std::max(largest, range);
     const double nearest = static_cast<double>(largest) - 2.0 * kLast_m;
-    const auto is_near = [nearest](float range) { return range < nearest; };
+    const auto is_near = [nearest](float range) { return range == 0.0F || range < nearest; };
     far.insert(far.end(), sweep.range.begin(), sweep.range.end());
     far.erase(std::remove_if(far.begin(), far.end(), is_near), far.end());
   }

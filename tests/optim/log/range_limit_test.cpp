@@ -32,9 +32,10 @@ Log log_of(const Scratch& folder, const std::function<double(int, int)>& range) 
   log.folder = folder.path();
   log.lidars.push_back({one_row(), Pose{}});
   for (int i = 0; i < 10; ++i) {
-    Sweep sweep{nominal_rays(one_row()), {}, std::vector<float>(kColumns, 0.5F)};
+    Sweep sweep{nominal_rays(one_row()), {}, {}};
     for (int column = 0; column < kColumns; ++column) {
       sweep.range.push_back(static_cast<float>(range(i, column)));
+      sweep.intensity.push_back(sweep.range.back() > 0.0F ? 0.5F : 0.0F);
     }
     const std::string name = fmt::format("{:02}.exr", i);
     write_sweep(folder / name, sweep);

@@ -88,7 +88,9 @@ TEST(DarkSurfaces, AreWhereRaysDropAndNoneComesThrough) {
     // The side that is seen, and the ends: not the metre in front of and behind the body, which rays that
     // came back have passed.
     EXPECT_LT(std::abs(p.x()), 0.5 * kBody.x() + 2.0 * kVoxel_m) << i;
-    EXPECT_LT(p.y(), 0.0F) << "no ray gets to the far side, " << i;
+    if (std::abs(p.x()) < 1.0F) {
+      EXPECT_LT(p.y(), 0.0F) << "no ray gets to the far side, " << i;
+    }
     EXPECT_EQ(points.intensity[i], 0.0F);
   }
   const Eigen::VectorXf nearest = points.position.row(1);
