@@ -82,7 +82,9 @@ TEST(OpenClInterop, FramesOnTheCallersQueueAreTheSame) {
       }
       ASSERT_EQ(outputs[3 * memory.slots + slot], seen.transmittance[ray]);
       ASSERT_EQ(outputs[4 * memory.slots + slot], seen.distance[ray]);
-      if (rows == 7) ASSERT_EQ(outputs[6 * memory.slots + slot], seen.drop_logit[ray]);
+      if (rows == 7) {
+        ASSERT_EQ(outputs[6 * memory.slots + slot], seen.drop_logit[ray]);
+      }
       met += seen.transmittance[ray] < 0.5F ? 1 : 0;
     }
     EXPECT_GT(met, 0U);
