@@ -151,9 +151,11 @@ class CellTree {
     const double narrow2 = 12.0 * variance(1) + voxel2, wide2 = 12.0 * variance(2) + voxel2;
     if (narrow2 < kLeastExtent * kLeastExtent * side * side) return false;
     const Eigen::Vector3f normal = solver.eigenvectors().col(0).cast<float>();
+    // What a whole surface has of points: a voxel's, or what rows or columns leave if they are farther apart.
     double point_m2 = voxel2;
     if (sums.sight.is_known()) {
-      point_m2 = std::max(point_m2, static_cast<double>(sums.sight.area_per_ray_m2(normal)));
+      point_m2 = std::max(options_.voxel_m, static_cast<double>(sums.sight.column_step_on(normal).norm())) *
+                 std::max(options_.voxel_m, static_cast<double>(sums.sight.row_step_on(normal).norm()));
     }
     if (sums.count * point_m2 < kLeastCovered * std::sqrt(narrow2 * wide2)) return false;
     return goes_on(sums, static_cast<float>(side), normal, static_cast<float>(std::sqrt(point_m2)));

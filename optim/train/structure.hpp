@@ -6,7 +6,7 @@
 #include "host/render/scene/renderer.hpp"
 #include "host/render/train/anchor.hpp"
 #include "host/render/train/densify.hpp"
-#include "optim/train/state.hpp"
+#include "optim/state/state.hpp"
 #include "optim/train/train_options.hpp"
 #include "optim/train/train_report.hpp"
 #include "optim/train/trained_set.hpp"

@@ -8,7 +8,7 @@
 #include "host/render/scene/renderer.hpp"
 #include "host/scene/scene.hpp"
 #include "optim/poses/small_adam.hpp"
-#include "optim/train/state.hpp"
+#include "optim/state/state.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {

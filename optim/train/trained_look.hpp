@@ -9,7 +9,7 @@
 #include "host/render/train/adam.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
-#include "optim/train/state.hpp"
+#include "optim/state/state.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {

@@ -4,7 +4,7 @@
 
 #include "host/render/train/adam.hpp"
 #include "optim/poses/actor_poses.hpp"
-#include "optim/train/state.hpp"
+#include "optim/state/state.hpp"
 
 namespace simuli {
 

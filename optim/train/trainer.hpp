@@ -15,7 +15,7 @@
 #include "optim/length/length.hpp"
 #include "optim/poses/sensor_offsets.hpp"
 #include "optim/train/schedule.hpp"
-#include "optim/train/state.hpp"
+#include "optim/state/state.hpp"
 #include "optim/train/structure.hpp"
 #include "optim/train/train_report.hpp"
 #include "optim/train/trained_drop.hpp"

@@ -95,10 +95,8 @@ TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
 
 TEST_F(SceneCli, TheEndOfThePathIsHeldOutAndToldApart) {
   make_scene();
-  ASSERT_EQ(
-      run("train s.log -o end.scene --held-out 3 --held-out-last 0.3 --iterations 1 --set init.voxel_m=0.3")
-          .exit_code,
-      0);
+  const std::string rule = "--held-out 3 --held-out-last 0.3 --iterations 1 --set init.voxel_m=0.3";
+  ASSERT_EQ(run("train s.log -o end.scene " + rule).exit_code, 0);
   const Outcome text = run("eval end.scene s.log --report end.html");
   EXPECT_EQ(text.out.rfind("held-out frames: 3 pictures", 0), 0U) << text.out;
   EXPECT_NE(text.out.find("between training frames              1 + 1"), std::string::npos) << text.out;
@@ -111,8 +109,7 @@ TEST_F(SceneCli, TheEndOfThePathIsHeldOutAndToldApart) {
   EXPECT_EQ(both.at("between").at("images"), 1);
   EXPECT_EQ(both.at("beyond").at("images"), 2);
   EXPECT_EQ(both.at("ranges").size(), simuli::RangeScores::kFrom_m.size());
-  const nlohmann::json end =
-      nlohmann::json::parse(run("eval end.scene s.log --held-out-last 0.3 --json").out);
+  const auto end = nlohmann::json::parse(run("eval end.scene s.log --held-out-last 0.3 --json").out);
   EXPECT_EQ(end.at("psnr_db"), both.at("beyond").at("psnr_db"));
   EXPECT_EQ(end.at("distance_median_m"), both.at("beyond").at("distance_median_m"));
   EXPECT_TRUE(end.at("beyond").is_null());  // all that is compared is of one use

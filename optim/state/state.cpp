@@ -1,4 +1,4 @@
-#include "optim/train/state.hpp"
+#include "optim/state/state.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
