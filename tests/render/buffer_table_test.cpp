@@ -37,13 +37,15 @@ TEST(BufferTable, TellsWhatAFrameTakes) {
     const Pass pass = renderer.render(particles, rays, shot.view);
     const FrameBuffers& made = pass.buffers();
     const shared::FrameParams& frame = pass.frame();
-    const FrameSizes sizes{.particles = frame.particles,
-                           .stride = frame.stride,
-                           .visible = made.binned.visible,
-                           .instances = made.binned.instances,
-                           .slots = frame.slots,
-                           .tiles = std::uint64_t{frame.tiles_x} * frame.tiles_y,
-                           .ray_rows = scene.moving ? 6U : 3U};
+    const FrameSizes sizes{
+        .particles = frame.particles,
+        .stride = frame.stride,
+        .visible = made.binned.visible,
+        .instances = made.binned.instances,
+        .slots = frame.slots,
+        .tiles = std::uint64_t{frame.tiles_x} * frame.tiles_y,
+        .ray_rows = scene.moving ? 6U : 3U,
+        .outputs = static_cast<std::uint64_t>(scene.kind == SetKind::kLidar ? SIM_OUTPUTS : SIM_O_DROP)};
     ASSERT_GT(sizes.instances, sizes.visible);
     expect_counted(device, made.rays, sizes);
     expect_counted(device, made.projected, sizes);
