@@ -25,6 +25,8 @@ const std::map<std::string, std::string>& stage_of_kernel() {
       {"instance_emit", "bin"},
       {"tile_ranges", "bin"},
       {"render", "blend"},
+      {"render_window", "blend"},
+      {"render_per_ray", "blend"},
       {"render_bwd", "blend_backward"},
       {"project_bwd", "project_backward"},
   };
@@ -38,11 +40,15 @@ struct Sample {
 
 class Case {
  public:
-  Case(const Device& device, SetKind kind, const StagesOptions& options, const RenderOptions& render)
+  Case(const Device& device,
+       SetKind kind,
+       const StagesOptions& options,
+       const RenderOptions& render,
+       StreetOrder order = StreetOrder::kCoherent)
       : options_(render),
         renderer_(device, options_),
         particles_(device,
-                   street_particles(kind, options.sh_degree, options.particles, options.seed),
+                   street_particles(kind, options.sh_degree, options.particles, options.seed, order),
                    Precision::kFloat),
         rays_(kind == SetKind::kCamera ? SensorRays(device, bench_camera(), options_) : lidar_rays(device)),
         param_grads_(device, "parameter gradients", Precision::kFloat) {
@@ -131,16 +137,20 @@ std::vector<Row> run_stages(const std::string& device_request,
     one_ray_per_item.shape = LaneShape{1, 1, 256};
     no_ray_done.transmittance_cut = 0.0;
     Case shaped(device, kind, options, {}), one_ray(device, kind, options, one_ray_per_item);
+    Case shuffled(device, kind, options, {}, StreetOrder::kShuffled);
     std::map<std::string, std::vector<double>> samples;
-    std::vector<double> ratios;
+    std::vector<double> ratios, order_ratios;
     for (int i = -2; i < options.frames; ++i) {
       const Sample a = shaped.run(true);
       const Sample b = one_ray.run(false);
+      const Sample c = shuffled.run(false);
       if (i < 0) continue;  // the first launches compile
       samples["frame"].push_back(a.frame_ms);
       for (const auto& [stage, ms] : a.stage_ms) samples[stage].push_back(ms);
       samples["blend_one_ray_per_item"].push_back(b.stage_ms.at("blend"));
       ratios.push_back(b.stage_ms.at("blend") / a.stage_ms.at("blend"));
+      samples["frame_shuffled"].push_back(c.frame_ms);
+      order_ratios.push_back(a.frame_ms / c.frame_ms);
     }
     const auto& buffers = shaped.pass().buffers();
     note(fmt::format("{}: {} visible of {} particles, {} tile instances, {} rays",
@@ -155,6 +165,7 @@ std::vector<Row> run_stages(const std::string& device_request,
                               "bin",
                               "blend",
                               "frame",
+                              "frame_shuffled",
                               "blend_backward",
                               "project_backward",
                               "blend_one_ray_per_item"}) {
@@ -163,6 +174,8 @@ std::vector<Row> run_stages(const std::string& device_request,
     }
     const Spread ratio = spread_of(ratios);
     rows.push_back({base + "/blend_speedup", ratio.median, "x", ratio.half_iqr});
+    const Spread order_ratio = spread_of(order_ratios);
+    rows.push_back({base + "/frame_of_shuffled", order_ratio.median, "x", order_ratio.half_iqr});
     const Spread frame = spread_of(samples.at("frame"));
     const double mega = static_cast<double>(shaped.rays()) * 1e-3;
     rows.push_back({base + "/rate",

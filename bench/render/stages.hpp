@@ -25,6 +25,10 @@ struct StagesOptions {
 ///   stages/<camera_640x360|lidar_64x2650>_<n>k/<stage>         ms of device time, median of frames
 ///   stages/.../frame                                           ms from call to result on the device
 ///   stages/.../blend_one_ray_per_item, .../blend_speedup       ms, ratio
+///   stages/.../frame_shuffled, .../frame_of_shuffled           ms of a frame of the same particles in no
+///   order
+///                                                              (the worst case), and the frame's share of
+///                                                              that
 [[nodiscard]] std::vector<Row> run_stages(const std::string& device_request,
                                           const StagesOptions& options,
                                           const std::function<void(const std::string&)>& note);

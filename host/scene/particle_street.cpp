@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "host/scene/particle_order.hpp"
 
 namespace simuli {
 namespace {
@@ -50,7 +53,8 @@ Patch draw(Random& random) {
 
 }  // namespace
 
-GaussianSet street_particles(SetKind kind, int sh_degree, Eigen::Index count, std::uint64_t seed) {
+GaussianSet street_particles(
+    SetKind kind, int sh_degree, Eigen::Index count, std::uint64_t seed, StreetOrder order) {
   GaussianSet set(kind, sh_degree, count);
   Random random(seed);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -70,7 +74,7 @@ GaussianSet street_particles(SetKind kind, int sh_degree, Eigen::Index count, st
       for (int c = 0; c < 3; ++c) set.sh(k)(i, c) = static_cast<float>(random.uniform(-spread, spread));
     }
   }
-  return set;
+  return order == StreetOrder::kShuffled ? set : in_coherent_order(std::move(set));
 }
 
 Pose world_from_street_lidar() { return {Eigen::Quaterniond::Identity(), {0.0, -1.7, 1.9}}; }

@@ -110,6 +110,14 @@ void Structure::relocate(int iteration) {
       densify_->follow(anchor_->candidates(), anchor_->neighbours());
       densify_->follow(anchor_->nearest(), 1);
     }
+    // Relocated and new particles stand anywhere.
+    const std::vector<Eigen::Index> order = set.put_in_order();
+    if (anchor_) {
+      if (number == kCameraSet)
+        anchor_->follow_set(order);
+      else
+        anchor_->follow_targets(order);
+    }
     relocated_ += counts.relocated;
     grown_ += counts.grown;
   }

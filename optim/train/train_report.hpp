@@ -22,6 +22,9 @@ struct TrainStatus {
 
 struct TrainReport {
   TrainStatus last;
+  int first_iteration = 0;  // that this run found done
+  /// The best values of the first iterations of this run: where it started. NaN: of no frame.
+  TrainStatus begin;
   std::size_t images = 0;  // trained on
   std::size_t sweeps = 0;
   Eigen::Index camera_particles = 0;

@@ -1,5 +1,9 @@
 #include "optim/train/trained_set.hpp"
 
+#include <algorithm>
+
+#include "host/scene/particle_order.hpp"
+
 namespace simuli {
 namespace {
 
@@ -20,15 +24,6 @@ void keep_columns(RealBuffer& rows,
 
 }  // namespace
 
-GaussianSet subset(const GaussianSet& set, const std::vector<Eigen::Index>& kept) {
-  GaussianSet out(set.kind, set.sh_degree, static_cast<Eigen::Index>(kept.size()));
-  out.params = set.params(kept, Eigen::all);
-  if (!set.actor.empty()) {
-    for (const Eigen::Index i : kept) out.actor.push_back(set.actor[static_cast<std::size_t>(i)]);
-  }
-  return out;
-}
-
 TrainedSet::TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates)
     : particles(device, set, Precision::kFloat),
       grads(device, "gradients", Precision::kFloat, particles.params.count()),
@@ -45,15 +40,24 @@ void TrainedSet::fit_gradients() {
   grads.fill(0.0);  // padding behind the last particle gets no gradient from any kernel
 }
 
-void TrainedSet::keep(const std::vector<Eigen::Index>& kept) {
+void TrainedSet::keep(const std::vector<Eigen::Index>& kept) { keep(particles.download(), kept); }
+
+void TrainedSet::keep(const GaussianSet& set, const std::vector<Eigen::Index>& kept) {
   const std::size_t count = particles.count, stride = particles.stride;
-  if (kept.size() == count) return;
-  particles.upload(subset(particles.download(), kept));
+  if (kept.size() == count && std::is_sorted(kept.begin(), kept.end())) return;
+  particles.upload(subset(set, kept));
   for (RealBuffer* const moment : {&adam.first_moment(), &adam.second_moment()}) {
     keep_columns(*moment, stride, particles.stride, kept);
   }
   keep_columns(error, count, kept.size(), kept);
   fit_gradients();
+}
+
+std::vector<Eigen::Index> TrainedSet::put_in_order() {
+  const GaussianSet set = particles.download();
+  std::vector<Eigen::Index> order = coherent_order(set);
+  keep(set, order);
+  return order;
 }
 
 void TrainedSet::add_state(StateList& list, const std::string& name) {

@@ -11,16 +11,15 @@ namespace simuli {
 /// Numbers of the sets, for random numbers and names of states.
 enum SetNumber : std::uint32_t { kCameraSet = 0, kLidarSet = 1 };
 
-/// The particles at `kept`, in that order.
-[[nodiscard]] GaussianSet subset(const GaussianSet& set, const std::vector<Eigen::Index>& kept);
-
 /// A particle set in training: parameters, their gradients, and the optimiser's state.
 struct TrainedSet {
   TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates);
   /// Makes the gradients fit the particles after those have grown.
   void fit_gradients();
-  /// Leaves the particles at `kept`, ascending, each with its optimiser's state. Waits.
+  /// Leaves the particles at `kept`, in that order, each with its optimiser's state. Waits.
   void keep(const std::vector<Eigen::Index>& kept);
+  /// Puts them in coherent_order(), which it returns. Waits.
+  std::vector<Eigen::Index> put_in_order();
   /// What a checkpoint holds of it, but for the actors' poses.
   void add_state(StateList& list, const std::string& name);
   ParticleBuffers particles;
@@ -28,6 +27,10 @@ struct TrainedSet {
   RealBuffer error;  // [N] reconstruction error since the last relocation
   AdamStage adam;
   ActorPoses poses;
+
+ private:
+  /// keep() of the particles, which are `set`.
+  void keep(const GaussianSet& set, const std::vector<Eigen::Index>& kept);
 };
 
 }  // namespace simuli

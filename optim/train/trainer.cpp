@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/scene/particle_order.hpp"
 #include "io/base/state_file.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/memory.hpp"
@@ -123,7 +124,7 @@ double RunningMean::value() const {
 Trainer::Trainer(
     const Device& device, const Log& log, Scene scene, const TrainingOptions& options, MovingSpace moving)
     : log_(log),
-      scene_(std::move(scene)),
+      scene_(in_coherent_order(std::move(scene))),
       options_(fitting(device, log, scene_, options)),
       device_(device),
       renderer_(device, training_options(options_.render)),
@@ -169,12 +170,21 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
   TrainReport report;
+  report.first_iteration = status_.iteration;
+  report.begin = status_;
+  constexpr int kStart = 5;  // iterations: what runs away does so soon
   while (status_.iteration < options_.iterations) {
     if (options_.max_seconds > 0.0 && elapsed_s() >= options_.max_seconds) {
       report.stopped_early = true;
       break;
     }
     step();
+    if (status_.iteration - report.first_iteration <= kStart) {
+      // fmin and fmax leave what is not known out.
+      report.begin.psnr_db = std::fmax(report.begin.psnr_db, status_.psnr_db);
+      report.begin.distance_m = std::fmin(report.begin.distance_m, status_.distance_m);
+      report.begin.drop_accuracy = std::fmax(report.begin.drop_accuracy, status_.drop_accuracy);
+    }
     if (on_step) on_step(status_);
   }
   device_.finish();
@@ -200,7 +210,7 @@ Scene Trainer::scene() const {
   out.lidar = finite_ones(lidar_.particles.download());
   look_.store(out);
   drop_.store(out);
-  return out;
+  return in_coherent_order(std::move(out));  // they have moved
 }
 
 StateList Trainer::state(const std::string& settings) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/scene/particle_order.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
@@ -144,6 +145,23 @@ TEST_P(Anchor, NeighboursAreThoseOfBruteForce) {
     const std::vector<std::uint32_t> nearest = anchor.nearest().download();
     for (std::size_t i = 0; i < nearest.size(); ++i) EXPECT_EQ(nearest[i], expected[i * kNeighbours]);
   }
+}
+
+TEST_P(Anchor, FollowsParticlesToOtherPlaces) {
+  const GaussianSet queries = set_at(SetKind::kCamera, cloud(200, 5.0, 11));
+  const GaussianSet points = set_at(SetKind::kLidar, cloud(900, 5.0, 12));
+  const std::vector<Eigen::Index> query_order = coherent_order(queries), point_order = coherent_order(points);
+  AnchorStage moved(device_, GetParam(), kNeighbours), anew(device_, GetParam(), kNeighbours);
+  // Some find fewer than K within reach.
+  moved.assign({device_, queries, GetParam()}, {device_, points, GetParam()}, 2.0);
+  moved.follow_set(query_order);
+  moved.follow_targets(point_order);
+  anew.assign({device_, subset(queries, query_order), GetParam()},
+              {device_, subset(points, point_order), GetParam()},
+              2.0);
+  EXPECT_EQ(moved.candidates().download(), anew.candidates().download());
+  EXPECT_EQ(moved.nearest().download(), anew.nearest().download());
+  EXPECT_FALSE(std::is_sorted(point_order.begin(), point_order.end()));
 }
 
 /// Every third of the background, the others of two actors.

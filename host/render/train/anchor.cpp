@@ -167,6 +167,34 @@ void AnchorStage::add_gradient(const ParticleBuffers& set,
              {"sums", buffers_.sums}});
 }
 
+void AnchorStage::follow_set(const std::vector<Eigen::Index>& order) {
+  const auto move = [&order](Buffer<std::uint32_t>& words, std::size_t width) {
+    const std::vector<std::uint32_t> before = words.download();
+    std::vector<std::uint32_t> after = before;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      std::copy_n(
+          before.begin() + order[i] * static_cast<std::ptrdiff_t>(width), width, after.begin() + i * width);
+    }
+    words.assign(after);
+  };
+  move(candidates(), neighbours_);
+  move(nearest(), 1);
+}
+
+void AnchorStage::follow_targets(const std::vector<Eigen::Index>& order) {
+  std::vector<std::uint32_t> place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    place[static_cast<std::size_t>(order[i])] = static_cast<std::uint32_t>(i);
+  }
+  for (Buffer<std::uint32_t>* const words : {&candidates(), &nearest()}) {
+    std::vector<std::uint32_t> targets = words->download();
+    for (std::uint32_t& target : targets) {
+      if (target < place.size()) target = place[target];  // else: there are no more
+    }
+    words->assign(targets);
+  }
+}
+
 AnchorLoss AnchorStage::loss() const {
   AnchorLoss total;
   const std::vector<double> parts = buffers_.sums.download_double();

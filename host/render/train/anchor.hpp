@@ -69,6 +69,11 @@ class AnchorStage {
   /// Of the last add_gradient(). Waits.
   [[nodiscard]] AnchorLoss loss() const;
 
+  /// After the particles of the anchored set, or the targets, went to other places: place i has now what was
+  /// at order[i]. Waits.
+  void follow_set(const std::vector<Eigen::Index>& order);
+  void follow_targets(const std::vector<Eigen::Index>& order);
+
   [[nodiscard]] std::uint32_t neighbours() const { return neighbours_; }
   /// [N][K], nearest first as they were when assigned; 0xffffffff: there are no more.
   [[nodiscard]] Buffer<std::uint32_t>& candidates() { return buffers_.candidates; }
