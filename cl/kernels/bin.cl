@@ -51,8 +51,7 @@ __kernel void instance_count(__global const uint* order,
 
 /// Writes the instances of each particle, nearest particle first.
 /// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
-/// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28;
-///     emission[N]: a particle's first instance, the index of its first gradient slot
+/// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28
 __kernel void instance_emit(const FrameParams frame,
                             __global const uint* order,
                             const uint m,
@@ -61,15 +60,13 @@ __kernel void instance_emit(const FrameParams frame,
                             __global const uint* tile_rows,
                             __global const uint* offsets,
                             __global uint* tile,
-                            __global uint* payload,
-                            __global uint* emission) {
+                            __global uint* payload) {
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   uint place = offsets[get_global_id(0)];
   for (uint i = first; i < last; ++i) {
     const uint particle = order[i];
     const Footprint f = footprints[particle];
-    emission[particle] = place;
     const uint row_first = SIM_LOW(f.rows), row_last = SIM_HIGH(f.rows);
     const uint ty0 = SIM_LOW(f.tile_rows), ty1 = ty0 + SIM_HIGH(f.tile_rows);
     for (uint ty = ty0; ty < ty1; ++ty) {

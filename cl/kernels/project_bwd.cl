@@ -2,10 +2,10 @@
 #include "math/gaussian.h"
 #include "math/sh.h"
 
-/// V particles per work-item. Sums each particle's slots in emission order, then applies the chain rule of
+/// V particles per work-item. Sums each particle's slots in their order, then applies the chain rule of
 /// project's record. The box and the order carry no gradient (METHOD section 4).
-/// in  params[rows][stride]; keys[N], footprints[N], emission[N], records[N][16] of project and bin;
-///     grads[K][16] of render_bwd
+/// in  params[rows][stride]; keys[N], footprints[N], records[N][16] of project;
+///     grads[K][16] and slot_first[N] of render_bwd
 /// out param_grads[rows][stride]: dL/dparam, 0 for particles that were culled. pose_grads[6][stride], with ACTORS: of particles of actors, dL/d(shift, turn) of the actor
 ///     at the record's time. What the particle's velocity owes to them is left out.
 __kernel void project_bwd(const FrameParams frame,
@@ -15,7 +15,7 @@ __kernel void project_bwd(const FrameParams frame,
                           __global const SensorConstants* sensor,
                           __global const uint* keys,
                           __global const Footprint* footprints,
-                          __global const uint* emission,
+                          __global const uint* slot_first,
                           __global const real* records,
                           __global const real* motions,
                           __global const real* grads,
@@ -37,7 +37,7 @@ __kernel void project_bwd(const FrameParams frame,
     for (int c = 0; c < 3; ++c) feature[c * V + lane] = R(0.0);
     if (lane < lanes && keys[i + lane] != 0xffffffffu) {
       const uint count = SIM_TILES(footprints[i + lane]);
-      const __global real* slot = grads + (ulong)emission[i + lane] * SIM_GRAD;
+      const __global real* slot = grads + (ulong)slot_first[i + lane] * SIM_GRAD;
       for (uint k = 0; k < count; ++k) sum += vload16(k, slot);
       for (int c = 0; c < 3; ++c) {
         feature[c * V + lane] = records[(ulong)(i + lane) * SIM_RECORD + SIM_R_FEATURE + c];

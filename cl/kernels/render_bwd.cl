@@ -1,9 +1,20 @@
 // render_bwd.cl - gradients of blending, one 16-real slot per instance. Launcher: host/render/backward/render_bwd.cpp
 #include "math/response.h"
 
+/// out slot_first[n]: how many slots a particle has, one per tile instance; its prefix sum tells where they begin.
+///     By index, not in the order of the frame: neighbours in memory have neighbouring slots, so that what a tile
+///     writes lies together and project_bwd reads one slot after the other.
+__kernel void slot_counts(const uint n,
+                          __global const uint* keys,
+                          __global const Footprint* footprints,
+                          __global uint* slot_first) {
+  const uint i = get_global_id(0);
+  if (i < n) slot_first[i] = keys[i] != 0xffffffffu ? SIM_TILES(footprints[i]) : 0;
+}
+
 /// Index of the slot of (particle, tile): a particle's slots are contiguous, tile row by tile row.
 FN ulong gradient_slot(__global const Footprint* footprints,
-                       __global const uint* emission,
+                       __global const uint* slot_first,
                        uint particle,
                        uint tx,
                        uint ty) {
@@ -12,7 +23,30 @@ FN ulong gradient_slot(__global const Footprint* footprints,
   uint column = tx - SIM_LOW(f.columns);  // beyond count when tx lies before it, too
   if (column >= count) column = count + tx - SIM_LOW(f.others);
   const uint row = ty - SIM_LOW(f.tile_rows);
-  return (ulong)emission[particle] + row * (count + SIM_HIGH(f.others)) + column;
+  return (ulong)slot_first[particle] + row * (count + SIM_HIGH(f.others)) + column;
+}
+
+/// Brings what the next instances touch, and where their sums go, near: particles of a tile lie all over memory,
+/// and waiting for them would be a third of the time.
+FN void fetch_ahead(__global const uint* payload,
+                    uint i,
+                    uint end,
+                    __global const real* records,
+                    __global const Footprint* footprints,
+                    __global const uint* slot_first,
+                    __global const real* grads,
+                    uint tx,
+                    uint ty) {
+  if (i + 8 < end) {
+    const uint particle = payload[i + 8] & SIM_PARTICLE_MASK;
+    PREFETCH(records + (ulong)particle * SIM_RECORD);
+    PREFETCH(footprints + particle);
+    PREFETCH(slot_first + particle);
+  }
+  if (i + 4 < end) {
+    const uint particle = payload[i + 4] & SIM_PARTICLE_MASK;
+    PREFETCH(grads + SIM_GRAD * gradient_slot(footprints, slot_first, particle, tx, ty));
+  }
 }
 
 /// sum += A^T v, A the record's matrix, whose first row ends in 0.
@@ -23,10 +57,10 @@ FN void add_transposed(const real* record, const F* v, F* sum) {
 }
 
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
-/// what has been summed so far. No atomics: an instance's sums go to its own slot (emission order).
+/// what has been summed so far. No atomics: an instance's sums go to its own slot (by particle, tile row by tile row).
 /// Build: ERRORS = 1 to blend the rays' errors as well, RAY_GRADIENTS = 1 for those of the rays.
 /// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance)
-///     footprints[N], emission[N]
+///     footprints[N]; slot_first[N], the prefix sum of slot_counts
 /// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3).
 ///     Every slot of every instance is written.
 ///     ERRORS: instance_error[K]: sum over its rays of weight x ray_error[slots]
@@ -40,7 +74,7 @@ __kernel void render_bwd(const FrameParams frame,
                          __global const real* records,
                          __global const real* motions,
                          __global const Footprint* footprints,
-                         __global const uint* emission,
+                         __global const uint* slot_first,
                          __global const real* out,
                          __global const real* grad_out,
                          __global real* grads,
@@ -107,7 +141,7 @@ __kernel void render_bwd(const FrameParams frame,
     if (!group_alive) break;
 #else
   for (; i < end && alive; ++i) {
-    if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
+    fetch_ahead(payload, i, end, records, footprints, slot_first, grads, tx, ty);
 #endif
     const uint packed = payload[i];
     const uint particle = packed & SIM_PARTICLE_MASK;
@@ -220,7 +254,7 @@ __kernel void render_bwd(const FrameParams frame,
       }
     }
 
-    const ulong slot = gradient_slot(footprints, emission, particle, tx, ty);
+    const ulong slot = gradient_slot(footprints, slot_first, particle, tx, ty);
     __global real* target = grads + SIM_GRAD * slot;
 #if LS > 1
     for (int k = 0; k < SIM_GRAD; ++k) reduced[lid * (SIM_GRAD + 1) + k] = HSUM(sum[k]);
@@ -233,7 +267,11 @@ __kernel void render_bwd(const FrameParams frame,
       else instance_error[slot] = total;
     }
 #else
+#if V == 16
+    vstore16(hsum16_each(sum), 0, target);
+#else
     for (int k = 0; k < SIM_GRAD; ++k) target[k] = HSUM(sum[k]);
+#endif
     if (ERRORS) instance_error[slot] = HSUM(blended_error);
 #endif
   }
@@ -247,7 +285,7 @@ __kernel void render_bwd(const FrameParams frame,
   // Behind the last contributor nothing was added: those slots are zero, not what the last frame left.
   for (i += lid; i < end; i += LS) {
     const uint particle = payload[i] & SIM_PARTICLE_MASK;
-    const ulong slot = gradient_slot(footprints, emission, particle, tx, ty);
+    const ulong slot = gradient_slot(footprints, slot_first, particle, tx, ty);
     __global real* target = grads + SIM_GRAD * slot;
     for (int k = 0; k < SIM_GRAD; ++k) target[k] = R(0.0);
     if (ERRORS) instance_error[slot] = R(0.0);

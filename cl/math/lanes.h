@@ -94,6 +94,24 @@ FN real hmax8(REAL_VECTOR(8) v) { return hmax4(fmax(v.lo, v.hi)); }
 #if V >= 16
 FN real hsum16(F v) { return hsum8(v.lo + v.hi); }
 FN real hmax16(F v) { return hmax8(fmax(v.lo, v.hi)); }
+
+/// hsum16() of each of 16 vectors, the same bits: 15 additions for 64, as two vectors' halves are added at a time.
+FN F hsum16_each(const F* v) {
+  F a[8], b[4], c[2];
+  for (int k = 0; k < 8; ++k) a[k] = (F)(v[k].lo, v[k + 8].lo) + (F)(v[k].hi, v[k + 8].hi);
+  for (int k = 0; k < 4; ++k) {
+    const F p = a[k], q = a[k + 4];
+    b[k] = (F)(p.s0123, q.s0123, p.s89ab, q.s89ab) + (F)(p.s4567, q.s4567, p.scdef, q.scdef);
+  }
+  for (int k = 0; k < 2; ++k) {
+    const F p = b[k], q = b[k + 2];
+    c[k] = (F)(p.s01, q.s01, p.s45, q.s45, p.s89, q.s89, p.scd, q.scd) +
+           (F)(p.s23, q.s23, p.s67, q.s67, p.sab, q.sab, p.sef, q.sef);
+  }
+  const F p = c[0], q = c[1];
+  return (F)(p.s0, q.s0, p.s2, q.s2, p.s4, q.s4, p.s6, q.s6, p.s8, q.s8, p.sa, q.sa, p.sc, q.sc, p.se, q.se) +
+         (F)(p.s1, q.s1, p.s3, q.s3, p.s5, q.s5, p.s7, q.s7, p.s9, q.s9, p.sb, q.sb, p.sd, q.sd, p.sf, q.sf);
+}
 #endif
 #endif
 

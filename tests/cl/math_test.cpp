@@ -123,5 +123,35 @@ INSTANTIATE_TEST_SUITE_P(Lanes, Elementary, testing::Values(1, 16), [](const aut
   return std::string(instance.param == 1 ? "scalar" : "vector16");
 });
 
+TEST(DeviceMath, SumsOfSixteenVectorsAreThoseOfEach) {
+  constexpr const char* kSums = R"(
+#include "math/lanes.h"
+__kernel void sums(__global const real* values, __global real* each, __global real* together) {
+  F v[16];
+  for (int k = 0; k < 16; ++k) v[k] = LDV(values + 16 * k);
+  for (int k = 0; k < 16; ++k) each[k] = HSUM(v[k]);
+  STV(together, hsum16_each(v));
+}
+)";
+  const Device device = Device::best();
+  BuildOptions options;
+  options.define("V", 16);
+  Kernel kernel(Program::from_text(device, "sums.cl", kSums, options), "sums");
+  test::Random random(5);
+  std::vector<float> values(256);
+  for (float& value : values) value = static_cast<float>(random.normal());
+  RealBuffer in(device, "values", Precision::kFloat, 256);
+  RealBuffer each(device, "each", Precision::kFloat, 16), together(device, "together", Precision::kFloat, 16);
+  in.upload(std::span<const float>(values));
+  kernel.run(1, 1, {{"values", in}, {"each", each}, {"together", together}});
+  EXPECT_EQ(together.download_float(), each.download_float());
+  const std::vector<float> sums = each.download_float();
+  for (std::size_t k = 0; k < 16; ++k) {
+    double sum = 0.0;
+    for (std::size_t lane = 0; lane < 16; ++lane) sum += values[16 * k + lane];
+    EXPECT_NEAR(sums[k], sum, 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace simuli

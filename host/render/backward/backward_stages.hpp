@@ -89,6 +89,8 @@ class RenderBackwardStage {
   Kernel& kernel(const BackwardExtras& extras);
   Device device_;
   Variant variant_;
+  ScanStage scan_;
+  std::optional<Kernel> slot_counts_;
   std::optional<Kernel> kernels_[2][2];  // [errors][ray_gradients], made when asked for
 };
 

@@ -14,7 +14,9 @@ struct GradientBuffers : BufferTable<GradientSizes> {
   using BufferTable::BufferTable;
   /// [5][S] of what blending wrote; from the losses.
   Reals grad_out{*this, "grad_out", [](const GradientSizes& s) { return 5 * s.frame.slots; }};
-  /// [K][16] of the records, by instance.
+  /// [N]: where each particle's slots of grads and instance_error begin.
+  Words slot_first{*this, "slot_first", [](const GradientSizes& s) { return s.frame.particles; }};
+  /// [K][16] of the records, by instance: those of a particle together.
   Reals grads{*this, "grads", [](const GradientSizes& s) { return SIM_GRAD * s.frame.instances; }};
   /// [S] and [K]: with errors.
   Reals ray_error{*this, "ray_error", [](const GradientSizes& s) { return s.errors ? s.frame.slots : 0; }};

@@ -21,15 +21,10 @@ void ProjectBackwardStage::run(const shared::FrameParams& frame,
   if (actors_) gradients.pose_grads.reserve(std::size_t{SIM_POSE_GRAD} * frame.stride);
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_bwd_.run(round_up(items, kLocalSize),
-                   kLocalSize,
-                   {{"frame", frame},
-                    particles,
-                    made.constants,
-                    made.projected,
-                    {"emission", made.binned.emission},
-                    gradients,
-                    {"param_grads", param_grads}});
+  project_bwd_.run(
+      round_up(items, kLocalSize),
+      kLocalSize,
+      {{"frame", frame}, particles, made.constants, made.projected, gradients, {"param_grads", param_grads}});
 }
 
 }  // namespace simuli

@@ -31,7 +31,7 @@ struct FrameSizes {
   std::uint64_t tiles = 0;
   std::uint64_t ray_rows = 3;           // of world_ray: directions, with origins 6, with times 7
   std::uint64_t outputs = SIM_OUTPUTS;  // rows of what blending writes; cameras have no drop logit
-  std::uint64_t work_items = 0;         // of counting passes
+  std::uint64_t work_items = 0;         // of counting passes, or of blending
 };
 
 /// Constants of sensor and actors, from the host.
@@ -66,9 +66,8 @@ struct Projected : BufferTable<FrameSizes> {
 /// Tile lists.
 struct Binned : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
-  Words order{*this, "order", [](const FrameSizes& s) { return s.visible; }};          // by range
-  Words emission{*this, "emission", [](const FrameSizes& s) { return s.particles; }};  // first gradient slots
-  Words tile{*this, "tile", [](const FrameSizes& s) { return s.instances; }};          // rising
+  Words order{*this, "order", [](const FrameSizes& s) { return s.visible; }};  // by range
+  Words tile{*this, "tile", [](const FrameSizes& s) { return s.instances; }};  // rising
   Words payload{
       *this, "payload", [](const FrameSizes& s) { return s.instances; }};        // of a tile: nearest first
   Words first{*this, "first", [](const FrameSizes& s) { return s.tiles + 1; }};  // instances of each tile
@@ -87,6 +86,8 @@ struct BinScratch : BufferTable<FrameSizes> {
 struct Blended : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Reals out{*this, "out", [](const FrameSizes& s) { return s.outputs * s.slots; }};  // [6|7][S]
+  /// Vectors whose order a window did not find: bits by work-item.
+  Words inverted{*this, "inverted", [](const FrameSizes& s) { return s.work_items; }};
 };
 
 /// A camera's picture, graded.
