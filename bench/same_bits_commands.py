@@ -205,6 +205,7 @@ OPTIONS = {
     "linearized": "--set render.projection=linearized render.extent=unscented",
     "monte_carlo": "--set render.projection=monte_carlo render.extent=unscented",
     "unscented_extent": "--set render.extent=unscented", "per_ray": "--set render.order=per_ray",
+    "window": "--set render.order=window", "window_8": "--set render.order=window render.window=8",
     "sh_along_rays": "--set render.sh_direction=ray", "sh_0": "--set render.sh_degree=0", "sh_1": "--set render.sh_degree=1",
     "sh_auto": "--set render.sh_degree=auto render.sh_error=0.005", "sh_half": "--set render.sh_storage=half",
     "precise": "--set render.math=precise", "double": "--set render.precision=double --scale 0.6",

@@ -8,6 +8,7 @@ set(SIMULI_CL_FILES
   math/color_grid.h
   math/lanes.h
   math/lens_extent.h
+  math/light.h
   math/elementary.h
   math/ellipsoid.h
   math/environment.h
@@ -43,7 +44,7 @@ set(SIMULI_CL_FILES
   kernels/regularize.cl
   kernels/render.cl
   kernels/render_bwd.cl
-  kernels/render_per_ray.cl
+  kernels/render_window.cl
   kernels/scan.cl
   kernels/sort.cl
 )

@@ -27,7 +27,9 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
   const auto add = [&all](const std::string& key, const std::vector<std::string>& values) {
     for (const std::string& value : values) {
       RenderOptions o;
-      if (key == "projection") o.extent = Extent::kUnscented;  // else it has no effect
+      // Else these have no effect.
+      if (key == "projection") o.extent = Extent::kUnscented;
+      if (key == "window") o.order = Order::kWindow;
       fields_of(o).apply({fmt::format("render.{}={}", key, value)});
       all.push_back({fmt::format("{}={}", key, value), o, false});
     }
@@ -35,6 +37,7 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
   add("extent", {"unscented"});
   add("projection", {"linearized", "monte_carlo"});
   add("order", {"per_ray"});
+  add("window", {"8", "16", "32"});
   add("sh_direction", {"ray"});
   add("sh_degree", {"0", "1", "2", "auto"});
   add("sh_storage", {"half"});

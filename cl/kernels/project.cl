@@ -3,11 +3,6 @@
 #include "math/sh.h"
 #include "math/unscented.h"
 
-// Build: PER_RAY = 1 when rays order what they meet themselves (render_per_ray.cl).
-#ifndef PER_RAY
-#define PER_RAY 0
-#endif
-
 /// Rows (elevation not rising with the index) above `elevation`; with `inclusive` those at it as well.
 FN int beams_above(__global const int* row_lut,
                        __global const real* row_elevation,
@@ -130,17 +125,6 @@ FN I may_be_seen(const FrameParams* frame,
   visible = AND(visible, OR(OR(tangent2 <= R(0.0), all_round), centre[2] >= limit));
 #endif
   return visible;
-}
-
-/// What particles are ordered by, m: how far they are, or how near a ray may meet them at most.
-FN F key_range(const FrameParams* frame, __global const SensorConstants* sensor, const Gaussian* g, F radius, F travel) {
-#if PER_RAY
-  // Where a ray meets it is within `radius` of its centre; rays start, and its actor takes it, elsewhere.
-  const F apart = radius + travel + origin_reach(frame, sensor);
-  return VMAX(g->range - apart - R(1e-5) * (g->range + apart), (F)R(0.0));
-#else
-  return g->range;
-#endif
 }
 
 /// Where particles are on the sensor. Where x goes round, a particle has two places: at the cut of a sweep it is met
@@ -277,8 +261,8 @@ FN I features_of(const FrameParams* frame, __global const real* params, uint i, 
 /// in  params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
 ///     column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with PROJECTION_MONTE_CARLO; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
-/// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref, with
-///     PER_RAY of a distance at which no ray meets the particle yet, 0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
+/// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
+///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
                       __global const real* params,
                       __global const uint* actor_of,
@@ -342,7 +326,7 @@ __kernel void project(const FrameParams frame,
   STV(low_y, box.low);
   STV(high_y, box.high);
   STV(seen, SEL(visible, (F)R(1.0), (F)R(0.0)));
-  STV(range, key_range(&frame, sensor, &g, radius, travel));
+  STV(range, g.range);
   const Tables tables = {row_lut, row_elevation, tile_row_of_row, column_of_bin, mask_row_of_row, areas};
   uint drawn = 0;
   for (uint lane = 0; lane < lanes; ++lane) {

@@ -40,7 +40,7 @@ TEST_P(Near, OnlyWhatIsNearerIsLeftOut) {
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(cut.feature[k], far.feature[k]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Orders, Near, testing::Values(Order::kRange, Order::kPerRay));
+INSTANTIATE_TEST_SUITE_P(Orders, Near, testing::Values(Order::kRange, Order::kWindow, Order::kPerRay));
 
 }  // namespace
 }  // namespace simuli

@@ -1,4 +1,4 @@
-// Launcher of "kernels/render.cl" and "kernels/render_per_ray.cl".
+// Launcher of "kernels/render.cl" and "kernels/render_window.cl".
 #include "host/render/frame/stages.hpp"
 
 namespace simuli {
@@ -6,11 +6,14 @@ namespace simuli {
 RenderStage::RenderStage(const Device& device, const Variant& variant)
     : work_items_(static_cast<std::size_t>(variant.frame.shape.work_items)),
       outputs_(variant.frame.sensor == SensorType::kLidar ? SIM_OUTPUTS : SIM_O_DROP),
-      render_(
-          Program(device,
-                  variant.options.order == Order::kPerRay ? "kernels/render_per_ray.cl" : "kernels/render.cl",
-                  variant.build_options()),
-          "render") {}
+      render_(variant.options.order == Order::kRange
+                  ? Kernel(Program(device, "kernels/render.cl", variant.build_options()), "render")
+                  : Kernel(Program(device, "kernels/render_window.cl", variant.build_options()),
+                           "render_window")) {
+  if (variant.options.order == Order::kPerRay) {
+    per_ray_.emplace(Program(device, "kernels/render_window.cl", variant.build_options()), "render_per_ray");
+  }
+}
 
 void RenderStage::run(const shared::FrameParams& frame,
                       const ParticleBuffers& particles,
@@ -20,10 +23,15 @@ void RenderStage::run(const shared::FrameParams& frame,
                       const Projected& projected,
                       const Binned& binned,
                       Blended& out) {
-  out.reserve({.slots = frame.slots, .outputs = outputs_});
-  render_.run(std::size_t{frame.tiles_x} * frame.tiles_y * work_items_,
-              work_items_,
-              {{"frame", frame}, constants, world_rays, rays, binned, projected, particles, out});
+  const std::size_t items = std::size_t{frame.tiles_x} * frame.tiles_y * work_items_;
+  out.reserve({.slots = frame.slots, .outputs = outputs_, .work_items = per_ray_ ? items : 0});
+  const auto launch = [&](Kernel& kernel) {
+    kernel.run(items,
+               work_items_,
+               {{"frame", frame}, constants, world_rays, rays, binned, projected, particles, out});
+  };
+  launch(render_);
+  if (per_ray_) launch(*per_ray_);
 }
 
 }  // namespace simuli

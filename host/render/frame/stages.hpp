@@ -3,6 +3,8 @@
 // kernel file, gets the parts of the frame that it reads, and writes the last one that it is given. N
 // particles, M of them visible, K tile instances, S ray slots. For Renderer, training's stages and tests: who
 // renders needs none of this.
+#include <optional>
+
 #include "host/render/device/sort.hpp"
 #include "host/render/frame/frame_buffers.hpp"
 #include "host/render/frame/particle_buffers.hpp"
@@ -95,8 +97,9 @@ class RenderStage {
 
  private:
   std::size_t work_items_;
-  std::uint64_t outputs_;  // rows of out
-  Kernel render_;          // of render.cl or render_per_ray.cl
+  std::uint64_t outputs_;          // rows of out
+  Kernel render_;                  // of render.cl or render_window.cl
+  std::optional<Kernel> per_ray_;  // what that leaves to be done exactly
 };
 
 /// 5. Of a camera with an environment: over black -> over the texture. S -> S.

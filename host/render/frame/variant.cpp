@@ -27,6 +27,7 @@ BuildOptions Variant::build_options() const {
       .define("PROJECTION", options.projection)
       .define("EXTENT", options.extent)
       .define("PER_RAY", options.order == Order::kPerRay)
+      .define("WINDOW", options.window)
       // Without bands above 0 a particle looks alike from everywhere.
       .define("RAY_SH", options.sh_direction == ShDirection::kRay && frame.sh_degree > 0)
       // Double has the built-in functions anyway.

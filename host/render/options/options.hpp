@@ -34,7 +34,8 @@ enum class Extent : int {
 /// In which order a ray blends what it meets (METHOD section 7).
 enum class Order : int {
   kRange = 0,   // by the particles' distances from the sensor: one sort for all rays
-  kPerRay = 1,  // by where each ray itself meets them: exact, slower; has no backward pass
+  kWindow = 1,  // by where each ray itself meets them, among some that follow each other in that order
+  kPerRay = 2,  // so among all: exact; neither of these two has a backward pass
 };
 
 /// From where a particle's colour is seen.
@@ -114,6 +115,7 @@ struct RenderOptions {
   Projection projection = Projection::kUnscented;
   Extent extent = Extent::kExact;  // as accurate as the paper's boxes, and faster where sensors move
   Order order = Order::kRange;
+  int window = 64;
   ShDirection sh_direction = ShDirection::kParticle;
   ShDegree sh_degree = ShDegree::k3;
   double sh_error = 0.002;
@@ -151,10 +153,14 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         "alpha of at least render.alpha_cut");
   field("render.order",
         o.order,
-        one_of("range", "per_ray"),
-        "in which a ray blends: by the particles' distances from the sensor, or by where it meets each; "
-        "per_ray has "
-        "no gradients");
+        one_of("range", "window", "per_ray"),
+        "in which a ray blends: by the particles' distances from the sensor, or by where it meets each, of "
+        "the render.window latest or of all; range alone has gradients");
+  field("render.window",
+        o.window,
+        range(2, 64),
+        "particles that 16 rays side by side keep to choose the nearest from, with order=window; with "
+        "per_ray it changes time alone");
   field("render.sh_direction",
         o.sh_direction,
         one_of("particle", "ray"),

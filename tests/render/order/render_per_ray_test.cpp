@@ -134,7 +134,7 @@ TEST(RaySh, SumsThatAreNoNumbersAreNotSpread) {
   set.mean().row(3) << 5.0F, 0.0F, 0.0F;
   RenderOptions options = paper_options();
   options.sh_direction = ShDirection::kRay;
-  for (const Order order : {Order::kRange, Order::kPerRay}) {
+  for (const Order order : {Order::kRange, Order::kWindow, Order::kPerRay}) {
     options.order = order;
     const RayResults results = render(device, set, shot_for(test::kCameraSh3), options);
     for (const auto& feature : results.feature) {
@@ -283,14 +283,16 @@ TEST(PicturesOnly, HaveNoGradients) {
   const GaussianSet set = crowd(test::kCameraStill, 40);
   RenderOptions options = paper_options();
   EXPECT_TRUE(has_gradients(options));
-  options.order = Order::kPerRay;
-  EXPECT_FALSE(has_gradients(options));
-  Renderer renderer(device, options);
-  const SensorRays rays = shot.on(device, options);
-  const ParticleBuffers particles(device, set, options);
-  Pass pass = renderer.render(particles, rays, shot.view);
-  RealBuffer grads(device, "gradients", Precision::kFloat);
-  expect_error(ErrorKind::kUsage, "have no gradients", [&] { pass.backward(particles, grads); });
+  for (const Order order : {Order::kWindow, Order::kPerRay}) {
+    options.order = order;
+    EXPECT_FALSE(has_gradients(options));
+    Renderer renderer(device, options);
+    const SensorRays rays = shot.on(device, options);
+    const ParticleBuffers particles(device, set, options);
+    Pass pass = renderer.render(particles, rays, shot.view);
+    RealBuffer grads(device, "gradients", Precision::kFloat);
+    expect_error(ErrorKind::kUsage, "have no gradients", [&] { pass.backward(particles, grads); });
+  }
 }
 
 }  // namespace
