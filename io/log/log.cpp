@@ -6,7 +6,9 @@
 #include <variant>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/base/file.hpp"
+#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
 #include "io/picture/image.hpp"
@@ -39,13 +41,9 @@ const Sensor& find_sensor(const std::vector<Sensor>& sensors,
 /// A recorded file inside the log folder; refuses names that lead out of it and files that are not there.
 std::string read_file_name(JsonObject& object, const fs::path& folder, const char* key = "file") {
   std::string name = object.text(key);
-  const fs::path path(name);
-  const bool leads_out = path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end();
-  if (name.empty() || leads_out) {
-    throw_input_error(object.file(), object.field(key), '"' + name + '"', "a path inside the log folder");
-  }
+  const fs::path path = inside(folder, name, object.file(), object.field(key));
   std::error_code status;
-  if (!fs::is_regular_file(folder / path, status)) {
+  if (!fs::is_regular_file(path, status)) {
     throw_input_error(object.file(), object.field(key), '"' + name + "\", which is not there", "a file");
   }
   return name;
@@ -142,6 +140,7 @@ Log log_from_json(JsonObject& root, const fs::path& folder) {
   }
   (void)root.integer("version", kLogVersion, kLogVersion);
   log.name = root.text("name");
+  if (!log.name.empty()) need_name(log.name, root.file(), "name");
   log.start_ns = read_time_ns(root, "start_ns");
   read_sensors(root, log.cameras, log.lidars);
   log.world_from_rig = trajectory_from_json(root, "world_from_rig", log.start_ns);
@@ -184,7 +183,7 @@ const LogLidar& Log::lidar(const std::string& lidar_name) const {
 }
 
 Log read_log(const fs::path& folder) {
-  const fs::path file = folder / "log.json";
+  const fs::path file = inside(folder, "log.json", folder.string(), "file");
   return read_json_text(
       read_file(file), file.string(), [&](JsonObject& root) { return log_from_json(root, folder); });
 }
@@ -229,6 +228,19 @@ void copy_log(const Log& log, const fs::path& folder) {
     write_log(copy);
     (void)read_log(temporary);  // what was written is what the next command will read
   });
+}
+
+Log on_path(Log log, const Trajectory& world_from_rig) {
+  for (Actor& actor : log.actors) {
+    for (KeyPose& key : actor.track) {
+      const Pose change = world_from_rig.at(key.time_s) * log.world_from_rig.at(key.time_s).inverse();
+      key.world_from_actor = change * key.world_from_actor;
+      key.shift_m = change.rotation * key.shift_m;
+      key.turn_rad = change.rotation * key.turn_rad;
+    }
+  }
+  log.world_from_rig = world_from_rig;
+  return log;
 }
 
 std::string log_hash(const Log& log) {

@@ -68,6 +68,9 @@ struct Sweep {
   std::vector<float> intensity;  // [rows*columns] in [0, 1]
 };
 
+/// The log with the rig on another path. Boxes of actors were seen from the rig and go where it goes.
+[[nodiscard]] Log on_path(Log log, const Trajectory& world_from_rig);
+
 /// Reads log.json. LiDARs take as long for a turn as their sweeps did (the median). Unknown keys, missing
 /// keys, wrong types or units, dangling names are Error{kInput}.
 [[nodiscard]] Log read_log(const std::filesystem::path& folder);

@@ -63,8 +63,23 @@ double expected_median_m(const SweepPair& pair) {
   return errors.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(errors));
 }
 
-/// The log with its sensors where the scene has them: training may have learned better.
-Log with_sensors_of(const SceneFile& scene, Log log) {
+bool same_path(const Trajectory& a, const Trajectory& b) {
+  return std::equal(a.poses().begin(),
+                    a.poses().end(),
+                    b.poses().begin(),
+                    b.poses().end(),
+                    [](const TimedPose& p, const TimedPose& q) {
+                      return p.time_s == q.time_s && p.pose.translation == q.pose.translation &&
+                             p.pose.rotation.coeffs() == q.pose.rotation.coeffs();
+                    });
+}
+
+/// The log with its sensors where the scene has them, and the log that the scene was trained on along the
+/// scene's path: training may have learned better.
+Log with_sensors_of(const SceneFile& scene, bool trained_on, Log log) {
+  if (trained_on && !same_path(scene.world_from_rig, log.world_from_rig)) {
+    log = on_path(std::move(log), scene.world_from_rig);
+  }
   for (LogCamera& camera : log.cameras) {
     const LogCamera* const known = scene.find_camera(camera.model.name);
     if (known != nullptr) camera.rig_from_camera = known->rig_from_camera;
@@ -307,7 +322,7 @@ Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const Eva
     : scene_(std::move(scene)),
       options_(checked(options)),
       frames_(select_eval_frames(log, scene_, options)),
-      log_(with_sensors_of(scene_, std::move(log))),
+      log_(with_sensors_of(scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log))),
       on_device_(device, borrowed(scene_.scene), options.render) {}
 
 Camera Evaluation::camera(const ImageFrame& frame) const {

@@ -108,7 +108,7 @@ constexpr void visit_fields(ParticleWeights& o, F&& field) {
 struct TrainOptions {
   int iterations = 1500;
   LengthOptions length;
-  int lidar_every = 3;  // returns start where they belong, colours do not
+  int lidar_every = 2;  // returns start where they belong, colours do not
   double max_seconds = 0.0;
   ImageWeights image;
   LookOptions look;

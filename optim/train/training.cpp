@@ -13,6 +13,7 @@
 #include "optim/actors/find_actors.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/log/sensor_learning.hpp"
+#include "optim/path/refined_path.hpp"
 #include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/trainer.hpp"
 
@@ -58,6 +59,9 @@ std::string Training::identity() const {
 
 void Training::prepare(const Progress& progress) {
   if (state_) return;
+  RefinedLog refined = with_refined_path(std::move(log_), options_.path, progress);
+  log_ = std::move(refined.log);
+  report_.path = std::move(refined.report);
   log_ = with_learned_sensors(std::move(log_), options_.frames, options_.sensors);
   if (options_.actors.find && options_.init.actors && log_.actors.empty()) {
     FoundActors found = find_actors(log_, options_.frames, options_.actors);

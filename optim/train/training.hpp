@@ -11,6 +11,7 @@
 #include "io/scene/scene_folder.hpp"
 #include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
+#include "optim/path/path_options.hpp"
 #include "optim/train/train_report.hpp"
 #include "optim/train/training_options.hpp"
 
@@ -18,6 +19,7 @@ namespace simuli {
 
 /// How a training went: its start, and what followed.
 struct TrainingReport {
+  PathReport path;
   FindReport found;  // zeros: not searched
   InitReport init;
   TrainReport train;
@@ -43,10 +45,10 @@ class Training {
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// Learns what sweeps say of their LiDARs, finds what moves in a log that has no actors (find_actors.hpp)
-  /// and places the first particles, unless that is done;
-  /// `progress` is called after each file of the latter. Error{kInput} when no frame is left to train on or a
-  /// file can't be read, Error{kDevice} when the device has no room for the training.
+  /// Refines the path (refined_path.hpp), learns what sweeps say of their LiDARs, finds what moves in a log
+  /// that has no actors (find_actors.hpp) and places the first particles, unless that is done; `progress` is
+  /// called after each file of the latter, and after each sweep of the first. Error{kInput} when no frame is
+  /// left to train on or a file can't be read, Error{kDevice} when the device has no room for the training.
   void prepare(const Progress& progress = {});
   /// prepare(), and then goes on where a training of the same log and settings was saved. The number of
   /// iterations may be larger than it was: the rates of those that are left are the longer training's, so
@@ -75,7 +77,8 @@ class Training {
   [[nodiscard]] std::string identity() const;
 
   Device device_;
-  Log log_;               // from prepare() on with what was learned of its LiDARs, and with found actors
+  Log log_;  // from prepare() on on its refined path, with what was learned of its LiDARs, and with found
+             // actors
   std::string log_hash_;  // as read
   TrainingOptions options_;
   std::unique_ptr<State> state_;

@@ -7,12 +7,14 @@
 #include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/log/sensor_learning.hpp"
+#include "optim/path/path_options.hpp"
 #include "optim/train/train_options.hpp"
 
 namespace simuli {
 
 struct TrainingOptions {
   FrameSelection frames = {};
+  PathRefinement path = {};
   SensorLearning sensors = {};
   ActorFinding actors = {};
   InitOptions init = {};
@@ -23,6 +25,7 @@ struct TrainingOptions {
 template <class F>
 constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.part("", o.frames);
+  field.part("", o.path);
   field.part("", o.sensors);
   field.part("", o.actors);
   field.part("", o.init);

@@ -61,19 +61,26 @@ AlignReport align_log(const Log& log,
     report_stage("spin direction")(1, 1);
   }
 
-  report.path = find_path(sweeps, options.odometry, report_stage("odometry"));
-  report.odometry = fit_of(sweeps, report.path);
   const std::vector<TimedPose> recorded = recorded_path(log, knot_times(sweeps));
   report.recorded = fit_of(sweeps, recorded);
+  const bool near = options.use_prior && report.recorded.median_m < options.near_m;
+  report.path = near ? recorded : find_path(sweeps, options.odometry, report_stage("odometry"));
+  report.odometry = near ? report.recorded : fit_of(sweeps, report.path);
   std::optional<PathPrior> prior;
   if (options.use_prior) {
     prior = PathPrior{log.world_from_rig, options.prior_sigma_m, options.prior_sigma_rad};
     // Odometry starts in its own world; the prior's is where the log's first pose is.
     const Pose prior_from_path = recorded.front().pose * report.path.front().pose.inverse();
     for (TimedPose& knot : report.path) knot.pose = prior_from_path * knot.pose;
+    // Among much that moves odometry may have gone astray where the recorded path has not.
+    if (report.recorded.planar_share > report.odometry.planar_share) report.path = recorded;
   }
-  report.refinement =
-      refine_path(sweeps, prior, options.refine, report.path, report_stage("joint refinement"));
+  if (options.use_prior && report.recorded.median_m < options.fine_m) {
+    report.path = recorded;
+  } else {
+    report.refinement =
+        refine_path(sweeps, prior, options.refine, report.path, report_stage("joint refinement"));
+  }
   report.refined = fit_of(sweeps, report.path);
   for (std::size_t i = 1; i < report.path.size(); ++i) {
     report.length_m += (report.path[i].pose.translation - report.path[i - 1].pose.translation).norm();
@@ -83,17 +90,7 @@ AlignReport align_log(const Log& log,
 }
 
 void write_aligned_log(const Log& log, const Trajectory& world_from_rig, const fs::path& folder) {
-  Log aligned = log;
-  aligned.world_from_rig = world_from_rig;
-  for (Actor& actor : aligned.actors) {
-    for (KeyPose& key : actor.track) {
-      const Pose change = world_from_rig.at(key.time_s) * log.world_from_rig.at(key.time_s).inverse();
-      key.world_from_actor = change * key.world_from_actor;
-      key.shift_m = change.rotation * key.shift_m;
-      key.turn_rad = change.rotation * key.turn_rad;
-    }
-  }
-  copy_log(aligned, folder);
+  copy_log(on_path(log, world_from_rig), folder);
 }
 
 }  // namespace simuli::calibration

@@ -17,7 +17,10 @@ struct AlignOptions {
   bool use_prior = false;  // the log's own poses are believed, as far as the sigmas say
   double prior_sigma_m = 0.1;
   double prior_sigma_rad = 0.0035;  // 0.2 degrees
-  std::size_t spin_sweeps = 10;     // for the spin direction; 0: not asked for
+  double near_m =
+      0.0;  // with the prior: recorded poses whose surfaces are thinner are the start, without odometry
+  double fine_m = 0.0;           // and below that they are the result
+  std::size_t spin_sweeps = 10;  // for the spin direction; 0: not asked for
   OdometryOptions odometry;
   RefineOptions refine;
 };

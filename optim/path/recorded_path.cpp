@@ -1,0 +1,16 @@
+// Of a build without calibration.
+#include <utility>
+
+#include "optim/path/refined_path.hpp"
+
+namespace simuli {
+
+RefinedLog with_refined_path(Log log,
+                             const PathRefinement& options,
+                             const std::function<void(std::size_t, std::size_t)>& /*progress*/) {
+  RefinedLog out{std::move(log), {}};
+  if (options.refine) out.report.reason = "this build has no calibration (CMake option SIMULI_CALIBRATION)";
+  return out;
+}
+
+}  // namespace simuli
