@@ -107,13 +107,23 @@ class Teller {
     for (const Case& c : cases) left_ += c.stages.back().train.iterations;
   }
   void skip(int iterations) { left_ -= iterations; }
-  void begin(const DriveRow& row, int iteration) {
+  void begin(const DriveRow& row) {
     title_ = row.title();
-    watch_ = told_ = Stopwatch();
-    first_ = iteration;
+    watch_ = Stopwatch();
+    first_ = kUnknown;
   }
   void step(const TrainStatus& status) {
     left_ -= 1.0;
+    if (first_ == kUnknown) {
+      // It compiles what is not in a cache: its time tells nothing of the others'.
+      constexpr double kWorthTelling_s = 5.0;
+      if (watch_.seconds() > kWorthTelling_s) {
+        note_(fmt::format("{}: kernels compiled in {:.0f} s", title_, watch_.seconds()));
+      }
+      first_ = status.iteration;
+      watch_ = told_ = Stopwatch();
+      return;
+    }
     if (told_.seconds() < kTellEvery_s) return;
     told_ = Stopwatch();
     const double pace_s = watch_.seconds() / (status.iteration - first_);
@@ -129,8 +139,9 @@ class Teller {
   const Note& note_;
   std::string title_;
   Stopwatch watch_, told_;
-  int first_ = 0;
-  double left_ = 0.0;  // iterations
+  static constexpr int kUnknown = -1;
+  int first_ = kUnknown;  // iteration from which on the time counts
+  double left_ = 0.0;     // iterations
 };
 
 /// Where the training of a row is kept.
@@ -226,7 +237,7 @@ class Drives {
     } else {
       training.prepare();
     }
-    teller_.begin(row, training.status().iteration);
+    teller_.begin(row);
     const Stopwatch watch;
     const bool is_kept = !options_.keep.empty();
     training.run([&](const TrainStatus& status) {

@@ -17,7 +17,7 @@ struct InitOptions {
   int environment_width = 0;
   double shell_spacing_deg = 0.5;
   double camera_scale = 0.5;
-  double lidar_scale = 0.6;
+  double lidar_scale = 0.5;
   double lidar_voxel_rad = 0.01;
   double lidar_thin_m = 0.01;
   double flat_side_m = 0.8;

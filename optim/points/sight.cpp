@@ -46,11 +46,6 @@ Eigen::Vector3f Sight::row_step_on(const Eigen::Vector3f& normal) const {
   return range_m * (row_step - towards * (normal.dot(row_step) / safe));
 }
 
-float Sight::area_per_ray_m2(const Eigen::Vector3f& normal) const {
-  const float incidence = std::max(std::abs(normal.dot(towards)), kGrazing);
-  return range_m * range_m * column_step.norm() * row_step.norm() / incidence;
-}
-
 bool is_nearer(const Sight& a, const Sight& b) {
   const auto key = [](const Sight& s) {
     return std::tuple(s.range_m,

@@ -20,9 +20,7 @@ struct Sight {
   [[nodiscard]] bool is_known() const { return range_m < std::numeric_limits<float>::infinity(); }
   /// The same in other axes.
   [[nodiscard]] Sight turned(const Eigen::Quaternionf& to_from) const;
-  /// m^2 of a surface of that unit normal for each ray of the sweep; at most as if met at kGrazing.
-  [[nodiscard]] float area_per_ray_m2(const Eigen::Vector3f& normal) const;
-  /// From the point to where the neighbours meet the plane of that unit normal, m.
+  /// From the point to where the neighbours meet the plane of that unit normal, m; at most as if met at kGrazing.
   [[nodiscard]] Eigen::Vector3f column_step_on(const Eigen::Vector3f& normal) const;
   [[nodiscard]] Eigen::Vector3f row_step_on(const Eigen::Vector3f& normal) const;
 
