@@ -5,10 +5,13 @@
 namespace simuli {
 namespace {
 
+/// Of each part of a message, which may be a file's own text.
+constexpr std::size_t kLongest = 1000;
+
 /// Text of a file, on the one line of a message: control characters as \xHH.
-std::string on_one_line(const std::string& text) {
+std::string on_one_line(std::string_view text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : text.substr(0, kLongest)) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20U || byte == 0x7FU) {
       out += fmt::format("\\x{:02x}", byte);
@@ -16,6 +19,7 @@ std::string on_one_line(const std::string& text) {
       out += c;
     }
   }
+  if (text.size() > kLongest) out += "...";
   return out;
 }
 
@@ -26,7 +30,11 @@ void throw_input_error(std::string_view file,
                        std::string_view found,
                        std::string_view allowed) {
   throw Error(ErrorKind::kInput,
-              on_one_line(fmt::format("{}: {}: found {}, allowed {}", file, field, found, allowed)));
+              fmt::format("{}: {}: found {}, allowed {}",
+                          on_one_line(file),
+                          on_one_line(field),
+                          on_one_line(found),
+                          on_one_line(allowed)));
 }
 
 }  // namespace simuli

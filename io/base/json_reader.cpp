@@ -9,16 +9,46 @@
 namespace simuli {
 namespace {
 
-/// A value on one line, cut to what a message can carry.
-std::string shortened(const Json& value) {
-  constexpr std::size_t kLongest = 60;
-  std::string text = value.dump(-1, ' ', true);
+/// Files are data and lists of it; what nests deeper is made to exhaust the stack of whoever walks through
+/// it.
+constexpr int kDeepest = 64;
+/// Of a file's own text, what one line of a message can carry.
+constexpr std::size_t kLongest = 60;
+
+std::string cut(std::string text) {
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
   return text;
 }
 
-/// Escapes what would break the one line of a message.
-std::string quoted(const std::string& key) { return Json(key).dump(-1, ' ', true); }
+/// Text as JSON, cut before it is written out: it may be the whole file.
+std::string quoted(const std::string& text) {
+  const Json shown(text.substr(0, kLongest + 1));
+  return cut(shown.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
+
+/// Appends the value on one line and stops where no more of it will be shown: values are as large as files.
+void append(std::string& out, const Json& value) {
+  if (out.size() > kLongest) return;
+  if (!value.is_structured()) {
+    out += value.is_string() ? quoted(value.get_ref<const std::string&>()) : value.dump();
+    return;
+  }
+  const bool is_object = value.is_object();
+  out += is_object ? '{' : '[';
+  bool first = true;
+  for (auto it = value.begin(); it != value.end() && out.size() <= kLongest; ++it) {
+    if (!std::exchange(first, false)) out += ',';
+    if (is_object) out += quoted(it.key()) + ':';
+    append(out, *it);
+  }
+  out += is_object ? '}' : ']';
+}
+
+std::string shortened(const Json& value) {
+  std::string text;
+  append(text, value);
+  return cut(std::move(text));
+}
 
 }  // namespace
 
@@ -30,7 +60,8 @@ JsonObject::JsonObject(std::string file, std::string path, const Json& value)
 }
 
 std::string JsonObject::field(const std::string& key) const {
-  return path_.empty() ? key : path_ + '.' + key;
+  const std::string shown = key.size() > kLongest ? quoted(key) : key;
+  return path_.empty() ? shown : path_ + '.' + shown;
 }
 
 const Json& JsonObject::get(const std::string& key) {
@@ -38,8 +69,12 @@ const Json& JsonObject::get(const std::string& key) {
   const auto it = value_.find(key);
   if (it != value_.end()) return *it;
   // The keys that are there show a misspelt name or a wrong unit at once.
+  constexpr std::size_t kMostShown = 32;
   std::vector<std::string> present;
-  for (const auto& [name, unused] : value_.items()) present.push_back(quoted(name));
+  for (auto at = value_.begin(); at != value_.end() && present.size() < kMostShown; ++at) {
+    present.push_back(quoted(at.key()));
+  }
+  if (present.size() < value_.size()) present.push_back("...");
   throw_input_error(
       file_,
       field(key),
@@ -117,7 +152,13 @@ void JsonObject::finish() const {
 
 Json parse_json(const std::string& text, const std::string& file) {
   std::vector<std::set<std::string>> keys_of_open_objects;
-  const auto refuse_repeated_keys = [&](int, Json::parse_event_t event, Json& value) {
+  const auto check = [&](int depth, Json::parse_event_t event, Json& value) {
+    const bool opens =
+        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
+    if (opens && depth >= kDeepest) {
+      throw_input_error(
+          file, "JSON", fmt::format("more than {} levels", kDeepest), "objects and arrays less deep");
+    }
     if (event == Json::parse_event_t::object_start) keys_of_open_objects.emplace_back();
     if (event == Json::parse_event_t::object_end) keys_of_open_objects.pop_back();
     if (event == Json::parse_event_t::key &&
@@ -127,9 +168,13 @@ Json parse_json(const std::string& text, const std::string& file) {
     return true;
   };
   try {
-    return Json::parse(text, refuse_repeated_keys);
+    return Json::parse(text, check);
   } catch (const Json::exception& error) {
-    throw_input_error(file, "JSON", error.what(), "well-formed JSON");
+    // It quotes what it read last: a string without an end is the rest of the file.
+    constexpr std::size_t kMost = 200;
+    std::string what(error.what());
+    if (what.size() > kMost) what = what.substr(0, kMost) + "...";
+    throw_input_error(file, "JSON", what, "well-formed JSON");
   }
 }
 

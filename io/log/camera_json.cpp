@@ -1,6 +1,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/names.hpp"
 #include "io/log/sensor_json.hpp"
 
 namespace simuli {
@@ -24,6 +25,7 @@ Camera camera_model_from_json(JsonObject& object) {
   constexpr int kLargestSide_px = 65536;
   Camera model;
   model.name = object.text("name");
+  need_name(model.name, object.file(), object.field("name"));
   model.width = static_cast<int>(object.integer("width_px", 1, kLargestSide_px));
   model.height = static_cast<int>(object.integer("height_px", 1, kLargestSide_px));
   model.fx = object.number("fx_px");

@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/log/sensor_json.hpp"
 
 namespace simuli {
@@ -48,6 +49,7 @@ Json ray_list_json(const RayList& list) {
 RayList ray_list_from_json(JsonObject& object) {
   RayList list;
   list.name = object.text("name");
+  need_name(list.name, object.file(), object.field("name"));
   if (object.has("sweep_s")) list.sweep_s = object.number("sweep_s");
   list.range_min = object.number("range_min_m");
   list.range_max = object.number("range_max_m");
@@ -107,6 +109,7 @@ Json row_model_json(const Lidar& model) {
 Lidar row_model_from_json(JsonObject& object) {
   Lidar model;
   model.name = object.text("name");
+  need_name(model.name, object.file(), object.field("name"));
   model.columns = static_cast<int>(object.integer("columns", 1, kMostColumns));
   if (object.has("sweep_s")) model.sweep_s = object.number("sweep_s");
   model.azimuth_first = object.number("azimuth_first_rad");

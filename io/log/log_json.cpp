@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/log/sensor_json.hpp"
 
 namespace simuli {
@@ -89,12 +90,9 @@ void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vect
   lidars = object.objects("lidars", lidar_from_json);
   std::set<std::string> names;
   const auto need_new = [&](const std::string& name, const char* key) {
-    if (name.empty() || !names.insert(name).second) {
-      throw_input_error(object.file(),
-                        object.field(key),
-                        "the name " + Json(name).dump(-1, ' ', true) + (name.empty() ? "" : " twice"),
-                        "one name per sensor, not empty");
-    }
+    if (names.insert(name).second) return;
+    throw_input_error(
+        object.file(), object.field(key), "the name \"" + name + "\" twice", "one name per sensor");
   };
   for (const LogCamera& camera : cameras) need_new(camera.model.name, "cameras");
   for (const LogLidar& lidar : lidars) need_new(name_of(lidar.model), "lidars");
@@ -148,6 +146,7 @@ std::vector<Actor> actors_from_json(JsonObject& parent, const std::string& key, 
   return parent.objects(key, [&](JsonObject& object) {
     Actor actor;
     actor.name = object.text("name");
+    need_name(actor.name, object.file(), object.field("name"));
     actor.kind = object.text("kind");
     actor.size_m = {object.number("length_m"), object.number("width_m"), object.number("height_m")};
     actor.track = object.objects("track", [&](JsonObject& entry) {

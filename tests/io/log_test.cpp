@@ -209,7 +209,7 @@ TEST(Log, RefusesDanglingNames) {
   refuse_edit("\"camera\": \"front\"", "\"camera\": \"rear\"", {"images[0].camera", "\"rear\"", "front"});
   refuse_edit("\"lidar\": \"top\"", "\"lidar\": \"roof\"", {"sweeps[0].lidar", "\"roof\"", "top"});
   refuse_edit("images/0.png", "images/7.png", {"images[0].file", "images/7.png", "not there"});
-  refuse_edit("images/0.png", "../0.png", {"images[0].file", "../0.png", "inside the log folder"});
+  refuse_edit("images/0.png", "../0.png", {"images[0].file", "../0.png", "a path inside the folder"});
   refuse_edit("images/0.png", "/dev/null", {"images[0].file", "/dev/null"});
   refuse_edit("\"name\": \"top\"", "\"name\": \"front\"", {"lidars", "\"front\" twice"});
 }

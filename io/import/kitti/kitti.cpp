@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
@@ -99,7 +100,7 @@ Log import_kitti(const KittiOptions& options,
   const Calibration calibration = read_calibration(drive.parent_path(), from_oxts);
 
   Log log;
-  log.name = drive.filename().string();
+  log.name = name_from(drive.filename().string());
   log.start_ns = std::min(times.start_ns[0], times.image_ns[0]);
   const auto seconds = [&](std::int64_t ns) { return static_cast<double>(ns - log.start_ns) * 1e-9; };
   if (options.without_poses) {

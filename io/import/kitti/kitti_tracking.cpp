@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
 namespace simuli::kitti {
@@ -89,7 +90,7 @@ std::vector<Actor> read_tracking(const fs::path& file,
       std::transform(actor.kind.begin(), actor.kind.end(), actor.kind.begin(), [](unsigned char letter) {
         return static_cast<char>(std::tolower(letter));
       });
-      actor.name = fmt::format("{}_{}", actor.kind, label.track);
+      actor.name = name_from(fmt::format("{}_{}", actor.kind, label.track));
     }
     actor.size_m = actor.size_m.cwiseMax(label.size_m);
     actor.track.push_back(key);

@@ -10,9 +10,10 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/base/file.hpp"
-#include "io/import/kitti360/kitti360_parts.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
+#include "io/import/kitti360/kitti360_parts.hpp"
 
 namespace simuli {
 namespace {
@@ -174,7 +175,7 @@ Log import_kitti360(const Kitti360Options& options,
   Calibration calibration = read_calibration(options.root / "calibration", names);
 
   Log log;
-  log.name = sequence.name();
+  log.name = name_from(sequence.name());
   log.start_ns = sequence.start_ns();
   log.cameras = std::move(calibration.cameras);
   log.world_from_rig = sequence.path(calibration.imu_from_velo);

@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/base/file.hpp"
+#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
 
@@ -133,7 +135,8 @@ std::vector<Actor> read_actors(const fs::path& folder,
     if (is_new) {
       const Eigen::Vector3d size = a.vector<3>("size");  // width, length, height
       const std::string last = name.substr(name.rfind('.') + 1);
-      actors.push_back({fmt::format("{}_{}", last, actors.size()), name, {size[1], size[0], size[2]}, {}});
+      actors.push_back(
+          {name_from(fmt::format("{}_{}", last, actors.size())), name, {size[1], size[0], size[2]}, {}});
     }
     actors[entry->second].track.push_back(
         {static_cast<double>(sample->second - start_ns) * 1e-9, pose_of(a)});
@@ -157,6 +160,7 @@ Tables read_tables(const NuscenesOptions& options) {
   });
   std::map<std::string, Sensor> sensors;
   read_table(folder, "sensor", [&](JsonObject& s) {
+    need_name(s.text("channel"), s.file(), s.field("channel"));
     sensors[s.text("token")] = {s.text("channel"), s.text("modality")};
   });
   read_table(folder, "calibrated_sensor", [&](JsonObject& c) {
@@ -177,6 +181,7 @@ Tables read_tables(const NuscenesOptions& options) {
     const Mounted& m = linked(t.mounted, d, "calibrated_sensor_token");
     const bool is_camera = m.sensor.modality == "camera";
     if (!is_camera && m.sensor.channel != kLidar) return;  // radars
+    (void)below(options.root, d.text("filename"), d.file(), d.field("filename"));
     Recording r{m.sensor.channel, d.text("filename"), d.text("calibrated_sensor_token"), time_ns(d), 0, 0};
     if (is_camera) {
       r.width = static_cast<int>(d.integer("width", 1, 65536));
@@ -234,7 +239,7 @@ Log import_nuscenes(const NuscenesOptions& options,
                     NuscenesReport& report) {
   Tables t = read_tables(options);
   Log log;
-  log.name = t.scene;
+  log.name = name_from(t.scene);
   log.start_ns = t.start_ns;
   log.actors = std::move(t.actors);
   std::error_code ignored;

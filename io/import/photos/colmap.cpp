@@ -16,6 +16,7 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/inside.hpp"
 
 namespace simuli {
 namespace {
@@ -297,7 +298,8 @@ PhotoSet read_colmap(const ColmapOptions& options) {
       throw_input_error(
           set.source, "camera of " + image.name, fmt::format("{}", image.camera), "one of cameras");
     }
-    set.photos.push_back({photos / image.name, camera->second, image.world_from_camera});
+    set.photos.push_back(
+        {inside(photos, image.name, set.source, "NAME"), camera->second, image.world_from_camera});
   }
   set.points = read_points(folder, binary);
   return set;

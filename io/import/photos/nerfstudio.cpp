@@ -12,6 +12,7 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/splat/ply.hpp"
 
@@ -112,9 +113,10 @@ Pose pose_of(const Json& rows, const std::string& file, const std::string& field
   return with_context(file + ": " + field, [&] { return Pose::from_matrix(m); });
 }
 
-fs::path photo_file(const fs::path& folder, const std::string& name) {
-  const fs::path path = folder / name;
-  return path.has_extension() ? path : fs::path(path.string() + ".png");  // as Blender's sets leave it out
+fs::path photo_file(const fs::path& folder, JsonObject& frame) {
+  fs::path name(frame.text("file_path"));
+  if (!name.has_extension()) name += ".png";  // as Blender's sets leave it out
+  return inside(folder, name, frame.file(), frame.field("file_path"));
 }
 
 }  // namespace
@@ -133,10 +135,12 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
       Intrinsics intrinsics(root, frame);
       const std::size_t camera = camera_index(set, camera_of(intrinsics, set.source));
       const Pose pose = pose_of(frame.get("transform_matrix"), set.source, frame.field("transform_matrix"));
-      set.photos.push_back({photo_file(folder, frame.text("file_path")), camera, pose});
+      set.photos.push_back({photo_file(folder, frame), camera, pose});
       return 0;
     });
-    if (root.has("ply_file_path")) set.points = read_points_ply(folder / root.text("ply_file_path"));
+    if (root.has("ply_file_path")) {
+      set.points = read_points_ply(inside(folder, root.text("ply_file_path"), set.source, "ply_file_path"));
+    }
   });
   // By name, as they were taken: files are not always in order.
   std::stable_sort(

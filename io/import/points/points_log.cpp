@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
@@ -75,6 +76,7 @@ Json whole_lidar(const std::string& file, const std::string& path, const Json& v
     LogLidar lidar;
     Lidar model = builtin_lidar(table);
     model.name = o.text("name");
+    need_name(model.name, o.file(), o.field("name"));
     constexpr std::int64_t kMostColumns = 65536;
     if (o.has("columns")) model.columns = static_cast<int>(o.integer("columns", 1, kMostColumns));
     if (o.has("azimuth_first_rad")) model.azimuth_first = o.number("azimuth_first_rad");
@@ -118,9 +120,7 @@ Log read_description(const fs::path& folder, Layout& layout) {
 }
 
 /// The points of a file; those in the world are still there.
-std::vector<MeasuredPoint> read_points(const fs::path& file,
-                                       const Layout& layout,
-                                       const Lidar& lidar) {
+std::vector<MeasuredPoint> read_points(const fs::path& file, const Layout& layout, const Lidar& lidar) {
   static_assert(std::endian::native == std::endian::little, "the files are little endian");
   const std::string bytes = read_file(file, std::size_t{1} << 30U);
   const std::size_t point_bytes = 4 * layout.width;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/import/waymo/tfrecord.hpp"
 #include "io/import/waymo/waymo_frame.hpp"
@@ -87,7 +88,7 @@ class SegmentLog {
 
  private:
   void begin(const Frame& frame) {
-    log_.name = frame.name;
+    log_.name = name_from(frame.name);
     log_.start_ns = static_cast<std::int64_t>(std::llround(frame.time_s * 1e6)) * 1000;
     origin_s_ = static_cast<double>(log_.start_ns) * 1e-9;
     for (const std::string_view calibration : frame.cameras)

@@ -83,6 +83,46 @@ TEST(JsonReader, RefusesBadSyntax) {
   expect_input_error([&] { read("{} {}", nothing); }, {"x.json: JSON"});
 }
 
+TEST(JsonReader, RefusesWhatNestsTooDeep) {
+  const auto nothing = [](JsonObject& root) { root.ignore_other_keys(); };
+  const auto nested = [](int levels) {
+    const auto n = static_cast<std::size_t>(levels);
+    return "{\"a\":" + std::string(n, '[') + std::string(n, ']') + "}";
+  };
+  read(nested(63), nothing);
+  // Whole, cut off, and of objects: none gets as far as somebody's stack.
+  const std::string deep = nested(100'000);
+  expect_input_error([&] { read(deep, nothing); }, {"x.json: JSON: found more than 64 levels"});
+  expect_input_error([&] { read(deep.substr(5), nothing); }, {"found more than 64 levels"});
+  expect_input_error([&] { read(std::string(500'000, '['), nothing); }, {"found more than 64 levels"});
+  std::string objects;
+  for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
+  expect_input_error([&] { read(objects, nothing); }, {"found more than 64 levels"});
+}
+
+TEST(JsonReader, MessagesStayShortWhateverTheFileHolds) {
+  constexpr std::size_t kMost = 600;
+  const auto length = [](const std::string& text, const auto& use) {
+    try {
+      read(text, use);
+    } catch (const Error& error) {
+      return std::string(error.what()).size();
+    }
+    return std::string::npos;
+  };
+  const auto number = [](JsonObject& root) { (void)root.number("a"); };
+  const std::string filler(100'000, 'x');
+  EXPECT_LT(length("{\"a\": \"" + filler + "\"}", number), kMost);
+  EXPECT_LT(length("{\"a\": [\"" + filler + "\"]}", number), kMost);
+  EXPECT_LT(length("{\"a\": {\"" + filler + "\": 1}}", number), kMost);
+  EXPECT_LT(length("{\"a\": 1, \"" + filler + "\": 1}", number), kMost);
+  EXPECT_LT(length("{\"" + filler + "\": 1}", number), kMost);
+  EXPECT_LT(length("{\"a\": \"" + filler, number), kMost);
+  std::string keys = "{\"b\": 1";
+  for (int i = 0; i < 10'000; ++i) keys += ", \"" + std::to_string(i) + "\": 1";
+  EXPECT_LT(length(keys + "}", number), kMost);
+}
+
 TEST(JsonReader, RefusesAKeyThatStandsTwice) {
   const auto number = [](JsonObject& root) { (void)root.number("a"); };
   expect_input_error([&] { read(R"({"a": 1, "a": 2})", number); }, {"x.json: \"a\": found the key twice"});

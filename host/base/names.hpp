@@ -1,0 +1,15 @@
+#pragma once
+// Names of sensors, actors, scenes and logs: they come from files of anybody, and files are named after them.
+#include <string>
+#include <string_view>
+
+namespace simuli {
+
+/// Error{kInput} for what is no name: 1 to 128 bytes, no '/' and '\', no control characters, not beginning
+/// with a dot.
+void need_name(std::string_view name, std::string_view file, std::string_view field);
+
+/// `text` as a name, for names that another program has chosen: what no name may hold becomes '_'.
+[[nodiscard]] std::string name_from(std::string_view text);
+
+}  // namespace simuli
