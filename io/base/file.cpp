@@ -1,90 +1,18 @@
 #include "io/base/file.hpp"
 
-#include <atomic>
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
-#include <utility>
 
 #include "host/base/error.hpp"
+#include "io/base/temporary.hpp"
 
 namespace simuli {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// Owner of a POSIX descriptor; close() is for writers, which must learn of a late write error.
-class Descriptor {
- public:
-  explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  [[nodiscard]] int get() const { return descriptor_; }
-  [[nodiscard]] int close() { return ::close(std::exchange(descriptor_, -1)); }
-
- private:
-  int descriptor_;
-};
-
-[[noreturn]] void throw_errno(const fs::path& file, const char* field, const char* allowed) {
-  throw_input_error(file.string(), field, std::strerror(errno), allowed);
-}
-
-/// Flushes a file or a folder's entries to the disk.
-void sync_path(const fs::path& path) {
-  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (descriptor.get() < 0) throw_errno(path, "sync", "a file that was just written");
-  // EINVAL: a file system that cannot sync folders; the rename is still atomic there.
-  if (::fsync(descriptor.get()) != 0 && errno != EINVAL) throw_errno(path, "sync", "a working disk");
-}
-
-fs::path parent_of(const fs::path& path) {
-  const fs::path parent = path.parent_path();
-  return parent.empty() ? fs::path(".") : parent;
-}
-
-/// A name beside `path` that no other process or thread uses, with the same extension.
-fs::path temporary_sibling(const fs::path& path) {
-  static std::atomic<unsigned> counter{0};
-  return parent_of(path) /
-         fmt::format(
-             ".{}.{}-{}.tmp{}", path.stem().string(), ::getpid(), counter++, path.extension().string());
-}
-
-/// Removes what stands at the path, unless release() was called.
-class Cleanup {
- public:
-  explicit Cleanup(fs::path path) : path_(std::move(path)) {}
-  Cleanup(const Cleanup&) = delete;
-  Cleanup& operator=(const Cleanup&) = delete;
-  ~Cleanup() {
-    std::error_code ignored;  // a destructor on the way out of another error has nothing to add
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  void release() { path_.clear(); }
-
- private:
-  fs::path path_;
-};
-
-void rename_synced(const fs::path& from, const fs::path& to) {
-  if (::rename(from.c_str(), to.c_str()) != 0) throw_errno(to, "rename", "a path that can be written");
-  sync_path(parent_of(to));
-}
-
-/// "x/" names the same folder as "x", but has no file name of its own.
-fs::path without_trailing_slash(const fs::path& path) {
-  return path.has_filename() ? path : path.parent_path();
-}
-
-}  // namespace
 
 std::string read_file(const fs::path& file, std::size_t max_bytes) {
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
@@ -136,12 +64,10 @@ void write_atomically(const fs::path& file, const std::function<void(const fs::p
   if (!fs::is_directory(parent_of(file), status)) {
     throw_input_error(file.string(), "folder", "no folder " + parent_of(file).string(), "an existing folder");
   }
-  const fs::path temporary = temporary_sibling(file);
-  Cleanup cleanup(temporary);
-  write(temporary);
-  sync_path(temporary);
-  rename_synced(temporary, file);
-  cleanup.release();
+  Temporary temporary(file);
+  temporary.fill(write);
+  sync_to_disk(temporary.path());
+  temporary.become_target();
 }
 
 void write_folder_atomically(const fs::path& folder, const std::function<void(const fs::path&)>& write) {
@@ -150,19 +76,18 @@ void write_folder_atomically(const fs::path& folder, const std::function<void(co
   if (target.empty() || fs::symlink_status(target, status).type() != fs::file_type::not_found) {
     throw_input_error(folder.string(), "folder", "something of that name", "a path that does not exist yet");
   }
-  const fs::path temporary = temporary_sibling(target);
-  if (!fs::create_directories(temporary, status) || status) {
+  remove_stale_temporaries(target);
+  Temporary temporary(target);
+  if (!fs::create_directories(temporary.path(), status) || status) {
     throw_input_error(folder.string(),
                       "folder",
                       status ? status.message() : "its temporary folder in use",
                       "a path that can be written");
   }
-  Cleanup cleanup(temporary);
-  write(temporary);
-  for (const auto& entry : fs::recursive_directory_iterator(temporary)) sync_path(entry.path());
-  sync_path(temporary);
-  rename_synced(temporary, target);
-  cleanup.release();
+  temporary.fill(write);
+  for (const auto& entry : fs::recursive_directory_iterator(temporary.path())) sync_to_disk(entry.path());
+  sync_to_disk(temporary.path());
+  temporary.become_target();
 }
 
 }  // namespace simuli

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <system_error>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "io/base/inside.hpp"
 #include "io/picture/image.hpp"
 
 namespace simuli {
@@ -76,13 +76,9 @@ Image read_sized(const fs::path& file, int width, int height) {
   return image;
 }
 
-void remove_picture(const fs::path& file) {
-  std::error_code error;
-  fs::remove(file, error);
-  if (error) throw_input_error(file.string(), "file", error.message(), "one that can be removed");
-}
-
 }  // namespace
+
+bool is_appearance_file(const std::string& name) { return name == kEnvironmentName || name == kGridsName; }
 
 void add_appearance(Json& root, const Scene& scene) {
   if (!scene.environment.empty()) {
@@ -129,20 +125,15 @@ void read_appearance(JsonObject& root, Scene& scene) {
 }
 
 void write_appearance(const fs::path& folder, const Scene& scene) {
-  const fs::path environment_file = folder / kEnvironmentName;
-  if (scene.environment.empty()) {
-    remove_picture(environment_file);
-  } else {
+  if (!scene.environment.empty()) {
+    const fs::path environment_file = folder / kEnvironmentName;
     need_finite(scene.environment.texels, environment_file);
     Image image(scene.environment.width, scene.environment.height, 3);
     image.data = scene.environment.texels;
     write_image(environment_file, image);
   }
+  if (scene.color_grids.empty()) return;
   const fs::path grids_file = folder / kGridsName;
-  if (scene.color_grids.empty()) {
-    remove_picture(grids_file);
-    return;
-  }
   need_finite(scene.color_grids.values, grids_file);
   const GridPicture layout(scene.color_grids);
   Image image(layout.width, layout.height, 3);
@@ -153,12 +144,16 @@ void write_appearance(const fs::path& folder, const Scene& scene) {
 void read_appearance_files(const fs::path& folder, Scene& scene) {
   EnvironmentMap& environment = scene.environment;
   if (environment.width > 0) {
-    environment.texels = read_sized(folder / kEnvironmentName, environment.width, environment.height).data;
+    environment.texels =
+        read_sized(
+            inside(folder, kEnvironmentName, folder.string(), "file"), environment.width, environment.height)
+            .data;
   }
   ColorGrids& grids = scene.color_grids;
   if (grids.empty()) return;
   const GridPicture layout(grids);
-  const Image image = read_sized(folder / kGridsName, layout.width, layout.height);
+  const Image image =
+      read_sized(inside(folder, kGridsName, folder.string(), "file"), layout.width, layout.height);
   grids.values.resize(grids.frames.size() * grids.values_per_frame());
   layout.each([&](std::size_t value, std::size_t at) { grids.values[value] = image.data[at]; });
 }

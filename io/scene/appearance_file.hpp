@@ -7,6 +7,7 @@
 //   "environment": {"width_px", "height_px"}
 //   "color_grids": {"size": [x, y, z], "frames": [{"camera", "time_s"}, ...]}
 #include <filesystem>
+#include <string>
 
 #include "host/scene/scene.hpp"
 #include "io/log/log_json.hpp"
@@ -17,8 +18,9 @@ namespace simuli {
 void add_appearance(Json& root, const Scene& scene);
 /// The sizes and frames that scene.json names, without texels and values.
 void read_appearance(JsonObject& root, Scene& scene);
-/// Writes the pictures of what `scene` has, atomically, and removes those of what it hasn't. Error{kInput}
-/// for values that are not finite.
+/// Whether a file of a scene folder is one of the pictures.
+[[nodiscard]] bool is_appearance_file(const std::string& name);
+/// Writes the pictures of what `scene` has, atomically. Error{kInput} for values that are not finite.
 void write_appearance(const std::filesystem::path& folder, const Scene& scene);
 /// Reads texels and values into what read_appearance left. Error{kInput} when a picture is not as scene.json
 /// says, or holds what is no number.

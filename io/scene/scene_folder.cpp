@@ -4,14 +4,18 @@
 #include <array>
 #include <fmt/format.h>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
+#include "host/scene/particle_order.hpp"
 #include "io/base/file.hpp"
+#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/base/output.hpp"
 #include "io/log/log_json.hpp"
 #include "io/scene/appearance_file.hpp"
+#include "io/scene/scene_output.hpp"
 #include "io/scene/training_json.hpp"
 #include "io/splat/ply.hpp"
 
@@ -85,6 +89,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     (void)root.integer("version", kSceneVersion, kSceneVersion);
     SceneFile& scene = contents.scene;
     scene.scene.name = root.text("name");
+    if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
     scene.scene.origin = root.vector<3>("origin_m");
     contents.camera_set = root.object("camera_set", read_set);
     contents.lidar_set = root.object("lidar_set", read_set);
@@ -159,7 +164,13 @@ void check_kinds(const Scene& scene, const fs::path& folder) {
   }
 }
 
+bool is_scene_file(const std::string& name) {
+  return name == kSceneName || name == kCameraName || name == kLidarName || is_appearance_file(name);
+}
+
 }  // namespace
+
+void need_scene_output(const fs::path& folder) { need_replaceable(folder, is_scene_file); }
 
 const LogCamera* SceneFile::find_camera(const std::string& name) const {
   const auto found =
@@ -174,14 +185,16 @@ const LogLidar* SceneFile::find_lidar(const std::string& name) const {
 }
 
 SceneFile read_scene(const fs::path& folder) {
-  const fs::path file = folder / kSceneName;
+  const auto own = [&](const char* name) { return inside(folder, name, folder.string(), "file"); };
+  const fs::path file = own(kSceneName);
   Contents contents = parse_scene(read_file(file), file.string());
   Scene& scene = contents.scene.scene;
-  scene.camera = read_set_file(folder / kCameraName, SetKind::kCamera, contents.camera_set);
-  scene.lidar = read_set_file(folder / kLidarName, SetKind::kLidar, contents.lidar_set);
+  scene.camera = read_set_file(own(kCameraName), SetKind::kCamera, contents.camera_set);
+  scene.lidar = read_set_file(own(kLidarName), SetKind::kLidar, contents.lidar_set);
   read_appearance_files(folder, scene);
   check_actors(scene.camera, scene, folder / kCameraName);
   check_actors(scene.lidar, scene, folder / kLidarName);
+  scene = in_coherent_order(std::move(scene));
   return std::move(contents.scene);
 }
 
@@ -194,14 +207,12 @@ void write_scene(const fs::path& folder, const SceneFile& scene) {
   check_actors(scene.scene.camera, scene.scene, folder / kCameraName);
   check_actors(scene.scene.lidar, scene.scene, folder / kLidarName);
   (void)parse_scene(text, file.string());  // NaN, double names, impossible sensors: refused here
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) fs::remove(file, error);
-  if (error) throw_input_error(folder.string(), "folder", error.message(), "a folder that can be written");
-  write_gaussians_ply(folder / kCameraName, scene.scene.camera);
-  write_gaussians_ply(folder / kLidarName, scene.scene.lidar);
-  write_appearance(folder, scene.scene);
-  write_file_atomically(file, text);
+  replace_folder_atomically(folder, is_scene_file, [&](const fs::path& beside) {
+    write_gaussians_ply(beside / kCameraName, scene.scene.camera);
+    write_gaussians_ply(beside / kLidarName, scene.scene.lidar);
+    write_appearance(beside, scene.scene);
+    write_file_atomically(beside / kSceneName, text);
+  });
 }
 
 }  // namespace simuli

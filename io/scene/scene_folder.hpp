@@ -29,9 +29,9 @@ struct SceneFile {
 /// Reads a scene folder. Unknown keys are errors, as are counts or SH degrees other than scene.json says.
 /// Errors as in io/log/log.hpp.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder);
-/// Writes each file atomically, scene.json last; an older scene.json is removed first, so that a folder
-/// whose writing was cut short is refused. What could not be read back is refused before anything is
-/// touched: Error{kInput}.
+/// Writes the folder beside its place and puts it there in one step, in the place of an older scene: whatever
+/// happens meanwhile, one of the two is there and whole. Error{kInput} for what could not be read back, and
+/// for a folder with anything but a scene in it.
 void write_scene(const std::filesystem::path& folder, const SceneFile& scene);
 
 }  // namespace simuli

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "host/scene/particle_order.hpp"
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/log/log_json.hpp"
@@ -106,12 +107,16 @@ SceneFile scene_with_actors() {
 
 TEST(ActorsInAScene, AreReadAsWritten) {
   const Scratch scratch;
-  const SceneFile written = scene_with_actors();
+  SceneFile written = scene_with_actors();
+  for (Eigen::Index i = 0; i < 4; ++i) written.scene.camera.opacity_logit()(i) = static_cast<float>(i);
   write_scene(scratch / "scene", written);
   const SceneFile read = read_scene(scratch / "scene");
   expect_same(read.scene.actors, written.scene.actors);
-  EXPECT_EQ(read.scene.camera.actor, written.scene.camera.actor);
-  EXPECT_EQ(read.scene.camera.params, written.scene.camera.params);
+  // In the order that particles have: the background's first, then each actor's.
+  const GaussianSet ordered = in_coherent_order(written.scene.camera);
+  EXPECT_EQ(read.scene.camera.actor, (std::vector<std::uint32_t>{0, 0, 1, 2}));
+  EXPECT_EQ(read.scene.camera.actor, ordered.actor);
+  EXPECT_EQ(read.scene.camera.params, ordered.params);
   EXPECT_TRUE(read.scene.lidar.actor.empty());
   EXPECT_EQ(read_file(scratch / "scene" / "lidar.ply").find("actor"), std::string::npos);
   EXPECT_NE(read_file(scratch / "scene" / "camera.ply").find("property uint actor\n"), std::string::npos);

@@ -1,0 +1,206 @@
+#include "io/base/temporary.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMark = ".tmp";
+
+/// What remove_temporaries() removes. Never destroyed: it may be asked for while the process ends.
+struct Registry {
+  std::mutex mutex;
+  std::set<fs::path> paths;
+  std::atomic<std::size_t> written = 0;  // Temporary objects that may still make a file
+};
+
+Registry& registry() {
+  static auto* const all = new Registry;
+  return *all;
+}
+
+/// The process in ".STEM.PID-N.tmpEXTENSION", when a name is one of those of that stem and extension.
+std::optional<pid_t> process_in(std::string_view name, std::string_view stem, std::string_view extension) {
+  const std::string front = fmt::format(".{}.", stem), back = fmt::format("{}{}", kMark, extension);
+  if (name.size() <= front.size() + back.size() || !name.starts_with(front) || !name.ends_with(back))
+    return {};
+  const std::string_view middle = name.substr(front.size(), name.size() - front.size() - back.size());
+  pid_t process = 0;
+  unsigned number = 0;
+  const char* const end = middle.data() + middle.size();
+  const auto first = std::from_chars(middle.data(), end, process);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '-') return {};
+  const auto second = std::from_chars(first.ptr + 1, end, number);
+  if (second.ec != std::errc() || second.ptr != end) return {};
+  return process;
+}
+
+bool is_dead(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+int Descriptor::release() { return std::exchange(descriptor_, -1); }
+
+int Descriptor::close() { return ::close(release()); }
+
+void throw_errno(const fs::path& file, const char* field, const char* allowed) {
+  throw_input_error(file.string(), field, std::strerror(errno), allowed);
+}
+
+void sync_to_disk(const fs::path& path) {
+  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (descriptor.get() < 0) throw_errno(path, "sync", "a file that was just written");
+  // EINVAL: a file system that cannot sync folders; the rename is still atomic there.
+  if (::fsync(descriptor.get()) != 0 && errno != EINVAL) throw_errno(path, "sync", "a working disk");
+}
+
+fs::path parent_of(const fs::path& path) {
+  const fs::path parent = path.parent_path();
+  return parent.empty() ? fs::path(".") : parent;
+}
+
+fs::path without_trailing_slash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+Temporary::Temporary(const fs::path& target) : target_(target) {
+  static std::atomic<unsigned> counter{0};
+  path_ =
+      parent_of(target) /
+      fmt::format(
+          ".{}.{}-{}{}{}", target.stem().string(), ::getpid(), counter++, kMark, target.extension().string());
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.paths.insert(fs::absolute(path_));
+  ++all.written;
+}
+
+Temporary::~Temporary() {
+  if (path_.empty()) return;
+  std::error_code ignored;  // a destructor on the way out of another error has nothing to add
+  fs::remove_all(path_, ignored);
+  --registry().written;
+  keep_at_end(path_);
+}
+
+void Temporary::fill(const std::function<void(const fs::path&)>& write) const {
+  try {
+    write(path_);
+  } catch (const Error& error) {
+    std::string what = error.what();
+    const std::string own = path_.string(), target = target_.string();
+    for (std::size_t at = what.find(own); at != std::string::npos; at = what.find(own, at + target.size())) {
+      what.replace(at, own.size(), target);
+    }
+    throw Error(error.kind(), what);
+  }
+}
+
+void Temporary::become_target() {
+  if (::rename(path_.c_str(), target_.c_str()) != 0) {
+    throw_errno(target_, "rename", "a path that can be written");
+  }
+  --registry().written;
+  keep_at_end(path_);
+  path_.clear();
+  sync_to_disk(parent_of(target_));
+}
+
+void Temporary::take_targets_place() {
+  const auto refuse = [&] { throw_errno(target_, "rename", "a folder that can be replaced"); };
+  if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) != 0) {
+    // Not every file system can. Then there is a moment with the old one under another name.
+    if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) refuse();
+    const Temporary old(target_);
+    if (::rename(target_.c_str(), old.path().c_str()) != 0) refuse();
+    if (::rename(path_.c_str(), target_.c_str()) != 0) {
+      const int why = errno;
+      (void)::rename(old.path().c_str(), target_.c_str());
+      errno = why;
+      refuse();
+    }
+  }
+  sync_to_disk(parent_of(target_));  // what stands at path_ now is the old one
+}
+
+void remove_temporaries() noexcept {
+  try {
+    Registry& all = registry();
+    all.mutex.lock();  // for good: nobody begins another one, or tells of one that has gone
+    // Whoever was about to make a file, or is filling a folder, does so in spite of it, finds it gone when it
+    // is done, and waits for the lock then. Who takes longer than this has made it long ago.
+    constexpr int kTries = 250;
+    for (int i = 0; i < kTries; ++i) {
+      const bool is_last = all.written == 0;
+      for (const fs::path& path : all.paths) {
+        std::error_code ignored;
+        fs::remove_all(path, ignored);
+      }
+      if (is_last) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  } catch (...) {  // the process ends, with or without them
+  }
+}
+
+void remove_at_end(const fs::path& path) {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.paths.insert(fs::absolute(path));
+}
+
+void keep_at_end(const fs::path& path) {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.paths.erase(fs::absolute(path));
+}
+
+void remove_stale_temporaries(const fs::path& target) {
+  const fs::path whole = without_trailing_slash(target);
+  std::vector<fs::path> stale;
+  std::error_code failed;
+  for (fs::directory_iterator at(parent_of(whole), failed), end; !failed && at != end; at.increment(failed)) {
+    const auto process =
+        process_in(at->path().filename().string(), whole.stem().string(), whole.extension().string());
+    if (process && is_dead(*process)) stale.push_back(at->path());
+  }
+  std::error_code ignored;  // whoever can't remove them writes beside them
+  for (const fs::path& path : stale) fs::remove_all(path, ignored);
+}
+
+bool is_temporary(const fs::path& file) {
+  const std::string name = file.filename().string();
+  const std::size_t mark = name.rfind(kMark);
+  if (mark == std::string::npos || mark == 0 || name.front() != '.') return false;
+  const std::size_t number = name.rfind('.', mark - 1);
+  if (number == std::string::npos || number == 0) return false;
+  return process_in(name, name.substr(1, number - 1), name.substr(mark + kMark.size())).has_value();
+}
+
+}  // namespace simuli
