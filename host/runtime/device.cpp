@@ -10,6 +10,7 @@
 
 #include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
+#include "host/runtime/disk_cache.hpp"
 
 namespace simuli {
 namespace {
@@ -100,6 +101,7 @@ int rank(const DeviceInfo& info) { return info.is_gpu ? 0 : (info.is_cpu ? 1 : 2
 
 std::vector<Found> find_all() {
   std::vector<Found> found;
+  prepare_driver_cache();
   std::vector<cl::Platform> platforms;
   try {
     cl::Platform::get(&platforms);
@@ -133,7 +135,9 @@ std::vector<Found> find_all() {
 }
 
 std::string table(const std::vector<Found>& found) {
-  if (found.empty()) return "no OpenCL device at all (a driver is needed; PoCL runs on any CPU)";
+  if (found.empty())
+    return "no OpenCL device at all (a driver is needed; PoCL runs on any CPU, given memory and a folder "
+           "for its cache, which POCL_CACHE_DIR names)";
   std::string text = "the devices are:";
   for (std::size_t i = 0; i < found.size(); ++i) {
     text +=

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
+#include <mutex>
+#include <stdlib.h>
 #include <string_view>
 #include <unistd.h>
 
@@ -63,6 +65,89 @@ std::optional<std::string> environment(const char* name) {
   return std::string(value);
 }
 
+constexpr const char* kDriverCache = "POCL_CACHE_DIR";
+
+/// As PoCL finds it.
+fs::path usual_driver_cache() {
+  if (const auto xdg = environment("XDG_CACHE_HOME"); xdg && !xdg->empty())
+    return fs::path(*xdg) / "pocl/kcache";
+  if (const auto home = environment("HOME"); home && !home->empty()) {
+    return fs::path(*home) / ".cache/pocl/kcache";
+  }
+  return "/tmp/pocl/kcache";
+}
+
+/// Whether files can be written there, once its folders have been made.
+bool is_writable(fs::path folder) {
+  std::error_code failed;
+  while (!fs::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
+  constexpr std::uintmax_t kLeast = std::uintmax_t{16}
+                                    << 20U;  // a compiler that finds no room ends the process
+  return fs::is_directory(folder, failed) && ::access(folder.c_str(), W_OK | X_OK) == 0 &&
+         fs::space(folder, failed).available >= kLeast;
+}
+
+/// Goes with the process.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    std::error_code failed;
+    std::string pattern = (fs::temp_directory_path(failed) / "simuli-pocl-XXXXXX").string();
+    if (!failed && ::mkdtemp(pattern.data()) != nullptr) path_ = pattern;
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  ~PrivateFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string& note() {
+  static std::string text;
+  return text;
+}
+
+/// Folders of crashes before the last: nobody needs them.
+void remove_older(const fs::path& folder, int crashes) {
+  std::error_code ignored;
+  for (int i = 1; i + 1 < crashes; ++i) fs::remove_all(folder / fmt::format("pocl.{}", i), ignored);
+}
+
+void choose_driver_cache() {
+  if (environment(kDriverCache)) return;
+  constexpr int kOverwrite = 0;
+  const auto use = [](const fs::path& folder) { ::setenv(kDriverCache, folder.c_str(), kOverwrite); };
+  const auto count = crash_count();
+  if (count && count->next > 1 && is_writable(count->file.parent_path())) {
+    const int crashes = count->next - 1;
+    const fs::path own = count->file.parent_path() / fmt::format("pocl.{}", crashes);
+    std::error_code failed;
+    if (!fs::exists(own, failed)) {
+      note() = fmt::format("the run before crashed: PoCL's cache is {} from now on, in case {} is damaged",
+                           own.string(),
+                           usual_driver_cache().string());
+      remove_older(own.parent_path(), crashes);
+      fs::create_directories(own, failed);
+    }
+    use(own);
+    return;
+  }
+  const fs::path usual = usual_driver_cache();
+  if (is_writable(usual)) return;
+  static const PrivateFolder instead;
+  if (instead.path().empty()) return;
+  use(instead.path());
+  note() =
+      fmt::format("PoCL can't write its cache {}: kernels are compiled anew in every run; set {} to a folder",
+                  usual.string(),
+                  kDriverCache);
+}
+
 }  // namespace
 
 std::string program_key(const DeviceInfo& device, const std::string& options, const std::string& source) {
@@ -93,6 +178,28 @@ std::optional<fs::path> cache_folder() {
     return fs::path(*home) / ".cache" / "simuli";
   }
   return std::nullopt;
+}
+
+void prepare_driver_cache() {
+  static std::once_flag once;
+  std::call_once(once, choose_driver_cache);
+}
+
+std::string driver_cache_note() { return note(); }
+
+fs::path driver_cache_folder() {
+  const auto own = environment(kDriverCache);
+  return own ? fs::path(*own) : usual_driver_cache();
+}
+
+std::optional<CrashCount> crash_count() {
+  const auto folder = cache_folder();
+  if (!folder) return std::nullopt;
+  CrashCount count{*folder / "crashes"};
+  int crashes = 0;
+  constexpr int kMost = 1'000'000;
+  if (std::ifstream(count.file) >> crashes && crashes > 0 && crashes < kMost) count.next = crashes + 1;
+  return count;
 }
 
 std::optional<ProgramBinary> load_binary(const std::string& key) {

@@ -26,4 +26,21 @@ using ProgramBinary = std::vector<unsigned char>;
 /// Stores a binary under a temporary name and renames it. A cache that can't be written is no error.
 void save_binary(const std::string& key, const ProgramBinary& binary);
 
+/// PoCL keeps what it compiles in a folder of its own and is no device at all where it can't write there. To
+/// be called before OpenCL is: where PoCL could not (a read-only or full home) it is given, by
+/// POCL_CACHE_DIR, a temporary folder that goes with the process; and another folder after each crash that
+/// was counted, as a damaged one ends every start. Nothing is changed where the variable is set.
+void prepare_driver_cache();
+/// What of that whoever runs the program should know, one line; empty: nothing.
+[[nodiscard]] std::string driver_cache_note();
+/// Where PoCL keeps what it compiles.
+[[nodiscard]] std::filesystem::path driver_cache_folder();
+/// The file that counts crashes and the count after the next one; whoever notices a crash writes it there.
+/// Nothing where there is no cache.
+struct CrashCount {
+  std::filesystem::path file;
+  int next = 1;
+};
+[[nodiscard]] std::optional<CrashCount> crash_count();
+
 }  // namespace simuli

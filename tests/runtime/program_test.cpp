@@ -42,7 +42,7 @@ TEST(BuildOptions, AreCanonical) {
   BuildOptions options;
   options.define("ZETA", 1).define("ALPHA", -2).define("ALPHA", 5U).define("KIND", Shape::kRound);
   options.define("FLAG", true);
-  EXPECT_EQ(options.text(), "-cl-std=CL1.2 -cl-kernel-arg-info -D ALPHA=5 -D FLAG=1 -D KIND=3 -D ZETA=1");
+  EXPECT_EQ(options.text(), "-cl-std=CL1.2 -cl-kernel-arg-info -w -D ALPHA=5 -D FLAG=1 -D KIND=3 -D ZETA=1");
   options.real(Precision::kDouble);
   EXPECT_TRUE(contains(options.text(), {"-D SIMULI_REAL_DOUBLE=1"}));
   options.real(Precision::kFloat);
@@ -53,7 +53,7 @@ TEST(BuildOptions, AreThoseThatATextNames) {
   BuildOptions options;
   options.real(Precision::kDouble).define("V", 4).define("MOVING", true).define("MOV", 1).define("END", 2);
   const std::string text = options.named_in("#if MOVING // V_1, AV\nint x = END").text();
-  EXPECT_EQ(text, "-cl-std=CL1.2 -cl-kernel-arg-info -D SIMULI_REAL_DOUBLE=1 -D END=2 -D MOVING=1");
+  EXPECT_EQ(text, "-cl-std=CL1.2 -cl-kernel-arg-info -w -D SIMULI_REAL_DOUBLE=1 -D END=2 -D MOVING=1");
 }
 
 TEST(BuildOptions, RefuseWhatIsNoIdentifier) {

@@ -1,0 +1,69 @@
+// PoCL's cache: read-only, damaged.
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
+
+#include "tests/cli/cli_fixture.hpp"
+
+namespace {
+
+using namespace simuli::test;
+
+class DriverCacheCli : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    if (std::getenv("POCL_CACHE_DIR") != nullptr)
+      GTEST_SKIP() << "not run: PoCL's cache where no one chose its place, POCL_CACHE_DIR is set";
+    if (run("devices").out.find("Portable Computing Language") == std::string::npos) {
+      GTEST_SKIP() << "not run: PoCL's cache, there is no PoCL";
+    }
+  }
+  /// "simuli ARGUMENTS" with that home; the status as of waitpid.
+  int run_at(const fs::path& home, const std::string& arguments) const {
+    const std::string command = fmt::format(
+        "cd '{}' && export HOME='{}' && unset XDG_CACHE_HOME SIMULI_CACHE_DIR && exec '{}' {} >out.txt "
+        "2>err.txt",
+        folder_.string(),
+        home.string(),
+        SIMULI_PROGRAM,
+        arguments);
+    return std::system(command.c_str());
+  }
+  [[nodiscard]] std::string errors() const {
+    std::ifstream file(folder_ / "err.txt");
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+};
+
+TEST_F(DriverCacheCli, AHomeThatCannotBeWrittenIsNoMissingDevice) {
+  EXPECT_EQ(run_at("/proc/no-home", "devices --json"), 0) << errors();
+  EXPECT_NE(errors().find("note: PoCL can't write its cache /proc/no-home"), std::string::npos) << errors();
+}
+
+TEST_F(DriverCacheCli, ADamagedCacheEndsOneRunNotAll) {
+  const fs::path home = folder_ / "home";
+  fs::create_directory(home);
+  ASSERT_EQ(run_at(home, "devices --check"), 0) << errors();
+  EXPECT_EQ(errors(), "");  // nor how many warnings PoCL's compiler has
+  std::vector<fs::path> libraries;
+  for (const auto& entry : fs::recursive_directory_iterator(home / ".cache" / "pocl")) {
+    if (entry.path().extension() == ".so") libraries.push_back(entry.path());
+  }
+  ASSERT_FALSE(libraries.empty());
+  constexpr std::uintmax_t kHeader = 3000;
+  for (const fs::path& library : libraries)
+    fs::resize_file(library, std::min(kHeader, fs::file_size(library)));
+  const int crash = run_at(home, "devices --check");
+  ASSERT_NE(crash, 0) << "PoCL takes care of it now";
+  EXPECT_EQ(errors().rfind("simuli: crashed, in the OpenCL driver or by a defect", 0), 0U) << errors();
+  ASSERT_EQ(run_at(home, "devices --check"), 0) << errors();
+  EXPECT_NE(errors().find("note: the run before crashed: PoCL's cache is "), std::string::npos) << errors();
+  ASSERT_EQ(run_at(home, "devices --check"), 0) << errors();
+  EXPECT_EQ(errors(), "");
+}
+
+}  // namespace
