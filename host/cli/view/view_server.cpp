@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "host/base/error.hpp"
+#include "host/cli/view/guarded_server.hpp"
 #include "host/cli/view/page.hpp"
 
 namespace simuli::cli {
@@ -23,10 +24,37 @@ bool is_loopback(std::string_view host) {
   return std::find(kLoopback.begin(), kLoopback.end(), host) != kLoopback.end();
 }
 
-/// "host:port" or "[host]:port" without the port.
+/// "host:port" or "[host]:port" without the port; empty for what is neither.
 std::string host_of(const std::string& header) {
-  if (!header.empty() && header.front() == '[') return header.substr(1, header.find(']') - 1);
-  return header.substr(0, header.find(':'));
+  const bool is_v6 = !header.empty() && header.front() == '[';
+  const std::size_t end = is_v6 ? header.find(']') : std::min(header.find(':'), header.size());
+  if (end == std::string::npos) return {};
+  const std::string_view port = std::string_view(header).substr(is_v6 ? end + 1 : end);
+  const bool is_port = port.empty() || (port.front() == ':' &&
+                                        port.find_first_not_of("0123456789", 1) == std::string_view::npos);
+  return is_port ? header.substr(is_v6 ? 1 : 0, is_v6 ? end - 1 : end) : std::string();
+}
+
+/// Whether a page of another site asks: browsers say so, in one way or the other. Such a page cannot read the
+/// reply, but has the work done.
+bool is_foreign(const httplib::Request& request) {
+  const std::string site = request.get_header_value("Sec-Fetch-Site");
+  if (!site.empty() && site != "same-origin" && site != "none") return true;
+  if (!request.has_header("Origin")) return false;  // no browser, or a plain visit
+  const std::string origin = request.get_header_value("Origin");
+  const std::size_t scheme = origin.find("://");
+  return scheme == std::string::npos || origin.substr(scheme + 3) != request.get_header_value("Host");
+}
+
+/// For the query of an address.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                          std::string_view("-._~").find(c) != std::string_view::npos;
+    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
 }
 
 /// In a time that does not tell how much of it was right.
@@ -47,7 +75,7 @@ std::string type_of(std::string_view path) {
 }  // namespace
 
 struct ViewServer::Impl {
-  httplib::Server server;
+  GuardedServer server;
   std::thread thread;
   ServerOptions options;
   int port = 0;
@@ -63,7 +91,7 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
                     options.host));
   }
   impl_->options = options;
-  httplib::Server& server = impl_->server;
+  GuardedServer& server = impl_->server;
   // The library's own choice (SO_REUSEPORT) would let a second server listen on a port that is taken.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -72,6 +100,8 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
   server.set_payload_max_length(kLargestRequest);
   server.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
+                              {"Referrer-Policy", "no-referrer"},
+                              {"Cross-Origin-Resource-Policy", "same-origin"},
                               {"Content-Security-Policy",
                                "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"}});
   server.set_pre_routing_handler(
@@ -83,6 +113,11 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
           return httplib::Server::HandlerResponse::Handled;
         }
         const bool is_api = request.path.rfind("/api/", 0) == 0;
+        if (is_api && is_foreign(request)) {
+          response.status = 403;
+          response.set_content("origin: found another site's page, allowed this one's", "text/plain");
+          return httplib::Server::HandlerResponse::Handled;
+        }
         if (is_api && !impl_->options.token.empty() &&
             !same(request.get_header_value("X-Simuli-Token"), impl_->options.token)) {
           response.status = 401;
@@ -130,6 +165,7 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
                             options.port,
                             options.host));
   }
+  server.widen_backlog();
   impl_->thread = std::thread([this] { impl_->server.listen_after_bind(); });
 }
 
@@ -142,7 +178,8 @@ std::string ViewServer::url() const {
   const ServerOptions& o = impl_->options;
   const bool is_v6 = o.host.find(':') != std::string::npos;
   const std::string address = is_v6 ? "[" + o.host + "]" : o.host;
-  return fmt::format("http://{}:{}/{}", address, impl_->port, o.token.empty() ? "" : "?token=" + o.token);
+  return fmt::format(
+      "http://{}:{}/{}", address, impl_->port, o.token.empty() ? "" : "?token=" + escaped(o.token));
 }
 
 void ViewServer::wait() {

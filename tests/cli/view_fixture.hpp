@@ -1,0 +1,75 @@
+#pragma once
+// A small scene, and the viewer that shows it.
+#include <cstdint>
+#include <cstring>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cli/background_program.hpp"
+#include "tests/cli/cli_fixture.hpp"
+
+namespace simuli::test {
+
+using nlohmann::json;
+
+class ViewCli : public Cli {
+ protected:
+  void make_scene() const {
+    const Outcome synth =
+        run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90");
+    ASSERT_EQ(synth.exit_code, 0) << synth.err;
+    const Outcome train = run("train s.log -o s.scene --iterations 3 --json --set init.voxel_m=0.3");
+    ASSERT_EQ(train.exit_code, 0) << train.err;
+  }
+  /// Starts the viewer on any free port.
+  void start(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{SIMULI_PROGRAM, "view", (folder_ / "s.scene").string(), "--port", "0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    viewer_ = std::make_unique<BackgroundProgram>(arguments, folder_ / "view.txt");
+    port_ = viewer_->number_behind("http://127.0.0.1:");
+    ASSERT_GT(port_, 0) << viewer_->output();
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
+    client_->set_read_timeout(60);
+  }
+  static json view_of(const std::string& sensor) {
+    return {{"sensor", sensor},
+            {"quality", "balanced"},
+            {"time_s", 0.2},
+            {"width", 96},
+            {"forward_m", 0},
+            {"left_m", 0},
+            {"up_m", 0},
+            {"yaw_rad", 0},
+            {"pitch_rad", 0},
+            {"removed", json::array()},
+            {"moved", json::object()}};
+  }
+  struct Reply {
+    int status = 0;
+    std::string body;
+    json info;
+    std::string payload;
+  };
+  Reply post(const std::string& path, const std::string& body, const httplib::Headers& headers = {}) const {
+    const httplib::Result result = client_->Post(path, headers, body, "application/json");
+    if (!result) return {};
+    Reply reply{result->status, result->body, {}, {}};
+    if (reply.status != 200) return reply;
+    std::uint32_t length = 0;
+    std::memcpy(&length, reply.body.data(), sizeof(length));
+    reply.info = json::parse(reply.body.substr(4, length));
+    reply.payload = reply.body.substr(4 + (length + 3) / 4 * 4);
+    return reply;
+  }
+  Reply post(const std::string& path, const json& view) const { return post(path, view.dump()); }
+
+  std::unique_ptr<BackgroundProgram> viewer_;
+  std::unique_ptr<httplib::Client> client_;
+  int port_ = 0;
+};
+
+}  // namespace simuli::test
