@@ -8,10 +8,14 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/report/judgement.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "host/cli/view/live_page.hpp"
+#include "io/base/output.hpp"
+#include "io/base/temporary.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/scene/scene_output.hpp"
 #include "optim/train/training.hpp"
 
 namespace simuli::cli {
@@ -20,6 +24,7 @@ namespace {
 struct TrainCommand {
   std::string log;
   std::string output;
+  bool overwrite = false;
   std::vector<std::string> settings;
   TrainingOptions options;
   TrainOutputs outputs;
@@ -63,10 +68,24 @@ void take_iterations(const std::string& text, TrainOptions& options) {
               fmt::format("--iterations: found {}, allowed auto, or {}", text, iterations.allowed()));
 }
 
+/// A line, or none where nothing was asked for.
+std::string path_text(const PathReport& path) {
+  if (path.sweeps == 0)
+    return path.reason.empty() ? "" : fmt::format("  path as recorded: {}\n", path.reason);
+  const std::string fit = fmt::format("surfaces {:.2f} cm thick, {:.2f} cm on the refined path",
+                                      100.0 * path.recorded_m,
+                                      100.0 * path.refined_m);
+  if (!path.used)
+    return fmt::format("  path as recorded: {} ({}; {:.1f} s)\n", path.reason, fit, path.seconds);
+  return fmt::format(
+      "  path refined by up to {:.1f} cm: {}; {:.1f} s\n", 100.0 * path.largest_change_m, fit, path.seconds);
+}
+
 void print_report(const TrainingReport& report, const TrainCommand& command, bool json) {
   const TrainReport& r = report.train;
   const InitReport& init = report.init;
   const FindReport& found = report.found;
+  const PathReport& path = report.path;
   if (json) {
     const nlohmann::ordered_json out = {{"scene", command.output},
                                         {"iterations", r.last.iteration},
@@ -76,6 +95,11 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"sweeps", r.sweeps},
                                         {"camera_particles", r.camera_particles},
                                         {"lidar_particles", r.lidar_particles},
+                                        {"path_refined", path.used},
+                                        {"path_recorded_m", path.recorded_m},
+                                        {"path_refined_m", path.refined_m},
+                                        {"path_largest_change_m", path.largest_change_m},
+                                        {"path_seconds", path.seconds},
                                         {"found_actors", found.actors},
                                         {"moving_returns", found.moving_returns},
                                         {"moving_returns_on_actors", found.moving_on_actors},
@@ -96,6 +120,7 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"rejected_gradients", r.rejected_gradients},
                                         {"unsound_particles", r.unsound_particles},
                                         {"unsound_losses", r.unsound_losses},
+                                        {"warnings", judge(r).warnings},
                                         {"init_seconds", init.seconds},
                                         {"seconds", r.seconds}};
     std::cout << out.dump(2) << '\n';
@@ -108,7 +133,7 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                            r.sweeps,
                            init.seconds,
                            r.seconds)
-            << stages_text(r.stages)
+            << stages_text(r.stages) << path_text(path)
             << (found.sweeps == 0
                     ? ""
                     : fmt::format("  {} moving things found in {:.1f} s, with {} of {} returns that moved\n",
@@ -165,6 +190,48 @@ std::filesystem::path checkpoint_beside(const std::string& output) {
   return file += ".checkpoint";
 }
 
+/// Refuses before any work what would be lost or could not be written at its end. The output is this
+/// process's from here on.
+std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
+  const auto there = [](const std::filesystem::path& path) {
+    std::error_code failed;
+    return std::filesystem::exists(std::filesystem::symlink_status(path, failed));
+  };
+  const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
+  const bool resumes = command.outputs.resume && there(checkpoint);
+  auto lock = std::make_unique<OutputLock>(command.output);
+  if (!command.overwrite && !resumes) {
+    if (there(command.output)) {
+      throw_input_error(command.output,
+                        "folder",
+                        "something of that name",
+                        command.outputs.resume
+                            ? "its checkpoint beside it, a path that does not exist yet, or "
+                              "--overwrite"
+                            : "a path that does not exist yet, or --overwrite");
+    }
+    if (there(checkpoint)) {
+      throw_input_error(checkpoint.string(),
+                        "file",
+                        "the state of a training that has not ended",
+                        "--resume, or --overwrite");
+    }
+  }
+  need_scene_output(command.output);
+  if (!command.report.empty()) need_writable(command.report);
+  const std::filesystem::path& events = command.outputs.event_folder;
+  if (!events.empty()) {
+    std::error_code failed;
+    std::filesystem::create_directories(events, failed);
+    need_writable(events / "events");
+  }
+  for (const std::filesystem::path& path :
+       {std::filesystem::path(command.output), checkpoint, std::filesystem::path(command.report)}) {
+    if (!path.empty()) remove_stale_temporaries(path);
+  }
+  return lock;
+}
+
 /// What a page shows before there are particles.
 SceneFile without_particles(const Log& log) {
   SceneFile file;
@@ -180,14 +247,15 @@ void train(TrainCommand command, const Globals& globals) {
   options.train.render = training_options_of(globals.quality);
   fields_of(options).apply(command.settings);
   static_cast<void>(checked(options));
+  Checkpoints& checkpoints = command.outputs.checkpoints;
+  checkpoints.file = checkpoint_beside(command.output);
   const Log log = read_log(command.log);
+  const std::unique_ptr<OutputLock> lock = take_output(command);
   const Device device = Device::best(globals.device);
   if (globals.verbose) {
     std::cerr << fmt::format(
         "simuli: {}; {}\n", device.info().label(), fmt::join(fields_of(options).lines(), " "));
   }
-  Checkpoints& checkpoints = command.outputs.checkpoints;
-  checkpoints.file = checkpoint_beside(command.output);
   std::unique_ptr<LivePage> page;
   if (command.view_port >= 0) {
     page = open_live_page(globals, without_particles(log), command.view_port);
@@ -235,6 +303,7 @@ void add_train(Command app, const Globals& globals) {
   add("--checkpoint-every",
       command->outputs.checkpoints.every,
       "iterations between states in OUTPUT.checkpoint, the last of which is kept; 0: none");
+  sub.flag("--overwrite", command->overwrite, "replace the scene, or the checkpoint, that is there");
   sub.flag("--resume",
            command->outputs.resume,
            "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "

@@ -22,6 +22,7 @@ class BackgroundProgram {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
+    std::filesystem::remove(log_);  // of an earlier program: what is read is this one's
     pid_ = ::fork();
     if (pid_ != 0) return;
     const int file = ::open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -33,10 +34,20 @@ class BackgroundProgram {
   ~BackgroundProgram() {
     if (pid_ <= 0) return;
     ::kill(pid_, SIGTERM);
+    ::kill(pid_, SIGTERM);  // twice: a training takes the first one as a wish
     ::waitpid(pid_, nullptr, 0);
   }
   BackgroundProgram(const BackgroundProgram&) = delete;
   BackgroundProgram& operator=(const BackgroundProgram&) = delete;
+
+  [[nodiscard]] pid_t process() const { return pid_; }
+  /// Sends a signal and waits for the end: the exit code, or minus the signal that ended it.
+  int end_by(int signal) {
+    ::kill(pid_, signal);
+    int status = 0;
+    ::waitpid(std::exchange(pid_, -1), &status, 0);
+    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+  }
 
   [[nodiscard]] std::string output() const {
     std::ifstream file(log_);

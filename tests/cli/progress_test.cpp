@@ -44,6 +44,18 @@ TEST_F(ProgressTest, LinesComeEveryTenSecondsAndAtTheEnd) {
   EXPECT_EQ(take(), "");
 }
 
+TEST_F(ProgressTest, TheTimeLeftIsOfTheStepsSinceTheStart) {
+  Progress progress = make(ProgressStyle::kLines, 1000);
+  now_s_ += 60.0;  // a first step that compiles, of a training that goes on at 500
+  progress.start_at(501);
+  now_s_ += 10.0;
+  progress.update(511);
+  EXPECT_EQ(take(), "train  51 % 511/1000  8:09 left\n");
+  progress.update(1000);
+  progress.finish();
+  EXPECT_EQ(take(), "train 100 % 1000/1000  0:10 elapsed\n");
+}
+
 TEST_F(ProgressTest, BarIsRedrawnInPlaceAtMostTenTimesASecond) {
   {
     Progress progress = make(ProgressStyle::kBar, 4);

@@ -9,6 +9,9 @@
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/base/version.hpp"
+#include "host/cli/base/crash.hpp"
+#include "host/cli/base/interrupt.hpp"
+#include "host/runtime/disk_cache.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -72,10 +75,22 @@ void add_absent(Command app, const std::string& name, const std::string& help, c
 int run_program(
     const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add) {
   constexpr int kInternal = static_cast<int>(ErrorKind::kInternal);
+  watch_signals();
+  watch_crashes();
+  // Behind everything else, as the last thing to be read.
+  struct Notes {
+    ~Notes() {
+      if (const std::string note = driver_cache_note(); !note.empty()) {
+        std::cerr << "simuli: note: " << note << std::endl;
+      }
+    }
+  } const notes;
   try {
     return run(name, about, argc, argv, add);
   } catch (const Error& error) {
     return fail(error.what(), error.exit_code());
+  } catch (const Interrupted& interrupted) {
+    return fail(interrupted.what(), kInterruptedExit);
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kInternal);
   } catch (const std::exception& error) {

@@ -73,6 +73,11 @@ Progress::~Progress() {
   }
 }
 
+void Progress::start_at(std::uint64_t done) {
+  first_ = done_ = done;
+  start_s_ = clock_();
+}
+
 void Progress::update(std::uint64_t done, const ProgressNote& note) {
   done_ = done;
   if (style_ == ProgressStyle::kQuiet || finished_) return;
@@ -106,9 +111,9 @@ void Progress::show(const ProgressNote& note, double now_s) {
 
 double Progress::left_s(double now_s) const {
   if (finished_) return 0.0;
-  if (done_ == 0 || total_ == 0) return std::numeric_limits<double>::infinity();
-  const double share = std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
-  return (now_s - start_s_) * (1.0 - share) / share;
+  if (done_ <= first_ || total_ == 0) return std::numeric_limits<double>::infinity();
+  const double left = total_ > done_ ? static_cast<double>(total_ - done_) : 0.0;
+  return (now_s - start_s_) * left / static_cast<double>(done_ - first_);
 }
 
 std::string Progress::json(const ProgressNote& note, double now_s) const {

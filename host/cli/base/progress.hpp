@@ -53,6 +53,8 @@ class Progress {
   Progress& operator=(Progress&&) = delete;
   ~Progress();
 
+  /// The clock starts now, with `done` steps done: what was before tells nothing of the speed.
+  void start_at(std::uint64_t done);
   /// The size of the task, once it is known.
   void set_total(std::uint64_t total) { total_ = total; }
   /// `done` steps are done; `note` is shown behind the time, e.g. "PSNR 21.3 dB".
@@ -74,6 +76,7 @@ class Progress {
   Clock clock_;
   int columns_;
   std::uint64_t done_ = 0;
+  std::uint64_t first_ = 0;  // steps that were done when the clock started
   double start_s_ = 0.0;
   double shown_s_ = 0.0;
   bool shown_once_ = false;

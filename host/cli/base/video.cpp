@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <string_view>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -50,21 +49,15 @@ Video::Video(fs::path file, double frames_per_s) : file_(std::move(file)), frame
         ErrorKind::kUsage,
         fmt::format("{}: found no program ffmpeg for videos, allowed a folder of pictures", file_.string()));
   }
-  temporary_ = file_.parent_path() /
-               fmt::format(".{}.{}{}", file_.stem().string(), ::getpid(), file_.extension().string());
+  temporary_.emplace(file_);
 }
 
 Video::~Video() {
-  if (pipe_ == nullptr) return;
-  pclose(pipe_);
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
+  if (pipe_ != nullptr) pclose(pipe_);
 }
 
 void Video::fail() {
   if (pipe_ != nullptr) pclose(std::exchange(pipe_, nullptr));
-  std::error_code ignored;
-  fs::remove(temporary_, ignored);
   throw Error(ErrorKind::kInput, fmt::format("{}: ffmpeg could not write it", file_.string()));
 }
 
@@ -80,7 +73,7 @@ void Video::add(const Image& image) {
         width_,
         height_,
         frames_per_s_,
-        in_quotes(temporary_.string()));
+        in_quotes(temporary_->path().string()));
     pipe_ = popen(command.c_str(), "w");
     if (pipe_ == nullptr) fail();
   }
@@ -97,9 +90,7 @@ void Video::add(const Image& image) {
 void Video::finish() {
   if (pipe_ == nullptr) return;
   if (pclose(std::exchange(pipe_, nullptr)) != 0) fail();
-  std::error_code error;
-  fs::rename(temporary_, file_, error);
-  if (error) fail();
+  temporary_->become_target();
 }
 
 }  // namespace simuli::cli

@@ -1,9 +1,11 @@
 #pragma once
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "host/base/image.hpp"
+#include "io/base/temporary.hpp"
 
 namespace simuli::cli {
 
@@ -28,7 +30,7 @@ class Video {
   [[noreturn]] void fail();
 
   std::filesystem::path file_;
-  std::filesystem::path temporary_;  // until it is whole
+  std::optional<Temporary> temporary_;  // until it is whole
   double frames_per_s_;
   int width_ = 0, height_ = 0;
   std::FILE* pipe_ = nullptr;

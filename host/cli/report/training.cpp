@@ -8,10 +8,13 @@
 #include <optional>
 #include <utility>
 
+#include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/interrupt.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/report/eval_tables.hpp"
+#include "host/cli/report/judgement.hpp"
 #include "host/cli/view/live_page.hpp"
 #include "io/base/event_file.hpp"
 #include "io/scene/training_json.hpp"
@@ -43,6 +46,10 @@ class Outlook {
  public:
   explicit Outlook(const Training& training)
       : length_(training.options().train.length), first_(training.status().iteration) {}
+  void start_at(int iteration) {
+    first_ = iteration;
+    watch_ = Stopwatch();
+  }
   [[nodiscard]] ProgressNote on(ProgressNote note, const TrainStatus& status) const {
     if (!length_.automatic) return note;
     const int done = status.iteration - first_;
@@ -91,6 +98,7 @@ class Recorder {
   std::optional<EventFile> events_;
 };
 
+/// Error{kNumeric} when there is no scene in it.
 void warn(const TrainReport& report) {
   if (report.rejected_gradients > 0) {
     std::cerr << fmt::format("simuli: warning: {} gradient entries were not finite and moved nothing\n",
@@ -102,6 +110,9 @@ void warn(const TrainReport& report) {
         report.unsound_particles,
         report.unsound_losses);
   }
+  const Judgement judgement = judge(report);
+  for (const std::string& line : judgement.warnings) std::cerr << "simuli: warning: " << line << '\n';
+  if (!judgement.failure.empty()) throw Error(ErrorKind::kNumeric, judgement.failure);
   if (report.stopped_early) {
     std::cerr << fmt::format(
         "simuli: warning: stopped after {:.0f} s at iteration {} of {}; the learning rates had not run "
@@ -137,6 +148,14 @@ class LiveScene {
   std::chrono::steady_clock::time_point shown_;
 };
 
+[[noreturn]] void end_interrupted(Training& training, const Checkpoints& checkpoints) {
+  training.save(checkpoints.file);
+  throw Interrupted(fmt::format("interrupted at iteration {} of {}, state in {}; --resume goes on from there",
+                                training.status().iteration,
+                                training.status().planned,
+                                checkpoints.file.string()));
+}
+
 /// The unit of a share, or that there is nothing to have a share of.
 const char* share_of(const char* unit, double value) {
   return std::isfinite(value) ? unit : "undefined: there are none";
@@ -162,8 +181,16 @@ TrainHistory run_training(Training& training,
   reading.finish();
   TrainHistory history;
   const auto planned = [&training] { return static_cast<std::uint64_t>(training.status().planned); };
+  // The first iteration compiles what is not in a cache: its time tells nothing of the others'.
+  std::optional<Progress> compiling;
+  if (training.status().iteration < training.status().planned) {
+    compiling.emplace("compile kernels", 1, progress_style(globals));
+    compiling->update(0);
+  }
   Progress progress("train", planned(), progress_style(globals));
-  const Outlook outlook(training);
+  Outlook outlook(training);
+  std::optional<InterruptionPoint> interruption;
+  if (checkpoints.every > 0) interruption.emplace();
   LiveScene live(outputs.view, training);
   Recorder recorder(history, training.status().planned, outputs.event_folder);
   const TrainReport& report =
@@ -171,10 +198,18 @@ TrainHistory run_training(Training& training,
           .run(
               [&](const TrainStatus& status) {
                 progress.set_total(planned());
+                if (compiling) {
+                  compiling->update(1);
+                  compiling->finish();
+                  compiling.reset();
+                  progress.start_at(static_cast<std::uint64_t>(status.iteration));
+                  outlook.start_at(status.iteration);
+                }
                 progress.update(static_cast<std::uint64_t>(status.iteration),
                                 outlook.on(status_note(status, device.memory()), status));
                 recorder.add(status, device.memory());
                 live.update(status);
+                if (interruption && interruption->is_asked_for()) end_interrupted(training, checkpoints);
               },
               checkpoints)
           .train;

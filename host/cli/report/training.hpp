@@ -33,7 +33,8 @@ struct TrainOutputs {
 };
 
 /// Prepares and runs a training, with progress on stderr. A warning line tells of rejected
-/// gradients and of an early stop.
+/// gradients, of an early stop and of what judge() says; Error{kNumeric} for what it calls a failure. With
+/// checkpoints a signal leaves it as Interrupted, its state stored.
 TrainHistory run_training(Training& training,
                           const Device& device,
                           const Globals& globals,

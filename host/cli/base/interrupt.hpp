@@ -1,0 +1,32 @@
+#pragma once
+// SIGINT, SIGTERM and SIGHUP: nothing half-written stays, and a training that keeps checkpoints keeps one
+// more.
+#include <stdexcept>
+#include <string>
+
+namespace simuli::cli {
+
+/// Exit code of work that was interrupted and can go on where it was (EX_TEMPFAIL of sysexits.h).
+inline constexpr int kInterruptedExit = 75;
+
+/// Leaves work that has stored its state; what() says where. run_program() makes kInterruptedExit of it.
+class Interrupted : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// From here on such a signal removes the temporaries (io/base/temporary.hpp) and then ends the process, as
+/// it would have at once. Signals that are ignored (nohup) stay ignored.
+void watch_signals();
+
+/// While there is one, the first signal is only noted; the second ends the process.
+class InterruptionPoint {
+ public:
+  InterruptionPoint();
+  InterruptionPoint(const InterruptionPoint&) = delete;
+  InterruptionPoint& operator=(const InterruptionPoint&) = delete;
+  ~InterruptionPoint();
+  [[nodiscard]] bool is_asked_for() const;
+};
+
+}  // namespace simuli::cli
