@@ -127,7 +127,7 @@ TEST(Temporaries, AtTheEndAlsoThoseGoThatAreMadeJustThen) {
   if (ends == 0) {
     std::atomic<bool> has_begun = false;
     std::thread([&] {
-      write_file_atomically(scratch / "x", [&](const fs::path& path) {
+      write_atomically(scratch / "x", [&](const fs::path& path) {
         has_begun = true;
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         std::ofstream(path) << "half";
