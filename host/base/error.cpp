@@ -6,12 +6,12 @@ namespace simuli {
 namespace {
 
 /// Of each part of a message, which may be a file's own text.
-constexpr std::size_t kLongest = 1000;
+constexpr std::size_t kLongestPart = 1000;
 
 /// Text of a file, on the one line of a message: control characters as \xHH.
 std::string on_one_line(std::string_view text) {
   std::string out;
-  for (const char c : text.substr(0, kLongest)) {
+  for (const char c : text.substr(0, kLongestPart)) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20U || byte == 0x7FU) {
       out += fmt::format("\\x{:02x}", byte);
@@ -19,7 +19,7 @@ std::string on_one_line(std::string_view text) {
       out += c;
     }
   }
-  if (text.size() > kLongest) out += "...";
+  if (text.size() > kLongestPart) out += "...";
   return out;
 }
 

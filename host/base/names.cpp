@@ -7,7 +7,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLongest = 128;
+constexpr std::size_t kLongestName = 128;
 
 /// How many bytes a character at `at` has that no name may hold; 0 when it may be there. Beside the control
 /// characters of ASCII those of U+0080 to U+009F, and those that turn the direction of text, with which a
@@ -25,7 +25,7 @@ std::size_t forbidden(std::string_view text, std::size_t at) {
 }
 
 bool is_name(std::string_view name) {
-  if (name.empty() || name.size() > kLongest || name.front() == '.') return false;
+  if (name.empty() || name.size() > kLongestName || name.front() == '.') return false;
   for (std::size_t i = 0; i < name.size(); ++i) {
     if (forbidden(name, i) > 0) return false;
   }
@@ -36,21 +36,22 @@ bool is_name(std::string_view name) {
 
 void need_name(std::string_view name, std::string_view file, std::string_view field) {
   if (is_name(name)) return;
-  throw_input_error(file,
-                    field,
-                    '"' + std::string(name.substr(0, kLongest)) + (name.size() > kLongest ? "\"..." : "\""),
-                    "a name: 1 to 128 bytes, no / and \\, no control characters, no dot in front");
+  throw_input_error(
+      file,
+      field,
+      '"' + std::string(name.substr(0, kLongestName)) + (name.size() > kLongestName ? "\"..." : "\""),
+      "a name: 1 to 128 bytes, no / and \\, no control characters, no dot in front");
 }
 
 std::string name_from(std::string_view text) {
   std::string name;
-  for (std::size_t i = 0; i < text.size() && name.size() < kLongest;) {
+  for (std::size_t i = 0; i < text.size() && name.size() < kLongestName;) {
     const std::size_t bytes = forbidden(text, i);
     name += bytes > 0 ? '_' : text[i];
     i += std::max<std::size_t>(bytes, 1);
   }
   // A character of several bytes is not cut in two.
-  if (name.size() == kLongest) {
+  if (name.size() == kLongestName) {
     std::size_t end = name.size();
     while (end > 0 && (static_cast<unsigned char>(name[end - 1]) & 0xC0U) == 0x80U) --end;
     if (end > 0 && static_cast<unsigned char>(name[end - 1]) >= 0xC0U) name.resize(end - 1);

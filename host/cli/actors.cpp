@@ -4,11 +4,11 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "host/cli/base/commands.hpp"
@@ -20,8 +20,6 @@ namespace simuli::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct ActorsCommand {
   std::string log;

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
-struct Span {
+struct Extremes {
   double low = 0.0;
   double high = 0.0;
 };
 
 template <class Values, class Value>
-Span span_of(const Values& values, Value&& value) {
-  Span span{value(*values.begin()), value(*values.begin())};
+Extremes span_of(const Values& values, Value&& value) {
+  Extremes span{value(*values.begin()), value(*values.begin())};
   for (const auto& element : values) {
     span.low = std::min(span.low, value(element));
     span.high = std::max(span.high, value(element));
@@ -28,11 +28,11 @@ Span span_of(const Values& values, Value&& value) {
   return span;
 }
 
-Span span_of(const std::vector<double>& values) {
+Extremes span_of(const std::vector<double>& values) {
   return span_of(values, [](double value) { return value; });
 }
 
-std::string to_text(const Span& span, double scale, int digits) {
+std::string to_text(const Extremes& span, double scale, int digits) {
   return fmt::format("{:.{}f} to {:.{}f}", span.low * scale, digits, span.high * scale, digits);
 }
 
@@ -43,7 +43,7 @@ std::string offsets_text(const std::vector<LidarRow>& rows,
                          double scale,
                          int digits,
                          const char* unit) {
-  const Span span = span_of(rows, [field](const LidarRow& row) { return row.*field; });
+  const Extremes span = span_of(rows, [field](const LidarRow& row) { return row.*field; });
   if (span.low == 0.0 && span.high == 0.0) return "";
   return fmt::format("  {} {} {}\n", name, to_text(span, scale, digits), unit);
 }
@@ -139,7 +139,7 @@ std::string model_text(const RayList& list, const LidarFacts& facts) {
                       to_text(span_of(list.elevation), kDegPerRad, 3));
   text += fmt::format("  fired at {} of the frame\n", to_text(span_of(list.time_fraction), 1.0, 4));
   if (!list.origin.empty()) {
-    const Span reach = span_of(list.origin, [](const Eigen::Vector3d& origin) { return origin.norm(); });
+    const Extremes reach = span_of(list.origin, [](const Eigen::Vector3d& origin) { return origin.norm(); });
     text += fmt::format("  ray origins {} m from the sensor's\n", to_text(reach, 1.0, 4));
   }
   return text + divergence_text(list.beam_divergence, list.divergence_variance, facts);

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iterator>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/sensors/camera.hpp"
 
@@ -13,7 +13,6 @@ namespace simuli {
 namespace {
 
 using K = LensKind;
-constexpr double kPi = std::numbers::pi;
 
 struct Source {
   const char* text;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <numbers>
 
 #include "cl/shared/sensor_constants.h"
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/sensors/lens_forward.hpp"
 
@@ -27,7 +27,6 @@ static_assert(static_cast<int>(LensKind::kEucm) == SIM_LENS_EUCM);
 // pixel for focal lengths up to 1e5 px, far above the rounding of the iterations.
 constexpr double kReprojection = 1e-9;
 constexpr double kLargest = 1e6;  // coefficients of real lenses are below 1e3; polynomials stay finite
-constexpr double kPi = std::numbers::pi;
 
 /// Error unless the parameter `name`, where this kind has it, lies in [low, high].
 void need_between(const std::vector<std::string>& names,

@@ -3,16 +3,15 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 
 #include "cl/shared/sensor_constants.h"
+#include "host/base/angles.hpp"
 #include "host/sensors/lens.hpp"
 #include "host/sensors/lens_forward.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Straight behind the camera one direction fills a whole circle of the picture: that far and no further.
 constexpr double kLargestAngle_rad = kPi - 1e-5;
 // The pinhole's own limit, z >= 0.1 of the distance (PINHOLE_COS2_MIN of cl/math/camera.h).
@@ -20,7 +19,7 @@ const double kPinholeAngle_rad = std::acos(0.1);
 constexpr int kSamples = 1024;    // along a search for a sign change
 constexpr int kDirections = 128;  // around the axis
 constexpr int kBisections = 60;   // to the last bit of an angle
-constexpr double kRounding = 1e-14;
+constexpr double kDomainRounding = 1e-14;
 
 /// First root of f in (0, end], or infinity; f(0) > 0. Between samples f may dip below zero and come back:
 /// every local minimum of the samples is searched by golden section, but where f is flat, to rounding: then
@@ -40,7 +39,7 @@ double first_root(const std::function<double(double)>& f, double end) {
     if (!(here > 0.0)) return bisect(t - step, t);
     if (i == kSamples) break;
     const double after = f(t + step);
-    const bool flat = std::max(before, after) - here <= kRounding * here;
+    const bool flat = std::max(before, after) - here <= kDomainRounding * here;
     if (here <= before && here <= after && !flat) {
       constexpr double kGolden = 0.3819660112501051;
       double low = t - step, high = t + step;

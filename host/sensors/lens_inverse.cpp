@@ -18,7 +18,7 @@ constexpr int kRadialSteps = 100;  // of a bracketed Newton iteration: bisection
 constexpr int kNewtonSteps = 100;
 constexpr int kHalvings = 40;
 // An error that rounding alone leaves, relative to the image's radius.
-constexpr double kRounding = 4e-16;
+constexpr double kRoundingOfOne = 4e-16;
 constexpr double kNear = 1e-3;  // where the plane's iteration takes over from the radius's, quadratically
 
 /// t in [0, end] with f(t) = value for an increasing f; f(t) returns value and slope. Newton's steps inside a
@@ -59,7 +59,7 @@ Vector2d undistort(const double* k, const Vector2d& image, double radius2_max) {
   Distorted d;
   lens_forward::distort(k, m.x(), m.y(), &d);
   Vector2d miss(d.u - image.x(), d.v - image.y());
-  for (int step = 0; step < kNewtonSteps && !(miss.norm() <= kRounding * rho); ++step) {
+  for (int step = 0; step < kNewtonSteps && !(miss.norm() <= kRoundingOfOne * rho); ++step) {
     const double determinant = d.u_x * d.v_y - d.u_y * d.v_x;
     const Vector2d full((d.v_y * miss.x() - d.u_y * miss.y()) / determinant,
                         (d.u_x * miss.y() - d.v_x * miss.x()) / determinant);
@@ -121,13 +121,13 @@ Vector3d Lens::inverse(const Vector2d& image) const {
         return std::pair(t * (1.0 + t2 * (a[0] + t2 * (a[1] + t2 * (a[2] + t2 * a[3])))),
                          1.0 + t2 * (3.0 * a[0] + t2 * (5.0 * a[1] + t2 * (7.0 * a[2] + t2 * 9.0 * a[3]))));
       };
-      return at_angle(solve_increasing(radius, rho, rho, k.angle_max, kRounding), unlinear);
+      return at_angle(solve_increasing(radius, rho, rho, k.angle_max, kRoundingOfOne), unlinear);
     }
     case LensKind::kFtheta: {
       const auto radius = [a](double t) {
         return std::pair(lens_forward::polynomial5(a, t), lens_forward::polynomial5_slope(a, t));
       };
-      return at_angle(solve_increasing(radius, rho, rho / a[0], k.angle_max, kRounding), unlinear);
+      return at_angle(solve_increasing(radius, rho, rho / a[0], k.angle_max, kRoundingOfOne), unlinear);
     }
     case LensKind::kFthetaInverse:
       return at_angle(lens_forward::polynomial5(a, rho), unlinear);

@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "host/base/angles.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kTimeSamples = 64;          // of a sweep, to begin with
 constexpr int kSubdivisions = 12;         // of those intervals that may hold a crossing
 constexpr double kTimeTolerance = 1e-12;  // of the sweep
 
 /// The hit with a column that may lie outside the sweep: turned back by at most half a turn from its middle.
-std::optional<LidarHit> locate_unbounded(const Lidar& lidar,
-                                         int row,
-                                         const Eigen::Vector3d& p_sensor) {
+std::optional<LidarHit> locate_unbounded(const Lidar& lidar, int row, const Eigen::Vector3d& p_sensor) {
   const LidarRow& beam = lidar.rows[static_cast<std::size_t>(row)];
   const double flat = std::hypot(p_sensor.x(), p_sensor.y());
   if (!(flat > std::abs(beam.horizontal_offset))) return std::nullopt;
@@ -51,9 +49,7 @@ int LidarHit::nearest_column(const Lidar& lidar) const {
   return nearest < 0 ? nearest + lidar.columns : nearest % lidar.columns;
 }
 
-std::optional<LidarHit> locate_in_row(const Lidar& lidar,
-                                      int row,
-                                      const Eigen::Vector3d& p_sensor) {
+std::optional<LidarHit> locate_in_row(const Lidar& lidar, int row, const Eigen::Vector3d& p_sensor) {
   const auto hit = locate_unbounded(lidar, row, p_sensor);
   return hit && in_sweep(lidar, *hit) ? hit : std::nullopt;
 }
@@ -167,8 +163,7 @@ std::vector<LidarHit> locate_moving(const Lidar& lidar,
                                     const Eigen::Vector3d& p_world,
                                     const Pose& world_from_sensor_start,
                                     const Pose& world_from_sensor_end) {
-  return MovingSearch(lidar, row, p_world, world_from_sensor_start, world_from_sensor_end)
-      .run();
+  return MovingSearch(lidar, row, p_world, world_from_sensor_start, world_from_sensor_end).run();
 }
 
 }  // namespace simuli

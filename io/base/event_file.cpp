@@ -1,11 +1,13 @@
 #include "io/base/event_file.hpp"
 
 #include <array>
-#include <cstring>
+#include <bit>
+#include <cstdint>
 #include <fmt/format.h>
 #include <system_error>
 
 #include "host/base/error.hpp"
+#include "io/base/bytes.hpp"
 
 namespace simuli {
 namespace {
@@ -20,24 +22,14 @@ void append_varint(std::string& out, std::uint64_t value) {
 
 void append_key(std::string& out, unsigned field, unsigned type) { append_varint(out, field << 3U | type); }
 
-/// Little endian, whatever the host is.
-template <class T>
-void append_fixed(std::string& out, T value) {
-  for (std::size_t i = 0; i < sizeof(T); ++i) out += static_cast<char>(value >> (8 * i) & 0xFFU);
-}
-
 void append_double(std::string& out, unsigned field, double value) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &value, sizeof(bits));
   append_key(out, field, kFixed64);
-  append_fixed(out, bits);
+  append_little_endian(out, std::bit_cast<std::uint64_t>(value), 8);
 }
 
 void append_float(std::string& out, unsigned field, float value) {
-  std::uint32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof(bits));
   append_key(out, field, kFixed32);
-  append_fixed(out, bits);
+  append_little_endian(out, std::bit_cast<std::uint32_t>(value), 4);
 }
 
 void append_bytes(std::string& out, unsigned field, const std::string& bytes) {
@@ -97,11 +89,11 @@ void EventFile::scalar(const std::string& tag, std::int64_t step, double value, 
 
 void EventFile::record(const std::string& message) {
   std::string length;
-  append_fixed(length, static_cast<std::uint64_t>(message.size()));
+  append_little_endian(length, message.size(), 8);
   std::string out = length;
-  append_fixed(out, masked_crc32c(length));
+  append_little_endian(out, masked_crc32c(length), 4);
   out += message;
-  append_fixed(out, masked_crc32c(message));
+  append_little_endian(out, masked_crc32c(message), 4);
   stream_.write(out.data(), static_cast<std::streamsize>(out.size()));
   if (!stream_.flush()) throw_input_error(file_.string(), "record", "not written", "a writable file");
 }

@@ -10,15 +10,15 @@
 #include <zlib.h>
 
 #include "host/base/error.hpp"
+#include "io/base/bytes.hpp"
 #include "io/base/file.hpp"
 
 namespace simuli {
 namespace {
 
-void append(std::string& to, std::uint64_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) to.push_back(static_cast<char>(value >> (8 * i) & 255U));
+void append_float(std::string& to, float value) {
+  append_little_endian(to, std::bit_cast<std::uint32_t>(value), 4);
 }
-void append(std::string& to, float value) { append(to, std::bit_cast<std::uint32_t>(value), 4); }
 
 std::string pcd(const PointCloud& cloud) {
   const std::size_t columns = cloud.columns.size();
@@ -36,7 +36,7 @@ std::string pcd(const PointCloud& cloud) {
       points,
       points);
   for (Eigen::Index v = 0; v < points; ++v) {
-    for (Eigen::Index c = 0; c < cloud.values.cols(); ++c) append(out, cloud.values(v, c));
+    for (Eigen::Index c = 0; c < cloud.values.cols(); ++c) append_float(out, cloud.values(v, c));
   }
   return out;
 }
@@ -51,10 +51,10 @@ std::string npy(const PointCloud& cloud, const std::vector<Eigen::Index>& column
   while ((kFrame + header.size() + 1) % kAlignment != 0) header.push_back(' ');
   header.push_back('\n');
   std::string out("\x93NUMPY\x01\x00", 8);
-  append(out, header.size(), 2);
+  append_little_endian(out, header.size(), 2);
   out += header;
   for (Eigen::Index v = 0; v < rows; ++v) {
-    for (const Eigen::Index c : columns) append(out, cloud.values(v, c));
+    for (const Eigen::Index c : columns) append_float(out, cloud.values(v, c));
   }
   return out;
 }
@@ -68,32 +68,32 @@ class Zip {
       throw_input_error(file, "size", "more than 4 GiB", "less, or .ply");
     }
     const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-    std::string entry;     // what the local header and the directory share
-    append(entry, 20, 2);  // version 2.0
-    append(entry, 0, 2);
-    append(entry, 0, 2);  // stored
-    append(entry, 0, 2);
-    append(entry, 0x21, 2);  // 1 January 1980
-    append(entry, crc, 4);
-    append(entry, bytes.size(), 4);
-    append(entry, bytes.size(), 4);
-    append(entry, name.size(), 2);
-    append(entry, 0, 2);
+    std::string entry;                   // what the local header and the directory share
+    append_little_endian(entry, 20, 2);  // version 2.0
+    append_little_endian(entry, 0, 2);
+    append_little_endian(entry, 0, 2);  // stored
+    append_little_endian(entry, 0, 2);
+    append_little_endian(entry, 0x21, 2);  // 1 January 1980
+    append_little_endian(entry, crc, 4);
+    append_little_endian(entry, bytes.size(), 4);
+    append_little_endian(entry, bytes.size(), 4);
+    append_little_endian(entry, name.size(), 2);
+    append_little_endian(entry, 0, 2);
     directory_ += std::string("PK\x01\x02\x14\x00", 6) + entry;
     directory_.append(10, '\0');
-    append(directory_, out_.size(), 4);
+    append_little_endian(directory_, out_.size(), 4);
     directory_ += name;
     out_ += "PK\x03\x04" + entry + name + bytes;
     ++count_;
   }
   [[nodiscard]] std::string finish() const {
     std::string end = "PK\x05\x06";
-    append(end, 0, 4);
-    append(end, count_, 2);
-    append(end, count_, 2);
-    append(end, directory_.size(), 4);
-    append(end, out_.size(), 4);
-    append(end, 0, 2);
+    append_little_endian(end, 0, 4);
+    append_little_endian(end, count_, 2);
+    append_little_endian(end, count_, 2);
+    append_little_endian(end, directory_.size(), 4);
+    append_little_endian(end, out_.size(), 4);
+    append_little_endian(end, 0, 2);
     return out_ + directory_ + end;
   }
 

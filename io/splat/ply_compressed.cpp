@@ -17,7 +17,7 @@ namespace simuli {
 namespace {
 
 constexpr std::size_t kChunk = 256;  // particles that share bounds
-constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 16U;
+constexpr std::size_t kMaxCompressedHeaderBytes = std::size_t{1} << 16U;
 constexpr std::array<std::string_view, 12> kBounds{"min_x",
                                                    "min_y",
                                                    "min_z",
@@ -43,7 +43,7 @@ struct Element {
 /// The elements of the header; `body` is where the data start.
 std::vector<Element> parse_elements(const std::string& bytes, const std::string& file, std::size_t& body) {
   std::vector<Element> elements;
-  const std::string_view head = std::string_view(bytes).substr(0, kMaxHeaderBytes);
+  const std::string_view head = std::string_view(bytes).substr(0, kMaxCompressedHeaderBytes);
   for (std::size_t at = 0, stop = 0; (stop = head.find('\n', at)) != std::string_view::npos; at = stop + 1) {
     std::string_view line = head.substr(at, stop - at);
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -195,7 +195,7 @@ float unpack_sh(std::uint8_t byte) {
 }  // namespace
 
 bool is_compressed_ply(const std::string& bytes) {
-  const std::size_t end = bytes.substr(0, kMaxHeaderBytes).find("\nend_header");
+  const std::size_t end = bytes.substr(0, kMaxCompressedHeaderBytes).find("\nend_header");
   const std::size_t chunk = bytes.find("\nelement chunk ");
   return bytes.starts_with("ply") && end != std::string::npos && chunk < end;
 }

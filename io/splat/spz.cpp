@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "host/base/error.hpp"
+#include "io/base/bytes.hpp"
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
 #include "io/splat/ply.hpp"
@@ -210,10 +211,6 @@ std::uint32_t pack_rotation(const Eigen::Vector4f& wxyz) {
   return bits;
 }
 
-void append(std::string& to, std::uint32_t value, int bytes) {
-  for (int i = 0; i < bytes; ++i) to.push_back(static_cast<char>(value >> (8 * i) & 255U));
-}
-
 /// As many fractional bits, up to the usual 12, as leave room for the farthest mean.
 int fractional_bits_of(const GaussianSet& set, const std::string& file) {
   const float farthest = set.size() > 0 ? set.mean().cwiseAbs().maxCoeff() : 0.0F;
@@ -260,15 +257,15 @@ void write_spz(const std::filesystem::path& file, const GaussianSet& own) {
   const int bits = fractional_bits_of(set, name);
   const Eigen::Index count = set.size();
   std::string out(kMagic);
-  append(out, 3, 4);
-  append(out, static_cast<std::uint32_t>(count), 4);
-  append(out, static_cast<std::uint32_t>(set.sh_degree), 1);
-  append(out, static_cast<std::uint32_t>(bits), 1);
-  append(out, 0, 2);
+  append_little_endian(out, 3, 4);
+  append_little_endian(out, static_cast<std::uint32_t>(count), 4);
+  append_little_endian(out, static_cast<std::uint32_t>(set.sh_degree), 1);
+  append_little_endian(out, static_cast<std::uint32_t>(bits), 1);
+  append_little_endian(out, 0, 2);
   for (Eigen::Index v = 0; v < count; ++v) {
     for (int i = 0; i < 3; ++i) {
       const long fixed = std::lround(std::ldexp(set.params(v, kMeanRow + i), bits));
-      append(out, static_cast<std::uint32_t>(fixed), 3);
+      append_little_endian(out, static_cast<std::uint32_t>(fixed), 3);
     }
   }
   const auto append_bytes = [&](int first, int columns, auto&& encode) {
@@ -283,7 +280,7 @@ void write_spz(const std::filesystem::path& file, const GaussianSet& own) {
   append_bytes(
       kLogScaleRow, 3, [](float x) { return to_byte((std::clamp(x, -20.0F, 20.0F) + 10.0F) * 16.0F); });
   for (Eigen::Index v = 0; v < count; ++v) {
-    append(out, pack_rotation(set.rotation().row(v).transpose()), 4);
+    append_little_endian(out, pack_rotation(set.rotation().row(v).transpose()), 4);
   }
   append_bytes(kShRow + 3, 3 * (sh_coefficients(set.sh_degree) - 1), [](float x) {
     return to_byte(std::clamp(x, -2.0F, 2.0F) * 128.0F + 128.0F);

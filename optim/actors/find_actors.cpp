@@ -15,15 +15,15 @@
 namespace simuli {
 namespace {
 
-constexpr double kTakenShare = 0.5;  // of a chain, that it is of a body found before
-constexpr double kGrown_m = 0.3;     // of a box that is worth another look
-constexpr double kMargin_m = 0.2;    // around a box, that is the body's
-constexpr std::size_t kVotingSweeps = 24;
-constexpr double kMostThrough = 0.12;   // of the votes on a body where its track has it
-constexpr double kLeastMoving = 0.1;    // of its returns
-constexpr double kLeastReturns = 15.0;  // a sweep
-constexpr double kTopRows_rad = 0.012;  // below the highest row: about two rows
-constexpr double kVehicle_m = 4.0;      // height that roads allow a vehicle
+constexpr double kTakenShare = 0.5;    // of a chain, that it is of a body found before
+constexpr double kGrownBox_m = 0.3;    // of a box that is worth another look
+constexpr double kBodyMargin_m = 0.2;  // around a box, that is the body's
+constexpr std::size_t kSweepsOfAVote = 24;
+constexpr double kMostThroughABody = 0.12;     // of the votes on a body where its track has it
+constexpr double kLeastMovingShare = 0.1;      // of its returns
+constexpr double kLeastReturnsOfABody = 15.0;  // a sweep
+constexpr double kTopRows_rad = 0.012;         // below the highest row: about two rows
+constexpr double kVehicle_m = 4.0;             // height that roads allow a vehicle
 const Eigen::Vector3d kLeastSize_m(0.5, 0.3, 0.8);
 
 /// The search, step by step: what the steps share.
@@ -94,7 +94,7 @@ void Search::follow(const ClusterChain& chain) {
     if (track.keys() > keys) align(series_, track, taken_);
     const Eigen::Vector3d size_m = track.box.sizes();
     grow_in_space(series_, track, motion_, taken_);
-    if ((track.box.sizes() - size_m).maxCoeff() < kGrown_m) break;
+    if ((track.box.sizes() - size_m).maxCoeff() < kGrownBox_m) break;
     align(series_, track, taken_);
   }
   if (!is_body(track)) return;
@@ -110,7 +110,8 @@ bool Search::is_body(const BodyTrack& track) const {
   if (track.actor.travel_m() < options_.min_travel_m) return false;
   if ((track.box.sizes().array() < kLeastSize_m.array()).any()) return false;
   const std::vector<BodyReturn> returns = all_returns(series_, track, track.box, taken_);
-  if (static_cast<double>(returns.size()) < kLeastReturns * static_cast<double>(keys.size())) return false;
+  if (static_cast<double>(returns.size()) < kLeastReturnsOfABody * static_cast<double>(keys.size()))
+    return false;
   std::size_t moving = 0;
   PointSet points;
   points.position.resize(3, static_cast<Eigen::Index>(returns.size()));
@@ -119,13 +120,13 @@ bool Search::is_body(const BodyTrack& track) const {
     moving += motion_[track.sweeps[returns[i].key]][returns[i].point] == Motion::kMoves ? 1U : 0U;
     points.position.col(static_cast<Eigen::Index>(i)) = returns[i].p_body.cast<float>();
   }
-  if (static_cast<double>(moving) < kLeastMoving * static_cast<double>(returns.size())) return false;
+  if (static_cast<double>(moving) < kLeastMovingShare * static_cast<double>(returns.size())) return false;
   double through = 0.0, there = 0.0;
-  for (const PointVotes& v : votes_along(series_, track, points, kVotingSweeps)) {
+  for (const PointVotes& v : votes_along(series_, track, points, kSweepsOfAVote)) {
     through += v.through;
     there += v.there;
   }
-  return through <= kMostThrough * (through + there);
+  return through <= kMostThroughABody * (through + there);
 }
 
 /// Whether the body was always higher than the laser looks.
@@ -150,8 +151,8 @@ bool Search::is_cut_above(const BodyTrack& track) const {
 
 void Search::take(const BodyTrack& track) {
   Eigen::AlignedBox3d box = track.box;
-  box.min() -= Eigen::Vector3d(kMargin_m, kMargin_m, 0.0);
-  box.max() += Eigen::Vector3d::Constant(kMargin_m);
+  box.min() -= Eigen::Vector3d(kBodyMargin_m, kBodyMargin_m, 0.0);
+  box.max() += Eigen::Vector3d::Constant(kBodyMargin_m);
   for (const BodyReturn& r : all_returns(series_, track, box, taken_)) {
     const std::size_t sweep = track.sweeps[r.key];
     taken_[sweep][r.point] = true;

@@ -11,18 +11,17 @@ namespace simuli {
 namespace {
 
 using Eigen::Vector3d;
-using Cell = std::array<int, 3>;
+using BodyCell = std::array<int, 3>;
 
-constexpr double kVoxel_m = 0.4;
+constexpr double kBodyVoxel_m = 0.4;
 const Vector3d kReach_m(6.0, 1.0, 1.0);  // beyond the box, in one round
-constexpr double kHighest_m = 4.7;
-constexpr int kRounds = 5;
-constexpr double kGrown_m = 0.3;                // less than that is the end
-constexpr std::size_t kVotingSweeps = 12;       // of those that saw the body
-constexpr std::size_t kVoters = 12;             // returns of a voxel that are voted on
-constexpr std::size_t kLeastReturns = 3;        // of a voxel
-constexpr int kGapX = 2, kGapY = 1, kGapZ = 2;  // empty voxels are crossed on the way: windows, a coupling
-constexpr double kStray = 0.004;                // share of the returns that a side of the box leaves out
+constexpr int kGrowthRounds = 5;
+constexpr double kGrown_m = 0.3;                  // less than that is the end
+constexpr std::size_t kVotingSweeps = 12;         // of those that saw the body
+constexpr std::size_t kVotersOfAVoxel = 12;       // returns of a voxel that are voted on
+constexpr std::size_t kLeastReturnsOfAVoxel = 3;  // of a voxel
+constexpr int kGapX = 2, kGapY = 1, kGapZ = 2;    // empty voxels are crossed on the way: windows, a coupling
+constexpr double kStray = 0.004;                  // share of the returns that a side of the box leaves out
 
 struct Voxel {
   std::size_t returns = 0, standing = 0;
@@ -30,8 +29,8 @@ struct Voxel {
   std::size_t through = 0, there = 0;
 };
 
-Cell cell_of(const Vector3d& p) {
-  const Eigen::Vector3i c = (p / kVoxel_m).array().floor().cast<int>();
+BodyCell cell_of(const Vector3d& p) {
+  const Eigen::Vector3i c = (p / kBodyVoxel_m).array().floor().cast<int>();
   return {c.x(), c.y(), c.z()};
 }
 
@@ -60,7 +59,7 @@ class Growth {
     std::vector<std::size_t> asked;
     std::map<const Voxel*, std::size_t> met;
     for (std::size_t i = 0; i < returns_.size(); ++i) {
-      if (met[voxel_of[i]]++ % (voxel_of[i]->returns / kVoters + 1) == 0) asked.push_back(i);
+      if (met[voxel_of[i]]++ % (voxel_of[i]->returns / kVotersOfAVoxel + 1) == 0) asked.push_back(i);
     }
     PointSet points;
     points.position.resize(3, static_cast<Eigen::Index>(asked.size()));
@@ -76,21 +75,21 @@ class Growth {
 
   /// Box of the voxels that can be reached from the known ones.
   [[nodiscard]] Eigen::AlignedBox3d box() const {
-    std::set<Cell> reached;
-    std::vector<Cell> open;
+    std::set<BodyCell> reached;
+    std::vector<BodyCell> open;
     for (const auto& [cell, voxel] : voxels_) {
-      const Vector3d middle = kVoxel_m * (Vector3d(cell[0], cell[1], cell[2]).array() + 0.5).matrix();
+      const Vector3d middle = kBodyVoxel_m * (Vector3d(cell[0], cell[1], cell[2]).array() + 0.5).matrix();
       if (!track_.box.contains(middle) || !moves_along(cell, voxel)) continue;
       reached.insert(cell);
       open.push_back(cell);
     }
     while (!open.empty()) {
-      const Cell at = open.back();
+      const BodyCell at = open.back();
       open.pop_back();
       for (int dx = -kGapX; dx <= kGapX; ++dx) {
         for (int dy = -kGapY; dy <= kGapY; ++dy) {
           for (int dz = -kGapZ; dz <= kGapZ; ++dz) {
-            const Cell next{at[0] + dx, at[1] + dy, at[2] + dz};
+            const BodyCell next{at[0] + dx, at[1] + dy, at[2] + dz};
             const auto voxel = voxels_.find(next);
             if (voxel == voxels_.end() || reached.contains(next) || !moves_along(next, voxel->second))
               continue;
@@ -105,16 +104,16 @@ class Growth {
 
  private:
   /// What is known to stand may be a side that slides along itself, but only where the body passes anyway.
-  [[nodiscard]] bool moves_along(const Cell& cell, const Voxel& v) const {
+  [[nodiscard]] bool moves_along(const BodyCell& cell, const Voxel& v) const {
     const std::size_t sweeps = std::clamp<std::size_t>(track_.keys() / 6, 2, 5);
-    if (v.returns < kLeastReturns || v.sweeps.size() < sweeps) return false;
+    if (v.returns < kLeastReturnsOfAVoxel || v.sweeps.size() < sweeps) return false;
     if (v.there == 0 || v.there < 4 * v.through) return false;
-    const double y = (cell[1] + 0.5) * kVoxel_m;
+    const double y = (cell[1] + 0.5) * kBodyVoxel_m;
     const bool beside = y < track_.box.min().y() - 0.2 || y > track_.box.max().y() + 0.2;
     return !beside || 2 * v.standing <= v.returns;
   }
 
-  [[nodiscard]] Eigen::AlignedBox3d around(const std::set<Cell>& reached) const {
+  [[nodiscard]] Eigen::AlignedBox3d around(const std::set<BodyCell>& reached) const {
     std::array<std::vector<double>, 3> at;
     for (const BodyReturn& r : returns_) {
       if (!reached.contains(cell_of(r.p_body))) continue;
@@ -135,7 +134,7 @@ class Growth {
 
   const BodyTrack& track_;
   std::vector<BodyReturn> returns_;
-  std::map<Cell, Voxel> voxels_;
+  std::map<BodyCell, Voxel> voxels_;
 };
 
 }  // namespace
@@ -144,7 +143,7 @@ void grow_in_space(const SweepSeries& series,
                    BodyTrack& track,
                    const std::vector<std::vector<Motion>>& motion,
                    const TakenReturns& taken) {
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kGrowthRounds; ++round) {
     const Eigen::AlignedBox3d box = Growth(series, track, motion, taken).box();
     if (box.isEmpty()) return;
     const Vector3d grown = box.sizes() - track.box.sizes();

@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-using Cell = std::array<int, 2>;
+using ClusterCell = std::array<int, 2>;
 
 constexpr double kCell_m = 0.4;
 constexpr std::size_t kLeastMoving = 6;
@@ -21,7 +21,7 @@ constexpr double kLeastShare = 0.25;  // of a cluster, that moves
 constexpr double kFastest_m_per_s = 45.0;
 constexpr std::size_t kFarSweeps = 3;  // either way, that a velocity is fitted to
 constexpr std::size_t kSample = 96;    // points of a cluster that are moved
-constexpr std::array<double, 8> kReach_m{1.2, 1.2, 0.9, 0.9, 0.6, 0.6, 0.4, 0.4};
+constexpr std::array<double, 8> kClusterReach_m{1.2, 1.2, 0.9, 0.9, 0.6, 0.6, 0.4, 0.4};
 constexpr double kAgrees_m = 0.35;
 constexpr std::size_t kRefined = 3;  // candidates of a cluster that are worth a fit
 
@@ -31,7 +31,7 @@ constexpr double kLinkShare = 0.3;        // of a cluster's points that its succ
 constexpr double kLink_m = 0.6;
 constexpr std::size_t kShortestChain = 4;
 
-Cell cell_of(const Eigen::Vector3d& p, double side_m) {
+ClusterCell cell_of(const Eigen::Vector3d& p, double side_m) {
   return {static_cast<int>(std::floor(p.x() / side_m)), static_cast<int>(std::floor(p.y() / side_m))};
 }
 
@@ -106,7 +106,7 @@ class VelocityFit {
   }
 
   [[nodiscard]] Eigen::Vector2d refined(Eigen::Vector2d velocity) const {
-    for (const double reach_m : kReach_m) {
+    for (const double reach_m : kClusterReach_m) {
       Eigen::Vector2d pulled = Eigen::Vector2d::Zero();
       double weight = 0.0;
       each_match(velocity,
@@ -194,9 +194,9 @@ double link_share(const SweepSeries& series, const MovingCluster& a, const Movin
     return 0.0;
   const double after_s = b.time_s - a.time_s;
   const Eigen::Vector2d by = 0.5 * after_s * (a.velocity_m_per_s + b.velocity_m_per_s);
-  std::map<Cell, bool> cells;
+  std::map<ClusterCell, bool> cells;
   for (const std::uint32_t i : b.points) {
-    const Cell middle = cell_of(series.sweeps[b.sweep].position(i), kLink_m);
+    const ClusterCell middle = cell_of(series.sweeps[b.sweep].position(i), kLink_m);
     for (int k = 0; k < 9; ++k) cells[{middle[0] + k % 3 - 1, middle[1] + k / 3 - 1}] = true;
   }
   std::size_t met = 0;
@@ -214,24 +214,24 @@ std::vector<std::vector<MovingCluster>> moving_clusters(const SweepSeries& serie
                                                         const std::vector<std::vector<Motion>>& motion) {
   std::vector<std::vector<MovingCluster>> out(series.sweeps.size());
   for (std::size_t s = 0; s < series.sweeps.size(); ++s) {
-    std::map<Cell, std::vector<std::uint32_t>> cells;
+    std::map<ClusterCell, std::vector<std::uint32_t>> cells;
     for (std::size_t i = 0; i < motion[s].size(); ++i) {
       if (motion[s][i] == Motion::kStands) continue;
       cells[cell_of(series.sweeps[s].position(i), kCell_m)].push_back(static_cast<std::uint32_t>(i));
     }
-    std::map<Cell, bool> done;
+    std::map<ClusterCell, bool> done;
     for (const auto& [start, unused] : cells) {
       if (done[start]) continue;
       done[start] = true;
-      std::vector<Cell> open{start};
+      std::vector<ClusterCell> open{start};
       std::vector<std::uint32_t> members;
       while (!open.empty()) {
-        const Cell cell = open.back();
+        const ClusterCell cell = open.back();
         open.pop_back();
         const std::vector<std::uint32_t>& here = cells.at(cell);
         members.insert(members.end(), here.begin(), here.end());
         for (int k = 0; k < 9; ++k) {
-          const Cell next{cell[0] + k % 3 - 1, cell[1] + k / 3 - 1};
+          const ClusterCell next{cell[0] + k % 3 - 1, cell[1] + k / 3 - 1};
           if (!cells.contains(next) || done[next]) continue;
           done[next] = true;
           open.push_back(next);

@@ -13,8 +13,7 @@ namespace simuli {
 namespace {
 
 constexpr double kFarthest_m = 70.0;
-constexpr double kLowest_m = 0.3;   // above the ground: lower, rays meet the road
-constexpr double kHighest_m = 4.7;  // nothing on a road is higher
+constexpr double kLowest_m = 0.3;  // above the ground: lower, rays meet the road
 
 const Lidar* finest_lidar(const Log& log) {
   const Lidar* finest = nullptr;

@@ -13,6 +13,9 @@
 
 namespace simuli {
 
+/// Above the ground: nothing on a road is higher.
+inline constexpr double kHighest_m = 4.7;
+
 /// One sweep: its firing grid as votes need it, and its returns that may be on something that drives.
 struct SeriesSweep {
   double time_start_s = 0.0;

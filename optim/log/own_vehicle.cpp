@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kBelowHorizon_rad = 5.0 * std::numbers::pi / 180.0;
-constexpr std::size_t kFewestSweeps = 8;
+constexpr std::size_t kFewestSweepsOfADrive = 8;
 constexpr double kShortestDrive_m = 5.0;  // behind which a parked car is seen elsewhere
 constexpr std::size_t kFewestRays = 5;    // in a cell, before it is called blind
 constexpr std::size_t kFewestCells = 3;   // in an arc: a single cell may be chance
@@ -57,7 +57,7 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, const FrameSe
     for (const std::size_t index : training) {
       if (log.sweeps[index].lidar == lidar.name) sweeps.push_back(&log.sweeps[index]);
     }
-    if (sweeps.size() < kFewestSweeps) continue;
+    if (sweeps.size() < kFewestSweepsOfADrive) continue;
     const auto rig_at = [&](const SweepFrame& f) {
       return log.world_from_rig.at(f.time_start_s).translation;
     };

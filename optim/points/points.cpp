@@ -18,12 +18,11 @@ namespace {
 constexpr int kKeyBits = 21;
 constexpr std::int64_t kHalfRange = std::int64_t{1} << (kKeyBits - 1);  // voxels either side of the origin
 constexpr std::size_t kMergeEvery = std::size_t{1} << 21U;              // cells, 88 bytes each
-constexpr std::size_t kSpacingNeighbours = 3;
 constexpr std::size_t kPlaneNeighbours = 8;
 /// Smallest over middle variance up to which neighbours count as a plane (a standard deviation of a third).
-constexpr double kPlaneRatio = 0.1;
+constexpr double kNeighbourPlaneRatio = 0.1;
 /// Middle over largest variance from which they are a plane and not just a line, as one laser ring is.
-constexpr double kLineRatio = 0.02;
+constexpr double kNeighbourLineRatio = 0.02;
 
 /// Finds the plane through the given points and writes it to `shape` when there is one.
 void fit_plane(const PointSet& points, const std::uint32_t* indices, std::size_t count, LocalShape& shape) {
@@ -42,8 +41,8 @@ void fit_plane(const PointSet& points, const std::uint32_t* indices, std::size_t
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(covariance);
   const Eigen::Vector3d& variance = solver.eigenvalues();  // ascending
-  shape.planar = variance(0) <= kPlaneRatio * variance(1) && variance(1) >= kLineRatio * variance(2) &&
-                 variance(1) > 0.0;
+  shape.planar = variance(0) <= kNeighbourPlaneRatio * variance(1) &&
+                 variance(1) >= kNeighbourLineRatio * variance(2) && variance(1) > 0.0;
   if (!shape.planar) return;
   Eigen::Matrix3d scene_from_local;
   scene_from_local.col(0) = solver.eigenvectors().col(2);

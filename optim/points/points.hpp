@@ -10,6 +10,9 @@
 
 namespace simuli {
 
+/// Whose mean distance is how far apart points are.
+inline constexpr std::size_t kSpacingNeighbours = 3;
+
 /// N points, metres from the scene origin, with LiDAR intensity in [0,1].
 struct PointSet {
   Eigen::Matrix<float, 3, Eigen::Dynamic> position;  // [3, N]

@@ -17,11 +17,10 @@ using Eigen::Vector3f;
 constexpr std::uint32_t kEnoughPoints = 6;  // of a cell, to tell its own plane
 /// Nearest points that tell a plane: more of them where they are all on one line, as a row of returns is.
 constexpr std::array<std::size_t, 3> kNeighbours{9, 25, 65};
-constexpr float kPlaneRatio = 0.1F;  // smallest over middle variance of a plane, at most
-constexpr float kLineRatio = 0.02F;  // middle over largest variance of a line, at most
-constexpr std::size_t kSpacingNeighbours = 3;
-constexpr float kGapReach = 1.5F;  // how far the next particle may be, over what a sweep leaves
-constexpr float kOffPlane = 0.2F;  // how far off the plane, over its distance
+constexpr float kSurfacePlaneRatio = 0.1F;  // smallest over middle variance of a plane, at most
+constexpr float kSurfaceLineRatio = 0.02F;  // middle over largest variance of a line, at most
+constexpr float kGapReach = 1.5F;           // how far the next particle may be, over what a sweep leaves
+constexpr float kOffPlane = 0.2F;           // how far off the plane, over its distance
 
 struct Plane {
   enum class Kind { kNone, kLine, kPlane } kind = Kind::kNone;
@@ -36,9 +35,9 @@ Plane plane_of(const Eigen::Matrix3f& covariance) {
   Plane out;
   out.normal = solver.eigenvectors().col(0).cast<float>();
   out.thickness_m = std::sqrt(variance(0));
-  if (!(variance(1) >= kLineRatio * variance(2) && variance(1) > 0.0F)) {
+  if (!(variance(1) >= kSurfaceLineRatio * variance(2) && variance(1) > 0.0F)) {
     out.kind = Plane::Kind::kLine;
-  } else if (variance(0) <= kPlaneRatio * variance(1)) {
+  } else if (variance(0) <= kSurfacePlaneRatio * variance(1)) {
     out.kind = Plane::Kind::kPlane;
   }
   return out;

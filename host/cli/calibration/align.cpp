@@ -7,9 +7,9 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/progress.hpp"
@@ -20,8 +20,6 @@ namespace simuli::cli {
 namespace {
 
 namespace calib = simuli::calibration;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct AlignCommand {
   std::string log;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/sensors/camera.hpp"
@@ -23,8 +24,6 @@ namespace {
 
 namespace calib = simuli::calibration;
 namespace fs = std::filesystem;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct BeamsCommand {
   std::string folder;

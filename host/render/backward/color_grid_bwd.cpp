@@ -4,7 +4,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kGridLocalSize = 32;
 
 Program program(const Device& device, const ColorGridBuffers& grids) {
   return {device, "kernels/color_grid_bwd.cl", grids.options()};
@@ -43,8 +43,8 @@ void ColorGridBackwardStage::run(const shared::FrameParams& frame,
              blended,
              {"grad_out", gradients.grad_out},
              {"partial", scratch_.partial}});
-  gather_.run(round_up(vertices_, kLocalSize),
-              kLocalSize,
+  gather_.run(round_up(vertices_, kGridLocalSize),
+              kGridLocalSize,
               {{"height", static_cast<std::uint32_t>(height)},
                {"first", first},
                {"tv_scale", scale.variation},

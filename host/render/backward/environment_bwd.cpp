@@ -7,7 +7,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kEnvironmentLocalSize = 32;
 
 Program program(const Device& device, Precision precision, int lanes) {
   return {device, "kernels/environment_bwd.cl", lane_options(device, precision, lanes)};
@@ -35,8 +35,8 @@ void EnvironmentBackwardStage::run(const shared::FrameParams& frame,
   const std::uint32_t cells = environment.width * environment.height + 1;  // the last: sees none of it
   scratch_.reserve({frame.slots, cells});
   grads.reserve(environment.texture.count());
-  cells_.run(round_up(frame.slots / static_cast<std::size_t>(lanes_), kLocalSize),
-             kLocalSize,
+  cells_.run(round_up(frame.slots / static_cast<std::size_t>(lanes_), kEnvironmentLocalSize),
+             kEnvironmentLocalSize,
              {{"frame", frame},
               {"width", environment.width},
               {"height", environment.height},
@@ -53,8 +53,8 @@ void EnvironmentBackwardStage::run(const shared::FrameParams& frame,
                {"chunk", chunks.chunk},
                {"tiles", cells},
                {"first", scratch_.first}});
-  gather_.run(round_up(std::size_t{cells} - 1, kLocalSize),
-              kLocalSize,
+  gather_.run(round_up(std::size_t{cells} - 1, kEnvironmentLocalSize),
+              kEnvironmentLocalSize,
               {{"frame", frame},
                {"width", environment.width},
                {"height", environment.height},

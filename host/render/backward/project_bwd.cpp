@@ -4,7 +4,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kProjectLocalSize = 32;
 
 }  // namespace
 
@@ -22,8 +22,8 @@ void ProjectBackwardStage::run(const shared::FrameParams& frame,
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
   project_bwd_.run(
-      round_up(items, kLocalSize),
-      kLocalSize,
+      round_up(items, kProjectLocalSize),
+      kProjectLocalSize,
       {{"frame", frame}, particles, made.constants, made.projected, gradients, {"param_grads", param_grads}});
 }
 

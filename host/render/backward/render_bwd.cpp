@@ -4,7 +4,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 64;
+constexpr std::size_t kRenderLocalSize = 64;
 
 }  // namespace
 
@@ -36,8 +36,9 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
   gradients.grads.reserve(instances * SIM_GRAD);
   gradients.slot_first.reserve(frame.particles);
   Kernel& blend_back = kernel(extras);
-  slot_counts_->run(
-      round_up(frame.particles, kLocalSize), kLocalSize, {{"n", frame.particles}, made.projected, gradients});
+  slot_counts_->run(round_up(frame.particles, kRenderLocalSize),
+                    kRenderLocalSize,
+                    {{"n", frame.particles}, made.projected, gradients});
   scan_.run(gradients.slot_first, frame.particles, false);
   const auto work_items = static_cast<std::size_t>(variant_.frame.shape.work_items);
   blend_back.run(std::size_t{frame.tiles_x} * frame.tiles_y * work_items,

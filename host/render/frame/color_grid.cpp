@@ -4,7 +4,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kGridLocalSize = 32;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ void ColorGridStage::run(const shared::FrameParams& frame,
                          RealBuffer& picture) {
   picture.reserve(std::size_t{3} * frame.slots);
   color_grid_.run(frame.slots,
-                  kLocalSize,
+                  kGridLocalSize,
                   {{"frame", frame},
                    {"width", static_cast<std::uint32_t>(width)},
                    {"height", static_cast<std::uint32_t>(height)},

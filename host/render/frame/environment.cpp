@@ -5,7 +5,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kEnvironmentLocalSize = 32;
 
 }  // namespace
 
@@ -19,8 +19,8 @@ void EnvironmentStage::run(const shared::FrameParams& frame,
                            const FrameConstants& constants,
                            const WorldRays& world_rays,
                            Blended& out) {
-  environment_.run(round_up(frame.slots / static_cast<std::size_t>(lanes_), kLocalSize),
-                   kLocalSize,
+  environment_.run(round_up(frame.slots / static_cast<std::size_t>(lanes_), kEnvironmentLocalSize),
+                   kEnvironmentLocalSize,
                    {{"frame", frame},
                     {"width", environment.width},
                     {"height", environment.height},

@@ -5,7 +5,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kProjectLocalSize = 32;
 
 }  // namespace
 
@@ -25,8 +25,9 @@ void ProjectStage::run(const shared::FrameParams& frame,
   out.reserve({.particles = frame.particles, .moving_particles = actor_motion_ ? frame.particles : 0});
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_.run(
-      round_up(items, kLocalSize), kLocalSize, {{"frame", frame}, particles, constants, rays, samples_, out});
+  project_.run(round_up(items, kProjectLocalSize),
+               kProjectLocalSize,
+               {{"frame", frame}, particles, constants, rays, samples_, out});
 }
 
 }  // namespace simuli

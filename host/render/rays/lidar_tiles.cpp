@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "host/render/rays/lidar_tiling.hpp"
@@ -19,7 +20,6 @@ constexpr std::uint32_t kMostRows = 16;  // of a tile: its slot rows
 constexpr std::uint32_t kMostIndex = LidarTiles::kMostIndex;
 // In wider tiles the two places of a particle at the cut could not be told apart.
 constexpr std::uint32_t kFewestColumns = 8;
-constexpr double kTurn = 6.283185307179586;
 
 using Uints = Buffer<std::uint32_t>;
 

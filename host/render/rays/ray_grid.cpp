@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/render/rays/ray_slots.hpp"
 #include "host/render/rays/tile_choice.hpp"
 
 namespace simuli {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// How fast a lens's image moves at most, over a cone about its axis.
 struct LensSlopes {

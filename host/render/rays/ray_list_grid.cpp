@@ -1,10 +1,10 @@
 // Rays without rows in tiles: sorted by elevation and cut into rows of as many rays as the tiles hold.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <variant>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/render/rays/ray_slots.hpp"
 #include "host/render/rays/tile_choice.hpp"
@@ -12,7 +12,6 @@
 namespace simuli {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 // Elevations in float on the device: rows are a hair higher than their rays.
 constexpr double kElevationSlack_rad = 1e-6;
 

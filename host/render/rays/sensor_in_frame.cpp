@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <numbers>
 
+#include "host/base/angles.hpp"
+
 namespace simuli {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void put(const Eigen::Vector3d& from, double* to) { std::copy_n(from.data(), 3, to); }
 

@@ -10,7 +10,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 16;
+constexpr std::size_t kActorLocalSize = 16;
 constexpr std::uint32_t kChunks = ActorSizes::kChunks;
 constexpr std::size_t kBounds = 4;
 
@@ -32,8 +32,8 @@ std::vector<ActorPoseGradient> ActorStage::pose_gradients(const ParticleBuffers&
                                                           bool actor_motion) {
   const std::size_t items = std::size_t{particles.actors} * kChunks;
   buffers_.reserve({particles.actors});
-  sums_.run(round_up(items, kLocalSize),
-            kLocalSize,
+  sums_.run(round_up(items, kActorLocalSize),
+            kActorLocalSize,
             {{"actors", particles.actors},
              {"chunks", kChunks},
              {"stride", particles.stride},
@@ -66,8 +66,8 @@ void ActorStage::confine(ParticleBuffers& particles, const std::vector<Actor>& a
   }
   buffers_.bounds.assign(bounds);
   const auto count = static_cast<std::uint32_t>(particles.actor_list.count());
-  confine_.run(round_up(count, kLocalSize),
-               kLocalSize,
+  confine_.run(round_up(count, kActorLocalSize),
+               kActorLocalSize,
                {{"count", count}, {"stride", particles.stride}, particles, {"bounds", buffers_.bounds}});
 }
 

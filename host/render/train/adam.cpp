@@ -13,7 +13,7 @@ constexpr double kBeta1 = 0.9;
 constexpr double kBeta2 = 0.999;
 constexpr double kEpsilon = 1e-15;  // gradients of means over many rays are tiny: epsilon must not damp them
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kAdamLocalSize = 32;
 
 }  // namespace
 
@@ -63,8 +63,8 @@ void AdamStage::launch(const Matrix& matrix,
   buffers_.rate.assign(rate);
   const auto t = static_cast<double>(step);
   const std::size_t items = matrix.stride / static_cast<std::size_t>(lanes_);
-  adam_.run(round_up(items, kLocalSize),
-            kLocalSize,
+  adam_.run(round_up(items, kAdamLocalSize),
+            kAdamLocalSize,
             {{"particles", matrix.columns},
              {"stride", matrix.stride},
              {"rows", static_cast<std::uint32_t>(rate.size())},

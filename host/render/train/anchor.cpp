@@ -9,7 +9,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kAnchorLocalSize = 32;
 constexpr std::uint64_t kWidth = AnchorSizes::kWidth;
 constexpr double kCells = 2097152.0;  // per axis: 21 bits
 
@@ -59,8 +59,8 @@ void AnchorStage::assign(const ParticleBuffers& set, const ParticleBuffers& targ
   targets_ = targets.count;
   buffers_.reserve(sizes());
   if (targets_ > 0) build_tree(targets);
-  search_.run(round_up(set.count, kLocalSize),
-              kLocalSize,
+  search_.run(round_up(set.count, kAnchorLocalSize),
+              kAnchorLocalSize,
               {{"queries", set.params},
                {"query_stride", set.stride},
                {"query_count", set.count},
@@ -79,8 +79,8 @@ void AnchorStage::build_tree(const ParticleBuffers& targets) {
   const std::vector<std::uint64_t> levels = sizes().levels();
   std::uint64_t first = 0;
   for (std::size_t level = 0; level + 1 < levels.size(); ++level) {
-    nodes_.run(round_up(levels[level], kLocalSize),
-               kLocalSize,
+    nodes_.run(round_up(levels[level], kAnchorLocalSize),
+               kAnchorLocalSize,
                {{"boxes", buffers_.boxes},
                 {"child_first", static_cast<std::uint32_t>(first)},
                 {"children", static_cast<std::uint32_t>(levels[level])},
@@ -110,8 +110,8 @@ void AnchorStage::order_by_place(const ParticleBuffers& targets) {
   const double cells_per_m = side > 0.0 ? kCells / side : 1.0;
   buffers_.frame.assign(std::vector<double>{low[0], low[1], low[2], cells_per_m});
   for (const std::uint32_t shift : {0U, 32U}) {
-    keys_.run(round_up(n, kLocalSize),
-              kLocalSize,
+    keys_.run(round_up(n, kAnchorLocalSize),
+              kAnchorLocalSize,
               {targets,
                {"stride", targets.stride},
                {"n", n},
@@ -126,8 +126,8 @@ void AnchorStage::order_by_place(const ParticleBuffers& targets) {
 void AnchorStage::box_leaves(const ParticleBuffers& targets) {
   const std::uint64_t leaves = sizes().leaves();
   buffers_.boxes.fill(std::numeric_limits<double>::quiet_NaN());
-  leaves_.run(round_up(leaves, kLocalSize),
-              kLocalSize,
+  leaves_.run(round_up(leaves, kAnchorLocalSize),
+              kAnchorLocalSize,
               {targets,
                {"stride", targets.stride},
                {"n", targets.count},

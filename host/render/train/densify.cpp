@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 64;
+constexpr std::size_t kDensifyLocalSize = 64;
 // Whole-number weights add up to less than 2^32, whatever rounding does to each.
 constexpr double kShares = 4294967296.0 * (1.0 - 1e-6);
 
@@ -51,7 +51,7 @@ void DensifyStage::pixel_error(const shared::FrameParams& frame,
   ray_error.reserve(frame.slots);
   pixel_error_.run(
       frame.slots,
-      kLocalSize,
+      kDensifyLocalSize,
       {{"slots", frame.slots}, world_rays, {"picture", picture}, {"truth", truth}, {"error", ray_error}});
 }
 
@@ -64,7 +64,7 @@ void DensifyStage::beam_error(const shared::FrameParams& frame,
   ray_error.reserve(frame.slots);
   buffers_.weights.assign(std::span<const double>(weights));
   beam_error_.run(frame.slots,
-                  kLocalSize,
+                  kDensifyLocalSize,
                   {{"slots", frame.slots},
                    {"weight", buffers_.weights},
                    world_rays,
@@ -78,8 +78,8 @@ void DensifyStage::accumulate(const shared::FrameParams& frame,
                               const GradientBuffers& gradients,
                               RealBuffer& accumulated) {
   accumulate_.run(
-      round_up(frame.particles, kLocalSize),
-      kLocalSize,
+      round_up(frame.particles, kDensifyLocalSize),
+      kDensifyLocalSize,
       {{"n", frame.particles}, made.projected, made.binned, gradients, {"accumulated", accumulated}});
 }
 
@@ -87,8 +87,8 @@ void DensifyStage::widen(
     RealBuffer& rows, std::uint32_t count, std::uint32_t stride, std::uint32_t new_stride, bool params) {
   const std::size_t row_count = rows.count() / std::max(stride, 1U);
   RealBuffer wide(device_, rows.name(), precision_, row_count * new_stride);
-  widen_.run(round_up(new_stride, kLocalSize),
-             kLocalSize,
+  widen_.run(round_up(new_stride, kDensifyLocalSize),
+             kDensifyLocalSize,
              {{"rows", static_cast<std::uint32_t>(row_count)},
               {"n", count},
               {"stride", stride},
@@ -142,8 +142,8 @@ bool DensifyStage::draw(const ParticleBuffers& particles,
              {"share", buffers_.share}});
   const std::uint64_t total = scan_.run(buffers_.share, n, true);
   if (total == 0 || total > 0xffffffffU) return false;
-  draw_.run(round_up(wanted, kLocalSize),
-            kLocalSize,
+  draw_.run(round_up(wanted, kDensifyLocalSize),
+            kDensifyLocalSize,
             {{"count", wanted},
              {"listed", census.dead},
              {"first_new", n},
@@ -178,8 +178,8 @@ void DensifyStage::copy(ParticleBuffers& particles,
   const auto wanted = static_cast<std::uint32_t>(buffers_.targets.count());
   for (const bool in_place : {false, true}) {
     const std::uint32_t count = in_place ? before : wanted;
-    copy_.run(round_up(count, kLocalSize),
-              kLocalSize,
+    copy_.run(round_up(count, kDensifyLocalSize),
+              kDensifyLocalSize,
               {{"count", count},
                {"rows", rows},
                {"stride", particles.stride},
@@ -190,8 +190,8 @@ void DensifyStage::copy(ParticleBuffers& particles,
                {"params", particles.params}});
   }
   for (RealBuffer* moment : moments) {
-    clear_.run(round_up(std::max(wanted, before), kLocalSize),
-               kLocalSize,
+    clear_.run(round_up(std::max(wanted, before), kDensifyLocalSize),
+               kDensifyLocalSize,
                {{"count", wanted},
                 {"n", before},
                 {"rows", rows},
@@ -235,8 +235,8 @@ DensifyCounts DensifyStage::relocate(ParticleBuffers& particles,
 void DensifyStage::follow(Buffer<std::uint32_t>& words, std::uint32_t width) {
   if (changed_ == 0) return;
   words.extend(std::size_t{particles_} * width);
-  copy_words_.run(round_up(changed_, kLocalSize),
-                  kLocalSize,
+  copy_words_.run(round_up(changed_, kDensifyLocalSize),
+                  kDensifyLocalSize,
                   {{"count", changed_},
                    {"width", width},
                    {"targets", buffers_.targets},
@@ -248,8 +248,8 @@ void DensifyStage::jitter(ParticleBuffers& particles,
                           const Buffer<std::uint32_t>& keys,
                           double strength,
                           const RandomKey& key) {
-  jitter_.run(round_up(particles.count, kLocalSize),
-              kLocalSize,
+  jitter_.run(round_up(particles.count, kDensifyLocalSize),
+              kDensifyLocalSize,
               {{"n", particles.count},
                {"stride", particles.stride},
                {"strength", strength},

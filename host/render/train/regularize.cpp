@@ -6,7 +6,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLocalSize = 32;
+constexpr std::size_t kRegularizeLocalSize = 32;
 
 }  // namespace
 
@@ -18,8 +18,8 @@ RegularizeStage::RegularizeStage(const Device& device, Precision precision)
 void RegularizeStage::run(const ParticleBuffers& particles,
                           const RegularizeScale& scale,
                           RealBuffer& param_grads) {
-  regularize_.run(round_up(particles.stride / static_cast<std::size_t>(lanes_), kLocalSize),
-                  kLocalSize,
+  regularize_.run(round_up(particles.stride / static_cast<std::size_t>(lanes_), kRegularizeLocalSize),
+                  kRegularizeLocalSize,
                   {{"particles", particles.count},
                    {"stride", particles.stride},
                    {"by_scale", scale.scale},

@@ -72,7 +72,7 @@ constexpr std::int32_t kNcoreWaymoTopElevation[] = {
     -211374, -220911, -229849, -239327, -248575, -258088, -267542, -277882, -288184, -298765, -309257};
 constexpr LidarMode kNcoreWaymoTopModes[] = {{10.0, 2650}};
 
-constexpr LidarTable kTables[] = {
+constexpr LidarTable kDatasetsTables[] = {
     {.name = "ncore_generic128", .elevation_urad = kNcoreGeneric128Elevation,
      .azimuth_offset_urad = kNcoreGeneric128AzimuthOffset, .modes = kNcoreGeneric128Modes,
      .azimuth_first_urad = 3088220, .range_min_m = 0.3, .range_max_m = 200.0,
@@ -120,6 +120,6 @@ constexpr LidarTable kTables[] = {
 
 }  // namespace
 
-std::span<const LidarTable> datasets_lidar_tables() { return kTables; }
+std::span<const LidarTable> datasets_lidar_tables() { return kDatasetsTables; }
 
 }  // namespace simuli

@@ -182,7 +182,7 @@ constexpr std::int32_t kHesaiXt32m2xTimeOffset[] = {
     49320, 6000, 8888, 11776, 14664, 17552, 20440, 23328, 26216, 29104, 31992, 34880, 37768, 40656, 43544,
     46432, 49320};
 
-constexpr LidarTable kTables[] = {
+constexpr LidarTable kHesaiTables[] = {
     {.name = "hesai_jt128", .elevation_urad = kHesaiJt128Elevation,
      .azimuth_offset_urad = kHesaiJt128AzimuthOffset, .modes = kHesaiJt128Modes, .azimuth_first_urad = -1745,
      .range_min_m = 0.05, .range_max_m = 60.0,
@@ -257,6 +257,6 @@ constexpr LidarTable kTables[] = {
 
 }  // namespace
 
-std::span<const LidarTable> hesai_lidar_tables() { return kTables; }
+std::span<const LidarTable> hesai_lidar_tables() { return kHesaiTables; }
 
 }  // namespace simuli

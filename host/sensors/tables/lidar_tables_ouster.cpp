@@ -161,7 +161,7 @@ constexpr std::int32_t kOusterOs232AzimuthOffset[] = {
 constexpr LidarMode kOusterOs232Modes[] = {
     {20.0, 1024}, {20.0, 512}, {10.0, 512}, {10.0, 1024}, {10.0, 2048}};
 
-constexpr LidarTable kTables[] = {
+constexpr LidarTable kOusterTables[] = {
     {.name = "ouster_os0_128", .elevation_urad = kOusterOs0128Elevation,
      .azimuth_offset_urad = kOusterOs0128AzimuthOffset, .beam_origin_um = 27670, .height_um = 36180,
      .modes = kOusterOs0128Modes, .azimuth_first_urad = 3141593, .range_min_m = 0.3, .range_max_m = 50.0,
@@ -225,6 +225,6 @@ constexpr LidarTable kTables[] = {
 
 }  // namespace
 
-std::span<const LidarTable> ouster_lidar_tables() { return kTables; }
+std::span<const LidarTable> ouster_lidar_tables() { return kOusterTables; }
 
 }  // namespace simuli

@@ -63,7 +63,7 @@ constexpr std::int32_t kRobosenseRubyLite80AzimuthOffset[] = {
     -74176, -44506, -14835, 14835, 44506, 74176, 103847, -103847, -74176, -44506, -14835, 14835, 44506, 74176,
     103847, -103847, -74176, -44506, -14835, 14835, 44506, 74176, 103847, -103847, -74176, -44506, -14835};
 
-constexpr LidarTable kTables[] = {
+constexpr LidarTable kRobosenseTables[] = {
     {.name = "robosense_bpearl", .elevation_urad = kRobosenseBpearlElevation, .modes = kRobosenseBpearlModes,
      .range_min_m = 0.1, .range_max_m = 30.0,
      .source = "RoboSense-LiDAR/ros_rslidar: rslidar_pointcloud/data/rs_bpearl/angle.csv",
@@ -104,6 +104,6 @@ constexpr LidarTable kTables[] = {
 
 }  // namespace
 
-std::span<const LidarTable> robosense_lidar_tables() { return kTables; }
+std::span<const LidarTable> robosense_lidar_tables() { return kRobosenseTables; }
 
 }  // namespace simuli

@@ -123,7 +123,7 @@ constexpr std::int32_t kVelodyneVls128TimeOffset[] = {
 constexpr LidarMode kVelodyneVls128Modes[] = {{10.0, 1876}, {5.0, 3752}, {20.0, 938}};
 constexpr LidarMode kNuscenesLidarTopHdl32eModes[] = {{20.0, 1084}};
 
-constexpr LidarTable kTables[] = {
+constexpr LidarTable kVelodyneTables[] = {
     {.name = "velodyne_hdl32e", .elevation_urad = kVelodyneHdl32eElevation, .modes = kVelodyneHdl32eModes,
      .range_min_m = 0.05, .range_max_m = 100.0, .divergence_horizontal_urad = 3333,
      .divergence_vertical_urad = 1667,
@@ -187,6 +187,6 @@ constexpr LidarTable kTables[] = {
 
 }  // namespace
 
-std::span<const LidarTable> velodyne_lidar_tables() { return kTables; }
+std::span<const LidarTable> velodyne_lidar_tables() { return kVelodyneTables; }
 
 }  // namespace simuli

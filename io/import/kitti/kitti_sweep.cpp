@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPi = std::numbers::pi;
 /// Beams of the HDL-64E are 4 to 13 mrad apart, points lie within 0.4 mrad of theirs.
 constexpr double kElevationTolerance_rad = 2e-3;
 /// A point nearer than this is no echo: its direction is noise.

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kNearest_m = 0.1;       // nearer ones have no direction
 constexpr double kTolerance_rad = 0.01;  // off a beam, where none is nearer to it than twice that
 constexpr double kSameRay = 0.3;         // columns
@@ -127,9 +126,7 @@ double column_of(const Lidar& lidar, int row, double azimuth) {
   return (ahead - half) / step;
 }
 
-Sweep grid_points(const std::vector<MeasuredPoint>& points,
-                  const Lidar& lidar,
-                  PointReport& report) {
+Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, PointReport& report) {
   std::vector<std::vector<Placed>> rows(lidar.rows.size());
   const std::vector<double> tolerance = tolerances(lidar);
   for (const MeasuredPoint& point : points) {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <unsupported/Eigen/FFT>
 
+#include "host/base/angles.hpp"
 #include "optim/calibration/beams/beam_parts.hpp"
 
 namespace simuli::calibration {
@@ -15,7 +16,6 @@ namespace {
 using Complex = std::complex<double>;
 using SweepsOfRow = std::vector<std::vector<BeamPoint>>;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kWidest_m = 0.08;  // horizontal offset, either side
 constexpr double kStep_m = 2e-3;
 constexpr double kCoherent = 0.7;  // mean of exp(i ticks azimuth): 1 for azimuths on a grid, 0 for any others

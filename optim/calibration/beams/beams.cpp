@@ -5,9 +5,9 @@
 #include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <utility>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "optim/calibration/beams/beam_parts.hpp"
 #include "optim/calibration/path/median.hpp"
@@ -15,7 +15,6 @@
 namespace simuli::calibration {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kNearest_m = 0.5;
 constexpr std::size_t kVoters = 120000;
 constexpr std::size_t kFewestVoters = 2000;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <utility>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "optim/calibration/camera/mounting_problem.hpp"
 #include "optim/calibration/path/median.hpp"
@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kTextureRounds = 4;  // of progress
 /// The same rims stand in every sweep and every picture, between the same two rows: on the street, edges
 /// alone leave 28 mm where independent ones would be good for 2.8.

@@ -4,8 +4,8 @@
 #include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/base/parallel.hpp"
 #include "optim/calibration/path/odometry.hpp"
@@ -16,7 +16,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSmooth_px = 1.0;
 constexpr std::size_t kFewestMatches = 300;
 constexpr double kPictureSigma_px = 0.4;  // of an edge found in a picture

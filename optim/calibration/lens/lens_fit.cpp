@@ -4,9 +4,9 @@
 #include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "optim/calibration/lens/lens_jets.hpp"
 
@@ -16,7 +16,6 @@ namespace {
 using lens_jets::F;
 
 constexpr int kFocal = 4;  // parameters before the lens's: fx, fy, cx, cy
-constexpr double kPi = std::numbers::pi;
 
 struct Sample {
   Eigen::Vector3d direction;

@@ -5,13 +5,13 @@
 #include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <unordered_map>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
+#include "host/base/parallel.hpp"
 #include "optim/calibration/path/refine.hpp"
 #include "optim/calibration/path/residuals.hpp"
-#include "host/base/parallel.hpp"
 
 namespace simuli::calibration {
 namespace {
@@ -19,8 +19,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kSigma_m = 0.02;  // of a point about its plane
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kFewestReturns = 500;
 constexpr std::size_t kFewestMatches = 100;
 constexpr std::size_t kSolvedTogether = 4;  // sweeps, at the start
@@ -95,19 +93,22 @@ double solve(
     problem.AddParameterBlock(block->rotation.data(), 4, new ceres::QuaternionManifold);
     problem.AddParameterBlock(block->translation.data(), 3);
   }
-  auto* const loss = new ceres::CauchyLoss(loss_m / kSigma_m);  // the problem deletes it, once
+  auto* const loss = new ceres::CauchyLoss(loss_m / kPointSigma_m);  // the problem deletes it, once
   const double span_s = r.end.time_s - r.start.time_s;
   for (const Match& m : r.matches) {
     const Plane& plane = map.plane(m.plane);
     const double u = (returns.time_s[m.point] - r.start.time_s) / span_s;
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PointOnPlane, 1, 4, 3, 4, 3>(new PointOnPlane{
-            returns.p_rig[m.point], u, plane.centre, plane.normal, std::hypot(kSigma_m, plane.thickness_m)}),
-        loss,
-        start.rotation.data(),
-        start.translation.data(),
-        end.rotation.data(),
-        end.translation.data());
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PointOnPlane, 1, 4, 3, 4, 3>(
+                                 new PointOnPlane{returns.p_rig[m.point],
+                                                  u,
+                                                  plane.centre,
+                                                  plane.normal,
+                                                  std::hypot(kPointSigma_m, plane.thickness_m)}),
+                             loss,
+                             start.rotation.data(),
+                             start.translation.data(),
+                             end.rotation.data(),
+                             end.translation.data());
   }
   // The path is continuous: the sweep starts about where the one before it ended.
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, 4, 3>(

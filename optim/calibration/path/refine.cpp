@@ -11,17 +11,16 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/parallel.hpp"
 #include "optim/calibration/path/median.hpp"
 #include "optim/calibration/path/odometry.hpp"
 #include "optim/calibration/path/residuals.hpp"
-#include "host/base/parallel.hpp"
 
 namespace simuli::calibration {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSigma_m = 0.02;
 constexpr double kLoss_m = 0.03;
 constexpr double kGate_m = 0.15;
 constexpr std::size_t kFewestSweeps = 3;  // on a plane
@@ -101,7 +100,7 @@ class JointProblem {
       problem_.AddParameterBlock(block.rotation.data(), 4, new ceres::QuaternionManifold);
       problem_.AddParameterBlock(block.translation.data(), 3);
     }
-    auto* const loss = new ceres::CauchyLoss(kLoss_m / kSigma_m);
+    auto* const loss = new ceres::CauchyLoss(kLoss_m / kPointSigma_m);
     for (FreePlane& plane : planes) add(plane, loss);
     if (prior) {
       auto* const prior_loss = new ceres::HuberLoss(2.0);
@@ -162,7 +161,7 @@ class JointProblem {
     std::vector<double> sizes;
     for (const double r : residuals) sizes.push_back(std::abs(r));
     const double sigma = 1.4826 * upper_median(std::move(sizes));
-    report.sigma_m = sigma * kSigma_m;
+    report.sigma_m = sigma * kPointSigma_m;
 
     const Eigen::Index size = 6 * knots;
     Eigen::MatrixXd poses = Eigen::MatrixXd::Zero(size, size);
@@ -170,7 +169,7 @@ class JointProblem {
     std::vector<std::map<Eigen::Index, Vector3d>> mixed(planes_.size());  // by column of a pose
     for (int row = 0; row < jacobian.num_rows; ++row) {
       // A robust loss leaves this much of the residual's weight.
-      const double share = residuals[static_cast<std::size_t>(row)] * kSigma_m / kLoss_m;
+      const double share = residuals[static_cast<std::size_t>(row)] * kPointSigma_m / kLoss_m;
       const double weight = 1.0 / ((1.0 + share * share) * sigma * sigma);
       const auto first = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row)]);
       const auto last = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row) + 1]);
@@ -224,7 +223,7 @@ class JointProblem {
       PoseBlock& end = blocks_[seen.segment + 1];
       problem_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<PointOnFreePlane, 1, 4, 3, 4, 3, 3>(new PointOnFreePlane{
-              seen.p_rig, seen.u, plane.plane.centre, plane.plane.normal, first, second, kSigma_m}),
+              seen.p_rig, seen.u, plane.plane.centre, plane.plane.normal, first, second, kPointSigma_m}),
           loss,
           start.rotation.data(),
           start.translation.data(),

@@ -10,6 +10,9 @@
 
 namespace simuli::calibration {
 
+/// Of a return about the plane that it lies on.
+inline constexpr double kPointSigma_m = 0.02;
+
 /// A pose as Ceres changes it.
 struct PoseBlock {
   std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0};

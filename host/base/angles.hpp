@@ -1,0 +1,11 @@
+#pragma once
+// Angles that everyone needs, in rad.
+#include <numbers>
+
+namespace simuli {
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kTurn = 2.0 * std::numbers::pi;
+inline constexpr double kDegree = std::numbers::pi / 180.0;
+
+}  // namespace simuli
