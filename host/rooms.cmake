@@ -11,6 +11,9 @@ set(SIMULI_PCH_HEADERS
   <string_view> <thread> <tuple> <unordered_map> <utility> <variant> <vector>
   <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h>)
 
+# Sources of a room compiled several at a time: what they share is parsed and instantiated once.
+option(SIMULI_UNITY "Compile the sources of a room together" ON)
+
 # simuli_includes(TARGET FOLDER...): makes the target's include directory, with a link to each folder.
 function(simuli_includes target)
   set(place ${PROJECT_BINARY_DIR}/rooms/${target})
@@ -43,6 +46,11 @@ function(simuli_room folder)
     if(TARGET simuli_pch)
       target_precompile_headers(${target} REUSE_FROM simuli_pch)
     endif()
+  endif()
+  if(SIMULI_UNITY AND NOT folder MATCHES "^bench")  # benches stand alone, and share names
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # g++ takes sources that are included for headers.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
   if(NOT ARG_OUTSIDE)
     set_property(GLOBAL APPEND PROPERTY SIMULI_LIBRARY_ROOMS ${target})

@@ -34,7 +34,8 @@ function(forbid name)
   endforeach()
 endfunction()
 
-set(least -DBUILD_TESTING=OFF -DSIMULI_BENCH=OFF -DSIMULI_PYTHON=OFF)
+# Each source by itself, so that its name stands in the command.
+set(least -DSIMULI_UNITY=OFF -DBUILD_TESTING=OFF -DSIMULI_BENCH=OFF -DSIMULI_PYTHON=OFF)
 configure(default all ${least})
 need(view_server.cpp default)
 need(libceres default)
