@@ -3,29 +3,20 @@
 #include <algorithm>
 
 #include "host/base/error.hpp"
+#include "host/base/one_line.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr std::size_t kLongest = 128;
+constexpr std::size_t kLongestName = 128;
 
-/// How many bytes a character at `at` has that no name may hold; 0 when it may be there. Beside the control
-/// characters of ASCII those of U+0080 to U+009F, and those that turn the direction of text, with which a
-/// name is shown as another: U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069.
+/// How many bytes a character at `at` has that no name may hold; 0 when it may be there.
 std::size_t forbidden(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const unsigned first = byte(at), second = byte(at + 1), third = byte(at + 2);
-  if (first < 0x20U || first == 0x7FU || first == '/' || first == '\\') return 1;
-  if (first == 0xC2U && second >= 0x80U && second <= 0x9FU) return 2;
-  if (first != 0xE2U) return 0;
-  const bool turns =
-      (second == 0x80U && (third == 0x8EU || third == 0x8FU || (third >= 0xA8U && third <= 0xAEU))) ||
-      (second == 0x81U && third >= 0xA6U && third <= 0xA9U);
-  return turns ? 3 : 0;
+  return text[at] == '/' || text[at] == '\\' ? 1 : unprintable(text, at);
 }
 
 bool is_name(std::string_view name) {
-  if (name.empty() || name.size() > kLongest || name.front() == '.') return false;
+  if (name.empty() || name.size() > kLongestName || name.front() == '.') return false;
   for (std::size_t i = 0; i < name.size(); ++i) {
     if (forbidden(name, i) > 0) return false;
   }
@@ -36,21 +27,22 @@ bool is_name(std::string_view name) {
 
 void need_name(std::string_view name, std::string_view file, std::string_view field) {
   if (is_name(name)) return;
-  throw_input_error(file,
-                    field,
-                    '"' + std::string(name.substr(0, kLongest)) + (name.size() > kLongest ? "\"..." : "\""),
-                    "a name: 1 to 128 bytes, no / and \\, no control characters, no dot in front");
+  throw_input_error(
+      file,
+      field,
+      '"' + std::string(name.substr(0, kLongestName)) + (name.size() > kLongestName ? "\"..." : "\""),
+      "a name: 1 to 128 bytes, no / and \\, no control characters, no dot in front");
 }
 
 std::string name_from(std::string_view text) {
   std::string name;
-  for (std::size_t i = 0; i < text.size() && name.size() < kLongest;) {
+  for (std::size_t i = 0; i < text.size() && name.size() < kLongestName;) {
     const std::size_t bytes = forbidden(text, i);
     name += bytes > 0 ? '_' : text[i];
     i += std::max<std::size_t>(bytes, 1);
   }
   // A character of several bytes is not cut in two.
-  if (name.size() == kLongest) {
+  if (name.size() == kLongestName) {
     std::size_t end = name.size();
     while (end > 0 && (static_cast<unsigned char>(name[end - 1]) & 0xC0U) == 0x80U) --end;
     if (end > 0 && static_cast<unsigned char>(name[end - 1]) >= 0xC0U) name.resize(end - 1);
