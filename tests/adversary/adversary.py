@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -29,7 +30,7 @@ import readers  # noqa: F401
 import surroundings  # noqa: F401
 import viewer  # noqa: F401
 import viewer_requests  # noqa: F401
-from harness import CASES, SMALL, STREET, Entry, Options, Result, Skip, Trial
+from harness import CASES, SMALL, STARTED, STREET, Entry, Options, Result, Skip, Trial
 
 SHOWN_FAILURES = 5
 
@@ -86,6 +87,7 @@ def main() -> int:
     options = Options(arguments.program.resolve(), arguments.tries, arguments.seed, arguments.quick)
     # In memory where that can be: every file is synced, which a busy disk takes seconds for.
     memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) and "TMPDIR" not in os.environ else None
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # and clear up
     scratch = Path(tempfile.mkdtemp(prefix="simuli_adversary_", dir=memory))
     results: dict[str, Result] = {}
     try:
@@ -98,6 +100,10 @@ def main() -> int:
                 print(f"{entry.name}: {failure}", file=sys.stderr)
             shutil.rmtree(scratch / entry.name, ignore_errors=True)
     finally:
+        for process in STARTED:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
         shutil.rmtree(scratch, ignore_errors=True)
     if arguments.json:
         arguments.json.write_text(json.dumps({name: vars(r) for name, r in results.items()}, indent=1))

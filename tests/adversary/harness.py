@@ -25,6 +25,8 @@ SMALL = ["--set", "init.voxel_m=0.3"]
 PROGRESS = re.compile(r"^[a-z][a-z0-9 ]* +\d+( %|/)|^simuli: (note|warning): ")
 
 Argument = str | bytes | Path
+# For whoever ends before they do.
+STARTED: list[subprocess.Popen[bytes]] = []
 Content = dict[str, str]
 
 
@@ -141,7 +143,7 @@ class Trial:
             if limits and resource.RLIMIT_FSIZE in limits:
                 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # as if the disk were full
 
-        return subprocess.Popen(
+        process = subprocess.Popen(
             [*before, self.options.program, *arguments],
             cwd=self.folder,
             env=self.environment(environment),
@@ -153,6 +155,8 @@ class Trial:
             umask=umask,
             start_new_session=True,
         )
+        STARTED.append(process)
+        return process
 
     def wait(self, process: subprocess.Popen[bytes], began: float, limit_s: float = LIMIT_S) -> Outcome:
         timed_out = False

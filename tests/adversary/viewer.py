@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from harness import Skip, Trial, case
+from harness import STARTED, Skip, Trial, case
 
 VIEW = {
     "sensor": "front", "quality": "balanced", "time_s": 0.2, "width": 96, "forward_m": 0, "left_m": 0, "up_m": 0,
@@ -44,6 +44,7 @@ class Viewer:
             stderr=self.log,
             start_new_session=True,
         )
+        STARTED.append(self.process)
         began = time.monotonic()
         found = None
         while found is None and self.process.poll() is None and time.monotonic() - began < 300:
