@@ -3,25 +3,16 @@
 #include <algorithm>
 
 #include "host/base/error.hpp"
+#include "host/base/one_line.hpp"
 
 namespace simuli {
 namespace {
 
 constexpr std::size_t kLongestName = 128;
 
-/// How many bytes a character at `at` has that no name may hold; 0 when it may be there. Beside the control
-/// characters of ASCII those of U+0080 to U+009F, and those that turn the direction of text, with which a
-/// name is shown as another: U+200E, U+200F, U+2028 to U+202E, U+2066 to U+2069.
+/// How many bytes a character at `at` has that no name may hold; 0 when it may be there.
 std::size_t forbidden(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const unsigned first = byte(at), second = byte(at + 1), third = byte(at + 2);
-  if (first < 0x20U || first == 0x7FU || first == '/' || first == '\\') return 1;
-  if (first == 0xC2U && second >= 0x80U && second <= 0x9FU) return 2;
-  if (first != 0xE2U) return 0;
-  const bool turns =
-      (second == 0x80U && (third == 0x8EU || third == 0x8FU || (third >= 0xA8U && third <= 0xAEU))) ||
-      (second == 0x81U && third >= 0xA6U && third <= 0xA9U);
-  return turns ? 3 : 0;
+  return text[at] == '/' || text[at] == '\\' ? 1 : unprintable(text, at);
 }
 
 bool is_name(std::string_view name) {

@@ -46,10 +46,10 @@ GaussianSet read_input(const ConvertCommand& command) {
 void convert(const ConvertCommand& command, const Globals& globals) {
   const GaussianSet all = read_input(command);
   const GaussianSet set = background(all);
-  if (set.size() < all.size()) {
-    std::cerr << fmt::format("simuli: {} particles of actors are left out\n", all.size() - set.size());
-  }
   write_splats(command.output, set);
+  if (set.size() < all.size()) {
+    std::cerr << fmt::format("simuli: note: {} particles of actors are left out\n", all.size() - set.size());
+  }
   if (globals.json) {
     const nlohmann::ordered_json out = {
         {"file", command.output}, {"particles", set.size()}, {"sh_degree", set.sh_degree}};

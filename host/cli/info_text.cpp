@@ -70,6 +70,36 @@ std::string sensors_text(const std::vector<LogCamera>& cameras, const std::vecto
   return text;
 }
 
+Json actors_json(const std::vector<Actor>& actors) {
+  Json all = Json::array();
+  for (const Actor& actor : actors) {
+    all.push_back({{"name", actor.name},
+                   {"kind", actor.kind},
+                   {"size_m", {actor.size_m.x(), actor.size_m.y(), actor.size_m.z()}},
+                   {"start_s", actor.track.front().time_s},
+                   {"end_s", actor.track.back().time_s},
+                   {"travel_m", actor.travel_m()}});
+  }
+  return all;
+}
+
+std::string actors_text(const std::vector<Actor>& actors) {
+  std::string text;
+  for (const Actor& actor : actors) {
+    text +=
+        fmt::format("  actor  {:<16} {}, {:.1f} x {:.1f} x {:.1f} m, {:.2f} to {:.2f} s, gets {:.1f} m far\n",
+                    actor.name,
+                    actor.kind,
+                    actor.size_m.x(),
+                    actor.size_m.y(),
+                    actor.size_m.z(),
+                    actor.track.front().time_s,
+                    actor.track.back().time_s,
+                    actor.travel_m());
+  }
+  return text;
+}
+
 std::string trajectory_text(const Trajectory& t) {
   if (t.poses().empty()) return "  no trajectory\n";
   return fmt::format("  trajectory {} poses, {:.2f} s, {:.1f} m\n",
@@ -98,10 +128,12 @@ void print_log(const Log& log, bool json) {
                   {"images", log.images.size()},
                   {"sweeps", log.sweeps.size()},
                   {"trajectory", trajectory_json(log.world_from_rig)},
-                  {"sensors", sensors_json(SensorRig(log))}});
+                  {"sensors", sensors_json(SensorRig(log))},
+                  {"actors", actors_json(log.actors)}});
   }
   std::cout << fmt::format("log {}\n  {} images, {} sweeps\n", log.name, log.images.size(), log.sweeps.size())
-            << trajectory_text(log.world_from_rig) << sensors_text(log.cameras, log.lidars);
+            << trajectory_text(log.world_from_rig) << sensors_text(log.cameras, log.lidars)
+            << actors_text(log.actors);
 }
 
 void print_scene(const SceneFile& file, bool json) {
@@ -114,11 +146,12 @@ void print_scene(const SceneFile& file, bool json) {
                   {"lidar_set", set_json(scene.lidar)},
                   {"trajectory", trajectory_json(file.world_from_rig)},
                   {"sensors", sensors_json(SensorRig(file))},
+                  {"actors", actors_json(scene.actors)},
                   {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
             << set_text("lidar", scene.lidar) << trajectory_text(file.world_from_rig)
-            << sensors_text(file.cameras, file.lidars);
+            << sensors_text(file.cameras, file.lidars) << actors_text(scene.actors);
   if (!file.training) return;
   std::cout << "  trained\n";
   for (const RecordLine& line : record_lines(*file.training)) {

@@ -231,13 +231,17 @@ void render_plan(
   }
 }
 
+/// Frames per second of videos: others no player shows, nor does ffmpeg write them.
+constexpr double kLeastRate = 0.01, kMostRate = 1000.0;
+
 /// Of the video: as asked for, or as the frames follow each other.
 double frame_rate(const Plan& plan, const RenderCommand& command) {
   if (command.frames_per_s > 0.0) return command.frames_per_s;
   constexpr double kUsual = 10.0;
   if (plan.spans.size() < 2) return kUsual;
   const double seconds = plan.spans.back().start_s - plan.spans.front().start_s;
-  return seconds > 0.0 ? static_cast<double>(plan.spans.size() - 1) / seconds : kUsual;
+  const double rate = static_cast<double>(plan.spans.size() - 1) / seconds;
+  return seconds > 0.0 ? std::clamp(rate, kLeastRate, kMostRate) : kUsual;
 }
 
 /// Float holds a millimetre up to here.
@@ -332,7 +336,7 @@ void add_render(Command app, const Globals& globals) {
       .with_default();
   sub.option("--clouds", command->clouds, "ply, pcd or npz").one_of({"ply", "pcd", "npz"}).with_default();
   sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
-      .positive();
+      .range(kLeastRate, kMostRate);
   sub.option("--trajectory", command->trajectory, "recorded: the scene's own, or a log folder")
       .with_default();
   sub.option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");

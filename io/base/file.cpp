@@ -8,20 +8,35 @@
 #include <unistd.h>
 
 #include "host/base/error.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 
 namespace simuli {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+void need_regular(const fs::path& file, mode_t mode) {
+  if (S_ISREG(mode)) return;
+  const char* const found = S_ISDIR(mode) ? "a folder" : S_ISFIFO(mode) ? "a pipe" : "a device";
+  throw_input_error(file.string(), "file", found, "a file");
+}
+
+}  // namespace
+
+void need_regular_file(const fs::path& file) {
+  struct stat info {};
+  if (::stat(file.c_str(), &info) == 0) need_regular(file, info.st_mode);
+}
+
 std::string read_file(const fs::path& file, std::size_t max_bytes) {
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  // A pipe without a writer would be waited for.
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (descriptor.get() < 0) throw_errno(file, "file", "a readable file");
   struct stat info {};
   if (::fstat(descriptor.get(), &info) != 0) throw_errno(file, "file", "a readable file");
-  if (!S_ISREG(info.st_mode)) {
-    throw_input_error(file.string(), "file", S_ISDIR(info.st_mode) ? "a folder" : "a device", "a file");
-  }
+  need_regular(file, info.st_mode);
   const auto size = static_cast<std::size_t>(info.st_size);
   if (size > max_bytes) {
     throw_input_error(
@@ -64,6 +79,7 @@ void write_atomically(const fs::path& file, const std::function<void(const fs::p
   if (!fs::is_directory(parent_of(file), status)) {
     throw_input_error(file.string(), "folder", "no folder " + parent_of(file).string(), "an existing folder");
   }
+  need_regular_file(file);  // a device would be gone, with a file in its place
   Temporary temporary(file);
   temporary.fill(write);
   sync_to_disk(temporary.path());

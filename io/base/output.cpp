@@ -11,6 +11,7 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 
 namespace simuli {
@@ -95,6 +96,7 @@ void need_writable(const fs::path& file) {
   if (!fs::is_directory(parent_of(file), status)) {
     throw_input_error(file.string(), "folder", "no folder " + parent_of(file).string(), "an existing folder");
   }
+  need_regular_file(file);
   const Temporary temporary(file);
   const Descriptor made(::open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (made.get() < 0) throw_errno(file, "file", kWritable);

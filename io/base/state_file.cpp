@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 
 namespace simuli {
 namespace {
@@ -57,6 +58,7 @@ void write_state_file(const std::filesystem::path& file, const std::function<voi
 }
 
 StateFile::StateFile(std::filesystem::path file) : file_(std::move(file)) {
+  need_regular_file(file_);
   std::ifstream in(file_, std::ios::binary | std::ios::ate);
   if (!in) throw_input_error(file_.string(), "file", "one that can't be read", "a readable file");
   const auto size = static_cast<std::uint64_t>(in.tellg());

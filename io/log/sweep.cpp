@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -78,6 +79,7 @@ void validate(const fs::path& file, Sweep& sweep) {
 }  // namespace
 
 Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
+  need_regular_file(file);
   const std::size_t rows = row_count(lidar), count = ray_count(lidar), columns = count / rows;
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string());
   if (!input) refuse(file, OIIO::geterror());
@@ -140,7 +142,8 @@ void write_sweep(const fs::path& file, const Sweep& sweep) {
   }
   const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
   OIIO::ImageSpec spec(columns, rows, static_cast<int>(kChannels.size()), OIIO::TypeDesc::FLOAT);
-  spec["compression"] = "zip";  // lossless
+  spec["compression"] = "zip";               // lossless
+  spec["DateTime"] = "1970:01:01 00:00:00";  // else the day's, and the same sweep has other bits
   std::vector<float> pixels(count * kChannels.size());
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
     const std::vector<float>& values = kChannels[c].values(checked);

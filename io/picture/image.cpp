@@ -12,6 +12,7 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 
 namespace simuli {
 namespace {
@@ -134,6 +135,7 @@ std::vector<Footprint> footprints(int old_size, int new_size) {
 }  // namespace
 
 Image read_image(const fs::path& file) {
+  need_regular_file(file);
   require_whole_png(file);
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;  // colours as stored: alpha is dropped, not multiplied in
@@ -165,7 +167,10 @@ void write_image(const fs::path& file, const Image& image) {
   require_writable(file, image);
   const OIIO::TypeDesc type = has_float_pixels(file) ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
   OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
-  if (has_float_pixels(file)) spec["compression"] = "zip";  // lossless
+  if (has_float_pixels(file)) {
+    spec["compression"] = "zip";               // lossless
+    spec["DateTime"] = "1970:01:01 00:00:00";  // else the day's, and the same picture has other bits
+  }
   write_atomically(file, [&](const fs::path& temporary) {
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
     const auto refuse = [&](const std::string& cause) {

@@ -18,6 +18,8 @@ TEST_F(Cli, UsageErrorsAreOneLineAndExitWith2) {
   expect_failure("synth street -o x.log --frames many", kUsage, "--frames");
   expect_failure("import", kUsage, "subcommand");
   expect_failure("info generic64 row", kUsage, "generic64 is a sensor");
+  expect_failure("render s.scene --sensor front -o x.mp4 --fps 1e300", kUsage, "--fps");
+  expect_failure("render s.scene --sensor front -o x --speed nan", kUsage, "--speed");
 }
 
 TEST_F(Cli, QualitiesAreNamed) {
@@ -72,10 +74,12 @@ TEST_F(Cli, InputErrorsNameWhatWasFoundAndExitWith3) {
 
 TEST_F(Cli, OutputThatCannotBeWrittenIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "not run: writing to a full stdout, there is no /dev/full";
-  const int status =
-      std::system(fmt::format("'{}' info generic64 >/dev/full 2>/dev/null", SIMULI_PROGRAM).c_str());
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), kInput);
+  for (const char* arguments : {"info generic64", "train --set help"}) {
+    const int status =
+        std::system(fmt::format("'{}' {} >/dev/full 2>/dev/null", SIMULI_PROGRAM, arguments).c_str());
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), kInput) << arguments;
+  }
 }
 
 TEST_F(Cli, InfoOfABuiltInSensor) {
@@ -135,6 +139,9 @@ TEST_F(Cli, SynthesisedLogCanBeLookedAt) {
   EXPECT_EQ(log.at("kind"), "log");
   EXPECT_EQ(log.at("images"), 2);
   EXPECT_EQ(log.at("sweeps"), 2);
+  ASSERT_EQ(log.at("actors").size(), 1U);
+  EXPECT_EQ(log.at("actors").at(0).at("name"), "car");
+  EXPECT_NE(run("info small.log").out.find("\n  actor  car "), std::string::npos);
   ASSERT_FALSE(log.at("sensors").empty());
   for (const auto& sensor : log.at("sensors")) {
     const std::string name = sensor.at("name");

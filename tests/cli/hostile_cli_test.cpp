@@ -137,6 +137,20 @@ TEST_F(HostileCli, LinksThatLeadOutAreNotFollowed) {
   refused({"import nerfstudio transforms.json -o out.log"}, "file_path");
 }
 
+TEST_F(HostileCli, RefusalsAreOneLine) {
+  Json log = read_json("s.log/log.json");
+  log["images"][0]["file"] = "\u202egnp.\u0085";
+  write_json("s.log/log.json", log);
+  refused({"info s.log", "train s.log -o out.scene"}, "found \"\\xe2\\x80\\xaegnp.\\xc2\\x85\"");
+  // Particles of actors that would have been left out are no news where nothing was written.
+  refused({"convert s.scene -o out.splat"}, "found \".splat\", allowed .ply or .spz");
+  fs::copy(folder_ / "s.scene" / "camera.ply", folder_ / "0.png");
+  std::ofstream(folder_ / "transforms.json")
+      << R"({"w": 8, "h": 6, "fl_x": 8, "frames": [{"file_path": "0.png", "transform_matrix":
+             [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})";
+  refused({"import nerfstudio transforms.json -o ''"}, "folder: found something of that name");
+}
+
 TEST_F(HostileCli, DeepJsonIsRefused) {
   fs::create_directory(folder_ / "deep.log");
   std::ofstream(folder_ / "deep.log" / "log.json") << std::string(200'000, '[');

@@ -1,6 +1,7 @@
 #include "host/cli/base/command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <string_view>
@@ -55,6 +56,8 @@ Option& Option::range(std::int64_t least, std::int64_t most) {
 
 Option& Option::range(double least, double most) {
   option_->check(CLI::Range(least, most));
+  // Which compares, and lets what is no number pass.
+  option_->check(number("", "a number", [](double value) { return !std::isnan(value); }));
   return *this;
 }
 

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "host/base/error.hpp"
+#include "host/base/one_line.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/base/version.hpp"
 #include "host/cli/base/crash.hpp"
@@ -46,9 +47,9 @@ int run(const std::string& name, const std::string& about, int argc, char** argv
   add_globals(line.root(), globals);
   add(line, globals);
   const Stopwatch watch;
-  if (!line.parse(argc, argv)) return 0;
+  const bool has_run = line.parse(argc, argv);  // or has told what was asked for
   if (!std::cout.flush()) return fail("stdout: could not be written", static_cast<int>(ErrorKind::kInput));
-  if (globals.verbose) {
+  if (has_run && globals.verbose) {
     std::cerr << fmt::format("simuli: {:.2f} s", watch.seconds()) << std::endl;
   }
   return 0;
@@ -88,13 +89,15 @@ int run_program(
   try {
     return run(name, about, argc, argv, add);
   } catch (const Error& error) {
-    return fail(error.what(), error.exit_code());
+    // A driver's build log has lines of its own.
+    const bool is_log = error.kind() == ErrorKind::kKernel;
+    return fail(is_log ? error.what() : on_one_line(error.what()), error.exit_code());
   } catch (const Interrupted& interrupted) {
     return fail(interrupted.what(), kInterruptedExit);
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kInternal);
   } catch (const std::exception& error) {
-    return fail(fmt::format("internal error: {}", error.what()), kInternal);
+    return fail(on_one_line(fmt::format("internal error: {}", error.what())), kInternal);
   }
 }
 

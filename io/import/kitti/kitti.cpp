@@ -68,6 +68,13 @@ DriveTimes read_times(const fs::path& drive, std::size_t frames) {
                         std::to_string(times.size()),
                         fmt::format("at least {}, one per frame", frames));
     }
+    for (std::size_t i = 1; i < frames; ++i) {
+      if (times[i] >= times[i - 1]) continue;
+      throw_input_error(file.string(),
+                        fmt::format("line {}", i + 1),
+                        "a time before that of the line above",
+                        "lines in order of time");
+    }
     return times;
   };
   const fs::path sweeps = drive / "velodyne_points";
@@ -91,7 +98,7 @@ Log import_kitti(const KittiOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress,
                  KittiReport* report) {
   // "drive", "./drive/" and "." all have a name and a parent once they are absolute.
-  const fs::path absolute = fs::absolute(options.drive).lexically_normal();
+  const fs::path absolute = (fs::current_path() / options.drive).lexically_normal();
   const fs::path drive = absolute.has_filename() ? absolute : absolute.parent_path();
   const DriveFiles files{drive};
   const std::size_t frames = count_frames(files);

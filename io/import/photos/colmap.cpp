@@ -259,7 +259,7 @@ bool holds_model(const fs::path& folder, const char* ending) {
 fs::path find_images(const fs::path& model, const fs::path& asked) {
   if (!asked.empty()) return asked;
   std::error_code ignored;
-  fs::path folder = fs::absolute(model).lexically_normal();
+  fs::path folder = (fs::current_path() / model).lexically_normal();
   for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
     if (fs::is_directory(folder / "images", ignored)) return folder / "images";
   }

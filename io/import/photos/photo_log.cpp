@@ -121,7 +121,7 @@ Log write_photo_log(PhotoSet set,
   for (Eigen::Vector3d& p : set.points) p = placed(p);
 
   Log log;
-  log.name = name_from(fs::absolute(output).lexically_normal().stem().string());
+  log.name = name_from((fs::current_path() / output).lexically_normal().stem().string());
   log.world_from_rig = Trajectory(std::move(path));
   for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kRigFromCamera, {0, 0, 0}}});
   Log written;

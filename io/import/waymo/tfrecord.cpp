@@ -6,10 +6,13 @@
 #include <system_error>
 
 #include "host/base/error.hpp"
+#include "io/base/regular_file.hpp"
 
 namespace simuli {
 
-TfRecords::TfRecords(const std::filesystem::path& file) : file_(file.string()), in_(file, std::ios::binary) {
+TfRecords::TfRecords(const std::filesystem::path& file) : file_(file.string()) {
+  need_regular_file(file);
+  in_.open(file, std::ios::binary);
   std::error_code error;
   bytes_ = std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
   if (error || !in_ || bytes_ == 0) throw_input_error(file_, "file", "nothing to read", "a .tfrecord");

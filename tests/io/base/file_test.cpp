@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <stdexcept>
+#include <sys/stat.h>
 
+#include "io/base/output.hpp"
+#include "io/base/regular_file.hpp"
+#include "io/base/state_file.hpp"
+#include "io/picture/image.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -34,6 +39,21 @@ TEST(File, RefusesWhatCannotBeRead) {
   expect_input_error([&] { (void)read_file(file, 4); },
                      {"five.txt", "size", "found 5 bytes", "allowed at most 4 bytes"});
   EXPECT_EQ(read_file(file, 5), "12345");
+}
+
+/// Nobody waits for a pipe's writer, or puts a file in its place.
+TEST(File, APipeIsNoFile) {
+  const Scratch scratch;
+  const fs::path pipe = scratch / "pipe.png";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  expect_input_error([&] { (void)read_file(pipe); }, {"pipe.png: file: found a pipe, allowed a file"});
+  expect_input_error([&] { (void)read_image(pipe); }, {"pipe.png: file: found a pipe, allowed a file"});
+  expect_input_error([&] { (void)StateFile(pipe); }, {"pipe.png: file: found a pipe, allowed a file"});
+  expect_input_error([&] { write_file_atomically(pipe, "x"); }, {"pipe.png: file: found a pipe"});
+  expect_input_error([&] { need_writable(pipe); }, {"pipe.png: file: found a pipe"});
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(entries_of(scratch.path()), 1U);
+  EXPECT_NO_THROW(need_regular_file(scratch / "none"));  // its reader says so
 }
 
 TEST(File, RefusesWhereNothingCanBeWritten) {

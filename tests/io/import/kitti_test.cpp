@@ -43,6 +43,21 @@ double reprojection_error_m(const kitti::BeamPoints& beams, const Sweep& sweep, 
   return farthest;
 }
 
+/// Told of the drive's own file, not of the log that is being made.
+TEST(KittiImport, RefusesTimesOutOfOrder) {
+  const Scratch scratch;
+  const KittiFolder folder(scratch);
+  const std::string file = KittiFolder::name() + "/image_02/timestamps.txt";
+  folder.write(file,
+               "2011-09-26 23:59:59.160000000\n2011-09-26 23:59:59.060000000\n"
+               "2011-09-26 23:59:59.260000000\n");
+  expect_input_error(
+      [&] {
+        (void)import_kitti({folder.drive(), "", scratch / "drive.log"});
+      },
+      {file, "line 2", "a time before that of the line above"});
+}
+
 TEST(KittiImport, BuildsTheFullFiringGrid) {
   const Scratch scratch;
   const KittiFolder folder(scratch);

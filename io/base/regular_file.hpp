@@ -1,0 +1,11 @@
+#pragma once
+#include <filesystem>
+
+namespace simuli {
+
+/// Error{kInput} for folders, pipes and devices: libraries that open files by name wait for a pipe, and read a
+/// device without end; what replaces a file would replace a device. What is not there is left to whoever
+/// opens it.
+void need_regular_file(const std::filesystem::path& file);
+
+}  // namespace simuli
