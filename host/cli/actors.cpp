@@ -1,5 +1,4 @@
 #include <cmath>
-#include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "host/base/fields.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/settings.hpp"
+#include "io/base/output.hpp"
 #include "optim/actors/compare_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 
@@ -121,9 +121,7 @@ std::string text_of(const ActorComparison& comparison) {
 
 void actors(const ActorsCommand& command, const Globals& globals) {
   Log log = read_log(command.log);
-  if (std::filesystem::exists(command.output)) {  // known now, not after the search
-    throw_input_error(command.output, "folder", "one that exists", "a new name");
-  }
+  if (!command.output.empty()) need_new_path(command.output);  // known now, not after the search
   std::optional<Log> labelled;
   if (!command.labelled.empty()) labelled = read_log(command.labelled);
   const FoundActors found = find_actors(log, command.frames, command.options);

@@ -74,7 +74,12 @@ OutputLock::OutputLock(const fs::path& output) {
     const bool written =
         ::ftruncate(lock.get(), 0) == 0 &&
         ::pwrite(lock.get(), process.data(), process.size(), 0) == static_cast<ssize_t>(process.size());
-    if (!written) throw_errno(output, "folder", kWritable);
+    if (!written) {
+      const int why = errno;
+      ::unlink(file_.c_str());
+      errno = why;
+      throw_errno(output, "folder", kWritable);
+    }
     descriptor_ = lock.release();
     break;
   }
@@ -100,6 +105,14 @@ void need_writable(const fs::path& file) {
   const Temporary temporary(file);
   const Descriptor made(::open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (made.get() < 0) throw_errno(file, "file", kWritable);
+}
+
+void need_new_path(const fs::path& output) {
+  struct stat there {};
+  if (::lstat(without_trailing_slash(output).c_str(), &there) == 0) {
+    throw_input_error(output.string(), "folder", "something of that name", "a path that does not exist yet");
+  }
+  if (errno != ENOENT) throw_errno(output, "folder", kWritable);
 }
 
 void need_replaceable(const fs::path& folder, const std::function<bool(const std::string&)>& is_own) {

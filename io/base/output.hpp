@@ -24,6 +24,9 @@ class OutputLock {
 /// Error{kInput} when write_atomically() could not write a file of that name: what it would say at the end.
 void need_writable(const std::filesystem::path& file);
 
+/// Error{kInput} when there is something of that name, links that lead nowhere too, or there can't be.
+void need_new_path(const std::filesystem::path& output);
+
 /// As write_folder_atomically(); but an older folder of that name is replaced, in one step, when all that is
 /// in it is its own by `is_own(file name)`. Error{kInput} for others: nobody's files are removed.
 void replace_folder_atomically(const std::filesystem::path& folder,

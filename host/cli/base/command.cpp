@@ -107,6 +107,14 @@ Option Command::option(const std::string& names, T& value, const std::string& he
   if constexpr (std::same_as<T, std::size_t>) {
     option->check(number("", "a whole number from 0 on", [](double number) { return number >= 0.0; }));
   }
+  // Which would read as not given at all.
+  if constexpr (std::same_as<T, std::string> || std::same_as<T, std::filesystem::path>) {
+    option->check(CLI::Validator(
+        [](const std::string& text) {
+          return text.empty() ? std::string("found nothing, allowed a text") : std::string();
+        },
+        ""));
+  }
   return Option(option);
 }
 

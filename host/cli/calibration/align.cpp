@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/progress.hpp"
+#include "io/base/output.hpp"
 #include "io/log/log_json.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"
 
@@ -211,9 +211,7 @@ void align(const AlignCommand& command, const Globals& globals) {
     throw Error(ErrorKind::kUsage, "--apply-cameras: found no --camera or no --output, allowed with both");
   }
   for (const std::string& name : command.cameras) (void)log.camera(name);
-  if (std::filesystem::exists(command.output)) {  // known now, not after minutes of work
-    throw_input_error(command.output, "folder", "one that exists", "a new name");
-  }
+  if (!command.output.empty()) need_new_path(command.output);  // known now, not after minutes of work
   StageProgress progress(globals);
   std::optional<calib::AlignReport> report;
   Trajectory path = log.world_from_rig;

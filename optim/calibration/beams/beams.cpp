@@ -1,10 +1,12 @@
 #include "optim/calibration/beams/beams.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <ceres/ceres.h>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 #include <utility>
 
 #include "host/base/angles.hpp"
@@ -152,6 +154,24 @@ std::vector<BeamPoint> choose(const std::vector<std::vector<BeamPoint>>& sweeps)
   return chosen;
 }
 
+/// Of the two that a solved problem has; nothing where its residuals tell only one of them. (Ceres' own
+/// covariance logs that on stderr.)
+std::optional<Eigen::Vector2d> variances(ceres::Problem& problem, double& first, double& second) {
+  if (problem.NumResiduals() == 0) return {};
+  ceres::Problem::EvaluateOptions of;
+  of.parameter_blocks = {&first, &second};
+  ceres::CRSMatrix jacobian;
+  if (!problem.Evaluate(of, nullptr, nullptr, nullptr, &jacobian)) return {};
+  const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>> j(
+      jacobian.values.data(), jacobian.num_rows, 2);
+  const Eigen::Matrix2d normal = j.transpose() * j;
+  constexpr double kLeastCondition = 1e-14;  // reciprocal, of the normal equations
+  const Eigen::Vector2d values =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(normal, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(values[0] > kLeastCondition * values[1])) return {};
+  return normal.inverse().diagonal();
+}
+
 void fit_beam(const std::vector<std::vector<BeamPoint>>& sweeps, BeamEstimate& beam) {
   constexpr double kSigma_rad = 0.05e-3;
   const std::vector<BeamPoint> points = choose(sweeps);
@@ -181,19 +201,12 @@ void fit_beam(const std::vector<std::vector<BeamPoint>>& sweeps, BeamEstimate& b
   }
   beam.residual = 1.4826 * upper_median(std::move(errors));
 
-  ceres::Covariance::Options how;
-  how.algorithm_type = ceres::DENSE_SVD;
-  ceres::Covariance covariance(how);
-  const std::vector<std::pair<const double*, const double*>> blocks{{&elevation, &elevation},
-                                                                    {&height, &height}};
-  double elevation_variance = 0.0;
-  double height_variance = 0.0;
-  const bool determined = summary.IsSolutionUsable() && covariance.Compute(blocks, &problem) &&
-                          covariance.GetCovarianceBlock(&elevation, &elevation, &elevation_variance) &&
-                          covariance.GetCovarianceBlock(&height, &height, &height_variance);
+  const std::optional<Eigen::Vector2d> variance =
+      summary.IsSolutionUsable() ? variances(problem, elevation, height) : std::nullopt;
+  const bool determined = variance.has_value();
   const double scale = std::max(beam.residual, 0.01e-3) / kSigma_rad;
-  beam.elevation_sigma = determined ? scale * std::sqrt(elevation_variance) : INFINITY;
-  beam.vertical_offset_sigma = determined ? scale * std::sqrt(height_variance) : INFINITY;
+  beam.elevation_sigma = determined ? scale * std::sqrt(variance->x()) : INFINITY;
+  beam.vertical_offset_sigma = determined ? scale * std::sqrt(variance->y()) : INFINITY;
   beam.vertical_offset_known = beam.vertical_offset_sigma <= kWorstOffset_m;
   if (!determined) return;
   beam.row.elevation = elevation;

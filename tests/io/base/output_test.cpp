@@ -111,6 +111,18 @@ TEST(OutputLock, IsOfOneProcess) {
   EXPECT_EQ(entries_of(scratch.path()), 0U);
 }
 
+TEST(NeedNewPath, IsOfNothingThatIsThere) {
+  const Scratch scratch;
+  EXPECT_NO_THROW(need_new_path(scratch / "new"));
+  EXPECT_NO_THROW(need_new_path(scratch / "new/"));
+  fs::create_directory(scratch / "folder");
+  expect_input_error([&] { need_new_path(scratch / "folder/"); }, {"found something of that name"});
+  fs::create_symlink("loop", scratch / "loop");
+  expect_input_error([&] { need_new_path(scratch / "loop"); }, {"loop: folder", "does not exist yet"});
+  expect_input_error([&] { need_new_path(scratch / "loop/x"); }, {"loop/x: folder: found Too many levels"});
+  expect_input_error([&] { need_new_path(scratch / std::string(300, 'x')); }, {"File name too long"});
+}
+
 TEST(NeedWritable, SaysWhatWritingWould) {
   const Scratch scratch;
   EXPECT_NO_THROW(need_writable(scratch / "report.html"));
