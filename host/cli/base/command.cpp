@@ -1,6 +1,7 @@
 #include "host/cli/base/command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <string_view>
@@ -103,6 +104,17 @@ Option Command::option(const std::string& names, T& value, const std::string& he
   // The library reads -1 as the largest of them.
   if constexpr (std::same_as<T, std::size_t>) {
     option->check(number("", "a whole number from 0 on", [](double number) { return number >= 0.0; }));
+  }
+  // And "nan" and "inf" as numbers, which no range of the library's refuses. Other texts are for later
+  // checks.
+  if constexpr (std::same_as<T, double>) {
+    option->check(CLI::Validator(
+        [](const std::string& text) -> std::string {
+          double read = 0.0;
+          if (!CLI::detail::lexical_cast(text, read) || std::isfinite(read)) return {};
+          return fmt::format("found {}, allowed a finite number", text);
+        },
+        ""));
   }
   return Option(option);
 }
