@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "host/base/error.hpp"
@@ -18,9 +19,24 @@ static_assert(std::endian::native == std::endian::little, "the format is little 
 
 constexpr std::uint32_t kMagic = 20000630;
 constexpr std::uint32_t kDeepOrSeveralParts = 0x1800;  // flags of the version
-constexpr std::size_t kLongestName = 255;
+constexpr std::size_t kLongestName = 254;
 constexpr std::int64_t kLargestSide_px = 65536;
 constexpr std::uint32_t kLargestTile_px = 1024;
+
+/// Types that OpenEXR reads without looking at how long the attribute says it is: where the two differ, what
+/// it takes for the next attribute's length can be anything.
+struct Sized {
+  std::string_view type;
+  std::uint32_t bytes;
+};
+constexpr std::array<Sized, 24> kSized{{{"box2i", 16},      {"box2f", 16},   {"chromaticities", 32},
+                                        {"compression", 1}, {"double", 8},   {"envmap", 1},
+                                        {"float", 4},       {"int", 4},      {"keycode", 28},
+                                        {"lineOrder", 1},   {"m33f", 36},    {"m33d", 72},
+                                        {"m44f", 64},       {"m44d", 128},   {"rational", 8},
+                                        {"tiledesc", 9},    {"timecode", 8}, {"v2i", 8},
+                                        {"v2f", 8},         {"v2d", 16},     {"v3i", 12},
+                                        {"v3f", 12},        {"v3d", 24},     {"deepImageState", 1}}};
 
 class Header {
  public:
@@ -37,12 +53,20 @@ class Header {
       refuse("parts", "several, or deep ones", "one flat picture");
     }
     for (std::string name = text(); !name.empty(); name = text()) {
-      (void)text();  // its type
+      const std::string type = text();
       const auto bytes = next<std::uint32_t>();
       if (bytes > left_) {
         refuse("header", fmt::format("an attribute of {} bytes in {}", bytes, left_), "a whole OpenEXR file");
       }
-      if (name == "dataWindow" || name == "displayWindow") {
+      for (const Sized& sized : kSized) {
+        if (type == sized.type && bytes != sized.bytes) {
+          refuse(type + " attribute", fmt::format("{} bytes", bytes), fmt::format("{}", sized.bytes));
+        }
+      }
+      if (type == "preview" || type == "idmanifest") refuse("attribute", type, "a picture without");
+      if (type == "chlist") {
+        check_channels(bytes);
+      } else if (name == "dataWindow" || name == "displayWindow") {
         check_window(name, bytes);
       } else if (name == "tiles") {
         check_tiles(bytes);
@@ -53,7 +77,9 @@ class Header {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& field, const std::string& found, const char* allowed) const {
+  [[noreturn]] void refuse(const std::string& field,
+                           const std::string& found,
+                           const std::string& allowed) const {
     throw_input_error(file_, field, found, allowed);
   }
 
@@ -83,6 +109,17 @@ class Header {
       if (out.size() > kLongestName) refuse("header", "a name without an end", "a whole OpenEXR file");
     }
     return out;
+  }
+
+  /// Names with 16 bytes each, up to an empty one: as long as the attribute.
+  void check_channels(std::uint32_t bytes) {
+    constexpr std::size_t kOfOne = 16;
+    const std::uintmax_t end = left_ - bytes;
+    while (!text().empty()) {
+      if (left_ < kOfOne) refuse("header", "cut short", "a whole OpenEXR file");
+      skip(kOfOne);
+    }
+    if (left_ != end) refuse("channels", "a list of another length than it says", "a whole OpenEXR file");
   }
 
   void check_window(const std::string& name, std::uint32_t bytes) {
