@@ -110,13 +110,12 @@ std::vector<Span> spans_at(const std::vector<double>& starts_s, double duration_
 std::vector<double> parse_times(const std::string& text) {
   constexpr double kMostFrames = 1e6;
   const std::vector<double> t = parse_numbers("--times", text, 3);
-  const bool allowed = t[2] > 0.0 && t[1] >= t[0] && (t[1] - t[0]) / t[2] < kMostFrames;
+  const double steps = (t[1] - t[0]) / t[2];
+  const bool allowed = t[2] > 0.0 && t[1] >= t[0] && steps < kMostFrames;
   if (!allowed) refuse("--times", text, "t0:t1:dt with t0 <= t1, dt > 0 and less than a million frames");
   std::vector<double> times;
-  // A hair more, so that 0:1:0.1 includes 1.
-  for (std::size_t i = 0; t[0] + static_cast<double>(i) * t[2] <= t[1] + 1e-9; ++i) {
-    times.push_back(t[0] + static_cast<double>(i) * t[2]);
-  }
+  // A hair more of a step, so that 0:1:0.1 includes 1.
+  for (int i = 0; i <= steps + 1e-6; ++i) times.push_back(t[0] + i * t[2]);
   return times;
 }
 

@@ -1,7 +1,7 @@
 // Where a lens's map stops being one to one.
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "cl/shared/sensor_constants.h"
@@ -21,10 +21,11 @@ constexpr int kDirections = 128;  // around the axis
 constexpr int kBisections = 60;   // to the last bit of an angle
 constexpr double kDomainRounding = 1e-14;
 
-/// First root of f in (0, end], or infinity; f(0) > 0. Between samples f may dip below zero and come back:
-/// every local minimum of the samples is searched by golden section, but where f is flat, to rounding: then
-/// nearly every sample would be one.
-double first_root(const std::function<double(double)>& f, double end) {
+/// First root of f in (0, end], or infinity; f(0) > 0. sample(i) is f at end * i / kSamples. Between samples
+/// f may dip below zero and come back: every local minimum of the samples is searched by golden section, but
+/// where f is flat, to rounding: then nearly every sample would be one.
+template <class F, class Sample>
+double first_root(const F& f, const Sample& sample, double end) {
   const auto bisect = [&f](double above, double below) {
     for (int k = 0; k < kBisections; ++k) {
       const double middle = 0.5 * (above + below);
@@ -33,12 +34,12 @@ double first_root(const std::function<double(double)>& f, double end) {
     return above;
   };
   const double step = end / kSamples;
-  double before = f(0.0), here = f(step);
+  double before = sample(0), here = sample(1);
   for (int i = 1; i <= kSamples; ++i) {
     const double t = i * step;
     if (!(here > 0.0)) return bisect(t - step, t);
     if (i == kSamples) break;
-    const double after = f(t + step);
+    const double after = sample(i + 1);
     const bool flat = std::max(before, after) - here <= kDomainRounding * here;
     if (here <= before && here <= after && !flat) {
       constexpr double kGolden = 0.3819660112501051;
@@ -60,10 +61,16 @@ double first_root(const std::function<double(double)>& f, double end) {
   return std::numeric_limits<double>::infinity();
 }
 
+template <class F>
+double first_root(const F& f, double end) {
+  return first_root(
+      f, [&](int i) { return f(end * i / kSamples); }, end);
+}
+
 /// Determinant of the distortion's Jacobian at the radius, negative from a pole of the rational part on.
-double orientation(const double* k, double radius, double direction) {
+double orientation(const double* k, double radius, const Eigen::Vector2d& along) {
   lens_forward::Distorted d;
-  lens_forward::distort(k, radius * std::cos(direction), radius * std::sin(direction), &d);
+  lens_forward::distort(k, radius * along.x(), radius * along.y(), &d);
   const double r2 = radius * radius;
   if (!(1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) > 0.0)) return -1.0;
   return d.u_x * d.v_y - d.u_y * d.v_x;
@@ -71,28 +78,37 @@ double orientation(const double* k, double radius, double direction) {
 
 /// The squared radius up to which a point with a positive determinant is before the fold. radius_of: the
 /// radius at a parameter that runs from 0 to `end`, increasing.
-double largest_radius2(const double* k, const std::function<double(double)>& radius_of, double end) {
+template <class Radius>
+double largest_radius2(const double* k, const Radius& radius_of, double end) {
   const bool symmetric =
       std::all_of(k + 8, k + 12, [](double s) { return s == 0.0; }) && k[2] == 0.0 && k[3] == 0.0;
   const int directions = symmetric ? 1 : kDirections;
+  // The same for all directions: looking for the fold is what making a lens costs.
+  std::array<double, kSamples + 1> radius{};
+  for (int i = 0; i <= kSamples; ++i) radius[static_cast<std::size_t>(i)] = radius_of(end * i / kSamples);
+  std::array<Eigen::Vector2d, kDirections> along;
   std::array<double, kDirections> fold{};
   double first = end, last = 0.0;
   for (int i = 0; i < directions; ++i) {
     const double direction = 2.0 * kPi * i / directions;
-    const double root =
-        std::min(end, first_root([&](double t) { return orientation(k, radius_of(t), direction); }, end));
-    fold[static_cast<std::size_t>(i)] = root;
-    first = std::min(first, root);
-    last = std::max(last, root);
+    const auto at = static_cast<std::size_t>(i);
+    along[at] = {std::cos(direction), std::sin(direction)};
+    const auto of_angle = [&](double t) { return orientation(k, radius_of(t), along[at]); };
+    const auto of_sample = [&](int j) {
+      return orientation(k, radius[static_cast<std::size_t>(j)], along[at]);
+    };
+    fold[at] = std::min(end, first_root(of_angle, of_sample, end));
+    first = std::min(first, fold[at]);
+    last = std::max(last, fold[at]);
   }
   // Between its own fold and the furthest one every direction must stay reversed, or points there would be
   // accepted for a second time. Lenses that wind like this are cut at the nearest fold instead.
   for (int i = 0; i < directions; ++i) {
-    const double direction = 2.0 * kPi * i / directions;
-    const double own = fold[static_cast<std::size_t>(i)];
+    const auto at = static_cast<std::size_t>(i);
+    const double own = fold[at];
     for (int j = 1; j <= kSamples && own < last; ++j) {
       const double t = own + (last - own) * j / kSamples;
-      if (orientation(k, radius_of(t), direction) > 0.0) return radius_of(first) * radius_of(first);
+      if (orientation(k, radius_of(t), along[at]) > 0.0) return radius_of(first) * radius_of(first);
     }
   }
   return radius_of(last) * radius_of(last);

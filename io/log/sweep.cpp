@@ -11,6 +11,7 @@
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/log/log.hpp"
+#include "io/picture/exr_header.hpp"
 
 namespace simuli {
 namespace {
@@ -81,9 +82,12 @@ void validate(const fs::path& file, Sweep& sweep) {
 Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
   need_regular_file(file);
   const std::size_t rows = row_count(lidar), count = ray_count(lidar), columns = count / rows;
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string());
+  require_sound_exr_header(file);
+  // By format, not by name: for a file that isn't OpenEXR the library would try every other decoder it has.
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("exr");
   if (!input) refuse(file, OIIO::geterror());
-  const OIIO::ImageSpec spec = input->spec();
+  OIIO::ImageSpec spec;
+  if (!input->open(file.string(), spec)) refuse(file, input->geterror());
   if (spec.height != static_cast<int>(rows) || spec.width != static_cast<int>(columns) || spec.depth > 1) {
     throw_input_error(file.string(),
                       "rows x columns",

@@ -13,6 +13,7 @@
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
+#include "io/picture/exr_header.hpp"
 
 namespace simuli {
 namespace {
@@ -62,6 +63,43 @@ void require_whole_png(const fs::path& file) {
     place += kChunkFrame + length;
   }
   throw_input_error(file.string(), "PNG end chunk", "none (truncated)", "a whole picture");
+}
+
+/// Formats by their first bytes. Left to itself the library goes by the name, and where that does not fit it
+/// tries every decoder it has, of videos and of raw pictures among them: on files from anybody.
+struct Format {
+  std::string_view start;
+  const char* name;
+};
+constexpr std::array<Format, 9> kFormats{{{"\x89PNG", "png"},
+                                          {"\xFF\xD8", "jpeg"},
+                                          {"\x76\x2F\x31\x01", "exr"},
+                                          {std::string_view("II*\0", 4), "tiff"},
+                                          {std::string_view("MM\0*", 4), "tiff"},
+                                          {"RIFF", "webp"},
+                                          {"BM", "bmp"},
+                                          {"P5", "pnm"},
+                                          {"P6", "pnm"}}};
+
+std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& file, const OIIO::ImageSpec& config) {
+  constexpr std::size_t kStart = 4;
+  std::string start(kStart, '\0');
+  std::ifstream(file, std::ios::binary).read(start.data(), kStart);
+  const auto format = std::find_if(
+      kFormats.begin(), kFormats.end(), [&](const Format& f) { return start.starts_with(f.start); });
+  const auto refuse = [&](const std::string& found) {
+    throw_input_error(file.string(), "picture", one_line(found), "a readable picture");
+  };
+  if (format == kFormats.end()) {
+    std::error_code ignored;
+    refuse(fs::exists(file, ignored) ? "neither PNG, JPEG, EXR, TIFF, WebP, BMP nor PNM" : "no such file");
+  }
+  if (format->name == std::string_view("exr")) require_sound_exr_header(file);
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format->name);
+  if (!input) refuse(OIIO::geterror());
+  OIIO::ImageSpec spec;
+  if (!input->open(file.string(), spec, config)) refuse(input->geterror());
+  return input;
 }
 
 void require_size(const fs::path& file, const OIIO::ImageSpec& spec) {
@@ -139,8 +177,7 @@ Image read_image(const fs::path& file) {
   require_whole_png(file);
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;  // colours as stored: alpha is dropped, not multiplied in
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) throw_input_error(file.string(), "picture", one_line(OIIO::geterror()), "a readable picture");
+  const std::unique_ptr<OIIO::ImageInput> input = open_picture(file, config);
   const OIIO::ImageSpec spec = input->spec();
   require_size(file, spec);
   Image stored(spec.width, spec.height, spec.nchannels);

@@ -125,6 +125,10 @@ TEST_F(CommandTest, RefusalsNameTheOptionAndWhatIsAllowed) {
             "--length: found 0, allowed a number above 0 (program --help)");
   EXPECT_EQ(refusal({"draw", "f", "--length", "x"}),
             "--length: found x, allowed a number above 0 (program --help)");
+  for (const std::string text : {"nan", "inf", "-inf", "1e999"}) {
+    EXPECT_EQ(refusal({"draw", "f", "--length", text.c_str()}),
+              "--length: found " + text + ", allowed a finite number (program --help)");
+  }
   EXPECT_EQ(refusal({"draw", "f", "--size", "-1"}),
             "--size: found -1, allowed a whole number from 0 on (program --help)");
   EXPECT_EQ(refusal({"fly"}), "found \"fly\", allowed a command (program --help)");

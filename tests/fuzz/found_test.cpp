@@ -39,10 +39,11 @@ TEST_P(Found, InputsAreReadOrRefused) {
   EXPECT_EQ(accepted > 0, reader.whole);
 }
 
-INSTANTIATE_TEST_SUITE_P(Readers,
-                         Found,
-                         testing::ValuesIn(test::fuzzed_readers().begin(), test::fuzzed_readers().end()),
-                         [](const auto& reader) { return std::string(reader.param.name); });
+std::string name_of(const testing::TestParamInfo<test::FuzzedReader>& reader) {
+  return std::string(reader.param.name);
+}
+INSTANTIATE_TEST_SUITE_P(Readers, Found, testing::ValuesIn(test::fuzzed_files()), name_of);
+INSTANTIATE_TEST_SUITE_P(Program, Found, testing::ValuesIn(test::fuzzed_program()), name_of);
 
 }  // namespace
 }  // namespace simuli

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 const Lidar& sweep_lidar() {
   static const Lidar lidar = [] {
     Lidar small = builtin_lidar("nuscenes_lidar_top_hdl32e");
-    small.columns = 16;
+    small.columns = 2;
     return small;
   }();
   return lidar;
@@ -138,34 +138,52 @@ void read_waymo_records(const fs::path& file) {
 }
 
 constexpr std::array kReaders{
-    FuzzedReader{"ply", [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kCamera); }, "a.ply"},
     FuzzedReader{
-        "ply_compressed", [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kCamera); }, "a.ply"},
-    FuzzedReader{"ply_points", [](const fs::path& f) { (void)read_points_ply(f); }, "a.ply"},
-    FuzzedReader{
-        "ply_lidar", [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kLidar); }, "a.ply"},
-    FuzzedReader{"spz", [](const fs::path& f) { (void)read_spz(f); }, "a.spz"},
-    FuzzedReader{"image", [](const fs::path& f) { (void)read_image(f); }, "a.png"},
-    FuzzedReader{"sweep", [](const fs::path& f) { (void)read_sweep(f, sweep_lidar()); }, "a.exr"},
-    FuzzedReader{"sensor", [](const fs::path& f) { (void)read_sensor_file(f); }, "a.json"},
-    FuzzedReader{"log", read_log_beside_frames, "log.json"},
-    FuzzedReader{"scene", [](const fs::path& f) { (void)read_scene(f.parent_path()); }, "scene.json", false},
+        "ply", Form::kPly, [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kCamera); }, "a.ply"},
+    FuzzedReader{"ply_compressed",
+                 Form::kPly,
+                 [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kCamera); },
+                 "a.ply"},
+    FuzzedReader{"ply_points", Form::kPly, [](const fs::path& f) { (void)read_points_ply(f); }, "a.ply"},
+    FuzzedReader{"ply_lidar",
+                 Form::kPly,
+                 [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kLidar); },
+                 "a.ply"},
+    FuzzedReader{"spz", Form::kSpz, [](const fs::path& f) { (void)read_spz(f); }, "a.spz"},
+    FuzzedReader{"image", Form::kBytes, [](const fs::path& f) { (void)read_image(f); }, "a.png"},
+    FuzzedReader{"sweep", Form::kExr, [](const fs::path& f) { (void)read_sweep(f, sweep_lidar()); }, "a.exr"},
+    FuzzedReader{"sensor", Form::kJson, [](const fs::path& f) { (void)read_sensor_file(f); }, "a.json"},
+    FuzzedReader{"log", Form::kJson, read_log_beside_frames, "log.json"},
+    FuzzedReader{"scene",
+                 Form::kJson,
+                 [](const fs::path& f) { (void)read_scene(f.parent_path()); },
+                 "scene.json",
+                 false},
     FuzzedReader{"state",
+                 Form::kBytes,
                  [](const fs::path& f) {
                    const StateFile state(f);
                    for (const std::string& name : state.names()) (void)state.block(name);
                  },
                  "a.state"},
+    FuzzedReader{"kitti_times",
+                 Form::kText,
+                 [](const fs::path& f) { (void)kitti::read_timestamps_ns(f); },
+                 "timestamps.txt"},
     FuzzedReader{
-        "kitti_times", [](const fs::path& f) { (void)kitti::read_timestamps_ns(f); }, "timestamps.txt"},
-    FuzzedReader{"kitti_keys", [](const fs::path& f) { (void)kitti::read_key_lines(f); }, "calib.txt"},
-    FuzzedReader{"kitti_points", [](const fs::path& f) { (void)kitti::read_points(f); }, "0000000000.bin"},
+        "kitti_keys", Form::kText, [](const fs::path& f) { (void)kitti::read_key_lines(f); }, "calib.txt"},
+    FuzzedReader{"kitti_points",
+                 Form::kBytes,
+                 [](const fs::path& f) { (void)kitti::read_points(f); },
+                 "0000000000.bin"},
     FuzzedReader{"kitti_poses",
+                 Form::kJson,
                  [](const fs::path& f) {
                    (void)kitti::read_pose_file(f, {0, 100'000'000}, 0);
                  },
                  "poses.json"},
     FuzzedReader{"kitti_tracking",
+                 Form::kText,
                  [](const fs::path& f) {
                    kitti::SweepTimes times;
                    times.start_s = {0.0, 0.1};
@@ -175,25 +193,28 @@ constexpr std::array kReaders{
                  },
                  "0003.txt"},
     FuzzedReader{"kitti360_camera",
+                 Form::kText,
                  [](const fs::path& f) { (void)kitti360::read_fisheye(f, "image_02"); },
                  "image_02.yaml"},
-    FuzzedReader{"kitti360_poses", [](const fs::path& f) { (void)kitti360::read_poses(f); }, "poses.txt"},
-    FuzzedReader{"colmap_text", read_colmap_text, "model"},
-    FuzzedReader{"colmap_binary", read_colmap_binary, "model"},
+    FuzzedReader{
+        "kitti360_poses", Form::kText, [](const fs::path& f) { (void)kitti360::read_poses(f); }, "poses.txt"},
+    FuzzedReader{"colmap_text", Form::kText, read_colmap_text, "model"},
+    FuzzedReader{"colmap_binary", Form::kBytes, read_colmap_binary, "model"},
     FuzzedReader{"nerfstudio",
+                 Form::kJson,
                  [](const fs::path& f) {
                    (void)read_nerfstudio({f, {}});
                  },
                  "transforms.json"},
-    FuzzedReader{"nuscenes_tables", read_nuscenes_tables, "tables", false},
-    FuzzedReader{"nuscenes_sweep", read_nuscenes_sweep, "0.pcd.bin"},
-    FuzzedReader{"points", read_point_drive, "drive"},
-    FuzzedReader{"waymo_frame", read_waymo_frame, "frame"},
-    FuzzedReader{"waymo_records", read_waymo_records, "segment.tfrecord"},
+    FuzzedReader{"nuscenes_tables", Form::kJson, read_nuscenes_tables, "tables", false},
+    FuzzedReader{"nuscenes_sweep", Form::kBytes, read_nuscenes_sweep, "0.pcd.bin"},
+    FuzzedReader{"points", Form::kJson, read_point_drive, "drive"},
+    FuzzedReader{"waymo_frame", Form::kWire, read_waymo_frame, "frame"},
+    FuzzedReader{"waymo_records", Form::kRecords, read_waymo_records, "segment.tfrecord"},
 };
 
 }  // namespace
 
-std::span<const FuzzedReader> fuzzed_readers() { return kReaders; }
+std::span<const FuzzedReader> fuzzed_files() { return kReaders; }
 
 }  // namespace simuli::test

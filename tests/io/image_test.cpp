@@ -112,6 +112,17 @@ TEST(Image, RefusesWhatIsNoPicture) {
   expect_input_error([&] { (void)read_image(empty); }, {"empty.jpg"});
 }
 
+TEST(Image, IsKnownByItsFirstBytes) {
+  const Scratch scratch;
+  write_image(scratch / "a.png", pattern(4, 4, 3));
+  fs::rename(scratch / "a.png", scratch / "really_png.jpg");
+  EXPECT_EQ(read_image(scratch / "really_png.jpg").width, 4);
+  // Decoders that nobody asked for are not tried: this is a whole Radiance picture.
+  const fs::path other =
+      scratch.file("a.png", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80"));
+  expect_input_error([&] { (void)read_image(other); }, {"a.png", "neither PNG", "allowed"});
+}
+
 TEST(Image, ChecksTheClaimedSizeBeforeItAllocates) {
   const Scratch scratch;
   write_image(scratch / "small.png", pattern(4, 4, 3));

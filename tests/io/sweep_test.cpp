@@ -128,6 +128,33 @@ TEST(SweepFile, RefusesOtherChannelsAndTruncation) {
   const fs::path cut = scratch.file("cut.exr", bytes.substr(0, bytes.size() - 100));
   expect_input_error([&] { (void)read_sweep(cut, lidar); }, {"cut.exr", "found", "allowed"});
   expect_input_error([&] { (void)read_sweep(scratch / "none.exr", lidar); }, {"none.exr"});
+  write_image(scratch / "a.png", Image(50, 3, 3));
+  fs::rename(scratch / "a.png", scratch / "png.exr");
+  expect_input_error([&] { (void)read_sweep(scratch / "png.exr", lidar); },
+                     {"png.exr", "allowed those of OpenEXR"});
+}
+
+TEST(SweepFile, AllocatesNothingThatAHeaderClaims) {
+  const Scratch scratch;
+  const Lidar lidar = some_lidar();
+  write_sweep(scratch / "s.exr", some_sweep(lidar));
+  const std::string bytes = read_file(scratch / "s.exr");
+  // Behind an attribute's name and type: its bytes, then its value.
+  const auto with = [&](const std::string& attribute, std::size_t at, const std::string& value) {
+    const std::size_t found = bytes.find(attribute);
+    EXPECT_NE(found, std::string::npos);
+    return std::string(bytes).replace(found + attribute.size() + at, value.size(), value);
+  };
+  using std::string_literals::operator""s;
+  const fs::path longer = scratch.file("long.exr", with("channels\0chlist\0"s, 0, "stre"));
+  expect_input_error([&] { (void)read_sweep(longer, lidar); }, {"long.exr", "1701999731 bytes"});
+  // OpenEXR reads channels up to an empty name, however long they say they are.
+  const fs::path shifted = scratch.file("shifted.exr", with("channels\0chlist\0"s, 0, "\x10"));
+  expect_input_error([&] { (void)read_sweep(shifted, lidar); },
+                     {"shifted.exr", "channels", "another length"});
+  const fs::path high = scratch.file("high.exr", with("dataWindow\0box2i\0"s, 16, "\xff\xff\xff\x7f"));
+  expect_input_error([&] { (void)read_sweep(high, lidar); }, {"high.exr", "2147483648 pixels a side"});
+  expect_input_error([&] { (void)read_image(high); }, {"high.exr", "2147483648 pixels a side"});
 }
 
 }  // namespace

@@ -56,8 +56,6 @@ Option& Option::range(std::int64_t least, std::int64_t most) {
 
 Option& Option::range(double least, double most) {
   option_->check(CLI::Range(least, most));
-  // Which compares, and lets what is no number pass.
-  option_->check(number("", "a number", [](double value) { return !std::isnan(value); }));
   return *this;
 }
 
@@ -112,6 +110,17 @@ Option Command::option(const std::string& names, T& value, const std::string& he
     option->check(CLI::Validator(
         [](const std::string& text) {
           return text.empty() ? std::string("found nothing, allowed a text") : std::string();
+        },
+        ""));
+  }
+  // And "nan" and "inf" as numbers, which no range of the library's refuses. Other texts are for later
+  // checks.
+  if constexpr (std::same_as<T, double>) {
+    option->check(CLI::Validator(
+        [](const std::string& text) -> std::string {
+          double read = 0.0;
+          if (!CLI::detail::lexical_cast(text, read) || std::isfinite(read)) return {};
+          return fmt::format("found {}, allowed a finite number", text);
         },
         ""));
   }

@@ -41,20 +41,6 @@ int fail(const std::string& what, int exit_code) {
   return exit_code;
 }
 
-int run(const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add) {
-  CommandLine line(name, about, fmt::format("simuli {}", version()));
-  Globals globals;
-  add_globals(line.root(), globals);
-  add(line, globals);
-  const Stopwatch watch;
-  const bool has_run = line.parse(argc, argv);  // or has told what was asked for
-  if (!std::cout.flush()) return fail("stdout: could not be written", static_cast<int>(ErrorKind::kInput));
-  if (has_run && globals.verbose) {
-    std::cerr << fmt::format("simuli: {:.2f} s", watch.seconds()) << std::endl;
-  }
-  return 0;
-}
-
 }  // namespace
 
 ProgressStyle progress_style(const Globals& globals) {
@@ -73,6 +59,23 @@ void add_absent(Command app, const std::string& name, const std::string& help, c
   command.run([name, option] { refuse_absent(name, option); });
 }
 
+void run_arguments(const std::string& name,
+                   const std::string& about,
+                   int argc,
+                   const char* const* argv,
+                   const AddCommands& add) {
+  CommandLine line(name, about, fmt::format("simuli {}", version()));
+  Globals globals;
+  add_globals(line.root(), globals);
+  add(line, globals);
+  const Stopwatch watch;
+  const bool has_run = line.parse(argc, argv);  // or has told what was asked for
+  if (!std::cout.flush()) throw Error(ErrorKind::kInput, "stdout: could not be written");
+  if (has_run && globals.verbose) {
+    std::cerr << fmt::format("simuli: {:.2f} s", watch.seconds()) << std::endl;
+  }
+}
+
 int run_program(
     const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add) {
   constexpr int kInternal = static_cast<int>(ErrorKind::kInternal);
@@ -87,7 +90,8 @@ int run_program(
     }
   } const notes;
   try {
-    return run(name, about, argc, argv, add);
+    run_arguments(name, about, argc, argv, add);
+    return 0;
   } catch (const Error& error) {
     // A driver's build log has lines of its own.
     const bool is_log = error.kind() == ErrorKind::kKernel;

@@ -10,8 +10,15 @@ namespace simuli::cli {
 /// Adds the commands of a program; `globals` outlives them.
 using AddCommands = std::function<void(CommandLine& line, const Globals& globals)>;
 
+/// Reads the arguments and runs the command they name; throws what that throws, Error{kUsage} for arguments
+/// that are not allowed. `name` as in CommandLine.
+void run_arguments(const std::string& name,
+                   const std::string& about,
+                   int argc,
+                   const char* const* argv,
+                   const AddCommands& add);
+
 /// What main() does: reads the arguments, runs the command they name and returns the exit code.
-/// `name` as in CommandLine.
 [[nodiscard]] int run_program(
     const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add);
 

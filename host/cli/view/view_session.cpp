@@ -74,7 +74,12 @@ ViewRequest parse_view_request(const std::string& json) {
         return Pose{Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), p.vector<3>("t")};
       });
     }
-    for (const Json& name : o.get("removed")) r.removed.push_back(name.get<std::string>());
+    const Json& removed = o.get("removed");
+    const auto is_name = [](const Json& name) { return name.is_string(); };
+    if (!removed.is_array() || !std::all_of(removed.begin(), removed.end(), is_name)) {
+      throw_input_error("request", "removed", removed.type_name(), "an array of actors' names");
+    }
+    for (const Json& name : removed) r.removed.push_back(name.get<std::string>());
     o.object("moved", [&](JsonObject& moved) {
       for (const auto& item : o.get("moved").items()) r.moved[item.key()] = moved.vector<3>(item.key());
     });
