@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -199,6 +200,9 @@ std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
   };
   const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
   const bool resumes = command.outputs.resume && there(checkpoint);
+  if (std::error_code failed; resumes && !std::filesystem::is_regular_file(checkpoint, failed)) {
+    throw_input_error(checkpoint.string(), "file", "something that is no file", "the state of a training");
+  }
   auto lock = std::make_unique<OutputLock>(command.output);
   if (!command.overwrite && !resumes) {
     if (there(command.output)) {
@@ -300,9 +304,11 @@ void add_train(Command app, const Globals& globals) {
       command->options.frames.held_out_last,
       "keep the frames of that share of the path, at its end, for evaluation, too");
   add("--seed", command->options.frames.seed, "of the frames' order and of thinning");
-  add("--checkpoint-every",
-      command->outputs.checkpoints.every,
-      "iterations between states in OUTPUT.checkpoint, the last of which is kept; 0: none");
+  sub.option("--checkpoint-every",
+             command->outputs.checkpoints.every,
+             "iterations between states in OUTPUT.checkpoint, the last of which is kept; 0: none")
+      .range(0, std::numeric_limits<int>::max())
+      .with_default();
   sub.flag("--overwrite", command->overwrite, "replace the scene, or the checkpoint, that is there");
   sub.flag("--resume",
            command->outputs.resume,

@@ -192,6 +192,19 @@ fs::path driver_cache_folder() {
   return own ? fs::path(*own) : usual_driver_cache();
 }
 
+namespace {
+std::atomic<void (*)()> kept{nullptr};
+}
+
+void keep_installed(void (*install)()) {
+  kept = install;
+  install();
+}
+
+void driver_has_built() {
+  if (auto* const install = kept.load()) install();
+}
+
 std::optional<CrashCount> crash_count() {
   const auto folder = cache_folder();
   if (!folder) return std::nullopt;

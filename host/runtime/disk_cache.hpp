@@ -35,6 +35,10 @@ void prepare_driver_cache();
 [[nodiscard]] std::string driver_cache_note();
 /// Where PoCL keeps what it compiles.
 [[nodiscard]] std::filesystem::path driver_cache_folder();
+/// Calls `install` now and whenever a driver has built a program: compilers in drivers (LLVM in PoCL) put their
+/// own handlers of signals in the place of everybody's.
+void keep_installed(void (*install)());
+void driver_has_built();
 /// The file that counts crashes and the count after the next one; whoever notices a crash writes it there.
 /// Nothing where there is no cache.
 struct CrashCount {

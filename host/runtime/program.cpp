@@ -112,6 +112,7 @@ Program::Program(const Device& device, const Expanded& expanded, const BuildOpti
       ErrorKind::kKernel,
       [&] { return "listing the kernels of " + expanded.shown; },
       [&] { return names_of(state->program); });
+  driver_has_built();
   state->declarations = kernel_declarations(expanded.source);
   if (!stored) {
     if (const auto binary = binary_of(state->program, device.state().device)) save_binary(key, *binary);

@@ -22,7 +22,8 @@ LIMIT_S = 300.0
 # A log of six frames, and a training that uses all that trainings can, in less than a second.
 STREET = ["synth", "street", "--frames", "6", "--image-width", "64", "--image-height", "36", "--lidar-columns", "90"]
 SMALL = ["--set", "init.voxel_m=0.3"]
-PROGRESS = re.compile(r"^[a-z][a-z0-9 ]* +\d+( %|/)|^simuli: (note|warning): ")
+# libpng tells its own errors itself.
+PROGRESS = re.compile(r"^[a-z][a-z0-9 ]* +\d+( %|/)|^simuli: (note|warning): |^libpng (error|warning): ")
 
 Argument = str | bytes | Path
 # For whoever ends before they do.

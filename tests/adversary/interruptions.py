@@ -52,7 +52,7 @@ def output_of(trial: Trial, output: str) -> dict[str, str]:
     found = content_of(path) if path.is_dir() else {}
     if path.is_file():
         found = {"file": content_of(trial.folder)[output]}
-    if output.endswith(".html"):  # has times
+    if found and output.endswith(".html"):  # has times
         return dict.fromkeys(found, str(path.read_text(errors="replace").rstrip().endswith("</html>")))
     if output.endswith(".scene"):  # scene.json names the process's seconds in none of its fields
         return found

@@ -54,16 +54,27 @@ TEST_F(DriverCacheCli, ADamagedCacheEndsOneRunNotAll) {
     if (entry.path().extension() == ".so") libraries.push_back(entry.path());
   }
   ASSERT_FALSE(libraries.empty());
+  // PoCL maps the one, which is cut, and crashes; it ends the process itself where it can't open the other,
+  // with the handlers of its compiler in place.
+  const auto crashes = [&] {
+    ASSERT_NE(run_at(home, "devices --check"), 0) << "PoCL takes care of it now";
+    EXPECT_NE(errors().find("simuli: crashed, in the OpenCL driver or by a defect"), std::string::npos)
+        << errors();
+    ASSERT_EQ(run_at(home, "devices --check"), 0) << errors();
+    EXPECT_NE(errors().find("note: the run before crashed: PoCL's cache is "), std::string::npos) << errors();
+    ASSERT_EQ(run_at(home, "devices --check"), 0) << errors();
+    EXPECT_EQ(errors(), "");
+  };
   constexpr std::uintmax_t kHeader = 3000;
   for (const fs::path& library : libraries)
     fs::resize_file(library, std::min(kHeader, fs::file_size(library)));
-  const int crash = run_at(home, "devices --check");
-  ASSERT_NE(crash, 0) << "PoCL takes care of it now";
-  EXPECT_EQ(errors().rfind("simuli: crashed, in the OpenCL driver or by a defect", 0), 0U) << errors();
-  ASSERT_EQ(run_at(home, "devices --check"), 0) << errors();
-  EXPECT_NE(errors().find("note: the run before crashed: PoCL's cache is "), std::string::npos) << errors();
-  ASSERT_EQ(run_at(home, "devices --check"), 0) << errors();
-  EXPECT_EQ(errors(), "");
+  crashes();
+  fs::remove(home / ".cache" / "simuli" / "crashes");
+  fs::remove_all(home / ".cache" / "simuli" / "pocl.1");
+  for (const fs::path& library : libraries)
+    std::ofstream(library) << "\x7f"
+                              "ELF others";
+  crashes();
 }
 
 }  // namespace

@@ -78,7 +78,8 @@ TEST_F(HostileCli, NamesOfScenesWriteNothing) {
     Json changed = scene;
     changed[Json::json_pointer(kPlaces[count++ % kPlaces.size()])] = name;
     write_json("s.scene/scene.json", changed);
-    refused({"render s.scene --sensor '" + name + "' --times 0:0:1 -o out"}, "name");
+    refused({"render s.scene --sensor '" + (name.empty() ? "front" : name) + "' --times 0:0:1 -o out"},
+            "name");
   }
   // The other commands that read scenes, with one of them.
   Json changed = scene;
@@ -148,7 +149,8 @@ TEST_F(HostileCli, RefusalsAreOneLine) {
   std::ofstream(folder_ / "transforms.json")
       << R"({"w": 8, "h": 6, "fl_x": 8, "frames": [{"file_path": "0.png", "transform_matrix":
              [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})";
-  refused({"import nerfstudio transforms.json -o ''"}, "folder: found something of that name");
+  expect_failure(
+      "import nerfstudio transforms.json -o ''", kUsage, "--output: found nothing, allowed a text");
 }
 
 TEST_F(HostileCli, DeepJsonIsRefused) {

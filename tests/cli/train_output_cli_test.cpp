@@ -88,6 +88,13 @@ TEST_F(TrainOutputCli, WhatIsThereStaysUnlessToldOtherwise) {
   expect_failure(train("-o file --overwrite"), kInput, "file: folder: found something else");
   std::ofstream(folder_ / "b.scene.checkpoint") << "of a training that was killed";
   expect_failure(train("-o b.scene"), kInput, "allowed --resume, or --overwrite");
+  // Nor is a scene replaced from the start where a checkpoint is asked for that leads nowhere.
+  for (const char* to : {"nowhere", "a.scene.checkpoint"}) {
+    fs::create_symlink(to, folder_ / "a.scene.checkpoint");
+    expect_failure(
+        train("-o a.scene --resume"), kInput, "a.scene.checkpoint: file: found something that is no");
+    fs::remove(folder_ / "a.scene.checkpoint");
+  }
   EXPECT_EQ(names(), (std::set<std::string>{"a.scene", "empty", "file", "b.scene.checkpoint"}));
 }
 

@@ -37,6 +37,15 @@ void note_crash(int /*signal*/) {
   write_all(STDERR_FILENO, words->message);
 }
 
+void install() {
+  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGABRT}) {
+    struct sigaction action {};
+    action.sa_handler = note_crash;
+    action.sa_flags = static_cast<int>(SA_ONSTACK | SA_RESETHAND);
+    static_cast<void>(::sigaction(signal, &action, nullptr));
+  }
+}
+
 }  // namespace
 
 void watch_crashes() {
@@ -61,12 +70,7 @@ void watch_crashes() {
   alternate.ss_sp = stack.data();
   alternate.ss_size = stack.size();
   static_cast<void>(::sigaltstack(&alternate, nullptr));
-  for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGABRT}) {
-    struct sigaction action {};
-    action.sa_handler = note_crash;
-    action.sa_flags = static_cast<int>(SA_ONSTACK | SA_RESETHAND);
-    static_cast<void>(::sigaction(signal, &action, nullptr));
-  }
+  keep_installed(install);
 }
 
 }  // namespace simuli::cli

@@ -168,7 +168,8 @@ TrainHistory run_training(Training& training,
                           const Globals& globals,
                           const TrainOutputs& outputs) {
   const Checkpoints& checkpoints = outputs.checkpoints;
-  const bool resumes = outputs.resume && std::filesystem::exists(checkpoints.file);
+  std::error_code absent;
+  const bool resumes = outputs.resume && std::filesystem::exists(checkpoints.file, absent);
   if (outputs.resume && !resumes) {
     std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
   }

@@ -114,7 +114,7 @@ void change_attributes(std::vector<Attribute>& attributes, Choice& choice) {
   for (Attribute& a : attributes) {  // they end at zero bytes
     std::erase(a.name, '\0');
     std::erase(a.type, '\0');
-    if (a.name.empty()) a.name = "a";
+    if (a.name.empty()) a.name.push_back('a');
   }
 }
 
