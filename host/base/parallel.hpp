@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -16,7 +17,12 @@ void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096)
   std::vector<std::jthread> threads;
   threads.reserve(parts - 1);
   for (std::size_t i = 1; i < parts; ++i) {
-    threads.emplace_back([&f, i, parts, count] { f(count * i / parts, count * (i + 1) / parts); });
+    const auto part = [&f, i, parts, count] { f(count * i / parts, count * (i + 1) / parts); };
+    try {
+      threads.emplace_back(part);
+    } catch (const std::system_error&) {  // no memory for another thread's stack
+      part();
+    }
   }
   f(0, count / parts);
 }

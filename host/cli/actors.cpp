@@ -11,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/base/settings.hpp"
 #include "io/base/output.hpp"
 #include "optim/actors/compare_actors.hpp"
@@ -146,7 +147,7 @@ void actors(const ActorsCommand& command, const Globals& globals) {
       json["without_label"] = comparison->others;
     }
     if (!command.output.empty()) json["log"] = command.output;
-    std::cout << json.dump(2) << '\n';
+    std::cout << json_text(json) << '\n';
     return;
   }
   std::cout << text_of(found);

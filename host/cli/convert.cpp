@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_file.hpp"
@@ -53,7 +54,7 @@ void convert(const ConvertCommand& command, const Globals& globals) {
   if (globals.json) {
     const nlohmann::ordered_json out = {
         {"file", command.output}, {"particles", set.size()}, {"sh_degree", set.sh_degree}};
-    std::cout << out.dump(2) << '\n';
+    std::cout << json_text(out) << '\n';
   } else {
     std::cout << fmt::format(
         "{} particles of SH degree {} in {}\n", set.size(), set.sh_degree, command.output);

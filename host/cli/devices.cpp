@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 
 namespace simuli::cli {
@@ -175,7 +176,7 @@ void devices(bool check, const Globals& globals) {
     if (!globals.json) std::cout << text;
     list.push_back(std::move(json));
   }
-  if (globals.json) std::cout << list.dump(2) << '\n';
+  if (globals.json) std::cout << json_text(list) << '\n';
   if (!failed.empty()) throw Error(ErrorKind::kDevice, "devices: check failed on " + failed);
 }
 

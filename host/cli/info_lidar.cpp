@@ -5,6 +5,7 @@
 #include <iostream>
 #include <numbers>
 
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/info.hpp"
 #include "io/log/sensor_json.hpp"
 
@@ -153,7 +154,7 @@ std::string lidar_line(const LidarModel& lidar) {
 
 void print_sensor(const LidarFile& lidar, bool json) {
   if (json) {
-    std::cout << to_json(lidar).dump(2) << '\n';
+    std::cout << json_text(to_json(lidar)) << '\n';
   } else {
     std::cout << std::visit([&](const auto& model) { return model_text(model, lidar.facts); }, lidar.model)
               << facts_text(lidar.facts);
@@ -164,7 +165,7 @@ void print_sensor_names(const std::vector<std::string>& cameras,
                         const std::vector<std::string>& lidars,
                         bool json) {
   if (json) {
-    std::cout << Json{{"cameras", cameras}, {"lidars", lidars}}.dump(2) << '\n';
+    std::cout << json_text(Json{{"cameras", cameras}, {"lidars", lidars}}) << '\n';
     return;
   }
   for (const std::string& name : lidars) std::cout << line_of(builtin_lidar(name)) << '\n';

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/info.hpp"
 #include "io/log/sensor_json.hpp"
@@ -116,7 +117,7 @@ std::string set_text(const char* name, const GaussianSet& set) {
                      static_cast<double>(set.params.size()) * sizeof(float) / 1e6);
 }
 
-void print(const Json& json) { std::cout << json.dump(2) << '\n'; }
+void print(const Json& json) { std::cout << json_text(json) << '\n'; }
 
 }  // namespace
 

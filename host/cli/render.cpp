@@ -15,6 +15,7 @@
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/base/pictures.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
@@ -310,7 +311,7 @@ void render(const RenderCommand& command, const Globals& globals) {
                                         {"sensor", sensor.name()},
                                         {"frames", plan.spans.size()},
                                         {"device", scene.device().info().label()}};
-    std::cout << out.dump(2) << '\n';
+    std::cout << json_text(out) << '\n';
   } else {
     std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), sensor.name(), command.output);
   }

@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/tile_choice.hpp"
 #include "host/render/scene/tile_tuning.hpp"
@@ -81,7 +82,7 @@ void print(const std::string& name, const RayGrid& grid, bool json) {
                                      {"rows_of_highest_tile", facts.most_rows},
                                      {"rows_of_lowest_tile", facts.fewest_rows},
                                      {"share_of_slots_filled", facts.filled}};
-    std::cout << out.dump(2) << '\n';
+    std::cout << json_text(out) << '\n';
     return;
   }
   std::cout << fmt::format("{}: {} rays in {} x {} tiles (elevation x azimuth)\n",

@@ -8,6 +8,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/judgement.hpp"
 #include "host/cli/report/report.hpp"
@@ -124,7 +125,7 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"warnings", judge(r).warnings},
                                         {"init_seconds", init.seconds},
                                         {"seconds", r.seconds}};
-    std::cout << out.dump(2) << '\n';
+    std::cout << json_text(out) << '\n';
     return;
   }
   std::cout << fmt::format("scene {}\n  {} iterations on {} images and {} sweeps, {:.1f} s + {:.1f} s\n",

@@ -46,7 +46,7 @@ def options_with_numbers() -> list[tuple[list[str], str]]:
         (["tile", "velodyne_vlp16", "--tune"], "--particles"),
         (["actors", "s.log"], "--held-out"),
         *[(["align", "s.log"], o) for o in ("--prior-position", "--prior-rotation")],
-        *[(["demo", "-o", "out"], o) for o in ("--iterations", "--held-out-last")],
+        (["demo", "-o", "out"], "--iterations"),
         (["view", "s.scene"], "--port"),
         (["fit", "beams", "s.log"], "--sweeps"),
         (["fit", "beams", "s.log"], "--spin-hz"),
@@ -175,7 +175,7 @@ def huge_sizes(trial: Trial) -> None:
                 "-o",
                 "out",
                 codes={INPUT, DEVICE},
-                may_work=value == 60_000,
+                may_work=value in (60_000, 10**6),
                 limit_s=LIMIT_S,
             )
             clear_outputs(trial)
@@ -197,15 +197,15 @@ def little_memory(trial: Trial) -> None:
         ):
             before = len(trial.result.failures)
             # Less than the program's own libraries need ends it before its first line (127: the loader).
-            codes = {USAGE, INPUT, DEVICE, 5, 127} if megabytes <= 160 else {USAGE, INPUT, DEVICE, 5}
+            codes = {USAGE, INPUT, DEVICE, 5, 127} if megabytes <= 300 else {USAGE, INPUT, DEVICE, 5}
             outcome = trial.refused(
                 *command, codes={*codes, INTERNAL}, may_work=True, limits={resource.RLIMIT_AS: megabytes << 20}
             )
-            if outcome.code == 127 and megabytes <= 160:
+            if outcome.code == 127 and megabytes <= 300:
                 del trial.result.failures[before:]
             if outcome.code == INTERNAL and "out of memory" not in outcome.err:
                 trial.check(False, f"{shown(command)} in {megabytes} MB: {outcome.told()}")
-            if "no OpenCL device at all" in outcome.err:
+            if "no OpenCL device at all" in outcome.err and "given memory" not in outcome.err:
                 trial.check(False, f"{shown(command)} in {megabytes} MB: misleading: {outcome.told()}")
             clear_outputs(trial)
         for files in (6, 8, 10, 12, 16, 20):

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <fcntl.h>
 #include <iostream>
+#include <system_error>
 #include <thread>
 #include <unistd.h>
 
@@ -52,8 +53,14 @@ void serve(int pipe) {
 void watch_signals() {
   std::array<int, 2> ends{};
   if (signal_pipe >= 0 || ::pipe2(ends.data(), O_CLOEXEC) != 0) return;  // signals end it as they would
+  try {
+    std::thread(serve, ends[0]).detach();
+  } catch (const std::system_error&) {  // no memory for its stack: as above
+    ::close(ends[0]);
+    ::close(ends[1]);
+    return;
+  }
   signal_pipe = ends[1];
-  std::thread(serve, ends[0]).detach();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction action {};
     if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include "host/base/error.hpp"
 #include "host/base/one_line.hpp"
@@ -100,6 +101,10 @@ int run_program(
     return fail(interrupted.what(), kInterruptedExit);
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kInternal);
+  } catch (const std::system_error& error) {
+    // Of threads, whose stacks take memory; what libraries say of files comes as an Error.
+    if (error.code() == std::errc::resource_unavailable_try_again) return fail("out of memory", kInternal);
+    return fail(on_one_line(fmt::format("internal error: {}", error.what())), kInternal);
   } catch (const std::exception& error) {
     return fail(on_one_line(fmt::format("internal error: {}", error.what())), kInternal);
   }

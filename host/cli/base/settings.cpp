@@ -3,6 +3,7 @@
 #include <iostream>
 #include <utility>
 
+#include "host/cli/base/json_text.hpp"
 #include "io/base/fields_json.hpp"
 
 namespace simuli::cli {
@@ -13,7 +14,7 @@ void add_settings(Command command,
                   std::function<Fields()> fields,
                   const std::string& help) {
   command.option("--set", settings, help).answers("help", [&globals, fields = std::move(fields)] {
-    std::cout << (globals.json ? help_json(fields()).dump(2) + '\n' : fields().help());
+    std::cout << (globals.json ? json_text(help_json(fields())) + '\n' : fields().help());
   });
 }
 

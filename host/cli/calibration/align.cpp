@@ -11,6 +11,7 @@
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/base/progress.hpp"
 #include "io/base/output.hpp"
 #include "io/log/log_json.hpp"
@@ -249,7 +250,7 @@ void align(const AlignCommand& command, const Globals& globals) {
     if (!cameras.empty()) json["cameras"] = Json::array();
     for (const CameraResult& result : cameras) json["cameras"].push_back(to_json(result));
     if (!command.output.empty()) json["log"] = command.output;
-    std::cout << json.dump(2) << '\n';
+    std::cout << json_text(json) << '\n';
     return;
   }
   if (report) std::cout << text_of(*report);

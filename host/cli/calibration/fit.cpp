@@ -10,6 +10,7 @@
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/sensors/camera.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/log/log.hpp"
@@ -127,7 +128,7 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
                                 {"vertical_offset_m", b.vertical_offset_sigma},
                                 {"residual_rad", b.residual}});
     }
-    std::cout << json.dump(2) << '\n';
+    std::cout << json_text(json) << '\n';
     return;
   }
   std::cout << fmt::format("{} beams in {} points of {} sweeps; {} points on none of them\n",

@@ -12,6 +12,7 @@
 #include "host/base/stopwatch.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/interrupt.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/report/eval_tables.hpp"
 #include "host/cli/report/judgement.hpp"
@@ -278,7 +279,7 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
                     {"device", r.device},
                     {"seconds", r.seconds},
                     {"training", scene.training ? to_json(*scene.training) : Json()}});
-    std::cout << out.dump(2) << '\n';
+    std::cout << json_text(out) << '\n';
     return;
   }
   std::cout << fmt::format("{}: {} pictures of {} x {} px, {} sweeps, on {}\n",

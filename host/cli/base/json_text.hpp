@@ -1,0 +1,13 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace simuli::cli {
+
+/// Indented, as commands print it; bytes of paths that are no UTF-8 as U+FFFD.
+template <class Json>
+[[nodiscard]] std::string json_text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace simuli::cli
