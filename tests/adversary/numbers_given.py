@@ -196,12 +196,12 @@ def little_memory(trial: Trial) -> None:
             [40, 80, 120, 160, 200, 300, 400, 600, 800, 1200, 2000, 4000], min(12, 3 * trial.tries)
         ):
             before = len(trial.result.failures)
-            # Less than the program's own libraries need ends it before its first line (127: the loader).
-            codes = {USAGE, INPUT, DEVICE, 5, 127} if megabytes <= 300 else {USAGE, INPUT, DEVICE, 5}
+            # Less than libraries need ends it before its first line (127: the loader; an abort: their threads).
+            codes = {USAGE, INPUT, DEVICE, 5, 127, -6} if megabytes <= 400 else {USAGE, INPUT, DEVICE, 5}
             outcome = trial.refused(
                 *command, codes={*codes, INTERNAL}, may_work=True, limits={resource.RLIMIT_AS: megabytes << 20}
             )
-            if outcome.code == 127 and megabytes <= 300:
+            if outcome.code in (127, -6) and megabytes <= 400:
                 del trial.result.failures[before:]
             if outcome.code == INTERNAL and "out of memory" not in outcome.err:
                 trial.check(False, f"{shown(command)} in {megabytes} MB: {outcome.told()}")

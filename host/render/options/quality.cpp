@@ -20,11 +20,10 @@ RenderOptions options_of(Quality quality) {
   RenderOptions o;
   switch (quality) {
     case Quality::kDraft:
-      o.extent = Extent::kUnscented;
-      o.shutter_iterations = 0;
+      o.shutter_iterations = 1;
       o.sh_degree = ShDegree::k0;
       o.sh_storage = ShStorage::kHalf;
-      o.alpha_cut = 1.0 / 16.0;
+      o.alpha_cut = 1.0 / 64.0;
       o.transmittance_cut = 0.02;
       break;
     case Quality::kBalanced:

@@ -101,7 +101,8 @@ Trajectory read_oxts(const fs::path& drive,
   for (std::size_t i = 0; i < times_ns.size(); ++i) {
     const fs::path record = drive / "oxts" / "data" / fmt::format("{:010}.txt", i);
     // Records after the last frame only continue the path: it ends where the first is missing.
-    if (i >= frames && !fs::exists(record)) break;
+    std::error_code absent;
+    if (i >= frames && !fs::exists(record, absent)) break;
     const Pose ecef_from_velo = ecef_from_imu(read_record(record)) * imu_from_velo;
     if (i == 0) world_from_ecef = ecef_from_velo.inverse();
     poses.push_back({static_cast<double>(times_ns[i] - start_ns) * 1e-9, world_from_ecef * ecef_from_velo});

@@ -36,7 +36,9 @@ std::string find_sequence(const Kitti360Options& options) {
   std::vector<std::string> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(options.root / "data_poses", error)) {
-    if (fs::exists(entry.path() / "poses.txt")) found.push_back(entry.path().filename().string());
+    if (fs::is_symlink(entry.path() / "poses.txt", error) || fs::exists(entry.path() / "poses.txt", error)) {
+      found.push_back(entry.path().filename().string());
+    }
   }
   std::sort(found.begin(), found.end());
   if (found.size() == 1) return found.front();

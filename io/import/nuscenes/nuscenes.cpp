@@ -84,7 +84,11 @@ fs::path table_folder(const NuscenesOptions& options) {
   std::vector<std::string> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(options.root, error)) {
-    if (fs::exists(entry.path() / "sample_data.json")) found.push_back(entry.path().filename().string());
+    // Links that lead round are there, too: reading them says so.
+    if (fs::is_symlink(entry.path() / "sample_data.json", error) ||
+        fs::exists(entry.path() / "sample_data.json", error)) {
+      found.push_back(entry.path().filename().string());
+    }
   }
   std::sort(found.begin(), found.end());
   if (found.size() == 1) return options.root / found.front();
