@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string_view>
 #include <unistd.h>
+#include <vector>
 
 namespace simuli {
 namespace {
@@ -193,16 +194,28 @@ fs::path driver_cache_folder() {
 }
 
 namespace {
-std::atomic<void (*)()> kept{nullptr};
+
+struct Kept {
+  std::mutex mutex;
+  std::vector<void (*)()> installs;
+};
+
+Kept& kept() {
+  static Kept all;
+  return all;
 }
 
+}  // namespace
+
 void keep_installed(void (*install)()) {
-  kept = install;
+  const std::lock_guard lock(kept().mutex);
+  kept().installs.push_back(install);
   install();
 }
 
 void driver_has_built() {
-  if (auto* const install = kept.load()) install();
+  const std::lock_guard lock(kept().mutex);
+  for (auto* const install : kept().installs) install();
 }
 
 std::optional<CrashCount> crash_count() {

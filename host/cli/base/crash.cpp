@@ -37,7 +37,7 @@ void note_crash(int /*signal*/) {
   write_all(STDERR_FILENO, words->message);
 }
 
-void install() {
+void watch_for_crashes() {
   for (const int signal : {SIGSEGV, SIGBUS, SIGILL, SIGABRT}) {
     struct sigaction action {};
     action.sa_handler = note_crash;
@@ -70,7 +70,7 @@ void watch_crashes() {
   alternate.ss_sp = stack.data();
   alternate.ss_size = stack.size();
   static_cast<void>(::sigaltstack(&alternate, nullptr));
-  keep_installed(install);
+  keep_installed(watch_for_crashes);
 }
 
 }  // namespace simuli::cli

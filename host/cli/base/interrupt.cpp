@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <fcntl.h>
 #include <iostream>
@@ -10,6 +11,7 @@
 #include <thread>
 #include <unistd.h>
 
+#include "host/runtime/disk_cache.hpp"
 #include "io/base/temporary.hpp"
 
 namespace simuli::cli {
@@ -27,10 +29,30 @@ void note_signal(int signal) {
   errno = error;
 }
 
+constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+std::array<bool, kSignals.size()> ignored{};  // from the start, as under nohup
+
+std::atomic<bool> is_ending{false};
+
+void watch_for_signals() {
+  if (is_ending) return;
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    if (ignored[i]) continue;
+    struct sigaction action {};
+    action.sa_handler = note_signal;
+    action.sa_flags = SA_RESTART;
+    static_cast<void>(::sigaction(kSignals[i], &action, nullptr));
+  }
+}
+
 void end_by(int signal) {
   remove_temporaries();
-  std::signal(signal, SIG_DFL);
-  ::kill(::getpid(), signal);
+  is_ending = true;
+  for (;;) {  // another thread may just have put the handler back
+    std::signal(signal, SIG_DFL);
+    ::kill(::getpid(), signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 }
 
 void serve(int pipe) {
@@ -61,14 +83,11 @@ void watch_signals() {
     return;
   }
   signal_pipe = ends[1];
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
     struct sigaction action {};
-    if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
-    action = {};
-    action.sa_handler = note_signal;
-    action.sa_flags = SA_RESTART;
-    static_cast<void>(::sigaction(signal, &action, nullptr));
+    ignored[i] = ::sigaction(kSignals[i], nullptr, &action) != 0 || action.sa_handler == SIG_IGN;
   }
+  keep_installed(watch_for_signals);
 }
 
 InterruptionPoint::InterruptionPoint() { ++points; }
