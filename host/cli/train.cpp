@@ -15,6 +15,7 @@
 #include "host/cli/report/training.hpp"
 #include "host/cli/view/live_page.hpp"
 #include "io/base/output.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/scene_output.hpp"
@@ -195,18 +196,14 @@ std::filesystem::path checkpoint_beside(const std::string& output) {
 /// Refuses before any work what would be lost or could not be written at its end. The output is this
 /// process's from here on.
 std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
-  const auto there = [](const std::filesystem::path& path) {
-    std::error_code failed;
-    return std::filesystem::exists(std::filesystem::symlink_status(path, failed));
-  };
   const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
-  const bool resumes = command.outputs.resume && there(checkpoint);
+  const bool resumes = command.outputs.resume && is_there(checkpoint);
   if (std::error_code failed; resumes && !std::filesystem::is_regular_file(checkpoint, failed)) {
     throw_input_error(checkpoint.string(), "file", "something that is no file", "the state of a training");
   }
   auto lock = std::make_unique<OutputLock>(command.output);
   if (!command.overwrite && !resumes) {
-    if (there(command.output)) {
+    if (is_there(command.output)) {
       throw_input_error(command.output,
                         "folder",
                         "something of that name",
@@ -215,7 +212,7 @@ std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
                               "--overwrite"
                             : "a path that does not exist yet, or --overwrite");
     }
-    if (there(checkpoint)) {
+    if (is_there(checkpoint)) {
       throw_input_error(checkpoint.string(),
                         "file",
                         "the state of a training that has not ended",

@@ -25,6 +25,11 @@ void need_regular(const fs::path& file, mode_t mode) {
 
 }  // namespace
 
+bool is_there(const fs::path& path) {
+  std::error_code failed;
+  return fs::exists(fs::symlink_status(path, failed));
+}
+
 void need_regular_file(const fs::path& file) {
   struct stat info {};
   if (::stat(file.c_str(), &info) == 0) need_regular(file, info.st_mode);

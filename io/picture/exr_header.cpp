@@ -20,7 +20,6 @@ static_assert(std::endian::native == std::endian::little, "the format is little 
 constexpr std::uint32_t kMagic = 20000630;
 constexpr std::uint32_t kDeepOrSeveralParts = 0x1800;  // flags of the version
 constexpr std::size_t kLongestHeaderName = 254;
-constexpr std::int64_t kLargestHeaderSide_px = 65536;
 constexpr std::uint32_t kLargestTile_px = 1024;
 
 /// Types that OpenEXR reads without looking at how long the attribute says it is: where the two differ, what
@@ -128,7 +127,7 @@ class Header {
     for (std::int32_t& side : box) side = next<std::int32_t>();
     for (const std::size_t axis : {0U, 1U}) {
       const std::int64_t side = std::int64_t{box[axis + 2]} - box[axis] + 1;
-      if (side >= 1 && side <= kLargestHeaderSide_px) continue;
+      if (side >= 1 && side <= kLargestSide_px) continue;
       refuse(name, fmt::format("{} pixels a side", side), "1 to 65536");
     }
   }

@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLargestSide_px = 65536;
 /// 3 GiB as float RGB: a header that claims more is not worth the memory.
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 28U;
 

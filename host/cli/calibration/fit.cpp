@@ -188,14 +188,13 @@ void fit_lens(const LensCommand& command, const Globals& globals) {
   file.note = fmt::format("fitted to {}, RMS {:.4f} px", to_string(source.lens.kind()), fit.rms_px);
   if (!command.output.empty()) write_sensor_file(command.output, file);
   if (globals.json) {
-    std::cout << Json{{"camera", to_json(file)},
-                      {"rms_px", fit.rms_px},
-                      {"largest_px", fit.largest_px},
-                      {"largest_at_px", {fit.largest_at.x(), fit.largest_at.y()}},
-                      {"uncovered_share", fit.uncovered_share},
-                      {"samples", fit.samples},
-                      {"checked", fit.checked}}
-                     .dump(2)
+    std::cout << json_text(Json{{"camera", to_json(file)},
+                                {"rms_px", fit.rms_px},
+                                {"largest_px", fit.largest_px},
+                                {"largest_at_px", {fit.largest_at.x(), fit.largest_at.y()}},
+                                {"uncovered_share", fit.uncovered_share},
+                                {"samples", fit.samples},
+                                {"checked", fit.checked}})
               << '\n';
     return;
   }

@@ -12,6 +12,7 @@
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/import/kitti360/kitti360_parts.hpp"
 
@@ -36,9 +37,7 @@ std::string find_sequence(const Kitti360Options& options) {
   std::vector<std::string> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(options.root / "data_poses", error)) {
-    if (fs::is_symlink(entry.path() / "poses.txt", error) || fs::exists(entry.path() / "poses.txt", error)) {
-      found.push_back(entry.path().filename().string());
-    }
+    if (is_there(entry.path() / "poses.txt")) found.push_back(entry.path().filename().string());
   }
   std::sort(found.begin(), found.end());
   if (found.size() == 1) return found.front();

@@ -16,6 +16,7 @@
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
 
 namespace simuli {
@@ -85,10 +86,7 @@ fs::path table_folder(const NuscenesOptions& options) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(options.root, error)) {
     // Links that lead round are there, too: reading them says so.
-    if (fs::is_symlink(entry.path() / "sample_data.json", error) ||
-        fs::exists(entry.path() / "sample_data.json", error)) {
-      found.push_back(entry.path().filename().string());
-    }
+    if (is_there(entry.path() / "sample_data.json")) found.push_back(entry.path().filename().string());
   }
   std::sort(found.begin(), found.end());
   if (found.size() == 1) return options.root / found.front();
