@@ -58,8 +58,11 @@ FN void add_transposed(const real* record, const F* v, F* sum) {
 
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
 /// what has been summed so far. No atomics: an instance's sums go to its own slot (by particle, tile row by tile row).
-/// Build: ERRORS = 1 to blend the rays' errors as well, RAY_GRADIENTS = 1 for those of the rays.
-/// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance)
+/// Build: ERRORS = 1 to blend the rays' errors as well, RAY_GRADIENTS = 1 for those of the rays; RAY_ORDER = 1 where
+/// rays have orders of their own, which replay_window has gone through: here it is still particle by particle.
+/// Tiles from tile_first on.
+/// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance); with RAY_ORDER
+///     replayed[places][2][TILE_RAYS] and replayed_to[tiles][LS][NR] of replay_window
 ///     footprints[N]; slot_first[N], the prefix sum of slot_counts
 /// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3).
 ///     Every slot of every instance is written.
@@ -80,8 +83,11 @@ __kernel void render_bwd(const FrameParams frame,
                          __global real* grads,
                          __global const real* ray_error,
                          __global real* instance_error,
-                         __global real* ray_grads) {
-  const uint tile = get_group_id(0);
+                         __global real* ray_grads,
+                         const uint tile_first,
+                         __global const real* replayed,
+                         __global const uint* replayed_to) {
+  const uint tile = tile_first + get_group_id(0);
   const uint lid = get_local_id(0);
   const uint base = tile * TILE_RAYS;
   const real tile_u = ray_u[base];
@@ -92,9 +98,15 @@ __kernel void render_bwd(const FrameParams frame,
   const real t_cut = sensor->transmittance_cut;
   const real log_cut = log(sensor->alpha_cut);
 
+  const uint begin = first[tile];
   RayLanes ray[NR];
+#if RAY_ORDER
+  uint to[NR];  // places of the list that vectors look at
+  uint all_to = 0;
+#else
   F transmittance[NR];
   F behind[NR];  // g . (what is still to come): features, distance and the last transmittance
+#endif
   F g0[NR], g1[NR], g2[NR], gd[NR];
 #if ERRORS
   F error[NR];
@@ -106,7 +118,6 @@ __kernel void render_bwd(const FrameParams frame,
   for (int j = 0; j < NR; ++j) {
     const uint slot = base + VECTOR_SLOT(j, lid);
     load_ray(world_ray, ray_u, frame.slots, slot, &ray[j]);
-    transmittance[j] = (F)R(1.0);
 #if ERRORS
     error[j] = LDV(ray_error + slot);
 #endif
@@ -116,8 +127,14 @@ __kernel void render_bwd(const FrameParams frame,
     g0[j] = LDV(grad_out + slot);
     g1[j] = LDV(grad_out + frame.slots + slot);
     g2[j] = LDV(grad_out + 2 * frame.slots + slot);
-    const F gt = LDV(grad_out + SIM_O_TRANSMITTANCE * frame.slots + slot);
     gd[j] = LDV(grad_out + SIM_O_DISTANCE * frame.slots + slot);
+#if RAY_ORDER
+    to[j] = replayed_to[(tile * LS + lid) * NR + j];
+    all_to = max(all_to, to[j]);
+    alive |= (to[j] > 0 ? 1u : 0u) << j;
+#else
+    const F gt = LDV(grad_out + SIM_O_TRANSMITTANCE * frame.slots + slot);
+    transmittance[j] = (F)R(1.0);
     // The stored features hold T times the background already.
     behind[j] = g0[j] * LDV(out + slot);
     behind[j] = fma(g1[j], LDV(out + frame.slots + slot), behind[j]);
@@ -125,10 +142,11 @@ __kernel void render_bwd(const FrameParams frame,
     behind[j] = fma(gt, LDV(out + SIM_O_TRANSMITTANCE * frame.slots + slot), behind[j]);
     behind[j] = fma(gd[j], LDV(out + SIM_O_DISTANCE * frame.slots + slot), behind[j]);
     alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
+#endif
   }
 
   const uint end = first[tile + 1];
-  uint i = first[tile];
+  uint i = begin;
 #if LS > 1
   __local real reduced[LS * (SIM_GRAD + 1)];
   __local int group_alive;
@@ -136,11 +154,18 @@ __kernel void render_bwd(const FrameParams frame,
     barrier(CLK_LOCAL_MEM_FENCE);
     if (lid == 0) group_alive = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
+#if RAY_ORDER
+    if (i - begin >= all_to) alive = 0;
+#endif
     if (alive) group_alive = 1;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (!group_alive) break;
 #else
+#if RAY_ORDER
+  for (; i - begin < all_to; ++i) {
+#else
   for (; i < end && alive; ++i) {
+#endif
     fetch_ahead(payload, i, end, records, footprints, slot_first, grads, tx, ty);
 #endif
     const uint packed = payload[i];
@@ -172,29 +197,38 @@ __kernel void render_bwd(const FrameParams frame,
       respond(record, box_mean, seen, t_min, t_max, &response);
       const I inside = response.inside;
       if (!ANY(inside)) continue;
+#if RAY_ORDER
+      if (i - begin >= to[j]) continue;
+      const __global real* weights =
+          replayed + (ulong)(i - first[tile_first]) * REPLAYED + VECTOR_SLOT(j, lid);
+      const F weight = LDV(weights);
+      const F d_log = LDV(weights + TILE_RAYS);
+#else
       const F raw = raw_alpha(record, response.q, log_cut);
       const F alpha = SEL(inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
       const F weight = alpha * transmittance[j];
+      const F left = transmittance[j] - weight;
+#endif
       const F tau = SEL(inside, response.tau, (F)R(0.0));
       const F inv_n = SEL(inside, response.inv_n, (F)R(0.0));
       const F q = SEL(inside, response.q, (F)R(0.0));
-      const F left = transmittance[j] - weight;
 #if ERRORS
       blended_error = fma(weight, error[j], blended_error);
 #endif
+      sum[SIM_G_FEATURE] = fma(weight, g0[j], sum[SIM_G_FEATURE]);
+      sum[SIM_G_FEATURE + 1] = fma(weight, g1[j], sum[SIM_G_FEATURE + 1]);
+      sum[SIM_G_FEATURE + 2] = fma(weight, g2[j], sum[SIM_G_FEATURE + 2]);
 
+#if !RAY_ORDER
       F value = g0[j] * record[SIM_R_FEATURE];
       value = fma(g1[j], (F)record[SIM_R_FEATURE + 1], value);
       value = fma(g2[j], (F)record[SIM_R_FEATURE + 2], value);
       value = fma(gd[j], tau, value);
       behind[j] = fma(-weight, value, behind[j]);
-      sum[SIM_G_FEATURE] = fma(weight, g0[j], sum[SIM_G_FEATURE]);
-      sum[SIM_G_FEATURE + 1] = fma(weight, g1[j], sum[SIM_G_FEATURE + 1]);
-      sum[SIM_G_FEATURE + 2] = fma(weight, g2[j], sum[SIM_G_FEATURE + 2]);
-
       // dL/dalpha = T value - behind / (1 - alpha); no gradient through the clamp, but tau keeps its own.
       const F d_alpha = fma(transmittance[j], value, -(behind[j] / (R(1.0) - alpha)));
       const F d_log = SEL(AND(inside, raw < ALPHA_MAX), d_alpha * alpha, (F)R(0.0));
+#endif
       sum[SIM_G_OPACITY] += d_log;
       const F dq = d_log * R(-0.5);
       const F dtau = weight * gd[j];
@@ -245,6 +279,7 @@ __kernel void render_bwd(const FrameParams frame,
 #endif
 #endif
 
+#if !RAY_ORDER
       transmittance[j] = left;
       const I done = AND(left < t_cut, inside);
       if (ANY(done)) {
@@ -252,6 +287,7 @@ __kernel void render_bwd(const FrameParams frame,
         const I going = is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2]);
         if (!ANY(going)) alive &= ~(1u << j);
       }
+#endif
     }
 
     const ulong slot = gradient_slot(footprints, slot_first, particle, tx, ty);

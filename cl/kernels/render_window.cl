@@ -1,5 +1,6 @@
 // render_window.cl - blending in each ray's own order. Launcher: host/render/frame/render.cpp
-// Build: WINDOW entries, 2 or more; PER_RAY = 1 tells the vectors that they were too few for, and makes these exactly.
+// Build: WINDOW entries, 2 or more; PER_RAY = 1 tells the vectors that they were too few for, and makes these exactly;
+// REPLAY = 1 to go over it once more for render_bwd.cl. Launcher then: host/render/backward/render_bwd.cpp
 #include "math/light.h"
 
 /// What the rays of one vector have met and not blended yet, nearest first: entry i of all that were ever put
@@ -27,6 +28,13 @@ FN void put(Window* w, Met* met) {
 /// vector, so that those blend in the ray's own order that are not farther from it in the list than that.
 /// out inverted[tiles][LS], with PER_RAY: bits of the vectors in which a ray met something nearer than what it
 ///     had blended already, also after its end. Their outputs are not made. All others have exact order.
+/// replay_window, with REPLAY: the same once more, of tiles from tile_first on.
+/// in  out, grad_out of render_bwd(); with PER_RAY: inverted
+/// out replayed[places][2][TILE_RAYS], places counted from the list of tile_first on: the weight of what each ray
+///     has met there, and the gradient of its ln alpha; 0 where it has blended nothing. Not set for vectors that
+///     the particle does not touch, nor from replayed_to on
+///     replayed_to[tiles][LS][NR]: the place in the tile's list that a vector needs no more
+#if !REPLAY
 __kernel void render_window(const FrameParams frame,
                             __global const SensorConstants* sensor,
                             __global const real* world_ray,
@@ -41,8 +49,29 @@ __kernel void render_window(const FrameParams frame,
                             __global uint* inverted,
                             __global real* out) {
   const uint tile = get_group_id(0);
+#else
+__kernel void replay_window(const FrameParams frame,
+                            __global const SensorConstants* sensor,
+                            __global const real* world_ray,
+                            __global const real* ray_u,
+                            __global const uint* first,
+                            __global const uint* payload,
+                            __global const real* records,
+                            __global const real* motions,
+                            __global const real* params,
+                            __global const uint* actor_of,
+                            __global const ActorConstants* actors,
+                            __global const uint* inverted,
+                            __global const real* out,
+                            __global const real* grad_out,
+                            const uint tile_first,
+                            __global real* replayed,
+                            __global uint* replayed_to) {
+  const uint tile = tile_first + get_group_id(0);
+#endif
   const uint lid = get_local_id(0);
   const uint base = tile * TILE_RAYS;
+  const uint begin = first[tile];
   const real tile_u = ray_u[base];
   const real t_min = sensor->model.t_min;
   const real t_max = sensor->model.t_max;
@@ -54,21 +83,34 @@ __kernel void render_window(const FrameParams frame,
   Window window[NR];
   uint alive = 0;  // a bit per vector that still looks at the list
   for (int j = 0; j < NR; ++j) {
-    load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray[j]);
+    const uint slot = base + VECTOR_SLOT(j, lid);
+    load_ray(world_ray, ray_u, frame.slots, slot, &ray[j]);
+#if REPLAY
+    __global real* replayed_j =
+        replayed + (ulong)(begin - first[tile_first]) * REPLAYED + VECTOR_SLOT(j, lid);
+    start_light(&ray[j], out + slot, grad_out + slot, frame.slots, replayed_j, &light[j]);
+#else
     start_light(&ray[j], &light[j]);
+#endif
     window[j].count = 0;
     alive |= (ANY(light[j].going) ? 1u : 0u) << j;
   }
-#if PER_RAY
-  uint redo = 0;
-#endif
 
   const uint end = first[tile + 1];
+#if REPLAY
+  uint to[NR];
+  for (int j = 0; j < NR; ++j) to[j] = alive >> j & 1u ? end - begin : 0;
+#if PER_RAY
+  alive &= ~inverted[tile * LS + lid];
+#endif
+#elif PER_RAY
+  uint redo = 0;
+#endif
 #if LS > 1
   __local real staged[LS * SIM_RECORD];
   __local uint staged_payload[LS];
   __local int group_alive;
-  for (uint batch = first[tile]; batch < end; batch += LS) {
+  for (uint batch = begin; batch < end; batch += LS) {
     barrier(CLK_LOCAL_MEM_FENCE);
     if (lid == 0) group_alive = 0;
     if (batch + lid < end) {
@@ -84,12 +126,14 @@ __kernel void render_window(const FrameParams frame,
     const uint count = min((uint)LS, end - batch);
     for (uint i = 0; i < count; ++i) {
       const uint packed = staged_payload[i];
+      const uint place = batch + i - begin;
       real record[SIM_RECORD];
       for (int k = 0; k < SIM_RECORD; ++k) record[k] = staged[i * SIM_RECORD + k];
 #else
-  for (uint i = first[tile]; i < end && alive; ++i) {
+  for (uint i = begin; i < end && alive; ++i) {
     {
       const uint packed = payload[i];
+      const uint place = i - begin;
       if (!(alive & VECTORS_OF(packed))) continue;  // its record is not even read
       if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
       const __global real* source = records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD;
@@ -111,10 +155,13 @@ __kernel void render_window(const FrameParams frame,
         Response response;
         respond(record, box_mean, &seen, t_min, t_max, &response);
         if (!ANY(response.inside)) continue;
+#if REPLAY
+        clear_place(place, light[j].replayed);
+#endif
         const I inside = AND(response.inside, light[j].going);
         Window* w = &window[j];
         if (w->count >= WINDOW && ANY(inside)) blend(&w->entry[w->count % WINDOW], t_cut, &light[j]);
-#if PER_RAY
+#if PER_RAY && !REPLAY
         if (ANY(AND(response.inside, response.tau < light[j].last))) {
           redo |= 1u << j;
           alive &= ~(1u << j);
@@ -123,11 +170,17 @@ __kernel void render_window(const FrameParams frame,
 #else
         if (!ANY(light[j].going)) {
           alive &= ~(1u << j);
+#if REPLAY
+          to[j] = place;
+#endif
           continue;
         }
 #endif
         if (!ANY(inside)) continue;
         Met met;
+#if REPLAY
+        met.place = (F)(real)place;
+#endif
         const F last = w->count > 0 ? w->entry[(w->count - 1) % WINDOW].tau : (F)R(0.0);
         met.tau = SEL(inside, response.tau, last);
         met.alpha = SEL(inside, VMIN(raw_alpha(record, response.q, log_cut), (F)ALPHA_MAX), (F)R(0.0));
@@ -138,7 +191,7 @@ __kernel void render_window(const FrameParams frame,
   }
 
   for (int j = 0; j < NR; ++j) {
-#if PER_RAY
+#if PER_RAY && !REPLAY
     if (redo >> j & 1u) continue;
 #endif
     const uint count = window[j].count;
@@ -146,9 +199,13 @@ __kernel void render_window(const FrameParams frame,
       if (!ANY(light[j].going)) break;
       blend(&window[j].entry[i % WINDOW], t_cut, &light[j]);
     }
+#if REPLAY
+    replayed_to[(tile * LS + lid) * NR + j] = to[j];
+#else
     write_light(&light[j], sensor, frame.slots, out + base + VECTOR_SLOT(j, lid));
+#endif
   }
-#if PER_RAY
+#if PER_RAY && !REPLAY
   inverted[tile * LS + lid] = redo;
 #endif
 }
@@ -242,6 +299,9 @@ FN void gather(const TileRow* tile,
     Met met;
     met.tau = response.tau;
     const F place = (F)(real)i;
+#if REPLAY
+    met.place = place;
+#endif
     const I behind =
         OR(met.tau > round->last_tau, AND(met.tau == round->last_tau, place > round->last_place));
     const I ahead = AND(AND(response.inside, going), behind);
@@ -260,6 +320,8 @@ FN void gather(const TileRow* tile,
 /// place of maximum response along each ray, places in the list deciding between equal ones. Exact for lists of up
 /// to 2^24: a vector goes over its tile's list in rounds, each of which blends the NEAREST nearest responses behind
 /// those of the last; the next one begins at the first response that was left over.
+/// replay_per_ray, with REPLAY: the same once more, as replay_window.
+#if !REPLAY
 __kernel void render_per_ray(const FrameParams frame,
                              __global const SensorConstants* sensor,
                              __global const real* world_ray,
@@ -274,6 +336,25 @@ __kernel void render_per_ray(const FrameParams frame,
                              __global const uint* inverted,
                              __global real* out) {
   const uint tile = get_group_id(0);
+#else
+__kernel void replay_per_ray(const FrameParams frame,
+                             __global const SensorConstants* sensor,
+                             __global const real* world_ray,
+                             __global const real* ray_u,
+                             __global const uint* first,
+                             __global const uint* payload,
+                             __global const real* records,
+                             __global const real* motions,
+                             __global const real* params,
+                             __global const uint* actor_of,
+                             __global const ActorConstants* actors,
+                             __global const uint* inverted,
+                             __global const real* out,
+                             __global const real* grad_out,
+                             const uint tile_first,
+                             __global real* replayed) {
+  const uint tile = tile_first + get_group_id(0);
+#endif
   const uint lid = get_local_id(0);
   const uint base = tile * TILE_RAYS;
   const uint redo = inverted[tile * LS + lid];
@@ -285,8 +366,16 @@ __kernel void render_per_ray(const FrameParams frame,
         payload + first[tile], count, records, motions, params, actor_of, actors, frame.stride, ray_u[base], lid, j};
     RayLanes ray;
     Light light;
-    load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray);
+    const uint slot = base + VECTOR_SLOT(j, lid);
+    load_ray(world_ray, ray_u, frame.slots, slot, &ray);
+#if REPLAY
+    __global real* replayed_j =
+        replayed + (ulong)(first[tile] - first[tile_first]) * REPLAYED + VECTOR_SLOT(j, lid);
+    start_light(&ray, out + slot, grad_out + slot, frame.slots, replayed_j, &light);
+    for (uint place = 0; place < count; ++place) clear_place(place, replayed_j);
+#else
     start_light(&ray, &light);
+#endif
     Round round;
     round.last_tau = round.last_place = (F)R(-1.0);
     uint begin = 0;
@@ -303,7 +392,9 @@ __kernel void render_per_ray(const FrameParams frame,
       begin = count;
       for (int lane = 0; lane < V; ++lane) begin = min(begin, (uint)places[lane]);
     }
-    write_light(&light, sensor, frame.slots, out + base + VECTOR_SLOT(j, lid));
+#if !REPLAY
+    write_light(&light, sensor, frame.slots, out + slot);
+#endif
   }
 }
 #endif

@@ -1,10 +1,15 @@
-// light.h - what rays that order their responses themselves meet and blend: the two kernels of render_window.cl
-// share it, so that they round alike.
+// light.h - what rays that order their responses themselves meet and blend: the kernels of render_window.cl
+// share it, forward and backward, so that they round alike.
+// Build: REPLAY = 1 to tell, of each response that is blended, its weight and the gradient of its ln alpha.
 #ifndef SIMULI_CL_MATH_LIGHT_H
 #define SIMULI_CL_MATH_LIGHT_H
 #include "math/ray_drop.h"
 #include "math/ray_feature.h"
 #include "math/response.h"
+
+#ifndef REPLAY
+#define REPLAY 0
+#endif
 
 /// What one particle is to the V rays of a vector. A ray that does not meet it has alpha 0, and the tau of
 /// the entry before: it stands where it blends nothing and passes nothing.
@@ -12,10 +17,13 @@ typedef struct {
   F tau;  // m
   F alpha;
   F feature[3];
+#if REPLAY
+  F place;  // of the particle in the tile's list
+#endif
 } Met;
 
-/// Takes `met` past `before` in the lanes where it is nearer: the farther of the two goes to `place`, `met` is what
-/// goes on.
+/// Takes `met` past `before` in the lanes where it is nearer: the farther of the two goes to `place`, `met`
+/// is what goes on.
 FN void pass_by(I nearer, const Met* before, Met* place, Met* met) {
   const Met was = *met;
   place->tau = SEL(nearer, before->tau, was.tau);
@@ -26,6 +34,10 @@ FN void pass_by(I nearer, const Met* before, Met* place, Met* met) {
     place->feature[c] = SEL(nearer, before->feature[c], was.feature[c]);
     met->feature[c] = SEL(nearer, was.feature[c], before->feature[c]);
   }
+#if REPLAY
+  place->place = SEL(nearer, before->place, was.place);
+  met->place = SEL(nearer, was.place, before->place);
+#endif
 }
 
 /// Through pointers, member by member: see load_ray().
@@ -33,6 +45,9 @@ FN void copy_met(const Met* from, Met* to) {
   to->tau = from->tau;
   to->alpha = from->alpha;
   for (int c = 0; c < 3; ++c) to->feature[c] = from->feature[c];
+#if REPLAY
+  to->place = from->place;
+#endif
 }
 
 /// Sets the feature of what rays along d meet; params, actor_of and actors as ray_feature().
@@ -51,11 +66,77 @@ FN void set_feature(Met* met,
 #endif
 }
 
+#if REPLAY
+
+/// What V rays blend once more, knowing how it ends.
+typedef struct {
+  F transmittance;
+  F behind;  // g . (what is still to come): features, distance and the last transmittance
+  F g[3], g_distance;
+  I going;
+  __global real* replayed;  // of the list's first place and the vector's first ray
+} Light;
+
+/// out, grad_out: those of render_bwd(), from the vector's first slot on.
+FN void start_light(const RayLanes* ray,
+                    __global const real* out,
+                    __global const real* grad_out,
+                    uint slots,
+                    __global real* replayed,
+                    Light* light) {
+  light->transmittance = (F)R(1.0);
+  light->replayed = replayed;
+  light->going = is_ray(ray->d[0], ray->d[1], ray->d[2]);
+  for (int c = 0; c < 3; ++c) light->g[c] = LDV(grad_out + (ulong)c * slots);
+  const F g_transmittance = LDV(grad_out + SIM_O_TRANSMITTANCE * slots);
+  light->g_distance = LDV(grad_out + SIM_O_DISTANCE * slots);
+  // The stored features hold T times the background already.
+  light->behind = light->g[0] * LDV(out);
+  light->behind = fma(light->g[1], LDV(out + slots), light->behind);
+  light->behind = fma(light->g[2], LDV(out + 2 * slots), light->behind);
+  light->behind = fma(g_transmittance, LDV(out + SIM_O_TRANSMITTANCE * slots), light->behind);
+  light->behind = fma(light->g_distance, LDV(out + SIM_O_DISTANCE * slots), light->behind);
+}
+
+/// Nothing blended at a place, until something is.
+FN void clear_place(uint place, __global real* replayed) {
+  STV(replayed + (ulong)place * REPLAYED, (F)R(0.0));
+  STV(replayed + (ulong)place * REPLAYED + TILE_RAYS, (F)R(0.0));
+}
+
+FN void blend(const Met* met, real t_cut, Light* light) {
+  const F before = light->transmittance;
+  I blends = AND(light->going, met->alpha > R(0.0));
+  const F alpha = SEL(blends, met->alpha, (F)R(0.0));
+  const F weight = alpha * before;
+  F value = light->g[0] * met->feature[0];
+  value = fma(light->g[1], met->feature[1], value);
+  value = fma(light->g[2], met->feature[2], value);
+  value = fma(light->g_distance, met->tau, value);
+  light->behind = fma(-weight, value, light->behind);
+  // dL/dalpha = T value - behind / (1 - alpha); none through the clamp.
+  const F d_alpha = fma(before, value, -(light->behind / (R(1.0) - alpha)));
+  const F d_log = SEL(AND(blends, alpha < ALPHA_MAX), d_alpha * alpha, (F)R(0.0));
+  light->transmittance = before - weight;
+  light->going = AND(light->going, light->transmittance >= t_cut);
+  // Rays of a vector have mostly met the same particle as their nearest.
+  while (ANY(blends)) {
+    const real place = HMAX(SEL(blends, met->place, (F)R(-1.0)));
+    const I here = AND(blends, met->place == place);
+    __global real* weights = light->replayed + (ulong)place * REPLAYED;
+    STV(weights, SEL(here, weight, LDV(weights)));
+    STV(weights + TILE_RAYS, SEL(here, d_log, LDV(weights + TILE_RAYS)));
+    blends = AND(blends, NOT(here));
+  }
+}
+
+#else
+
 /// What V rays have blended so far.
 typedef struct {
   F transmittance, distance, median;
   F sum[3];
-  F last;   // m, tau of what was blended last
+  F last;  // m, tau of what was blended last
   I going;
 } Light;
 
@@ -97,5 +178,7 @@ FN void write_light(Light* light, __global const SensorConstants* sensor, uint s
       drop_of(&sensor->drop, light->sum[0], light->sum[1], light->sum[2], t, light->distance));
 #endif
 }
+
+#endif
 
 #endif

@@ -17,24 +17,25 @@ typedef struct {
   F o[3];  // origin - o_ref, m
 #endif
 #if ACTOR_MOTION
-  F t;     // share of the frame
+  F t;  // share of the frame
 #endif
-  F u;     // place along the tile's x axis: px, or unrolled spin angle in rad
+  F u;  // place along the tile's x axis: px, or unrolled spin angle in rad
 } RayLanes;
 
 typedef struct {
-  F a[3];      // direction in the particle's frame, scaled by 1 / r
+  F a[3];  // direction in the particle's frame, scaled by 1 / r
 #if ORIGINS
-  F o[3];      // origin in that frame (else 0, 0, -1)
+  F o[3];  // origin in that frame (else 0, 0, -1)
 #endif
-  F inv_n;     // 1 / |a|^2
-  F tau;       // m, place of the maximum response along the ray
-  F q;         // squared distance there
-  I inside;    // contributes, but for retirement
+  F inv_n;   // 1 / |a|^2
+  F tau;     // m, place of the maximum response along the ray
+  F q;       // squared distance there
+  I inside;  // contributes, but for retirement
 } Response;
 
 /// record: the particle's 16 reals; box_mean: the one of its two that is nearer to the tile.
-FN void respond(const real* record, real box_mean, const RayLanes* ray, real t_min, real t_max, Response* out) {
+FN void respond(
+    const real* record, real box_mean, const RayLanes* ray, real t_min, real t_max, Response* out) {
   // The first row's third entry is 0.
   out->a[0] = fma(ray->d[0], (F)record[0], ray->d[1] * record[1]);
   out->a[1] = fma(ray->d[0], (F)record[2], fma(ray->d[1], (F)record[3], ray->d[2] * record[4]));
@@ -42,9 +43,8 @@ FN void respond(const real* record, real box_mean, const RayLanes* ray, real t_m
 #if ORIGINS
   out->o[0] = fma(ray->o[0], (F)record[0], ray->o[1] * record[1]);
   out->o[1] = fma(ray->o[0], (F)record[2], fma(ray->o[1], (F)record[3], ray->o[2] * record[4]));
-  out->o[2] = fma(ray->o[0],
-                  (F)record[5],
-                  fma(ray->o[1], (F)record[6], fma(ray->o[2], (F)record[7], (F)R(-1.0))));
+  out->o[2] =
+      fma(ray->o[0], (F)record[5], fma(ray->o[1], (F)record[6], fma(ray->o[2], (F)record[7], (F)R(-1.0))));
   // |o x a|^2 by the cross product: it does not cancel.
   const F cx = fma(out->o[1], out->a[2], -(out->o[2] * out->a[1]));
   const F cy = fma(out->o[2], out->a[0], -(out->o[0] * out->a[2]));
@@ -79,12 +79,14 @@ FN real nearest_box_mean(const real* record, real u) {
 }
 
 #define TILE_RAYS (V * NR * LS)
+// Reals of replayed[] for each place of a tile's list: weights of all rays, then their gradients of ln alpha.
+#define REPLAYED (2 * TILE_RAYS)
 #if NR > 32
 #error "vectors that have a ray are told by the bits of an uint"
 #endif
 
 // Slots of vector j of this work-item, from the tile's first slot, and its slot row.
-#define VECTOR_SLOT(j, lid) (((j) * LS + (lid)) * V)
+#define VECTOR_SLOT(j, lid) (((j)*LS + (lid)) * V)
 #define VECTOR_SLOT_ROW(j, lid) (VECTOR_SLOT(j, lid) / SIM_SLOT_ROW)
 #define SLOT_ROW_FIRST(payload) ((payload) >> SIM_PARTICLE_BITS & 15u)
 #define SLOT_ROW_LAST(payload) ((payload) >> (SIM_PARTICLE_BITS + 4))
@@ -100,9 +102,8 @@ FN real nearest_box_mean(const real* record, real u) {
 #else
 #define J_FIRST(payload) 0
 #define J_LAST(payload) (NR - 1)
-#define J_OUTSIDE(j, lid, payload)                          \
-  (VECTOR_SLOT_ROW(j, lid) < SLOT_ROW_FIRST(payload) ||     \
-   VECTOR_SLOT_ROW(j, lid) > SLOT_ROW_LAST(payload))
+#define J_OUTSIDE(j, lid, payload) \
+  (VECTOR_SLOT_ROW(j, lid) < SLOT_ROW_FIRST(payload) || VECTOR_SLOT_ROW(j, lid) > SLOT_ROW_LAST(payload))
 #endif
 
 // Through a pointer: Mesa's rusticl loses a structure that is assigned to an element of an array.
@@ -128,8 +129,8 @@ FN int take_motion(real* record, __global const real* motions, uint particle, re
   return 1;
 }
 
-/// The ray as the particle at its record's time would see it: what the particle moves until the ray's own time,
-/// the ray moves the other way. Exact but for the turn of the particle's actor in between.
+/// The ray as the particle at its record's time would see it: what the particle moves until the ray's own
+/// time, the ray moves the other way. Exact but for the turn of the particle's actor in between.
 FN RayLanes follow(const RayLanes* ray, const real* motion) {
   RayLanes seen = *ray;
   const F dt = ray->t - motion[SIM_M_TIME];

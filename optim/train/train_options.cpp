@@ -18,7 +18,6 @@ TrainOptions checked(const TrainOptions& o) {
   };
   const RenderOptions& r = o.render;
   need(r.precision == Precision::kFloat, "render.precision", "float");
-  need(r.order == Order::kRange, "render.order", "range");
   need(r.sh_direction == ShDirection::kParticle, "render.sh_direction", "particle");
   need(r.sh_degree == ShDegree::k3, "render.sh_degree", "3");
   need(r.sh_storage == ShStorage::kFull, "render.sh_storage", "full");

@@ -103,9 +103,8 @@ TEST_P(Gradients, OfOtherFramesAreRefused) {
   EXPECT_NE(says(frame, given).find("one for each of"), std::string::npos);
   given.transmittance.push_back(std::nanf(""));
   EXPECT_NE(says(frame, given).find("finite"), std::string::npos);
-  RenderOptions options = options_of(Quality::kReference);
-  options.order = Order::kPerRay;
-  EXPECT_NE(says(scene.render(sensor_, shot(), {.options = options}), weights()).find("per_ray"),
+  const RenderOptions options = options_of(Quality::kReference);
+  EXPECT_NE(says(scene.render(sensor_, shot(), {.options = options}), weights()).find("sh_direction=ray"),
             std::string::npos);
   scene.set_scene(file_.scene);
   EXPECT_NE(says(frame, weights()).find("another scene"), std::string::npos);

@@ -8,7 +8,7 @@
 
 #include "host/render/backward/backward_stages.hpp"
 #include "tests/cl/support.hpp"
-#include "tests/render/gradient_check.hpp"
+#include "tests/render/gradient/gradient_check.hpp"
 
 namespace simuli {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "tests/render/gradient_check.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/render/gradient/gradient_check.hpp"
 
 namespace simuli {
 namespace {

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 
 namespace simuli {
 
@@ -8,10 +9,13 @@ struct ColorGridScale {
   double drift = 0.0;
 };
 
-/// What a backward pass may give beside the gradients of particles.
+/// What a backward pass may give beside the gradients of particles, and what it may take.
 struct BackwardExtras {
   bool errors = false;         // ray_error -> instance_error, weighted by blending
   bool ray_gradients = false;  // dL/d(direction), and with origins dL/d(origin), of every ray -> ray_grads
+  /// Where rays have orders of their own, what they blend is kept for tiles of together at most so many
+  /// instances at a time, at least for one tile: 2 KB each in float. Gradients are the same bits.
+  std::size_t replayed = std::size_t{1} << 17U;
 };
 
 }  // namespace simuli

@@ -80,6 +80,7 @@ class RenderBackwardStage {
  public:
   RenderBackwardStage(const Device& device, const Variant& variant);
   void run(const shared::FrameParams& frame,
+           const ParticleBuffers& particles,
            const RayBuffers& rays,
            const FrameBuffers& made,
            const BackwardExtras& extras,
@@ -87,9 +88,17 @@ class RenderBackwardStage {
 
  private:
   Kernel& kernel(const BackwardExtras& extras);
+  void replay(const shared::FrameParams& frame,
+              const ParticleBuffers& particles,
+              const RayBuffers& rays,
+              const FrameBuffers& made,
+              std::uint32_t tile_first,
+              std::size_t items,
+              GradientBuffers& gradients);
   Device device_;
   Variant variant_;
   ScanStage scan_;
+  std::optional<Kernel> replay_window_, replay_per_ray_;
   std::optional<Kernel> slot_counts_;
   std::optional<Kernel> kernels_[2][2];  // [errors][ray_gradients], made when asked for
 };

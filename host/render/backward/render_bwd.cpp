@@ -1,4 +1,7 @@
-// Launcher of "kernels/render_bwd.cl".
+// Launcher of "kernels/render_bwd.cl", and of "kernels/render_window.cl" going over a frame again.
+#include <algorithm>
+#include <vector>
+
 #include "host/render/backward/backward_stages.hpp"
 
 namespace simuli {
@@ -6,10 +9,36 @@ namespace {
 
 constexpr std::size_t kRenderLocalSize = 64;
 
+/// Runs of tiles, their first and the one behind their last, whose lists have together at most `most` places;
+/// of a tile of more, itself.
+struct TileRun {
+  std::uint32_t first = 0, end = 0;
+  std::size_t places = 0;
+};
+std::vector<TileRun> tile_runs(const Binned& binned, std::uint32_t tiles, std::size_t most) {
+  if (binned.instances <= most) return {{0, tiles, binned.instances}};
+  const std::vector<std::uint32_t> first = binned.first.download();
+  std::vector<TileRun> runs;
+  for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+    const std::size_t places = first[tile + 1] - first[tile];
+    if (runs.empty() || runs.back().places + places > most) runs.push_back({tile, tile, 0});
+    runs.back().end = tile + 1;
+    runs.back().places += places;
+  }
+  return runs;
+}
+
 }  // namespace
 
 RenderBackwardStage::RenderBackwardStage(const Device& device, const Variant& variant)
-    : device_(device), variant_(variant), scan_(device) {}
+    : device_(device), variant_(variant), scan_(device) {
+  if (variant.options.order == Order::kRange) return;
+  BuildOptions options = variant.build_options();
+  options.define("REPLAY", true);
+  const Program program(device, "kernels/render_window.cl", options);
+  replay_window_.emplace(program, "replay_window");
+  if (variant.options.order == Order::kPerRay) replay_per_ray_.emplace(program, "replay_per_ray");
+}
 
 Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
   std::optional<Kernel>& kernel = kernels_[extras.errors ? 1 : 0][extras.ray_gradients ? 1 : 0];
@@ -23,7 +52,33 @@ Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
   return *kernel;
 }
 
+void RenderBackwardStage::replay(const shared::FrameParams& frame,
+                                 const ParticleBuffers& particles,
+                                 const RayBuffers& rays,
+                                 const FrameBuffers& made,
+                                 std::uint32_t tile_first,
+                                 std::size_t items,
+                                 GradientBuffers& gradients) {
+  const auto launch = [&](Kernel& kernel) {
+    kernel.run(items,
+               static_cast<std::size_t>(variant_.frame.shape.work_items),
+               {{"frame", frame},
+                {"tile_first", tile_first},
+                made.constants,
+                made.rays,
+                rays,
+                made.binned,
+                made.projected,
+                particles,
+                made.blended,
+                gradients});
+  };
+  launch(*replay_window_);
+  if (replay_per_ray_) launch(*replay_per_ray_);
+}
+
 void RenderBackwardStage::run(const shared::FrameParams& frame,
+                              const ParticleBuffers& particles,
                               const RayBuffers& rays,
                               const FrameBuffers& made,
                               const BackwardExtras& extras,
@@ -41,16 +96,30 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
                     {{"n", frame.particles}, made.projected, gradients});
   scan_.run(gradients.slot_first, frame.particles, false);
   const auto work_items = static_cast<std::size_t>(variant_.frame.shape.work_items);
-  blend_back.run(std::size_t{frame.tiles_x} * frame.tiles_y * work_items,
-                 work_items,
-                 {{"frame", frame},
-                  made.constants,
-                  made.rays,
-                  rays,
-                  made.binned,
-                  made.projected,
-                  made.blended,
-                  gradients});
+  const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;
+  const bool by_ray = variant_.options.order != Order::kRange;
+  const auto runs =
+      by_ray ? tile_runs(made.binned, tiles, extras.replayed) : std::vector<TileRun>{{0, tiles, 0}};
+  std::size_t most = 0;
+  for (const TileRun& run : runs) most = std::max(most, run.places);
+  gradients.replayed.reserve(std::size_t{2} * SIM_TILE_RAYS * most);
+  if (by_ray)
+    gradients.replayed_to.reserve(frame.slots / static_cast<std::size_t>(variant_.frame.shape.lanes));
+  for (const TileRun& run : runs) {
+    const std::size_t items = (run.end - run.first) * work_items;
+    if (by_ray) replay(frame, particles, rays, made, run.first, items, gradients);
+    blend_back.run(items,
+                   work_items,
+                   {{"frame", frame},
+                    {"tile_first", run.first},
+                    made.constants,
+                    made.rays,
+                    rays,
+                    made.binned,
+                    made.projected,
+                    made.blended,
+                    gradients});
+  }
 }
 
 }  // namespace simuli

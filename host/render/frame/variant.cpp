@@ -26,6 +26,7 @@ BuildOptions Variant::build_options() const {
       .define("CLAMPED_CHANNELS", is_camera ? 3 : 1)
       .define("PROJECTION", options.projection)
       .define("EXTENT", options.extent)
+      .define("RAY_ORDER", options.order != Order::kRange)
       .define("PER_RAY", options.order == Order::kPerRay)
       .define("WINDOW", options.window)
       // Without bands above 0 a particle looks alike from everywhere.

@@ -35,7 +35,7 @@ enum class Extent : int {
 enum class Order : int {
   kRange = 0,   // by the particles' distances from the sensor: one sort for all rays
   kWindow = 1,  // by where each ray itself meets them, among some that follow each other in that order
-  kPerRay = 2,  // so among all: exact; neither of these two has a backward pass
+  kPerRay = 2,  // so among all: exact
 };
 
 /// From where a particle's colour is seen.

@@ -48,7 +48,8 @@ RenderOptions training_options_of(Quality quality) {
   constexpr RenderOptions kDefault;
   RenderOptions o = options_of(quality);
   o.precision = kDefault.precision;
-  o.order = kDefault.order;
+  // Almost always the same as per_ray, and never much dearer.
+  if (o.order == Order::kPerRay) o.order = Order::kWindow;
   o.sh_direction = kDefault.sh_direction;
   o.sh_degree = kDefault.sh_degree;
   o.sh_storage = kDefault.sh_storage;
@@ -56,8 +57,8 @@ RenderOptions training_options_of(Quality quality) {
 }
 
 bool has_gradients(const RenderOptions& options) {
-  return options.order == Order::kRange && options.sh_direction == ShDirection::kParticle &&
-         options.sh_degree == ShDegree::k3 && options.sh_storage == ShStorage::kFull;
+  return options.sh_direction == ShDirection::kParticle && options.sh_degree == ShDegree::k3 &&
+         options.sh_storage == ShStorage::kFull;
 }
 
 }  // namespace simuli

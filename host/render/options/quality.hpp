@@ -19,7 +19,7 @@ enum class Quality { kDraft, kBalanced, kExact, kReference };
 /// What a bundle sets; kBalanced is RenderOptions{}, the others differ from it.
 [[nodiscard]] RenderOptions options_of(Quality quality);
 
-/// The same for trainings: without what has no gradients, and in float.
+/// The same for trainings: without what has no gradients, and in float; order = window for per_ray.
 [[nodiscard]] RenderOptions training_options_of(Quality quality);
 
 /// Whether the backward pass knows these options: order, direction of colours and bands as by default.

@@ -193,7 +193,7 @@ void Pass::backward(const ParticleBuffers& particles, RealBuffer& param_grads, c
   need(has_gradients(s.options) && own.frame.sh_degree == particles.sh_degree &&
            particles.sh_storage == ShStorage::kFull,
        "backward",
-       "order window or per_ray, sh_direction ray, left out bands or halves, which have no gradients",
+       "sh_direction ray, left out bands or halves, which have no gradients",
        "none of them");
   s.need_gradient("backward");
   need(!extras.errors || s.frame.has_ray_error, "backward", "no ray errors", "those of ray_error() before");
@@ -201,7 +201,7 @@ void Pass::backward(const ParticleBuffers& particles, RealBuffer& param_grads, c
   State::Stages& stages = *s.frame.stages;
   if (!stages.render_back) stages.render_back.emplace(s.device, own);
   if (!stages.project_back) stages.project_back.emplace(s.device, own);
-  stages.render_back->run(s.frame.params, s.frame.rays->buffers(), s.buffers, extras, s.gradients);
+  stages.render_back->run(s.frame.params, particles, s.frame.rays->buffers(), s.buffers, extras, s.gradients);
   stages.project_back->run(s.frame.params, particles, s.buffers, s.gradients, param_grads);
   s.frame.went_back = true;
   s.frame.has_ray_gradients = extras.ray_gradients;
@@ -236,7 +236,6 @@ std::vector<ActorPoseGradient> Pass::pose_gradients(const ParticleBuffers& parti
 
 void Pass::raise_largest_weights(Buffer<std::uint32_t>& largest) {
   State& s = last("raise_largest_weights");
-  need(s.options.order == Order::kRange, "raise_largest_weights", "order window or per_ray", "order range");
   if (largest.count() < s.frame.params.particles) {
     misused("raise_largest_weights", fmt::format("{} weights", largest.count()), "one for each particle");
   }

@@ -63,7 +63,7 @@ class Pass {
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles);
 
   /// Raises largest[N] of the particles rendered to the largest weight that each has in a ray of this pass:
-  /// bits of floats, which rise as these do. In order of range.
+  /// bits of floats, which rise as these do. In order of range, also where rays have orders of their own.
   void raise_largest_weights(Buffer<std::uint32_t>& largest);
 
   /// The sensor; grid().ray_of_slot is the map from the device's order to that of rays (-1: no ray).

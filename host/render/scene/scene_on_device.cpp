@@ -228,9 +228,10 @@ Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients&
                 "gradients: found a picture seen through colour grids, allowed one that is not graded");
   }
   if (!has_gradients(f.request.options ? *f.request.options : s.options)) {
-    throw Error(ErrorKind::kUsage,
-                "gradients: found render.order=window or per_ray, render.sh_direction=ray, "
-                "render.sh_storage=half or render.sh_degree below 3, allowed range, particle, full and 3");
+    throw Error(
+        ErrorKind::kUsage,
+        "gradients: found render.sh_direction=ray, render.sh_storage=half or render.sh_degree below 3, "
+        "allowed particle, full and 3");
   }
   const std::vector<double> by_ray = output_gradients(f.rays.grid().rays, of_rays);
   Drawn drawn = s.draw(f.sensor, f.shot, f.request);

@@ -128,10 +128,6 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("actors.margin_m: found -1", [](auto& o) { o.actor_margin_m = -1.0; });
   refused("iterations: found -1", [](auto& o) { o.iterations = -1; });
   refused("render.alpha_cut: found 1", [](auto& o) { o.render.alpha_cut = 1.0; });
-  refused("render.order: found a choice without gradients, allowed range",
-          [](auto& o) { o.render.order = Order::kPerRay; });
-  refused("render.order: found a choice without gradients, allowed range",
-          [](auto& o) { o.render.order = Order::kWindow; });
   refused("render.precision: found", [](auto& o) { o.render.precision = Precision::kDouble; });
   refused("render.sh_storage: found", [](auto& o) { o.render.sh_storage = ShStorage::kHalf; });
 }

@@ -68,6 +68,31 @@ TEST_F(TrainerTest, TrainingRecoversFromWrongColoursAndRanges) {
   EXPECT_FALSE(report.stopped_early);
 }
 
+TEST_F(TrainerTest, AScenesBestOrderIsTheOneItWasTrainedIn) {
+  const auto options_in = [](Order order, int iterations) {
+    TrainingOptions o = options(iterations);
+    o.train.render.order = order;
+    return o;
+  };
+  // Of each picture before its step; the same pictures for both scenes.
+  const auto psnr_db = [&](const Scene& scene, Order order) {
+    constexpr int kPictures = 5;
+    Trainer trainer(Device::best(), log_, scene, options_in(order, kPictures));
+    double sum = 0.0;
+    for (int k = 0; k < kPictures; ++k) {
+      trainer.step();
+      sum += trainer.status().psnr_db;
+    }
+    return sum / kPictures;
+  };
+  const Scene by_range = train(options_in(Order::kRange, 150));
+  const Scene by_ray = train(options_in(Order::kWindow, 150));
+  EXPECT_GT(psnr_db(by_ray, Order::kWindow), psnr_db(by_range, Order::kWindow) + 0.1);
+  EXPECT_GT(psnr_db(by_range, Order::kRange), psnr_db(by_ray, Order::kRange) + 0.1);
+  const Scene once = train(options_in(Order::kWindow, 10)), again = train(options_in(Order::kWindow, 10));
+  EXPECT_TRUE((once.camera.params.array() == again.camera.params.array()).all());
+}
+
 TEST_F(TrainerTest, DropFunctionsAreLearnedByNameAndStored) {
   TrainingOptions o = options(9);
   o.train.ray_drop.apart = 2;  // of five sweeps, the second and fourth teach the function alone

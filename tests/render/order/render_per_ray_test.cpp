@@ -279,20 +279,18 @@ TEST(ShutterOf0, IsAFrameHalfWay) {
 
 TEST(PicturesOnly, HaveNoGradients) {
   const Device device = Device::best();
-  const test::Shot shot = shot_for(test::kCameraStill);
-  const GaussianSet set = crowd(test::kCameraStill, 40);
+  const test::Shot shot = shot_for(test::kCameraSh3);
+  const GaussianSet set = crowd(test::kCameraSh3, 40);
   RenderOptions options = paper_options();
   EXPECT_TRUE(has_gradients(options));
-  for (const Order order : {Order::kWindow, Order::kPerRay}) {
-    options.order = order;
-    EXPECT_FALSE(has_gradients(options));
-    Renderer renderer(device, options);
-    const SensorRays rays = shot.on(device, options);
-    const ParticleBuffers particles(device, set, options);
-    Pass pass = renderer.render(particles, rays, shot.view);
-    RealBuffer grads(device, "gradients", Precision::kFloat);
-    expect_error(ErrorKind::kUsage, "have no gradients", [&] { pass.backward(particles, grads); });
-  }
+  options.sh_direction = ShDirection::kRay;
+  EXPECT_FALSE(has_gradients(options));
+  Renderer renderer(device, options);
+  const SensorRays rays = shot.on(device, options);
+  const ParticleBuffers particles(device, set, options);
+  Pass pass = renderer.render(particles, rays, shot.view);
+  RealBuffer grads(device, "gradients", Precision::kFloat);
+  expect_error(ErrorKind::kUsage, "have no gradients", [&] { pass.backward(particles, grads); });
 }
 
 }  // namespace

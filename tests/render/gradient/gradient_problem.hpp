@@ -1,0 +1,80 @@
+#pragma once
+// A loss whose gradient is known twice: by the backward pass and by differences of the forward one.
+#include <span>
+#include <vector>
+
+#include "tests/cl/support.hpp"
+
+namespace simuli::test {
+
+/// Cuts so small that no contribution comes or goes visibly when a parameter moves.
+inline RenderOptions smooth_options(Precision precision) {
+  RenderOptions options = paper_options();
+  options.precision = precision;
+  options.alpha_cut = 1e-12;
+  options.transmittance_cut = 0.0;
+  return options;
+}
+
+/// L = sum of weight x output over the five outputs of all slots, as a function of the parameters.
+class GradientProblem {
+ public:
+  GradientProblem(const Device& device,
+                  const Shot& shot,
+                  const GaussianSet& set,
+                  const RenderOptions& options)
+      : renderer_(device, options),
+        rays_(shot.on(device, options)),
+        view_(shot.view),
+        particles_(device, set, options.precision),
+        grads_(device, "parameter gradients", options.precision),
+        base_(particles_.params.download_double()) {
+    Random random(11);
+    weights_.resize(std::size_t{5} * rays_.grid().frame.slots);
+    for (double& w : weights_) w = random.normal();
+  }
+
+  [[nodiscard]] std::size_t at(int row, int particle) const {
+    return static_cast<std::size_t>(row) * particles_.stride + static_cast<std::size_t>(particle);
+  }
+  [[nodiscard]] const std::vector<double>& base() const { return base_; }
+  [[nodiscard]] std::vector<double>& weights() { return weights_; }
+  [[nodiscard]] std::size_t slots() const { return rays_.grid().frame.slots; }
+
+  [[nodiscard]] std::vector<double> outputs_at(const std::vector<double>& params) {
+    particles_.params.assign(std::span<const double>(params));
+    return outputs(renderer_.render(particles_, rays_, view_));
+  }
+  [[nodiscard]] double loss_at(std::size_t parameter, double step) {
+    std::vector<double> moved = base_;
+    moved[parameter] += step;
+    const std::vector<double> out = outputs_at(moved);
+    double loss = 0.0;
+    for (std::size_t i = 0; i < out.size(); ++i) loss += weights_[i] * out[i];
+    return loss;
+  }
+  /// Central difference, extrapolated once.
+  [[nodiscard]] double quotient(std::size_t parameter, double h) {
+    const auto central = [&](double step) {
+      return (loss_at(parameter, step) - loss_at(parameter, -step)) / (2.0 * step);
+    };
+    return (4.0 * central(0.5 * h) - central(h)) / 3.0;
+  }
+  [[nodiscard]] std::vector<double> gradient() {
+    particles_.params.assign(std::span<const double>(base_));
+    Pass pass = renderer_.render(particles_, rays_, view_);
+    pass.set_output_gradients(by_ray(pass.rays(), weights_));
+    pass.backward(particles_, grads_);
+    return grads_.download_double();
+  }
+
+ private:
+  Renderer renderer_;
+  SensorRays rays_;
+  View view_;
+  ParticleBuffers particles_;
+  RealBuffer grads_;
+  std::vector<double> base_, weights_;
+};
+
+}  // namespace simuli::test
