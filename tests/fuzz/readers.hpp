@@ -2,6 +2,7 @@
 // Every reader of files, requests and arguments, as a function of one file's bytes: for the fuzzer, and for
 // the inputs it has found.
 #include <filesystem>
+#include <ostream>
 #include <span>
 #include <string_view>
 
@@ -17,6 +18,7 @@ struct FuzzedReader {
   std::string_view file_name;  // what the file is called, for readers that look at that
   bool whole = true;           // reads its seeds; false: they lack files that stand beside them
 };
+inline void PrintTo(const FuzzedReader& reader, std::ostream* out) { *out << reader.name; }
 
 /// The readers of files.
 [[nodiscard]] std::span<const FuzzedReader> fuzzed_files();
