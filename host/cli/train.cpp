@@ -10,7 +10,6 @@
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/base/settings.hpp"
-#include "host/cli/report/judgement.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "host/cli/view/live_page.hpp"
@@ -123,7 +122,7 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"rejected_gradients", r.rejected_gradients},
                                         {"unsound_particles", r.unsound_particles},
                                         {"unsound_losses", r.unsound_losses},
-                                        {"warnings", judge(r).warnings},
+                                        {"warnings", r.warnings},
                                         {"init_seconds", init.seconds},
                                         {"seconds", r.seconds}};
     std::cout << json_text(out) << '\n';

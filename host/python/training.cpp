@@ -36,6 +36,7 @@ py::dict train(const std::string& log,
   out["camera_particles"] = report.camera_particles;
   out["lidar_particles"] = report.lidar_particles;
   out["seconds"] = report.seconds;
+  out["warnings"] = report.warnings;
   return out;
 }
 

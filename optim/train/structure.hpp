@@ -8,7 +8,7 @@
 #include "host/render/train/densify.hpp"
 #include "optim/state/state.hpp"
 #include "optim/train/train_options.hpp"
-#include "optim/train/train_report.hpp"
+#include "optim/report/train_report.hpp"
 #include "optim/train/trained_set.hpp"
 
 namespace simuli {

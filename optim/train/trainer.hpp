@@ -17,7 +17,7 @@
 #include "optim/state/state.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure.hpp"
-#include "optim/train/train_report.hpp"
+#include "optim/report/train_report.hpp"
 #include "optim/train/trained_drop.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"

@@ -14,6 +14,7 @@
 #include "optim/init/initialize.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
+#include "optim/report/judgement.hpp"
 #include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/trainer.hpp"
 
@@ -96,6 +97,9 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
     saved = status.iteration;
   });
   if (checkpoints.every > 0 && saved != status().iteration) save(checkpoints.file);
+  Judgement judgement = judge(report_.train);
+  report_.train.warnings = std::move(judgement.warnings);
+  if (!judgement.failure.empty()) throw Error(ErrorKind::kNumeric, judgement.failure);
   return report_;
 }
 

@@ -12,7 +12,7 @@
 #include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/path/path_options.hpp"
-#include "optim/train/train_report.hpp"
+#include "optim/report/train_report.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {
@@ -59,7 +59,8 @@ class Training {
   void save(const std::filesystem::path& checkpoint);
   /// prepare(), and then all iterations that are left, or as many as the training frames ask for
   /// (train.length.automatic). `on_step` is called after each; checkpoints are saved
-  /// behind it, and at the end.
+  /// behind it, and at the end. Error{kNumeric} when it has diverged, so that there is no scene in it; what
+  /// else speaks against it stands in TrainReport::warnings (judgement.hpp).
   const TrainingReport& run(const Observer& on_step = {}, const Checkpoints& checkpoints = {});
 
   // What there is from prepare() on.

@@ -13,7 +13,6 @@
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/draw/html_report.hpp"
 #include "host/cli/report/eval_tables.hpp"
-#include "host/cli/report/judgement.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/ray_grid.hpp"
@@ -81,7 +80,7 @@ void add_training(HtmlReport& html, const TrainedReport& trained) {
                   count_text(r.lidar_particles),
                   r.relocated,
                   r.grown));
-  for (const std::string& line : judge(r).warnings) html.paragraph("Warning: " + line);
+  for (const std::string& line : r.warnings) html.paragraph("Warning: " + line);
   const char* const x = "iteration";
   html.chart("PSNR of training pictures, dB", x, {{"PSNR", h.iteration, h.psnr_db}});
   html.chart("mean distance error of training sweeps, cm",

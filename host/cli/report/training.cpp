@@ -15,7 +15,6 @@
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/report/eval_tables.hpp"
-#include "host/cli/report/judgement.hpp"
 #include "host/cli/view/live_page.hpp"
 #include "io/base/event_file.hpp"
 #include "io/scene/training_json.hpp"
@@ -99,7 +98,6 @@ class Recorder {
   std::optional<EventFile> events_;
 };
 
-/// Error{kNumeric} when there is no scene in it.
 void warn(const TrainReport& report) {
   if (report.rejected_gradients > 0) {
     std::cerr << fmt::format("simuli: warning: {} gradient entries were not finite and moved nothing\n",
@@ -111,9 +109,7 @@ void warn(const TrainReport& report) {
         report.unsound_particles,
         report.unsound_losses);
   }
-  const Judgement judgement = judge(report);
-  for (const std::string& line : judgement.warnings) std::cerr << "simuli: warning: " << line << '\n';
-  if (!judgement.failure.empty()) throw Error(ErrorKind::kNumeric, judgement.failure);
+  for (const std::string& line : report.warnings) std::cerr << "simuli: warning: " << line << '\n';
   if (report.stopped_early) {
     std::cerr << fmt::format(
         "simuli: warning: stopped after {:.0f} s at iteration {} of {}; the learning rates had not run "

@@ -45,6 +45,13 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   EXPECT_EQ(training.report().train.last.iteration, 12);
 }
 
+TEST_F(TrainingTest, ADivergedOneIsNoScene) {
+  TrainingOptions o = options(40);
+  o.train.camera.sh = 100.0;
+  Training diverged(Device::best(), log_, o);
+  expect_error(ErrorKind::kNumeric, "PSNR of the training pictures fell from", [&] { diverged.run(); });
+}
+
 TEST_F(TrainingTest, TheSceneSaysHowItWasMade) {
   TrainingOptions o = options(3);
   o.frames.seed = 0xffffffffffffffffU;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "optim/length/length_options.hpp"
@@ -41,6 +42,7 @@ struct TrainReport {
   bool stopped_early = false;            // max_seconds ran out first
   std::vector<LengthStage> stages;       // of a training that decides how long it goes on
   double seconds = 0.0;
+  std::vector<std::string> warnings;  // a line each: what nobody should overlook (judge())
 };
 
 }  // namespace simuli

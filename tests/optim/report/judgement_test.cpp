@@ -1,9 +1,9 @@
-#include "host/cli/report/judgement.hpp"
+#include "optim/report/judgement.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>
 
-namespace simuli::cli {
+namespace simuli {
 namespace {
 
 TrainReport sound() {
@@ -66,4 +66,4 @@ TEST(Judgement, WhatIsNoSceneIsRefused) {
 }
 
 }  // namespace
-}  // namespace simuli::cli
+}  // namespace simuli

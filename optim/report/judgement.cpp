@@ -1,9 +1,9 @@
-#include "host/cli/report/judgement.hpp"
+#include "optim/report/judgement.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
 
-namespace simuli::cli {
+namespace simuli {
 namespace {
 
 // A sound training gains 4 to 10 dB and has mean distance errors of 0.1 to 1 m; measured with rates of 1e9 m,
@@ -73,4 +73,4 @@ Judgement judge(const TrainReport& r) {
   return out;
 }
 
-}  // namespace simuli::cli
+}  // namespace simuli

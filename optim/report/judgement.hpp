@@ -1,11 +1,11 @@
 #pragma once
-// What a training says of itself that nobody should overlook.
+// Whether a training has come to a scene that can be trusted.
 #include <string>
 #include <vector>
 
-#include "optim/train/train_report.hpp"
+#include "optim/report/train_report.hpp"
 
-namespace simuli::cli {
+namespace simuli {
 
 struct Judgement {
   std::vector<std::string> warnings;  // a line each
@@ -15,4 +15,4 @@ struct Judgement {
 /// By how the training frames were met at the end, against the start. Of a few iterations nothing is said.
 [[nodiscard]] Judgement judge(const TrainReport& report);
 
-}  // namespace simuli::cli
+}  // namespace simuli
