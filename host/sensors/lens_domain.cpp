@@ -18,14 +18,15 @@ constexpr double kLargestAngle_rad = kPi - 1e-5;
 const double kPinholeAngle_rad = std::acos(0.1);
 constexpr int kSamples = 1024;    // along a search for a sign change
 constexpr int kDirections = 128;  // around the axis
+constexpr int kFewestSteps = 16;  // between a direction's fold and the furthest one
 constexpr int kBisections = 60;   // to the last bit of an angle
 constexpr double kDomainRounding = 1e-14;
 
-/// First root of f in (0, end], or infinity; f(0) > 0. sample(i) is f at end * i / kSamples. Between samples
-/// f may dip below zero and come back: every local minimum of the samples is searched by golden section, but
-/// where f is flat, to rounding: then nearly every sample would be one.
+/// First root of f in (0, end], or infinity; f > 0 up to sample `from`. sample(i) is f at end * i / kSamples.
+/// Between samples f may dip below zero and come back: every local minimum of the samples is searched by
+/// golden section, but where f is flat, to rounding: then nearly every sample would be one.
 template <class F, class Sample>
-double first_root(const F& f, const Sample& sample, double end) {
+double first_root(const F& f, const Sample& sample, double end, int from = 0) {
   const auto bisect = [&f](double above, double below) {
     for (int k = 0; k < kBisections; ++k) {
       const double middle = 0.5 * (above + below);
@@ -34,8 +35,9 @@ double first_root(const F& f, const Sample& sample, double end) {
     return above;
   };
   const double step = end / kSamples;
-  double before = sample(0), here = sample(1);
-  for (int i = 1; i <= kSamples; ++i) {
+  if (from >= kSamples) return std::numeric_limits<double>::infinity();
+  double before = sample(from), here = sample(from + 1);
+  for (int i = from + 1; i <= kSamples; ++i) {
     const double t = i * step;
     if (!(here > 0.0)) return bisect(t - step, t);
     if (i == kSamples) break;
@@ -76,6 +78,36 @@ double orientation(const double* k, double radius, const Eigen::Vector2d& along)
   return d.u_x * d.v_y - d.u_y * d.v_x;
 }
 
+/// Up to which sample of the radii the fold lies ahead in every direction: there the determinant of the
+/// radial part alone is above all that the tangential and thin-prism terms can take from it. Ends where it
+/// has fallen and rises again, as it may have been lower between two samples.
+int samples_before_folds(const double* k, const std::array<double, kSamples + 1>& radius) {
+  std::array<double, 12> radial{};
+  std::copy_n(k, 12, radial.begin());
+  radial[2] = radial[3] = 0.0;
+  std::fill(radial.begin() + 8, radial.end(), 0.0);
+  const double tangential = 6.0 * (std::abs(k[2]) + std::abs(k[3]));
+  const double prism = std::abs(k[8]) + std::abs(k[10]), prism4 = std::abs(k[9]) + std::abs(k[11]);
+  int sure = 0;
+  double before = 1.0;
+  bool falls = false;
+  for (int i = 1; i <= kSamples; ++i) {
+    const double r = radius[static_cast<std::size_t>(i)];
+    const double determinant = orientation(radial.data(), r, Eigen::Vector2d::UnitX());
+    lens_forward::Distorted d;
+    lens_forward::distort(radial.data(), r, 0.0, &d);
+    // Entries of the radial Jacobian in any direction, and what the others add to an entry.
+    const double entry = std::abs(d.v_y) + std::abs(d.u_x - d.v_y);
+    const double added = r * (tangential + 2.0 * prism + 4.0 * r * r * prism4);
+    if (!(determinant > added * (4.0 * entry + 2.0 * added))) break;
+    if (falls && determinant > before) return std::max(sure - 1, 0);
+    falls = falls || determinant < before * (1.0 - kDomainRounding);
+    before = determinant;
+    sure = i;
+  }
+  return sure;
+}
+
 /// The squared radius up to which a point with a positive determinant is before the fold. radius_of: the
 /// radius at a parameter that runs from 0 to `end`, increasing.
 template <class Radius>
@@ -83,9 +115,10 @@ double largest_radius2(const double* k, const Radius& radius_of, double end) {
   const bool symmetric =
       std::all_of(k + 8, k + 12, [](double s) { return s == 0.0; }) && k[2] == 0.0 && k[3] == 0.0;
   const int directions = symmetric ? 1 : kDirections;
-  // The same for all directions: looking for the fold is what making a lens costs.
+  // Looking for the fold is what making a lens costs: all directions share what they can.
   std::array<double, kSamples + 1> radius{};
   for (int i = 0; i <= kSamples; ++i) radius[static_cast<std::size_t>(i)] = radius_of(end * i / kSamples);
+  const int sure = symmetric ? 0 : samples_before_folds(k, radius);
   std::array<Eigen::Vector2d, kDirections> along;
   std::array<double, kDirections> fold{};
   double first = end, last = 0.0;
@@ -97,7 +130,7 @@ double largest_radius2(const double* k, const Radius& radius_of, double end) {
     const auto of_sample = [&](int j) {
       return orientation(k, radius[static_cast<std::size_t>(j)], along[at]);
     };
-    fold[at] = std::min(end, first_root(of_angle, of_sample, end));
+    fold[at] = std::min(end, first_root(of_angle, of_sample, end, sure));
     first = std::min(first, fold[at]);
     last = std::max(last, fold[at]);
   }
@@ -106,8 +139,10 @@ double largest_radius2(const double* k, const Radius& radius_of, double end) {
   for (int i = 0; i < directions; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const double own = fold[at];
-    for (int j = 1; j <= kSamples && own < last; ++j) {
-      const double t = own + (last - own) * j / kSamples;
+    const int steps =
+        own < last ? std::max(kFewestSteps, static_cast<int>(kSamples * (last - own) / end)) : 0;
+    for (int j = 1; j <= steps; ++j) {
+      const double t = own + (last - own) * j / steps;
       if (orientation(k, radius_of(t), along[at]) > 0.0) return radius_of(first) * radius_of(first);
     }
   }
