@@ -51,7 +51,7 @@ simuli_status guarded(F&& f) noexcept {
   } catch (const Error& error) {
     return fail(static_cast<simuli_status>(error.exit_code()), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(SIMULI_INTERNAL, "out of memory");
+    return fail(SIMULI_MEMORY, "out of memory");
   } catch (const std::exception& error) {
     return fail(SIMULI_INTERNAL, error.what());
   } catch (...) {

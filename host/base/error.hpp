@@ -19,6 +19,9 @@ enum class ErrorKind : int {
   kInternal = 70,
 };
 
+/// The same of std::bad_alloc, which is left as it is: the host's memory ran out.
+inline constexpr int kMemoryExit = 71;
+
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}

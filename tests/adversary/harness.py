@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-USAGE, INPUT, DEVICE, KERNEL, NUMERIC, INTERNAL, INTERRUPTED = 2, 3, 4, 5, 6, 70, 75
+USAGE, INPUT, DEVICE, KERNEL, NUMERIC, INTERNAL, MEMORY, INTERRUPTED = 2, 3, 4, 5, 6, 70, 71, 75
 REFUSED = frozenset({USAGE, INPUT, DEVICE, NUMERIC})
 # No command of these sizes takes longer, where kernels must be compiled and other programs run, too.
 LIMIT_S = 300.0

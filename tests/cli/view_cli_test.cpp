@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
 #include <httplib.h>
@@ -79,6 +80,23 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
   const double dx = after.at(0).get<double>() - before.at(0).get<double>();
   const double dy = after.at(1).get<double>() - before.at(1).get<double>();
   EXPECT_NEAR(std::hypot(dx, dy), 2.0, 1e-6);
+}
+
+TEST_F(ViewCli, RefusesPicturesOfAnySize) {
+  make_scene();
+  json scene = json::parse(std::ifstream(folder_ / "s.scene" / "scene.json"));
+  scene["cameras"][0]["height_px"] = 60'000;
+  std::ofstream(folder_ / "s.scene" / "scene.json") << scene.dump();
+  start();
+  json view = view_of("front");
+  view["width"] = 4096;
+  const Reply large = post("/api/picture", view);
+  EXPECT_EQ(large.status, 400);
+  EXPECT_NE(large.body.find("allowed 16777216"), std::string::npos) << large.body;
+  view["width"] = 96;
+  EXPECT_NE(post("/api/picture", view).body.find("and 65535"), std::string::npos);
+  view["width"] = 64;
+  EXPECT_EQ(post("/api/picture", view).status, 200);
 }
 
 TEST_F(ViewCli, RefusesWhatItCantShow) {

@@ -100,10 +100,10 @@ int run_program(
   } catch (const Interrupted& interrupted) {
     return fail(interrupted.what(), kInterruptedExit);
   } catch (const std::bad_alloc&) {
-    return fail("out of memory", kInternal);
+    return fail("out of memory", kMemoryExit);
   } catch (const std::system_error& error) {
     // Of threads, whose stacks take memory; what libraries say of files comes as an Error.
-    if (error.code() == std::errc::resource_unavailable_try_again) return fail("out of memory", kInternal);
+    if (error.code() == std::errc::resource_unavailable_try_again) return fail("out of memory", kMemoryExit);
     return fail(on_one_line(fmt::format("internal error: {}", error.what())), kInternal);
   } catch (const std::exception& error) {
     return fail(on_one_line(fmt::format("internal error: {}", error.what())), kInternal);

@@ -188,7 +188,19 @@ std::string ViewSession::picture(const ViewRequest& request) {
   const FrameRequest how{.options = options_named(request.quality)};
   const Sensor own = rig_.find(request.sensor, Pose{});
   const double aspect = static_cast<double>(own.rows()) / static_cast<double>(own.columns());
-  const int height = std::max(1, static_cast<int>(std::lround(request.width * aspect)));
+  const double wanted = std::max(1.0, std::round(request.width * aspect));  // of a scene's camera: any
+  if (wanted > ViewRequest::kTallest_px || wanted * request.width > ViewRequest::kMostPixels) {
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("width: found {}, a picture of {} x {:.0f} px, allowed {:.0f} pixels and {:.0f} from top "
+                    "to bottom",
+                    request.width,
+                    request.width,
+                    wanted,
+                    ViewRequest::kMostPixels,
+                    ViewRequest::kTallest_px));
+  }
+  const int height = static_cast<int>(wanted);
   // To the left is about the camera's -y, which is up; down about its x.
   const Pose camera_from_turned{
       Eigen::Quaterniond(Eigen::AngleAxisd(-request.yaw_rad, Eigen::Vector3d::UnitY()) *
