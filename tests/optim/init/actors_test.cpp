@@ -208,17 +208,20 @@ TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
   init.register_tracks = false;
   Trainer kept(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
   (void)kept.run();
-  for (const KeyPose& key : kept.scene().actors[0].track) EXPECT_TRUE(key.shift_m.isZero(0.0));
+  const Scene recorded = kept.scene();
+  ASSERT_FALSE(recorded.actors[0].track.empty());
+  for (const KeyPose& key : recorded.actors[0].track) EXPECT_TRUE(key.shift_m.isZero(0.0));
   options.train.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
   Trainer learned(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
   Trainer again(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
   (void)learned.run();
   (void)again.run();
+  const std::vector<KeyPose> track = learned.scene().actors[0].track, same = again.scene().actors[0].track;
+  ASSERT_EQ(track.size(), same.size());
   double moved = 0.0;
-  for (std::size_t k = 0; k < learned.scene().actors[0].track.size(); ++k) {
-    const KeyPose& key = learned.scene().actors[0].track[k];
-    moved += key.shift_m.norm();
-    EXPECT_EQ(key.shift_m, again.scene().actors[0].track[k].shift_m);
+  for (std::size_t k = 0; k < track.size(); ++k) {
+    moved += track[k].shift_m.norm();
+    EXPECT_EQ(track[k].shift_m, same[k].shift_m);
   }
   EXPECT_GT(moved, 0.01);
 }
