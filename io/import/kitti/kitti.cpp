@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <regex>
+#include <system_error>
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
 namespace simuli {
@@ -51,8 +53,12 @@ std::size_t count_frames(const DriveFiles& files) {
   if (frames == 0) throw_input_error(images.string(), "frames", "none", "at least one NNNNNNNNNN.png");
   for (std::size_t i = 0; i < frames; ++i) {
     for (const fs::path& file : {files.image(i), files.sweep(i)}) {
-      if (!fs::is_regular_file(file)) {
-        throw_input_error(file.string(), fmt::format("frame {} of {}", i, frames), "no such file", "a file");
+      std::error_code failed;
+      if (!fs::is_regular_file(file, failed)) {
+        throw_input_error(file.string(),
+                          fmt::format("frame {} of {}", i, frames),
+                          failed && is_there(file) ? failed.message() : "no such file",
+                          "a file");
       }
     }
   }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
+#include <system_error>
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
@@ -118,7 +119,12 @@ std::vector<double> azimuths_of(const std::vector<Point>& points, const Lidar& l
 Lidar lidar_of(const std::vector<fs::path>& files, const std::string& name) {
   Lidar lidar = builtin_lidar("nuscenes_lidar_top_hdl32e");
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  for (const fs::path& file : files) fewest = std::min(fewest, firings_of(fs::file_size(file), file));
+  for (const fs::path& file : files) {
+    std::error_code failed;
+    const std::uintmax_t bytes = fs::file_size(file, failed);
+    if (failed) throw_input_error(file.string(), "sweep", failed.message(), "a file");
+    fewest = std::min(fewest, firings_of(bytes, file));
+  }
   constexpr std::size_t kMost = 4096;
   if (fewest > kMost) {
     throw_input_error(files.front().string(), "firings", fmt::format("{}", fewest), "at most 4096");

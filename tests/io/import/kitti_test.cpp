@@ -43,6 +43,19 @@ double reprojection_error_m(const kitti::BeamPoints& beams, const Sweep& sweep, 
   return farthest;
 }
 
+TEST(KittiImport, RefusesALinkThatLeadsRound) {
+  const Scratch scratch;
+  const KittiFolder folder(scratch);
+  const std::filesystem::path file = folder.drive() / "velodyne_points" / "data" / "0000000002.bin";
+  std::filesystem::remove(file);
+  std::filesystem::create_symlink(file.filename(), file);
+  expect_input_error(
+      [&] {
+        (void)import_kitti({folder.drive(), "", scratch / "drive.log"});
+      },
+      {"0000000002.bin", "frame 2 of 3", "Too many levels"});
+}
+
 /// Told of the drive's own file, not of the log that is being made.
 TEST(KittiImport, RefusesTimesOutOfOrder) {
   const Scratch scratch;
