@@ -95,8 +95,10 @@ __kernel void render_bwd(const FrameParams frame,
   const uint ty = tile / frame.tiles_x;
   const real t_min = sensor->model.t_min;
   const real t_max = sensor->model.t_max;
+#if !RAY_ORDER
   const real t_cut = sensor->transmittance_cut;
   const real log_cut = log(sensor->alpha_cut);
+#endif
 
   const uint begin = first[tile];
   RayLanes ray[NR];

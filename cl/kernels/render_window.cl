@@ -126,14 +126,18 @@ __kernel void replay_window(const FrameParams frame,
     const uint count = min((uint)LS, end - batch);
     for (uint i = 0; i < count; ++i) {
       const uint packed = staged_payload[i];
+#if REPLAY
       const uint place = batch + i - begin;
+#endif
       real record[SIM_RECORD];
       for (int k = 0; k < SIM_RECORD; ++k) record[k] = staged[i * SIM_RECORD + k];
 #else
   for (uint i = begin; i < end && alive; ++i) {
     {
       const uint packed = payload[i];
+#if REPLAY
       const uint place = i - begin;
+#endif
       if (!(alive & VECTORS_OF(packed))) continue;  // its record is not even read
       if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
       const __global real* source = records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD;

@@ -33,6 +33,12 @@ set(blend_variants
     "-DSENSOR=0 -DMOVING=0 -DORIGINS=0 -DSH_DEGREE=3 -DMEDIAN=0 -DV=16 -DNR=16 -DLS=1 -DRAY_SH=1 -DMATH_PRECISE=1"
     "-DSENSOR=1 -DMOVING=1 -DORIGINS=1 -DSH_DEGREE=1 -DMEDIAN=1 -DV=1 -DNR=4 -DLS=64 -DRAY_SH=1 -DACTORS=1 -DACTOR_MOTION=1 -DPER_RAY=1"
     "-DSENSOR=1 -DMOVING=1 -DORIGINS=1 -DSH_DEGREE=2 -DMEDIAN=1 -DV=8 -DNR=32 -DLS=1 -DRAY_SH=1 -DPER_RAY=1 -DSIMULI_REAL_DOUBLE=1")
+# Back in rays' own orders.
+set(replay_variants
+    "-DSENSOR=0 -DMOVING=0 -DORIGINS=0 -DSH_DEGREE=3 -DMEDIAN=0 -DV=16 -DNR=16 -DLS=1"
+    "-DSENSOR=1 -DMOVING=1 -DORIGINS=1 -DSH_DEGREE=1 -DMEDIAN=1 -DDROP=1 -DV=1 -DNR=4 -DLS=64 -DACTORS=1 -DACTOR_MOTION=1 -DPER_RAY=1"
+    "-DSENSOR=1 -DMOVING=1 -DORIGINS=1 -DSH_DEGREE=2 -DMEDIAN=1 -DDROP=1 -DV=8 -DNR=32 -DLS=1 -DPER_RAY=1 -DSIMULI_REAL_DOUBLE=1")
+list(TRANSFORM replay_variants APPEND " -DREPLAY=1 -DRAY_ORDER=1")
 list(APPEND project_variants "-DSENSOR=1 -DMOVING=1 -DSH_DEGREE=0 -DV=16 -DMATH_PRECISE=1")
 foreach(lens RANGE 8)  # SIM_LENS_.. of shared/layout.h
   math(EXPR shape "${lens} % 3")
@@ -49,6 +55,9 @@ foreach(kernel IN LISTS kernels)
   endif()
   if(kernel MATCHES "/render(_window)?.cl$")
     list(APPEND all_variants ${blend_variants})
+  endif()
+  if(kernel MATCHES "/render_(window|bwd).cl$")
+    list(APPEND all_variants ${replay_variants})
   endif()
   foreach(variant IN LISTS all_variants)
     separate_arguments(defines UNIX_COMMAND "${variant} -DCLAMPED_CHANNELS=1 -DRADIX_BITS=4 -DNEIGHBOURS=50 -DGRID_X=16 -DGRID_Y=16 -DGRID_Z=8 -DCOMPENSATION=1 -DERRORS=1 -DRAY_GRADIENTS=1 -DWINDOW=16")
