@@ -107,6 +107,7 @@ __kernel void replay_window(const FrameParams frame,
   uint redo = 0;
 #endif
 #if LS > 1
+#define PLACE (batch + i - begin)  // in the tile's list
   __local real staged[LS * SIM_RECORD];
   __local uint staged_payload[LS];
   __local int group_alive;
@@ -126,18 +127,13 @@ __kernel void replay_window(const FrameParams frame,
     const uint count = min((uint)LS, end - batch);
     for (uint i = 0; i < count; ++i) {
       const uint packed = staged_payload[i];
-#if REPLAY
-      const uint place = batch + i - begin;
-#endif
       real record[SIM_RECORD];
       for (int k = 0; k < SIM_RECORD; ++k) record[k] = staged[i * SIM_RECORD + k];
 #else
+#define PLACE (i - begin)
   for (uint i = begin; i < end && alive; ++i) {
     {
       const uint packed = payload[i];
-#if REPLAY
-      const uint place = i - begin;
-#endif
       if (!(alive & VECTORS_OF(packed))) continue;  // its record is not even read
       if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
       const __global real* source = records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD;
@@ -160,7 +156,7 @@ __kernel void replay_window(const FrameParams frame,
         respond(record, box_mean, &seen, t_min, t_max, &response);
         if (!ANY(response.inside)) continue;
 #if REPLAY
-        clear_place(place, light[j].replayed);
+        clear_place(PLACE, light[j].replayed);
 #endif
         const I inside = AND(response.inside, light[j].going);
         Window* w = &window[j];
@@ -175,7 +171,7 @@ __kernel void replay_window(const FrameParams frame,
         if (!ANY(light[j].going)) {
           alive &= ~(1u << j);
 #if REPLAY
-          to[j] = place;
+          to[j] = PLACE;
 #endif
           continue;
         }
@@ -183,7 +179,7 @@ __kernel void replay_window(const FrameParams frame,
         if (!ANY(inside)) continue;
         Met met;
 #if REPLAY
-        met.place = (F)(real)place;
+        met.place = (F)(real)(PLACE);
 #endif
         const F last = w->count > 0 ? w->entry[(w->count - 1) % WINDOW].tau : (F)R(0.0);
         met.tau = SEL(inside, response.tau, last);
