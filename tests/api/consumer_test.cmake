@@ -19,7 +19,7 @@ endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --component library)
 set(flags "")
 if(SANITIZE)
-  set(flags "-fsanitize=${SANITIZE}")
+  set(flags "-fsanitize=${SANITIZE} -DEIGEN_MALLOC_ALREADY_ALIGNED=1")
 endif()
 run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/examples -B build -DCMAKE_PREFIX_PATH=${prefix}
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags}" "-DCMAKE_C_FLAGS=${flags} -Wall -Wextra -pedantic")
