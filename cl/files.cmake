@@ -3,6 +3,7 @@ set(SIMULI_CL_FILES
   shared/layout.h
   shared/sensor_constants.h
   math/actor.h
+  math/blend_bwd.h
   math/camera.h
   math/carry.h
   math/color_grid.h

@@ -1,5 +1,5 @@
 // render_bwd.cl - gradients of blending, one 16-real slot per instance. Launcher: host/render/backward/render_bwd.cpp
-#include "math/response.h"
+#include "math/blend_bwd.h"
 
 /// out slot_first[n]: how many slots a particle has, one per tile instance; its prefix sum tells where they begin.
 ///     By index, not in the order of the frame: neighbours in memory have neighbouring slots, so that what a tile
@@ -135,14 +135,8 @@ __kernel void render_bwd(const FrameParams frame,
     all_to = max(all_to, to[j]);
     alive |= (to[j] > 0 ? 1u : 0u) << j;
 #else
-    const F gt = LDV(grad_out + SIM_O_TRANSMITTANCE * frame.slots + slot);
     transmittance[j] = (F)R(1.0);
-    // The stored features hold T times the background already.
-    behind[j] = g0[j] * LDV(out + slot);
-    behind[j] = fma(g1[j], LDV(out + frame.slots + slot), behind[j]);
-    behind[j] = fma(g2[j], LDV(out + 2 * frame.slots + slot), behind[j]);
-    behind[j] = fma(gt, LDV(out + SIM_O_TRANSMITTANCE * frame.slots + slot), behind[j]);
-    behind[j] = fma(gd[j], LDV(out + SIM_O_DISTANCE * frame.slots + slot), behind[j]);
+    behind[j] = behind_of(out + slot, grad_out + slot, frame.slots);
     alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
 #endif
   }
@@ -206,8 +200,7 @@ __kernel void render_bwd(const FrameParams frame,
       const F weight = LDV(weights);
       const F d_log = LDV(weights + TILE_RAYS);
 #else
-      const F raw = raw_alpha(record, response.q, log_cut);
-      const F alpha = SEL(inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
+      const F alpha = SEL(inside, VMIN(raw_alpha(record, response.q, log_cut), (F)ALPHA_MAX), (F)R(0.0));
       const F weight = alpha * transmittance[j];
       const F left = transmittance[j] - weight;
 #endif
@@ -226,10 +219,8 @@ __kernel void render_bwd(const FrameParams frame,
       value = fma(g1[j], (F)record[SIM_R_FEATURE + 1], value);
       value = fma(g2[j], (F)record[SIM_R_FEATURE + 2], value);
       value = fma(gd[j], tau, value);
-      behind[j] = fma(-weight, value, behind[j]);
-      // dL/dalpha = T value - behind / (1 - alpha); no gradient through the clamp, but tau keeps its own.
-      const F d_alpha = fma(transmittance[j], value, -(behind[j] / (R(1.0) - alpha)));
-      const F d_log = SEL(AND(inside, raw < ALPHA_MAX), d_alpha * alpha, (F)R(0.0));
+      // None through the clamp, but tau keeps its own.
+      const F d_log = log_alpha_gradient(inside, alpha, weight, transmittance[j], value, &behind[j]);
 #endif
       sum[SIM_G_OPACITY] += d_log;
       const F dq = d_log * R(-0.5);

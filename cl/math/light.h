@@ -3,6 +3,7 @@
 // Build: REPLAY = 1 to tell, of each response that is blended, its weight and the gradient of its ln alpha.
 #ifndef SIMULI_CL_MATH_LIGHT_H
 #define SIMULI_CL_MATH_LIGHT_H
+#include "math/blend_bwd.h"
 #include "math/ray_drop.h"
 #include "math/ray_feature.h"
 #include "math/response.h"
@@ -88,14 +89,8 @@ FN void start_light(const RayLanes* ray,
   light->replayed = replayed;
   light->going = is_ray(ray->d[0], ray->d[1], ray->d[2]);
   for (int c = 0; c < 3; ++c) light->g[c] = LDV(grad_out + (ulong)c * slots);
-  const F g_transmittance = LDV(grad_out + SIM_O_TRANSMITTANCE * slots);
   light->g_distance = LDV(grad_out + SIM_O_DISTANCE * slots);
-  // The stored features hold T times the background already.
-  light->behind = light->g[0] * LDV(out);
-  light->behind = fma(light->g[1], LDV(out + slots), light->behind);
-  light->behind = fma(light->g[2], LDV(out + 2 * slots), light->behind);
-  light->behind = fma(g_transmittance, LDV(out + SIM_O_TRANSMITTANCE * slots), light->behind);
-  light->behind = fma(light->g_distance, LDV(out + SIM_O_DISTANCE * slots), light->behind);
+  light->behind = behind_of(out, grad_out, slots);
 }
 
 /// Nothing blended at a place, until something is.
@@ -113,10 +108,7 @@ FN void blend(const Met* met, real t_cut, Light* light) {
   value = fma(light->g[1], met->feature[1], value);
   value = fma(light->g[2], met->feature[2], value);
   value = fma(light->g_distance, met->tau, value);
-  light->behind = fma(-weight, value, light->behind);
-  // dL/dalpha = T value - behind / (1 - alpha); none through the clamp.
-  const F d_alpha = fma(before, value, -(light->behind / (R(1.0) - alpha)));
-  const F d_log = SEL(AND(blends, alpha < ALPHA_MAX), d_alpha * alpha, (F)R(0.0));
+  const F d_log = log_alpha_gradient(blends, alpha, weight, before, value, &light->behind);
   light->transmittance = before - weight;
   light->going = AND(light->going, light->transmittance >= t_cut);
   // Rays of a vector have mostly met the same particle as their nearest.
