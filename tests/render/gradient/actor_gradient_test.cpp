@@ -7,6 +7,7 @@
 
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/render/gradient/gradient_problem.hpp"
 
 namespace simuli {
 namespace {
@@ -19,8 +20,8 @@ class ActorProblem {
  public:
   ActorProblem(const test::Shot& shot, const GaussianSet& set)
       : device_(Device::best()),
-        renderer_(device_, options()),
-        rays_(shot.on(device_, options())),
+        renderer_(device_, test::smooth_options(Precision::kDouble)),
+        rays_(shot.on(device_, test::smooth_options(Precision::kDouble))),
         view_(shot.view),
         particles_(device_, set, Precision::kDouble),
         grads_(device_, "parameter gradients", Precision::kDouble),
@@ -43,15 +44,13 @@ class ActorProblem {
   /// Central difference of the loss by what `move(h)` sets, extrapolated once.
   template <class Move>
   [[nodiscard]] double quotient(const Move& move, double h) {
-    const auto central = [&](double step) {
+    const auto moved_loss = [&](double step) {
       move(step);
-      const double above = loss();
-      move(-step);
-      const double below = loss();
+      const double moved = loss();
       move(0.0);
-      return (above - below) / (2.0 * step);
+      return moved;
     };
-    return (4.0 * central(0.5 * h) - central(h)) / 3.0;
+    return test::extrapolated_quotient(moved_loss, h);
   }
   [[nodiscard]] double parameter_quotient(std::size_t parameter, double h) {
     return quotient(
@@ -73,13 +72,6 @@ class ActorProblem {
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients() { return pass_->pose_gradients(particles_); }
 
  private:
-  static RenderOptions options() {
-    RenderOptions options = paper_options();
-    options.precision = Precision::kDouble;
-    options.alpha_cut = 1e-12;
-    options.transmittance_cut = 0.0;
-    return options;
-  }
   Device device_;
   Renderer renderer_;
   std::optional<Pass> pass_;

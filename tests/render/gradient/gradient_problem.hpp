@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/render/gradient/gradient_check.hpp"
 
 namespace simuli::test {
 
@@ -55,10 +56,7 @@ class GradientProblem {
   }
   /// Central difference, extrapolated once.
   [[nodiscard]] double quotient(std::size_t parameter, double h) {
-    const auto central = [&](double step) {
-      return (loss_at(parameter, step) - loss_at(parameter, -step)) / (2.0 * step);
-    };
-    return (4.0 * central(0.5 * h) - central(h)) / 3.0;
+    return extrapolated_quotient([&](double step) { return loss_at(parameter, step); }, h);
   }
   [[nodiscard]] std::vector<double> gradient() {
     particles_.params.assign(std::span<const double>(base_));

@@ -17,11 +17,9 @@ using test::SceneCase;
 using test::smooth_options;
 using Problem = test::GradientProblem;
 
-// Quotients are accurate to some 1e-9: (h^4 f''''' after extrapolation, and 1e-16 |L| / h of rounding).
-constexpr double kGradientTolerance = 1e-6;
-constexpr double kStep = 1e-4;
-// 24 bits of directions and positions some metres away, squared distances up to 55 in the exponent.
-constexpr double kFloatGradientTolerance = 1e-2;
+using test::kFloatGradientTolerance;
+using test::kGradientTolerance;
+constexpr double kStep = test::kQuotientStep;
 
 /// Particles around the sensor or before the camera, opacities clear of the clamp of alpha, features clear
 /// of 0 where they are clamped.

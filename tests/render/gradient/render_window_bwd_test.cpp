@@ -17,9 +17,9 @@ using test::GradientCheck;
 using test::SceneCase;
 using Problem = test::GradientProblem;
 
-constexpr double kGradientTolerance = 1e-6;
-constexpr double kFloatGradientTolerance = 1e-2;  // as render_bwd_test
-constexpr double kStep = 1e-4;
+using test::kFloatGradientTolerance;
+using test::kGradientTolerance;
+constexpr double kStep = test::kQuotientStep;
 constexpr int kCount = 60;
 
 test::Shot shot_for(const SceneCase& scene) {
