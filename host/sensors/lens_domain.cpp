@@ -69,13 +69,20 @@ double first_root(const F& f, double end) {
       f, [&](int i) { return f(end * i / kSamples); }, end);
 }
 
-/// Determinant of the distortion's Jacobian at the radius, negative from a pole of the rational part on.
-double orientation(const double* k, double radius, const Eigen::Vector2d& along) {
-  lens_forward::Distorted d;
-  lens_forward::distort(k, radius * along.x(), radius * along.y(), &d);
+/// Determinant of the distortion's Jacobian at the radius, negative from a pole of the rational part on; and
+/// the distortion there.
+double orientation(const double* k,
+                   double radius,
+                   const Eigen::Vector2d& along,
+                   lens_forward::Distorted* out) {
+  lens_forward::distort(k, radius * along.x(), radius * along.y(), out);
   const double r2 = radius * radius;
   if (!(1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])) > 0.0)) return -1.0;
-  return d.u_x * d.v_y - d.u_y * d.v_x;
+  return out->u_x * out->v_y - out->u_y * out->v_x;
+}
+double orientation(const double* k, double radius, const Eigen::Vector2d& along) {
+  lens_forward::Distorted unused;
+  return orientation(k, radius, along, &unused);
 }
 
 /// Up to which sample of the radii the fold lies ahead in every direction: there the determinant of the
@@ -93,9 +100,8 @@ int samples_before_folds(const double* k, const std::array<double, kSamples + 1>
   bool falls = false;
   for (int i = 1; i <= kSamples; ++i) {
     const double r = radius[static_cast<std::size_t>(i)];
-    const double determinant = orientation(radial.data(), r, Eigen::Vector2d::UnitX());
     lens_forward::Distorted d;
-    lens_forward::distort(radial.data(), r, 0.0, &d);
+    const double determinant = orientation(radial.data(), r, Eigen::Vector2d::UnitX(), &d);
     // Entries of the radial Jacobian in any direction, and what the others add to an entry.
     const double entry = std::abs(d.v_y) + std::abs(d.u_x - d.v_y);
     const double added = r * (tangential + 2.0 * prism + 4.0 * r * r * prism4);

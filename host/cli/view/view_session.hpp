@@ -19,9 +19,11 @@ namespace simuli::cli {
 /// One view, as the page asks for it. All of the viewer's state is here: the session keeps none.
 struct ViewRequest {
   static constexpr int kNarrowest_px = 64, kWidest_px = 4096;
-  static constexpr double kMostPixels = 4096.0 * 4096.0, kTallest_px = 65535.0;  // the latter of any JPEG
-  std::string sensor;                                                            // of the scene, or built in
-  std::string quality;                                                           // see --quality
+  static constexpr double kMostPixels = 4096.0 * 4096.0;
+  static constexpr double kTallest_px = 65535.0;  // of any JPEG
+
+  std::string sensor;   // of the scene, or built in
+  std::string quality;  // see --quality
   double time_s = 0.0;
   int width = 960;                                        // px, of pictures; the height follows
   Eigen::Vector3d rig_shift_m = Eigen::Vector3d::Zero();  // forward, left, up
