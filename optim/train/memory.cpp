@@ -38,7 +38,7 @@ class Tally {
   void add(const char* item, const BufferBytes& buffer, std::uint64_t times = 1) {
     const auto found = std::find_if(
         need_.items.begin(), need_.items.end(), [&](const MemoryItem& i) { return i.name == item; });
-    MemoryItem& sum = found != need_.items.end() ? *found : need_.items.emplace_back(item);
+    MemoryItem& sum = found != need_.items.end() ? *found : need_.items.emplace_back(MemoryItem{item});
     sum.bytes += times * buffer.bytes;
     need_.by_buffer[buffer.name] += times * buffer.bytes;
     need_.total += times * buffer.bytes;
