@@ -1,5 +1,6 @@
 #include "io/base/temporary.hpp"
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -29,16 +30,42 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMark = ".tmp";
 
+/// Descriptors for removing folders, one for each level, where all others are taken by then.
+class Spare {
+ public:
+  void keep() {
+    for (int& one : descriptors_) {
+      if (one < 0) one = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+    }
+  }
+  void give_back() {
+    for (int& one : descriptors_) {
+      if (one >= 0) ::close(std::exchange(one, -1));
+    }
+  }
+
+ private:
+  std::array<int, 3> descriptors_{-1, -1, -1};
+};
+
 /// What remove_temporaries() removes. Never destroyed: it may be asked for while the process ends.
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> paths;
+  Spare spare;
   std::atomic<std::size_t> written = 0;  // Temporary objects that may still make a file
 };
 
 Registry& registry() {
   static auto* const all = new Registry;
   return *all;
+}
+
+/// Removes it; false where that took more descriptors than there are.
+bool could_remove(const fs::path& path) {
+  std::error_code failed;
+  fs::remove_all(path, failed);
+  return failed != std::errc::too_many_files_open;
 }
 
 /// The process in ".STEM.PID-N.tmpEXTENSION", when a name is one of those of that stem and extension.
@@ -98,13 +125,18 @@ Temporary::Temporary(const fs::path& target) : target_(target) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
   all.paths.insert(fs::absolute(path_));
+  all.spare.keep();
   ++all.written;
 }
 
 Temporary::~Temporary() {
   if (path_.empty()) return;
-  std::error_code ignored;  // a destructor on the way out of another error has nothing to add
-  fs::remove_all(path_, ignored);
+  // A destructor on the way out of another error has nothing to add.
+  if (!could_remove(path_)) {
+    const std::lock_guard lock(registry().mutex);
+    registry().spare.give_back();
+    (void)could_remove(path_);
+  }
   --registry().written;
   keep_at_end(path_);
 }
@@ -159,8 +191,9 @@ void remove_temporaries() noexcept {
     for (int i = 0; i < kTries; ++i) {
       const bool is_last = all.written == 0;
       for (const fs::path& path : all.paths) {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
+        if (could_remove(path)) continue;
+        all.spare.give_back();
+        (void)could_remove(path);
       }
       if (is_last) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <fcntl.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <stdexcept>
@@ -171,6 +172,24 @@ TEST(Temporaries, OfDeadProcessesGo) {
   write_folder_atomically(scratch / "x.scene", [](const fs::path&) {});
   EXPECT_EQ(entries_of(scratch.path()), 3U);  // the half folder has gone, the whole one is there
   EXPECT_TRUE(fs::exists(scratch / "x.scene"));
+}
+
+/// Removing a folder takes a descriptor for each level of it.
+TEST(Temporaries, GoWithoutADescriptorLeft) {
+  const Scratch scratch;
+  const pid_t child = fork();
+  if (child == 0) {
+    {
+      const Temporary folder(scratch / "x");
+      fs::create_directories(folder.path() / "within");
+      std::ofstream(folder.path() / "within/file") << "half";
+      while (::open("/dev/null", O_RDONLY) >= 0) {
+      }
+    }
+    ::_exit(0);
+  }
+  waitpid(child, nullptr, 0);
+  EXPECT_EQ(entries_of(scratch.path()), 0U);
 }
 
 }  // namespace
