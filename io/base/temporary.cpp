@@ -1,6 +1,5 @@
 #include "io/base/temporary.hpp"
 
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <charconv>
@@ -30,22 +29,21 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMark = ".tmp";
 
-/// Descriptors for removing folders, one for each level, where all others are taken by then.
+/// A descriptor for removing folders where all others are taken by then.
 class Spare {
  public:
-  void keep() {
-    for (int& one : descriptors_) {
-      if (one < 0) one = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
-    }
+  /// False where there is none. By one thread at a time.
+  [[nodiscard]] bool keep() {
+    if (descriptor_ < 0) descriptor_ = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+    return descriptor_ >= 0;
   }
   void give_back() {
-    for (int& one : descriptors_) {
-      if (one >= 0) ::close(std::exchange(one, -1));
-    }
+    const int kept = descriptor_.exchange(-1);
+    if (kept >= 0) ::close(kept);
   }
 
  private:
-  std::array<int, 3> descriptors_{-1, -1, -1};
+  std::atomic<int> descriptor_ = -1;
 };
 
 /// What remove_temporaries() removes. Never destroyed: it may be asked for while the process ends.
@@ -61,11 +59,26 @@ Registry& registry() {
   return *all;
 }
 
-/// Removes it; false where that took more descriptors than there are.
-bool could_remove(const fs::path& path) {
+/// Level after level, with one descriptor at a time.
+void remove_by_levels(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(fs::symlink_status(path, ignored))) {
+    std::vector<fs::path> entries;
+    for (fs::directory_iterator at(path, ignored), end; !ignored && at != end; at.increment(ignored)) {
+      entries.push_back(at->path());
+    }
+    for (const fs::path& entry : entries) remove_by_levels(entry);
+  }
+  fs::remove(path, ignored);
+}
+
+/// Whatever stands there. On the way out of another error there is nothing to add.
+void remove_all_of(const fs::path& path, Spare& spare) {
   std::error_code failed;
-  fs::remove_all(path, failed);
-  return failed != std::errc::too_many_files_open;
+  fs::remove_all(path, failed);  // which takes a descriptor for each level, and one for a file
+  if (failed != std::errc::too_many_files_open) return;
+  spare.give_back();
+  remove_by_levels(path);
 }
 
 /// The process in ".STEM.PID-N.tmpEXTENSION", when a name is one of those of that stem and extension.
@@ -124,19 +137,14 @@ Temporary::Temporary(const fs::path& target) : target_(target) {
           ".{}.{}-{}{}{}", target.stem().string(), ::getpid(), counter++, kMark, target.extension().string());
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
+  if (!all.spare.keep()) throw_errno(target_, "open", "a descriptor more");
   all.paths.insert(fs::absolute(path_));
-  all.spare.keep();
   ++all.written;
 }
 
 Temporary::~Temporary() {
   if (path_.empty()) return;
-  // A destructor on the way out of another error has nothing to add.
-  if (!could_remove(path_)) {
-    const std::lock_guard lock(registry().mutex);
-    registry().spare.give_back();
-    (void)could_remove(path_);
-  }
+  remove_all_of(path_, registry().spare);
   --registry().written;
   keep_at_end(path_);
 }
@@ -190,11 +198,7 @@ void remove_temporaries() noexcept {
     constexpr int kTries = 250;
     for (int i = 0; i < kTries; ++i) {
       const bool is_last = all.written == 0;
-      for (const fs::path& path : all.paths) {
-        if (could_remove(path)) continue;
-        all.spare.give_back();
-        (void)could_remove(path);
-      }
+      for (const fs::path& path : all.paths) remove_all_of(path, all.spare);
       if (is_last) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }

@@ -174,7 +174,7 @@ TEST(Temporaries, OfDeadProcessesGo) {
   EXPECT_TRUE(fs::exists(scratch / "x.scene"));
 }
 
-/// Removing a folder takes a descriptor for each level of it.
+/// Listing a folder takes a descriptor.
 TEST(Temporaries, GoWithoutADescriptorLeft) {
   const Scratch scratch;
   const pid_t child = fork();
@@ -182,9 +182,16 @@ TEST(Temporaries, GoWithoutADescriptorLeft) {
     {
       const Temporary folder(scratch / "x");
       fs::create_directories(folder.path() / "within");
-      std::ofstream(folder.path() / "within/file") << "half";
+      const Temporary file(folder.path() / "within/file");
+      std::ofstream(file.path()) << "half";
       while (::open("/dev/null", O_RDONLY) >= 0) {
       }
+    }
+    // Nor is one begun that could not be removed.
+    try {
+      const Temporary another(scratch / "y");
+      fs::create_directories(another.path());
+    } catch (const Error&) {
     }
     ::_exit(0);
   }
