@@ -4,7 +4,9 @@
 #include <map>
 #include <optional>
 
+#include "bench/render/roofline.hpp"
 #include "bench/render/scene.hpp"
+#include "host/render/options/lane_shape.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/scene/particle_street.hpp"
 
@@ -110,6 +112,21 @@ class Case {
   View view_;
 };
 
+/// What a stage does, and the share of each peak that it reaches in its time.
+void add_roofline(const std::string& name,
+                  const StageWork& work,
+                  const Spread& time_ms,
+                  const Peak& peak,
+                  std::vector<Row>& rows) {
+  const auto add = [&](const char* what, const char* unit, double done, double peak_per_s) {
+    const double share = 100.0 * done / (peak_per_s * time_ms.median * 1e-3);
+    rows.push_back({name + "/" + what, 1e3 * done, unit, 0.0});
+    rows.push_back({name + "/" + what + "_of_peak", share, "%", share * time_ms.half_iqr / time_ms.median});
+  };
+  if (work.gflop > 0.0) add("arithmetic", "MFLOP", work.gflop, peak.gflop_s);
+  add("traffic", "MB", work.gbyte, peak.gbyte_s);
+}
+
 }  // namespace
 
 std::map<std::string, double> stage_times(Profile& profile) {
@@ -128,7 +145,9 @@ std::vector<Row> run_stages(const std::string& device_request,
   device_options.profiling = true;
   const Device device = Device::best(device_request, device_options);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  std::vector<Row> rows;
+  const Peak peak = measure_peak(device);
+  std::vector<Row> rows{{"stages/peak/fma", peak.gflop_s, "GFLOP/s", 0.0},
+                        {"stages/peak/bandwidth", peak.gbyte_s, "GB/s", 0.0}};
   for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
     const std::string base = fmt::format("stages/{}_{}k",
                                          kind == SetKind::kCamera ? "camera_640x360" : "lidar_64x2650",
@@ -172,6 +191,12 @@ std::vector<Row> run_stages(const std::string& device_request,
       const Spread s = spread_of(samples.at(stage));
       rows.push_back({base + "/" + stage, s.median, "ms", s.half_iqr});
     }
+    const std::map<std::string, StageWork> work = stage_work(shaped.pass(),
+                                                             lane_shape_of(device, Precision::kFloat),
+                                                             static_cast<std::uint64_t>(options.particles),
+                                                             options.sh_degree);
+    for (const auto& [stage, done] : work)
+      add_roofline(base + "/" + stage, done, spread_of(samples.at(stage)), peak, rows);
     const Spread ratio = spread_of(ratios);
     rows.push_back({base + "/blend_speedup", ratio.median, "x", ratio.half_iqr});
     const Spread order_ratio = spread_of(order_ratios);

@@ -26,9 +26,10 @@ struct StagesOptions {
 ///   stages/.../frame                                           ms from call to result on the device
 ///   stages/.../blend_one_ray_per_item, .../blend_speedup       ms, ratio
 ///   stages/.../frame_shuffled, .../frame_of_shuffled           ms of a frame of the same particles in no
-///   order
-///                                                              (the worst case), and the frame's share of
-///                                                              that
+///                                                              order (the worst case), and the frame's
+///                                                              share of that
+///   stages/.../<stage>/arithmetic, .../traffic                 MFLOP, MB (bench/render/roofline.hpp)
+///   stages/.../<stage>/arithmetic_of_peak, .../traffic_of_peak share of stages/peak/fma, .../bandwidth, %
 [[nodiscard]] std::vector<Row> run_stages(const std::string& device_request,
                                           const StagesOptions& options,
                                           const std::function<void(const std::string&)>& note);

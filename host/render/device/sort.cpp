@@ -27,6 +27,11 @@ SortSizes SortStage::sizes(const Device& device, std::uint64_t pairs, std::size_
           (std::uint64_t{1} << static_cast<unsigned>(digit_bits_of(items))) * groups_of(device, items)};
 }
 
+unsigned SortStage::passes(const Device& device, int bits, std::size_t work_items) {
+  const int digit = digit_bits_of(work_items_of(device, work_items));
+  return static_cast<unsigned>((bits + digit - 1) / digit);
+}
+
 SortStage::SortStage(const Device& device, std::size_t work_items)
     : work_items_(work_items_of(device, work_items)),
       digit_bits_(digit_bits_of(work_items_)),

@@ -26,6 +26,8 @@ class SortStage {
   void run(Buffer<std::uint32_t>& keys, Buffer<std::uint32_t>& values, std::uint32_t n, int bits);
   /// What that many pairs take on a device, the pairs excepted.
   [[nodiscard]] static SortSizes sizes(const Device& device, std::uint64_t pairs, std::size_t work_items = 0);
+  /// How often a sort by `bits` goes through the pairs: reads keys twice and values once, and writes both.
+  [[nodiscard]] static unsigned passes(const Device& device, int bits, std::size_t work_items = 0);
 
  private:
   std::size_t work_items_;

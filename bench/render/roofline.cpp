@@ -1,0 +1,218 @@
+#include "bench/render/roofline.hpp"
+
+#include <bit>
+#include <string_view>
+#include <vector>
+
+#include "host/render/device/sort.hpp"
+#include "host/runtime/program.hpp"
+
+namespace simuli::bench {
+namespace {
+
+// 12 chains of 16 lanes hide the latency of a multiply-add on every processor with up to 32 vector registers.
+constexpr std::string_view kPeakText = R"(
+#define CHAINS 12
+__kernel void multiply_add(const uint rounds, const float factor, __global float* out) {
+  float16 x[CHAINS];
+  for (int k = 0; k < CHAINS; ++k) x[k] = (float16)(k + 1) * 1e-3f;
+  const float16 f = (float16)factor, g = (float16)(1.0f - factor);
+  for (uint i = 0; i < rounds; ++i) {
+#pragma unroll
+    for (int k = 0; k < CHAINS; ++k) x[k] = fma(x[k], f, g);
+  }
+  float16 sum = x[0];
+  for (int k = 1; k < CHAINS; ++k) sum += x[k];
+  out[get_global_id(0)] = sum.s0 + sum.s1 + sum.s2 + sum.s3 + sum.s4 + sum.s5 + sum.s6 + sum.s7 + sum.s8 +
+                          sum.s9 + sum.sa + sum.sb + sum.sc + sum.sd + sum.se + sum.sf;
+}
+__kernel void triad(__global const float* b, __global const float* c, const float s, __global float* a) {
+  const size_t i = get_global_id(0);
+  vstore16(fma(vload16(i, c), (float16)s, vload16(i, b)), i, a);
+}
+)";
+constexpr std::uint64_t kChains = 12, kLanes = 16, kItems = 4096, kRounds = 512;
+constexpr std::uint64_t kTriadReals = std::uint64_t{1} << 25U;  // 128 MB an array
+constexpr int kRuns = 7;
+
+// As kernels/render.cl walks its lists; of blending it keeps what retires rays.
+constexpr std::string_view kVisitsText = R"(
+#include "math/response.h"
+__kernel void count_visits(const FrameParams frame,
+                           __global const SensorConstants* sensor,
+                           __global const real* world_ray,
+                           __global const real* ray_u,
+                           __global const uint* first,
+                           __global const uint* payload,
+                           __global const real* records,
+                           __global uint* visits) {
+  const uint tile = get_group_id(0), lid = get_local_id(0), base = tile * TILE_RAYS;
+  const real log_cut = log(sensor->alpha_cut);
+  RayLanes ray[NR];
+  F transmittance[NR];
+  uint alive = 0, looked = 0, changed = 0;
+  for (int j = 0; j < NR; ++j) {
+    load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray[j]);
+    transmittance[j] = (F)R(1.0);
+    alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
+  }
+  for (uint i = first[tile]; i < first[tile + 1] && alive; ++i) {
+    const uint packed = payload[i];
+    real record[SIM_RECORD];
+    for (int k = 0; k < SIM_RECORD; ++k) record[k] = records[(ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD + k];
+    const real box_mean = nearest_box_mean(record, ray_u[base]);
+    for (int j = J_FIRST(packed); j <= J_LAST(packed); ++j) {
+      if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
+      ++looked;
+      Response response;
+      respond(record, box_mean, &ray[j], sensor->model.t_min, sensor->model.t_max, &response);
+      if (!ANY(response.inside)) continue;
+      ++changed;
+      const F alpha = SEL(response.inside, VMIN(raw_alpha(record, response.q, log_cut), (F)ALPHA_MAX), (F)R(0.0));
+      transmittance[j] -= alpha * transmittance[j];
+      const I done = AND(transmittance[j] < sensor->transmittance_cut, response.inside);
+      for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
+      const I going = is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2]);
+      if (!ANY(going)) alive &= ~(1u << j);
+    }
+  }
+  visits[2 * get_global_id(0)] = looked;
+  visits[2 * get_global_id(0) + 1] = changed;
+}
+)";
+
+/// The best time of `launch`'s kernel, s.
+template <class F>
+double best_seconds(const Device& device, const F& launch) {
+  Profile& profile = device.profile();
+  double best_ms = 0.0;
+  for (int i = -1; i < kRuns; ++i) {  // the first launch compiles, and touches the pages
+    profile.reset();
+    launch();
+    const double ms = profile.rows().at(0).min_ms;
+    if (i == 0 || (i > 0 && ms < best_ms)) best_ms = ms;
+  }
+  profile.reset();
+  return best_ms * 1e-3;
+}
+
+bool has_origins(const Pass& pass) {
+  return pass.buffers().rays.world_ray.count() >= std::size_t{6} * pass.frame().slots;
+}
+
+double giga(std::uint64_t count) { return static_cast<double>(count) * 1e-9; }
+
+// Operations, a fused multiply-add being two and each call of a built-in function one, counted by Oclgrind
+// with 300, 1000 and 3000 particles and solved for (bench/RESULTS.md, "Roofline").
+struct Operations {
+  std::uint64_t project;           // a visible particle, and its share of those that are culled
+  std::uint64_t project_backward;  // a visible particle
+  std::uint64_t blend_slot;        // background; of a LiDAR also its drop function
+};
+constexpr Operations kCameraOperations{1037, 880, 6}, kLidarOperations{1970, 879, 143};
+constexpr std::uint64_t kRespond = 24, kRespondWithOrigins = 57;  // a lane looked at
+constexpr std::uint64_t kBlend = 31, kBlendBackward = 123;        // a lane of a vector that changes
+constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // a lane of an instance; a slot
+
+}  // namespace
+
+Peak measure_peak(const Device& device) {
+  const Program program = Program::from_text(device, "bench/peak.cl", kPeakText);
+  Peak peak;
+  {
+    Kernel kernel(program, "multiply_add");
+    Buffer<float> out(device, "peak", kItems);
+    const double s = best_seconds(device, [&] {
+      kernel.run(kItems,
+                 Range::none(),
+                 {{"rounds", static_cast<std::uint32_t>(kRounds)}, {"factor", 0.5F}, {"out", out}});
+    });
+    peak.gflop_s = giga(2 * kChains * kLanes * kItems * kRounds) / s;
+  }
+  Kernel kernel(program, "triad");
+  Buffer<float> a(device, "triad", kTriadReals), b(device, "triad", kTriadReals),
+      c(device, "triad", kTriadReals);
+  const double s = best_seconds(device, [&] {
+    kernel.run(kTriadReals / kLanes, Range::none(), {{"b", b}, {"c", c}, {"s", 0.5F}, {"a", a}});
+  });
+  peak.gbyte_s = giga(3 * kTriadReals * sizeof(float)) / s;
+  return peak;
+}
+
+Visits count_visits(const Pass& pass, const LaneShape& shape) {
+  const Device& device = pass.buffers().binned.device();
+  BuildOptions options;
+  options.real(Precision::kFloat)
+      .define("V", shape.lanes)
+      .define("NR", shape.vectors)
+      .define("LS", shape.work_items)
+      .define("ORIGINS", has_origins(pass));
+  Kernel kernel(Program::from_text(device, "bench/visits.cl", kVisitsText, options), "count_visits");
+  const FrameBuffers& buffers = pass.buffers();
+  const std::size_t items =
+      std::size_t{pass.frame().tiles_x} * pass.frame().tiles_y * static_cast<std::size_t>(shape.work_items);
+  Buffer<std::uint32_t> counted(device, "visits", 2 * items);
+  kernel.run(items,
+             static_cast<std::size_t>(shape.work_items),
+             {{"frame", pass.frame()},
+              buffers.constants,
+              buffers.rays,
+              pass.rays().buffers(),
+              buffers.binned,
+              buffers.projected,
+              {"visits", counted}});
+  Visits visits;
+  const std::vector<std::uint32_t> counts = counted.download();
+  for (std::size_t i = 0; i < counts.size(); i += 2) {
+    visits.looked += counts[i];
+    visits.changed += counts[i + 1];
+  }
+  return visits;
+}
+
+std::map<std::string, StageWork> stage_work(const Pass& pass,
+                                            const LaneShape& shape,
+                                            std::uint64_t particles,
+                                            int sh_degree) {
+  const Device& device = pass.buffers().binned.device();
+  const bool is_lidar = pass.rays().grid().type == SensorType::kLidar;
+  const Operations& operations = is_lidar ? kLidarOperations : kCameraOperations;
+  const std::uint64_t visible = pass.buffers().binned.visible, instances = pass.buffers().binned.instances;
+  const std::uint64_t slots = pass.frame().slots,
+                      tiles = std::uint64_t{pass.frame().tiles_x} * pass.frame().tiles_y;
+  const std::uint64_t coefficients = 3 * static_cast<std::uint64_t>((sh_degree + 1) * (sh_degree + 1));
+  const std::uint64_t ray_rows = (has_origins(pass) ? 6 : 3) + 1;  // and the place along x
+  const std::uint64_t outputs = pass.has_median() ? SIM_O_DROP : SIM_O_MEDIAN;
+  const auto lanes = static_cast<std::uint64_t>(shape.lanes);
+  const Visits visits = count_visits(pass, shape);
+  const std::uint64_t looked = lanes * visits.looked, changed = lanes * visits.changed;
+  const std::uint64_t respond = has_origins(pass) ? kRespondWithOrigins : kRespond;
+  const auto tile_bits = static_cast<int>(std::bit_width(tiles - 1));
+
+  constexpr std::uint64_t kReal = 4, kWord = 4, kFootprint = 16, kGradient = SIM_GRAD * kReal,
+                          kRecord = SIM_RECORD * kReal;
+  std::map<std::string, StageWork> work;
+  work["project"] = {
+      giga(operations.project * visible),
+      giga(particles * (SIM_SH * kReal + kWord) + visible * (coefficients * kReal + kRecord + kFootprint))};
+  work["bin"] = {0.0,
+                 giga(2 * particles * kWord + visible * (2 * kWord + 2 * (kWord + kFootprint)) +
+                      instances * (2 * kWord + kWord) + tiles * kWord)};
+  work["sort"] = {
+      0.0,
+      giga(5 * kWord *
+           (visible * SortStage::passes(device, 32) + instances * SortStage::passes(device, tile_bits)))};
+  work["blend"] = {giga(looked * respond + changed * kBlend + slots * operations.blend_slot),
+                   giga(slots * (ray_rows + outputs) * kReal + visible * kRecord + instances * kWord)};
+  work["blend_backward"] = {giga(looked * respond + changed * kBlendBackward + slots * kBackwardSlot +
+                                 instances * kSum * lanes * static_cast<std::uint64_t>(shape.work_items)),
+                            giga(slots * (ray_rows + outputs + 5) * kReal +
+                                 visible * (kRecord + kFootprint + kWord) + instances * (kWord + kGradient))};
+  work["project_backward"] = {
+      giga(operations.project_backward * visible),
+      giga(visible * ((SIM_SH + coefficients) * kReal + kFootprint + 3 * kReal) + instances * kGradient +
+           particles * ((SIM_SH + coefficients) * kReal + 2 * kWord))};
+  return work;
+}
+
+}  // namespace simuli::bench
