@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/sensors/lidar_library.hpp"
 #include "io/base/file.hpp"
@@ -50,6 +51,28 @@ void read_log_beside_frames(const fs::path& file) {
     std::ofstream(path).flush();
   }
   (void)read_log(file.parent_path());
+}
+
+/// What stands beside scene.json is as its seed says.
+void read_scene_beside_sets(const fs::path& file) {
+  const fs::path folder = file.parent_path(), whole = folder / "whole";
+  if (!fs::exists(whole)) {
+    SceneFile made;
+    made.scene.camera = GaussianSet(SetKind::kCamera, 1, 2);
+    made.scene.lidar = GaussianSet(SetKind::kLidar, 0, 2);
+    for (GaussianSet* set : {&made.scene.camera, &made.scene.lidar}) set->rotation().col(0).setOnes();
+    made.scene.environment = {4, 2, std::vector<float>(3 * 4 * 2, 0.5F)};
+    ColorGrids& grids = made.scene.color_grids;
+    grids.size_x = grids.size_y = grids.size_z = 2;
+    grids.frames = {{"front", 0.0}};
+    grids.values.assign(grids.values_per_frame(), 0.25F);
+    write_scene(whole, made);
+    fs::remove(whole / "scene.json");
+    for (const auto& entry : fs::directory_iterator(whole)) {
+      fs::copy_file(entry.path(), folder / entry.path().filename(), fs::copy_options::overwrite_existing);
+    }
+  }
+  (void)read_scene(folder);
 }
 
 /// The files of a format that has several, one after the other with "%%%%" between them; beside `file`.
@@ -154,11 +177,7 @@ constexpr std::array kReaders{
     FuzzedReader{"sweep", Form::kExr, [](const fs::path& f) { (void)read_sweep(f, sweep_lidar()); }, "a.exr"},
     FuzzedReader{"sensor", Form::kJson, [](const fs::path& f) { (void)read_sensor_file(f); }, "a.json"},
     FuzzedReader{"log", Form::kJson, read_log_beside_frames, "log.json"},
-    FuzzedReader{"scene",
-                 Form::kJson,
-                 [](const fs::path& f) { (void)read_scene(f.parent_path()); },
-                 "scene.json",
-                 false},
+    FuzzedReader{"scene", Form::kJson, read_scene_beside_sets, "scene.json"},
     FuzzedReader{"state",
                  Form::kBytes,
                  [](const fs::path& f) {
