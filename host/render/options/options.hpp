@@ -155,7 +155,7 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         o.order,
         one_of("range", "window", "per_ray"),
         "in which a ray blends: by the particles' distances from the sensor, or by where it meets each, of "
-        "the render.window latest or of all; range alone has gradients");
+        "the render.window latest or of all");
   field("render.window",
         o.window,
         range(2, 64),
