@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/version.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
@@ -23,6 +24,7 @@
 #include "host/render/options/validate.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/base/file.hpp"
+#include "io/scene/frames_file.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "io/splat/cloud_file.hpp"
 #include "optim/base/frames.hpp"
@@ -141,15 +143,24 @@ std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor, double du
   return spans;
 }
 
-std::vector<Span> select_spans(std::vector<Span> all, const std::string& frames) {
-  if (frames.empty()) return all;
+struct Plan {
+  Trajectory world_from_rig;
+  std::vector<Span> spans;
+  std::size_t first = 0;  // number of the first span's frame
+};
+
+/// Makes them those that --frames asks for.
+void select_spans(Plan& plan, const std::string& frames) {
+  if (frames.empty()) return;
+  const std::vector<Span> all = plan.spans;
   const std::vector<double> range = parse_numbers("--frames", frames, 2);
   const double a = range[0], b = range[1];
   const bool allowed =
       a >= 0.0 && b >= a && b < static_cast<double>(all.size()) && a == std::floor(a) && b == std::floor(b);
   if (!allowed) refuse("--frames", frames, fmt::format("a:b with 0 <= a <= b < {}", all.size()));
   const auto first = all.begin() + static_cast<std::ptrdiff_t>(a);
-  return {first, first + static_cast<std::ptrdiff_t>(b - a) + 1};
+  plan.spans = {first, first + static_cast<std::ptrdiff_t>(b - a) + 1};
+  plan.first = static_cast<std::size_t>(a);
 }
 
 /// The same path `rate` times as fast from its start on.
@@ -168,11 +179,6 @@ std::vector<Span> spans_within(const std::vector<Span>& spans, const Trajectory&
   }
   return within;
 }
-
-struct Plan {
-  Trajectory world_from_rig;
-  std::vector<Span> spans;
-};
 
 Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand& command) {
   if (!command.times.empty() && !command.frames.empty()) {
@@ -206,9 +212,14 @@ Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand&
     plan.world_from_rig = driven(plan.world_from_rig, command.speed);
     recorded = spans_within(recorded, plan.world_from_rig);
   }
-  plan.spans = times.empty() ? select_spans(std::move(recorded), command.frames)
-                             : spans_at(times, duration_of(sensor, command));
+  plan.spans = times.empty() ? std::move(recorded) : spans_at(times, duration_of(sensor, command));
+  select_spans(plan, command.frames);
   return plan;
+}
+
+Shot shot_of(const Plan& plan, const Sensor& sensor, std::size_t i) {
+  return Shot::along(
+      plan.world_from_rig, sensor.rig_from_sensor(), plan.spans[i].start_s, plan.spans[i].end_s);
 }
 
 /// Renders the plan's frames one after the other: use(frame index, picture) gets a camera's picture or a
@@ -217,10 +228,7 @@ template <class Use, class UseCloud>
 void render_plan(
     SceneOnDevice& scene, const Sensor& sensor, const Plan& plan, const Use& use, const UseCloud& use_cloud) {
   for (std::size_t i = 0; i < plan.spans.size(); ++i) {
-    const Frame frame = scene.render(
-        sensor,
-        Shot::along(
-            plan.world_from_rig, sensor.rig_from_sensor(), plan.spans[i].start_s, plan.spans[i].end_s));
+    const Frame frame = scene.render(sensor, shot_of(plan, sensor, i));
     if (sensor.is_camera()) {
       use(i, frame.image());
     } else {
@@ -260,6 +268,27 @@ void warn_of_rounding(const Plan& plan, const Sensor& sensor) {
       farthest_m * std::numeric_limits<float>::epsilon());
 }
 
+/// All but the frames.
+FramesRecord record_of(const RenderCommand& command,
+                       const Globals& globals,
+                       const RenderOptions& options,
+                       const Sensor& sensor,
+                       const SceneOnDevice& scene) {
+  FramesRecord record{.sensor = sensor};
+  record.scene = scene.scene().name;
+  record.trajectory = command.trajectory;
+  record.edits = lines_of(command.edits);
+  if (command.lane_shift_m != 0.0)
+    record.edits.push_back(fmt::format("--lane-shift {}", command.lane_shift_m));
+  if (command.speed != 1.0) record.edits.push_back(fmt::format("--speed {}", command.speed));
+  record.quality = quality_names()[static_cast<std::size_t>(globals.quality)];
+  record.settings = simuli::lines_of(options);
+  record.version = version();
+  record.device = scene.device().info().label();
+  record.driver = scene.device().info().driver_version;
+  return record;
+}
+
 void render(const RenderCommand& command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
@@ -292,9 +321,16 @@ void render(const RenderCommand& command, const Globals& globals) {
     run([&](std::size_t, const Image& image) { video.add(image); }, [](std::size_t, const PointCloud&) {});
     video.finish();
   } else {
+    FramesRecord record = record_of(command, globals, options, sensor, scene);
+    for (std::size_t i = 0; i < plan.spans.size(); ++i) {
+      const Shot shot = shot_of(plan, sensor, i);
+      record.frames.push_back(
+          {{}, shot.time_start_s, shot.time_end_s, shot.world_from_sensor_start, shot.world_from_sensor_end});
+    }
     write_folder_atomically(command.output, [&](const fs::path& folder) {
       const auto name = [&](std::size_t i, const std::string& ending) {
-        return folder / fmt::format("{}_{:06d}{}", sensor.name(), i, ending);
+        record.frames[i].files.push_back(fmt::format("{}_{:06d}{}", sensor.name(), plan.first + i, ending));
+        return folder / record.frames[i].files.back();
       };
       run(
           [&](std::size_t i, const Image& image) {
@@ -303,6 +339,7 @@ void render(const RenderCommand& command, const Globals& globals) {
           [&](std::size_t i, const PointCloud& cloud) {
             write_point_cloud(name(i, "." + command.clouds), cloud);
           });
+      write_frames_file(folder / "frames.json", record);
     });
   }
   progress.finish();
@@ -329,7 +366,7 @@ void add_render(Command app, const Globals& globals) {
       .required();
   sub.option("-o,--output",
              command->output,
-             "folder to make: pictures; for LiDARs clouds and range pictures; or a video.mp4")
+             "folder to make: pictures, or clouds and range pictures, and frames.json; or a video.mp4")
       .required();
   sub.option("--images", command->images, "png, or exr with float colours")
       .one_of({"png", "exr"})

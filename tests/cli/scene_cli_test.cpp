@@ -214,10 +214,10 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   EXPECT_TRUE(fs::exists(folder_ / "eval.html"));
 
   EXPECT_EQ(run("render s.scene --sensor front --trajectory s.log --frames 1:2 -o pictures").exit_code, 0);
-  EXPECT_EQ(files_in("pictures"), 2U);
+  EXPECT_EQ(files_in("pictures"), 3U);  // and frames.json
   EXPECT_TRUE(fs::exists(folder_ / "pictures" / "front_000001.png"));
   EXPECT_EQ(run("render s.scene --sensor top --times 0:0.2:0.1 --lane-shift 0.5 -o sweeps").exit_code, 0);
-  EXPECT_EQ(files_in("sweeps"), 6U);  // a cloud and a picture each
+  EXPECT_EQ(files_in("sweeps"), 7U);  // a cloud and a picture each
   std::ifstream cloud(folder_ / "sweeps" / "top_000002.ply");
   std::string line;
   std::getline(cloud, line);

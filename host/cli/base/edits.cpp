@@ -61,6 +61,20 @@ void add_edit_options(Command sub, Edits& edits) {
   add("--remove", edits.remove, "ACTOR, take it away");
 }
 
+std::vector<std::string> lines_of(const Edits& edits) {
+  std::vector<std::string> lines;
+  const auto tell = [&](const char* name, const std::vector<std::string>& given) {
+    for (const std::string& edit : given) lines.push_back(fmt::format("{} {}", name, edit));
+  };
+  tell("--add", edits.add);
+  tell("--duplicate", edits.duplicate);
+  tell("--track", edits.track);
+  tell("--retime", edits.retime);
+  tell("--move", edits.move);
+  tell("--remove", edits.remove);
+  return lines;
+}
+
 void apply(const Edits& edits, Scene& scene) {
   for (const std::string& edit : edits.add) {
     const auto parts = parts_of("--add", edit, 2, 3, "SCENE:ACTOR or SCENE:ACTOR:NAME");

@@ -19,6 +19,8 @@ struct Edits {
 };
 
 void add_edit_options(Command sub, Edits& edits);
+/// Each as it is given, in the order in which they are applied: "--remove car".
+[[nodiscard]] std::vector<std::string> lines_of(const Edits& edits);
 /// Error{kUsage} for an edit that says nothing, Error{kInput} for a scene or log that can't be read.
 void apply(const Edits& edits, Scene& scene);
 

@@ -1,0 +1,40 @@
+#pragma once
+// What was rendered and from where, beside the pictures and clouds: frames.json. With poses and lenses in it
+// a folder of frames can be used by programs that know nothing of scenes.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/scene/pose.hpp"
+#include "host/sensors/sensor.hpp"
+
+namespace simuli {
+
+/// One frame. World coordinates (m), seconds of the scene's log.
+struct FrameRecord {
+  std::vector<std::string> files = {};  // beside frames.json
+  double time_start_s = 0.0, time_end_s = 0.0;
+  Pose world_from_sensor_start = {}, world_from_sensor_end = {};
+};
+
+/// All of one sensor.
+struct FramesRecord {
+  std::string scene = {};                  // its name
+  std::string trajectory = {};             // "recorded", or the log that the path is of
+  Sensor sensor;                           // as rendered: size, lens, mounting
+  std::vector<std::string> edits = {};     // as on the command line, one each
+  std::string quality = {};                // the bundle that the settings started from
+  std::vector<std::string> settings = {};  // "key=value" of every option, as --set takes them
+  std::string version = {};                // of simuli
+  std::string device = {}, driver = {};
+  std::vector<FrameRecord> frames = {};
+};
+
+/// {"format": "simuli frames", "version": 1, "scene", "trajectory", "sensor": as in a sensor file
+/// (io/log/sensor_file.hpp), "rig_from_sensor": {"position_m", "rotation_wxyz"}, "edits": [...], "quality",
+/// "settings": [...], "simuli", "device", "driver", "frames": [{"files": [...], "time_start_s", "time_end_s",
+/// "world_from_sensor_start", "world_from_sensor_end"}, ...]}. Cameras look along +z, x right, y down; LiDARs
+/// have x forward, y left, z up. Atomic. Error{kInput} when it can't be written.
+void write_frames_file(const std::filesystem::path& file, const FramesRecord& record);
+
+}  // namespace simuli
