@@ -68,6 +68,7 @@ __kernel void largest_weight(const FrameParams frame,
       }
     }
     const uint bits = as_uint((float)HMAX(most));
-    if (bits > largest[particle]) atomic_max(largest + particle, bits);
+    // Not read beforehand: others write it meanwhile.
+    if (bits > 0) atomic_max(largest + particle, bits);
   }
 }
