@@ -10,6 +10,7 @@
 #include <streambuf>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host/scene/edit.hpp"
@@ -127,19 +128,31 @@ class Workplace {
   std::streambuf* error_ = nullptr;
 };
 
-void add_commands(cli::CommandLine& line, const cli::Globals& globals) {
+/// The commands that the arguments name, or all of them where they name none: making one takes longer than
+/// running it.
+void add_commands(const std::vector<std::string>& arguments,
+                  cli::CommandLine& line,
+                  const cli::Globals& globals) {
+  using Add = void (*)(cli::Command, const cli::Globals&);
+  constexpr std::array<std::pair<std::string_view, Add>, 10> kCommands{{{"actors", cli::add_actors},
+                                                                        {"convert", cli::add_convert},
+                                                                        {"devices", cli::add_devices},
+                                                                        {"eval", cli::add_eval},
+                                                                        {"import", cli::add_import},
+                                                                        {"info", cli::add_info},
+                                                                        {"render", cli::add_render},
+                                                                        {"tile", cli::add_tile},
+                                                                        {"train", cli::add_train},
+                                                                        {"view", cli::add_view}}};
+  const auto is_named = [&](const auto& command) {
+    return std::find(arguments.begin(), arguments.end(), command.first) != arguments.end();
+  };
+  const bool any = std::any_of(kCommands.begin(), kCommands.end(), is_named);
   const cli::Command root = line.root();
   root.require_command();
-  add_actors(root, globals);
-  add_convert(root, globals);
-  add_devices(root, globals);
-  add_eval(root, globals);
-  add_import(root, globals);
-  add_info(root, globals);
-  add_render(root, globals);
-  add_tile(root, globals);
-  add_train(root, globals);
-  add_view(root, globals);
+  for (const auto& command : kCommands) {
+    if (!any || is_named(command)) command.second(root, globals);
+  }
 }
 
 /// A line of the file is an argument. Commands run beside a small scene and a small log, on a machine without
@@ -159,7 +172,12 @@ void run_command_line(const fs::path& file) {
   for (const std::string& text : lines) arguments.push_back(text.c_str());
   ::setenv("OCL_ICD_VENDORS", "none", 1);
   const Workplace workplace(file);
-  cli::run_arguments("simuli", "", static_cast<int>(arguments.size()), arguments.data(), add_commands);
+  cli::run_arguments(
+      "simuli",
+      "",
+      static_cast<int>(arguments.size()),
+      arguments.data(),
+      [&](cli::CommandLine& line, const cli::Globals& globals) { add_commands(lines, line, globals); });
 }
 
 #ifdef SIMULI_FUZZ_VIEWER

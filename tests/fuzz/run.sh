@@ -24,6 +24,8 @@ mkdir -p "$out"
 out="$(realpath "$out")"
 ASAN_SYMBOLIZER_PATH="$(command -v llvm-symbolizer llvm-symbolizer-14 | head -n 1 || true)"
 export ASAN_SYMBOLIZER_PATH
+# Where memory was allocated is told of findings that are run again without this; it costs a sixth of the time.
+export ASAN_OPTIONS="malloc_context_size=1${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
 
 # Edges that the corpus reaches of the functions in the reader's own sources, in %; not of those that write;
 # ways out of an exception are edges, too.
