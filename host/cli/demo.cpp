@@ -34,6 +34,12 @@ void demo(const DemoCommand& command, const Globals& globals) {
   const fs::path output = command.output.empty()
                               ? fs::temp_directory_path() / fmt::format("simuli-demo-{}", ::getpid())
                               : fs::path(command.output);
+  TrainingOptions options;
+  options.train.render = training_options_of(globals.quality);
+  options.train.iterations = command.iterations;
+  options.frames.image_scale = 1.0;
+  options.frames.held_out_last = command.held_out_last;
+  const TrainingOptions allowed = checked(options);  // before anything is made
   // All or nothing, like every folder that is written.
   std::optional<EvalReport> report;
   SceneFile scene;
@@ -44,12 +50,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
     const Log log = synth_street(street, synthesis.callback());
     synthesis.finish();
 
-    TrainingOptions options;
-    options.train.render = training_options_of(globals.quality);
-    options.train.iterations = command.iterations;
-    options.frames.image_scale = 1.0;
-    options.frames.held_out_last = command.held_out_last;
-    Training training(device, log, options);
+    Training training(device, log, allowed);
     const TrainHistory history = run_training(training, device, globals);
     const TrainedReport trained{training.report(), history};
     scene = training.result();

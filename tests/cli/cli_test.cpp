@@ -20,6 +20,7 @@ TEST_F(Cli, UsageErrorsAreOneLineAndExitWith2) {
   expect_failure("info generic64 row", kUsage, "generic64 is a sensor");
   expect_failure("render s.scene --sensor front -o x.mp4 --fps 1e300", kUsage, "--fps");
   expect_failure("render s.scene --sensor front -o x --speed nan", kUsage, "--speed");
+  expect_failure("demo -o d --iterations=-1", kUsage, "iterations");  // before the street is made
 }
 
 TEST_F(Cli, QualitiesAreNamed) {
