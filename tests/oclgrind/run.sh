@@ -2,14 +2,14 @@
 # Runs the tests of the kernels on Oclgrind, an interpreter of OpenCL that reports races between work-items, accesses
 # out of bounds and wrong calls of the API.
 #   tests/oclgrind/run.sh [-j JOBS] [-t SECONDS] [-o FOLDER] [FILTER]
-# FILTER is one of GoogleTest's (default *). Each test is a process of its own and has SECONDS (default 120). FOLDER
+# FILTER is one of GoogleTest's (default *). Each test is a process of its own and has SECONDS (default 45). FOLDER
 # (default build/oclgrind/run) keeps a log of each test and the table as table.txt; tests that ask for explicit
 # vectors are "no vectors": the interpreter has none. Exit code 1 when a test failed, something was reported, or, of
 # all tests, a kernel was run by none that passed. Needs build/dev (./run test) and, on Debian, apt-get and dpkg:
 # Oclgrind is unpacked beside the build, so that the machine gets no further OpenCL device.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
-jobs="$(nproc)" seconds=120 out=build/oclgrind/run
+jobs="$(nproc)" seconds=45 out=build/oclgrind/run
 while getopts j:t:o: option; do
   case "$option" in
     j) jobs="$OPTARG" ;;
