@@ -10,6 +10,9 @@ if(no_numpy)
   return()
 endif()
 set(ENV{PYTHONPATH} ${MODULE})
+if(PRELOAD)
+  set(ENV{LD_PRELOAD} "${PRELOAD}")
+endif()
 execute_process(COMMAND ${PYTHON} ${SOURCE}/python_test.py ${WORK}/street.log ${WORK} ${PROGRAM}
   COMMAND_ERROR_IS_FATAL ANY)
 # What the pages show; the README's drive is longer, and its car has another name.
