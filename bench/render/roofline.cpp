@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/render/device/sort.hpp"
+#include "host/render/frame/variant.hpp"
 #include "host/runtime/program.hpp"
 
 namespace simuli::bench {
@@ -12,7 +13,6 @@ namespace {
 
 // 12 chains of 16 lanes hide the latency of a multiply-add on every processor with up to 32 vector registers.
 constexpr std::string_view kPeakText = R"(
-#define CHAINS 12
 __kernel void multiply_add(const uint rounds, const float factor, __global float* out) {
   float16 x[CHAINS];
   for (int k = 0; k < CHAINS; ++k) x[k] = (float16)(k + 1) * 1e-3f;
@@ -96,10 +96,6 @@ double best_seconds(const Device& device, const F& launch) {
   return best_ms * 1e-3;
 }
 
-bool has_origins(const Pass& pass) {
-  return pass.buffers().rays.world_ray.count() >= std::size_t{6} * pass.frame().slots;
-}
-
 double giga(std::uint64_t count) { return static_cast<double>(count) * 1e-9; }
 
 // Operations, a fused multiply-add being two and each call of a built-in function one, counted by Oclgrind
@@ -117,7 +113,8 @@ constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // a lane of a
 }  // namespace
 
 Peak measure_peak(const Device& device) {
-  const Program program = Program::from_text(device, "bench/peak.cl", kPeakText);
+  const Program program =
+      Program::from_text(device, "bench/peak.cl", kPeakText, BuildOptions().define("CHAINS", kChains));
   Peak peak;
   {
     Kernel kernel(program, "multiply_add");
@@ -139,21 +136,16 @@ Peak measure_peak(const Device& device) {
   return peak;
 }
 
-Visits count_visits(const Pass& pass, const LaneShape& shape) {
+Visits count_visits(const Pass& pass) {
   const Device& device = pass.buffers().binned.device();
-  BuildOptions options;
-  options.real(Precision::kFloat)
-      .define("V", shape.lanes)
-      .define("NR", shape.vectors)
-      .define("LS", shape.work_items)
-      .define("ORIGINS", has_origins(pass));
-  Kernel kernel(Program::from_text(device, "bench/visits.cl", kVisitsText, options), "count_visits");
+  const auto work_items = static_cast<std::size_t>(pass.variant().frame.shape.work_items);
+  Kernel kernel(Program::from_text(device, "bench/visits.cl", kVisitsText, pass.variant().build_options()),
+                "count_visits");
   const FrameBuffers& buffers = pass.buffers();
-  const std::size_t items =
-      std::size_t{pass.frame().tiles_x} * pass.frame().tiles_y * static_cast<std::size_t>(shape.work_items);
+  const std::size_t items = std::size_t{pass.frame().tiles_x} * pass.frame().tiles_y * work_items;
   Buffer<std::uint32_t> counted(device, "visits", 2 * items);
   kernel.run(items,
-             static_cast<std::size_t>(shape.work_items),
+             work_items,
              {{"frame", pass.frame()},
               buffers.constants,
               buffers.rays,
@@ -170,23 +162,22 @@ Visits count_visits(const Pass& pass, const LaneShape& shape) {
   return visits;
 }
 
-std::map<std::string, StageWork> stage_work(const Pass& pass,
-                                            const LaneShape& shape,
-                                            std::uint64_t particles,
-                                            int sh_degree) {
+std::map<std::string, StageWork> stage_work(const Pass& pass) {
   const Device& device = pass.buffers().binned.device();
-  const bool is_lidar = pass.rays().grid().type == SensorType::kLidar;
+  const FrameKind& kind = pass.variant().frame;
+  const bool is_lidar = kind.sensor == SensorType::kLidar;
   const Operations& operations = is_lidar ? kLidarOperations : kCameraOperations;
   const std::uint64_t visible = pass.buffers().binned.visible, instances = pass.buffers().binned.instances;
-  const std::uint64_t slots = pass.frame().slots,
+  const std::uint64_t particles = pass.frame().particles, slots = pass.frame().slots,
                       tiles = std::uint64_t{pass.frame().tiles_x} * pass.frame().tiles_y;
-  const std::uint64_t coefficients = 3 * static_cast<std::uint64_t>((sh_degree + 1) * (sh_degree + 1));
-  const std::uint64_t ray_rows = (has_origins(pass) ? 6 : 3) + 1;  // and the place along x
-  const std::uint64_t outputs = pass.has_median() ? SIM_O_DROP : SIM_O_MEDIAN;
-  const auto lanes = static_cast<std::uint64_t>(shape.lanes);
-  const Visits visits = count_visits(pass, shape);
+  const std::uint64_t coefficients =
+      3 * static_cast<std::uint64_t>((kind.sh_degree + 1) * (kind.sh_degree + 1));
+  const std::uint64_t ray_rows = (kind.origins ? 6 : 3) + 1;  // and the place along x
+  const std::uint64_t outputs = kind.median ? SIM_O_DROP : SIM_O_MEDIAN;
+  const auto lanes = static_cast<std::uint64_t>(kind.shape.lanes);
+  const Visits visits = count_visits(pass);
   const std::uint64_t looked = lanes * visits.looked, changed = lanes * visits.changed;
-  const std::uint64_t respond = has_origins(pass) ? kRespondWithOrigins : kRespond;
+  const std::uint64_t respond = kind.origins ? kRespondWithOrigins : kRespond;
   const auto tile_bits = static_cast<int>(std::bit_width(tiles - 1));
 
   constexpr std::uint64_t kReal = 4, kWord = 4, kFootprint = 16, kGradient = SIM_GRAD * kReal,
@@ -204,10 +195,11 @@ std::map<std::string, StageWork> stage_work(const Pass& pass,
            (visible * SortStage::passes(device, 32) + instances * SortStage::passes(device, tile_bits)))};
   work["blend"] = {giga(looked * respond + changed * kBlend + slots * operations.blend_slot),
                    giga(slots * (ray_rows + outputs) * kReal + visible * kRecord + instances * kWord)};
-  work["blend_backward"] = {giga(looked * respond + changed * kBlendBackward + slots * kBackwardSlot +
-                                 instances * kSum * lanes * static_cast<std::uint64_t>(shape.work_items)),
-                            giga(slots * (ray_rows + outputs + 5) * kReal +
-                                 visible * (kRecord + kFootprint + kWord) + instances * (kWord + kGradient))};
+  work["blend_backward"] = {
+      giga(looked * respond + changed * kBlendBackward + slots * kBackwardSlot +
+           instances * kSum * lanes * static_cast<std::uint64_t>(kind.shape.work_items)),
+      giga(slots * (ray_rows + outputs + 5) * kReal + visible * (kRecord + kFootprint + kWord) +
+           instances * (kWord + kGradient))};
   work["project_backward"] = {
       giga(operations.project_backward * visible),
       giga(visible * ((SIM_SH + coefficients) * kReal + kFootprint + 3 * kReal) + instances * kGradient +

@@ -19,15 +19,14 @@ struct Peak {
 /// The best of several runs. Needs a device that was opened with profiling, and 384 MB of it.
 [[nodiscard]] Peak measure_peak(const Device& device);
 
-/// Vectors of rays that blending looks at for a particle, and those in which it changes a ray, in the lane
-/// shape that the pass was rendered with.
+/// Vectors of rays that blending looks at for a particle, and those in which it changes a ray.
 struct Visits {
   std::uint64_t looked = 0;
   std::uint64_t changed = 0;
 };
 
 /// Counted by going through the frame's lists again. Of a pass in order of range without actors in motion.
-[[nodiscard]] Visits count_visits(const Pass& pass, const LaneShape& shape);
+[[nodiscard]] Visits count_visits(const Pass& pass);
 
 struct StageWork {
   double gflop = 0.0;
@@ -38,9 +37,6 @@ struct StageWork {
 /// moves once between it and memory, however often it is used; arithmetic in all lanes of a vector. Stages
 /// that only move integers have no arithmetic. Spherical harmonics of degree `sh_degree` in particles of
 /// `stride`.
-[[nodiscard]] std::map<std::string, StageWork> stage_work(const Pass& pass,
-                                                          const LaneShape& shape,
-                                                          std::uint64_t particles,
-                                                          int sh_degree);
+[[nodiscard]] std::map<std::string, StageWork> stage_work(const Pass& pass);
 
 }  // namespace simuli::bench

@@ -6,7 +6,6 @@
 
 #include "bench/render/roofline.hpp"
 #include "bench/render/scene.hpp"
-#include "host/render/options/lane_shape.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/scene/particle_street.hpp"
 
@@ -191,12 +190,9 @@ std::vector<Row> run_stages(const std::string& device_request,
       const Spread s = spread_of(samples.at(stage));
       rows.push_back({base + "/" + stage, s.median, "ms", s.half_iqr});
     }
-    const std::map<std::string, StageWork> work = stage_work(shaped.pass(),
-                                                             lane_shape_of(device, Precision::kFloat),
-                                                             static_cast<std::uint64_t>(options.particles),
-                                                             options.sh_degree);
-    for (const auto& [stage, done] : work)
-      add_roofline(base + "/" + stage, done, spread_of(samples.at(stage)), peak, rows);
+    for (const auto& [stage, work] : stage_work(shaped.pass())) {
+      add_roofline(base + "/" + stage, work, spread_of(samples.at(stage)), peak, rows);
+    }
     const Spread ratio = spread_of(ratios);
     rows.push_back({base + "/blend_speedup", ratio.median, "x", ratio.half_iqr});
     const Spread order_ratio = spread_of(order_ratios);

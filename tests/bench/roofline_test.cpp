@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/options/lane_shape.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "tests/cl/support.hpp"
 
@@ -28,7 +27,7 @@ TEST(Roofline, AParticleChangesTheRaysThatSeeIt) {
         const RayResults results = pass.results();
         seeing = 0;
         for (const double t : results.transmittance) seeing += t < 1.0 ? 1 : 0;
-        return count_visits(pass, shape);
+        return count_visits(pass);
       };
       std::uint64_t seeing = 0, seeing_in_vectors = 0;
       const Visits one_by_one = expect({1, 1, 256}, seeing);
@@ -49,15 +48,13 @@ TEST(Roofline, AParticleChangesTheRaysThatSeeIt) {
 TEST(Roofline, WorkFollowsTheScene) {
   const Device device = Device::best();
   const test::Shot shot = test::shot_of(test::kCameraStill, 64, 48);
-  const LaneShape shape = lane_shape_of(device, Precision::kFloat);
   Renderer renderer(device, {});
   const SensorRays rays = shot.on(device, {});
   const auto work_of = [&](std::int64_t count) {
     const GaussianSet set =
         test::set_for(test::kCameraStill, {.count = count, .scale_min = 0.01, .scale_max = 0.02}, 3);
     const ParticleBuffers particles(device, set, Precision::kFloat);
-    return stage_work(
-        renderer.render(particles, rays, shot.view), shape, static_cast<std::uint64_t>(count), 3);
+    return stage_work(renderer.render(particles, rays, shot.view));
   };
   const auto one = work_of(2000), two = work_of(4000);
   for (const char* stage : {"project", "project_backward", "sort", "blend", "blend_backward", "bin"}) {

@@ -60,6 +60,7 @@ Pass::State& Pass::last(const char* call) const {
 
 const SensorRays& Pass::rays() const { return *last("rays").frame.rays; }
 const shared::FrameParams& Pass::frame() const { return last("frame").frame.params; }
+const Variant& Pass::variant() const { return last("variant").frame.stages->own; }
 const FrameBuffers& Pass::buffers() const { return last("buffers").buffers; }
 const GradientBuffers& Pass::gradients() const { return last("gradients").gradients; }
 const RealBuffer& Pass::picture() const { return last("picture").shown(); }

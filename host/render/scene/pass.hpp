@@ -17,6 +17,8 @@
 
 namespace simuli {
 
+struct Variant;  // host/render/frame/variant.hpp
+
 /// What Renderer::render() has left on the device, until the renderer's next frame takes its place: every
 /// call on an earlier pass is Error{kUsage}, as is every call out of order or with other things than were
 /// rendered. A handle that keeps all it needs alive but for the particles: these, textures and grids are the
@@ -70,6 +72,8 @@ class Pass {
   [[nodiscard]] const SensorRays& rays() const;
   /// What stands on the device, in slot order.
   [[nodiscard]] const shared::FrameParams& frame() const;
+  /// What its kernels were specialised for.
+  [[nodiscard]] const Variant& variant() const;
   [[nodiscard]] const FrameBuffers& buffers() const;
   [[nodiscard]] const GradientBuffers& gradients() const;
   /// [3][slots]: the picture, graded when it has been.
