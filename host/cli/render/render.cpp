@@ -1,9 +1,6 @@
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -21,6 +18,7 @@
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/base/video.hpp"
+#include "host/cli/render/plan.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/base/file.hpp"
@@ -34,17 +32,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kRecorded[] = "recorded";
-
 struct RenderCommand {
   std::string scene;
   std::string sensor;
-  std::string trajectory = kRecorded;
-  std::string times;         // t0:t1:dt, s
-  std::string frames;        // a:b
-  double duration_s = -1.0;  // of one frame; below 0: as the sensor says
+  PlanOptions plan;
   double lane_shift_m = 0.0;
-  double speed = 1.0;  // of the rig over the recorded
   Edits edits;
   double scale = 1.0;
   std::string output;
@@ -54,15 +46,6 @@ struct RenderCommand {
   std::vector<std::string> settings;
 };
 
-struct Span {
-  double start_s = 0.0;
-  double end_s = 0.0;
-};
-
-[[noreturn]] void refuse(const std::string& what, const std::string& found, const std::string& allowed) {
-  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
-}
-
 /// The sensor as asked for: pictures at --scale, frames of --duration. A LiDAR's --duration 0 is a frame's
 /// (all stands still while it turns), not the LiDAR's, whose beams still fire one after the other.
 Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
@@ -71,155 +54,9 @@ Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
     const Camera scaled = scaled_camera(sensor.camera(), command.scale);
     sensor = sensor.resized(scaled.width, scaled.height);
   }
-  const bool is_told = command.duration_s > 0.0 || (command.duration_s == 0.0 && sensor.is_camera());
-  return is_told ? sensor.with_duration(command.duration_s) : sensor;
-}
-
-/// "a:b:c" as `count` numbers.
-std::vector<double> parse_numbers(const char* option, const std::string& text, std::size_t count) {
-  std::vector<double> values;
-  const char* at = text.data();
-  const char* end = at + text.size();
-  while (values.size() < count) {
-    double value = 0.0;
-    const auto result = std::from_chars(at, end, value);
-    if (result.ec != std::errc{} || !std::isfinite(value)) break;
-    values.push_back(value);
-    at = result.ptr;
-    if (values.size() == count && at == end) return values;
-    if (at == end || *at != ':') break;
-    ++at;
-  }
-  refuse(option, text, fmt::format("{} finite numbers parted by ':'", count));
-}
-
-/// How long one frame takes when it is not a recorded one.
-double duration_of(const Sensor& sensor, const RenderCommand& command) {
-  if (command.duration_s >= 0.0) return command.duration_s;
-  const bool is_known =
-      !sensor.is_camera() || sensor.camera().shutter == ShutterKind::kGlobal || sensor.duration_s() > 0.0;
-  if (is_known) return sensor.duration_s();
-  refuse("--duration",
-         "",
-         "the read-out time in s, as camera " + sensor.camera().name + " has a rolling shutter");
-}
-
-std::vector<Span> spans_at(const std::vector<double>& starts_s, double duration_s) {
-  std::vector<Span> spans;
-  for (const double t : starts_s) spans.push_back({t, t + duration_s});
-  return spans;
-}
-
-std::vector<double> parse_times(const std::string& text) {
-  constexpr double kMostFrames = 1e6;
-  const std::vector<double> t = parse_numbers("--times", text, 3);
-  const double steps = (t[1] - t[0]) / t[2];
-  const bool allowed = t[2] > 0.0 && t[1] >= t[0] && steps < kMostFrames;
-  if (!allowed) refuse("--times", text, "t0:t1:dt with t0 <= t1, dt > 0 and less than a million frames");
-  std::vector<double> times;
-  // A hair more of a step, so that 0:1:0.1 includes 1.
-  for (int i = 0; i <= steps + 1e-6; ++i) times.push_back(t[0] + i * t[2]);
-  return times;
-}
-
-/// Times of the log's frames of this sensor, or the starts of those of the log's first LiDAR.
-/// What a LiDAR takes that the log does not have: `duration_s`.
-std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor, double duration_s) {
-  std::vector<Span> spans;
-  if (sensor.is_camera()) {
-    for (const ImageFrame& f : log.images) {
-      if (f.camera == sensor.camera().name) spans.push_back({f.time_start_s, f.time_end_s});
-    }
-  } else if (!log.lidars.empty()) {
-    const std::string& own = name_of(sensor.lidar());
-    const bool is_there = std::any_of(
-        log.lidars.begin(), log.lidars.end(), [&](const LogLidar& l) { return name_of(l.model) == own; });
-    const std::string& name = is_there ? own : name_of(log.lidars.front().model);
-    for (const SweepFrame& f : log.sweeps) {
-      if (f.lidar != name) continue;
-      spans.push_back({f.time_start_s, is_there ? f.time_end_s : f.time_start_s + duration_s});
-    }
-  }
-  return spans;
-}
-
-struct Plan {
-  Trajectory world_from_rig;
-  std::vector<Span> spans;
-  std::size_t first = 0;  // number of the first span's frame
-};
-
-/// Makes them those that --frames asks for.
-void select_spans(Plan& plan, const std::string& frames) {
-  if (frames.empty()) return;
-  const std::vector<Span> all = plan.spans;
-  const std::vector<double> range = parse_numbers("--frames", frames, 2);
-  const double a = range[0], b = range[1];
-  const bool allowed =
-      a >= 0.0 && b >= a && b < static_cast<double>(all.size()) && a == std::floor(a) && b == std::floor(b);
-  if (!allowed) refuse("--frames", frames, fmt::format("a:b with 0 <= a <= b < {}", all.size()));
-  const auto first = all.begin() + static_cast<std::ptrdiff_t>(a);
-  plan.spans = {first, first + static_cast<std::ptrdiff_t>(b - a) + 1};
-  plan.first = static_cast<std::size_t>(a);
-}
-
-/// The same path `rate` times as fast from its start on.
-Trajectory driven(const Trajectory& path, double rate) {
-  std::vector<TimedPose> poses = path.poses();
-  const double start_s = path.start_s();
-  for (TimedPose& pose : poses) pose.time_s = start_s + (pose.time_s - start_s) / rate;
-  return Trajectory(std::move(poses));
-}
-
-/// Frames that end before the path does.
-std::vector<Span> spans_within(const std::vector<Span>& spans, const Trajectory& path) {
-  std::vector<Span> within;
-  for (const Span& span : spans) {
-    if (span.end_s <= path.end_s() + Trajectory::kExtrapolation_s) within.push_back(span);
-  }
-  return within;
-}
-
-Plan make_plan(const SceneFile& file, const Sensor& sensor, const RenderCommand& command) {
-  if (!command.times.empty() && !command.frames.empty()) {
-    refuse("--frames", command.frames, "either --times or --frames");
-  }
-  const std::vector<double> times =
-      command.times.empty() ? std::vector<double>{} : parse_times(command.times);
-  Plan plan;
-  std::vector<Span> recorded;
-  if (command.trajectory == kRecorded) {
-    plan.world_from_rig = file.world_from_rig;
-    if (plan.world_from_rig.poses().empty()) {
-      throw_input_error(command.scene, "trajectory", "no poses", "at least one, or --trajectory LOG");
-    }
-    if (times.empty()) {
-      std::vector<double> starts_s;
-      for (const TimedPose& p : plan.world_from_rig.poses()) starts_s.push_back(p.time_s);
-      recorded = spans_at(starts_s, duration_of(sensor, command));
-    }
-  } else {
-    const Log log = read_log(command.trajectory);
-    plan.world_from_rig = log.world_from_rig;
-    recorded =
-        recorded_spans(log, sensor, command.duration_s < 0.0 ? sensor.duration_s() : command.duration_s);
-    if (times.empty() && recorded.empty()) {
-      throw_input_error(
-          command.trajectory, "frames of " + command.sensor, "none", "at least one, or --times");
-    }
-  }
-  if (command.speed != 1.0) {
-    plan.world_from_rig = driven(plan.world_from_rig, command.speed);
-    recorded = spans_within(recorded, plan.world_from_rig);
-  }
-  plan.spans = times.empty() ? std::move(recorded) : spans_at(times, duration_of(sensor, command));
-  select_spans(plan, command.frames);
-  return plan;
-}
-
-Shot shot_of(const Plan& plan, const Sensor& sensor, std::size_t i) {
-  return Shot::along(
-      plan.world_from_rig, sensor.rig_from_sensor(), plan.spans[i].start_s, plan.spans[i].end_s);
+  const bool is_told =
+      command.plan.duration_s > 0.0 || (command.plan.duration_s == 0.0 && sensor.is_camera());
+  return is_told ? sensor.with_duration(command.plan.duration_s) : sensor;
 }
 
 /// Renders the plan's frames one after the other: use(frame index, picture) gets a camera's picture or a
@@ -228,7 +65,7 @@ template <class Use, class UseCloud>
 void render_plan(
     SceneOnDevice& scene, const Sensor& sensor, const Plan& plan, const Use& use, const UseCloud& use_cloud) {
   for (std::size_t i = 0; i < plan.spans.size(); ++i) {
-    const Frame frame = scene.render(sensor, shot_of(plan, sensor, i));
+    const Frame frame = scene.render(sensor, plan.shot(sensor, i));
     if (sensor.is_camera()) {
       use(i, frame.image());
     } else {
@@ -276,11 +113,11 @@ FramesRecord record_of(const RenderCommand& command,
                        const SceneOnDevice& scene) {
   FramesRecord record{.sensor = sensor};
   record.scene = scene.scene().name;
-  record.trajectory = command.trajectory;
+  record.trajectory = command.plan.trajectory;
   record.edits = lines_of(command.edits);
   if (command.lane_shift_m != 0.0)
     record.edits.push_back(fmt::format("--lane-shift {}", command.lane_shift_m));
-  if (command.speed != 1.0) record.edits.push_back(fmt::format("--speed {}", command.speed));
+  if (command.plan.speed != 1.0) record.edits.push_back(fmt::format("--speed {}", command.plan.speed));
   record.quality = quality_names()[static_cast<std::size_t>(globals.quality)];
   record.settings = simuli::lines_of(options);
   record.version = version();
@@ -299,7 +136,7 @@ void render(const RenderCommand& command, const Globals& globals) {
   const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
   Sensor sensor = find_sensor(file, command);
   sensor = sensor.mounted(rig_from_shifted * sensor.rig_from_sensor());
-  const Plan plan = make_plan(file, sensor, command);
+  const Plan plan = make_plan(command.scene, file, command.sensor, sensor, command.plan);
   warn_of_rounding(plan, sensor);
 
   SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
@@ -323,7 +160,7 @@ void render(const RenderCommand& command, const Globals& globals) {
   } else {
     FramesRecord record = record_of(command, globals, options, sensor, scene);
     for (std::size_t i = 0; i < plan.spans.size(); ++i) {
-      const Shot shot = shot_of(plan, sensor, i);
+      const Shot shot = plan.shot(sensor, i);
       record.frames.push_back(
           {{}, shot.time_start_s, shot.time_end_s, shot.world_from_sensor_start, shot.world_from_sensor_end});
     }
@@ -374,15 +211,8 @@ void add_render(Command app, const Globals& globals) {
   sub.option("--clouds", command->clouds, "ply, pcd or npz").one_of({"ply", "pcd", "npz"}).with_default();
   sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
       .range(kLeastRate, kMostRate);
-  sub.option("--trajectory", command->trajectory, "recorded: the scene's own, or a log folder")
-      .with_default();
-  sub.option("--times", command->times, "t0:t1:dt, frame starts in s; default: all that was recorded");
-  sub.option("--frames", command->frames, "a:b, first and last of the recorded frames, from 0");
-  sub.option("--duration", command->duration_s, "of one frame, s; default: as the LiDAR says; 0 for cameras")
-      .non_negative();
+  add_plan_options(sub, command->plan);
   sub.option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
-  sub.option("--speed", command->speed, "drive the path this many times as fast as recorded")
-      .range(0.01, 100.0);
   add_edit_options(sub, command->edits);
   sub.option("--scale", command->scale, "size of the pictures over the camera's own");
   const auto options = std::make_shared<RenderOptions>();

@@ -1,0 +1,177 @@
+#include "host/cli/render/plan.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <system_error>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli::cli {
+namespace {
+
+constexpr char kRecorded[] = "recorded";
+
+[[noreturn]] void refuse(const std::string& what, const std::string& found, const std::string& allowed) {
+  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
+}
+
+/// "a:b:c" as `count` numbers.
+std::vector<double> parse_numbers(const char* option, const std::string& text, std::size_t count) {
+  std::vector<double> values;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  while (values.size() < count) {
+    double value = 0.0;
+    const auto result = std::from_chars(at, end, value);
+    if (result.ec != std::errc{} || !std::isfinite(value)) break;
+    values.push_back(value);
+    at = result.ptr;
+    if (values.size() == count && at == end) return values;
+    if (at == end || *at != ':') break;
+    ++at;
+  }
+  refuse(option, text, fmt::format("{} finite numbers parted by ':'", count));
+}
+
+/// How long one frame takes when it is not a recorded one.
+double duration_of(const Sensor& sensor, const PlanOptions& options) {
+  if (options.duration_s >= 0.0) return options.duration_s;
+  const bool is_known =
+      !sensor.is_camera() || sensor.camera().shutter == ShutterKind::kGlobal || sensor.duration_s() > 0.0;
+  if (is_known) return sensor.duration_s();
+  refuse("--duration",
+         "",
+         "the read-out time in s, as camera " + sensor.camera().name + " has a rolling shutter");
+}
+
+std::vector<Span> spans_at(const std::vector<double>& starts_s, double duration_s) {
+  std::vector<Span> spans;
+  for (const double t : starts_s) spans.push_back({t, t + duration_s});
+  return spans;
+}
+
+std::vector<double> parse_times(const std::string& text) {
+  constexpr double kMostFrames = 1e6;
+  const std::vector<double> t = parse_numbers("--times", text, 3);
+  const double steps = (t[1] - t[0]) / t[2];
+  const bool allowed = t[2] > 0.0 && t[1] >= t[0] && steps < kMostFrames;
+  if (!allowed) refuse("--times", text, "t0:t1:dt with t0 <= t1, dt > 0 and less than a million frames");
+  std::vector<double> times;
+  // A hair more of a step, so that 0:1:0.1 includes 1.
+  for (int i = 0; i <= steps + 1e-6; ++i) times.push_back(t[0] + i * t[2]);
+  return times;
+}
+
+/// Times of the log's frames of this sensor, or the starts of those of the log's first LiDAR.
+/// What a LiDAR takes that the log does not have: `duration_s`.
+std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor, double duration_s) {
+  std::vector<Span> spans;
+  if (sensor.is_camera()) {
+    for (const ImageFrame& f : log.images) {
+      if (f.camera == sensor.camera().name) spans.push_back({f.time_start_s, f.time_end_s});
+    }
+  } else if (!log.lidars.empty()) {
+    const std::string& own = name_of(sensor.lidar());
+    const bool is_there = std::any_of(
+        log.lidars.begin(), log.lidars.end(), [&](const LogLidar& l) { return name_of(l.model) == own; });
+    const std::string& name = is_there ? own : name_of(log.lidars.front().model);
+    for (const SweepFrame& f : log.sweeps) {
+      if (f.lidar != name) continue;
+      spans.push_back({f.time_start_s, is_there ? f.time_end_s : f.time_start_s + duration_s});
+    }
+  }
+  return spans;
+}
+
+/// Makes them those that --frames asks for.
+void select_spans(Plan& plan, const std::string& frames) {
+  if (frames.empty()) return;
+  const std::vector<Span> all = plan.spans;
+  const std::vector<double> range = parse_numbers("--frames", frames, 2);
+  const double a = range[0], b = range[1];
+  const bool allowed =
+      a >= 0.0 && b >= a && b < static_cast<double>(all.size()) && a == std::floor(a) && b == std::floor(b);
+  if (!allowed) refuse("--frames", frames, fmt::format("a:b with 0 <= a <= b < {}", all.size()));
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(a);
+  plan.spans = {first, first + static_cast<std::ptrdiff_t>(b - a) + 1};
+  plan.first = static_cast<std::size_t>(a);
+}
+
+/// The same path `rate` times as fast from its start on.
+Trajectory driven(const Trajectory& path, double rate) {
+  std::vector<TimedPose> poses = path.poses();
+  const double start_s = path.start_s();
+  for (TimedPose& pose : poses) pose.time_s = start_s + (pose.time_s - start_s) / rate;
+  return Trajectory(std::move(poses));
+}
+
+/// Frames that end before the path does.
+std::vector<Span> spans_within(const std::vector<Span>& spans, const Trajectory& path) {
+  std::vector<Span> within;
+  for (const Span& span : spans) {
+    if (span.end_s <= path.end_s() + Trajectory::kExtrapolation_s) within.push_back(span);
+  }
+  return within;
+}
+
+}  // namespace
+
+void add_plan_options(Command sub, PlanOptions& options) {
+  sub.option("--trajectory", options.trajectory, "recorded: the scene's own, or a log folder").with_default();
+  sub.option("--times", options.times, "t0:t1:dt, frame starts in s; default: all that was recorded");
+  sub.option("--frames", options.frames, "a:b, first and last of the recorded frames, from 0");
+  sub.option("--duration", options.duration_s, "of one frame, s; default: as the LiDAR says; 0 for cameras")
+      .non_negative();
+  sub.option("--speed", options.speed, "drive the path this many times as fast as recorded")
+      .range(0.01, 100.0);
+}
+
+Shot Plan::shot(const Sensor& sensor, std::size_t i) const {
+  return Shot::along(world_from_rig, sensor.rig_from_sensor(), spans[i].start_s, spans[i].end_s);
+}
+
+Plan make_plan(const std::string& scene,
+               const SceneFile& file,
+               const std::string& name,
+               const Sensor& sensor,
+               const PlanOptions& options) {
+  if (!options.times.empty() && !options.frames.empty()) {
+    refuse("--frames", options.frames, "either --times or --frames");
+  }
+  const std::vector<double> times =
+      options.times.empty() ? std::vector<double>{} : parse_times(options.times);
+  Plan plan;
+  std::vector<Span> recorded;
+  if (options.trajectory == kRecorded) {
+    plan.world_from_rig = file.world_from_rig;
+    if (plan.world_from_rig.poses().empty()) {
+      throw_input_error(scene, "trajectory", "no poses", "at least one, or --trajectory LOG");
+    }
+    if (times.empty()) {
+      std::vector<double> starts_s;
+      for (const TimedPose& p : plan.world_from_rig.poses()) starts_s.push_back(p.time_s);
+      recorded = spans_at(starts_s, duration_of(sensor, options));
+    }
+  } else {
+    const Log log = read_log(options.trajectory);
+    plan.world_from_rig = log.world_from_rig;
+    recorded =
+        recorded_spans(log, sensor, options.duration_s < 0.0 ? sensor.duration_s() : options.duration_s);
+    if (times.empty() && recorded.empty()) {
+      throw_input_error(options.trajectory, "frames of " + name, "none", "at least one, or --times");
+    }
+  }
+  if (options.speed != 1.0) {
+    plan.world_from_rig = driven(plan.world_from_rig, options.speed);
+    recorded = spans_within(recorded, plan.world_from_rig);
+  }
+  plan.spans = times.empty() ? std::move(recorded) : spans_at(times, duration_of(sensor, options));
+  select_spans(plan, options.frames);
+  return plan;
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,47 @@
+#pragma once
+// Which frames `simuli render` renders: the path, and every frame's start and end on it.
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/cli/base/command.hpp"
+#include "host/render/scene/shot.hpp"
+#include "host/sensors/sensor.hpp"
+#include "host/sensors/trajectory.hpp"
+#include "io/scene/scene_folder.hpp"
+
+namespace simuli::cli {
+
+/// As asked for on the command line.
+struct PlanOptions {
+  std::string trajectory = "recorded";
+  std::string times;         // t0:t1:dt, s
+  std::string frames;        // a:b
+  double duration_s = -1.0;  // of one frame; below 0: as the sensor says
+  double speed = 1.0;        // of the rig over the recorded
+};
+
+void add_plan_options(Command sub, PlanOptions& options);
+
+struct Span {
+  double start_s = 0.0;
+  double end_s = 0.0;
+};
+
+struct Plan {
+  Trajectory world_from_rig;
+  std::vector<Span> spans;
+  std::size_t first = 0;  // number of the first span's frame
+
+  [[nodiscard]] Shot shot(const Sensor& sensor, std::size_t i) const;
+};
+
+/// The frames of `sensor`, which --sensor calls `name`, in the scene of the folder `scene`. Error{kUsage} for
+/// options that can't be, Error{kInput} where there is no path or no frame.
+[[nodiscard]] Plan make_plan(const std::string& scene,
+                             const SceneFile& file,
+                             const std::string& name,
+                             const Sensor& sensor,
+                             const PlanOptions& options);
+
+}  // namespace simuli::cli
