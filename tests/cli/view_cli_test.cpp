@@ -226,6 +226,8 @@ TEST_F(ViewCli, PageWorksInABrowser) {
                     event));
   };
   EXPECT_TRUE(changes(picture, [&] { set("time", "0.4", "input"); }));
+  // Of the log, as the command line takes it; the path begins before.
+  EXPECT_EQ(browser.evaluate("return document.getElementById('time-text').textContent"), "0.40 s");
   EXPECT_TRUE(changes(points, [&] { set("time", "0.1", "input"); }));
   EXPECT_TRUE(changes(picture, [&] { browser.drag(200, 250, 80, 20); })) << "look around";
   EXPECT_TRUE(changes(points, [&] { browser.drag(900, 250, 80, 20); })) << "orbit";

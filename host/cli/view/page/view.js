@@ -92,7 +92,7 @@ const lidar = new Live(async live => {
 
 function refresh() {
   $('time').value = state.time;
-  $('time-text').textContent = `${(state.time - scene.time_start_s).toFixed(2)} s`;
+  $('time-text').textContent = `${state.time.toFixed(2)} s`;
   camera.ask();
   lidar.ask();
 }
