@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/base/angles.hpp"
@@ -15,6 +16,7 @@
 #include "host/cli/base/settings.hpp"
 #include "io/base/output.hpp"
 #include "optim/actors/compare_actors.hpp"
+#include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 
 namespace simuli::cli {
@@ -26,6 +28,7 @@ struct ActorsCommand {
   std::string log;
   std::string output;
   std::string labelled;
+  bool keeps_labels = false;
   FrameSelection frames{.held_out_every = 0};
   std::vector<std::string> settings;
   ActorFinding options;
@@ -126,8 +129,10 @@ void actors(const ActorsCommand& command, const Globals& globals) {
   std::optional<Log> labelled;
   if (!command.labelled.empty()) labelled = read_log(command.labelled);
   const FoundActors found = find_actors(log, command.frames, command.options);
+  std::optional<CompletedActors> completed;
+  if (command.keeps_labels) completed = complete_actors(std::move(log.actors), found.actors);
   if (!command.output.empty()) {
-    log.actors = found.actors;
+    log.actors = completed ? completed->actors : found.actors;
     copy_log(log, command.output);
   }
   std::optional<ActorComparison> comparison;
@@ -146,12 +151,20 @@ void actors(const ActorsCommand& command, const Globals& globals) {
       for (const ActorMatch& match : comparison->labels) json["labelled"].push_back(json_of(match));
       json["without_label"] = comparison->others;
     }
+    if (completed) {
+      json["added"] = completed->added;
+      json["continued"] = completed->continued;
+    }
     if (!command.output.empty()) json["log"] = command.output;
     std::cout << json_text(json) << '\n';
     return;
   }
   std::cout << text_of(found);
   if (comparison) std::cout << text_of(*comparison);
+  if (completed)
+    std::cout << fmt::format("  {} of them have no label; {} labels go on where they had ended\n",
+                             completed->added,
+                             completed->continued);
   if (!command.output.empty()) std::cout << fmt::format("log {} written\n", command.output);
 }
 
@@ -165,6 +178,11 @@ void add_actors(Command app, const Globals& globals) {
       "-o,--output",
       command->output,
       "log folder to write, with what is found in place of the log's own actors; default: report only");
+  sub.flag(
+      "--keep-labels",
+      command->keeps_labels,
+      "keep the log's own actors, as a training does: what has no label is added, and what is seen before "
+      "and after a label continues it");
   sub.option("--compare", command->labelled, "log whose labels what is found is compared with");
   sub.option("--held-out",
              command->frames.held_out_every,

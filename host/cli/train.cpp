@@ -103,6 +103,8 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"path_largest_change_m", path.largest_change_m},
                                         {"path_seconds", path.seconds},
                                         {"found_actors", found.actors},
+                                        {"added_actors", found.added},
+                                        {"continued_labels", found.continued},
                                         {"moving_returns", found.moving_returns},
                                         {"moving_returns_on_actors", found.moving_on_actors},
                                         {"find_seconds", found.seconds},
@@ -138,11 +140,15 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
             << stages_text(r.stages) << path_text(path)
             << (found.sweeps == 0
                     ? ""
-                    : fmt::format("  {} moving things found in {:.1f} s, with {} of {} returns that moved\n",
-                                  found.actors,
-                                  found.seconds,
-                                  found.moving_on_actors,
-                                  found.moving_returns))
+                    : fmt::format(
+                          "  {} moving things found in {:.1f} s, with {} of {} returns that moved; {} of "
+                          "them have no label, {} labels go on where they had ended\n",
+                          found.actors,
+                          found.seconds,
+                          found.moving_on_actors,
+                          found.moving_returns,
+                          found.added,
+                          found.continued))
             << fmt::format(
                    "  camera set {} particles ({} of them the far shell), LiDAR set {} particles ({} of "
                    "them on actors' surfaces that return nothing)\n",

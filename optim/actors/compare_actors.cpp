@@ -1,8 +1,10 @@
 #include "optim/actors/compare_actors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
+#include <set>
+#include <utility>
 
 namespace simuli {
 namespace {
@@ -25,16 +27,6 @@ std::vector<Pose> common_poses(const Actor& label, const Actor& found) {
     out.push_back(label.at(key.time_s).inverse() * key.corrected());
   }
   return out;
-}
-
-/// Times at which the found centre is in the label's box; none: too few, or at less than half of the times.
-std::optional<std::size_t> met(const Actor& label, const std::vector<Pose>& label_from_found) {
-  const auto inside = static_cast<std::size_t>(
-      std::count_if(label_from_found.begin(), label_from_found.end(), [&](const Pose& p) {
-        return (p.translation.array().abs() <= 0.5 * label.size_m.array() + kBeside_m).all();
-      }));
-  if (inside < kLeastTimes || 2 * inside < label_from_found.size()) return std::nullopt;
-  return inside;
 }
 
 void measure(const std::vector<Pose>& label_from_found, ActorMatch& match) {
@@ -61,34 +53,44 @@ void measure(const std::vector<Pose>& label_from_found, ActorMatch& match) {
 
 }  // namespace
 
+std::optional<ActorMatch> match_actor(const Actor& labelled, const Actor& found) {
+  const std::vector<Pose> label_from_found = common_poses(labelled, found);
+  const auto inside = static_cast<std::size_t>(
+      std::count_if(label_from_found.begin(), label_from_found.end(), [&](const Pose& p) {
+        return (p.translation.array().abs() <= 0.5 * labelled.size_m.array() + kBeside_m).all();
+      }));
+  if (inside < kLeastTimes || 2 * inside < label_from_found.size()) return std::nullopt;
+  ActorMatch match;
+  match.labelled = labelled.name;
+  match.labelled_s = labelled.track.back().time_s - labelled.track.front().time_s;
+  match.labelled_size_m = labelled.size_m;
+  match.found = found.name;
+  match.found_size_m = found.size_m;
+  match.times = inside;
+  measure(label_from_found, match);
+  return match;
+}
+
 ActorComparison compare_actors(const std::vector<Actor>& labelled,
                                const std::vector<Actor>& found,
                                double min_travel_m) {
   ActorComparison out;
-  std::vector<bool> used(found.size(), false);
+  std::set<std::string> used;
   for (const Actor& label : labelled) {
     if (label.travel_m() < min_travel_m) continue;
-    ActorMatch match;
-    match.labelled = label.name;
-    match.labelled_s = label.track.back().time_s - label.track.front().time_s;
-    match.labelled_size_m = label.size_m;
-    std::size_t best = found.size();
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const auto inside = met(label, common_poses(label, found[i]));
-      if (!inside || *inside <= match.times) continue;
-      match.times = *inside;
-      best = i;
+    ActorMatch best;
+    best.labelled = label.name;
+    best.labelled_s = label.track.back().time_s - label.track.front().time_s;
+    best.labelled_size_m = label.size_m;
+    for (const Actor& actor : found) {
+      auto match = match_actor(label, actor);
+      if (match && match->times > best.times) best = *std::move(match);
     }
-    if (best < found.size()) {
-      used[best] = true;
-      match.found = found[best].name;
-      match.found_size_m = found[best].size_m;
-      measure(common_poses(label, found[best]), match);
-    }
-    out.labels.push_back(std::move(match));
+    if (best.times > 0) used.insert(best.found);
+    out.labels.push_back(std::move(best));
   }
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (!used[i]) out.others.push_back(found[i].name);
+  for (const Actor& actor : found) {
+    if (used.count(actor.name) == 0) out.others.push_back(actor.name);
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Found actors beside labelled ones.
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,11 @@ struct ActorComparison {
   std::vector<std::string> others;  // found ones that are none of them
 };
 
-/// A found actor is the labelled one whose box its centre is in, widened by 1 m, for most of the times that
-/// both are there, three and more.
+/// The found actor beside the label; none: its centre is in the label's box, widened by 1 m, fewer than three
+/// times, or at less than half of the times that both are there.
+[[nodiscard]] std::optional<ActorMatch> match_actor(const Actor& labelled, const Actor& found);
+
+/// Of several found actors that match_actor() takes for a label's, the one that is it most often.
 [[nodiscard]] ActorComparison compare_actors(const std::vector<Actor>& labelled,
                                              const std::vector<Actor>& found,
                                              double min_travel_m);

@@ -15,7 +15,7 @@ struct ActorFinding {
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(ActorFinding& o, F&& field) {
-  field("actors.find", o.find, "find what moves from the LiDAR when the log has no actors");
+  field("actors.find", o.find, "find from the LiDAR what moves and has no label, and where labels go on");
   field("actors.min_travel_m", o.min_travel_m, range(0.5, 100.0), "m, least way of what is found");
   field("actors.min_sweeps", o.min_sweeps, range(4, 1000), "least sweeps that see what is found");
 }
@@ -26,6 +26,8 @@ struct FindReport {
   std::size_t moving_returns = 0;  // at places that other sweeps look through, of those above the ground
   std::size_t chains = 0;          // of clusters that move from sweep to sweep
   std::size_t actors = 0;          // found
+  std::size_t added = 0;           // of them, without a label
+  std::size_t continued = 0;       // labels that go on where they had ended (complete_actors.hpp)
   std::size_t returns_on_actors = 0;
   std::size_t moving_on_actors = 0;  // of moving_returns
   double seconds = 0.0;

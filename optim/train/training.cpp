@@ -10,6 +10,7 @@
 #include "host/base/fields.hpp"
 #include "host/base/version.hpp"
 #include "host/render/options/quality.hpp"
+#include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/log/sensor_learning.hpp"
@@ -64,10 +65,13 @@ void Training::prepare(const Progress& progress) {
   log_ = std::move(refined.log);
   report_.path = std::move(refined.report);
   log_ = with_learned_sensors(std::move(log_), options_.frames, options_.sensors);
-  if (options_.actors.find && options_.init.actors && log_.actors.empty()) {
-    FoundActors found = find_actors(log_, options_.frames, options_.actors);
-    log_.actors = std::move(found.actors);
+  if (options_.actors.find && options_.init.actors) {
+    const FoundActors found = find_actors(log_, options_.frames, options_.actors);
+    CompletedActors completed = complete_actors(std::move(log_.actors), found.actors);
+    log_.actors = std::move(completed.actors);
     report_.found = found.report;
+    report_.found.added = completed.added;
+    report_.found.continued = completed.continued;
   }
   SceneInit start = initialize_scene(log_, options_.frames, options_.init, progress);
   start.report.dark_points = add_dark_surfaces(log_, options_.frames, options_.init, start.scene);

@@ -45,8 +45,8 @@ class Training {
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// Refines the path (refined_path.hpp), learns what sweeps say of their LiDARs, finds what moves in a log
-  /// that has no actors (find_actors.hpp) and places the first particles, unless that is done; `progress` is
+  /// Refines the path (refined_path.hpp), learns what sweeps say of their LiDARs, finds what moves
+  /// and has no label (find_actors.hpp, complete_actors.hpp) and places the first particles, unless that is done; `progress` is
   /// called after each file of the latter, and after each sweep of the first. Error{kInput} when no frame is
   /// left to train on or a file can't be read, Error{kDevice} when the device has no room for the training.
   void prepare(const Progress& progress = {});

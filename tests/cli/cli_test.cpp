@@ -150,6 +150,15 @@ TEST_F(Cli, SynthesisedLogCanBeLookedAt) {
     ASSERT_EQ(one.exit_code, 0) << one.err;
     EXPECT_EQ(nlohmann::json::parse(one.out), sensor);
   }
+  // Two sweeps show nothing that moves: labels are kept where that is asked for.
+  for (const bool keeps : {false, true}) {
+    const std::string name = keeps ? "kept.log" : "bare.log";
+    const Outcome actors = run("--json actors small.log -o " + name + (keeps ? " --keep-labels" : ""));
+    ASSERT_EQ(actors.exit_code, 0) << actors.err;
+    EXPECT_EQ(nlohmann::json::parse(actors.out).contains("added"), keeps);
+    const nlohmann::json written = nlohmann::json::parse(run("--json info " + name).out);
+    EXPECT_EQ(written.at("actors").size(), keeps ? 1U : 0U);
+  }
   expect_failure("info small.log rear", kInput, "sensor: found \"rear\"");
   expect_failure("synth street -o small.log", kInput, "small.log");  // never overwritten
 }

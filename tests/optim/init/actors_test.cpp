@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <stdlib.h>
+#include <utility>
 
 #include "io/synth/street.hpp"
 #include "optim/eval/evaluation.hpp"
@@ -12,6 +12,7 @@
 #include "optim/poses/actor_poses.hpp"
 #include "optim/train/trainer.hpp"
 #include "optim/train/training.hpp"
+#include "tests/optim/init/street_with_car.hpp"
 #include "tests/optim/small_street.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -20,36 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-class StreetWithCar : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "simuli_car_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    StreetOptions options;
-    options.output = folder_ / "street.log";
-    options.frames = 10;
-    options.image_width = 96;
-    options.image_height = 54;
-    options.lidar_columns = 450;
-    log_ = synth_street(options);
-  }
-  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
-
-  static constexpr FrameSelection kFullSize{.image_scale = 1.0};
-  static InitOptions small(bool actors) {
-    InitOptions options;
-    options.voxel_m = 0.15;
-    options.sweep_depth = false;
-    options.camera_sh_degree = 0;
-    options.lidar_sh_degree = 0;
-    options.actors = actors;
-    return options;
-  }
-
-  inline static std::filesystem::path folder_;
-  inline static Log log_;
-};
+using test::StreetWithCar;
 
 TEST_F(StreetWithCar, ParticlesOfTheCarAreInItsFrame) {
   const SceneInit start = initialize_scene(log_, kFullSize, small(true));
@@ -170,33 +142,6 @@ TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
   EXPECT_EQ(reports[0].actor_pixels, reports[1].actor_pixels);
   EXPECT_GT(reports[1].actor_psnr_db, reports[0].actor_psnr_db + 3.0);
   EXPECT_LT(reports[1].actor_distance_median_m, 0.05);
-}
-
-TEST_F(StreetWithCar, TrainingFindsTheCarOfALogWithoutLabels) {
-  Log bare = log_;
-  bare.actors.clear();
-  TrainingOptions options;
-  options.init = small(true);
-  options.frames.image_scale = 1.0;
-  options.train.iterations = 0;
-  Training training(Device::best(), bare, options);
-  training.prepare();
-  const Scene scene = training.scene();
-  ASSERT_EQ(scene.actors.size(), 1U);
-  EXPECT_EQ(training.report().found.actors, 1U);
-  EXPECT_EQ(scene.actors[0].name, "moving_0");
-  for (const KeyPose& key : scene.actors[0].track) {
-    const Vector3d apart = key.corrected().translation - log_.actors[0].at(key.time_s).translation;
-    EXPECT_LT(apart.norm(), 0.4) << key.time_s;
-  }
-  // Sweep 9 is held out, and its time is the track's all the same.
-  EXPECT_TRUE(scene.actors[0].is_there(0.95));
-  EXPECT_GT(std::count(scene.lidar.actor.begin(), scene.lidar.actor.end(), 1U), 50);
-  options.actors.find = false;
-  Training blind(Device::best(), bare, options);
-  blind.prepare();
-  EXPECT_TRUE(blind.scene().actors.empty());
-  EXPECT_EQ(blind.report().found.sweeps, 0U);
 }
 
 TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
