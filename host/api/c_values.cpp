@@ -71,14 +71,18 @@ ActorEdit edit_of(const simuli_edit& edit) {
       out.change = std::move(track);
       return out;
     }
+    case SIMULI_TURN:
+      out.change = ActorEdit::Turn{edit.yaw_rad};
+      return out;
     case SIMULI_DUPLICATE:
       break;
   }
   throw Error(ErrorKind::kUsage,
-              fmt::format("edit: found kind {}, allowed {} to {}",
+              fmt::format("edit: found kind {}, allowed {} to {}, {}",
                           static_cast<int>(edit.kind),
                           static_cast<int>(SIMULI_REMOVE),
-                          static_cast<int>(SIMULI_RETRACK)));
+                          static_cast<int>(SIMULI_RETRACK),
+                          static_cast<int>(SIMULI_TURN)));
 }
 
 Sensor sensor_of(const simuli_scene& scene, const char* name) {

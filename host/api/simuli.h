@@ -197,7 +197,8 @@ typedef enum simuli_edit_kind {
   SIMULI_MOVE = 1,    /* by_m, throughout its track, in its own frame: forward, left, up */
   SIMULI_RETIME = 2,  /* rate times as fast, delay_s later */
   SIMULI_RETRACK = 3, /* the track times_s, world_from_actor, pose_count instead of its own */
-  SIMULI_DUPLICATE = 4 /* a second one, called new_name; not of a single frame */
+  SIMULI_DUPLICATE = 4, /* a second one, called new_name; not of a single frame */
+  SIMULI_TURN = 5       /* by yaw_rad to its left, throughout its track, about its own up */
 } simuli_edit_kind;
 typedef struct simuli_edit {
   simuli_edit_kind kind;
@@ -209,6 +210,7 @@ typedef struct simuli_edit {
   const simuli_pose* world_from_actor;
   size_t pose_count;
   const char* new_name;
+  double yaw_rad;
 } simuli_edit;
 /* For all frames from now on. */
 simuli_status simuli_scene_edit(simuli_scene* scene, const simuli_edit* edit);

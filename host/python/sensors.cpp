@@ -164,7 +164,7 @@ void add_sensors(py::module_& m) {
         py::arg("beam_divergence_rad") = 0.0,
         py::arg("azimuth_offset_rad") = py::none(),
         "Beams from top to bottom.");
-  py::class_<ActorEdit>(m, "Edit", "A change of what an actor does: remove, move, retime, retrack.");
+  py::class_<ActorEdit>(m, "Edit", "A change of what an actor does: remove, move, turn, retime, retrack.");
   m.def(
       "remove",
       [](const std::string& actor) {
@@ -172,6 +172,14 @@ void add_sensors(py::module_& m) {
       },
       py::arg("actor"));
   m.def("move", &move, py::arg("actor"), py::arg("by_m"), "Forward, left, up in its own frame.");
+  m.def(
+      "turn",
+      [](const std::string& actor, double yaw_rad) {
+        return ActorEdit{actor, ActorEdit::Turn{yaw_rad}};
+      },
+      py::arg("actor"),
+      py::arg("yaw_rad"),
+      "To its left, about its own up.");
   m.def(
       "retime",
       [](const std::string& actor, double rate, double delay_s) {

@@ -76,6 +76,16 @@ void change(Actor& actor, const ActorEdit::Move& move) {
   }
 }
 
+void change(Actor& actor, const ActorEdit::Turn& turn) {
+  if (!std::isfinite(turn.yaw_rad)) {
+    throw Error(ErrorKind::kUsage, fmt::format("turn {}: found NaN or Inf, allowed finite", actor.name));
+  }
+  const Eigen::Quaterniond left(Eigen::AngleAxisd(turn.yaw_rad, Eigen::Vector3d::UnitZ()));
+  for (KeyPose& key : actor.track) {
+    key.world_from_actor.rotation = (key.world_from_actor.rotation * left).normalized();
+  }
+}
+
 void change(Actor& actor, const ActorEdit::Retime& retime) {
   if (!(retime.rate > 0.0 && std::isfinite(retime.rate) && std::isfinite(retime.delay_s))) {
     throw Error(ErrorKind::kUsage,
@@ -119,6 +129,28 @@ void remove_actor(Scene& scene, const std::string& name) {
 
 void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m) {
   change_track(scene.actors, name, ActorEdit::Move{by_m});
+}
+
+void turn_actor(Scene& scene, const std::string& name, double yaw_rad) {
+  change_track(scene.actors, name, ActorEdit::Turn{yaw_rad});
+}
+
+void resize_actor(Scene& scene, const std::string& name, double factor) {
+  const std::uint32_t number = number_of(scene.actors, name);
+  if (!(factor > 0.0 && std::isfinite(factor))) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("resize {}: found {} times, allowed above 0 and finite", name, factor));
+  }
+  for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    const auto log_factor = static_cast<float>(std::log(factor));
+    for (const Eigen::Index row : rows_of(*set, number)) {
+      set->mean().row(row) *= static_cast<float>(factor);
+      set->log_scale().row(row).array() += log_factor;
+    }
+  }
+  Actor& actor = scene.actors[number - 1];
+  change(actor, ActorEdit::Move{{0.0, 0.0, 0.5 * (factor - 1.0) * actor.size_m.z()}});
+  actor.size_m *= factor;
 }
 
 void retime_actor(Scene& scene, const std::string& name, double rate, double delay_s) {

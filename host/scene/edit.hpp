@@ -17,6 +17,9 @@ struct ActorEdit {
   struct Move {                                      // throughout its track, in its own frame
     Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // forward, left, up
   };
+  struct Turn {            // throughout its track, about its own up
+    double yaw_rad = 0.0;  // to its left
+  };
   struct Retime {          // the track again, from where it begins
     double rate = 1.0;     // times as fast, above 0
     double delay_s = 0.0;  // later than recorded
@@ -24,7 +27,7 @@ struct ActorEdit {
   struct Retrack {
     std::vector<KeyPose> track;
   };
-  using Change = std::variant<Remove, Move, Retime, Retrack>;
+  using Change = std::variant<Remove, Move, Retime, Retrack, Turn>;
 
   std::string actor;
   Change change;
@@ -40,6 +43,13 @@ void remove_actor(Scene& scene, const std::string& name);
 
 /// ActorEdit::Move for good.
 void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m);
+
+/// ActorEdit::Turn for good.
+void turn_actor(Scene& scene, const std::string& name, double yaw_rad);
+
+/// Makes an actor `factor` times as large: its box and its particles, about the middle of the box's base, so
+/// that it stands where it stood. Error{kUsage} for a factor that is not above 0 and finite.
+void resize_actor(Scene& scene, const std::string& name, double factor);
 
 /// ActorEdit::Retime for good.
 void retime_actor(Scene& scene, const std::string& name, double rate, double delay_s);

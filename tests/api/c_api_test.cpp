@@ -186,7 +186,7 @@ TEST_F(CApi, EditsActorsForGoodAndForAFrame) {
     return values(render(scene_, "front", at, edits), SIMULI_RGB, 3 * kPixels);
   };
   const std::vector<float> before = rgb({});
-  simuli_edit edit{SIMULI_REMOVE, "car", {}, 1.0, 0.0, nullptr, nullptr, 0, nullptr};
+  simuli_edit edit{SIMULI_REMOVE, "car", {}, 1.0, 0.0, nullptr, nullptr, 0, nullptr, 0.0};
   const std::vector<float> without = rgb({edit});
   EXPECT_NE(before, without);
   EXPECT_EQ(before, rgb({}));
@@ -195,6 +195,11 @@ TEST_F(CApi, EditsActorsForGoodAndForAFrame) {
   move.by_m[1] = -4.0;
   const std::vector<float> moved = rgb({move});
   EXPECT_NE(before, moved);
+  simuli_edit turn = edit;
+  turn.kind = SIMULI_TURN;
+  EXPECT_EQ(rgb({turn}), before);
+  turn.yaw_rad = 1.5;
+  EXPECT_NE(rgb({turn}), before);
 
   simuli_edit twice = edit;
   twice.kind = SIMULI_DUPLICATE;

@@ -78,6 +78,27 @@ TEST(Edit, MovesInTheActorsOwnFrame) {
   EXPECT_TRUE(scene.actors[0].at(1.5).translation.isApprox(Vector3d(10.0, 4.0, 0.0), kExact));
 }
 
+TEST(Edit, TurnsAboutItsOwnUp) {
+  Scene scene = two_cars();
+  turn_actor(scene, "second", std::acos(0.0));  // its nose, which was to +y, now to -x
+  EXPECT_TRUE((scene.actors[1].at(1.5) * Vector3d(1, 0, 0)).isApprox(Vector3d(9, 4, 0), kExact));
+  EXPECT_TRUE((scene.actors[1].at(1.5) * Vector3d(0, 0, 1)).isApprox(Vector3d(10, 4, 1), kExact));
+  expect_error(ErrorKind::kUsage, "finite", [&] { turn_actor(scene, "first", std::nan("")); });
+}
+
+TEST(Edit, ResizesOnItsBase) {
+  Scene scene = two_cars();
+  resize_actor(scene, "first", 2.0);
+  EXPECT_EQ(scene.actors[0].size_m, Vector3d(8.0, 3.6, 3.0));
+  // The base was at -0.75 and still is.
+  EXPECT_TRUE(scene.actors[0].at(1.5).translation.isApprox(Vector3d(10, 4, 0.75), kExact));
+  EXPECT_EQ(scene.camera.params(3, 0), 6.0F);
+  EXPECT_EQ(scene.camera.params(2, 0), 2.0F);  // of the other car
+  EXPECT_NEAR(scene.camera.log_scale()(3, 1), std::log(2.0F), 1e-6F);
+  EXPECT_EQ(scene.camera.log_scale()(2, 1), 0.0F);
+  expect_error(ErrorKind::kUsage, "found 0 times", [&] { resize_actor(scene, "first", 0.0); });
+}
+
 TEST(Edit, RetimesFromTheStartOfTheTrack) {
   Scene scene = two_cars();
   retime_actor(scene, "first", 2.0, 0.25);

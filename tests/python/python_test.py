@@ -138,6 +138,7 @@ assert not np.array_equal(scene.render(lidar, time_s=when, edits=[simuli.remove(
 assert np.array_equal(scene.render(lidar, time_s=when).range_m, there)
 scene.duplicate_actor(car, "second")
 scene.edit(simuli.move("second", [0, 3, 0]))
+scene.edit(simuli.turn("second", 0.5))
 scene.edit(simuli.retime("second", 2.0, 0.1))
 assert not np.array_equal(scene.render(lidar, time_s=when).range_m, there)
 scene.edit(simuli.remove("second"))

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/scene/edit.hpp"
 #include "io/scene/scene_folder.hpp"
@@ -55,9 +56,11 @@ void add_edit_options(Command sub, Edits& edits) {
   };
   add("--add", edits.add, "SCENE:ACTOR[:NAME], an actor of another scene; then give it a --track");
   add("--duplicate", edits.duplicate, "ACTOR:NAME, a second one of the same");
+  add("--resize", edits.resize, "ACTOR:FACTOR, so many times as large; it stands where it stood");
   add("--track", edits.track, "ACTOR:LOG[:ACTOR], the track of an actor of that log instead of its own");
   add("--retime", edits.retime, "ACTOR:RATE[:DELAY_S], its track RATE times as fast, DELAY_S later");
   add("--move", edits.move, "ACTOR:FORWARD,LEFT,UP, metres in the actor's own frame");
+  add("--turn", edits.turn, "ACTOR:DEGREES, to its left, about its own up");
   add("--remove", edits.remove, "ACTOR, take it away");
 }
 
@@ -68,9 +71,11 @@ std::vector<std::string> lines_of(const Edits& edits) {
   };
   tell("--add", edits.add);
   tell("--duplicate", edits.duplicate);
+  tell("--resize", edits.resize);
   tell("--track", edits.track);
   tell("--retime", edits.retime);
   tell("--move", edits.move);
+  tell("--turn", edits.turn);
   tell("--remove", edits.remove);
   return lines;
 }
@@ -83,6 +88,11 @@ void apply(const Edits& edits, Scene& scene) {
   for (const std::string& edit : edits.duplicate) {
     const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");
     duplicate_actor(scene, parts[0], parts[1]);
+  }
+  for (const std::string& edit : edits.resize) {
+    constexpr const char* kAllowed = "ACTOR:FACTOR, a finite number above 0";
+    const auto parts = parts_of("--resize", edit, 2, 2, kAllowed);
+    resize_actor(scene, parts[0], number("--resize", parts[1], kAllowed));
   }
   for (const std::string& edit : edits.track) {
     const auto parts = parts_of("--track", edit, 2, 3, "ACTOR:LOG or ACTOR:LOG:ACTOR");
@@ -106,6 +116,11 @@ void apply(const Edits& edits, Scene& scene) {
       by_m[static_cast<Eigen::Index>(k)] = number("--move", by[k], kAllowed);
     }
     move_actor(scene, parts[0], by_m);
+  }
+  for (const std::string& edit : edits.turn) {
+    constexpr const char* kAllowed = "ACTOR:DEGREES, a finite number";
+    const auto parts = parts_of("--turn", edit, 2, 2, kAllowed);
+    turn_actor(scene, parts[0], number("--turn", parts[1], kAllowed) * kDegree);
   }
   for (const std::string& name : edits.remove) remove_actor(scene, name);
 }

@@ -12,9 +12,11 @@ namespace simuli::cli {
 struct Edits {
   std::vector<std::string> add;        // SCENE:ACTOR[:NAME]
   std::vector<std::string> duplicate;  // ACTOR:NAME
+  std::vector<std::string> resize;     // ACTOR:FACTOR
   std::vector<std::string> track;      // ACTOR:LOG[:ACTOR]
   std::vector<std::string> retime;     // ACTOR:RATE[:DELAY_S]
   std::vector<std::string> move;       // ACTOR:FORWARD_M,LEFT_M,UP_M
+  std::vector<std::string> turn;       // ACTOR:DEGREES
   std::vector<std::string> remove;     // ACTOR
 };
 
