@@ -1,9 +1,12 @@
-// sh.h - real spherical harmonics up to degree 3, the basis and signs of the 3DGS file format.
+// sh.h - real spherical harmonics up to degree 3, the basis and signs of the 3DGS file format: one text for the
+// device and for the host (host/scene/placement.cpp).
 // Coefficient k of channel c stands in parameter row SIM_SH + 3 k + c.
 #ifndef SIMULI_CL_MATH_SH_H
 #define SIMULI_CL_MATH_SH_H
+#ifndef __cplusplus
 #include "math/lanes.h"
 #include "shared/layout.h"
+#endif
 
 #define SH_COEFFICIENTS ((SH_DEGREE + 1) * (SH_DEGREE + 1))
 

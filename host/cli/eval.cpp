@@ -34,7 +34,7 @@ void eval(EvalCommand command, const Globals& globals) {
   check(command.options);
   SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, command.options.render);
-  apply(command.edits, file.scene);
+  apply(command.edits, file);
   Log log = read_log(command.log);
   const Device device = Device::best(globals.device);
   Evaluation evaluation(device, std::move(file), std::move(log), command.options);
@@ -62,7 +62,7 @@ void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
   Command sub =
       app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
-  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required();
   sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
   const Option scale =
       sub.option("--scale", command->scale, "size of the compared pictures over the recorded")

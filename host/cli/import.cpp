@@ -1,11 +1,16 @@
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/json_text.hpp"
 #include "host/cli/info.hpp"
+#include "host/scene/placement.hpp"
+#include "io/base/output.hpp"
 #include "io/import/kitti/kitti.hpp"
 #include "io/import/kitti360/kitti360.hpp"
 #include "io/import/nuscenes/nuscenes.hpp"
@@ -13,6 +18,7 @@
 #include "io/import/photos/nerfstudio.hpp"
 #include "io/import/points/points_log.hpp"
 #include "io/import/waymo/waymo.hpp"
+#include "io/scene/splat_scene.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -128,10 +134,48 @@ void import_point_drive(const PointsOptions& options, const Globals& globals) {
       });
 }
 
+struct SplatCommand {
+  std::string file, output, pose, axes = "y-down";
+  SplatPlacement placement;
+};
+
+void import_splats(SplatCommand command, const Globals& globals) {
+  need_new_path(command.output);
+  if (command.axes == "y-up") command.placement.axes = SplatAxes::kYUp;
+  if (command.axes == "z-up") command.placement.axes = SplatAxes::kZUp;
+  if (!command.pose.empty()) command.placement.world_from_model = parse_pose("--pose", command.pose);
+  const SceneFile scene = scene_of_splats(command.file, command.placement);
+  write_scene(command.output, scene);
+  const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);
+  const Eigen::Vector3d size = box.sizes(), from = scene.scene.origin + box.min();
+  if (globals.json) {
+    const nlohmann::ordered_json out = {{"folder", command.output},
+                                        {"particles", scene.scene.camera.size()},
+                                        {"sh_degree", scene.scene.camera.sh_degree},
+                                        {"from_m", {from.x(), from.y(), from.z()}},
+                                        {"size_m", {size.x(), size.y(), size.z()}}};
+    std::cout << json_text(out) << '\n';
+  } else {
+    std::cout << fmt::format(
+        "{} particles of SH degree {}, {:.2f} x {:.2f} x {:.2f} m from ({:.2f}, {:.2f}, {:.2f}) m on, in "
+        "{}\n",
+        scene.scene.camera.size(),
+        scene.scene.camera.sh_degree,
+        size.x(),
+        size.y(),
+        size.z(),
+        from.x(),
+        from.y(),
+        from.z(),
+        command.output);
+  }
+}
+
 }  // namespace
 
 void add_import(Command app, const Globals& globals) {
-  Command import = app.command("import", "turn a recorded drive of another format into a log folder");
+  Command import =
+      app.command("import", "turn a recorded drive of another format into a log folder, splats into a scene");
   import.require_command();
 
   const auto options = std::make_shared<KittiOptions>();
@@ -189,6 +233,18 @@ void add_import(Command app, const Globals& globals) {
   sub = import.command("nerfstudio", "posed photographs of a transforms.json");
   sub.option("FILE", nerfstudio->transforms, "transforms.json, or its folder").required();
   add_photos(sub, "nerfstudio", nerfstudio, globals, import_nerfstudio);
+
+  const auto splat = std::make_shared<SplatCommand>();
+  sub = import.command("splat", "a file of splats as a scene: .ply (also SuperSplat's compressed), .spz");
+  sub.option("FILE", splat->file, "its LiDAR set becomes the particles' geometry, as bright as they are")
+      .required();
+  sub.option("-o,--output", splat->output, "scene folder to write").required();
+  sub.option("--axes", splat->axes, "what is up in the file")
+      .one_of({"y-down", "y-up", "z-up"})
+      .with_default();
+  sub.option("--metres-per-unit", splat->placement.metres_per_unit, "size of the model").positive();
+  sub.option("--pose", splat->pose, "X,Y,Z,ROLL,PITCH,YAW of the model in the world, m and degrees");
+  sub.run([splat, &globals] { import_splats(*splat, globals); });
 }
 
 }  // namespace simuli::cli

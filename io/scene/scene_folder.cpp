@@ -16,6 +16,7 @@
 #include "io/log/log_json.hpp"
 #include "io/scene/appearance_file.hpp"
 #include "io/scene/scene_output.hpp"
+#include "io/scene/splat_scene.hpp"
 #include "io/scene/training_json.hpp"
 #include "io/splat/ply.hpp"
 
@@ -185,6 +186,11 @@ const LogLidar* SceneFile::find_lidar(const std::string& name) const {
 }
 
 SceneFile read_scene(const fs::path& folder) {
+  if (is_splat_file(folder)) {
+    SceneFile file = scene_of_splats(folder);
+    file.scene = in_coherent_order(std::move(file.scene));
+    return file;
+  }
   const auto own = [&](const char* name) { return inside(folder, name, folder.string(), "file"); };
   const fs::path file = own(kSceneName);
   Contents contents = parse_scene(read_file(file), file.string());

@@ -6,11 +6,15 @@
 
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "host/scene/edit.hpp"
-#include "io/scene/scene_folder.hpp"
+#include "host/scene/placement.hpp"
+#include "io/scene/splat_scene.hpp"
 
 namespace simuli::cli {
 namespace {
+
+namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const char* option, const std::string& found, const char* allowed) {
   throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", option, found, allowed));
@@ -48,13 +52,37 @@ double number(const char* option, const std::string& text, const char* allowed) 
   return value;
 }
 
+/// Parted by commas.
+template <int N>
+Eigen::Vector<double, N> numbers(const char* option, const std::string& text, const char* allowed) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != static_cast<std::size_t>(N)) refuse(option, text, allowed);
+  Eigen::Vector<double, N> values;
+  for (int k = 0; k < N; ++k) values[k] = number(option, parts[static_cast<std::size_t>(k)], allowed);
+  return values;
+}
+
 }  // namespace
+
+Pose parse_pose(const char* option, const std::string& text) {
+  const Eigen::Vector<double, 6> v =
+      numbers<6>(option, text, "X,Y,Z,ROLL,PITCH,YAW, finite numbers, m and degrees");
+  const auto about = [](double degrees, const Eigen::Vector3d& axis) {
+    return Eigen::AngleAxisd(degrees * kDegree, axis);
+  };
+  return {about(v[5], Eigen::Vector3d::UnitZ()) * about(v[4], Eigen::Vector3d::UnitY()) *
+              about(v[3], Eigen::Vector3d::UnitX()),
+          v.head<3>()};
+}
 
 void add_edit_options(Command sub, Edits& edits) {
   const auto add = [&](const char* name, std::vector<std::string>& to, const char* text) {
     sub.option(name, to, text);
   };
-  add("--add", edits.add, "SCENE:ACTOR[:NAME], an actor of another scene; then give it a --track");
+  add("--add",
+      edits.add,
+      "SCENE:ACTOR[:NAME], an actor of another scene; then give it a --track. SPLAT:NAME, all of a .ply or "
+      ".spz: it stands where the path begins; then --resize, --move and --turn it, or give it a --track");
   add("--duplicate", edits.duplicate, "ACTOR:NAME, a second one of the same");
   add("--resize", edits.resize, "ACTOR:FACTOR, so many times as large; it stands where it stood");
   add("--track", edits.track, "ACTOR:LOG[:ACTOR], the track of an actor of that log instead of its own");
@@ -80,9 +108,28 @@ std::vector<std::string> lines_of(const Edits& edits) {
   return lines;
 }
 
-void apply(const Edits& edits, Scene& scene) {
+Pose standing_pose(const Trajectory& world_from_rig) {
+  const Pose& start = world_from_rig.poses().front().pose;
+  const Eigen::Vector3d ahead = start.rotation * Eigen::Vector3d::UnitX();
+  const Eigen::AngleAxisd level(std::atan2(ahead.y(), ahead.x()), Eigen::Vector3d::UnitZ());
+  return {Eigen::Quaterniond(level), start.translation};
+}
+
+void apply(const Edits& edits, SceneFile& file) {
+  Scene& scene = file.scene;
   for (const std::string& edit : edits.add) {
-    const auto parts = parts_of("--add", edit, 2, 3, "SCENE:ACTOR or SCENE:ACTOR:NAME");
+    constexpr const char* kAllowed = "SCENE:ACTOR, SCENE:ACTOR:NAME or SPLAT:NAME";
+    const auto parts = parts_of("--add", edit, 2, 3, kAllowed);
+    if (is_splat_file(parts[0])) {
+      if (parts.size() != 2) refuse("--add", edit, kAllowed);
+      if (file.world_from_rig.poses().empty()) {
+        throw_input_error("--add " + edit, "trajectory", "no poses", "a scene with a path, where it begins");
+      }
+      need_name(parts[1], "--add " + edit, "name");
+      const Pose base = standing_pose(file.world_from_rig);
+      add_actor(scene, as_actor(read_scene(parts[0]).scene, parts[1], base), parts[1], parts[1]);
+      continue;
+    }
     add_actor(scene, read_scene(parts[0]).scene, parts[1], parts.back());
   }
   for (const std::string& edit : edits.duplicate) {
@@ -109,13 +156,7 @@ void apply(const Edits& edits, Scene& scene) {
   for (const std::string& edit : edits.move) {
     constexpr const char* kAllowed = "ACTOR:FORWARD,LEFT,UP in metres";
     const auto parts = parts_of("--move", edit, 2, 2, kAllowed);
-    const std::vector<std::string> by = split(parts[1], ',');
-    if (by.size() != 3) refuse("--move", edit, kAllowed);
-    Eigen::Vector3d by_m;
-    for (std::size_t k = 0; k < 3; ++k) {
-      by_m[static_cast<Eigen::Index>(k)] = number("--move", by[k], kAllowed);
-    }
-    move_actor(scene, parts[0], by_m);
+    move_actor(scene, parts[0], numbers<3>("--move", parts[1], kAllowed));
   }
   for (const std::string& edit : edits.turn) {
     constexpr const char* kAllowed = "ACTOR:DEGREES, a finite number";

@@ -132,7 +132,7 @@ void render(const RenderCommand& command, const Globals& globals) {
   validate(options);
   SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, options);
-  apply(command.edits, file.scene);
+  apply(command.edits, file);
   const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
   Sensor sensor = find_sensor(file, command);
   sensor = sensor.mounted(rig_from_shifted * sensor.rig_from_sensor());
@@ -196,7 +196,7 @@ void render(const RenderCommand& command, const Globals& globals) {
 void add_render(Command app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
   Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
-  sub.option("SCENE", command->scene, "scene folder").required();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required();
   sub.option("--sensor",
              command->sensor,
              "a sensor of the scene; or a built-in camera or LiDAR, or one of a file, in its place")

@@ -1,0 +1,94 @@
+#include "io/scene/splat_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include "host/base/angles.hpp"
+#include "host/base/error.hpp"
+#include "host/base/names.hpp"
+#include "host/scene/placement.hpp"
+#include "host/sensors/lidar_library.hpp"
+#include "io/splat/splat_file.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Axes right, down, forward to forward, left, up.
+const Eigen::Quaterniond kLevelFromDown(0.5, -0.5, 0.5, -0.5);
+
+Eigen::Quaterniond level_from_file(SplatAxes axes) {
+  switch (axes) {
+    case SplatAxes::kYDown:
+      return kLevelFromDown;
+    case SplatAxes::kYUp:  // half a turn about x in front
+      return kLevelFromDown * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+    case SplatAxes::kZUp:
+      break;
+  }
+  return Eigen::Quaterniond::Identity();
+}
+
+Camera orbit_camera() {
+  constexpr int kWidth = 1280, kHeight = 720;
+  Camera camera;
+  camera.name = "orbit";
+  camera.width = kWidth;
+  camera.height = kHeight;
+  camera.fx = camera.fy = 0.5 * kWidth / std::tan(30.0 * kDegree);
+  camera.cx = 0.5 * kWidth;
+  camera.cy = 0.5 * kHeight;
+  return camera;
+}
+
+/// Looks at the box's middle all the time, x forward.
+Trajectory around(const Eigen::AlignedBox3d& box) {
+  constexpr double kSeconds = 10.0, kElevation = 20.0 * kDegree, kNearest_m = 0.5;
+  constexpr int kPoses = 101;
+  // Half of a picture's height is 18 degrees: a ball that fits is 3.2 radii away, what fits into it is seen.
+  const double away_m = std::max(3.2 * 0.5 * box.diagonal().norm(), kNearest_m);
+  std::vector<TimedPose> poses;
+  for (int i = 0; i < kPoses; ++i) {
+    const double share = static_cast<double>(i) / (kPoses - 1);
+    const Eigen::Quaterniond inwards(Eigen::AngleAxisd(kTurn * share, Eigen::Vector3d::UnitZ()) *
+                                     Eigen::AngleAxisd(kElevation, Eigen::Vector3d::UnitY()));
+    poses.push_back(
+        {kSeconds * share, {inwards, box.center() - inwards * Eigen::Vector3d(away_m, 0.0, 0.0)}});
+  }
+  return Trajectory(std::move(poses));
+}
+
+}  // namespace
+
+bool is_splat_file(const fs::path& file) {
+  std::error_code ignored;
+  return (file.extension() == ".ply" || file.extension() == ".spz") && !fs::is_directory(file, ignored);
+}
+
+SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement) {
+  const Eigen::Quaterniond level = level_from_file(placement.axes);
+  SceneFile out;
+  Scene& scene = out.scene;
+  scene.name = name_from(file.stem().string());
+  scene.camera = read_splats(file);
+  if (!scene.camera.actor.empty()) {
+    throw_input_error(
+        file.string(), "actor", "particles of actors, in frames of their own", "the scene's folder");
+  }
+  const Pose world_from_file = placement.world_from_model * Pose{level, Eigen::Vector3d::Zero()};
+  // Particles are floats: their own origin stays near by wherever the model stands.
+  scene.origin = world_from_file.translation;
+  transform(scene.camera, {world_from_file.rotation, Eigen::Vector3d::Zero()}, placement.metres_per_unit);
+  Eigen::AlignedBox3d box = extent_of(scene.camera);
+  if (box.isEmpty()) throw_input_error(file.string(), "particles", "none", "at least one");
+  scene.lidar = lidar_of(scene.camera);
+  out.cameras.push_back({orbit_camera(), {kLevelFromDown, Eigen::Vector3d::Zero()}});
+  out.lidars.push_back({builtin_lidar("hesai_xt32"), {}});
+  out.world_from_rig = around(box.translate(scene.origin));
+  return out;
+}
+
+}  // namespace simuli

@@ -1,0 +1,121 @@
+// Files of splats where scenes can be given: rendered, imported, added as actors.
+#include <cmath>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/picture/image.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/splat/splat_file.hpp"
+#include "tests/cli/cli_fixture.hpp"
+
+namespace {
+
+using namespace simuli::test;
+using simuli::GaussianSet;
+
+class SplatCli : public Cli {
+ protected:
+  /// A block, 2 wide, 1 high and 4 deep, of one colour.
+  void make_block(const std::string& file, const Eigen::RowVector3f& rgb) const {
+    constexpr int kSide = 8;
+    GaussianSet set(simuli::SetKind::kCamera, 1, kSide * kSide * kSide);
+    for (Eigen::Index i = 0; i < set.size(); ++i) {
+      const auto at = [](Eigen::Index k) { return static_cast<float>(k) / (kSide - 1) - 0.5F; };
+      set.mean().row(i) << 2.0F * at(i % kSide), at(i / kSide % kSide), 4.0F * at(i / kSide / kSide);
+      set.log_scale().row(i) << std::log(0.15F), std::log(0.08F), std::log(0.3F);
+      set.rotation()(i, 0) = 1.0F;
+      set.opacity_logit()(i) = 4.0F;
+      set.sh(0).row(i) = (rgb.array() - 0.5F) / simuli::kSh0;
+    }
+    simuli::write_splats(folder_ / file, set);
+  }
+  /// Of the middle of a picture.
+  Eigen::Vector3f middle_of(const std::string& file) const {
+    const simuli::Image image = simuli::read_image(folder_ / file);
+    Eigen::Vector3f out;
+    for (int c = 0; c < 3; ++c) out[c] = image.at(image.width / 2, image.height / 2, c);
+    return out;
+  }
+};
+
+TEST_F(SplatCli, AFileOfSplatsIsAScene) {
+  for (const char* file : {"red.ply", "red.spz"}) {
+    make_block(file, {0.9F, 0.1F, 0.2F});
+    const std::string name = std::string(file) + ".out";
+    const Outcome render =
+        run(fmt::format("render {} --sensor orbit --scale 0.1 --times 0:5:5 -o {}", file, name));
+    ASSERT_EQ(render.exit_code, 0) << render.err;
+    for (const char* picture : {"/orbit_000000.png", "/orbit_000001.png"}) {
+      EXPECT_LT((middle_of(name + picture) - Eigen::Vector3f(0.9F, 0.1F, 0.2F)).norm(), 0.05F) << file;
+    }
+  }
+  // LiDARs see the same block: 4 m deep, 2 m wide, its near face before its middle.
+  const Outcome sweep =
+      run("render red.spz --sensor velodyne_vlp16 --times 0:0:1 --clouds npz -o sweep --json");
+  ASSERT_EQ(sweep.exit_code, 0) << sweep.err;
+  EXPECT_GT(fs::file_size(folder_ / "sweep" / "velodyne_vlp16_000000.npz"), 10'000U);
+  const simuli::SceneFile scene = simuli::read_scene(folder_ / "red.ply");
+  EXPECT_EQ(scene.scene.lidar.size(), scene.scene.camera.size());
+  make_block("none.ply", {0, 0, 0});
+  fs::resize_file(folder_ / "none.ply", 100);
+  expect_failure("render none.ply --sensor orbit -o x", kInput, "none.ply");
+  expect_failure("render red.txt --sensor orbit -o x", kInput, "red.txt");
+}
+
+TEST_F(SplatCli, ImportPlacesASplat) {
+  make_block("red.ply", {0.9F, 0.1F, 0.2F});
+  const auto size = [&](const std::string& options) {
+    const Outcome done = run("import splat red.ply --json -o x.scene " + options);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    const auto out = nlohmann::json::parse(done.out);
+    fs::remove_all(folder_ / "x.scene");
+    return std::array{out.at("size_m").get<std::array<double, 3>>(),
+                      out.at("from_m").get<std::array<double, 3>>()};
+  };
+  const auto expect_near = [](const std::array<double, 3>& found, const std::array<double, 3>& wanted) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found[k], wanted[k], 1e-4);
+  };
+  // Forward is its z, up its -y.
+  expect_near(size("")[0], {4, 2, 1});
+  expect_near(size("--axes z-up")[0], {2, 1, 4});
+  expect_near(size("--axes y-up --metres-per-unit 3")[0], {12, 6, 3});
+  const auto placed = size("--pose 1000000,20,-3,0,0,90");
+  expect_near(placed[0], {2, 4, 1});
+  expect_near(placed[1], {999999, 18, -3.5});
+  ASSERT_EQ(run("import splat red.ply -o y.scene").exit_code, 0);
+  EXPECT_EQ(simuli::read_scene(folder_ / "y.scene").scene.camera.params,
+            simuli::read_scene(folder_ / "red.ply").scene.camera.params);
+  expect_failure("import splat red.ply -o y.scene", kInput, "y.scene");
+  expect_failure("import splat red.ply -o z.scene --pose 1,2,3", kUsage, "--pose: found \"1,2,3\"");
+  expect_failure("import splat red.ply -o z.scene --metres-per-unit 0", kUsage, "--metres-per-unit");
+}
+
+TEST_F(SplatCli, ASplatIsAddedAsAnActor) {
+  make_block("red.ply", {0.9F, 0.1F, 0.2F});
+  make_block("blue.spz", {0.1F, 0.2F, 0.9F});
+  const auto picture = [&](const std::string& name, const std::string& edits) {
+    const Outcome done = run("render red.ply --sensor orbit --scale 0.1 --times 0:0:1 -o " + name + edits);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return middle_of(name + "/orbit_000000.png");
+  };
+  const Eigen::Vector3f red(0.9F, 0.1F, 0.2F), blue(0.1F, 0.2F, 0.9F);
+  // It stands where the path begins; 4 m ahead of that is before the block, and the rig looks down at it.
+  const std::string add = " --add blue.spz:post --move post:4,0,-1.6";
+  EXPECT_LT((picture("a", add) - blue).norm(), 0.1F);
+  EXPECT_LT((picture("b", add + " --resize post:0.02") - red).norm(), 0.1F);
+  EXPECT_LT((picture("c", add + " --remove post") - red).norm(), 0.1F);
+  EXPECT_LT((picture("d", " --add blue.spz:post --move post:0,0,-50") - red).norm(), 0.1F);
+  // Turned about itself, across the view: its near face is farther away.
+  EXPECT_LT((picture("e", " --add blue.spz:post --move post:4,-1.7,-1.6 --turn post:90") - blue).norm(),
+            0.1F);
+  EXPECT_LT((picture("f", " --add blue.spz:post --move post:4,-1.7,-1.6") - red).norm(), 0.1F);
+  const std::string render = "render red.ply --sensor orbit -o x ";
+  expect_failure(render + "--add blue.spz", kUsage, "SPLAT:NAME");
+  expect_failure(render + "--add blue.spz:a:b", kUsage, "SPLAT:NAME");
+  expect_failure(render + "--add blue.spz:../a", kInput, "name");
+  expect_failure(render + "--add no.spz:a", kInput, "no.spz");
+  expect_failure(render + "--turn post:west", kUsage, "ACTOR:DEGREES");
+  expect_failure(render + "--resize post:0", kUsage, "post");
+}
+
+}  // namespace
