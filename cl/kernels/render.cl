@@ -7,7 +7,8 @@
 /// in  world_ray[3|6|7][slots], ray_u[slots], of every slot a place in its tile; first[tiles+1]; payload[K] by
 ///     tile, nearest first; records[N][16]; motions[N][4] of particles that move, with ACTOR_MOTION
 /// out out[7][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
-///     0 where transmittance never falls to 1/2), with DROP the drop logit. Slots without a ray get the background.
+///     0 where transmittance never falls to 1/2; with ACTOR_IDS the actor there), with DROP the drop logit. Slots
+///     without a ray get the background.
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
 /// footprint touches are visited, of these the vectors that still have a ray. A ray is retired (direction
 /// zeroed) once T < transmittance cut.
@@ -103,7 +104,9 @@ __kernel void render(const FrameParams frame,
         const F raw = raw_alpha(record, response.q, log_cut);
         const F alpha = SEL(response.inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
         const F weight = alpha * transmittance[j];
-#if RAY_SH
+#if ACTOR_IDS
+        const F actor = (F)(real)actor_of[packed & SIM_PARTICLE_MASK];
+#elif RAY_SH
         F feature[3];
         ray_feature(params, frame.stride, packed & SIM_PARTICLE_MASK, actor_of, actors, ray[j].d, feature);
         f0[j] = fma(weight, feature[0], f0[j]);
@@ -119,7 +122,12 @@ __kernel void render(const FrameParams frame,
         distance[j] = fma(weight, tau, distance[j]);
         const F left = transmittance[j] - weight;
 #if MEDIAN
-        median[j] = SEL(AND(transmittance[j] > R(0.5), left <= R(0.5)), tau, median[j]);
+#if ACTOR_IDS
+        const F halfway = actor;
+#else
+        const F halfway = tau;
+#endif
+        median[j] = SEL(AND(transmittance[j] > R(0.5), left <= R(0.5)), halfway, median[j]);
 #endif
         transmittance[j] = left;
         const I done = AND(left < t_cut, response.inside);

@@ -60,7 +60,10 @@ FN void set_feature(Met* met,
                     __global const ActorConstants* actors,
                     const real* record,
                     const F* d) {
-#if RAY_SH
+#if ACTOR_IDS
+  met->feature[0] = (F)(real)actor_of[particle];
+  met->feature[1] = met->feature[2] = (F)R(0.0);
+#elif RAY_SH
   ray_feature(params, stride, particle, actor_of, actors, d, met->feature);
 #else
   for (int c = 0; c < 3; ++c) met->feature[c] = (F)record[SIM_R_FEATURE + c];
@@ -146,7 +149,12 @@ FN void blend(const Met* met, real t_cut, Light* light) {
   light->distance = fma(weight, met->tau, light->distance);
   const F left = before - weight;
 #if MEDIAN
-  light->median = SEL(AND(before > R(0.5), left <= R(0.5)), met->tau, light->median);
+#if ACTOR_IDS
+  const F halfway = met->feature[0];
+#else
+  const F halfway = met->tau;
+#endif
+  light->median = SEL(AND(before > R(0.5), left <= R(0.5)), halfway, light->median);
 #endif
   light->last = SEL(light->going, met->tau, light->last);
   light->transmittance = left;

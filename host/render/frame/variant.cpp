@@ -18,6 +18,7 @@ BuildOptions Variant::build_options() const {
       .define("SH_DEGREE", frame.sh_degree)
       .define("SH_HALF", frame.sh_storage == ShStorage::kHalf)
       .define("MEDIAN", frame.median)
+      .define("ACTOR_IDS", frame.actor_ids)
       .define("CULLING", frame.culling)
       .define("V", frame.shape.lanes)
       .define("NR", frame.shape.vectors)

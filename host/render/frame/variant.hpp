@@ -18,7 +18,8 @@ struct FrameKind {
   int sh_degree = 0;
   ShStorage sh_storage = ShStorage::kFull;
   bool median = false;
-  bool culling = false;  // by the ray mask
+  bool actor_ids = false;  // the actor at the median distance instead of it; needs actors, median
+  bool culling = false;    // by the ray mask
   LaneShape shape;
 
   auto operator<=>(const FrameKind&) const = default;

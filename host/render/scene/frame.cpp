@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "host/base/error.hpp"
 #include "host/render/scene/frame_state.hpp"
 #include "host/render/scene/slot_results.hpp"
 
@@ -44,13 +45,19 @@ Frame::State::~State() {
   pool->give_back(std::move(picture));
 }
 
+/// What the device does last of a frame.
+const Frame::State& Frame::last_of(const State& state) {
+  return state.of_actors ? *state.of_actors->state_ : state;
+}
+
 const Sensor& Frame::sensor() const { return state_->sensor; }
 const Shot& Frame::shot() const { return state_->shot; }
-bool Frame::is_ready() const { return state_->done->is_done(); }
-void Frame::wait() const { state_->done->wait(); }
+bool Frame::is_ready() const { return last_of(*state_).done->is_done(); }
+void Frame::wait() const { last_of(*state_).done->wait(); }
 
 void Frame::fetch() const {
   State& s = *state_;
+  if (s.of_actors) s.of_actors->fetch();
   if (s.results || s.outputs_coming) return;
   s.outputs_coming.emplace(s.outputs);
   if (s.graded) s.picture_coming.emplace(s.picture);
@@ -79,6 +86,17 @@ LidarFrame Frame::lidar() const {
 }
 
 std::vector<Eigen::Vector3d> Frame::points() const { return world_points(sensor().lidar(), lidar(), shot()); }
+
+std::vector<std::uint32_t> Frame::actors() const {
+  const State& s = *state_;
+  if (!s.request.actors) {
+    throw Error(ErrorKind::kUsage,
+                "actors: found a frame without them, allowed one rendered with FrameRequest::actors");
+  }
+  if (!s.of_actors) return std::vector<std::uint32_t>(s.rays.grid().rays, 0);
+  const std::vector<float>& ids = s.of_actors->results().median;
+  return {ids.begin(), ids.end()};
+}
 
 FrameBuffersOfRays FrameAccess::buffers(const Frame& frame) {
   const Frame::State& s = *frame.state_;

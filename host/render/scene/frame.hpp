@@ -2,6 +2,7 @@
 // What a sensor saw in one shot.
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,6 +22,7 @@ struct FrameRequest {
   std::vector<bool> rays = {};  // [rays] those to render, the others show the background; empty: all
   bool graded = true;           // pictures through the scene's colour grids
   bool camera_median = false;   // cameras: also RayResults::median (LiDARs: RenderOptions::median_distance)
+  bool actors = false;          // also Frame::actors(), for which the frame is rendered once more
 };
 
 /// dL/d(RayResults) by ray, of a loss that is the caller's. What is empty is 0.
@@ -62,11 +64,16 @@ class Frame {
   [[nodiscard]] LidarFrame lidar() const;
   /// Where a LiDAR's rays ended, in the world: [rays] m; of rays without a return the rays' origins.
   [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
+  /// Of a frame that was asked for them: [rays] whose particle takes the ray's light below a half, 1 + its
+  /// place in Scene::actors; 0: none's, or half of the light goes on. Where the median distance is.
+  /// Error{kUsage} of others.
+  [[nodiscard]] std::vector<std::uint32_t> actors() const;
 
  private:
   friend class SceneOnDevice;
   friend struct FrameAccess;
   struct State;
+  [[nodiscard]] static const State& last_of(const State& state);
   explicit Frame(std::shared_ptr<State> state) : state_(std::move(state)) {}
   std::shared_ptr<State> state_;
 };

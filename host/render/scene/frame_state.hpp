@@ -49,6 +49,7 @@ struct Frame::State {
   std::optional<Event> done;
   std::optional<Download> outputs_coming, picture_coming;
   std::optional<RayResults> results;
+  std::optional<Frame> of_actors;  // the same with View::actor_ids; of a scene with actors, when asked for
 };
 
 /// A frame's results where they are, in slot order, with the map that tells rays from slots. All of it lives

@@ -32,7 +32,7 @@ RenderOptions resolve(const Device& device, RenderOptions options) {
 FrameKind kind_of(const RenderOptions& options,
                   const ParticleBuffers& particles,
                   const SensorRays& rays,
-                  bool camera_median,
+                  const View& view,
                   bool moving,
                   bool actor_motion) {
   const RayGrid& grid = rays.grid();
@@ -47,7 +47,9 @@ FrameKind kind_of(const RenderOptions& options,
                        ? particles.sh_degree
                        : std::min(particles.sh_degree, static_cast<int>(options.sh_degree));
   kind.sh_storage = particles.sh_storage;
-  kind.median = grid.type == SensorType::kLidar ? options.median_distance : camera_median;
+  kind.actor_ids = view.actor_ids;
+  kind.median =
+      view.actor_ids || (grid.type == SensorType::kLidar ? options.median_distance : view.camera_median);
   kind.culling = rays.marked() && (options.culling == Culling::kAlways ||
                                    (options.culling == Culling::kAuto && rays.can_cull()));
   kind.shape = options.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
@@ -69,6 +71,7 @@ void check(const RenderOptions& options,
   need(particles.actors <= view.actors.size(),
        fmt::format("a view of {} actors", view.actors.size()),
        fmt::format("the {} that particles belong to", particles.actors));
+  need(!view.actor_ids || particles.actors > 0, "actors of particles without any", "particles of actors");
   if (environment == nullptr) return;
   need(rays.grid().type == SensorType::kCamera, "an environment behind a LiDAR", "one behind a camera");
   need(environment->texture.precision() == options.precision,
@@ -143,8 +146,8 @@ Pass Renderer::render(const ParticleBuffers& particles,
                              Eigen::Vector3d(sensor.constants.centre_ref),
                              actor_motion);
   }
-  Pass::State::Stages& stages = s.stages(
-      kind_of(s.options, particles, rays, view.camera_median, sensor.moving || actor_motion, actor_motion));
+  Pass::State::Stages& stages =
+      s.stages(kind_of(s.options, particles, rays, view, sensor.moving || actor_motion, actor_motion));
 
   // From here on the last frame's buffers are taken.
   const std::uint64_t number = ++s.frames;

@@ -163,22 +163,39 @@ struct SceneOnDevice::State {
     return *appearance;
   }
 
-  /// Renders; everything stays on the device, and with the pass.
-  Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
+  /// Renders, or with actor_ids who is there; everything stays on the device, and with the pass.
+  Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request, bool actor_ids = false) {
     const RenderOptions& o = request.options ? *request.options : options;
     const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
     View view = view_of(*scene, shot, kind);
     view.camera_median = request.camera_median;
+    view.actor_ids = actor_ids;
     if (!sensor.is_camera()) view.drop = ray_drop_of(scene->ray_drop, name_of(sensor.lidar()));
     Renderer& on = renderer(o);
     SensorRays seen = rays(sensor, on, o);
     seen.request(request.rays);
     const ParticleBuffers& set = particles(kind, o);
     const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
-    Pass pass = sensor.is_camera()
+    Pass pass = sensor.is_camera() && !actor_ids
                     ? appearance_on(o.precision).render(on, set, seen, view, camera, shot.middle_s())
                     : on.render(set, seen, view);
     return {std::move(pass), o.precision, set, view.background};
+  }
+
+  /// What is drawn becomes a frame's.
+  std::shared_ptr<Frame::State> frame_of(Drawn drawn,
+                                         const Sensor& sensor,
+                                         const Shot& shot,
+                                         const FrameRequest& request) {
+    auto frame = std::make_shared<Frame::State>(
+        device, drawn.precision, sensor, shot, request, drawn.pass.rays(), pool);
+    frame->scene = scene;
+    frame->graded = drawn.pass.is_graded();
+    frame->has_median = drawn.pass.has_median();
+    frame->background = drawn.background;
+    drawn.pass.exchange_outputs(frame->outputs, frame->picture);
+    frame->done.emplace(device);
+    return frame;
   }
 
   Device device;
@@ -205,15 +222,12 @@ SceneOnDevice::~SceneOnDevice() = default;
 Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
   State& s = *state_;
   Drawn drawn = s.draw(sensor, shot, request);
-  auto frame = std::make_shared<Frame::State>(
-      s.device, drawn.precision, sensor, shot, request, drawn.pass.rays(), s.pool);
-  frame->scene = s.scene;
-  frame->graded = drawn.pass.is_graded();
-  frame->has_median = drawn.pass.has_median();
-  frame->background = drawn.background;
-  drawn.pass.exchange_outputs(frame->outputs, frame->picture);
-  frame->done.emplace(s.device);
-  return Frame(std::move(frame));
+  const bool has_actors = drawn.particles.actors > 0;
+  const auto frame = s.frame_of(std::move(drawn), sensor, shot, request);
+  if (request.actors && has_actors) {
+    frame->of_actors = Frame(s.frame_of(s.draw(sensor, shot, request, true), sensor, shot, request));
+  }
+  return Frame(frame);
 }
 
 Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients& of_rays) {

@@ -15,6 +15,7 @@ struct View {
   std::vector<ActorView> actors{};                  // of the scene, in its order (actors_during)
   RayDrop::Parameters drop = RayDrop::of_logits();  // of a LiDAR
   bool camera_median = false;                       // of a camera: median distances, too
+  bool actor_ids = false;  // who is at the median distances, instead of features and of them
 };
 
 /// What a sensor of that set sees from: the shot, relative to the scene's origin, before its background.

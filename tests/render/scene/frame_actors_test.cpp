@@ -1,0 +1,79 @@
+// Whose particle takes a ray's light below a half.
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "host/base/error.hpp"
+#include "tests/render/scene/two_cars.hpp"
+#include "tests/render/scene/wall_and_actor.hpp"
+
+namespace simuli {
+namespace {
+
+using test::at_origin;
+using test::still_camera;
+using test::wall_and_actor;
+
+TEST(FrameActors, AreThoseAtTheMedianDistanceInEveryOrder) {
+  for (const Order order : {Order::kRange, Order::kWindow, Order::kPerRay}) {
+    RenderOptions options;
+    options.order = order;
+    SceneOnDevice scene(Device::best(), wall_and_actor(), options);
+    const Sensor sensor = still_camera();
+    const Frame frame = scene.render(sensor, at_origin(sensor), {.camera_median = true, .actors = true});
+    const std::vector<std::uint32_t> actors = frame.actors();
+    const std::vector<float>& median = frame.results().median;
+    std::size_t own = 0;
+    for (std::size_t i = 0; i < actors.size(); ++i) {
+      const bool is_ahead = median[i] > 4.9F && median[i] < 5.2F;
+      EXPECT_EQ(actors[i], is_ahead ? 2U : 0U) << i << ": " << median[i];
+      own += is_ahead ? 1 : 0;
+    }
+    EXPECT_GT(own, 10U);
+    EXPECT_LT(own, actors.size() / 2);
+  }
+}
+
+TEST(FrameActors, LeaveTheFrameAsItIs) {
+  SceneOnDevice scene(Device::best(), test::two_cars());
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    const Shot shot = test::shot_of(sensor, 0.1);
+    FrameRequest request;
+    const RayResults plain = scene.render(sensor, shot, request).results();
+    request.actors = true;
+    const Frame frame = scene.render(sensor, shot, request);
+    frame.wait();
+    EXPECT_TRUE(frame.is_ready());
+    EXPECT_EQ(frame.results().feature[0], plain.feature[0]);
+    EXPECT_EQ(frame.results().distance, plain.distance);
+    EXPECT_EQ(frame.results().median, plain.median);
+    const std::vector<std::uint32_t> actors = frame.actors();
+    EXPECT_GT(std::count(actors.begin(), actors.end(), 1U), 3);
+    // Half of the light was gone at a particle of its: without it that is elsewhere.
+    Shot without = shot;
+    without.edits = {{"near", ActorEdit::Remove{}}};
+    request.camera_median = true;
+    const Frame with = scene.render(sensor, shot, request), left = scene.render(sensor, without, request);
+    const std::vector<std::uint32_t> others = left.actors();
+    EXPECT_EQ(std::count(others.begin(), others.end(), 1U), 0);
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      if (actors[i] != 1U) continue;
+      EXPECT_NE(left.results().median[i], with.results().median[i]) << i;
+    }
+  }
+}
+
+TEST(FrameActors, AreThereWhenAskedFor) {
+  SceneOnDevice scene(Device::best(), wall_and_actor());
+  const Sensor sensor = still_camera();
+  EXPECT_THROW((void)scene.render(sensor, at_origin(sensor)).actors(), Error);
+  // Without actors nobody is anywhere.
+  Scene nobody = wall_and_actor();
+  nobody.actors.clear();
+  nobody.camera.actor.clear();
+  scene.set_scene(std::move(nobody));
+  const std::vector<std::uint32_t> none = scene.render(sensor, at_origin(sensor), {.actors = true}).actors();
+  EXPECT_EQ(none, std::vector<std::uint32_t>(sensor.ray_count(), 0));
+}
+
+}  // namespace
+}  // namespace simuli
