@@ -7,8 +7,9 @@ if(SIMULI_CALIBRATION)
 endif()
 
 set(SIMULI_PUBLIC_base
-  "Errors, version, pictures, and the keys of options."
-  host/base/version.hpp host/base/error.hpp host/base/image.hpp host/base/allowed.hpp
+  "Errors, version, pictures, clouds, and the keys of options."
+  host/base/version.hpp host/base/error.hpp host/base/image.hpp host/base/point_cloud.hpp
+  host/base/allowed.hpp
   host/base/fields.hpp host/base/precision.hpp)
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
@@ -29,7 +30,7 @@ set(SIMULI_PUBLIC_options
 set(SIMULI_PUBLIC_render
   "A scene on a device, a sensor and a shot make a frame."
   host/render/scene/shot.hpp host/render/scene/ray_results.hpp host/render/scene/readings.hpp
-  host/render/scene/frame.hpp host/render/scene/scene_on_device.hpp)
+  host/render/scene/frame.hpp host/render/scene/scene_on_device.hpp host/render/outputs/cloud.hpp)
 set(SIMULI_PUBLIC_log
   "Recorded drives."
   io/log/log.hpp io/log/frame_selection.hpp)

@@ -85,6 +85,7 @@ class PyFrame : public std::enable_shared_from_this<PyFrame> {
 
   [[nodiscard]] py::object values(const std::string& name);
   [[nodiscard]] py::object points();
+  [[nodiscard]] py::dict cloud(const std::string& in) const;
   [[nodiscard]] py::dict memory() const;
 
  private:

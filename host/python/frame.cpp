@@ -25,6 +25,12 @@ std::vector<float> PyFrame::computed(const std::string& name) const {
   if (name == "range_m") return frame().lidar().range;
   if (name == "intensity") return frame().lidar().intensity;
   if (name == "drop") return frame().lidar().drop;
+  if (name == "time_s") {
+    std::vector<float> times = frame().sensor().rays().time_fraction;
+    const double duration_s = frame().shot().time_end_s - frame().shot().time_start_s;
+    for (float& time : times) time = static_cast<float>(static_cast<double>(time) * duration_s);
+    return times;
+  }
   const RayResults& r = frame().results();
   std::vector<float> out;
   out.reserve(r.rays);
@@ -73,6 +79,25 @@ py::object PyFrame::points() {
   return array_on(shared_from_this(), points_->data()->data(), std::move(shape));
 }
 
+py::dict PyFrame::cloud(const std::string& in) const {
+  const auto cloud = [&] {
+    const Turn turn(turns_);
+    return std::make_shared<const PointCloud>(
+        point_cloud(frame(), {.frame = point_frame(in), .coordinates = ColumnType::kDouble}));
+  }();
+  const auto all = array_on(cloud, cloud->values.data(), {cloud->values.rows(), cloud->values.cols()});
+  const auto columns = [&all](const py::object& which) {
+    return all.attr("__getitem__")(py::make_tuple(py::ellipsis(), which));
+  };
+  py::dict out;
+  out["xyz"] = columns(py::slice(0, 3, 1));
+  for (std::size_t c = 3; c < cloud->columns.size(); ++c) {
+    const char* type = cloud->type(c) == ColumnType::kUint16 ? "uint16" : "float32";
+    out[cloud->columns[c].c_str()] = columns(py::int_(c)).attr("astype")(type);
+  }
+  return out;
+}
+
 py::dict PyFrame::memory() const {
   const simuli_frame_memory m = [&] {
     const Turn turn(turns_);
@@ -117,6 +142,13 @@ void add_frames(py::module_& m) {
       .def_property_readonly("points_m",
                              &PyFrame::points,
                              "float64 [beams, firings, 3] in the world; without a return the ray's origin")
+      .def("cloud",
+           &PyFrame::cloud,
+           py::arg("frame") = "world",
+           "The rays that returned, as `simuli render` writes them: a dict of xyz (float64 [n, 3], in the "
+           "frame \"world\", \"sensor\", at each ray's own time, or \"sensor_start\", at the frame's start), "
+           "intensity, range, drop, time (s since the start; float32 [n]) and, of LiDARs with rows, ring "
+           "(uint16 [n])")
       .def_property_readonly("memory",
                              &PyFrame::memory,
                              "OpenCL handles as numbers, alive as long as the frame: outputs [6][slots] "
@@ -134,6 +166,7 @@ void add_frames(py::module_& m) {
       {"range_m", "of LiDARs, from the ray's own origin; 0: no return"},
       {"intensity", "of LiDARs, [0, 1]"},
       {"drop", "of LiDARs: probability that the ray does not return"},
+      {"time_s", "of LiDARs: when the ray is fired, since the frame's start"},
   };
   for (const auto& [name, text] : all) {
     frame.def_property_readonly(

@@ -17,21 +17,23 @@ void write_frames_file(const std::filesystem::path& file, const FramesRecord& re
                       {"world_from_sensor_start", to_json(frame.world_from_sensor_start)},
                       {"world_from_sensor_end", to_json(frame.world_from_sensor_end)}});
   }
-  const Json root{
-      {"format", "simuli frames"},
-      {"version", 1},
-      {"scene", record.scene},
-      {"trajectory", record.trajectory},
-      {"sensor",
-       std::visit([](const auto& sensor) { return to_json(sensor); }, sensor_file_of(record.sensor))},
-      {"rig_from_sensor", to_json(record.sensor.rig_from_sensor())},
-      {"edits", record.edits},
-      {"quality", record.quality},
-      {"settings", record.settings},
-      {"simuli", record.version},
-      {"device", record.device},
-      {"driver", record.driver},
-      {"frames", std::move(frames)}};
+  Json root{{"format", "simuli frames"},
+            {"version", 1},
+            {"scene", record.scene},
+            {"trajectory", record.trajectory},
+            {"sensor",
+             std::visit([](const auto& sensor) { return to_json(sensor); }, sensor_file_of(record.sensor))},
+            {"rig_from_sensor", to_json(record.sensor.rig_from_sensor())},
+            {"edits", record.edits},
+            {"quality", record.quality},
+            {"settings", record.settings},
+            {"simuli", record.version},
+            {"device", record.device},
+            {"driver", record.driver}};
+  if (!record.clouds.frame.empty()) {
+    root["clouds"] = {{"frame", record.clouds.frame}, {"coordinates", record.clouds.coordinates}};
+  }
+  root["frames"] = std::move(frames);
   // A path on the command line need not be UTF-8: what is not stands as U+FFFD.
   write_file_atomically(file, root.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
 }

@@ -17,6 +17,12 @@ struct FrameRecord {
   Pose world_from_sensor_start = {}, world_from_sensor_end = {};
 };
 
+/// What clouds hold beside their own headers.
+struct CloudRecord {
+  std::string frame = {};        // point_frame_names(); empty: there are no clouds
+  std::string coordinates = {};  // type of x, y and z: "float32", "float64"
+};
+
 /// All of one sensor.
 struct FramesRecord {
   std::string scene = {};                  // its name
@@ -27,14 +33,17 @@ struct FramesRecord {
   std::vector<std::string> settings = {};  // "key=value" of every option, as --set takes them
   std::string version = {};                // of simuli
   std::string device = {}, driver = {};
+  CloudRecord clouds = {};
   std::vector<FrameRecord> frames = {};
 };
 
 /// {"format": "simuli frames", "version": 1, "scene", "trajectory", "sensor": as in a sensor file
 /// (io/log/sensor_file.hpp), "rig_from_sensor": {"position_m", "rotation_wxyz"}, "edits": [...], "quality",
-/// "settings": [...], "simuli", "device", "driver", "frames": [{"files": [...], "time_start_s", "time_end_s",
-/// "world_from_sensor_start", "world_from_sensor_end"}, ...]}. Cameras look along +z, x right, y down; LiDARs
-/// have x forward, y left, z up. Atomic. Error{kInput} when it can't be written.
+/// "settings": [...], "simuli", "device", "driver", "clouds": {"frame", "coordinates"} of LiDARs,
+/// "frames": [{"files": [...], "time_start_s", "time_end_s", "world_from_sensor_start",
+/// "world_from_sensor_end"},
+/// ...]}. Cameras look along +z, x right, y down; LiDARs have x forward, y left, z up. Atomic. Error{kInput}
+/// when it can't be written.
 void write_frames_file(const std::filesystem::path& file, const FramesRecord& record);
 
 }  // namespace simuli

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/point_cloud.hpp"
 #include "host/scene/gaussians.hpp"
 
 namespace simuli {
@@ -25,18 +26,13 @@ void write_gaussians_ply(const std::filesystem::path& file, const GaussianSet& s
 /// don't fit the SH degree, actors that are not one per particle, NaN or Inf, a zero quaternion.
 void validate(const GaussianSet& set, const std::string& file);
 
-/// A point cloud: x y z (m), intensity in [0,1], and whatever extra named float columns are given.
-struct PointCloud {
-  std::vector<std::string> columns;                                              // at least "x","y","z"
-  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;  // [N, columns]
-};
 /// Where the vertices of a PLY are, m: its properties x, y, z; formats, types and errors as
 /// read_gaussians_ply().
 [[nodiscard]] std::vector<Eigen::Vector3d> read_points_ply(const std::filesystem::path& file);
-/// Error{kInput} naming `file` for columns without x, y, z, names that stand twice or hold blanks, NaN or
-/// Inf.
+/// Error{kInput} naming `file` for columns without x, y, z, names that stand twice or hold blanks, types that are
+/// not one per column, values that a column's type does not hold: NaN or Inf, of kUint16 all but 0 to 65535.
 void validate(const PointCloud& cloud, const std::string& file);
-/// Binary little endian floats; other formats: io/splat/cloud_file.hpp. Error{kInput} for what validate() refuses.
+/// Binary little endian; other formats: io/splat/cloud_file.hpp. Error{kInput} for what validate() refuses.
 void write_point_cloud_ply(const std::filesystem::path& file, const PointCloud& cloud);
 
 }  // namespace simuli

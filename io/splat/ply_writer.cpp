@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/splat/cloud_columns.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/ply_layout.hpp"
 
@@ -28,7 +29,7 @@ std::string header(Eigen::Index count,
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   if (!comment.empty()) text += "comment " + comment + '\n';
   text += fmt::format("element vertex {}\n", count);
-  for (const std::string& name : properties) text += "property float " + name + '\n';
+  for (const std::string& property : properties) text += "property " + property + '\n';
   if (with_actors) text += fmt::format("property uint {}\n", kPlyActor);
   return text + "end_header\n";
 }
@@ -89,8 +90,8 @@ void write_gaussians_ply(const std::filesystem::path& file, const GaussianSet& s
   const auto columns = ply_gaussian_columns(set.sh_degree);
   std::vector<std::string> names;
   for (const auto& [name, column] : columns) {
-    names.push_back(name);
-    if (name == "z") names.insert(names.end(), {"nx", "ny", "nz"});
+    names.push_back("float " + name);
+    if (name == "z") names.insert(names.end(), {"float nx", "float ny", "float nz"});
   }
   const std::string head = header(set.size(), names, ply_channels_comment(set.kind), !set.actor.empty());
   write_rows(file, head, set.size(), [&](std::string& to, Eigen::Index v) {
@@ -111,6 +112,12 @@ void validate(const PointCloud& cloud, const std::string& file) {
                       fmt::format("{} names for {} columns", names.size(), cloud.values.cols()),
                       "one name per column");
   }
+  if (!cloud.types.empty() && cloud.types.size() != names.size()) {
+    throw_input_error(file,
+                      "types",
+                      fmt::format("{} types for {} columns", cloud.types.size(), names.size()),
+                      "one type per column");
+  }
   for (const char* needed : {"x", "y", "z"}) {
     if (std::count(names.begin(), names.end(), needed) != 1) {
       throw_input_error(file, "columns", fmt::format("no single {}", needed), "x, y and z once each");
@@ -124,22 +131,31 @@ void validate(const PointCloud& cloud, const std::string& file) {
       throw_input_error(
           file, fmt::format("columns[{}]", c), '"' + names[c] + '"', "distinct names without blanks");
     }
+    const bool is_count = cloud.type(c) == ColumnType::kUint16;
     for (Eigen::Index v = 0; v < cloud.values.rows(); ++v) {
-      if (std::isfinite(cloud.values(v, static_cast<Eigen::Index>(c)))) continue;
-      throw_input_error(file, fmt::format("vertex {}: {}", v, names[c]), "NaN or Inf", "a finite number");
+      const double value = cloud.values(v, static_cast<Eigen::Index>(c));
+      const bool is_held = is_count ? value >= 0.0 && value <= 65535.0 && value == std::floor(value)
+                           : cloud.type(c) == ColumnType::kDouble ? std::isfinite(value)
+                                                                  : std::isfinite(static_cast<float>(value));
+      if (is_held) continue;
+      throw_input_error(file,
+                        fmt::format("vertex {}: {}", v, names[c]),
+                        std::isfinite(value) ? fmt::format("{}", value) : "NaN or Inf",
+                        is_count ? "0 to 65535" : "a finite number");
     }
   }
 }
 
 void write_point_cloud_ply(const std::filesystem::path& file, const PointCloud& cloud) {
   validate(cloud, file.string());
+  std::vector<std::string> properties;
+  for (std::size_t c = 0; c < cloud.columns.size(); ++c) {
+    properties.push_back(fmt::format("{} {}", format_of(cloud.type(c)).ply, cloud.columns[c]));
+  }
   write_rows(file,
-             header(cloud.values.rows(), cloud.columns, ""),
+             header(cloud.values.rows(), properties, ""),
              cloud.values.rows(),
-             [&](std::string& to, Eigen::Index v) {
-               for (Eigen::Index c = 0; c < cloud.values.cols(); ++c)
-                 append_little_endian(to, cloud.values(v, c));
-             });
+             [&](std::string& to, Eigen::Index v) { append_point(to, cloud, v); });
 }
 
 }  // namespace simuli

@@ -1,5 +1,6 @@
 // frames.json beside rendered frames.
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include "io/base/file.hpp"
 #include "io/log/log.hpp"
 #include "io/log/sensor_file.hpp"
+#include "io/splat/ply.hpp"
 #include "tests/cli/cli_fixture.hpp"
 
 namespace simuli {
@@ -84,6 +86,46 @@ TEST_F(FramesCli, TellWhatWasRenderedAndFromWhere) {
   EXPECT_EQ(top.at("quality"), "draft");
   const auto& settings = top.at("settings");
   EXPECT_NE(std::find(settings.begin(), settings.end(), "render.window=8"), settings.end());
+  EXPECT_EQ(top.at("clouds"), nlohmann::json({{"frame", "world"}, {"coordinates", "float32"}}));
+  EXPECT_FALSE(front.contains("clouds"));
+
+  // In the sensor's own axes: the start's pose brings the points to where they are in the world.
+  const Outcome own =
+      run("render s.scene --sensor top --times 0:0:1 --lane-shift 1 --quality draft --set render.window=8 "
+          "--cloud-frame sensor_start -o own");
+  ASSERT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_EQ(frames_of("own").at("clouds").at("frame"), "sensor_start");
+  const auto in_world = read_points_ply(folder_ / "sweeps/top_000000.ply");
+  const auto in_sensor = read_points_ply(folder_ / "own/top_000000.ply");
+  ASSERT_EQ(in_world.size(), in_sensor.size());
+  ASSERT_GT(in_world.size(), 100U);
+  const Pose world_from_sensor = pose_of(turn.at("world_from_sensor_start"));
+  EXPECT_GT((in_world[0] - in_sensor[0]).norm(), 0.5);
+  for (std::size_t i = 0; i < in_world.size(); ++i) {
+    ASSERT_LT((world_from_sensor * in_sensor[i] - in_world[i]).norm(), 1e-4);
+  }
+  expect_failure("render s.scene --sensor top --cloud-frame lidar -o x", kUsage, "sensor_start");
+}
+
+TEST_F(FramesCli, CloudsKeepMillimetresFarFromTheOrigin) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 3 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  Log log = read_log(folder_ / "s.log");
+  std::vector<TimedPose> poses = log.world_from_rig.poses();
+  for (TimedPose& pose : poses) pose.pose.translation += Eigen::Vector3d(4194304.0, 524288.0, 0.0);
+  copy_log(on_path(log, Trajectory(poses)), folder_ / "far.log");
+  ASSERT_EQ(run("train far.log -o far.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  const Outcome sweeps = run("render far.scene --sensor top --times 0:0:1 -o sweeps");
+  ASSERT_EQ(sweeps.exit_code, 0) << sweeps.err;
+  EXPECT_EQ(sweeps.err.find("warning"), std::string::npos) << sweeps.err;
+  EXPECT_EQ(frames_of("sweeps").at("clouds").at("coordinates"), "float64");
+  const std::string bytes = read_file(folder_ / "sweeps/top_000000.ply");
+  EXPECT_NE(bytes.find("property double x\n"), std::string::npos);
+  double x = 0.0;  // of the first point
+  std::memcpy(&x, bytes.data() + bytes.find("end_header\n") + 11, sizeof(x));
+  EXPECT_NEAR(x, 4194304.0, 200.0);
+  EXPECT_NE(x, static_cast<double>(static_cast<float>(x)));
 }
 
 }  // namespace

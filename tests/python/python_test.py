@@ -102,6 +102,17 @@ hit = sweep.range_m > 0
 assert 0.2 < hit.mean() <= 1.0 and np.isfinite(sweep.points_m).all()
 assert scene.render("velodyne_vlp16", time_s=start_s).drop.shape[0] == 16
 
+# Clouds: the returns, in the frame asked for, with beam and time.
+cloud = sweep.cloud()
+assert cloud["xyz"].dtype == np.float64 and np.array_equal(cloud["xyz"], sweep.points_m[hit])
+assert cloud["ring"].dtype == np.uint16 and np.array_equal(cloud["ring"], np.nonzero(hit)[0])
+assert cloud["time"].dtype == np.float32 and np.allclose(cloud["time"], sweep.time_s[hit], atol=1e-7)
+assert np.array_equal(cloud["range"], sweep.range_m[hit]) and 0.05 < sweep.time_s.max() < 0.11
+own = sweep.cloud("sensor")
+assert np.allclose(np.linalg.norm(own["xyz"], axis=1), own["range"], atol=1e-3)
+assert not np.allclose(own["xyz"], sweep.cloud(frame="sensor_start")["xyz"], atol=1e-3)
+refused(lambda: sweep.cloud("rig"), "sensor_start")
+
 # Some rays alone: the same there, nothing elsewhere.
 for which, whole, quantity in ((name, frame, "distance_m"), (lidar, sweep, "range_m")):
     whole = getattr(whole, quantity)

@@ -114,21 +114,6 @@ Image range_image(const LidarModel& lidar, const LidarRays& rays, const std::vec
   return rows == nullptr ? list_image(rays, range, scale) : rows_image(*rows, range, scale);
 }
 
-PointCloud point_cloud(const Frame& of) {
-  PointCloud cloud;
-  cloud.columns = {"x", "y", "z", "intensity", "range", "drop"};
-  const LidarFrame frame = of.lidar();
-  const std::vector<Eigen::Vector3d> points = world_points(of.sensor().lidar(), frame, of.shot());
-  cloud.values.resize(frame.returns(), static_cast<Eigen::Index>(cloud.columns.size()));
-  Eigen::Index row = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!frame.is_return(i)) continue;
-    cloud.values.row(row++) << points[i].cast<float>().transpose(), frame.intensity[i], frame.range[i],
-        frame.drop[i];
-  }
-  return cloud;
-}
-
 Image joined(const Image& first, const Image& second, Layout layout) {
   constexpr int kGap_px = 4;
   const bool beside = layout == Layout::kBeside;

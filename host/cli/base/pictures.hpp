@@ -1,12 +1,10 @@
 #pragma once
-// What renders look like on disk: pictures of ranges, point clouds of returned rays.
+// What renders look like: pictures of ranges, and several beside each other.
 #include <array>
 #include <vector>
 
-#include "host/render/scene/frame.hpp"
 #include "host/sensors/lidar_model.hpp"
 #include "io/picture/image.hpp"
-#include "io/splat/ply.hpp"
 
 namespace simuli::cli {
 
@@ -20,9 +18,6 @@ namespace simuli::cli {
                                 const LidarRays& rays,
                                 const std::vector<float>& range);
 inline constexpr int kBeam_px = 4;
-
-/// Returned rays as points: x y z in world, intensity, range, drop.
-[[nodiscard]] PointCloud point_cloud(const Frame& frame);
 
 enum class Layout { kBeside, kBelow };
 /// Two pictures of the same height beside each other, or of the same width one below the other, with a gap.

@@ -233,7 +233,7 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   const LidarFrame frame = rendered.lidar();
   const double render_ms = render.ms();
   const Shot in_scene = shot.relative_to(scene.origin);
-  const std::vector<Eigen::Vector3d> ends = world_points(lidar.lidar(), frame, in_scene);
+  const std::vector<Eigen::Vector3d> ends = points_of(lidar.lidar(), frame, in_scene, PointFrame::kWorld);
   std::vector<float> points;  // x, y, z, intensity
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (!frame.is_return(i)) continue;

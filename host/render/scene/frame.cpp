@@ -85,7 +85,9 @@ LidarFrame Frame::lidar() const {
   return lidar_frame(model, sensor().rays(), results());
 }
 
-std::vector<Eigen::Vector3d> Frame::points() const { return world_points(sensor().lidar(), lidar(), shot()); }
+std::vector<Eigen::Vector3d> Frame::points(PointFrame in) const {
+  return points_of(sensor().lidar(), lidar(), shot(), in);
+}
 
 std::vector<std::uint32_t> Frame::actors() const {
   const State& s = *state_;

@@ -62,8 +62,8 @@ class Frame {
   [[nodiscard]] Image image() const;
   /// Of a LiDAR: what it states of each ray. Error{kUsage} of a camera.
   [[nodiscard]] LidarFrame lidar() const;
-  /// Where a LiDAR's rays ended, in the world: [rays] m; of rays without a return the rays' origins.
-  [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
+  /// Where a LiDAR's rays ended: [rays] m; of rays without a return the rays' origins.
+  [[nodiscard]] std::vector<Eigen::Vector3d> points(PointFrame in = PointFrame::kWorld) const;
   /// Of a frame that was asked for them: [rays] whose particle takes the ray's light below a half, 1 + its
   /// place in Scene::actors; 0: none's, or half of the light goes on. Where the median distance is.
   /// Error{kUsage} of others.

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <utility>
+
+#include "host/base/error.hpp"
 
 namespace simuli {
 namespace {
@@ -44,16 +48,35 @@ LidarFrame lidar_frame(const LidarModel& lidar, LidarRays rays, const RayResults
   return out;
 }
 
-std::vector<Eigen::Vector3d> world_points(const LidarModel& lidar,
-                                          const LidarFrame& frame,
-                                          const Shot& shot) {
+const std::vector<std::string>& point_frame_names() {
+  static const std::vector<std::string> names{"world", "sensor", "sensor_start"};
+  return names;
+}
+
+PointFrame point_frame(std::string_view name) {
+  const auto& names = point_frame_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("frame of points: found \"{}\", allowed {}", name, fmt::join(names, ", ")));
+  }
+  return static_cast<PointFrame>(found - names.begin());
+}
+
+std::vector<Eigen::Vector3d> points_of(const LidarModel& lidar,
+                                       const LidarFrame& frame,
+                                       const Shot& shot,
+                                       PointFrame in) {
+  const Pose start_from_world = shot.world_from_sensor_start.inverse();
   std::vector<Eigen::Vector3d> points;
   points.reserve(frame.range.size());
   for (std::size_t i = 0; i < frame.range.size(); ++i) {
-    points.push_back(shot.pose_at(frame.rays.time_fraction[i]) *
-                     (ray_origin(lidar, frame.rays, i) +
-                      static_cast<double>(frame.range[i]) *
-                          Lidar::direction(frame.rays.azimuth[i], frame.rays.elevation[i])));
+    Eigen::Vector3d point = ray_origin(lidar, frame.rays, i) +
+                            static_cast<double>(frame.range[i]) *
+                                Lidar::direction(frame.rays.azimuth[i], frame.rays.elevation[i]);
+    if (in != PointFrame::kSensor) point = shot.pose_at(frame.rays.time_fraction[i]) * point;
+    if (in == PointFrame::kSensorStart) point = start_from_world * point;
+    points.push_back(point);
   }
   return points;
 }

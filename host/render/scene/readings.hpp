@@ -2,6 +2,8 @@
 // What sensors read of what their rays saw: pictures of cameras, returns of LiDARs.
 #include <Eigen/Core>
 #include <cstddef>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/base/image.hpp"
@@ -34,9 +36,18 @@ struct LidarFrame {
 /// A ray returns when dropping it is at most as likely as not. Ranges include the row's range bias.
 [[nodiscard]] LidarFrame lidar_frame(const LidarModel& lidar, LidarRays rays, const RayResults& results);
 
-/// Where the rays of a frame ended, in the world: [rays] m; of rays without a return the rays' origins.
-[[nodiscard]] std::vector<Eigen::Vector3d> world_points(const LidarModel& lidar,
-                                                        const LidarFrame& frame,
-                                                        const Shot& shot);
+/// Whose axes points are in: the world's, the sensor's where it was at each ray's own time (as drivers state
+/// them), or the sensor's where it was at the frame's start, its motion since then taken out.
+enum class PointFrame { kWorld, kSensor, kSensorStart };
+/// "world", "sensor", "sensor_start": in the order of the values.
+[[nodiscard]] const std::vector<std::string>& point_frame_names();
+/// Error{kUsage} naming those there are.
+[[nodiscard]] PointFrame point_frame(std::string_view name);
+
+/// Where the rays of a frame ended: [rays] m; of rays without a return the rays' origins.
+[[nodiscard]] std::vector<Eigen::Vector3d> points_of(const LidarModel& lidar,
+                                                     const LidarFrame& frame,
+                                                     const Shot& shot,
+                                                     PointFrame in);
 
 }  // namespace simuli

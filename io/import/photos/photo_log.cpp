@@ -85,7 +85,7 @@ void write_points(const PhotoSet& set, double typical_m, const fs::path& file, P
   Eigen::Index row = 0;
   for (const Eigen::Vector3d& p : set.points) {
     if (!p.allFinite() || !(p.norm() <= kFarthest * typical_m)) continue;
-    cloud.values.row(row++) = p.cast<float>();
+    cloud.values.row(row++) = p;
   }
   cloud.values.conservativeResize(row, 3);
   write_point_cloud(file, cloud);

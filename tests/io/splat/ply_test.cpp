@@ -286,14 +286,14 @@ TEST(Ply, PointCloudHoldsItsColumns) {
   PointCloud cloud{{"x", "y", "z", "intensity", "ring"}, {}};
   cloud.values.resize(3, 5);
   for (Eigen::Index i = 0; i < cloud.values.size(); ++i)
-    cloud.values.data()[i] = 0.1F * static_cast<float>(i);
+    cloud.values.data()[i] = static_cast<double>(0.1F * static_cast<float>(i));
   write_point_cloud_ply(scratch / "cloud.ply", cloud);
   auto columns = read_plain(read_file(scratch / "cloud.ply"));
   ASSERT_EQ(columns.size(), 5U);
   for (Eigen::Index v = 0; v < 3; ++v) {
     for (Eigen::Index c = 0; c < 5; ++c) {
       EXPECT_EQ(columns[cloud.columns[static_cast<std::size_t>(c)]][static_cast<std::size_t>(v)],
-                cloud.values(v, c));
+                static_cast<float>(cloud.values(v, c)));
     }
   }
   const auto refused = [&](const PointCloud& bad, const std::vector<std::string>& words) {
@@ -301,7 +301,7 @@ TEST(Ply, PointCloudHoldsItsColumns) {
     EXPECT_FALSE(std::filesystem::exists(scratch / "bad.ply"));
   };
   PointCloud bad = cloud;
-  bad.values(1, 3) = std::nanf("");
+  bad.values(1, 3) = std::nan("");
   refused(bad, {"vertex 1: intensity", "NaN"});
   bad = cloud;
   bad.columns[4] = "two words";

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <memory>
+#include <numbers>
 
 #include "host/base/error.hpp"
 #include "host/render/scene/frame_state.hpp"
@@ -94,7 +95,7 @@ TEST(Frame, IsOfItsKindOfSensor) {
   EXPECT_THROW((void)scene.render(test::lidar(), shot_of(test::lidar(), 0.1)).image(), Error);
 }
 
-TEST(Frame, PutsPointsIntoTheWorld) {
+TEST(Frame, PutsPointsIntoTheWorldAndIntoTheSensor) {
   Lidar lidar;
   lidar.name = "two";
   lidar.rows = {{}, {}};
@@ -107,9 +108,20 @@ TEST(Frame, PutsPointsIntoTheWorld) {
   EXPECT_EQ(frame.returns(), 2);
   Shot shot = Shot::at({Eigen::Quaterniond::Identity(), {100.0, 0.0, 0.0}}, 0.0);
   shot.world_from_sensor_end.translation.y() = 1.0;
-  const auto points = world_points(lidar, frame, shot);
-  EXPECT_LT((points[0] - Eigen::Vector3d(102.0, 0.0, 0.0)).norm(), 1e-9);
-  EXPECT_LT((points[1] - Eigen::Vector3d(103.0, 0.5, -0.5)).norm(), 1e-9);
+  // The sensor's x looks along the world's y.
+  const Eigen::Quaterniond left(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitZ()));
+  const auto expect_points = [&](PointFrame in, const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+    const auto points = points_of(lidar, frame, shot, in);
+    EXPECT_LT((points[0] - first).norm(), 1e-9);
+    EXPECT_LT((points[1] - second).norm(), 1e-9);
+  };
+  expect_points(PointFrame::kWorld, {102.0, 0.0, 0.0}, {103.0, 0.5, -0.5});
+  shot.world_from_sensor_start.rotation = shot.world_from_sensor_end.rotation = left;
+  expect_points(PointFrame::kWorld, {100.0, 2.0, 0.0}, {100.0, 3.5, -0.5});
+  expect_points(PointFrame::kSensor, {2.0, 0.0, 0.0}, {3.0, 0.0, -0.5});
+  expect_points(PointFrame::kSensorStart, {2.0, 0.0, 0.0}, {3.5, 0.0, -0.5});
+  EXPECT_EQ(point_frame("sensor_start"), PointFrame::kSensorStart);
+  EXPECT_THROW((void)point_frame("lidar"), Error);
 }
 
 TEST(BestDistance, IsTheMeanOfOneSurfaceAndTheMedianOfSeveral) {

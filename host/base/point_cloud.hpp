@@ -1,0 +1,22 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace simuli {
+
+/// How a column of a cloud stands in files: float32, float64, unsigned 16-bit.
+enum class ColumnType { kFloat, kDouble, kUint16 };
+
+/// A point cloud: x y z (m), intensity in [0, 1], and whatever other named columns are given.
+struct PointCloud {
+  std::vector<std::string> columns;                                               // at least "x", "y", "z"
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;  // [N, columns]
+  std::vector<ColumnType> types = {};  // [columns]; empty: all kFloat
+
+  [[nodiscard]] ColumnType type(std::size_t column) const {
+    return types.empty() ? ColumnType::kFloat : types[column];
+  }
+};
+
+}  // namespace simuli

@@ -1,0 +1,44 @@
+#pragma once
+// What a rendered frame becomes on disk: pictures of cameras, clouds and range pictures of LiDARs.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/cli/base/command.hpp"
+#include "host/cli/render/plan.hpp"
+#include "host/render/outputs/cloud.hpp"
+#include "io/scene/frames_file.hpp"
+
+namespace simuli::cli {
+
+/// As asked for on the command line.
+struct FileOptions {
+  std::string images = "png";
+  std::string clouds = "ply";
+  std::string cloud_frame = "world";
+};
+
+void add_file_options(Command sub, FileOptions& options);
+
+/// Writes the files of one sensor's frames.
+class FrameFiles {
+ public:
+  FrameFiles(const FileOptions& options, const Sensor& sensor, const Plan& plan);
+
+  /// Files "STEM..." into the folder; returns their names.
+  [[nodiscard]] std::vector<std::string> write(const Frame& frame,
+                                               const std::filesystem::path& folder,
+                                               const std::string& stem) const;
+  /// Says in the record what the files hold.
+  void describe(FramesRecord& record) const;
+
+ private:
+  FileOptions options_;
+  bool is_camera_;
+  CloudOptions cloud_;
+};
+
+/// As a picture: what a camera saw, or a LiDAR's ranges as colours.
+[[nodiscard]] Image shown(const Frame& frame);
+
+}  // namespace simuli::cli
