@@ -31,6 +31,13 @@ std::vector<float> PyFrame::computed(const std::string& name) const {
     for (float& time : times) time = static_cast<float>(static_cast<double>(time) * duration_s);
     return times;
   }
+  if (name == "depth_m") return image_of(frame(), CameraOutput::kDepth).data;
+  if (name == "mean_depth_m") return image_of(frame(), CameraOutput::kMeanDepth).data;
+  if (name == "normals") return image_of(frame(), CameraOutput::kNormals).data;
+  if (name == "actors") {
+    const std::vector<std::uint32_t> ids = frame().actors();
+    return {ids.begin(), ids.end()};
+  }
   const RayResults& r = frame().results();
   std::vector<float> out;
   out.reserve(r.rays);
@@ -65,7 +72,7 @@ py::object PyFrame::values(const std::string& name) {
       values = known.get();
     }
   }
-  if (name == "image" || name == "feature") shape.push_back(3);
+  if (name == "image" || name == "feature" || name == "normals") shape.push_back(3);
   return array_on(shared_from_this(), values->data(), std::move(shape));
 }
 
@@ -149,6 +156,12 @@ void add_frames(py::module_& m) {
            "frame \"world\", \"sensor\", at each ray's own time, or \"sensor_start\", at the frame's start), "
            "intensity, range, drop, time (s since the start; float32 [n]) and, of LiDARs with rows, ring "
            "(uint16 [n])")
+      .def_property_readonly(
+          "actors",
+          [](PyFrame& f) { return f.values("actors").attr("astype")("uint32"); },
+          "uint32 [rows, columns], of frames rendered with actors=True: 1 + the place in scene.actors of "
+          "whose "
+          "particle takes a ray's light below a half; 0: none's")
       .def_property_readonly("memory",
                              &PyFrame::memory,
                              "OpenCL handles as numbers, alive as long as the frame: outputs [6][slots] "
@@ -163,6 +176,12 @@ void add_frames(py::module_& m) {
       {"distance_m", "mean of where a ray's light comes from; 0: nothing was met"},
       {"median_m", "where half of the light is gone; 0: nowhere"},
       {"distance_sum_m", "sum of w tau: distance_m times opacity, what gradients are taken of"},
+      {"depth_m", "of cameras: the part of median_m along the optical axis"},
+      {"mean_depth_m", "of cameras: the part of distance_m along the optical axis"},
+      {"normals",
+       "of cameras: [height, width, 3] of the surface at median_m, in the camera's axes and towards it; "
+       "zeros: "
+       "none"},
       {"range_m", "of LiDARs, from the ray's own origin; 0: no return"},
       {"intensity", "of LiDARs, [0, 1]"},
       {"drop", "of LiDARs: probability that the ray does not return"},

@@ -51,13 +51,14 @@ class PyScene {
                                                 std::optional<double> duration_s,
                                                 const std::vector<ActorEdit>& edits,
                                                 bool graded,
-                                                const py::object& rays) {
+                                                const py::object& rays,
+                                                bool actors) {
     const bool is_placed = !world_from_sensor.is_none();
     const Sensor used = sensor_of(sensor, is_placed, duration_s);
     std::optional<Pose> start, end;
     if (is_placed) start = pose_of(world_from_sensor, "world_from_sensor");
     if (!world_from_sensor_end.is_none()) end = pose_of(world_from_sensor_end, "world_from_sensor_end");
-    return queue(used, shot_of(used, start, end, time_s, edits), request_of(used, graded, rays));
+    return queue(used, shot_of(used, start, end, time_s, edits), request_of(used, graded, rays, actors));
   }
 
   /// All are queued, and on their way to the host, before this returns.
@@ -67,7 +68,8 @@ class PyScene {
                                                                    std::optional<double> duration_s,
                                                                    const std::vector<ActorEdit>& edits,
                                                                    bool graded,
-                                                                   const py::object& rays) {
+                                                                   const py::object& rays,
+                                                                   bool actors) {
     const Numbers times = numbers_of(time_s, "time_s");
     const bool is_placed = !world_from_sensor.is_none();
     std::vector<Pose> poses;
@@ -76,7 +78,7 @@ class PyScene {
       throw Error(ErrorKind::kUsage, "time_s: found another shape, allowed one time for each pose");
     }
     const Sensor used = sensor_of(sensor, is_placed, duration_s);
-    const FrameRequest request = request_of(used, graded, rays);
+    const FrameRequest request = request_of(used, graded, rays, actors);
     std::vector<std::shared_ptr<PyFrame>> frames;
     for (std::size_t i = 0; i < times.values.size(); ++i) {
       const auto start = is_placed ? std::optional(poses[i]) : std::nullopt;
@@ -201,8 +203,11 @@ class PyScene {
     return shot;
   }
   /// rays: None, or a flag for each, [rows, columns].
-  [[nodiscard]] static FrameRequest request_of(const Sensor& sensor, bool graded, const py::object& rays) {
-    FrameRequest out{.graded = graded, .camera_median = true};
+  [[nodiscard]] static FrameRequest request_of(const Sensor& sensor,
+                                               bool graded,
+                                               const py::object& rays,
+                                               bool actors) {
+    FrameRequest out{.graded = graded, .camera_median = true, .actors = actors};
     if (rays.is_none()) return out;
     const Numbers flags = numbers_of(rays, "rays");
     const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(sensor.rows()),
@@ -260,9 +265,11 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("edits") = std::vector<ActorEdit>{},
            py::arg("graded") = true,
            py::arg("rays") = py::none(),
+           py::arg("actors") = false,
            "Queues a frame of a Sensor, or of one by name: the scene's own, a built-in one, a sensor file. "
            "Without a pose where it is on the recorded path. graded: pictures through the scene's colour "
-           "grids; rays: [rows, columns], those that are not 0 are rendered, the others see the background.")
+           "grids; rays: [rows, columns], those that are not 0 are rendered, the others see the background; "
+           "actors: also frame.actors.")
       .def("render_batch",
            &PyScene::render_batch,
            py::arg("sensor"),
@@ -272,6 +279,7 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("edits") = std::vector<ActorEdit>{},
            py::arg("graded") = true,
            py::arg("rays") = py::none(),
+           py::arg("actors") = false,
            "A frame for each time (and pose, [n, 4, 4]), all on their way at once.")
       .def("particles",
            &PyScene::particles,

@@ -147,6 +147,23 @@ void require_writable(const fs::path& file, const Image& image) {
   }
 }
 
+void write_pixels(const fs::path& file,
+                  const OIIO::ImageSpec& spec,
+                  OIIO::TypeDesc type,
+                  const void* pixels) {
+  write_atomically(file, [&](const fs::path& temporary) {
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
+    const auto refuse = [&](const std::string& cause) {
+      throw_input_error(
+          file.string(), "picture", one_line(cause), "a writable path ending in png, jpg or exr");
+    };
+    if (!output) refuse(OIIO::geterror());
+    if (!output->open(temporary.string(), spec)) refuse(output->geterror());
+    if (!output->write_image(type, pixels)) refuse(output->geterror());
+    if (!output->close()) refuse(output->geterror());
+  });
+}
+
 /// Weights with which the old pixels [first, first + weights.size()) make a new one; they sum to 1.
 struct Footprint {
   int first = 0;
@@ -207,17 +224,24 @@ void write_image(const fs::path& file, const Image& image) {
     spec["compression"] = "zip";               // lossless
     spec["DateTime"] = "1970:01:01 00:00:00";  // else the day's, and the same picture has other bits
   }
-  write_atomically(file, [&](const fs::path& temporary) {
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
-    const auto refuse = [&](const std::string& cause) {
-      throw_input_error(
-          file.string(), "picture", one_line(cause), "a writable path ending in png, jpg or exr");
-    };
-    if (!output) refuse(OIIO::geterror());
-    if (!output->open(temporary.string(), spec)) refuse(output->geterror());
-    if (!output->write_image(OIIO::TypeDesc::FLOAT, image.data.data())) refuse(output->geterror());
-    if (!output->close()) refuse(output->geterror());
-  });
+  write_pixels(file, spec, OIIO::TypeDesc::FLOAT, image.data.data());
+}
+
+void write_counts(const fs::path& file, const Image& image) {
+  require_writable(file, image);
+  if (image.channels != 1) throw_input_error(file.string(), "channels", std::to_string(image.channels), "1");
+  if (file.extension() != ".png")
+    throw_input_error(file.string(), "extension", file.extension().string(), ".png");
+  std::vector<std::uint16_t> counts;
+  counts.reserve(image.data.size());
+  for (const float value : image.data) {
+    if (!(value >= 0.0F && value <= 65535.0F) || value != std::floor(value)) {
+      throw_input_error(file.string(), "pixels", fmt::format("{}", value), "whole numbers, 0 to 65535");
+    }
+    counts.push_back(static_cast<std::uint16_t>(value));
+  }
+  const OIIO::ImageSpec spec(image.width, image.height, 1, OIIO::TypeDesc::UINT16);
+  write_pixels(file, spec, OIIO::TypeDesc::UINT16, counts.data());
 }
 
 std::string encode_image(const Image& image, ImageCode code, int quality) {

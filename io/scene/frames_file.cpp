@@ -33,6 +33,10 @@ void write_frames_file(const std::filesystem::path& file, const FramesRecord& re
   if (!record.clouds.frame.empty()) {
     root["clouds"] = {{"frame", record.clouds.frame}, {"coordinates", record.clouds.coordinates}};
   }
+  if (!record.outputs.empty()) root["outputs"] = record.outputs;
+  for (const ActorRecord& actor : record.actors) {
+    root["actors"].push_back({{"id", actor.id}, {"name", actor.name}, {"kind", actor.kind}});
+  }
   root["frames"] = std::move(frames);
   // A path on the command line need not be UTF-8: what is not stands as U+FFFD.
   write_file_atomically(file, root.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');

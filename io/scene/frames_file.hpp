@@ -17,6 +17,12 @@ struct FrameRecord {
   Pose world_from_sensor_start = {}, world_from_sensor_end = {};
 };
 
+/// What the number of an actor stands for, in masks and clouds.
+struct ActorRecord {
+  std::size_t id = 0;  // 1, 2, ...: 0 is none
+  std::string name = {}, kind = {};
+};
+
 /// What clouds hold beside their own headers.
 struct CloudRecord {
   std::string frame = {};        // point_frame_names(); empty: there are no clouds
@@ -34,14 +40,16 @@ struct FramesRecord {
   std::string version = {};                // of simuli
   std::string device = {}, driver = {};
   CloudRecord clouds = {};
+  std::vector<std::string> outputs = {};  // of a camera, camera_output_names()
+  std::vector<ActorRecord> actors = {};   // of frames with actors
   std::vector<FrameRecord> frames = {};
 };
 
 /// {"format": "simuli frames", "version": 1, "scene", "trajectory", "sensor": as in a sensor file
 /// (io/log/sensor_file.hpp), "rig_from_sensor": {"position_m", "rotation_wxyz"}, "edits": [...], "quality",
 /// "settings": [...], "simuli", "device", "driver", "clouds": {"frame", "coordinates"} of LiDARs,
-/// "frames": [{"files": [...], "time_start_s", "time_end_s", "world_from_sensor_start",
-/// "world_from_sensor_end"},
+/// "outputs": [...] of cameras, "actors": [{"id", "name", "kind"}, ...] of frames that tell them, "frames":
+/// [{"files": [...], "time_start_s", "time_end_s", "world_from_sensor_start", "world_from_sensor_end"},
 /// ...]}. Cameras look along +z, x right, y down; LiDARs have x forward, y left, z up. Atomic. Error{kInput}
 /// when it can't be written.
 void write_frames_file(const std::filesystem::path& file, const FramesRecord& record);

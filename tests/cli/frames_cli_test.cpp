@@ -1,5 +1,6 @@
 // frames.json beside rendered frames.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "io/base/file.hpp"
 #include "io/log/log.hpp"
 #include "io/log/sensor_file.hpp"
+#include "io/picture/image.hpp"
 #include "io/splat/ply.hpp"
 #include "tests/cli/cli_fixture.hpp"
 
@@ -126,6 +128,63 @@ TEST_F(FramesCli, CloudsKeepMillimetresFarFromTheOrigin) {
   std::memcpy(&x, bytes.data() + bytes.find("end_header\n") + 11, sizeof(x));
   EXPECT_NEAR(x, 4194304.0, 200.0);
   EXPECT_NE(x, static_cast<double>(static_cast<float>(x)));
+}
+
+TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  const std::string outputs = "rgb,depth,mean_depth,distance,mean_distance,opacity,actors,normals";
+  const std::string what = "render s.scene --sensor front --times 0.2:0.2:1 --outputs ";
+  const Outcome exr = run(what + outputs + " -o exr");
+  ASSERT_EQ(exr.exit_code, 0) << exr.err;
+  const nlohmann::json frames = frames_of("exr");
+  EXPECT_EQ(frames.at("actors"), nlohmann::json::array({{{"id", 1}, {"name", "car"}, {"kind", "car"}}}));
+  EXPECT_EQ(frames.at("outputs").size(), 8U);
+  const nlohmann::json& files = frames.at("frames").at(0).at("files");
+  ASSERT_EQ(files.size(), 8U);
+  EXPECT_EQ(files.at(0), "front_000000.png");
+  EXPECT_EQ(files.at(1), "front_000000_depth.exr");
+  EXPECT_EQ(files.at(6), "front_000000_actors.png");
+  const auto image = [&](const char* name) { return read_image(folder_ / "exr" / name); };
+  const Image depth = image("front_000000_depth.exr"), distance = image("front_000000_distance.exr");
+  const Image normals = image("front_000000_normals.exr");
+  ASSERT_EQ(depth.width, 64);
+  std::size_t nearer = 0, with_normal = 0;
+  for (std::size_t i = 0; i < depth.data.size(); i += 3) {
+    EXPECT_LE(depth.data[i], distance.data[i]);
+    nearer += depth.data[i] > 1.0F && depth.data[i] < distance.data[i] ? 1 : 0;
+    const float length = Eigen::Map<const Eigen::Vector3f>(&normals.data[i]).norm();
+    EXPECT_TRUE(length == 0.0F || std::abs(length - 1.0F) < 1e-5F);
+    with_normal += length > 0.5F ? 1 : 0;
+  }
+  EXPECT_GT(nearer, 300U);
+  EXPECT_GT(with_normal, 300U);
+  // 16 bits: the reader gives shares of 65535.
+  const Image actors = image("front_000000_actors.png");
+  std::size_t own = 0;
+  for (const float value : actors.data) {
+    EXPECT_TRUE(value == 0.0F || std::abs(value - 1.0F / 65535.0F) < 1e-9F) << value;
+    own += value > 0.0F ? 1 : 0;
+  }
+  EXPECT_GT(own, 3U);
+
+  const Outcome npz = run(what + "depth,actors,normals --values npz -o npz");
+  ASSERT_EQ(npz.exit_code, 0) << npz.err;
+  EXPECT_EQ(frames_of("npz").at("frames").at(0).at("files"), nlohmann::json({"front_000000.npz"}));
+  const std::string bytes = read_file(folder_ / "npz/front_000000.npz");
+  for (const char* part :
+       {"depth.npy", "'<f4'", "'shape': (36, 64), ", "actors.npy", "'<u2'", "(36, 64, 3)"}) {
+    EXPECT_NE(bytes.find(part), std::string::npos) << part;
+  }
+  const Outcome sweep = run("render s.scene --sensor top --times 0.1:0.1:1 --outputs actors -o sweep");
+  ASSERT_EQ(sweep.exit_code, 0) << sweep.err;
+  EXPECT_NE(read_file(folder_ / "sweep/top_000000.ply").find("property ushort actor\n"), std::string::npos);
+  EXPECT_EQ(frames_of("sweep").at("actors").size(), 1U);
+  expect_failure("render s.scene --sensor top --outputs depth -o x", kUsage, "allowed actors");
+  expect_failure("render s.scene --sensor front --outputs rgb,colour -o x", kUsage, "mean_depth");
+  expect_failure("render s.scene --sensor front --outputs depth -o x.mp4", kUsage, "with a folder");
 }
 
 }  // namespace

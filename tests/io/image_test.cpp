@@ -90,6 +90,26 @@ TEST(Image, EightBitFormatsClipWhatIsOutside) {
   EXPECT_EQ(read.at(1, 0, 0), 1.0F);
 }
 
+TEST(Image, CountsKeepSixteenBits) {
+  const Scratch scratch;
+  Image counts(3, 1, 1);
+  counts.data = {0.0F, 7.0F, 65535.0F};
+  write_counts(scratch / "a.png", counts);
+  const Image read = read_image(scratch / "a.png");
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_FLOAT_EQ(65535.0F * read.data[3 * i], counts.data[i]);
+  const auto refused = [&](const char* name, const Image& image, const std::vector<std::string>& words) {
+    expect_input_error([&] { write_counts(scratch / name, image); }, words);
+    EXPECT_FALSE(std::filesystem::exists(scratch / name));
+  };
+  for (const float bad : {-1.0F, 0.5F, 65536.0F}) {
+    counts.data[1] = bad;
+    refused("b.png", counts, {"b.png", "0 to 65535"});
+  }
+  counts.data[1] = 7.0F;
+  refused("b.exr", counts, {".png"});
+  refused("b.png", Image(1, 1, 3), {"channels"});
+}
+
 TEST(Image, RefusesTruncatedFiles) {
   const Scratch scratch;
   for (const std::string ending : {"png", "jpg", "exr"}) {

@@ -113,6 +113,18 @@ assert np.allclose(np.linalg.norm(own["xyz"], axis=1), own["range"], atol=1e-3)
 assert not np.allclose(own["xyz"], sweep.cloud(frame="sensor_start")["xyz"], atol=1e-3)
 refused(lambda: sweep.cloud("rig"), "sensor_start")
 
+# Depth along the axis, normals, who is seen.
+assert (frame.depth_m[opaque] <= frame.median_m[opaque]).all()
+assert (frame.mean_depth_m[opaque] <= frame.distance_m[opaque]).all()
+assert np.allclose(frame.depth_m[height // 2, width // 2], frame.median_m[height // 2, width // 2], rtol=1e-2)
+lengths = np.linalg.norm(frame.normals, axis=2)
+assert frame.normals.shape == (height, width, 3) and np.allclose(lengths[lengths > 0], 1, atol=1e-5)
+refused(lambda: frame.actors, "actors")
+for at in (name, lidar):
+    who = scene.render(at, time_s=start_s, actors=True).actors
+    assert who.dtype == np.uint32 and 0 <= who.max() <= len(scene.actors), at
+assert scene.render_batch(lidar, [start_s], actors=True)[0].actors.max() <= len(scene.actors)
+
 # Some rays alone: the same there, nothing elsewhere.
 for which, whole, quantity in ((name, frame, "distance_m"), (lidar, sweep, "range_m")):
     whole = getattr(whole, quantity)

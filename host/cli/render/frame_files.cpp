@@ -1,8 +1,13 @@
 #include "host/cli/render/frame_files.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
+#include "host/base/error.hpp"
 #include "host/cli/base/pictures.hpp"
+#include "io/base/file.hpp"
+#include "io/base/npz.hpp"
+#include "io/splat/cloud_columns.hpp"
 #include "io/splat/cloud_file.hpp"
 
 namespace simuli::cli {
@@ -21,6 +26,46 @@ CloudOptions cloud_options(const FileOptions& options, const LidarModel& lidar, 
   return cloud;
 }
 
+/// "rgb,depth": each once.
+std::vector<CameraOutput> parse_outputs(const std::string& text, bool is_camera) {
+  std::vector<CameraOutput> outputs;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const CameraOutput output = camera_output(text.substr(at, end - at));
+    if (!is_camera && output != CameraOutput::kRgb && output != CameraOutput::kActors) {
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format("--outputs: found \"{}\" of a LiDAR, allowed actors", text.substr(at, end - at)));
+    }
+    if (std::find(outputs.begin(), outputs.end(), output) == outputs.end()) outputs.push_back(output);
+    at = end + 1;
+  }
+  return outputs;
+}
+
+bool has(const std::vector<CameraOutput>& outputs, CameraOutput output) {
+  return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
+}
+
+const std::string& name_of(CameraOutput output) {
+  return camera_output_names()[static_cast<std::size_t>(output)];
+}
+
+/// Actors in 16 bits, the others as they are.
+void add_array(Npz& arrays, const std::string& name, const Image& image, ColumnType type) {
+  std::string bytes;
+  for (const float value : image.data) {
+    if (type == ColumnType::kUint16 && value > 65535.0F) {
+      throw_input_error(name, "values", fmt::format("{}", value), "0 to 65535");
+    }
+    append_value(bytes, type, static_cast<double>(value));
+  }
+  std::vector<std::size_t> shape{static_cast<std::size_t>(image.height),
+                                 static_cast<std::size_t>(image.width)};
+  if (image.channels > 1) shape.push_back(static_cast<std::size_t>(image.channels));
+  arrays.add(name, format_of(type).numpy, shape, bytes);
+}
+
 }  // namespace
 
 void add_file_options(Command sub, FileOptions& options) {
@@ -35,28 +80,79 @@ void add_file_options(Command sub, FileOptions& options) {
          "the frame's start")
       .one_of({"world", "sensor", "sensor_start"})
       .with_default();
+  sub.option("--outputs",
+             options.outputs,
+             "of cameras, parted by commas: rgb, depth, mean_depth (along z), distance, mean_distance (along "
+             "the ray), opacity, actors, normals; of LiDARs actors: a column of the clouds")
+      .with_default();
+  sub.option("--values",
+             options.values,
+             "what outputs but rgb are written as: exr, a file of floats each (actors: PNG of 16 bits), or "
+             "npz, one file of arrays")
+      .one_of({"exr", "npz"})
+      .with_default();
 }
 
 FrameFiles::FrameFiles(const FileOptions& options, const Sensor& sensor, const Plan& plan)
-    : options_(options), is_camera_(sensor.is_camera()) {
-  if (!is_camera_) cloud_ = cloud_options(options, sensor.lidar(), plan);
+    : options_(options),
+      is_camera_(sensor.is_camera()),
+      outputs_(parse_outputs(options.outputs, is_camera_)) {
+  if (is_camera_) return;
+  cloud_ = cloud_options(options, sensor.lidar(), plan);
+  cloud_.actors = has(outputs_, CameraOutput::kActors);
 }
 
-std::vector<std::string> FrameFiles::write(const Frame& frame,
-                                           const std::filesystem::path& folder,
-                                           const std::string& stem) const {
-  std::vector<std::string> files;
+void FrameFiles::write_outputs(const Frame& frame,
+                               const std::filesystem::path& folder,
+                               const std::string& stem,
+                               Names& files) const {
   const auto file = [&](const std::string& ending) {
     files.push_back(stem + ending);
     return folder / files.back();
   };
-  if (!is_camera_) write_point_cloud(file("." + options_.clouds), point_cloud(frame, cloud_));
-  write_image(file(is_camera_ ? "." + options_.images : "_range.png"), shown(frame));
+  if (has(outputs_, CameraOutput::kRgb)) write_image(file("." + options_.images), frame.image());
+  const bool is_npz = options_.values == "npz";
+  Npz arrays((folder / (stem + ".npz")).string());
+  std::size_t count = 0;
+  for (const CameraOutput output : outputs_) {
+    if (output == CameraOutput::kRgb) continue;
+    ++count;
+    const Image image = image_of(frame, output);
+    const bool is_count = output == CameraOutput::kActors;
+    if (is_npz) {
+      add_array(arrays, name_of(output), image, is_count ? ColumnType::kUint16 : ColumnType::kFloat);
+    } else if (is_count) {
+      write_counts(file("_" + name_of(output) + ".png"), image);
+    } else {
+      write_image(file("_" + name_of(output) + ".exr"), image);
+    }
+  }
+  if (is_npz && count > 0) write_file_atomically(file(".npz"), arrays.finish());
+}
+
+FrameFiles::Names FrameFiles::write(const Frame& frame,
+                                    const std::filesystem::path& folder,
+                                    const std::string& stem) const {
+  Names files;
+  if (is_camera_) {
+    write_outputs(frame, folder, stem, files);
+  } else {
+    files = {stem + "." + options_.clouds, stem + "_range.png"};
+    write_point_cloud(folder / files[0], point_cloud(frame, cloud_));
+    write_image(folder / files[1], shown(frame));
+  }
   return files;
 }
 
-void FrameFiles::describe(FramesRecord& record) const {
-  if (is_camera_) return;
+void FrameFiles::describe(FramesRecord& record, const Scene& scene) const {
+  if (has(outputs_, CameraOutput::kActors)) {
+    for (const Actor& actor : scene.actors)
+      record.actors.push_back({record.actors.size() + 1, actor.name, actor.kind});
+  }
+  if (is_camera_) {
+    for (const CameraOutput output : outputs_) record.outputs.push_back(name_of(output));
+    return;
+  }
   const bool is_double = cloud_.coordinates == ColumnType::kDouble;
   record.clouds = {options_.cloud_frame, is_double ? "float64" : "float32"};
 }

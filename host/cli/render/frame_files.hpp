@@ -6,6 +6,7 @@
 
 #include "host/cli/base/command.hpp"
 #include "host/cli/render/plan.hpp"
+#include "host/render/outputs/camera_output.hpp"
 #include "host/render/outputs/cloud.hpp"
 #include "io/scene/frames_file.hpp"
 
@@ -16,6 +17,8 @@ struct FileOptions {
   std::string images = "png";
   std::string clouds = "ply";
   std::string cloud_frame = "world";
+  std::string outputs = "rgb";  // camera_output_names(), parted by commas
+  std::string values = "exr";   // of all outputs but pictures
 };
 
 void add_file_options(Command sub, FileOptions& options);
@@ -23,18 +26,28 @@ void add_file_options(Command sub, FileOptions& options);
 /// Writes the files of one sensor's frames.
 class FrameFiles {
  public:
+  using Names = std::vector<std::string>;
+  /// Error{kUsage} for outputs that there are not, or not of this sensor.
   FrameFiles(const FileOptions& options, const Sensor& sensor, const Plan& plan);
 
+  /// What frames are to be rendered with.
+  [[nodiscard]] FrameRequest request() const { return request_for(outputs_); }
   /// Files "STEM..." into the folder; returns their names.
-  [[nodiscard]] std::vector<std::string> write(const Frame& frame,
-                                               const std::filesystem::path& folder,
-                                               const std::string& stem) const;
+  [[nodiscard]] Names write(const Frame& frame,
+                            const std::filesystem::path& folder,
+                            const std::string& stem) const;
   /// Says in the record what the files hold.
-  void describe(FramesRecord& record) const;
+  void describe(FramesRecord& record, const Scene& scene) const;
 
  private:
+  void write_outputs(const Frame& frame,
+                     const std::filesystem::path& folder,
+                     const std::string& stem,
+                     Names& files) const;
+
   FileOptions options_;
   bool is_camera_;
+  std::vector<CameraOutput> outputs_;
   CloudOptions cloud_;
 };
 

@@ -91,6 +91,11 @@ FramesRecord record_of(const RenderCommand& command,
 }
 
 void render(const RenderCommand& command, const Globals& globals) {
+  if (is_video(command.output) && command.files.outputs != FileOptions{}.outputs) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--outputs: found with \"{}\", allowed with a folder: a video shows rgb",
+                            command.output));
+  }
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
   validate(options);
@@ -105,22 +110,22 @@ void render(const RenderCommand& command, const Globals& globals) {
   SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
   FileProgress progress("render", globals);
   const auto on_frame = progress.callback();
-  const auto run = [&](const auto& use) {
+  const auto run = [&](const FrameRequest& request, const auto& use) {
     for (std::size_t i = 0; i < plan.spans.size(); ++i) {
-      use(i, scene.render(sensor, plan.shot(sensor, i)));
+      use(i, scene.render(sensor, plan.shot(sensor, i), request));
       on_frame(i + 1, plan.spans.size());
     }
   };
   if (is_video(command.output)) {
     Video video(command.output, frame_rate(plan, command));
-    run([&](std::size_t, const Frame& frame) { video.add(shown(frame)); });
+    run({}, [&](std::size_t, const Frame& frame) { video.add(shown(frame)); });
     video.finish();
   } else {
     const FrameFiles files(command.files, sensor, plan);
     FramesRecord record = record_of(command, globals, options, sensor, scene);
-    files.describe(record);
+    files.describe(record, scene.scene());
     write_folder_atomically(command.output, [&](const fs::path& folder) {
-      run([&](std::size_t i, const Frame& frame) {
+      run(files.request(), [&](std::size_t i, const Frame& frame) {
         const Shot& shot = frame.shot();
         record.frames.push_back(
             {files.write(frame, folder, fmt::format("{}_{:06d}", sensor.name(), plan.first + i)),

@@ -19,6 +19,8 @@ PointCloud point_cloud(const Frame& of, const CloudOptions& options) {
   for (const char* name : {"intensity", "range", "drop"}) add(name, ColumnType::kFloat);
   if (has_rows) add("ring", ColumnType::kUint16);
   add("time", ColumnType::kFloat);
+  if (options.actors) add("actor", ColumnType::kUint16);
+  const std::vector<std::uint32_t> actors = options.actors ? of.actors() : std::vector<std::uint32_t>{};
   cloud.values.resize(frame.returns(), static_cast<Eigen::Index>(cloud.columns.size()));
   const double duration_s = of.shot().time_end_s - of.shot().time_start_s;
   const auto columns = static_cast<std::size_t>(frame.rays.columns);
@@ -29,6 +31,7 @@ PointCloud point_cloud(const Frame& of, const CloudOptions& options) {
     for (const float value : {frame.intensity[i], frame.range[i], frame.drop[i]}) *to++ = value;
     if (has_rows) *to++ = static_cast<double>(i / columns);
     *to++ = static_cast<double>(frame.rays.time_fraction[i]) * duration_s;
+    if (options.actors) *to++ = actors[i];
   }
   return cloud;
 }

@@ -8,6 +8,7 @@ namespace simuli {
 struct CloudOptions {
   PointFrame frame = PointFrame::kWorld;
   ColumnType coordinates = ColumnType::kFloat;  // of x, y and z
+  bool actors = false;                          // with a column "actor" (uint16): Frame::actors()
 };
 
 /// A row per ray that returned, in the sensor's order: x y z (m), intensity [0, 1], range (m, from the ray's
