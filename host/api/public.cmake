@@ -34,7 +34,7 @@ set(SIMULI_PUBLIC_render
   host/render/outputs/camera_output.hpp)
 set(SIMULI_PUBLIC_log
   "Recorded drives."
-  io/log/log.hpp io/log/frame_selection.hpp)
+  io/log/log.hpp io/log/frame_spans.hpp io/log/frame_selection.hpp)
 set(SIMULI_PUBLIC_files
   "Pictures, splats, clouds, sensor files, scene folders."
   io/picture/image.hpp io/splat/ply.hpp io/splat/splat_file.hpp io/splat/cloud_file.hpp

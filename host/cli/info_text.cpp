@@ -109,6 +109,28 @@ std::string trajectory_text(const Trajectory& t) {
                      path_length_m(t));
 }
 
+Json recorded_json(const FrameSpans& recorded) {
+  Json all = Json::object();
+  for (const auto& [sensor, spans] : recorded) {
+    all[sensor] = {{"frames", spans.size()},
+                   {"start_s", spans.front().time_start_s},
+                   {"end_s", spans.back().time_end_s}};
+  }
+  return all;
+}
+
+std::string recorded_text(const FrameSpans& recorded) {
+  std::string text;
+  for (const auto& [sensor, spans] : recorded) {
+    text += fmt::format("  frames {:<16} {}, {:.2f} to {:.2f} s\n",
+                        sensor,
+                        spans.size(),
+                        spans.front().time_start_s,
+                        spans.back().time_end_s);
+  }
+  return text;
+}
+
 std::string set_text(const char* name, const GaussianSet& set) {
   return fmt::format("  {} set {} particles, SH degree {}, {:.1f} MB\n",
                      name,
@@ -147,12 +169,14 @@ void print_scene(const SceneFile& file, bool json) {
                   {"lidar_set", set_json(scene.lidar)},
                   {"trajectory", trajectory_json(file.world_from_rig)},
                   {"sensors", sensors_json(SensorRig(file))},
+                  {"recorded_frames", recorded_json(file.recorded_frames)},
                   {"actors", actors_json(scene.actors)},
                   {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
             << set_text("lidar", scene.lidar) << trajectory_text(file.world_from_rig)
-            << sensors_text(file.cameras, file.lidars) << actors_text(scene.actors);
+            << sensors_text(file.cameras, file.lidars) << recorded_text(file.recorded_frames)
+            << actors_text(scene.actors);
   if (!file.training) return;
   std::cout << "  trained\n";
   for (const RecordLine& line : record_lines(*file.training)) {

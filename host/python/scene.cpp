@@ -39,6 +39,7 @@ class PyScene {
     }
     return out;
   }
+  [[nodiscard]] const FrameSpans& recorded_frames() const { return file_.recorded_frames; }
   [[nodiscard]] const Trajectory& path() const {
     if (!file_.world_from_rig.poses().empty()) return file_.world_from_rig;
     throw Error(ErrorKind::kInput, "scene: found no recorded path");
@@ -320,6 +321,16 @@ void add_scenes(py::module_& m) {
           "span",
           [](const PyScene& s) { return std::pair(s.path().start_s(), s.path().end_s()); },
           "first and last time of the recorded path, s")
+      .def_property_readonly(
+          "recorded_frames",
+          [](const PyScene& s) {
+            std::map<std::string, std::vector<std::pair<double, double>>> out;
+            for (const auto& [sensor, spans] : s.recorded_frames()) {
+              for (const FrameSpan& f : spans) out[sensor].emplace_back(f.time_start_s, f.time_end_s);
+            }
+            return out;
+          },
+          "start and end of each frame that was recorded, s, by sensor")
       .def(
           "world_from_rig",
           [](const PyScene& s, double time_s) { return array_of(s.path().at(finite(time_s, "time_s"))); },

@@ -53,14 +53,9 @@ std::string read_file_name(JsonObject& object, const fs::path& folder, const cha
 template <class Frame>
 void read_frame(JsonObject& object, const Log& log, Frame& frame) {
   frame.file = read_file_name(object, log.folder);
-  frame.time_start_s = read_time_s(object, "time_start_ns", log.start_ns);
-  frame.time_end_s = read_time_s(object, "time_end_ns", log.start_ns);
-  if (!(frame.time_end_s >= frame.time_start_s)) {
-    throw_input_error(object.file(),
-                      object.field("time_end_ns"),
-                      fmt::format("{} ns before the start", (frame.time_start_s - frame.time_end_s) * 1e9),
-                      "not before time_start_ns");
-  }
+  const FrameSpan span = frame_span_from_json(object, log.start_ns);
+  frame.time_start_s = span.time_start_s;
+  frame.time_end_s = span.time_end_s;
   const double margin_s = Trajectory::kExtrapolation_s;
   const Trajectory& path = log.world_from_rig;
   if (!(frame.time_start_s >= path.start_s() - margin_s && frame.time_end_s <= path.end_s() + margin_s)) {
@@ -75,25 +70,13 @@ void read_frame(JsonObject& object, const Log& log, Frame& frame) {
 }
 
 template <class Frame>
-void require_time_order(const std::vector<Frame>& frames, const std::string& file, const char* field) {
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    if (frames[i].time_start_s >= frames[i - 1].time_start_s) continue;
-    throw_input_error(file,
-                      fmt::format("{}[{}].time_start_ns", field, i),
-                      "a time before the frame above",
-                      "frames in order of time");
-  }
-}
-
-template <class Frame>
 Json frame_to_json(const Frame& frame,
                    const char* sensor_key,
                    const std::string& sensor,
                    std::int64_t start_ns) {
-  return {{sensor_key, sensor},
-          {"file", frame.file},
-          {"time_start_ns", to_ns(frame.time_start_s, start_ns, frame.file)},
-          {"time_end_ns", to_ns(frame.time_end_s, start_ns, frame.file)}};
+  Json json{{sensor_key, sensor}, {"file", frame.file}};
+  json.update(to_json(FrameSpan{frame.time_start_s, frame.time_end_s}, start_ns, frame.file));
+  return json;
 }
 
 /// Whose turns the sweeps tell of.
@@ -163,8 +146,8 @@ Log log_from_json(JsonObject& root, const fs::path& folder) {
   });
   if (root.has("points")) log.points = read_file_name(root, log.folder, "points");
   if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
-  require_time_order(log.images, root.file(), "images");
-  require_time_order(log.sweeps, root.file(), "sweeps");
+  need_time_order(log.images, root.file(), "images");
+  need_time_order(log.sweeps, root.file(), "sweeps");
   set_sweep_durations(log);
   return log;
 }

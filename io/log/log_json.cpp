@@ -166,6 +166,23 @@ std::vector<Actor> actors_from_json(JsonObject& parent, const std::string& key, 
   });
 }
 
+Json to_json(const FrameSpan& span, std::int64_t start_ns, const std::string& field) {
+  return {{"time_start_ns", to_ns(span.time_start_s, start_ns, field)},
+          {"time_end_ns", to_ns(span.time_end_s, start_ns, field)}};
+}
+
+FrameSpan frame_span_from_json(JsonObject& object, std::int64_t start_ns) {
+  const FrameSpan span{read_time_s(object, "time_start_ns", start_ns),
+                       read_time_s(object, "time_end_ns", start_ns)};
+  if (!(span.time_end_s >= span.time_start_s)) {
+    throw_input_error(object.file(),
+                      object.field("time_end_ns"),
+                      fmt::format("{} ns before the start", (span.time_start_s - span.time_end_s) * 1e9),
+                      "not before time_start_ns");
+  }
+  return span;
+}
+
 std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field) {
   if (!(std::abs(time_s) <= kLongestLog_s)) {
     throw_input_error("log", field, fmt::format("{} s", time_s), "at most 120 years from the log's start");

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "host/base/error.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/log/frame_spans.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -42,6 +44,22 @@ void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vect
 [[nodiscard]] std::vector<Actor> actors_from_json(JsonObject& parent,
                                                   const std::string& key,
                                                   std::int64_t start_ns);
+
+/// {"time_start_ns", "time_end_ns"}, times as those of a trajectory; `field` is for messages.
+[[nodiscard]] Json to_json(const FrameSpan& span, std::int64_t start_ns, const std::string& field);
+[[nodiscard]] FrameSpan frame_span_from_json(JsonObject& object, std::int64_t start_ns);
+/// Error{kInput} naming the first of `field`'s frames, which have a time_start_s, that is before the one
+/// above.
+template <class Frame>
+void need_time_order(const std::vector<Frame>& frames, const std::string& file, const std::string& field) {
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (frames[i].time_start_s >= frames[i - 1].time_start_s) continue;
+    throw_input_error(file,
+                      field + '[' + std::to_string(i) + "].time_start_ns",
+                      "a time before the frame above",
+                      "frames in order of time");
+  }
+}
 
 /// A whole log.json, whose files stand in `folder`.
 [[nodiscard]] Json to_json(const Log& log);

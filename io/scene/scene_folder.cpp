@@ -74,6 +74,39 @@ RayDrop read_ray_drop(JsonObject& object) {
   return drop;
 }
 
+Json to_json(const FrameSpans& recorded) {
+  Json out = Json::array();
+  for (const auto& [sensor, spans] : recorded) {
+    Json frames = Json::array();
+    for (const FrameSpan& span : spans) frames.push_back(to_json(span, 0, "recorded_frames of " + sensor));
+    out.push_back({{"sensor", sensor}, {"frames", std::move(frames)}});
+  }
+  return out;
+}
+
+FrameSpans read_recorded_frames(JsonObject& root, const SceneFile& scene) {
+  FrameSpans recorded;
+  (void)root.objects("recorded_frames", [&](JsonObject& object) {
+    const std::string sensor = object.text("sensor");
+    if (scene.find_camera(sensor) == nullptr && scene.find_lidar(sensor) == nullptr) {
+      throw_input_error(object.file(), object.field("sensor"), '"' + sensor + '"', "a sensor of the scene");
+    }
+    const auto [entry, is_new] = recorded.try_emplace(sensor);
+    if (!is_new) {
+      throw_input_error(object.file(), object.field("sensor"), '"' + sensor + "\" twice", "once per sensor");
+    }
+    entry->second =
+        object.objects("frames", [](JsonObject& frame) { return frame_span_from_json(frame, 0); });
+    need_time_order(entry->second, object.file(), object.field("frames"));
+    if (entry->second.empty()) {
+      throw_input_error(
+          object.file(), object.field("frames"), "none", "at least one, or no such sensor here");
+    }
+    return 0;
+  });
+  return recorded;
+}
+
 struct Contents {
   SceneFile scene;  // but for the Gaussians
   SetEntry camera_set;
@@ -101,6 +134,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     if (root.has("ray_drop")) scene.scene.ray_drop = root.objects("ray_drop", read_ray_drop);
     if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
+    if (root.has("recorded_frames")) scene.recorded_frames = read_recorded_frames(root, scene);
     if (root.has("training")) scene.training = root.object("training", training_from_json);
   });
   return contents;
@@ -119,6 +153,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
   if (scene.training) root["training"] = to_json(*scene.training);
   add_sensors(root, scene.cameras, scene.lidars);
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
+  if (!scene.recorded_frames.empty()) root["recorded_frames"] = to_json(scene.recorded_frames);
   if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);
   try {
     return root.dump(1) + '\n';

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/scene/scene.hpp"
+#include "io/log/frame_spans.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/training_record.hpp"
 
@@ -18,6 +19,8 @@ struct SceneFile {
   std::vector<LogCamera> cameras;
   std::vector<LogLidar> lidars;
   Trajectory world_from_rig;  // may be empty
+  /// When the frames were recorded that it was made of, by sensor; none of a version that didn't say.
+  FrameSpans recorded_frames = {};
   /// How the scene was made; nothing of a scene that wasn't trained, or by a version that didn't say.
   std::optional<TrainingRecord> training = {};
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <system_error>
+#include <utility>
 
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
@@ -46,7 +47,9 @@ Sensor find_named(const std::string& name, bool reads_files, std::vector<std::st
                           close.empty() ? "" : ", and others that are built in"));
 }
 
-double median_s(std::vector<double> seconds) {
+double median_duration_s(const std::vector<FrameSpan>& spans) {
+  std::vector<double> seconds;
+  for (const FrameSpan& span : spans) seconds.push_back(span.time_end_s - span.time_start_s);
   if (seconds.empty()) return 0.0;
   const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
   std::nth_element(seconds.begin(), middle, seconds.end());
@@ -57,21 +60,20 @@ double median_s(std::vector<double> seconds) {
 
 Sensor named_sensor(const std::string& name) { return find_named(name, true, {}); }
 
-SensorRig::SensorRig(const SceneFile& scene) {
-  for (const LogCamera& c : scene.cameras) sensors_.emplace_back(c.model, c.rig_from_camera);
-  for (const LogLidar& l : scene.lidars) sensors_.emplace_back(l.model, l.rig_from_lidar);
+SensorRig::SensorRig(const std::vector<LogCamera>& cameras,
+                     const std::vector<LogLidar>& lidars,
+                     FrameSpans recorded)
+    : recorded_(std::move(recorded)) {
+  for (const LogCamera& c : cameras) {
+    sensors_.emplace_back(c.model, c.rig_from_camera, median_duration_s(recorded_[c.model.name]));
+  }
+  for (const LogLidar& l : lidars) sensors_.emplace_back(l.model, l.rig_from_lidar);
 }
 
-SensorRig::SensorRig(const Log& log) {
-  for (const LogCamera& c : log.cameras) {
-    std::vector<double> seconds;
-    for (const ImageFrame& frame : log.images) {
-      if (frame.camera == c.model.name) seconds.push_back(frame.time_end_s - frame.time_start_s);
-    }
-    sensors_.emplace_back(c.model, c.rig_from_camera, median_s(std::move(seconds)));
-  }
-  for (const LogLidar& l : log.lidars) sensors_.emplace_back(l.model, l.rig_from_lidar);
-}
+SensorRig::SensorRig(const SceneFile& scene)
+    : SensorRig(scene.cameras, scene.lidars, scene.recorded_frames) {}
+
+SensorRig::SensorRig(const Log& log) : SensorRig(log.cameras, log.lidars, frame_spans(log)) {}
 
 const Sensor* SensorRig::own(const std::string& name) const {
   const auto found =
@@ -111,6 +113,16 @@ Sensor SensorRig::find(const std::string& name, const Pose& rig_from_other) cons
   const Sensor sensor = other(name);
   const Sensor* const place = first_like(sensor);
   return sensor.mounted(place == nullptr ? rig_from_other : place->rig_from_sensor());
+}
+
+std::vector<FrameSpan> SensorRig::frames(const std::string& name, const Sensor& sensor) const {
+  const bool is_own = has(name);
+  const Sensor* const place = is_own ? own(name) : first_like(sensor);
+  const auto found = place == nullptr ? recorded_.end() : recorded_.find(place->name());
+  std::vector<FrameSpan> spans = found == recorded_.end() ? std::vector<FrameSpan>() : found->second;
+  if (is_own) return spans;
+  for (FrameSpan& span : spans) span.time_end_s = span.time_start_s + sensor.duration_s();
+  return spans;
 }
 
 void SensorRig::add(const Sensor& sensor) {

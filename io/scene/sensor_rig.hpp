@@ -17,8 +17,8 @@ namespace simuli {
 class SensorRig {
  public:
   SensorRig() = default;
+  /// Cameras take for a picture what the recorded ones took (the median).
   explicit SensorRig(const SceneFile& scene);
-  /// Cameras take for a picture what they took in the log (the median).
   explicit SensorRig(const Log& log);
 
   /// Its own sensors: cameras first.
@@ -29,6 +29,9 @@ class SensorRig {
   [[nodiscard]] Sensor find(const std::string& name) const;
   /// The same; where it has none of that kind, the other is mounted there.
   [[nodiscard]] Sensor find(const std::string& name, const Pose& rig_from_other) const;
+  /// When the frames of `sensor`, which is what find(name) gave, were recorded. Of another than its own:
+  /// when those of the sensor in whose place it stands began, and as long as it takes. None where none were.
+  [[nodiscard]] std::vector<FrameSpan> frames(const std::string& name, const Sensor& sensor) const;
   /// From now on no name is a file: for names that others send.
   void refuse_files() { reads_files_ = false; }
   /// One more of its own. Error{kUsage} for a name that it has already.
@@ -40,7 +43,10 @@ class SensorRig {
   /// named_sensor() that also knows the rig's own names.
   [[nodiscard]] Sensor other(const std::string& name) const;
 
+  SensorRig(const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars, FrameSpans recorded);
+
   std::vector<Sensor> sensors_;
+  FrameSpans recorded_;
   bool reads_files_ = true;
 };
 

@@ -88,6 +88,12 @@ SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement)
   out.cameras.push_back({orbit_camera(), {kLevelFromDown, Eigen::Vector3d::Zero()}});
   out.lidars.push_back({builtin_lidar("hesai_xt32"), {}});
   out.world_from_rig = around(box.translate(scene.origin));
+  const std::vector<TimedPose>& poses = out.world_from_rig.poses();
+  for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
+    const double start_s = poses[i].time_s;
+    out.recorded_frames["orbit"].push_back({start_s, start_s});
+    out.recorded_frames["hesai_xt32"].push_back({start_s, poses[i + 1].time_s});
+  }
   return out;
 }
 

@@ -23,8 +23,9 @@ struct SplatPlacement {
 
 /// The particles as camera set, and their geometry as LiDAR set (lidar_of()). A camera "orbit" (1280 x 720
 /// px, 60 degrees wide) and a LiDAR "hesai_xt32" in its place go once around what extent_of() the particles
-/// says in 10 s, 20 degrees above its middle. Error{kInput} for files that can't be read, without particles,
-/// or with particles of actors; Error{kUsage} for scales that are not above 0 and finite.
+/// says in 10 s, 20 degrees above its middle, with 100 frames each. Error{kInput} for files that can't be
+/// read, without particles, or with particles of actors; Error{kUsage} for scales that are not above 0 and
+/// finite.
 [[nodiscard]] SceneFile scene_of_splats(const std::filesystem::path& file,
                                         const SplatPlacement& placement = {});
 

@@ -112,7 +112,7 @@ const TrainStatus& Training::status() const { return prepared().trainer.status()
 Scene Training::scene() const { return prepared().trainer.scene(); }
 
 SceneFile Training::result() const {
-  SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig};
+  SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
   for (const auto& [name, offset] : prepared().trainer.sensor_offsets()) {
     for (LogCamera& camera : file.cameras) {
       if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);

@@ -187,5 +187,73 @@ TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
   expect_failure("render s.scene --sensor front --outputs depth -o x.mp4", kUsage, "with a folder");
 }
 
+TEST_F(FramesCli, AreTheRecordedOnesOfTheSensor) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  const Log log = read_log(folder_ / "s.log");
+  ASSERT_GT(log.world_from_rig.poses().size(), log.images.size());
+  const auto render = [&](const std::string& arguments, const std::string& to) {
+    const Outcome done = run("render s.scene " + arguments + " -o " + to);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return frames_of(to).at("frames");
+  };
+  const nlohmann::json all = render("--sensor front", "all");
+  ASSERT_EQ(all.size(), log.images.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all.at(i).at("time_start_s"), log.images.at(i).time_start_s);
+    EXPECT_EQ(all.at(i).at("time_end_s"), log.images.at(i).time_end_s);
+  }
+  const nlohmann::json told = nlohmann::json::parse(run("info s.scene --json").out).at("recorded_frames");
+  EXPECT_EQ(told.at("top").at("frames"), 6);
+  EXPECT_NE(run("info s.scene").out.find("frames front            6, 0.05 to "), std::string::npos);
+  const nlohmann::json some = render("--sensor front --frames 2:3", "some");
+  ASSERT_EQ(some.size(), 2U);
+  EXPECT_EQ(some.at(0), all.at(2));
+  EXPECT_EQ(read_file(folder_ / "some/front_000003.png"), read_file(folder_ / "all/front_000003.png"));
+  // Another LiDAR in the place: its turns begin when those of the recorded one did.
+  const nlohmann::json turns = render("--sensor hesai_xt32@20", "turns");
+  ASSERT_EQ(turns.size(), log.sweeps.size());
+  EXPECT_EQ(turns.at(4).at("time_start_s"), log.sweeps.at(4).time_start_s);
+  EXPECT_NEAR(turns.at(4).at("time_end_s"), log.sweeps.at(4).time_start_s + 0.05, 1e-12);
+  // --duration says it of recorded frames, too.
+  const nlohmann::json slow = render("--sensor front --frames 1:1 --duration 0.02", "slow");
+  EXPECT_NEAR(slow.at(0).at("time_end_s"), log.images.at(1).time_start_s + 0.02, 1e-12);
+  expect_failure("render s.scene --sensor front --frames 2:6 -o x", kUsage, "a:b with 0 <= a <= b < 6");
+
+  // A scene that doesn't know its frames.
+  nlohmann::json old = nlohmann::json::parse(read_file(folder_ / "s.scene/scene.json"));
+  ASSERT_EQ(old.erase("recorded_frames"), 1U);
+  write_file_atomically(folder_ / "s.scene/scene.json", old.dump());
+  expect_failure("render s.scene --sensor front -o x", kInput, "allowed at least one, or --times");
+  expect_failure("render s.scene --sensor front --frames 0:1 -o x", kInput, "recorded_frames of front");
+  EXPECT_EQ(render("--sensor front --trajectory s.log", "by_log"), all);
+  EXPECT_EQ(render("--sensor front --times 0.05:0.15:0.1", "by_times").size(), 2U);
+}
+
+TEST_F(FramesCli, RollingShuttersTakeWhatTheyTook) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  nlohmann::json log = nlohmann::json::parse(read_file(folder_ / "s.log/log.json"));
+  log.at("cameras").at(0).at("shutter") = "top_to_bottom";
+  for (nlohmann::json& image : log.at("images")) {
+    image.at("time_end_ns") = image.at("time_start_ns").get<std::int64_t>() + 30'000'000;
+  }
+  write_file_atomically(folder_ / "s.log/log.json", log.dump());
+  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  ASSERT_EQ(run("render s.scene --sensor front --times 0.1:0.1:1 -o known").exit_code, 0);
+  const nlohmann::json known = frames_of("known");
+  EXPECT_NEAR(known.at("frames").at(0).at("time_end_s"), 0.13, 1e-12);
+  EXPECT_NEAR(known.at("sensor").at("readout_s"), 0.03, 1e-12);
+  // Another one in its place is not asked what it takes.
+  nlohmann::json mine = nlohmann::json::parse(run("info s.scene front --json").out);
+  ASSERT_EQ(mine.erase("readout_s"), 1U);
+  write_file_atomically(folder_ / "mine.json", mine.dump());
+  expect_failure("render s.scene --sensor mine.json --times 0.1:0.1:1 -o x", kUsage, "--duration");
+  expect_failure("render s.scene --sensor mine.json -o x", kUsage, "--duration");
+}
+
 }  // namespace
 }  // namespace simuli

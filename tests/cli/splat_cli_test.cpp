@@ -56,6 +56,8 @@ TEST_F(SplatCli, AFileOfSplatsIsAScene) {
   EXPECT_GT(fs::file_size(folder_ / "sweep" / "velodyne_vlp16_000000.npz"), 10'000U);
   const simuli::SceneFile scene = simuli::read_scene(folder_ / "red.ply");
   EXPECT_EQ(scene.scene.lidar.size(), scene.scene.camera.size());
+  EXPECT_EQ(scene.recorded_frames.at("orbit").size(), 100U);
+  EXPECT_EQ(scene.recorded_frames.at("hesai_xt32").size(), 100U);
   make_block("none.ply", {0, 0, 0});
   fs::resize_file(folder_ / "none.ply", 100);
   expect_failure("render none.ply --sensor orbit -o x", kInput, "none.ply");

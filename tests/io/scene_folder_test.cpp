@@ -43,6 +43,7 @@ SceneFile some_scene() {
   file.lidars.push_back({lidar, Pose{}});
   const Pose turned{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())), {1.0, 2.0, 3.0}};
   file.world_from_rig = Trajectory({{0.0, Pose{}}, {0.1, turned}});
+  file.recorded_frames = {{"front", {{0.0, 0.033}, {0.1, 0.133}}}, {"top", {{0.05, 0.15}}}};
   return file;
 }
 
@@ -81,6 +82,12 @@ TEST(SceneFolder, RoundTrip) {
       read.world_from_rig.at(0.05).rotation.isApprox(written.world_from_rig.at(0.05).rotation, kRounding));
   EXPECT_TRUE(read.world_from_rig.at(0.05).translation.isApprox(written.world_from_rig.at(0.05).translation,
                                                                 kRounding));
+  ASSERT_EQ(read.recorded_frames.size(), 2U);
+  ASSERT_EQ(read.recorded_frames.at("front").size(), 2U);
+  EXPECT_EQ(read.recorded_frames.at("front").at(1).time_start_s, 0.1);
+  EXPECT_NEAR(read.recorded_frames.at("front").at(1).time_end_s, 0.133, 1e-12);
+  ASSERT_EQ(read.recorded_frames.at("top").size(), 1U);
+  EXPECT_NEAR(read.recorded_frames.at("top").at(0).time_start_s, 0.05, 1e-12);
 }
 
 TEST(SceneFolder, SceneWithoutSensorsOrGaussiansIsAScene) {
@@ -121,6 +128,11 @@ TEST(SceneFolder, BadSceneFilesAreRefused) {
   refused("\"sh_degree\": 2", "\"sh_degree\": 1", {"camera.ply", "SH degree", "found 2"});
   refused("\"sh_degree\": 0", "\"sh_degree\": 4", {"lidar_set.sh_degree", "4"});
   refused("4.5", "4.5e300", {"lidar_set.background"});
+  refused("\"sensor\": \"front\"", "\"sensor\": \"rear\"", {"recorded_frames[0].sensor", "rear"});
+  refused("\"sensor\": \"front\"", "\"sensor\": \"top\"", {"recorded_frames[1].sensor", "twice"});
+  refused("\"time_end_ns\": 133000000", "\"time_end_ns\": 99999999", {"frames[1].time_end_ns"});
+  refused("\"frames\": [", "\"frames\": [], \"others\": [", {"recorded_frames[0].frames", "none"});
+  refused("\"time_start_ns\": 0", "\"time_start_ns\": 20000000000", {"recorded_frames[0].frames[0]"});
   refused("{", "", {"scene.json"});
 }
 

@@ -92,6 +92,36 @@ TEST(SensorRig, TakesOneMore) {
   EXPECT_THROW(rig.add(named_sensor("velodyne_vlp16")), Error);
 }
 
+TEST(SensorRig, CamerasOfASceneTakeWhatTheyTook) {
+  SceneFile file = some_scene();
+  EXPECT_EQ(SensorRig(file).find("front").duration_s(), 0.0);  // nobody knows
+  file.recorded_frames["front"] = {{0.0, 0.02}, {1.0, 1.03}, {2.0, 2.02}};
+  EXPECT_NEAR(SensorRig(file).find("front").duration_s(), 0.02, 1e-12);
+}
+
+TEST(SensorRig, FramesAreThoseOfThePlace) {
+  SceneFile file = some_scene();
+  Lidar rear = std::get<Lidar>(file.lidars.front().model);
+  rear.name = "rear";
+  file.lidars.push_back({rear, at(3.0)});
+  file.recorded_frames = {{"top", {{1.0, 1.1}, {1.1, 1.2}}}, {"rear", {{5.0, 5.1}}}};
+  const SensorRig rig(file);
+  const auto frames = [&](const std::string& name) { return rig.frames(name, rig.find(name)); };
+  ASSERT_EQ(frames("top").size(), 2U);
+  EXPECT_EQ(frames("top").at(1).time_end_s, 1.2);
+  EXPECT_EQ(frames("rear").at(0).time_start_s, 5.0);
+  // Another takes as long as it takes.
+  ASSERT_EQ(frames("hesai_xt32@20").size(), 2U);
+  EXPECT_EQ(frames("hesai_xt32@20").at(1).time_start_s, 1.1);
+  EXPECT_EQ(frames("hesai_xt32@20").at(1).time_end_s, 1.1 + 0.05);
+  // A file that happens to be called like one of the rig's stands where the first one is.
+  const Scratch scratch;
+  write_sensor_file(scratch / "rear.json", LidarFile{builtin_lidar("hesai_xt32")});
+  EXPECT_EQ(frames((scratch / "rear.json").string()).size(), 2U);
+  EXPECT_TRUE(frames("front").empty());
+  EXPECT_TRUE(frames("tum_vi_cam0").empty());
+}
+
 TEST(SensorRig, CamerasOfALogTakeWhatTheyTook) {
   Log log;
   log.cameras = some_scene().cameras;

@@ -12,7 +12,7 @@ namespace simuli::test {
 
 /// The scene with the log's sensors.
 inline SceneFile file_of(const Log& log, Scene scene) {
-  return {std::move(scene), log.cameras, log.lidars, log.world_from_rig};
+  return {std::move(scene), log.cameras, log.lidars, log.world_from_rig, frame_spans(log)};
 }
 inline EvalReport compare(const Log& log, const Scene& scene, const EvalOptions& options) {
   return Evaluation(Device::best(), file_of(log, scene), log, options).run();

@@ -71,6 +71,8 @@ assert scene.device in simuli.devices()
 (name, camera), = scene.cameras.items()
 height, width = camera.shape
 start_s, end_s = scene.span
+recorded = scene.recorded_frames[name]
+assert len(recorded) == 6 and all(start_s <= start <= end for start, end in recorded), recorded
 
 # Frames: the same wherever the pose comes from; arrays are the frame's own memory and keep it alive.
 frame = scene.render(name, time_s=start_s)

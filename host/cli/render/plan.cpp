@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "io/log/log.hpp"
+#include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -48,8 +49,8 @@ double duration_of(const Sensor& sensor, const PlanOptions& options) {
          "the read-out time in s, as camera " + sensor.camera().name + " has a rolling shutter");
 }
 
-std::vector<Span> spans_at(const std::vector<double>& starts_s, double duration_s) {
-  std::vector<Span> spans;
+std::vector<FrameSpan> spans_at(const std::vector<double>& starts_s, double duration_s) {
+  std::vector<FrameSpan> spans;
   for (const double t : starts_s) spans.push_back({t, t + duration_s});
   return spans;
 }
@@ -66,31 +67,22 @@ std::vector<double> parse_times(const std::string& text) {
   return times;
 }
 
-/// Times of the log's frames of this sensor, or the starts of those of the log's first LiDAR.
-/// What a LiDAR takes that the log does not have: `duration_s`.
-std::vector<Span> recorded_spans(const Log& log, const Sensor& sensor, double duration_s) {
-  std::vector<Span> spans;
-  if (sensor.is_camera()) {
-    for (const ImageFrame& f : log.images) {
-      if (f.camera == sensor.camera().name) spans.push_back({f.time_start_s, f.time_end_s});
-    }
-  } else if (!log.lidars.empty()) {
-    const std::string& own = name_of(sensor.lidar());
-    const bool is_there = std::any_of(
-        log.lidars.begin(), log.lidars.end(), [&](const LogLidar& l) { return name_of(l.model) == own; });
-    const std::string& name = is_there ? own : name_of(log.lidars.front().model);
-    for (const SweepFrame& f : log.sweeps) {
-      if (f.lidar != name) continue;
-      spans.push_back({f.time_start_s, is_there ? f.time_end_s : f.time_start_s + duration_s});
-    }
-  }
+/// When they were recorded. What another sensor takes, or --duration says, goes before what was recorded.
+std::vector<FrameSpan> recorded_spans(const SensorRig& rig,
+                                      const std::string& name,
+                                      const Sensor& sensor,
+                                      const PlanOptions& options) {
+  std::vector<FrameSpan> spans = rig.frames(name, sensor);
+  if (spans.empty() || (rig.has(name) && options.duration_s < 0.0)) return spans;
+  const double duration_s = duration_of(sensor, options);
+  for (FrameSpan& span : spans) span.time_end_s = span.time_start_s + duration_s;
   return spans;
 }
 
 /// Makes them those that --frames asks for.
 void select_spans(Plan& plan, const std::string& frames) {
   if (frames.empty()) return;
-  const std::vector<Span> all = plan.spans;
+  const std::vector<FrameSpan> all = plan.spans;
   const std::vector<double> range = parse_numbers("--frames", frames, 2);
   const double a = range[0], b = range[1];
   const bool allowed =
@@ -110,10 +102,10 @@ Trajectory driven(const Trajectory& path, double rate) {
 }
 
 /// Frames that end before the path does.
-std::vector<Span> spans_within(const std::vector<Span>& spans, const Trajectory& path) {
-  std::vector<Span> within;
-  for (const Span& span : spans) {
-    if (span.end_s <= path.end_s() + Trajectory::kExtrapolation_s) within.push_back(span);
+std::vector<FrameSpan> spans_within(const std::vector<FrameSpan>& spans, const Trajectory& path) {
+  std::vector<FrameSpan> within;
+  for (const FrameSpan& span : spans) {
+    if (span.time_end_s <= path.end_s() + Trajectory::kExtrapolation_s) within.push_back(span);
   }
   return within;
 }
@@ -122,16 +114,17 @@ std::vector<Span> spans_within(const std::vector<Span>& spans, const Trajectory&
 
 void add_plan_options(Command sub, PlanOptions& options) {
   sub.option("--trajectory", options.trajectory, "recorded: the scene's own, or a log folder").with_default();
-  sub.option("--times", options.times, "t0:t1:dt, frame starts in s; default: all that was recorded");
-  sub.option("--frames", options.frames, "a:b, first and last of the recorded frames, from 0");
-  sub.option("--duration", options.duration_s, "of one frame, s; default: as the LiDAR says; 0 for cameras")
+  sub.option(
+      "--times", options.times, "t0:t1:dt, frame starts in s of the log; default: the recorded frames");
+  sub.option("--frames", options.frames, "a:b, first and last of the sensor's recorded frames, from 0");
+  sub.option("--duration", options.duration_s, "of one frame, s; default: as recorded, or as the sensor says")
       .non_negative();
   sub.option("--speed", options.speed, "drive the path this many times as fast as recorded")
       .range(0.01, 100.0);
 }
 
 Shot Plan::shot(const Sensor& sensor, std::size_t i) const {
-  return Shot::along(world_from_rig, sensor.rig_from_sensor(), spans[i].start_s, spans[i].end_s);
+  return Shot::along(world_from_rig, sensor.rig_from_sensor(), spans[i].time_start_s, spans[i].time_end_s);
 }
 
 Plan make_plan(const std::string& scene,
@@ -145,23 +138,29 @@ Plan make_plan(const std::string& scene,
   const std::vector<double> times =
       options.times.empty() ? std::vector<double>{} : parse_times(options.times);
   Plan plan;
-  std::vector<Span> recorded;
-  if (options.trajectory == kRecorded) {
+  SensorRig rig;
+  const bool is_recorded = options.trajectory == kRecorded;
+  if (is_recorded) {
     plan.world_from_rig = file.world_from_rig;
     if (plan.world_from_rig.poses().empty()) {
       throw_input_error(scene, "trajectory", "no poses", "at least one, or --trajectory LOG");
     }
-    if (times.empty()) {
-      std::vector<double> starts_s;
-      for (const TimedPose& p : plan.world_from_rig.poses()) starts_s.push_back(p.time_s);
-      recorded = spans_at(starts_s, duration_of(sensor, options));
-    }
+    rig = SensorRig(file);
   } else {
     const Log log = read_log(options.trajectory);
     plan.world_from_rig = log.world_from_rig;
-    recorded =
-        recorded_spans(log, sensor, options.duration_s < 0.0 ? sensor.duration_s() : options.duration_s);
-    if (times.empty() && recorded.empty()) {
+    rig = SensorRig(log);
+  }
+  std::vector<FrameSpan> recorded;
+  if (times.empty()) {
+    recorded = recorded_spans(rig, name, sensor, options);
+    if (recorded.empty() && is_recorded) {
+      throw_input_error(scene,
+                        "recorded_frames of " + name,
+                        "none, as in every scene of an older version",
+                        "at least one, or --times, or --trajectory LOG");
+    }
+    if (recorded.empty()) {
       throw_input_error(options.trajectory, "frames of " + name, "none", "at least one, or --times");
     }
   }

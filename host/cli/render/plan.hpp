@@ -23,14 +23,9 @@ struct PlanOptions {
 
 void add_plan_options(Command sub, PlanOptions& options);
 
-struct Span {
-  double start_s = 0.0;
-  double end_s = 0.0;
-};
-
 struct Plan {
   Trajectory world_from_rig;
-  std::vector<Span> spans;
+  std::vector<FrameSpan> spans;
   std::size_t first = 0;  // number of the first span's frame
 
   [[nodiscard]] Shot shot(const Sensor& sensor, std::size_t i) const;

@@ -64,7 +64,7 @@ double frame_rate(const Plan& plan, const RenderCommand& command) {
   if (command.frames_per_s > 0.0) return command.frames_per_s;
   constexpr double kUsual = 10.0;
   if (plan.spans.size() < 2) return kUsual;
-  const double seconds = plan.spans.back().start_s - plan.spans.front().start_s;
+  const double seconds = plan.spans.back().time_start_s - plan.spans.front().time_start_s;
   const double rate = static_cast<double>(plan.spans.size() - 1) / seconds;
   return seconds > 0.0 ? std::clamp(rate, kLeastRate, kMostRate) : kUsual;
 }
