@@ -13,7 +13,7 @@ set(SIMULI_PUBLIC_base
   host/base/fields.hpp host/base/precision.hpp)
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
-  host/scene/pose.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
+  host/scene/pose.hpp host/scene/mounting.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
   host/scene/ray_drop.hpp host/scene/scene.hpp host/scene/edit.hpp)
 set(SIMULI_PUBLIC_sensors
   "Cameras, LiDARs and the paths that carry them."

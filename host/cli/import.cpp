@@ -143,7 +143,8 @@ void import_splats(SplatCommand command, const Globals& globals) {
   need_new_path(command.output);
   if (command.axes == "y-up") command.placement.axes = SplatAxes::kYUp;
   if (command.axes == "z-up") command.placement.axes = SplatAxes::kZUp;
-  if (!command.pose.empty()) command.placement.world_from_model = parse_pose("--pose", command.pose);
+  if (!command.pose.empty())
+    command.placement.world_from_model = parse_mounting("--pose", command.pose).rig_from_lidar();
   const SceneFile scene = scene_of_splats(command.file, command.placement);
   write_scene(command.output, scene);
   const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);

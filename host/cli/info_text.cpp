@@ -1,3 +1,4 @@
+#include <cmath>
 #include <fmt/format.h>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -5,6 +6,7 @@
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/info.hpp"
+#include "host/scene/mounting.hpp"
 #include "io/log/sensor_json.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "io/scene/training_json.hpp"
@@ -64,10 +66,27 @@ std::string camera_line(const Camera& c) {
                      simuli::to_string(c.shutter));
 }
 
+/// As `simuli render --mount` takes it, to a micrometre.
+std::string mount_line(const Mounting& m) {
+  const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6 + 0.0; };  // no -0
+  return fmt::format("mounted at {},{},{},{},{},{}",
+                     rounded(m.position_m.x()),
+                     rounded(m.position_m.y()),
+                     rounded(m.position_m.z()),
+                     rounded(m.roll_deg),
+                     rounded(m.pitch_deg),
+                     rounded(m.yaw_deg));
+}
+
 std::string sensors_text(const std::vector<LogCamera>& cameras, const std::vector<LogLidar>& lidars) {
   std::string text;
-  for (const LogCamera& camera : cameras) text += "  " + camera_line(camera.model) + "\n";
-  for (const LogLidar& lidar : lidars) text += "  " + lidar_line(lidar.model) + "\n";
+  for (const LogCamera& c : cameras) {
+    text +=
+        fmt::format("  {}, {}\n", camera_line(c.model), mount_line(Mounting::of_camera(c.rig_from_camera)));
+  }
+  for (const LogLidar& l : lidars) {
+    text += fmt::format("  {}, {}\n", lidar_line(l.model), mount_line(Mounting::of_lidar(l.rig_from_lidar)));
+  }
   return text;
 }
 

@@ -64,15 +64,10 @@ Eigen::Vector<double, N> numbers(const char* option, const std::string& text, co
 
 }  // namespace
 
-Pose parse_pose(const char* option, const std::string& text) {
+Mounting parse_mounting(const char* option, const std::string& text) {
   const Eigen::Vector<double, 6> v =
       numbers<6>(option, text, "X,Y,Z,ROLL,PITCH,YAW, finite numbers, m and degrees");
-  const auto about = [](double degrees, const Eigen::Vector3d& axis) {
-    return Eigen::AngleAxisd(degrees * kDegree, axis);
-  };
-  return {about(v[5], Eigen::Vector3d::UnitZ()) * about(v[4], Eigen::Vector3d::UnitY()) *
-              about(v[3], Eigen::Vector3d::UnitX()),
-          v.head<3>()};
+  return {v.head<3>(), v[3], v[4], v[5]};
 }
 
 void add_edit_options(Command sub, Edits& edits) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/cli/base/command.hpp"
+#include "host/scene/mounting.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -20,9 +21,8 @@ struct Edits {
   std::vector<std::string> remove;     // ACTOR
 };
 
-/// "X,Y,Z,ROLL,PITCH,YAW", m and degrees: yaw about z, then pitch about y, then roll about x. Error{kUsage}
-/// naming `option` for anything else.
-[[nodiscard]] Pose parse_pose(const char* option, const std::string& text);
+/// "X,Y,Z,ROLL,PITCH,YAW", m and degrees. Error{kUsage} naming `option` for anything else.
+[[nodiscard]] Mounting parse_mounting(const char* option, const std::string& text);
 
 void add_edit_options(Command sub, Edits& edits);
 /// Each as it is given, in the order in which they are applied: "--remove car".
