@@ -89,16 +89,6 @@ LidarFile lidar_file_from_json(JsonObject& object) {
   return file;
 }
 
-SensorFile file_from_json(JsonObject& object) {
-  const std::string kind = object.text("kind");  // here none is meant when it is missing
-  if (kind == kCamera) return camera_file_from_json(object);
-  if (kind == "lidar" || kind == "ray_list") return lidar_file_from_json(object);
-  throw_input_error(object.file(),
-                    object.field("kind"),
-                    Json(kind).dump(-1, ' ', true),
-                    fmt::format("{}, {}", kCamera, kLidars));
-}
-
 /// The sensor of a file where it is of that kind.
 template <class File>
 File read_kind(const std::filesystem::path& path, const char* found, const char* allowed) {
@@ -115,8 +105,18 @@ void check(const LidarFile& file, const std::string& where) { validate(file.mode
 
 }  // namespace
 
+SensorFile sensor_file_from_json(JsonObject& object) {
+  const std::string kind = object.text("kind");  // here none is meant when it is missing
+  if (kind == kCamera) return camera_file_from_json(object);
+  if (kind == "lidar" || kind == "ray_list") return lidar_file_from_json(object);
+  throw_input_error(object.file(),
+                    object.field("kind"),
+                    Json(kind).dump(-1, ' ', true),
+                    fmt::format("{}, {}", kCamera, kLidars));
+}
+
 SensorFile read_sensor_file(const std::filesystem::path& file) {
-  return read_json_text(read_file(file, kMostBytes), file.string(), file_from_json);
+  return read_json_text(read_file(file, kMostBytes), file.string(), sensor_file_from_json);
 }
 
 CameraFile read_camera_file(const std::filesystem::path& file) {

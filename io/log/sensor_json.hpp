@@ -21,5 +21,6 @@ inline constexpr int kMostColumns = 1 << 20;  // of a LiDAR
 /// The content of a sensor file.
 [[nodiscard]] Json to_json(const CameraFile& file);
 [[nodiscard]] Json to_json(const LidarFile& file);
+[[nodiscard]] SensorFile sensor_file_from_json(JsonObject& object);
 
 }  // namespace simuli

@@ -97,10 +97,13 @@ const Sensor* SensorRig::first_like(const Sensor& sensor) const {
 
 Sensor SensorRig::find(const std::string& name) const {
   if (const Sensor* const found = own(name)) return *found;
-  const Sensor sensor = other(name);
+  return in_place(other(name));
+}
+
+Sensor SensorRig::in_place(const Sensor& sensor) const {
   const Sensor* const place = first_like(sensor);
   if (place == nullptr) {
-    throw_input_error("sensor " + name,
+    throw_input_error("sensor " + sensor.name(),
                       sensor.is_camera() ? "cameras" : "lidars",
                       "none",
                       "one, in whose place another is to be mounted");

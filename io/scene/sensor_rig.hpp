@@ -29,6 +29,8 @@ class SensorRig {
   [[nodiscard]] Sensor find(const std::string& name) const;
   /// The same; where it has none of that kind, the other is mounted there.
   [[nodiscard]] Sensor find(const std::string& name, const Pose& rig_from_other) const;
+  /// Another sensor, mounted where its first of that kind is. Error{kInput} where it has none.
+  [[nodiscard]] Sensor in_place(const Sensor& sensor) const;
   /// When the frames of `sensor`, which is what find(name) gave, were recorded. Of another than its own:
   /// when those of the sensor in whose place it stands began, and as long as it takes. None where none were.
   [[nodiscard]] std::vector<FrameSpan> frames(const std::string& name, const Sensor& sensor) const;
