@@ -10,9 +10,13 @@
 namespace simuli {
 
 Camera scaled_camera(const Camera& camera, double scale) {
-  const bool allowed = scale > 0.0 && scale <= 1.0;
+  constexpr double kLargestSide_px = 65536.0;
+  const bool allowed = scale > 0.0 && scale * std::max(camera.width, camera.height) <= kLargestSide_px;
   if (!allowed) {
-    throw Error(ErrorKind::kUsage, fmt::format("image scale: found {}, allowed above 0, at most 1", scale));
+    throw Error(ErrorKind::kUsage,
+                fmt::format("image scale: found {}, allowed above 0, and up to {:.0f} pixels a side",
+                            scale,
+                            kLargestSide_px));
   }
   // A hair less, so that 0.1 * 1240 is 124 and not 125.
   const auto side = [scale](int px) { return std::max(1, static_cast<int>(std::ceil(px * scale - 1e-9))); };
@@ -30,6 +34,14 @@ Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) 
                       fmt::format("{} x {} as camera {}", model.width, model.height, model.name));
   }
   if (scaled.width == image.width && scaled.height == image.height) return image;
+  if (scaled.width > image.width || scaled.height > image.height) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("image scale: found {} x {} px of a recorded {} x {}, allowed at most as many",
+                            scaled.width,
+                            scaled.height,
+                            image.width,
+                            image.height));
+  }
   return resize_area(image, scaled.width, scaled.height);
 }
 

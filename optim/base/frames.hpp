@@ -13,11 +13,11 @@
 
 namespace simuli {
 
-/// The camera with sides of ceil(scale * side) pixels. Error{kUsage} unless 0 < scale <= 1.
+/// The camera with sides of ceil(scale * side) pixels. Error{kUsage} unless they are 1 to 65 536.
 [[nodiscard]] Camera scaled_camera(const Camera& camera, double scale);
 
 /// The picture of `frame`, averaged down to the size of `scaled` (scaled_camera of the frame's camera).
-/// Error{kInput} when the file's size is not the log camera's.
+/// Error{kInput} when the file's size is not the log camera's, Error{kUsage} when `scaled` is larger.
 [[nodiscard]] Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled);
 
 /// Where the frame's sensor was when it was taken.

@@ -33,4 +33,56 @@ TEST_F(Cli, CamerasOfFilesAreRendered) {
   EXPECT_EQ(rolling, picture("rolling.json", "--duration 0.1", "rolling_again"));
 }
 
+TEST_F(Cli, SensorsAreMountedAndSizedAsAsked) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  const auto render = [&](const std::string& options, const std::string& to) {
+    const Outcome seen = run("render s.scene --times 0.1:0.1:1 " + options + " -o " + to);
+    EXPECT_EQ(seen.exit_code, 0) << seen.err;
+    return nlohmann::json::parse(simuli::read_file(folder_ / to / "frames.json"));
+  };
+  const auto same = [&](const std::string& a, const std::string& b) {
+    return simuli::read_file(folder_ / a) == simuli::read_file(folder_ / b);
+  };
+  // Where the street's camera and LiDAR are: nothing changes.
+  const std::string told = run("info s.scene").out;
+  EXPECT_NE(told.find("shutter global, mounted at 1.4,0.05,1.5,0,0,0\n"), std::string::npos) << told;
+  EXPECT_NE(told.find("mounted at 0,0,1.9,0,0,0\n"), std::string::npos) << told;
+  (void)render("--sensor front", "front");
+  const auto mounted = render("--sensor front --mount 1.4,0.05,1.5,0,0,0", "mounted");
+  EXPECT_TRUE(same("front/front_000000.png", "mounted/front_000000.png"));
+  EXPECT_EQ(mounted.at("edits"), nlohmann::json({"--mount 1.4,0.05,1.5,0,0,0"}));
+  (void)render("--sensor top", "top");
+  (void)render("--sensor top --mount 0,0,1.9,0,0,0", "top_mounted");
+  EXPECT_TRUE(same("top/top_000000.ply", "top_mounted/top_000000.ply"));
+  // Elsewhere: a built-in one, that of a file; to the left and 2 m up, the rig moved aside, too.
+  (void)render("--sensor top --mount -1,0,2,0,0,90", "turned");
+  EXPECT_FALSE(same("top/top_000000.ply", "turned/top_000000.ply"));
+  const auto left = render("--sensor tum_vi_cam0 --mount -1,0.5,2,0,0,90 --lane-shift 1", "left");
+  EXPECT_EQ(left.at("rig_from_sensor").at("position_m"), nlohmann::json({-1.0, 1.5, 2.0}));
+  const auto& q = left.at("rig_from_sensor").at("rotation_wxyz");  // its z is the rig's y
+  const double w = q.at(0), x = q.at(1), y = q.at(2), z = q.at(3);
+  EXPECT_NEAR(2.0 * (y * z - w * x), 1.0, 1e-9);
+  std::ofstream(folder_ / "mine.json") << run("info s.scene front --json").out;
+  (void)render("--sensor mine.json --mount 1.4,0.05,1.5,0,0,0", "mine");
+  EXPECT_TRUE(same("front/front_000000.png", "mine/mine_000000.png"));
+  // Any size.
+  const auto small = render("--sensor front --size 32x10", "small").at("sensor");
+  EXPECT_EQ(small.at("width_px"), 32);
+  EXPECT_EQ(small.at("height_px"), 10);
+  EXPECT_NEAR(small.at("fx_px").get<double>() / mounted.at("sensor").at("fx_px").get<double>(), 0.5, 1e-12);
+  EXPECT_NEAR(
+      small.at("fy_px").get<double>() / mounted.at("sensor").at("fy_px").get<double>(), 10.0 / 36.0, 1e-12);
+  EXPECT_EQ(render("--sensor front --scale 2.5", "large").at("sensor").at("width_px"), 160);
+  expect_failure("render s.scene --sensor front --scale 0 -o x", kUsage, "allowed above 0");
+  expect_failure("render s.scene --sensor front --scale 1e9 -o x", kUsage, "up to 65536 pixels a side");
+  expect_failure("render s.scene --sensor front --size 64 -o x", kUsage, "2 finite numbers parted by 'x'");
+  expect_failure("render s.scene --sensor front --size 0x9 -o x", kUsage, "whole pixels from 1");
+  expect_failure("render s.scene --sensor front --size 9x9 --scale 2 -o x", kUsage, "--size");
+  expect_failure("render s.scene --sensor top --size 9x9 -o x", kUsage, "allowed with cameras");
+  expect_failure("render s.scene --sensor front --mount 1,2,3 -o x", kUsage, "6 finite numbers");
+}
+
 }  // namespace

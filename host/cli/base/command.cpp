@@ -84,6 +84,11 @@ Option& Option::values(int least, int most) {
   return *this;
 }
 
+Option& Option::one_at_a_time() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
 Option& Option::answers(const std::string& value, std::function<void()> answer) {
   option_->each([value, answer = std::move(answer)](const std::string& given) {
     if (given == value) throw Answer{answer};

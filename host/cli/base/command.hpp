@@ -43,6 +43,8 @@ class Option {
   Option& one_of(std::initializer_list<int> values);
   /// How many values it takes.
   Option& values(int least, int most);
+  /// Of a vector: one value each time that the option is given, any number of times.
+  Option& one_at_a_time();
   /// For this value nothing is run or required: `answer` is, once the whole command line has been read.
   Option& answers(const std::string& value, std::function<void()> answer);
   /// Not together with the option of that name, which stands before this one.

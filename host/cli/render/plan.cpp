@@ -1,42 +1,18 @@
 #include "host/cli/render/plan.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
-#include <system_error>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/cli/render/numbers.hpp"
 #include "io/log/log.hpp"
-#include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
 namespace {
 
 constexpr char kRecorded[] = "recorded";
-
-[[noreturn]] void refuse(const std::string& what, const std::string& found, const std::string& allowed) {
-  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
-}
-
-/// "a:b:c" as `count` numbers.
-std::vector<double> parse_numbers(const char* option, const std::string& text, std::size_t count) {
-  std::vector<double> values;
-  const char* at = text.data();
-  const char* end = at + text.size();
-  while (values.size() < count) {
-    double value = 0.0;
-    const auto result = std::from_chars(at, end, value);
-    if (result.ec != std::errc{} || !std::isfinite(value)) break;
-    values.push_back(value);
-    at = result.ptr;
-    if (values.size() == count && at == end) return values;
-    if (at == end || *at != ':') break;
-    ++at;
-  }
-  refuse(option, text, fmt::format("{} finite numbers parted by ':'", count));
-}
 
 /// How long one frame takes when it is not a recorded one.
 double duration_of(const Sensor& sensor, const PlanOptions& options) {
@@ -57,7 +33,7 @@ std::vector<FrameSpan> spans_at(const std::vector<double>& starts_s, double dura
 
 std::vector<double> parse_times(const std::string& text) {
   constexpr double kMostFrames = 1e6;
-  const std::vector<double> t = parse_numbers("--times", text, 3);
+  const std::vector<double> t = parse_numbers("--times", text, 3, ':');
   const double steps = (t[1] - t[0]) / t[2];
   const bool allowed = t[2] > 0.0 && t[1] >= t[0] && steps < kMostFrames;
   if (!allowed) refuse("--times", text, "t0:t1:dt with t0 <= t1, dt > 0 and less than a million frames");
@@ -68,13 +44,12 @@ std::vector<double> parse_times(const std::string& text) {
 }
 
 /// When they were recorded. What another sensor takes, or --duration says, goes before what was recorded.
-std::vector<FrameSpan> recorded_spans(const SensorRig& rig,
-                                      const std::string& name,
-                                      const Sensor& sensor,
+std::vector<FrameSpan> recorded_spans(const SensorRig& recorded,
+                                      const RigSensor& asked,
                                       const PlanOptions& options) {
-  std::vector<FrameSpan> spans = rig.frames(name, sensor);
-  if (spans.empty() || (rig.has(name) && options.duration_s < 0.0)) return spans;
-  const double duration_s = duration_of(sensor, options);
+  std::vector<FrameSpan> spans = recorded.frames(asked.model, asked.sensor);
+  if (spans.empty() || (recorded.has(asked.model) && options.duration_s < 0.0)) return spans;
+  const double duration_s = duration_of(asked.sensor, options);
   for (FrameSpan& span : spans) span.time_end_s = span.time_start_s + duration_s;
   return spans;
 }
@@ -83,7 +58,7 @@ std::vector<FrameSpan> recorded_spans(const SensorRig& rig,
 void select_spans(Plan& plan, const std::string& frames) {
   if (frames.empty()) return;
   const std::vector<FrameSpan> all = plan.spans;
-  const std::vector<double> range = parse_numbers("--frames", frames, 2);
+  const std::vector<double> range = parse_numbers("--frames", frames, 2, ':');
   const double a = range[0], b = range[1];
   const bool allowed =
       a >= 0.0 && b >= a && b < static_cast<double>(all.size()) && a == std::floor(a) && b == std::floor(b);
@@ -127,48 +102,41 @@ Shot Plan::shot(const Sensor& sensor, std::size_t i) const {
   return Shot::along(world_from_rig, sensor.rig_from_sensor(), spans[i].time_start_s, spans[i].time_end_s);
 }
 
-Plan make_plan(const std::string& scene,
-               const SceneFile& file,
-               const std::string& name,
-               const Sensor& sensor,
-               const PlanOptions& options) {
+Drive read_drive(const std::string& scene, const SceneFile& file, const PlanOptions& options) {
+  if (options.trajectory != kRecorded) {
+    const Log log = read_log(options.trajectory);
+    return {options.trajectory, log.world_from_rig, SensorRig(log)};
+  }
+  if (file.world_from_rig.poses().empty()) {
+    throw_input_error(scene, "trajectory", "no poses", "at least one, or --trajectory LOG");
+  }
+  return {scene, file.world_from_rig, SensorRig(file)};
+}
+
+Plan make_plan(const Drive& drive, const RigSensor& asked, const PlanOptions& options) {
   if (!options.times.empty() && !options.frames.empty()) {
     refuse("--frames", options.frames, "either --times or --frames");
   }
   const std::vector<double> times =
       options.times.empty() ? std::vector<double>{} : parse_times(options.times);
   Plan plan;
-  SensorRig rig;
-  const bool is_recorded = options.trajectory == kRecorded;
-  if (is_recorded) {
-    plan.world_from_rig = file.world_from_rig;
-    if (plan.world_from_rig.poses().empty()) {
-      throw_input_error(scene, "trajectory", "no poses", "at least one, or --trajectory LOG");
-    }
-    rig = SensorRig(file);
-  } else {
-    const Log log = read_log(options.trajectory);
-    plan.world_from_rig = log.world_from_rig;
-    rig = SensorRig(log);
-  }
+  plan.world_from_rig = drive.world_from_rig;
   std::vector<FrameSpan> recorded;
   if (times.empty()) {
-    recorded = recorded_spans(rig, name, sensor, options);
-    if (recorded.empty() && is_recorded) {
-      throw_input_error(scene,
-                        "recorded_frames of " + name,
-                        "none, as in every scene of an older version",
-                        "at least one, or --times, or --trajectory LOG");
-    }
+    recorded = recorded_spans(drive.recorded, asked, options);
     if (recorded.empty()) {
-      throw_input_error(options.trajectory, "frames of " + name, "none", "at least one, or --times");
+      throw_input_error(
+          drive.source,
+          "recorded_frames of " + asked.sensor.name(),
+          options.trajectory == kRecorded ? "none (a scene of an older version has none)" : "none",
+          "at least one, or --times, or another --trajectory LOG");
     }
   }
   if (options.speed != 1.0) {
     plan.world_from_rig = driven(plan.world_from_rig, options.speed);
     recorded = spans_within(recorded, plan.world_from_rig);
   }
-  plan.spans = times.empty() ? std::move(recorded) : spans_at(times, duration_of(sensor, options));
+  plan.spans = times.empty() ? std::move(recorded) : spans_at(times, duration_of(asked.sensor, options));
   select_spans(plan, options.frames);
   return plan;
 }

@@ -8,6 +8,7 @@
 #include "host/render/scene/shot.hpp"
 #include "host/sensors/sensor.hpp"
 #include "host/sensors/trajectory.hpp"
+#include "io/scene/rig_file.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -31,12 +32,18 @@ struct Plan {
   [[nodiscard]] Shot shot(const Sensor& sensor, std::size_t i) const;
 };
 
-/// The frames of `sensor`, which --sensor calls `name`, in the scene of the folder `scene`. Error{kUsage} for
-/// options that can't be, Error{kInput} where there is no path or no frame.
-[[nodiscard]] Plan make_plan(const std::string& scene,
-                             const SceneFile& file,
-                             const std::string& name,
-                             const Sensor& sensor,
-                             const PlanOptions& options);
+/// A path, and what was recorded along it.
+struct Drive {
+  std::string source;  // the folder that it is of
+  Trajectory world_from_rig;
+  SensorRig recorded;
+};
+
+/// The path of --trajectory: that of the scene in the folder `scene`, or a log's. Error{kInput} where there
+/// is none.
+[[nodiscard]] Drive read_drive(const std::string& scene, const SceneFile& file, const PlanOptions& options);
+
+/// The frames of `sensor`. Error{kUsage} for options that can't be, Error{kInput} where there is no frame.
+[[nodiscard]] Plan make_plan(const Drive& drive, const RigSensor& sensor, const PlanOptions& options);
 
 }  // namespace simuli::cli

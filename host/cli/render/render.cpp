@@ -18,12 +18,11 @@
 #include "host/cli/base/video.hpp"
 #include "host/cli/render/frame_files.hpp"
 #include "host/cli/render/plan.hpp"
+#include "host/cli/render/sensors.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/base/file.hpp"
 #include "io/scene/frames_file.hpp"
-#include "io/scene/sensor_rig.hpp"
-#include "optim/base/frames.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -32,29 +31,14 @@ namespace fs = std::filesystem;
 
 struct RenderCommand {
   std::string scene;
-  std::string sensor;
+  SensorOptions sensors;
   PlanOptions plan;
-  double lane_shift_m = 0.0;
   Edits edits;
-  double scale = 1.0;
   std::string output;
   FileOptions files;
   double frames_per_s = 0.0;  // of a video; 0: as the frames follow each other
   std::vector<std::string> settings;
 };
-
-/// The sensor as asked for: pictures at --scale, frames of --duration. A LiDAR's --duration 0 is a frame's
-/// (all stands still while it turns), not the LiDAR's, whose beams still fire one after the other.
-Sensor find_sensor(const SceneFile& file, const RenderCommand& command) {
-  Sensor sensor = SensorRig(file).find(command.sensor);
-  if (sensor.is_camera()) {
-    const Camera scaled = scaled_camera(sensor.camera(), command.scale);
-    sensor = sensor.resized(scaled.width, scaled.height);
-  }
-  const bool is_told =
-      command.plan.duration_s > 0.0 || (command.plan.duration_s == 0.0 && sensor.is_camera());
-  return is_told ? sensor.with_duration(command.plan.duration_s) : sensor;
-}
 
 /// Frames per second of videos: others no player shows, nor does ffmpeg write them.
 constexpr double kLeastRate = 0.01, kMostRate = 1000.0;
@@ -79,8 +63,9 @@ FramesRecord record_of(const RenderCommand& command,
   record.scene = scene.scene().name;
   record.trajectory = command.plan.trajectory;
   record.edits = lines_of(command.edits);
-  if (command.lane_shift_m != 0.0)
-    record.edits.push_back(fmt::format("--lane-shift {}", command.lane_shift_m));
+  if (!command.sensors.mount.empty()) record.edits.push_back("--mount " + command.sensors.mount);
+  if (command.sensors.lane_shift_m != 0.0)
+    record.edits.push_back(fmt::format("--lane-shift {}", command.sensors.lane_shift_m));
   if (command.plan.speed != 1.0) record.edits.push_back(fmt::format("--speed {}", command.plan.speed));
   record.quality = quality_names()[static_cast<std::size_t>(globals.quality)];
   record.settings = simuli::lines_of(options);
@@ -88,6 +73,78 @@ FramesRecord record_of(const RenderCommand& command,
   record.device = scene.device().info().label();
   record.driver = scene.device().info().driver_version;
   return record;
+}
+
+/// Whether each sensor has a folder of its own in the output's.
+bool has_folders(const RenderCommand& command) {
+  return !command.sensors.rig.empty() || command.sensors.names.size() > 1;
+}
+
+/// One sensor, and its frames.
+struct SensorPlan {
+  Sensor sensor;
+  Plan plan;
+};
+
+std::vector<SensorPlan> views_of(const SceneFile& file, const RenderCommand& command) {
+  const Drive drive = read_drive(command.scene, file, command.plan);
+  std::vector<SensorPlan> views;
+  for (const RigSensor& asked : find_sensors(file, command.sensors, command.plan.duration_s)) {
+    views.push_back({asked.sensor, make_plan(drive, asked, command.plan)});
+  }
+  return views;
+}
+
+fs::path folder_of(const SensorPlan& view, const RenderCommand& command) {
+  return has_folders(command) ? fs::path(command.output) / view.sensor.name() : fs::path(command.output);
+}
+
+/// Pictures or clouds, and frames.json, into a folder that there is.
+template <class OnFrame>
+void write_frames(SceneOnDevice& scene,
+                  const SensorPlan& view,
+                  const FrameFiles& files,
+                  FramesRecord record,
+                  const fs::path& folder,
+                  const OnFrame& on_frame) {
+  files.describe(record, scene.scene());
+  for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+    const Frame frame = scene.render(view.sensor, view.plan.shot(view.sensor, i), files.request());
+    const Shot& shot = frame.shot();
+    record.frames.push_back(
+        {files.write(frame, folder, fmt::format("{}_{:06d}", view.sensor.name(), view.plan.first + i)),
+         shot.time_start_s,
+         shot.time_end_s,
+         shot.world_from_sensor_start,
+         shot.world_from_sensor_end});
+    on_frame();
+  }
+  write_frames_file(folder / "frames.json", record);
+}
+
+void print_outcome(const RenderCommand& command,
+                   const Globals& globals,
+                   const std::vector<SensorPlan>& views,
+                   const std::string& device) {
+  if (!globals.json) {
+    for (const SensorPlan& view : views) {
+      std::cout << fmt::format("{} frames of {} in {}\n",
+                               view.plan.spans.size(),
+                               view.sensor.name(),
+                               folder_of(view, command).string());
+    }
+    return;
+  }
+  nlohmann::ordered_json sensors = nlohmann::ordered_json::array();
+  for (const SensorPlan& view : views) {
+    sensors.push_back({{"folder", folder_of(view, command).string()},
+                       {"sensor", view.sensor.name()},
+                       {"frames", view.plan.spans.size()}});
+  }
+  nlohmann::ordered_json out =
+      has_folders(command) ? nlohmann::ordered_json{{"sensors", sensors}} : sensors.front();
+  out["device"] = device;
+  std::cout << json_text(out) << '\n';
 }
 
 void render(const RenderCommand& command, const Globals& globals) {
@@ -102,51 +159,42 @@ void render(const RenderCommand& command, const Globals& globals) {
   SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, options);
   apply(command.edits, file);
-  const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, command.lane_shift_m, 0.0}};
-  Sensor sensor = find_sensor(file, command);
-  sensor = sensor.mounted(rig_from_shifted * sensor.rig_from_sensor());
-  const Plan plan = make_plan(command.scene, file, command.sensor, sensor, command.plan);
+  const std::vector<SensorPlan> views = views_of(file, command);
+  if (is_video(command.output) && views.size() > 1) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("-o: found \"{}\" for {} sensors, allowed a folder, or one sensor",
+                            command.output,
+                            views.size()));
+  }
+  std::size_t frames = 0, done = 0;
+  for (const SensorPlan& view : views) frames += view.plan.spans.size();
 
   SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
   FileProgress progress("render", globals);
-  const auto on_frame = progress.callback();
-  const auto run = [&](const FrameRequest& request, const auto& use) {
-    for (std::size_t i = 0; i < plan.spans.size(); ++i) {
-      use(i, scene.render(sensor, plan.shot(sensor, i), request));
-      on_frame(i + 1, plan.spans.size());
-    }
-  };
+  const auto on_frame = [&, tell = progress.callback()] { tell(++done, frames); };
   if (is_video(command.output)) {
-    Video video(command.output, frame_rate(plan, command));
-    run({}, [&](std::size_t, const Frame& frame) { video.add(shown(frame)); });
+    const SensorPlan& view = views.front();
+    Video video(command.output, frame_rate(view.plan, command));
+    for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+      video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i))));
+      on_frame();
+    }
     video.finish();
   } else {
-    const FrameFiles files(command.files, sensor, plan);
-    FramesRecord record = record_of(command, globals, options, sensor, scene);
-    files.describe(record, scene.scene());
+    std::vector<FrameFiles> files;
+    for (const SensorPlan& view : views) files.emplace_back(command.files, view.sensor, view.plan);
     write_folder_atomically(command.output, [&](const fs::path& folder) {
-      run(files.request(), [&](std::size_t i, const Frame& frame) {
-        const Shot& shot = frame.shot();
-        record.frames.push_back(
-            {files.write(frame, folder, fmt::format("{}_{:06d}", sensor.name(), plan.first + i)),
-             shot.time_start_s,
-             shot.time_end_s,
-             shot.world_from_sensor_start,
-             shot.world_from_sensor_end});
-      });
-      write_frames_file(folder / "frames.json", record);
+      for (std::size_t k = 0; k < views.size(); ++k) {
+        const Sensor& sensor = views[k].sensor;
+        const fs::path to = has_folders(command) ? folder / sensor.name() : folder;
+        fs::create_directories(to);
+        write_frames(
+            scene, views[k], files[k], record_of(command, globals, options, sensor, scene), to, on_frame);
+      }
     });
   }
   progress.finish();
-  if (globals.json) {
-    const nlohmann::ordered_json out = {{"folder", command.output},
-                                        {"sensor", sensor.name()},
-                                        {"frames", plan.spans.size()},
-                                        {"device", scene.device().info().label()}};
-    std::cout << json_text(out) << '\n';
-  } else {
-    std::cout << fmt::format("{} frames of {} in {}\n", plan.spans.size(), sensor.name(), command.output);
-  }
+  print_outcome(command, globals, views, scene.device().info().label());
 }
 
 }  // namespace
@@ -155,21 +203,17 @@ void add_render(Command app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
   Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
   sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required();
-  sub.option("--sensor",
-             command->sensor,
-             "a sensor of the scene; or a built-in camera or LiDAR, or one of a file, in its place")
-      .required();
+  add_sensor_options(sub, command->sensors);
   sub.option("-o,--output",
              command->output,
-             "folder to make: pictures, or clouds and range pictures, and frames.json; or a video.mp4")
+             "folder to make: pictures, or clouds and range pictures, and frames.json; of several sensors in "
+             "a folder each; or a video.mp4")
       .required();
   add_file_options(sub, command->files);
   sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
       .range(kLeastRate, kMostRate);
   add_plan_options(sub, command->plan);
-  sub.option("--lane-shift", command->lane_shift_m, "move the rig to its left, m");
   add_edit_options(sub, command->edits);
-  sub.option("--scale", command->scale, "size of the pictures over the camera's own");
   const auto options = std::make_shared<RenderOptions>();
   const auto fields = [options, &globals] {
     *options = options_of(globals.quality);
