@@ -2,6 +2,8 @@
 #include <arpa/inet.h>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <httplib.h>
 #include <memory>
@@ -98,6 +100,22 @@ TEST_F(ViewCli, SlowAndIdleClientsDelayNobody) {
   EXPECT_LT(seconds(), kSoon_s);
 }
 
+TEST_F(ViewCli, TheTokenNeedNotBeOnTheCommandLine) {
+  make_scene();
+  std::ofstream(folder_ / "token.txt") << "a b&c=#\r\nsecond line\n";
+  const auto expect_token = [&](const std::string& token) {
+    EXPECT_EQ(client_->Get("/api/scene", {{"X-Simuli-Token", "other"}})->status, 401);
+    EXPECT_EQ(client_->Get("/api/scene", {{"X-Simuli-Token", token}})->status, 200);
+  };
+  start({"--token-file", (folder_ / "token.txt").string()});
+  expect_token("a b&c=#");
+  EXPECT_NE(viewer_->output().find("/?token=a%20b%26c%3D%23\n"), std::string::npos) << viewer_->output();
+  ::setenv("SIMULI_VIEW_TOKEN", "of the environment", 1);
+  start();
+  ::unsetenv("SIMULI_VIEW_TOKEN");
+  expect_token("of the environment");
+}
+
 TEST_F(ViewCli, OtherHostsNeedAToken) {
   make_scene();
   expect_failure("view s.scene --host 0.0.0.0 --port 0", kUsage, "--token");
@@ -105,6 +123,10 @@ TEST_F(ViewCli, OtherHostsNeedAToken) {
   EXPECT_EQ(client_->Get("/api/scene")->status, 401);
   EXPECT_EQ(client_->Get("/api/scene", {{"X-Simuli-Token", "Secret"}})->status, 401);
   EXPECT_EQ(client_->Get("/api/scene", {{"X-Simuli-Token", "secret"}})->status, 200);
+  expect_failure("view s.scene --host 0.0.0.0 --port 0 --token a --token-file b", kUsage, "--token");
+  expect_failure("view s.scene --port 0 --token-file none", kInput, "none: ");
+  std::ofstream(folder_ / "token.txt") << "\nsecret\n";
+  expect_failure("view s.scene --port 0 --token-file token.txt", kInput, "an empty line");
   expect_failure("view s.scene --port " + std::to_string(port_), kUsage, "--port");  // taken
 }
 

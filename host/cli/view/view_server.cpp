@@ -86,8 +86,8 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
   if (!loopback && options.token.empty()) {
     throw Error(
         ErrorKind::kUsage,
-        fmt::format("--host: found {} without --token, allowed 127.0.0.1, localhost, ::1, or a token that "
-                    "pages must know",
+        fmt::format("--host: found {} without a token, allowed 127.0.0.1, localhost, ::1, or a token that "
+                    "pages must know: --token, --token-file, $SIMULI_VIEW_TOKEN",
                     options.host));
   }
   impl_->options = options;
