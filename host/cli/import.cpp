@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/base/split.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
@@ -49,12 +50,37 @@ void run_import(const char* name, const Globals& globals, const Run& run, const 
   print_log(log, globals.json);
 }
 
+/// "3, 177 to 180"; what is beyond the tenth run is only told to be there.
+std::string runs_text(const std::vector<std::size_t>& numbers) {
+  constexpr int kMostRuns = 10;
+  std::string text;
+  int runs = 0;
+  for (std::size_t i = 0; i < numbers.size() && runs <= kMostRuns; ++runs) {
+    std::size_t last = i;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    if (runs > 0) text += ", ";
+    if (runs == kMostRuns) return text + "and more";
+    text += fmt::format("{}", numbers[i]);
+    if (last > i) text += fmt::format(" to {}", numbers[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
 void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
   run_import<KittiReport>(
       "kitti",
       globals,
       [&](const auto& progress, KittiReport& r) { return import_kitti(options, progress, &r); },
-      print_report);
+      [](const KittiReport& r) {
+        for (const KittiGaps& gaps : r.gaps) {
+          std::cerr << fmt::format("{}: nothing recorded in {} of the frames: {}\n",
+                                   gaps.sensor,
+                                   gaps.frames.size(),
+                                   runs_text(gaps.frames));
+        }
+        print_report(r);
+      });
 }
 
 void import_kitti360_sequence(const Kitti360Options& options, const Globals& globals) {
@@ -180,9 +206,17 @@ void add_import(Command app, const Globals& globals) {
   import.require_command();
 
   const auto options = std::make_shared<KittiOptions>();
-  Command kitti = import.command("kitti", "KITTI raw drive: left colour camera, HDL-64E, oxts");
+  Command kitti = import.command("kitti", "KITTI raw drive: colour cameras, HDL-64E, oxts");
   kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent").required();
   kitti.option("-o,--output", options->output, "log folder to write").required();
+  kitti
+      .option(
+          "--cameras",
+          [options](const std::string& names) { options->cameras = split(names, ','); },
+          "of image_02 (left) and image_03 (right), parted by commas")
+      .shown_as("NAME,...", "image_02");
+  kitti.option("--first", options->first, "number of the first frame; default: 0");
+  kitti.option("--last", options->last, "number of the last frame; default: the drive's");
   kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
   kitti.option("--tracking",
                options->tracking,

@@ -198,7 +198,7 @@ constexpr std::array kReaders{
     FuzzedReader{"kitti_poses",
                  Form::kJson,
                  [](const fs::path& f) {
-                   (void)kitti::read_pose_file(f, {0, 100'000'000}, 0);
+                   (void)kitti::read_pose_file(f, {0, 100'000'000}, 0, {0, 1});
                  },
                  "poses.json"},
     FuzzedReader{"kitti_tracking",

@@ -1,6 +1,7 @@
 // Actors on disk: in log.json, in scene.json with the particles' numbers in the PLY files, and in the label
 // files of the KITTI tracking benchmark.
 #include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -193,6 +194,21 @@ TEST(KittiTracking, PutsBoxesIntoTheWorldWhenTheLaserMetThem) {
   const Pose& left = actors[0].track[0].world_from_actor;
   EXPECT_TRUE(left.translation.isApprox(Vector3d(1.25, 5.0, -0.08 - 1.8 + 1.0), 1e-9)) << left.translation;
   EXPECT_TRUE((left.rotation * Vector3d::UnitX()).isApprox(-Vector3d::UnitY(), 1e-9));
+}
+
+TEST(KittiTracking, NumbersFramesFromTheDrivesFirst) {
+  const Scratch scratch;
+  std::string lines;
+  for (int frame = 0; frame < 9; ++frame) {
+    lines += fmt::format("{} 7 Car 0 0 0 1 2 3 4 1.5 1.8 4.0 0.0 1.8 9.73 -1.57\n", frame);
+  }
+  kitti::SweepTimes sweeps = two_sweeps();
+  sweeps.first = 5;
+  const std::vector<Actor> actors =
+      kitti::read_tracking(scratch.file("label.txt", lines), rect00_from_velo(), sweeps);
+  ASSERT_EQ(actors.size(), 1U);
+  ASSERT_EQ(actors[0].track.size(), 2U);
+  EXPECT_NEAR(actors[0].track[0].time_s, 0.05, 1e-3);
 }
 
 TEST(KittiTracking, RefusesOtherLines) {

@@ -7,6 +7,7 @@
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
+#include "host/base/split.hpp"
 #include "host/scene/edit.hpp"
 #include "host/scene/placement.hpp"
 #include "io/scene/splat_scene.hpp"
@@ -18,18 +19,6 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const char* option, const std::string& found, const char* allowed) {
   throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", option, found, allowed));
-}
-
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == at) {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
 }
 
 /// `text` parted at ':' into `least` to `most` parts that say something.

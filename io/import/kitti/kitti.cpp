@@ -1,7 +1,9 @@
 #include "io/import/kitti/kitti.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <fmt/format.h>
+#include <optional>
 #include <regex>
 #include <system_error>
 
@@ -17,85 +19,175 @@ namespace {
 namespace fs = std::filesystem;
 using namespace kitti;
 
-struct DriveFiles {
-  fs::path drive;
-  [[nodiscard]] fs::path image(std::size_t i) const {
-    return drive / "image_02" / "data" / fmt::format("{:010}.png", i);
+/// KITTI's cameras and velodyne run at 10 Hz.
+constexpr std::int64_t kFrame_ns = 100'000'000;
+
+/// What a sensor recorded: "FOLDER/data/NNNNNNNNNN.ENDING", and times, a line for each frame.
+struct Recorder {
+  std::string name;
+  fs::path folder;
+  std::string ending;
+  std::vector<std::size_t> present, absent;  // of the frames that are asked for
+
+  [[nodiscard]] fs::path file(std::size_t frame) const {
+    return folder / "data" / fmt::format("{:010}.{}", frame, ending);
   }
-  [[nodiscard]] fs::path sweep(std::size_t i) const {
-    return drive / "velodyne_points" / "data" / fmt::format("{:010}.bin", i);
+  [[nodiscard]] bool has(std::size_t frame) const {
+    return std::binary_search(present.begin(), present.end(), frame);
   }
 };
 
-/// Recorded times of every frame, one line each.
-struct DriveTimes {
-  std::vector<std::int64_t> image_ns, start_ns, forward_ns, end_ns;
-};
-
-/// One more than the highest number of a "NNNNNNNNNN.ending" in the folder.
-std::size_t count_by_number(const fs::path& folder, const std::string& ending) {
-  const std::regex form("[0-9]{10}\\." + ending);
+/// One more than the highest number of a file of the sensor.
+std::size_t count_by_number(const Recorder& recorder) {
+  const std::regex form("[0-9]{10}\\." + recorder.ending);
+  const fs::path folder = recorder.folder / "data";
   std::error_code status;
   std::size_t count = 0;
   for (const auto& entry : fs::directory_iterator(folder, status)) {
     const std::string name = entry.path().filename().string();
     if (std::regex_match(name, form)) count = std::max(count, std::size_t{std::stoull(name)} + 1);
   }
-  if (status) throw_input_error(folder.string(), "folder", status.message(), "a readable folder");
+  if (status)
+    throw_input_error(
+        folder.string(), "folder", status.message(), "what a KITTI raw drive (..._sync) has in it");
   return count;
 }
 
-/// Frames up to the last that has an image or a sweep; each of them must have both.
-std::size_t count_frames(const DriveFiles& files) {
-  const fs::path images = files.image(0).parent_path();
-  const fs::path sweeps = files.sweep(0).parent_path();
-  const std::size_t frames = std::max(count_by_number(images, "png"), count_by_number(sweeps, "bin"));
-  if (frames == 0) throw_input_error(images.string(), "frames", "none", "at least one NNNNNNNNNN.png");
-  for (std::size_t i = 0; i < frames; ++i) {
-    for (const fs::path& file : {files.image(i), files.sweep(i)}) {
-      std::error_code failed;
-      if (!fs::is_regular_file(file, failed)) {
-        throw_input_error(file.string(),
-                          fmt::format("frame {} of {}", i, frames),
-                          failed && is_there(file) ? failed.message() : "no such file",
-                          "a file");
-      }
-    }
-  }
-  return frames;
+/// The frames that are asked for, of `count` in the drive.
+Frames frames_of(const KittiOptions& options, std::size_t count) {
+  const bool is_open = options.last == KittiOptions{}.last;
+  const Frames frames{options.first, is_open ? count - 1 : options.last};
+  if (frames.first <= frames.last && frames.last < count) return frames;
+  throw_input_error(options.drive.string(),
+                    "frames",
+                    fmt::format("{} to {}", frames.first, frames.last),
+                    fmt::format("first to last from 0 to {}, which the drive has", count - 1));
 }
 
-DriveTimes read_times(const fs::path& drive, std::size_t frames) {
-  const auto read = [&](const fs::path& file) {
-    std::vector<std::int64_t> times = read_timestamps_ns(file);
-    if (times.size() < frames) {
+/// Which of the frames are there. No file and an empty one are gaps: the recorder lost sweeps.
+void find_frames(Recorder& recorder, const Frames& frames) {
+  for (std::size_t i = frames.first; i <= frames.last; ++i) {
+    const fs::path file = recorder.file(i);
+    std::error_code failed, ignored;
+    const bool is_file = fs::is_regular_file(file, failed);
+    if (!is_file && is_there(file)) {
       throw_input_error(file.string(),
-                        "lines",
-                        std::to_string(times.size()),
-                        fmt::format("at least {}, one per frame", frames));
+                        fmt::format("frame {} of {} to {}", i, frames.first, frames.last),
+                        failed ? failed.message() : "something that is no file",
+                        "a file");
     }
-    for (std::size_t i = 1; i < frames; ++i) {
-      if (times[i] >= times[i - 1]) continue;
+    const bool is_lost = !is_file || (recorder.ending == "bin" && fs::file_size(file, ignored) == 0);
+    (is_lost ? recorder.absent : recorder.present).push_back(i);
+  }
+  if (!recorder.present.empty()) return;
+  throw_input_error((recorder.folder / "data").string(),
+                    "frames",
+                    fmt::format("none of {} to {}", frames.first, frames.last),
+                    fmt::format("at least one NNNNNNNNNN.{} with something in it", recorder.ending));
+}
+
+/// Times of all frames of the drive from the sensor's file of that name. Those of the present ones are as
+/// recorded; a line that is blank or not there belongs to a lost frame, which lies between its neighbours.
+std::vector<std::int64_t> read_times(const Recorder& recorder, const char* name, std::size_t count) {
+  const fs::path file = recorder.folder / name;
+  const std::vector<std::optional<std::int64_t>> lines = read_lines_ns(file);
+  const std::size_t needed = recorder.present.back() + 1;
+  if (lines.size() < needed) {
+    throw_input_error(file.string(),
+                      "lines",
+                      std::to_string(lines.size()),
+                      fmt::format("at least {}, one per frame", needed));
+  }
+  for (const std::size_t frame : recorder.present) {
+    if (lines[frame]) continue;
+    throw_input_error(file.string(),
+                      fmt::format("line {}", frame + 1),
+                      "nothing",
+                      fmt::format("the time of {}", recorder.file(frame).filename().string()));
+  }
+  std::vector<std::int64_t> times;
+  std::size_t before = count;  // the last frame with a time
+  for (std::size_t i = 0; i < std::min(count, lines.size()); ++i) {
+    if (!lines[i]) continue;
+    if (before < i && *lines[i] < *lines[before]) {
       throw_input_error(file.string(),
                         fmt::format("line {}", i + 1),
                         "a time before that of the line above",
                         "lines in order of time");
     }
-    return times;
-  };
-  const fs::path sweeps = drive / "velodyne_points";
-  DriveTimes times{read(drive / "image_02" / "timestamps.txt"),
-                   read(sweeps / "timestamps_start.txt"),
-                   read(sweeps / "timestamps.txt"),
-                   read(sweeps / "timestamps_end.txt")};
-  for (std::size_t i = 0; i < frames; ++i) {
-    if (times.start_ns[i] < times.forward_ns[i] && times.forward_ns[i] < times.end_ns[i]) continue;
-    throw_input_error((sweeps / "timestamps.txt").string(),
+    // Before the first one, and from it on if there is no other, in KITTI's rhythm.
+    const bool is_first = before == count;
+    const std::int64_t step =
+        is_first ? kFrame_ns : (*lines[i] - *lines[before]) / static_cast<std::int64_t>(i - before);
+    while (times.size() < i) times.push_back(*lines[i] - step * static_cast<std::int64_t>(i - times.size()));
+    times.push_back(*lines[i]);
+    before = i;
+  }
+  while (times.size() < count) times.push_back(times.back() + kFrame_ns);
+  return times;
+}
+
+/// Of a sweep, by frame.
+struct SweepNs {
+  std::vector<std::int64_t> start, forward, end;
+};
+
+SweepNs read_sweep_times(const Recorder& velodyne, std::size_t count) {
+  SweepNs times{read_times(velodyne, "timestamps_start.txt", count),
+                read_times(velodyne, "timestamps.txt", count),
+                read_times(velodyne, "timestamps_end.txt", count)};
+  for (const std::size_t i : velodyne.present) {
+    if (times.start[i] < times.forward[i] && times.forward[i] < times.end[i]) continue;
+    throw_input_error((velodyne.folder / "timestamps.txt").string(),
                       fmt::format("line {}", i + 1),
                       "a time outside the sweep",
                       "a time between those of timestamps_start.txt and timestamps_end.txt");
   }
   return times;
+}
+
+/// Seconds of a turn, on average.
+double turn_s(const Recorder& velodyne, const SweepNs& times) {
+  const std::size_t first = velodyne.present.front(), last = velodyne.present.back();
+  return static_cast<double>(times.end[last] - times.start[first]) * 1e-9 /
+         static_cast<double>(last - first + 1);
+}
+
+std::vector<Recorder> cameras_of(const KittiOptions& options, const fs::path& drive) {
+  std::vector<Recorder> cameras;
+  const std::vector<std::string> left = {"image_02"};
+  for (const std::string& name : options.cameras.empty() ? left : options.cameras) {
+    const bool is_grey = name == "image_00" || name == "image_01";
+    if (name != "image_02" && name != "image_03") {
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("cameras: found \"{}\", allowed image_02, image_03{}",
+                              name,
+                              is_grey ? " (image_00 and image_01 see no colours)" : ""));
+    }
+    const bool is_twice = std::any_of(
+        cameras.begin(), cameras.end(), [&](const Recorder& camera) { return camera.name == name; });
+    if (is_twice) throw Error(ErrorKind::kUsage, fmt::format("cameras: found {} twice, allowed once", name));
+    cameras.push_back({name, drive / name, "png", {}, {}});
+  }
+  return cameras;
+}
+
+/// What lies beside the drive's own recordings comes in archives of its own, and is forgotten.
+void need_calibration(const fs::path& date_folder, bool from_oxts, const fs::path& drive) {
+  if (from_oxts && !is_there(drive / "oxts")) {
+    throw_input_error((drive / "oxts").string(),
+                      "folder",
+                      "no such folder",
+                      "poses of oxts, of a file (--poses), or none (--no-poses, then simuli align)");
+  }
+  for (const char* name : {"calib_cam_to_cam.txt", "calib_velo_to_cam.txt", "calib_imu_to_velo.txt"}) {
+    if (is_there(date_folder / name) || (std::string(name) == "calib_imu_to_velo.txt" && !from_oxts))
+      continue;
+    throw_input_error((date_folder / name).string(),
+                      "file",
+                      "no such file",
+                      "the calibration of the date in the folder above the drive");
+  }
 }
 
 }  // namespace
@@ -106,38 +198,59 @@ Log import_kitti(const KittiOptions& options,
   // "drive", "./drive/" and "." all have a name and a parent once they are absolute.
   const fs::path absolute = (fs::current_path() / options.drive).lexically_normal();
   const fs::path drive = absolute.has_filename() ? absolute : absolute.parent_path();
-  const DriveFiles files{drive};
-  const std::size_t frames = count_frames(files);
-  const DriveTimes times = read_times(drive, frames);
+  std::vector<Recorder> recorders = cameras_of(options, drive);
+  std::vector<std::string> names;
+  for (const Recorder& camera : recorders) names.push_back(camera.name);
+  recorders.push_back({"velodyne", drive / "velodyne_points", "bin", {}, {}});
+  std::size_t count = 0;
+  for (const Recorder& recorder : recorders) count = std::max(count, count_by_number(recorder));
+  if (count == 0) {
+    throw_input_error(
+        (recorders[0].folder / "data").string(), "frames", "none", "at least one NNNNNNNNNN.png");
+  }
+  const Frames frames = frames_of(options, count);
+  for (Recorder& recorder : recorders) find_frames(recorder, frames);
+  const Recorder& velodyne = recorders.back();
+  const SweepNs times = read_sweep_times(velodyne, count);
   const bool from_oxts = options.poses.empty() && !options.without_poses;
-  const Calibration calibration = read_calibration(drive.parent_path(), from_oxts);
+  need_calibration(drive.parent_path(), from_oxts, drive);
+  const Calibration calibration = read_calibration(drive.parent_path(), from_oxts, names);
 
   Log log;
   log.name = name_from(drive.filename().string());
-  log.start_ns = std::min(times.start_ns[0], times.image_ns[0]);
+  std::vector<std::vector<std::int64_t>> picture_ns;
+  log.start_ns = times.start[frames.first];
+  for (std::size_t c = 0; c + 1 < recorders.size(); ++c) {
+    picture_ns.push_back(read_times(recorders[c], "timestamps.txt", count));
+    log.start_ns = std::min(log.start_ns, picture_ns[c][frames.first]);
+  }
   const auto seconds = [&](std::int64_t ns) { return static_cast<double>(ns - log.start_ns) * 1e-9; };
+  const bool to_the_end = frames.last + 1 == count;
+  Frames path = frames.with_margin(kPathMargin);
+  if (to_the_end) path.last = KittiOptions{}.last;
   if (options.without_poses) {
-    log.world_from_rig = Trajectory({{0.0, Pose{}}, {seconds(times.end_ns[frames - 1]), Pose{}}});
+    log.world_from_rig = Trajectory({{0.0, Pose{}}, {seconds(times.end[frames.last]), Pose{}}});
   } else if (from_oxts) {
-    log.world_from_rig = read_oxts(drive, frames, calibration.velo_from_imu, log.start_ns);
+    log.world_from_rig = read_oxts(drive, frames, path, calibration.velo_from_imu, log.start_ns);
   } else {
-    log.world_from_rig = read_pose_file(options.poses, times.forward_ns, log.start_ns);
+    log.world_from_rig = read_pose_file(options.poses, times.forward, log.start_ns, path);
   }
   if (!options.tracking.empty()) {
-    SweepTimes sweeps{{}, {}, log.world_from_rig};
-    for (std::size_t i = 0; i < frames; ++i) {
-      sweeps.start_s.push_back(seconds(times.start_ns[i]));
-      sweeps.end_s.push_back(seconds(times.end_ns[i]));
+    SweepTimes sweeps{{}, {}, log.world_from_rig, frames.first};
+    for (std::size_t i = frames.first; i <= frames.last; ++i) {
+      sweeps.start_s.push_back(seconds(times.start[i]));
+      sweeps.end_s.push_back(seconds(times.end[i]));
     }
     log.actors = read_tracking(options.tracking, calibration.rect00_from_velo, sweeps);
   }
-  const double sweep_s =
-      static_cast<double>(times.end_ns[frames - 1] - times.start_ns[0]) * 1e-9 / static_cast<double>(frames);
   KittiReport counts;
-  log.cameras = {{calibration.camera, calibration.cam02_from_velo.inverse()}};
+  for (const Recorder& recorder : recorders) {
+    if (!recorder.absent.empty()) counts.gaps.push_back({recorder.name, recorder.absent});
+  }
+  log.cameras = calibration.cameras;
   std::vector<fs::path> sweeps;
-  for (std::size_t i = 0; i < frames; ++i) sweeps.push_back(files.sweep(i));
-  log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, sweep_s), counts),
+  for (const std::size_t i : velodyne.present) sweeps.push_back(velodyne.file(i));
+  log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, turn_s(velodyne, times)), counts),
                  Pose{}}};  // the rig's frame is the velodyne's
 
   Log imported;
@@ -146,16 +259,25 @@ Log import_kitti(const KittiOptions& options,
     fs::create_directory(folder / "images");
     fs::create_directory(folder / "sweeps");
     const Lidar& lidar = log.lidars[0].with_rows();
-    for (std::size_t i = 0; i < frames; ++i) {
-      const std::string image_file = fmt::format("images/{:010}.png", i);
-      const std::string sweep_file = fmt::format("sweeps/{:010}.exr", i);
-      copy_picture(files.image(i), folder / image_file, calibration.camera, "S_rect_02");
-      write_sweep(folder / sweep_file, read_turn(sweeps[i], lidar, counts));
-      const double image_s = seconds(times.image_ns[i]);
-      log.images.push_back({calibration.camera.name, image_file, image_s, image_s});
-      log.sweeps.push_back({lidar.name, sweep_file, seconds(times.start_ns[i]), seconds(times.end_ns[i])});
-      if (progress) progress(i + 1, frames);
+    for (std::size_t i = frames.first; i <= frames.last; ++i) {
+      for (std::size_t c = 0; c < log.cameras.size(); ++c) {
+        if (!recorders[c].has(i)) continue;
+        const Camera& camera = log.cameras[c].model;
+        const std::string file = fmt::format("images/{}_{:010}.png", camera.name, i);
+        copy_picture(recorders[c].file(i), folder / file, camera, "S_rect_" + camera.name.substr(6));
+        const double time_s = seconds(picture_ns[c][i]);
+        log.images.push_back({camera.name, file, time_s, time_s});
+      }
+      if (velodyne.has(i)) {
+        const std::string file = fmt::format("sweeps/{:010}.exr", i);
+        write_sweep(folder / file, read_turn(velodyne.file(i), lidar, counts));
+        log.sweeps.push_back({lidar.name, file, seconds(times.start[i]), seconds(times.end[i])});
+      }
+      if (progress) progress(i - frames.first + 1, frames.last - frames.first + 1);
     }
+    std::stable_sort(log.images.begin(), log.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
+      return a.time_start_s < b.time_start_s;
+    });
     write_log(log);
     imported = read_log(folder);  // what was written is what the next command will read
   });

@@ -2,7 +2,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "io/log/log.hpp"
 
@@ -13,7 +15,7 @@ struct KittiOptions {
   std::filesystem::path drive;
   /// JSON with "frames": [{"index", "world_from_velo" 4x4 at "t_sweep_forward", ...}]; empty: poses from
   /// oxts, interpolated by timestamp.
-  std::filesystem::path poses;
+  std::filesystem::path poses = {};
   std::filesystem::path output;
   /// Label file of the KITTI tracking benchmark whose frames are the drive's; empty: no actors.
   std::filesystem::path tracking = {};
@@ -21,6 +23,16 @@ struct KittiOptions {
   bool without_poses = false;
   /// Beam table to read the sweeps with, of a sensor that turns clockwise; empty: the built-in kitti_hdl64e.
   std::filesystem::path lidar = {};
+  /// Of the colour cameras "image_02" (left) and "image_03"; empty: the left one.
+  std::vector<std::string> cameras = {};
+  /// Numbers of the frames, both ends among them; the largest number: up to the drive's end.
+  std::size_t first = 0, last = std::numeric_limits<std::size_t>::max();
+};
+
+/// Frames that a sensor lacks: lost while recording, or empty.
+struct KittiGaps {
+  std::string sensor;
+  std::vector<std::size_t> frames;
 };
 
 /// What became of the points; shares are of these counts.
@@ -31,12 +43,14 @@ struct KittiReport {
   std::size_t rays = 0;                // of all firing grids
   std::size_t returned = 0;            // rays with a return: points - unplaced
   double azimuth_shift_max_rad = 0.0;  // farthest that a measured ray lies from its column's even spacing
+  std::vector<KittiGaps> gaps;         // of the sensors that have any
 };
 
-/// Imports a KITTI raw drive (left colour camera, HDL-64E, oxts) and writes the log folder. The rig's frame
-/// is the velodyne's, the world's is that at the first pose. The output appears complete or not at all.
-/// `progress(done, total)` is called after every frame. Error{kInput} for anything missing, truncated or not
-/// a number, naming the file; frames that lack both image and sweep at the end of the drive are left out.
+/// Imports frames of a KITTI raw drive (colour cameras, HDL-64E, oxts) and writes the log folder. The rig's
+/// frame is the velodyne's, the world's is that at the first pose. The output appears complete or not at all.
+/// `progress(done, total)` is called after every frame. A picture or a sweep that is not there, or a sweep's
+/// file without a byte, is a gap of that sensor; drives have them. Error{kInput} naming the file for anything
+/// else that is missing, truncated or not a number, and for a sensor that recorded none of the frames.
 Log import_kitti(const KittiOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress = {},
                  KittiReport* report = nullptr);

@@ -54,43 +54,54 @@ class CalibrationFile {
   std::map<std::string, std::string> values_;
 };
 
-int whole_pixels(double size, const std::string& file) {
+int whole_pixels(double size, const std::string& file, const std::string& key) {
   if (!(size >= 1.0 && size <= 65536.0 && size == std::floor(size))) {
-    throw_input_error(file, "S_rect_02", fmt::format("{}", size), "whole pixels, 1 to 65536");
+    throw_input_error(file, key, fmt::format("{}", size), "whole pixels, 1 to 65536");
   }
   return static_cast<int>(size);
 }
 
-}  // namespace
-
-Calibration read_calibration(const fs::path& date_folder, bool with_imu) {
-  Calibration calibration;
-  const CalibrationFile cameras(date_folder / "calib_cam_to_cam.txt");
-  const std::vector<double> size = cameras.numbers("S_rect_02", 2);
-  const std::vector<double> p = cameras.numbers("P_rect_02", 12);  // 3x4, row-major
+/// The camera "image_NN", and the rig where the velodyne is.
+LogCamera read_camera(const CalibrationFile& file, const std::string& name, const Pose& rect00_from_velo) {
+  const std::string number = name.substr(name.find('_') + 1);
+  const std::string size_key = "S_rect_" + number, matrix_key = "P_rect_" + number;
+  const std::vector<double> size = file.numbers(size_key, 2);
+  const std::vector<double> p = file.numbers(matrix_key, 12);  // 3x4, row-major
   if (!(p[1] == 0.0 && p[4] == 0.0 && p[8] == 0.0 && p[9] == 0.0 && p[10] == 1.0 && p[0] > 0.0 &&
         p[5] > 0.0)) {
-    throw_input_error(cameras.name(), "P_rect_02", "another form", "f 0 cx a 0 f cy b 0 0 1 c, f above 0");
+    throw_input_error(file.name(), matrix_key, "another form", "f 0 cx a 0 f cy b 0 0 1 c, f above 0");
   }
-  Camera& camera = calibration.camera;
-  camera.name = "image_02";
-  camera.width = whole_pixels(size[0], cameras.name());
-  camera.height = whole_pixels(size[1], cameras.name());
+  Camera camera;
+  camera.name = name;
+  camera.width = whole_pixels(size[0], file.name(), size_key);
+  camera.height = whole_pixels(size[1], file.name(), size_key);
   camera.fx = p[0];
   camera.fy = p[5];
   // KITTI's pixel (0, 0) has its centre at (0, 0), ours at (0.5, 0.5).
   camera.cx = p[2] + 0.5;
   camera.cy = p[6] + 0.5;
-  validate(camera, cameras.name());
+  validate(camera, file.name());
+  // P_rect = K [1 | t]: the camera's centre stands t off the rectified frame of camera 0.
+  Pose camera_from_velo = rect00_from_velo;
+  camera_from_velo.translation +=
+      Eigen::Vector3d((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);
+  return {camera, camera_from_velo.inverse()};
+}
 
-  // P_rect_02 = K [1 | t]: image_02's centre stands t off the rectified frame of camera 0.
-  const Eigen::Vector3d baseline((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);
+}  // namespace
+
+Calibration read_calibration(const fs::path& date_folder,
+                             bool with_imu,
+                             const std::vector<std::string>& cameras) {
+  Calibration calibration;
+  const CalibrationFile file(date_folder / "calib_cam_to_cam.txt");
   Eigen::Matrix<double, 3, 4> rect_from_cam00;
-  rect_from_cam00 << cameras.rotation("R_rect_00"), Eigen::Vector3d::Zero();
+  rect_from_cam00 << file.rotation("R_rect_00"), Eigen::Vector3d::Zero();
   const Pose cam00_from_velo = CalibrationFile(date_folder / "calib_velo_to_cam.txt").transform();
   calibration.rect00_from_velo = Pose::from_matrix(rect_from_cam00) * cam00_from_velo;
-  calibration.cam02_from_velo = calibration.rect00_from_velo;
-  calibration.cam02_from_velo.translation += baseline;
+  for (const std::string& name : cameras) {
+    calibration.cameras.push_back(read_camera(file, name, calibration.rect00_from_velo));
+  }
   if (with_imu) {
     calibration.velo_from_imu = CalibrationFile(date_folder / "calib_imu_to_velo.txt").transform();
   }

@@ -102,10 +102,11 @@ Lidar fit_lidar(const std::vector<fs::path>& files, Lidar lidar, KittiReport& re
   const double typical = firings.empty() ? nominal : std::round(firings[firings.size() / 2]);
   const double columns = std::max(typical, most_in_a_row);
   if (!(std::abs(columns - nominal) <= nominal * kColumnMargin)) {
-    throw_input_error(files.front().parent_path().string(),
-                      "firings per turn",
-                      fmt::format("{}", columns),
-                      fmt::format("{} within {} %", nominal, 100.0 * kColumnMargin));
+    throw_input_error(
+        files.front().parent_path().string(),
+        "firings per turn",
+        fmt::format("{}", columns),
+        fmt::format("{} within {} % (another sensor: simuli fit beams)", nominal, 100.0 * kColumnMargin));
   }
   lidar.columns = static_cast<int>(columns);
   lidar.azimuth_first = std::numbers::pi * (1.0 - 1.0 / lidar.columns);

@@ -1,9 +1,12 @@
 #pragma once
 // The parts of the KITTI raw importer: text files, calibration, poses, sweeps. For io/kitti*.cpp and tests.
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +26,10 @@ namespace simuli::kitti {
 
 // ---- text (kitti_text.cpp) ----
 
-/// One "YYYY-MM-DD HH:MM:SS[.fraction]" per line as nanoseconds since 1970; Error{kInput} names the line.
+/// One "YYYY-MM-DD HH:MM:SS[.fraction]" per line as nanoseconds since 1970, none where the line is blank, as
+/// for sweeps that were lost; Error{kInput} names the line.
+[[nodiscard]] std::vector<std::optional<std::int64_t>> read_lines_ns(const std::filesystem::path& file);
+/// The same without the blank lines.
 [[nodiscard]] std::vector<std::int64_t> read_timestamps_ns(const std::filesystem::path& file);
 /// "key: value" lines. Error{kInput} for a line without a key and for a key that stands twice.
 [[nodiscard]] std::map<std::string, std::string> read_key_lines(const std::filesystem::path& file);
@@ -39,17 +45,36 @@ namespace simuli::kitti {
 // ---- calibration (kitti_calib.cpp) ----
 
 struct Calibration {
-  Camera camera;         // image_02 as rectified: an ideal pinhole with a global shutter
-  Pose cam02_from_velo;  // with the baseline of P_rect_02
+  /// As rectified: ideal pinholes with a global shutter, each its baseline off camera 0; the rig is the
+  /// velodyne.
+  std::vector<LogCamera> cameras;
   Pose velo_from_imu;
   Pose rect00_from_velo;  // the rectified frame of camera 0, in which boxes are labelled
 };
 
 /// From the folder of the date: calib_cam_to_cam.txt, calib_velo_to_cam.txt, and calib_imu_to_velo.txt when
-/// poses come from oxts. Error{kInput} for a missing key, a wrong count, a matrix that is no rotation.
-[[nodiscard]] Calibration read_calibration(const std::filesystem::path& date_folder, bool with_imu);
+/// poses come from oxts; of `cameras`, as "image_02". Error{kInput} for a missing key, a wrong count, a
+/// matrix that is no rotation.
+[[nodiscard]] Calibration read_calibration(const std::filesystem::path& date_folder,
+                                           bool with_imu,
+                                           const std::vector<std::string>& cameras);
 
 // ---- poses (kitti_poses.cpp) ----
+
+/// Numbers of frames, both ends among them.
+struct Frames {
+  std::size_t first = 0;
+  std::size_t last = 0;
+  [[nodiscard]] bool has(std::size_t frame) const { return frame >= first && frame <= last; }
+  /// With so many more at either end.
+  [[nodiscard]] Frames with_margin(std::size_t margin) const {
+    const std::size_t most = std::numeric_limits<std::size_t>::max();
+    return {first - std::min(first, margin), last > most - margin ? most : last + margin};
+  }
+};
+
+/// Poses beside a part of a drive that belong to its path, too.
+inline constexpr std::size_t kPathMargin = 2;
 
 /// One oxts record: where the IMU was.
 struct GeodeticPose {
@@ -64,28 +89,32 @@ struct GeodeticPose {
 /// ecef_from_imu on the WGS 84 ellipsoid: exact at any distance, where a map projection is off by 0.2 %.
 [[nodiscard]] Pose ecef_from_imu(const GeodeticPose& pose);
 
-/// world_from_velo at the oxts timestamps of records [0, at least `frames`); world is the velodyne frame at
-/// the first. Seconds count from start_ns.
+/// world_from_velo at the oxts timestamps of the frames' records, and of those up to `beside` where they are
+/// there; world is the velodyne frame at the first. Seconds count from start_ns.
 [[nodiscard]] Trajectory read_oxts(const std::filesystem::path& drive,
-                                   std::size_t frames,
+                                   const Frames& frames,
+                                   const Frames& beside,
                                    const Pose& velo_from_imu,
                                    std::int64_t start_ns);
 
-/// world_from_velo at t_sweep_forward (seconds of day) from a pose file; the date comes from `forward_ns`,
-/// the recorded time of each sweep, which t_sweep_forward has to meet within a second.
+/// world_from_velo at t_sweep_forward (seconds of day) from a pose file, of the frames that it has among
+/// `frames`; the date comes from `forward_ns`, the recorded time of each sweep of the drive, which
+/// t_sweep_forward has to meet within a second.
 [[nodiscard]] Trajectory read_pose_file(const std::filesystem::path& file,
                                         const std::vector<std::int64_t>& forward_ns,
-                                        std::int64_t start_ns);
+                                        std::int64_t start_ns,
+                                        const Frames& frames);
 
 // ---- boxes (kitti_tracking.cpp) ----
 
-/// Start and end of each sweep, s, and where the velodyne was.
+/// Start and end of each sweep of the frames, s, and where the velodyne was.
 struct SweepTimes {
   std::vector<double> start_s, end_s;
   Trajectory world_from_velo;
+  std::size_t first = 0;  // the frame of the first of them
 };
 
-/// The labelled objects of frames [0, sweeps), "DontCare" excepted, in the order of their track ids and named
+/// The labelled objects of those frames, "DontCare" excepted, in the order of their track ids and named
 /// "car_3". A box is where the laser met it: its pose counts for the time at which the spin passed its
 /// middle. Frames beyond are left out. Error{kInput} with file and line for anything but the 17 columns of a
 /// label.
@@ -141,8 +170,6 @@ struct BeamPoints {
                               KittiReport& report);
 
 /// make_sweep() of a file, counted in the report.
-[[nodiscard]] Sweep read_turn(const std::filesystem::path& file,
-                              const Lidar& lidar,
-                              KittiReport& report);
+[[nodiscard]] Sweep read_turn(const std::filesystem::path& file, const Lidar& lidar, KittiReport& report);
 
 }  // namespace simuli::kitti

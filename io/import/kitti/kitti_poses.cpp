@@ -84,38 +84,45 @@ Pose ecef_from_imu(const GeodeticPose& pose) {
 }
 
 Trajectory read_oxts(const fs::path& drive,
-                     std::size_t frames,
+                     const Frames& frames,
+                     const Frames& beside,
                      const Pose& velo_from_imu,
                      std::int64_t start_ns) {
   const fs::path times_file = drive / "oxts" / "timestamps.txt";
-  const std::vector<std::int64_t> times_ns = read_timestamps_ns(times_file);
-  if (times_ns.size() < frames) {
+  const std::vector<std::optional<std::int64_t>> times_ns = read_lines_ns(times_file);
+  if (times_ns.size() <= frames.last) {
     throw_input_error(times_file.string(),
                       "lines",
                       fmt::format("{}", times_ns.size()),
-                      fmt::format("at least {}, one per frame", frames));
+                      fmt::format("at least {}, one per frame", frames.last + 1));
   }
   const Pose imu_from_velo = velo_from_imu.inverse();
   std::vector<TimedPose> poses;
   Pose world_from_ecef;
-  for (std::size_t i = 0; i < times_ns.size(); ++i) {
+  for (std::size_t i = beside.first; i < times_ns.size() && i <= beside.last; ++i) {
     const fs::path record = drive / "oxts" / "data" / fmt::format("{:010}.txt", i);
-    // Records after the last frame only continue the path: it ends where the first is missing.
+    // Records beside the frames only continue the path: it ends where the first is missing.
     std::error_code absent;
-    if (i >= frames && !fs::exists(record, absent)) break;
+    if (!frames.has(i) && !fs::exists(record, absent)) {
+      if (i > frames.last) break;
+      poses.clear();
+      continue;
+    }
+    if (!times_ns[i]) continue;  // lost: the path goes on between its neighbours
     const Pose ecef_from_velo = ecef_from_imu(read_record(record)) * imu_from_velo;
-    if (i == 0) world_from_ecef = ecef_from_velo.inverse();
-    poses.push_back({static_cast<double>(times_ns[i] - start_ns) * 1e-9, world_from_ecef * ecef_from_velo});
+    if (poses.empty()) world_from_ecef = ecef_from_velo.inverse();
+    poses.push_back({static_cast<double>(*times_ns[i] - start_ns) * 1e-9, world_from_ecef * ecef_from_velo});
   }
   return with_context("reading " + times_file.string(), [&] { return Trajectory(std::move(poses)); });
 }
 
 Trajectory read_pose_file(const fs::path& file,
                           const std::vector<std::int64_t>& forward_ns,
-                          std::int64_t start_ns) {
+                          std::int64_t start_ns,
+                          const Frames& frames) {
   constexpr std::int64_t kDay_ns = 86'400'000'000'000;
   constexpr std::int64_t kLargestMismatch_ns = 1'000'000'000;  // less than a frame file of another drive has
-  std::vector<TimedPose> poses = read_json_text(read_file(file), file.string(), [&](JsonObject& root) {
+  const auto entries = read_json_text(read_file(file), file.string(), [&](JsonObject& root) {
     root.ignore_other_keys();
     return root.objects("frames", [&](JsonObject& frame) {
       frame.ignore_other_keys();
@@ -132,9 +139,20 @@ Trajectory read_pose_file(const fs::path& file,
                                       static_cast<double>(forward_ns[index] - midnight_ns) * 1e-9,
                                       index));
       }
-      return TimedPose{static_cast<double>(time_ns - start_ns) * 1e-9, read_world_from_velo(frame)};
+      return std::pair(
+          index, TimedPose{static_cast<double>(time_ns - start_ns) * 1e-9, read_world_from_velo(frame)});
     });
   });
+  std::vector<TimedPose> poses;
+  for (const auto& [index, pose] : entries) {
+    if (frames.has(index)) poses.push_back(pose);
+  }
+  if (poses.empty()) {
+    throw_input_error(file.string(),
+                      "frames",
+                      fmt::format("no pose of frames {} to {}", frames.first, frames.last),
+                      "at least one");
+  }
   return with_context("reading " + file.string(), [&] { return Trajectory(std::move(poses)); });
 }
 

@@ -69,8 +69,8 @@ std::vector<std::pair<std::size_t, std::string>> numbered_lines(const fs::path& 
   return lines;
 }
 
-std::vector<std::int64_t> read_timestamps_ns(const fs::path& file) {
-  std::vector<std::int64_t> times_ns;
+std::vector<std::optional<std::int64_t>> read_lines_ns(const fs::path& file) {
+  std::vector<std::optional<std::int64_t>> times_ns;
   for (const auto& [number, line] : numbered_lines(file)) {
     std::int64_t ns = 0;
     if (!parse_timestamp(line, ns)) {
@@ -79,7 +79,16 @@ std::vector<std::int64_t> read_timestamps_ns(const fs::path& file) {
                         '"' + line.substr(0, 40) + '"',
                         "YYYY-MM-DD HH:MM:SS with up to 9 decimals");
     }
-    times_ns.push_back(ns);
+    times_ns.resize(number);
+    times_ns.back() = ns;
+  }
+  return times_ns;
+}
+
+std::vector<std::int64_t> read_timestamps_ns(const fs::path& file) {
+  std::vector<std::int64_t> times_ns;
+  for (const std::optional<std::int64_t>& time_ns : read_lines_ns(file)) {
+    if (time_ns) times_ns.push_back(*time_ns);
   }
   return times_ns;
 }

@@ -78,8 +78,9 @@ std::vector<Actor> read_tracking(const fs::path& file,
   for (const auto& [number, line] : numbered_lines(file)) {
     const std::string where = fmt::format("line {}", number);
     const Label label = parse_label(line, file, where);
-    if (label.type == "DontCare" || static_cast<std::size_t>(label.frame) >= sweeps.start_s.size()) continue;
-    const auto frame = static_cast<std::size_t>(label.frame);
+    // The number of the frame among the sweeps; before the first it is beyond the last.
+    const std::size_t frame = static_cast<std::size_t>(label.frame) - sweeps.first;
+    if (label.type == "DontCare" || frame >= sweeps.start_s.size()) continue;
     const Pose velo_from_box = velo_from_rect00 * label.rect00_from_box;
     KeyPose key;
     key.time_s = time_met(velo_from_box.translation, sweeps.start_s[frame], sweeps.end_s[frame]);

@@ -24,6 +24,10 @@ TEST(KittiText, ReadsTimestampsToTheNanosecond) {
                                  "1969-12-31 23:59:59.5\n2012-02-29 00:00:00.000000001\n");
   EXPECT_EQ(read_timestamps_ns(file),
             (std::vector<std::int64_t>{1317042651168593664, 0, -500000000, 1330473600000000001}));
+  const auto lines = read_lines_ns(file);
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_FALSE(lines[1].has_value());
+  EXPECT_EQ(lines[2], 0);
 }
 
 TEST(KittiText, RefusesOtherTimestamps) {
@@ -55,15 +59,18 @@ TEST(KittiText, RefusesOtherNumbers) {
 TEST(KittiCalibration, PutsTheBaselineIntoTheTransform) {
   const Scratch scratch;
   const KittiFolder folder(scratch);
-  const Calibration calibration = read_calibration(folder / "", true);
+  const Calibration calibration = read_calibration(folder / "", true, {"image_02"});
   // P_rect_02 = 10 [1 | 0.05 0 0] with centre (6, 4), whose pixel (0, 0) has its centre at (0, 0).
-  EXPECT_EQ(calibration.camera.width, 12);
-  EXPECT_EQ(calibration.camera.height, 8);
-  EXPECT_EQ(calibration.camera.fx, 10.0);
-  EXPECT_EQ(calibration.camera.cx, 6.5);
-  EXPECT_EQ(calibration.camera.cy, 4.5);
+  ASSERT_EQ(calibration.cameras.size(), 1U);
+  const Camera& camera = calibration.cameras[0].model;
+  EXPECT_EQ(camera.width, 12);
+  EXPECT_EQ(camera.height, 8);
+  EXPECT_EQ(camera.fx, 10.0);
+  EXPECT_EQ(camera.cx, 6.5);
+  EXPECT_EQ(camera.cy, 4.5);
   constexpr double kRounding = 1e-12;
-  const Eigen::Vector3d ahead = calibration.cam02_from_velo * Eigen::Vector3d(10.0, 0.0, 0.0);
+  const Eigen::Vector3d ahead =
+      calibration.cameras[0].rig_from_camera.inverse() * Eigen::Vector3d(10.0, 0.0, 0.0);
   EXPECT_LT((ahead - Eigen::Vector3d(0.05, -0.1, 9.7)).norm(), kRounding);
   EXPECT_LT((calibration.velo_from_imu.translation - Eigen::Vector3d(-0.8, 0.3, -0.8)).norm(), kRounding);
 }
