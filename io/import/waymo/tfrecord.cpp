@@ -10,12 +10,20 @@
 
 namespace simuli {
 
+namespace {
+
+constexpr const char* kAllowed = "a .tfrecord of frames (Waymo Open Dataset, Perception, version 1)";
+
+}  // namespace
+
 TfRecords::TfRecords(const std::filesystem::path& file) : file_(file.string()) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) throw_input_error(file_, "file", "a folder", kAllowed);
   need_regular_file(file);
   in_.open(file, std::ios::binary);
-  std::error_code error;
   bytes_ = std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
-  if (error || !in_ || bytes_ == 0) throw_input_error(file_, "file", "nothing to read", "a .tfrecord");
+  if (!is_there(file)) throw_input_error(file_, "file", "no such file", kAllowed);
+  if (error || !in_ || bytes_ == 0) throw_input_error(file_, "file", "nothing to read", kAllowed);
 }
 
 bool TfRecords::next(std::string& record) {
@@ -25,7 +33,12 @@ bool TfRecords::next(std::string& record) {
   std::uint64_t length = 0;
   const bool has_head = bytes_ - at_ >= kFrame && in_.read(head.data(), head.size()).good();
   std::memcpy(&length, head.data(), 8);
-  if (!has_head || length > bytes_ - at_ - kFrame) {
+  const bool is_whole = has_head && length <= bytes_ - at_ - kFrame;
+  if (!is_whole && at_ == 0) {
+    throw_input_error(
+        file_, "file", fmt::format("{} bytes that begin with no whole record", bytes_), kAllowed);
+  }
+  if (!is_whole) {
     throw_input_error(file_, "record", fmt::format("{} bytes to go", bytes_ - at_), "a whole record");
   }
   record.resize(length);

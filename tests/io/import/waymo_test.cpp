@@ -197,12 +197,23 @@ TEST(Waymo, RefusesWhatIsNotWhole) {
     EXPECT_FALSE(fs::exists(scratch / "x.log"));
   };
   refuse("", "nothing to read");
+  refuse("\xd4\xc3\xb2\xa1 of another program",
+         "23 bytes that begin with no whole record, allowed a .tfrecord");
   refuse(good.substr(0, good.size() - 1), "record");
   refuse(good + "abc", "record");
   refuse(record(frame(0, picture).substr(0, 200)), "frame");
   refuse(record(frame(0, "")), "image");
   refuse(record(frame(0, picture, "no zlib")), "compressed data");
   refuse(record(frame(0, picture, gzip(Message().number(3, 1).text()))), "range image");
+  const auto refuse_path = [&](const fs::path& path, const char* found) {
+    expect_input_error(
+        [&] {
+          (void)import_waymo({path, scratch / "x.log"}, {}, report);
+        },
+        {found, "allowed a .tfrecord of frames"});
+  };
+  refuse_path(scratch.path(), "found a folder");
+  refuse_path(scratch / "nowhere", "found no such file");
 }
 
 }  // namespace
