@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
 
 namespace simuli {
@@ -73,15 +75,18 @@ void validate(const Actor& actor, const std::string& where) {
 }
 
 std::size_t find_actor(const std::vector<Actor>& actors, const std::string& name) {
-  std::string known;
+  std::vector<std::string> known;
   for (std::size_t i = 0; i < actors.size(); ++i) {
     if (actors[i].name == name) return i;
-    known += (known.empty() ? "" : ", ") + actors[i].name;
+    known.push_back(actors[i].name);
   }
-  throw Error(
-      ErrorKind::kUsage,
-      fmt::format(
-          "actor: found \"{}\", allowed {}", name, known.empty() ? "none: the scene has no actors" : known));
+  // Of many, those that resemble it; all of them where nobody would see the one that is meant otherwise.
+  constexpr std::size_t kFew = 8;
+  const std::string meant = did_you_mean(name, known);
+  std::string allowed = fmt::format("{}", fmt::join(known, ", "));
+  if (known.empty()) allowed = "none: there are no actors";
+  if (known.size() > kFew && !meant.empty()) allowed = fmt::format("one of {} actors", known.size());
+  throw Error(ErrorKind::kUsage, fmt::format("actor: found \"{}\", {}allowed {}", name, meant, allowed));
 }
 
 std::vector<ActorView> actors_during(const std::vector<Actor>& actors,

@@ -184,12 +184,10 @@ BuiltinLidar builtin_lidar_with_facts(const std::string& name) {
   } else if (const LidarTable* table = find_table(base); table != nullptr) {
     sensor = from_table(*table);
   } else {
-    const std::vector<std::string> close = close_names(base, builtin_lidar_names());
-    throw Error(
-        ErrorKind::kUsage,
-        close.empty()
-            ? fmt::format("lidar: found \"{}\", allowed {}", base, fmt::join(builtin_lidar_names(), ", "))
-            : fmt::format("lidar: found \"{}\", did you mean {}?", base, fmt::join(close, ", ")));
+    throw Error(ErrorKind::kUsage,
+                fmt::format("lidar: found \"{}\", {}allowed those that \"simuli info sensors\" lists",
+                            base,
+                            did_you_mean(base, builtin_lidar_names())));
   }
   LidarFacts& facts = sensor.facts;
   facts.mode = facts.modes.front();

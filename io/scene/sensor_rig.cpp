@@ -30,21 +30,13 @@ Sensor find_named(const std::string& name, bool reads_files, std::vector<std::st
   const std::string model = name.substr(0, name.find('@'));
   if (holds(lidars, model)) return Sensor(builtin_lidar(name));
   if (holds(cameras, name)) return Sensor(builtin_camera(name));
-  std::vector<std::string> built_in = lidars;
-  built_in.insert(built_in.end(), cameras.begin(), cameras.end());
-  // Few of them and the user's: those of the rig are always named.
-  const std::vector<std::string> close = close_names(model, built_in);
-  if (own.empty() && !close.empty()) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("sensor: found \"{}\", did you mean {}?", name, fmt::join(close, ", ")));
-  }
-  const std::vector<std::string>& others = close.empty() ? built_in : close;
-  own.insert(own.end(), others.begin(), others.end());
+  const std::vector<std::string> built_in = builtin_sensor_names();
+  std::vector<std::string> known = own;
+  known.insert(known.end(), built_in.begin(), built_in.end());
+  const std::string meant = did_you_mean(model, known);
+  own.emplace_back("those that \"simuli info sensors\" lists");
   throw Error(ErrorKind::kUsage,
-              fmt::format("sensor: found \"{}\", allowed {}{}",
-                          name,
-                          fmt::join(own, ", "),
-                          close.empty() ? "" : ", and others that are built in"));
+              fmt::format("sensor: found \"{}\", {}allowed {}", name, meant, fmt::join(own, ", ")));
 }
 
 double median_duration_s(const std::vector<FrameSpan>& spans) {
@@ -57,6 +49,12 @@ double median_duration_s(const std::vector<FrameSpan>& spans) {
 }
 
 }  // namespace
+
+std::vector<std::string> builtin_sensor_names() {
+  std::vector<std::string> names = builtin_lidar_names();
+  for (std::string& camera : builtin_camera_names()) names.push_back(std::move(camera));
+  return names;
+}
 
 Sensor named_sensor(const std::string& name) { return find_named(name, true, {}); }
 

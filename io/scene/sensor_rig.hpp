@@ -13,6 +13,9 @@ namespace simuli {
 /// the closest names for one that is not there, Error{kInput} for a file that can't be read.
 [[nodiscard]] Sensor named_sensor(const std::string& name);
 
+/// Of LiDARs, then of cameras.
+[[nodiscard]] std::vector<std::string> builtin_sensor_names();
+
 /// The sensors of a scene or a log, and in their place any other.
 class SensorRig {
  public:

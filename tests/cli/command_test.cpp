@@ -117,23 +117,48 @@ TEST_F(CommandTest, HelpTellsTypesRangesAndOnlyTheDefaultsAskedFor) {
 }
 
 TEST_F(CommandTest, RefusalsNameTheOptionAndWhatIsAllowed) {
-  EXPECT_EQ(refusal({"draw"}), "FILE is required (program --help)");
+  EXPECT_EQ(refusal({"draw"}), "FILE is required (program draw --help)");
   EXPECT_EQ(refusal({"draw", "f", "--count", "10"}),
-            "--count: Value 10 not in range 1 to 9 (program --help)");
-  EXPECT_EQ(refusal({"draw", "f", "--text", "wrong"}), "--text: wrong not in {some,other} (program --help)");
+            "--count: Value 10 not in range 1 to 9 (program draw --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--text", "wrong"}),
+            "--text: wrong not in {some,other} (program draw --help)");
   EXPECT_EQ(refusal({"draw", "f", "--length", "0"}),
-            "--length: found 0, allowed a number above 0 (program --help)");
+            "--length: found 0, allowed a number above 0 (program draw --help)");
   EXPECT_EQ(refusal({"draw", "f", "--length", "x"}),
-            "--length: found x, allowed a number above 0 (program --help)");
+            "--length: found x, allowed a number above 0 (program draw --help)");
   for (const std::string text : {"nan", "inf", "-inf", "1e999"}) {
     EXPECT_EQ(refusal({"draw", "f", "--length", text.c_str()}),
-              "--length: found " + text + ", allowed a finite number (program --help)");
+              "--length: found " + text + ", allowed a finite number (program draw --help)");
   }
   EXPECT_EQ(refusal({"draw", "f", "--size", "-1"}),
-            "--size: found -1, allowed a whole number from 0 on (program --help)");
-  EXPECT_EQ(refusal({"fly"}), "found \"fly\", allowed a command (program --help)");
-  EXPECT_NE(refusal({}).find("subcommand"), std::string::npos);
+            "--size: found -1, allowed a whole number from 0 on (program draw --help)");
+  EXPECT_EQ(refusal({}), "found no command, allowed draw, far (program --help)");
   EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(CommandTest, UnknownWordsAreAnsweredWithTheNearest) {
+  EXPECT_EQ(refusal({"fly"}), "found \"fly\", allowed draw, far (program --help)");
+  EXPECT_EQ(refusal({"darw", "f"}), "found \"darw\", did you mean draw? allowed draw, far (program --help)");
+  EXPECT_EQ(
+      refusal({"draw", "f", "--cuont=3"}),
+      "found option \"--cuont\", did you mean --count? allowed those of program draw (program draw --help)");
+  EXPECT_EQ(refusal({"draw", "--devise", "x"}),  // an option of the program, before FILE is missed
+            "found option \"--devise\", did you mean --device? allowed those of program draw (program draw "
+            "--help)");
+  EXPECT_EQ(refusal({"draw", "f", "--xyzzy"}),
+            "found option \"--xyzzy\", allowed those of program draw (program draw --help)");
+  EXPECT_EQ(refusal({"draw", "f", "g"}), "found \"g\", allowed no further value (program draw --help)");
+  EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(CommandTest, HelpOfACommandHasTheProgramsOptions) {
+  const std::string text = help({"draw", "--help"});
+  const std::size_t shared = text.find("Options of every command:");
+  ASSERT_NE(shared, std::string::npos) << text;
+  EXPECT_NE(text.find("--json", shared), std::string::npos) << text;
+  EXPECT_NE(text.find("part of its name", shared), std::string::npos) << text;
+  EXPECT_EQ(text.find("--version"), std::string::npos) << text;
+  EXPECT_EQ(help({"--help"}).find("Options of every command"), std::string::npos);
 }
 
 TEST_F(CommandTest, AnswersNeedNothingElse) {

@@ -70,10 +70,13 @@ TEST(SensorRig, MountsOthersInTheirPlace) {
 
 TEST(SensorRig, NamesTheNearest) {
   const SensorRig rig(some_scene());
-  expect_unknown(rig, "hesai_x32", "allowed front, top, hesai_xt32");
+  expect_unknown(rig, "hesai_x32", "did you mean hesai_xt32");
+  expect_unknown(rig, "hesai_x32", "? allowed front, top, those that \"simuli info sensors\" lists");
+  expect_unknown(rig, "frnt", "did you mean front? ");
   expect_unknown(SensorRig(), "hesai_x32", "did you mean hesai_xt32");
+  expect_unknown(SensorRig(), "nope", "found \"nope\", allowed those that");
   expect_unknown(SensorRig(), "tum_vi_cam9", "tum_vi_cam0");
-  expect_unknown(rig, "qqqqqqqqqqqqqqqqqqqqqqqq", "generic64");
+  expect_unknown(rig, "qqqqqqqqqqqqqqqqqqqqqqqq", "\", allowed front, top, those");
   expect_unknown(rig, "hesai_xt32@7", "turns per second");
 }
 

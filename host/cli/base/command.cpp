@@ -3,10 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <map>
 #include <string_view>
 #include <utility>
 
+#include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
 
 namespace simuli::cli {
@@ -20,6 +22,82 @@ CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(
     return fmt::format("found {}, allowed {}", text, allowed);
   };
   return {check, name};
+}
+
+/// "program draw": what is typed to come here.
+std::string full_name(const CLI::App& app) {
+  const CLI::App* const parent = app.get_parent();
+  return parent == nullptr ? app.get_name() : full_name(*parent) + ' ' + app.get_name();
+}
+
+/// The innermost command that was met.
+const CLI::App& reached(const CLI::App& app) {
+  const std::vector<CLI::App*> met = app.get_subcommands();
+  return met.empty() ? app : reached(*met.front());
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+/// Of a command and those that it is one of.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  if (app.get_parent() != nullptr) {
+    for (std::string& name : option_names(*app.get_parent())) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+/// What is wrong with a word that nothing takes.
+std::string unknown_word(const CLI::App& app, const std::string& word) {
+  if (word.starts_with('-')) {
+    const std::string name = word.substr(0, word.find('='));
+    return fmt::format("found option \"{}\", {}allowed those of {}",
+                       name,
+                       did_you_mean(name, option_names(app)),
+                       full_name(app));
+  }
+  const std::vector<std::string> commands = command_names(app);
+  if (commands.empty()) return fmt::format("found \"{}\", allowed no further value", word);
+  return fmt::format(
+      "found \"{}\", {}allowed {}", word, did_you_mean(word, commands), fmt::join(commands, ", "));
+}
+
+/// What the arguments are refused with.
+std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
+  const CLI::App& app = reached(root);
+  const std::vector<std::string> unknown = root.remaining(true);
+  const bool lacks_something = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  const bool has_more = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  std::string what = error.what();
+  // The library names a missing command or value before it names an unknown word.
+  if (!unknown.empty() && (lacks_something || has_more)) {
+    what = unknown_word(app, unknown.front());
+  } else if (const auto commands = command_names(app); lacks_something && !commands.empty()) {
+    what = fmt::format("found no command, allowed {}", fmt::join(commands, ", "));
+  }
+  return fmt::format("{} ({} --help)", what, full_name(app));
+}
+
+/// The program's own options, below those of each command that takes them, too.
+std::string shared_options(const CLI::App& command) {
+  const CLI::App* root = &command;
+  while (root->get_parent() != nullptr) root = root->get_parent();
+  const auto shown = root->get_options([root](const CLI::Option* option) {
+    return option->nonpositional() && option != root->get_help_ptr() && option->get_name() != "--version";
+  });
+  const auto formatter = std::dynamic_pointer_cast<CLI::Formatter>(root->get_formatter());
+  if (shown.empty() || formatter == nullptr) return {};
+  return formatter->make_group("Options of every command", false, shown);
 }
 
 /// Leaves the library's parsing with what is to be run instead.
@@ -151,7 +229,9 @@ Option Command::flag(const std::string& names, bool& value, const std::string& h
 }
 
 Command Command::command(const std::string& name, const std::string& help) const {
-  return Command(app_->add_subcommand(name, help));
+  CLI::App* const command = app_->add_subcommand(name, help);
+  command->footer([command] { return shared_options(*command); });
+  return Command(command);
 }
 
 void Command::require_command() const { app_->require_subcommand(1); }
@@ -213,12 +293,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
       app.exit(error);
       return false;
     }
-    // The library names a missing command before it names an unknown one.
-    const std::vector<std::string> unknown = app.remaining(true);
-    const bool is_unknown = error.get_name() == "RequiredError" && !unknown.empty();
-    const std::string what =
-        is_unknown ? "found \"" + unknown.front() + "\", allowed a command" : error.what();
-    throw Error(ErrorKind::kUsage, what + " (" + app.get_name() + " --help)");
+    throw Error(ErrorKind::kUsage, refusal(app, error));
   }
   return true;
 }
