@@ -255,5 +255,52 @@ TEST_F(FramesCli, RollingShuttersTakeWhatTheyTook) {
   expect_failure("render s.scene --sensor mine.json -o x", kUsage, "--duration");
 }
 
+TEST_F(FramesCli, ARenderedDriveIsALog) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  const Outcome rendered =
+      run("render s.scene --trajectory s.log --duplicate car:twin --move twin:-3,-3,0 --as-log -o new.log "
+          "--json");
+  ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+  EXPECT_EQ(nlohmann::json::parse(rendered.out).at("sensors").size(), 2U);
+  const Log recorded = read_log(folder_ / "s.log"), log = read_log(folder_ / "new.log");
+  EXPECT_EQ(log.images.size(), recorded.images.size());
+  ASSERT_EQ(log.sweeps.size(), recorded.sweeps.size());
+  EXPECT_EQ(log.sweeps[2].time_start_s, recorded.sweeps[2].time_start_s);
+  EXPECT_EQ(log.camera("front").model.width, 64);
+  ASSERT_EQ(log.actors.size(), 2U);
+  EXPECT_EQ(log.actors[1].name, "twin");
+  // What the sweep says is what the LiDAR sees: the clouds of the same frames.
+  ASSERT_EQ(run("render s.scene --trajectory s.log --duplicate car:twin --move twin:-3,-3,0 --sensor top "
+                "--frames 2:2 -o clouds")
+                .exit_code,
+            0);
+  const Sweep sweep = read_sweep(folder_ / "new.log" / log.sweeps[2].file, log.lidar("top").model);
+  const auto returns =
+      std::count_if(sweep.range.begin(), sweep.range.end(), [](float range) { return range > 0.0F; });
+  EXPECT_GT(returns, 100);
+  EXPECT_EQ(static_cast<std::size_t>(returns), read_points_ply(folder_ / "clouds/top_000002.ply").size());
+  EXPECT_EQ(run("train new.log -o again.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  EXPECT_EQ(run("eval again.scene new.log").exit_code, 0);
+
+  // Some sensors, one of them another.
+  const Outcome some =
+      run("render s.scene --sensor top --sensor velodyne_vlp16 --times 0:0.2:0.1 --lane-shift 1 --as-log -o "
+          "some.log");
+  ASSERT_EQ(some.exit_code, 0) << some.err;
+  const Log two = read_log(folder_ / "some.log");
+  EXPECT_TRUE(two.cameras.empty());
+  ASSERT_EQ(two.lidars.size(), 2U);
+  EXPECT_EQ(two.sweeps.size(), 6U);
+  const Eigen::Vector3d shift =
+      two.lidar("top").rig_from_lidar.translation - recorded.lidar("top").rig_from_lidar.translation;
+  EXPECT_LT((shift - Eigen::Vector3d(0.0, 1.0, 0.0)).norm(), 1e-9);
+  expect_failure("render s.scene --sensor top --sensor top --as-log -o x", kUsage, "each name once");
+  expect_failure("render s.scene --as-log --outputs depth -o x", kUsage, "--outputs");
+  expect_failure("render s.scene --as-log -o x.mp4", kUsage, "with a folder");
+}
+
 }  // namespace
 }  // namespace simuli

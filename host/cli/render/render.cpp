@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "host/cli/base/video.hpp"
 #include "host/cli/render/frame_files.hpp"
 #include "host/cli/render/plan.hpp"
+#include "host/cli/render/rendered_log.hpp"
 #include "host/cli/render/sensors.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/render/scene/scene_on_device.hpp"
@@ -36,6 +38,7 @@ struct RenderCommand {
   Edits edits;
   std::string output;
   FileOptions files;
+  bool as_log = false;
   double frames_per_s = 0.0;  // of a video; 0: as the frames follow each other
   std::vector<std::string> settings;
 };
@@ -77,6 +80,7 @@ FramesRecord record_of(const RenderCommand& command,
 
 /// Whether each sensor has a folder of its own in the output's.
 bool has_folders(const RenderCommand& command) {
+  if (command.as_log) return false;
   return !command.sensors.rig.empty() || command.sensors.names.size() > 1;
 }
 
@@ -122,6 +126,26 @@ void write_frames(SceneOnDevice& scene,
   write_frames_file(folder / "frames.json", record);
 }
 
+void write_rendered_log(SceneOnDevice& scene,
+                        const std::vector<SensorPlan>& views,
+                        const RenderCommand& command,
+                        const std::function<void()>& on_frame) {
+  write_folder_atomically(command.output, [&](const fs::path& folder) {
+    std::vector<Sensor> sensors;
+    for (const SensorPlan& view : views) sensors.push_back(view.sensor);
+    RenderedLog log(folder, scene.scene(), views.front().plan.world_from_rig, sensors);
+    for (const SensorPlan& view : views) {
+      for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+        log.add(scene.render(view.sensor, view.plan.shot(view.sensor, i)),
+                view.plan.first + i,
+                command.files.images);
+        on_frame();
+      }
+    }
+    log.finish();
+  });
+}
+
 void print_outcome(const RenderCommand& command,
                    const Globals& globals,
                    const std::vector<SensorPlan>& views,
@@ -141,13 +165,19 @@ void print_outcome(const RenderCommand& command,
                        {"sensor", view.sensor.name()},
                        {"frames", view.plan.spans.size()}});
   }
-  nlohmann::ordered_json out =
-      has_folders(command) ? nlohmann::ordered_json{{"sensors", sensors}} : sensors.front();
+  nlohmann::ordered_json out = has_folders(command) || views.size() > 1
+                                   ? nlohmann::ordered_json{{"sensors", sensors}}
+                                   : sensors.front();
   out["device"] = device;
   std::cout << json_text(out) << '\n';
 }
 
-void render(const RenderCommand& command, const Globals& globals) {
+void render(RenderCommand command, const Globals& globals) {
+  if (is_video(command.output) && command.as_log) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--as-log: found with \"{}\", allowed with a folder", command.output));
+  }
+  command.sensors.are_all = command.as_log;
   if (is_video(command.output) && command.files.outputs != FileOptions{}.outputs) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("--outputs: found with \"{}\", allowed with a folder: a video shows rgb",
@@ -172,7 +202,9 @@ void render(const RenderCommand& command, const Globals& globals) {
   SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
   FileProgress progress("render", globals);
   const auto on_frame = [&, tell = progress.callback()] { tell(++done, frames); };
-  if (is_video(command.output)) {
+  if (command.as_log) {
+    write_rendered_log(scene, views, command, on_frame);
+  } else if (is_video(command.output)) {
     const SensorPlan& view = views.front();
     Video video(command.output, frame_rate(view.plan, command));
     for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
@@ -212,6 +244,11 @@ void add_render(Command app, const Globals& globals) {
   add_file_options(sub, command->files);
   sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
       .range(kLeastRate, kMostRate);
+  Option as_log = sub.flag("--as-log",
+                           command->as_log,
+                           "the folder becomes a log, by default of all sensors of the scene, to train on");
+  for (const char* other : {"--clouds", "--cloud-frame", "--outputs", "--values", "--fps"})
+    as_log.excludes(other);
   add_plan_options(sub, command->plan);
   add_edit_options(sub, command->edits);
   const auto options = std::make_shared<RenderOptions>();

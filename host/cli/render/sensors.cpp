@@ -38,12 +38,17 @@ Sensor sized(const Sensor& sensor, const SensorOptions& options) {
 }
 
 std::vector<RigSensor> named_sensors(const SensorRig& recorded, const SensorOptions& options) {
-  if (options.names.empty()) refuse("--sensor", "", "at least one, or --rig FILE");
+  if (options.names.empty() && !options.are_all) refuse("--sensor", "", "at least one, or --rig FILE");
   const bool is_mounted = !options.mount.empty();
   if (is_mounted && options.names.size() > 1) {
     refuse("--mount", options.mount, "with one --sensor; a --rig FILE mounts many");
   }
   std::vector<RigSensor> sensors;
+  if (options.names.empty()) {
+    if (is_mounted) refuse("--mount", options.mount, "with one --sensor; a --rig FILE mounts many");
+    for (const Sensor& own : recorded.sensors()) sensors.push_back({own, own.name()});
+    return sensors;
+  }
   std::set<std::string> known;
   for (const std::string& name : options.names) {
     RigSensor found{is_mounted ? recorded.find(name, Pose{}) : recorded.find(name), name};
