@@ -82,7 +82,7 @@ TEST_F(Cli, SensorsAreMountedAndSizedAsAsked) {
   expect_failure("render s.scene --sensor front --size 0x9 -o x", kUsage, "whole pixels from 1");
   expect_failure("render s.scene --sensor front --size 9x9 --scale 2 -o x", kUsage, "--size");
   expect_failure("render s.scene --sensor top --size 9x9 -o x", kUsage, "allowed with cameras");
-  expect_failure("render s.scene --sensor front --mount 1,2,3 -o x", kUsage, "6 finite numbers");
+  expect_failure("render s.scene --sensor front --mount 1,2,3 -o x", kUsage, "X,Y,Z,ROLL,PITCH,YAW");
 }
 
 }  // namespace

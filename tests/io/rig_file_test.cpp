@@ -82,7 +82,7 @@ TEST(RigFile, BadOnesAreRefused) {
   const auto one = [](Json keys) {
     Json sensor{{"name", "a"}, {"sensor", "front"}};
     sensor.update(keys);
-    return rig_of({sensor});
+    return rig_of(Json::array({sensor}));
   };
   const Json place{{"position_m", {0, 0, 1}}};
   refused(rig_of(Json::array()), {"rig.json", "sensors", "none"});
