@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/base/activity.hpp"
 #include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
 #include "host/runtime/disk_cache.hpp"
@@ -107,6 +108,8 @@ Program::Program(const Device& device, const Expanded& expanded, const BuildOpti
   std::optional<cl::Program> stored;
   if (const auto binary = load_binary(key)) stored = from_binary(device, *binary, text);
   origin_ = stored ? ProgramOrigin::kDisk : ProgramOrigin::kCompiled;
+  std::optional<Activity> compiling;  // also while the kernels are made: lazy drivers compile then
+  if (!stored) compiling.emplace("compiling " + expanded.shown);
   state->program = stored ? *stored : compile(device, expanded.shown, expanded.source, text);
   state->kernel_names = cl_call(
       ErrorKind::kKernel,

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <fmt/format.h>
 #include <fstream>
 #include <functional>
@@ -11,6 +12,9 @@
 #include <string>
 #include <thread>
 
+#include "io/base/file.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/splat/splat_file.hpp"
 #include "tests/cli/background_program.hpp"
 #include "tests/cli/view_fixture.hpp"
 
@@ -25,7 +29,7 @@ TEST_F(ViewCli, AnswersWithPicturesAndSweeps) {
   const httplib::Result page = client_->Get("/");
   ASSERT_TRUE(page);
   EXPECT_NE(page->body.find("<title>simuli view</title>"), std::string::npos);
-  for (const char* part : {"/style.css", "/math.js", "/points.js", "/view.js"}) {
+  for (const char* part : {"/style.css", "/math.js", "/points.js", "/live.js", "/actors.js", "/view.js"}) {
     EXPECT_EQ(client_->Get(part)->status, 200) << part;
   }
   const json scene = json::parse(client_->Get("/api/scene")->body);
@@ -39,8 +43,20 @@ TEST_F(ViewCli, AnswersWithPicturesAndSweeps) {
   EXPECT_EQ(picture.payload.substr(0, 3), "\xFF\xD8\xFF");  // a JPEG
   const Reply sweep = post("/api/sweep", view_of("top"));
   ASSERT_EQ(sweep.status, 200) << sweep.body;
-  EXPECT_GT(sweep.payload.size(), 16U * 500U);
-  EXPECT_EQ(sweep.payload.size() % 16U, 0U);
+  EXPECT_GT(sweep.payload.size(), 28U * 500U);
+  ASSERT_EQ(sweep.payload.size() % 28U, 0U);
+  std::vector<float> points(sweep.payload.size() / 4);
+  std::memcpy(points.data(), sweep.payload.data(), sweep.payload.size());
+  float last_ring = 0, last_time = 0, on_car = 0;
+  for (std::size_t i = 0; i < points.size(); i += 7) {
+    last_ring = std::max(last_ring, points[i + 4]);
+    last_time = std::max(last_time, points[i + 5]);
+    on_car += points[i + 6];
+  }
+  EXPECT_GT(last_ring, 30.0F);
+  EXPECT_GT(last_time, 0.9F);
+  EXPECT_LE(last_time, 1.0F);
+  EXPECT_GT(on_car, 10.0F);  // of the car, the first actor
   EXPECT_EQ(sweep.info.at("actors").at(0).at("is_there"), true);
   // Another camera and another LiDAR in the same place.
   EXPECT_EQ(post("/api/picture", view_of("pandaset_front_camera")).status, 200);
@@ -64,6 +80,13 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
   EXPECT_NE(changed("width", 128), plain);
   EXPECT_NE(changed("quality", "draft"), plain);
   EXPECT_NE(changed("scene_from_camera", {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}}), plain);
+  EXPECT_NE(changed("layer", "opacity"), changed("layer", "depth"));
+  EXPECT_EQ(changed("lossless", true).substr(0, 4), "\x89PNG");
+  json deep = view_of("front");
+  deep["layer"] = "depth";
+  const json scale = post("/api/picture", deep).info;
+  EXPECT_GT(scale.at("near_m"), 0.0);
+  EXPECT_GE(scale.at("far_m"), 2.0 * scale.at("near_m").get<double>());
   // The car is taken away, and moved.
   json view = view_of("top");
   const Reply all = post("/api/sweep", view);
@@ -80,6 +103,58 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
   const double dx = after.at(0).get<double>() - before.at(0).get<double>();
   const double dy = after.at(1).get<double>() - before.at(1).get<double>();
   EXPECT_NEAR(std::hypot(dx, dy), 2.0, 1e-6);
+  // Turned where it was moved to; half as fast it is elsewhere.
+  view["turned_deg"] = {{"car", 90.0}};
+  const json turned = post("/api/sweep", view).info.at("actors").at(0);
+  EXPECT_EQ(turned.at("t"), after);
+  EXPECT_NE(turned.at("q"), moved.info.at("actors").at(0).at("q"));
+  view["retimed"] = {{"car", {0.5, 0.0}}};
+  EXPECT_NE(post("/api/sweep", view).info.at("actors").at(0).at("t"), after);
+}
+
+TEST_F(ViewCli, ActorsAreAddedForTheSession) {
+  make_scene();
+  start();
+  const auto actors = [&] { return json::parse(client_->Get("/api/scene")->body).at("actors"); };
+  const auto version = [&] { return json::parse(client_->Get("/api/status")->body).at("version"); };
+  const json before = version();
+  const auto made = [&](const std::string& path, const std::string& body) {
+    const httplib::Result result = client_->Post(path, body, "application/octet-stream");
+    EXPECT_EQ(result->status, 200) << result->body;
+    return json::parse(result->body);
+  };
+  EXPECT_EQ(made("/api/duplicate", R"({"actor": "car"})").at("actor"), "car_2");
+  EXPECT_EQ(made("/api/duplicate", R"({"actor": "car"})").at("actor"), "car_3");
+  EXPECT_EQ(actors().size(), 3U);
+  EXPECT_NE(version(), before);
+  // All of a street as an actor of itself: what stands still of it.
+  const std::string splats = simuli::read_file(folder_ / "s.scene" / "camera.ply");
+  simuli::SceneFile scene = simuli::read_scene(folder_ / "s.scene");
+  scene.scene.camera.actor.clear();
+  simuli::write_splats(folder_ / "all.spz", scene.scene.camera);
+  const std::string plain = post("/api/sweep", view_of("top")).payload;
+  const json added = made("/api/add?file=a%20b.spz&time_s=0.2", simuli::read_file(folder_ / "all.spz"));
+  EXPECT_EQ(added.at("actor"), "a b");
+  EXPECT_GT(added.at("moved_m").at(0), 9.0);
+  EXPECT_EQ(actors().back().at("name"), "a b");
+  EXPECT_TRUE(post("/api/sweep", view_of("top")).payload != plain);
+  json view = view_of("front");
+  view["removed"] = {"a b", "car_2", "car_3"};
+  EXPECT_EQ(post("/api/picture", view).status, 200);
+  const auto refused = [&](const std::string& path, const std::string& body, int status, const char* part) {
+    const httplib::Result result = client_->Post(path, body, "application/octet-stream");
+    EXPECT_EQ(result->status, status) << result->body;
+    EXPECT_NE(result->body.find(part), std::string::npos) << result->body;
+    EXPECT_EQ(result->body.find("/tmp"), std::string::npos) << result->body;
+  };
+  refused("/api/duplicate", R"({"actor": "bus"})", 400, "bus");
+  refused("/api/add?file=a.ply&time_s=0", splats, 400, "a.ply: actor");
+  refused("/api/add?file=a.ply&time_s=0", splats.substr(0, 3000), 400, "a.ply: ");
+  refused("/api/add?file=a.txt&time_s=0", splats, 400, "extension");
+  refused("/api/add?file=../../a.ply&time_s=x", splats, 400, "time_s");
+  refused("/api/add?file=a.ply&time_s=0", std::string((60U << 20U) + 1U, ' '), 413, "62914560");
+  refused("/api/picture", std::string((1U << 20U) + 1U, ' '), 413, "1048576");
+  EXPECT_EQ(actors().size(), 4U);
 }
 
 TEST_F(ViewCli, RefusesPicturesOfAnySize) {
@@ -174,6 +249,13 @@ class Browser {
         {"type", "pointer"}, {"id", "mouse"}, {"parameters", {{"pointerType", "mouse"}}}, {"actions", steps}};
     call("/actions", {{"actions", {pointer}}});
   }
+  /// The page itself, whatever windows may be.
+  bool resize_to(int width, int height) {
+    call("/goog/cdp/execute",
+         {{"cmd", "Emulation.setDeviceMetricsOverride"},
+          {"params", {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}}}});
+    return evaluate("return innerWidth") == width;
+  }
   json console() { return call("/se/log", {{"type", "browser"}}); }
 
  private:
@@ -236,6 +318,30 @@ TEST_F(ViewCli, PageWorksInABrowser) {
   EXPECT_TRUE(changes(points, [&] { set("lidar", "velodyne_vlp16", "change"); })) << "another LiDAR";
   EXPECT_TRUE(changes(points, [&] { browser.evaluate("document.querySelector('[data-actor]').click()"); }))
       << "actor taken away";
+  browser.evaluate("document.querySelector('[data-actor]').click()");
+  EXPECT_TRUE(changes(picture, [&] { set("layer", "depth", "change"); })) << "depth";
+  EXPECT_TRUE(changes(points, [&] { set("colour", "ring", "change"); })) << "coloured by ring";
+  EXPECT_TRUE(changes(points, [&] {
+    browser.evaluate(
+        "const e = document.querySelector('[data-edit=\"car turned\"]'); e.value = 60; e.onchange()");
+  })) << "actor turned";
+  browser.evaluate("document.querySelector('[data-duplicate]').click()");
+  EXPECT_TRUE(browser.wait_for("document.querySelectorAll('[data-actor]').length === 2"));
+  // What is written above the picture is about that picture, also while the next one is under way.
+  const json stays = browser.evaluate(
+      "const held = fetch; window.fetch = (...a) => String(a[0]).includes('picture') ? new Promise(() => {}) "
+      ": "
+      "held(...a); const before = document.getElementById('camera-time').textContent;"
+      "const e = document.getElementById('camera'); e.value = 'pandaset_front_camera'; e.onchange();"
+      "return [before, document.getElementById('camera-time').textContent, "
+      "document.getElementById('picture').className]");
+  EXPECT_EQ(stays.at(0), stays.at(1));
+  EXPECT_EQ(stays.at(0).get<std::string>().rfind("front, balanced, depth", 0), 0U) << stays;
+  EXPECT_EQ(stays.at(2), "stale");
+  EXPECT_TRUE(browser.wait_for("document.getElementById('camera-note').textContent.includes('...')"));
+  // Nothing is wider than a phone.
+  EXPECT_TRUE(browser.resize_to(390, 800));
+  EXPECT_TRUE(browser.wait_for("document.documentElement.scrollWidth <= innerWidth"));
   for (const json& entry : browser.console()) {
     EXPECT_NE(entry.at("level"), "SEVERE") << entry.dump();
   }

@@ -26,8 +26,9 @@ class ViewCli : public Cli {
     ASSERT_EQ(train.exit_code, 0) << train.err;
   }
   /// Starts the viewer on any free port.
-  void start(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{SIMULI_PROGRAM, "view", (folder_ / "s.scene").string(), "--port", "0"};
+  void start(const std::vector<std::string>& more = {}) { start_scene("s.scene", more); }
+  void start_scene(const std::string& scene, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{SIMULI_PROGRAM, "view", (folder_ / scene).string(), "--port", "0"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     viewer_ = std::make_unique<BackgroundProgram>(arguments, folder_ / "view.txt");
     port_ = viewer_->number_behind("http://127.0.0.1:");
@@ -45,8 +46,12 @@ class ViewCli : public Cli {
             {"up_m", 0},
             {"yaw_rad", 0},
             {"pitch_rad", 0},
+            {"layer", "colour"},
+            {"lossless", false},
             {"removed", json::array()},
-            {"moved", json::object()}};
+            {"moved", json::object()},
+            {"turned_deg", json::object()},
+            {"retimed", json::object()}};
   }
   struct Reply {
     int status = 0;

@@ -34,6 +34,9 @@ TEST_F(ViewCli, OtherSitesGetNothing) {
   for (const char* site : {"cross-site", "same-site"})
     EXPECT_EQ(status({{"Sec-Fetch-Site", site}}), 403) << site;
   EXPECT_EQ(client_->Get("/api/scene", {{"Sec-Fetch-Site", "cross-site"}})->status, 403);
+  for (const char* path : {"/api/add?file=a.ply&time_s=0", "/api/duplicate"}) {
+    EXPECT_EQ(post(path, std::string("{}"), {{"Sec-Fetch-Site", "cross-site"}}).status, 403) << path;
+  }
   // A link on another site's page leads here all the same.
   EXPECT_EQ(client_->Get("/", {{"Sec-Fetch-Site", "cross-site"}})->status, 200);
   EXPECT_EQ(client_->Get("/", {{"Host", "[::1].evil.org"}})->status, 403);

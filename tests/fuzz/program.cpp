@@ -192,10 +192,7 @@ void read_view_request(const fs::path& file) {
   const cli::ViewRequest request = cli::parse_view_request(read_file(file));
   const Sensor sensor = rig.find(request.sensor, Pose{});
   if (sensor.is_camera()) (void)sensor.resized(request.width, request.width);
-  std::vector<ActorEdit> edits;
-  for (const auto& [name, by_m] : request.moved) edits.push_back({name, ActorEdit::Move{by_m}});
-  for (const std::string& name : request.removed) edits.push_back({name, ActorEdit::Remove{}});
-  (void)edited(scene.scene.actors, edits);
+  (void)edited(scene.scene.actors, request.edits());
 }
 #endif
 

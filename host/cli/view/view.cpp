@@ -40,7 +40,7 @@ void view(const ViewCommand& command, const Globals& globals) {
     throw_input_error(command.scene, "trajectory", "no poses", "at least one");
   }
   apply(command.edits, file);
-  ViewSession session(globals, std::move(file));
+  ViewSession session(globals, std::move(file), {command.scene, command.edits});
   ServerOptions options = command.server;
   options.token = token_of(command);
   ViewServer server(session, options);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <exception>
 #include <fmt/format.h>
 #include <functional>
@@ -18,6 +20,7 @@ namespace simuli::cli {
 namespace {
 
 constexpr std::size_t kLargestRequest = std::size_t{1} << 20U;
+constexpr std::size_t kLargestFile = std::size_t{60} << 20U;  // of splats
 constexpr std::array<std::string_view, 3> kLoopback{"127.0.0.1", "localhost", "::1"};
 
 bool is_loopback(std::string_view host) {
@@ -67,6 +70,15 @@ bool same(const std::string& a, const std::string& b) {
   return different == 0;
 }
 
+double seconds_of(const std::string& text) {
+  double seconds = 0.0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (read.ec != std::errc{} || read.ptr != text.data() + text.size() || !std::isfinite(seconds)) {
+    throw_input_error("request", "time_s", '"' + text + '"', "a finite number");
+  }
+  return seconds;
+}
+
 std::string type_of(std::string_view path) {
   if (path.ends_with(".js")) return "text/javascript";
   return path.ends_with(".css") ? "text/css" : "text/html";
@@ -97,7 +109,7 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
     const int yes = 1;
     ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
   });
-  server.set_payload_max_length(kLargestRequest);
+  server.set_payload_max_length(kLargestFile);
   server.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
                               {"Referrer-Policy", "no-referrer"},
@@ -150,12 +162,49 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
              answer("application/json", [&](const httplib::Request&) { return session.describe(); }));
   server.Get("/api/status",
              answer("application/json", [&](const httplib::Request&) { return session.progress(); }));
-  server.Post("/api/picture", answer("application/octet-stream", [&](const httplib::Request& request) {
-                return session.picture(parse_view_request(request.body));
-              }));
-  server.Post("/api/sweep", answer("application/octet-stream", [&](const httplib::Request& request) {
-                return session.sweep(parse_view_request(request.body));
-              }));
+  using Post = std::function<std::string(const httplib::Request&, const std::string& body)>;
+  const auto post = [&](const char* path, const char* type, std::size_t most_bytes, const Post& work) {
+    server.Post(
+        path,
+        [type, most_bytes, work, answer](const httplib::Request& request,
+                                         httplib::Response& response,
+                                         const httplib::ContentReader& read) {
+          std::string body;
+          std::size_t bytes = 0;
+          const bool is_whole = read([&](const char* data, std::size_t size) {
+            bytes += size;  // what is too much is read, but not kept
+            if (bytes <= most_bytes) body.append(data, size);
+            return true;
+          });
+          if (!is_whole || bytes > most_bytes) {
+            response.status = 413;
+            response.set_content(
+                fmt::format(
+                    "body: found a part, or more than {} bytes, allowed a whole one of at most that many",
+                    most_bytes),
+                "text/plain");
+            return;
+          }
+          answer(type, [&](const httplib::Request& r) { return work(r, body); })(request, response);
+        });
+  };
+  const char* const parts = "application/octet-stream";
+  post("/api/picture", parts, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
+    return session.picture(parse_view_request(body));
+  });
+  post("/api/sweep", parts, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
+    return session.sweep(parse_view_request(body));
+  });
+  const char* const json = "application/json";
+  post("/api/duplicate", json, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
+    return session.duplicate(body);
+  });
+  post("/api/command", json, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
+    return session.command(parse_view_request(body));
+  });
+  post("/api/add", json, kLargestFile, [&](const httplib::Request& request, const std::string& body) {
+    return session.add(request.get_param_value("file"), body, seconds_of(request.get_param_value("time_s")));
+  });
   impl_->port = options.port;
   const bool bound = options.port == 0 ? (impl_->port = server.bind_to_any_port(options.host)) > 0
                                        : server.bind_to_port(options.host, options.port);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits>
@@ -12,9 +13,15 @@
 #include <numbers>
 #include <utility>
 
+#include "host/base/activity.hpp"
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "host/base/stopwatch.hpp"
+#include "host/cli/base/edits.hpp"
+#include "host/cli/view/uploaded.hpp"
+#include "host/cli/view/view_layers.hpp"
 #include "host/render/options/quality.hpp"
+#include "host/scene/placement.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/picture/image.hpp"
@@ -45,6 +52,21 @@ std::string reply(const Json& info, const void* payload, std::size_t bytes) {
   return out;
 }
 
+/// One more than the number of the first actor whose box holds the point at that share of the frame; 0: none.
+std::size_t actor_at(const Eigen::Vector3d& point,
+                     const std::vector<Actor>& actors,
+                     const std::vector<ActorView>& views,
+                     float share) {
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!views[i].is_there) continue;
+    const Pose scene_from_actor =
+        interpolate(views[i].scene_from_actor_start, views[i].scene_from_actor_end, share);
+    const Eigen::Vector3d inside = scene_from_actor.inverse() * point;
+    if ((inside.cwiseAbs().array() <= 0.5 * actors[i].size_m.array()).all()) return i + 1;
+  }
+  return 0;
+}
+
 RenderOptions options_named(const std::string& quality) {
   const std::optional<Quality> known = find_quality(quality);
   if (known) return options_of(*known);
@@ -52,46 +74,25 @@ RenderOptions options_named(const std::string& quality) {
               fmt::format("quality: found \"{}\", allowed {}", quality, fmt::join(quality_names(), ", ")));
 }
 
-}  // namespace
-
-ViewRequest parse_view_request(const std::string& json) {
-  constexpr double kFarthest_m = 1e6;
-  return read_json_text(json, "request", [](JsonObject& o) {
-    ViewRequest r;
-    r.sensor = o.text("sensor");
-    r.quality = o.text("quality");
-    r.time_s = o.number("time_s");
-    r.width = static_cast<int>(o.integer("width", ViewRequest::kNarrowest_px, ViewRequest::kWidest_px));
-    r.rig_shift_m = {o.number("forward_m", -kFarthest_m, kFarthest_m),
-                     o.number("left_m", -kFarthest_m, kFarthest_m),
-                     o.number("up_m", -kFarthest_m, kFarthest_m)};
-    r.yaw_rad = o.number("yaw_rad", -1e3, 1e3);
-    r.pitch_rad = o.number("pitch_rad", -1e3, 1e3);
-    if (o.has("scene_from_camera")) {
-      r.scene_from_camera = o.object("scene_from_camera", [](JsonObject& p) {
-        const Eigen::Vector4d q = p.vector<4>("q");
-        if (!(q.norm() > 1e-6)) throw_input_error("request", p.field("q"), "zero", "a quaternion");
-        return Pose{Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), p.vector<3>("t")};
-      });
-    }
-    const Json& removed = o.get("removed");
-    const auto is_name = [](const Json& name) { return name.is_string(); };
-    if (!removed.is_array() || !std::all_of(removed.begin(), removed.end(), is_name)) {
-      throw_input_error("request", "removed", removed.type_name(), "an array of actors' names");
-    }
-    for (const Json& name : removed) r.removed.push_back(name.get<std::string>());
-    o.object("moved", [&](JsonObject& moved) {
-      for (const auto& item : o.get("moved").items()) r.moved[item.key()] = moved.vector<3>(item.key());
-    });
-    return r;
-  });
+/// `wanted`, or with a number behind it where the scene has one of that name.
+std::string new_name(const Scene& scene, const std::string& wanted) {
+  const auto is_taken = [&](const std::string& name) {
+    return std::any_of(
+        scene.actors.begin(), scene.actors.end(), [&](const Actor& actor) { return actor.name == name; });
+  };
+  std::string name = wanted;
+  for (int i = 2; is_taken(name); ++i) name = fmt::format("{}_{}", wanted, i);
+  return name;
 }
 
-ViewSession::ViewSession(const Globals& globals, SceneFile file)
+}  // namespace
+
+ViewSession::ViewSession(const Globals& globals, SceneFile file, ViewSource source)
     : globals_(globals),
       file_(std::move(file)),
       rig_(file_),
       scene_(Device::best(globals.device), std::move(file_.scene)),
+      source_(std::move(source)),
       asked_s_(-std::numeric_limits<double>::infinity()) {
   rig_.refuse_files();
 }
@@ -154,6 +155,7 @@ std::string ViewSession::progress() const {
   const std::lock_guard lock(progress_mutex_);
   const TrainStatus& s = progress_.status;
   const Json out = {{"version", version_},
+                    {"activity", Activity::now()},
                     {"training", progress_.training},
                     {"iteration", s.iteration},
                     {"iterations", progress_.iterations},
@@ -162,6 +164,65 @@ std::string ViewSession::progress() const {
                     {"camera_particles", s.camera_particles},
                     {"lidar_particles", s.lidar_particles}};
   return out.dump();
+}
+
+void ViewSession::change(const std::function<std::string(Scene&)>& how) {
+  {
+    const std::lock_guard lock(progress_mutex_);
+    if (progress_.training) {
+      throw Error(ErrorKind::kUsage, "scene: found one that is being trained, allowed a finished one");
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  if (added_.size() == kMostAdded) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("actors: found {} that were added, allowed no more", added_.size()));
+  }
+  Scene scene = scene_.scene();
+  const std::string option = how(scene);
+  scene_.set_scene(std::move(scene));
+  added_.push_back(option);
+  const std::lock_guard progress_lock(progress_mutex_);
+  ++version_;
+}
+
+std::string ViewSession::duplicate(const std::string& json) {
+  const std::string name = read_json_text(json, "request", [](JsonObject& o) { return o.text("actor"); });
+  std::string copy;
+  change([&](Scene& scene) {
+    copy = new_name(scene, name);
+    duplicate_actor(scene, name, copy);
+    return fmt::format("--duplicate {}:{}", name, copy);
+  });
+  return Json{{"actor", copy}}.dump();
+}
+
+std::string ViewSession::add(const std::string& file_name, const std::string& bytes, double time_s) {
+  const Scene object = uploaded_scene(file_name, bytes);
+  const Trajectory& path = file_.world_from_rig;
+  const double at_s = std::clamp(time_s, path.start_s(), path.end_s());
+  const Pose base_from_rig = standing_pose(path).inverse() * path.at(at_s);
+  constexpr double kAhead_m = 10.0;
+  Eigen::Vector3d moved_m = base_from_rig * Eigen::Vector3d(kAhead_m, 0.0, 0.0);
+  moved_m.z() = base_from_rig.translation.z();
+  std::string name;
+  change([&](Scene& scene) {
+    name = new_name(scene, name_from(std::filesystem::path(file_name).stem().stem().string()));
+    add_actor(scene, as_actor(object, name, standing_pose(path)), name, name);
+    return fmt::format("--add {}:{}", name_from(file_name), name);
+  });
+  return Json{{"actor", name}, {"moved_m", json_of(moved_m)}}.dump();
+}
+
+std::string ViewSession::command(const ViewRequest& request) const {
+  if (source_.scene.empty()) {
+    throw Error(ErrorKind::kUsage, "command: found a scene that is being trained, allowed one on disk");
+  }
+  const std::lock_guard lock(mutex_);
+  const Trajectory& path = file_.world_from_rig;
+  const double time_s = std::clamp(request.time_s, path.start_s(), path.end_s());
+  const Sensor sensor = rig_.find(request.sensor, Pose{});
+  return Json{{"command", command_of(request, time_s, sensor, source_, added_)}}.dump();
 }
 
 Shot ViewSession::shot_of(const ViewRequest& request, const Sensor& sensor) const {
@@ -175,8 +236,7 @@ Shot ViewSession::shot_of(const ViewRequest& request, const Sensor& sensor) cons
     free.translation += scene_.scene().origin;
     shot.world_from_sensor_start = shot.world_from_sensor_end = free;
   }
-  for (const auto& [name, by_m] : request.moved) shot.edits.push_back({name, ActorEdit::Move{by_m}});
-  for (const std::string& name : request.removed) shot.edits.push_back({name, ActorEdit::Remove{}});
+  shot.edits = request.edits();
   return shot;
 }
 
@@ -188,7 +248,8 @@ std::string ViewSession::picture(const ViewRequest& request) {
   const FrameRequest how{.options = options_named(request.quality)};
   const Sensor own = rig_.find(request.sensor, Pose{});
   const double aspect = static_cast<double>(own.rows()) / static_cast<double>(own.columns());
-  const double wanted = std::max(1.0, std::round(request.width * aspect));  // of a scene's camera: any
+  // As scaled_camera() has it, for command_of(); of a scene's camera any number.
+  const double wanted = std::max(1.0, std::ceil(request.width * aspect - 1e-9));
   if (wanted > ViewRequest::kTallest_px || wanted * request.width > ViewRequest::kMostPixels) {
     throw Error(
         ErrorKind::kUsage,
@@ -212,12 +273,20 @@ std::string ViewSession::picture(const ViewRequest& request) {
                             .with_duration(0.0);
   const Shot shot = shot_of(request, camera);
   const Stopwatch render;
-  const Image image = scene_.render(camera, shot, how).image();
+  const Frame frame = scene_.render(camera, shot, how);
+  frame.wait();
   const double render_ms = render.ms();
+  const LayerPicture shown = layer_of(request.layer, frame);
   lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
-  const std::string jpeg = encode_image(image, ImageCode::kJpeg, kJpegQuality);
-  return reply({{"render_ms", render_ms}, {"encode_ms", encode.ms()}}, jpeg.data(), jpeg.size());
+  const ImageCode code = request.lossless ? ImageCode::kPng : ImageCode::kJpeg;
+  const std::string bytes = encode_image(shown.image, code, kJpegQuality);
+  return reply({{"render_ms", render_ms},
+                {"encode_ms", encode.ms()},
+                {"near_m", shown.near_m},
+                {"far_m", shown.far_m}},
+               bytes.data(),
+               bytes.size());
 }
 
 std::string ViewSession::sweep(const ViewRequest& request) {
@@ -234,13 +303,18 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   const double render_ms = render.ms();
   const Shot in_scene = shot.relative_to(scene.origin);
   const std::vector<Eigen::Vector3d> ends = points_of(lidar.lidar(), frame, in_scene, PointFrame::kWorld);
-  std::vector<float> points;  // x, y, z, intensity
+  const std::vector<ActorView> views = actors_during(scene.actors, shot, scene.origin);
+  const bool has_rows = std::holds_alternative<Lidar>(lidar.lidar());
+  std::vector<float> points;
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (!frame.is_return(i)) continue;
     for (const double value : ends[i]) points.push_back(static_cast<float>(value));
+    const float share = frame.rays.time_fraction[i];
     points.push_back(frame.intensity[i]);
+    points.push_back(has_rows ? static_cast<float>(i / lidar.columns()) : 0.0F);
+    points.push_back(share);
+    points.push_back(static_cast<float>(actor_at(ends[i], scene.actors, views, share)));
   }
-  const std::vector<ActorView> views = actors_during(scene.actors, shot, scene.origin);
   Json actors = Json::array();
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Actor& actor = scene.actors[i];

@@ -2,44 +2,27 @@
 // What the viewer shows, rendered on request: one scene on one device, for any number of pages.
 #include <Eigen/Core>
 #include <cstdint>
-#include <map>
+#include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/view/live_page.hpp"
+#include "host/cli/view/view_command.hpp"
+#include "host/cli/view/view_request.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
 
-/// One view, as the page asks for it. All of the viewer's state is here: the session keeps none.
-struct ViewRequest {
-  static constexpr int kNarrowest_px = 64, kWidest_px = 4096;
-  static constexpr double kMostPixels = 4096.0 * 4096.0;
-  static constexpr double kTallest_px = 65535.0;  // of any JPEG
-
-  std::string sensor;   // of the scene, or built in
-  std::string quality;  // see --quality
-  double time_s = 0.0;
-  int width = 960;                                        // px, of pictures; the height follows
-  Eigen::Vector3d rig_shift_m = Eigen::Vector3d::Zero();  // forward, left, up
-  double yaw_rad = 0.0, pitch_rad = 0.0;                  // of a camera: to the left, down
-  std::optional<Pose> scene_from_camera;                  // instead of the rig's camera
-  std::vector<std::string> removed;                       // actors
-  std::map<std::string, Eigen::Vector3d> moved;           // actors, (forward, left, up) m in their own frame
-};
-/// Error{kInput} for what is no request: syntax, missing and unknown keys, numbers out of range.
-[[nodiscard]] ViewRequest parse_view_request(const std::string& json);
-
 /// Calls may come from any thread; renders wait for each other.
 class ViewSession {
  public:
   /// `file` may have empty sets, of a training that has not begun: views are then refused.
-  ViewSession(const Globals& globals, SceneFile file);
+  /// `source`: for command(); empty where a training makes the scene.
+  ViewSession(const Globals& globals, SceneFile file, ViewSource source = {});
   ViewSession(const ViewSession&) = delete;
   ViewSession& operator=(const ViewSession&) = delete;
 
@@ -51,15 +34,31 @@ class ViewSession {
 
   /// JSON: names, sensors, actors, the path and times of the drive.
   [[nodiscard]] std::string describe() const;
-  /// JSON: ViewProgress, and a number that changes with every show().
+  /// JSON: ViewProgress, what takes long (Activity::now()), and a number that changes with every show() and
+  /// every actor that is added.
   [[nodiscard]] std::string progress() const;
   /// Replies of two parts: a little-endian u32, that many bytes of JSON (times, poses), zeros up to the next
-  /// multiple of 4, and a JPEG; or the returned rays as float x, y, z (scene frame, m), intensity.
-  /// Error{kUsage} for an unknown sensor, quality or actor, Error{kInput} for a scene without such particles.
+  /// multiple of 4, and a JPEG or PNG; or the returned rays as float x, y, z (scene frame, m), intensity,
+  /// ring (row of the sensor, from the top; 0 of a ray list), time (share of the sweep), actor (0 none, else
+  /// one more than its number in describe()). Error{kUsage} for an unknown sensor, quality or actor,
+  /// Error{kInput} for a scene without such particles.
   [[nodiscard]] std::string picture(const ViewRequest& request);
   [[nodiscard]] std::string sweep(const ViewRequest& request);
 
+  /// A second one of the actor that the request, {"actor": NAME}, names: for all pages, until the session
+  /// ends. JSON: its name. Error{kUsage} for actors that are not there, and while a training runs.
+  [[nodiscard]] std::string duplicate(const std::string& json);
+  /// The splats of a file whose contents these are as an actor, which stands 10 m ahead of the rig at that
+  /// time. JSON: its name, after the file's, and how far it is moved from where `--add` puts it. Errors as
+  /// duplicate() and read_splats().
+  [[nodiscard]] std::string add(const std::string& file_name, const std::string& bytes, double time_s);
+  static constexpr std::size_t kMostAdded = 64;  // actors
+  /// JSON: command_of() the request. Error{kUsage} also for a scene without a name on disk.
+  [[nodiscard]] std::string command(const ViewRequest& request) const;
+
  private:
+  /// Changes the scene for all pages, while no training does; `how` returns the option that does the same.
+  void change(const std::function<std::string(Scene&)>& how);
   /// The request's shot of that sensor; a camera's may be a free one.
   [[nodiscard]] Shot shot_of(const ViewRequest& request, const Sensor& sensor) const;
   void touch();
@@ -72,6 +71,8 @@ class ViewSession {
   mutable std::mutex progress_mutex_;
   ViewProgress progress_;
   std::uint64_t version_ = 0;
+  ViewSource source_;
+  std::vector<std::string> added_;  // options
   double asked_s_;
 };
 

@@ -1,6 +1,8 @@
 'use strict';
 // The sweep as points, the actors as boxes, with WebGL.
 
+const kPointValues = 7;  // x y z intensity ring time actor
+
 const kPointShader = `attribute vec3 place; attribute float value; uniform mat4 clip_from_world; uniform float size;
 varying vec3 colour;
 vec3 ramp(float v) {
@@ -41,16 +43,23 @@ class PointView {
     gl.linkProgram(program);
     return program;
   }
-  // points: Float32Array of x y z intensity; `from` the sensor's place.
+  // points: Float32Array of kPointValues each; `from` the sensor's place.
   show(points, colour, from) {
     if (!this.gl) return;
-    const n = points.length / 4, places = new Float32Array(3 * n), values = new Float32Array(n);
+    const n = points.length / kPointValues, places = new Float32Array(3 * n), values = new Float32Array(n);
+    let rings = 1;
+    for (let i = 0; i < n; ++i) rings = Math.max(rings, points[kPointValues * i + 4]);
+    const valueOf = {
+      height: p => (p[2] - from[2] + 2.5) / 8,
+      intensity: p => Math.sqrt(p[3]),
+      range: p => 1 - Math.log(1 + Math.hypot(p[0] - from[0], p[1] - from[1], p[2] - from[2])) / 5,
+      ring: p => 1 - p[4] / rings,
+      time: p => p[5],
+      actor: p => p[6] === 0 ? 0.05 : 0.55 + 0.45 * (p[6] * 0.618 % 1)}[colour];
     for (let i = 0; i < n; ++i) {
-      const p = points.subarray(4 * i, 4 * i + 4);
+      const p = points.subarray(kPointValues * i, kPointValues * (i + 1));
       places.set(p.subarray(0, 3), 3 * i);
-      values[i] = colour === 'intensity' ? Math.sqrt(p[3])
-        : colour === 'range' ? 1 - Math.log(1 + Math.hypot(p[0] - from[0], p[1] - from[1], p[2] - from[2])) / 5
-        : (p[2] - from[2] + 2.5) / 8;
+      values[i] = valueOf(p);
     }
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.places);

@@ -1,66 +1,33 @@
 'use strict';
 // The page's state, its controls, and the requests that keep both views up to date.
 
-const $ = id => document.getElementById(id);
-const token = new URLSearchParams(location.search).get('token') || '';
-const say = text => { $('message').textContent = text; };
-
 let scene = null;             // what /api/scene says
 let orbit = null;             // of the free camera
 const points = new PointView($('points'));
-const state = {time: 0, forward: 0, left: 0, up: 0, yaw: 0, pitch: 0, removed: new Set(), moved: new Map()};
-
-async function call(path, body) {
-  const reply = await fetch(path, {
-    method: body ? 'POST' : 'GET', headers: {'X-Simuli-Token': token}, body: body && JSON.stringify(body)});
-  if (reply.ok) return reply;
-  const text = await reply.text();
-  throw new Error(text || reply.statusText);
-}
-
-// A reply of two parts: the length of a JSON text, the text, and bytes from the next multiple of four.
-async function parts(reply) {
-  const buffer = await reply.arrayBuffer(), length = new DataView(buffer).getUint32(0, true);
-  const text = new TextDecoder().decode(new Uint8Array(buffer, 4, length));
-  return [JSON.parse(text), buffer, 4 + Math.ceil(length / 4) * 4];
-}
-
-// Keeps one request in flight; what is asked for meanwhile is done once, with the newest state.
-class Live {
-  constructor(work) { Object.assign(this, {work, wanted: false, running: false, frames: 0, since: performance.now(), rate: 0}); }
-  ask() {
-    this.wanted = true;
-    if (!this.running) this.run();
-  }
-  async run() {
-    this.running = true;
-    while (this.wanted) {
-      this.wanted = false;
-      try { await this.work(this); if ($('message').dataset.from === 'live') say(''); }
-      catch (error) { say(error.message); $('message').dataset.from = 'live'; }
-      this.frames += 1;
-      const now = performance.now();
-      if (now - this.since > 1000) {
-        this.rate = 1000 * this.frames / (now - this.since);
-        [this.frames, this.since] = [0, now];
-      }
-    }
-    this.running = false;
-  }
-}
+const state = {time: 0, forward: 0, left: 0, up: 0, yaw: 0, pitch: 0, removed: new Set(), moved: new Map(), turned: new Map(),
+  retimed: new Map()};
 
 function request(sensor) {
   return {
     sensor, quality: $('quality').value, time_s: state.time, width: Math.round(+$('width').value),
     forward_m: state.forward, left_m: state.left, up_m: state.up, yaw_rad: state.yaw, pitch_rad: state.pitch,
-    removed: [...state.removed], moved: Object.fromEntries(state.moved)};
+    layer: 'colour', lossless: false, removed: [...state.removed], moved: Object.fromEntries(state.moved),
+    turned_deg: Object.fromEntries(state.turned), retimed: Object.fromEntries(state.retimed)};
 }
 
-const camera = new Live(async live => {
-  const sensor = $('camera').value;
-  if (!sensor) return;
-  const body = request(sensor);
+function pictureRequest() {
+  const body = request($('camera').value);
+  body.layer = $('layer').value;
   if ($('free').checked) body.scene_from_camera = orbit.pose;
+  return body;
+}
+
+const shownAs = (id, ...more) => () => [$(id).value, $('quality').value, ...more.map(other => $(other).value)].join(', ');
+const distance = m => m < 1 ? `${(100 * m).toFixed(0)} cm` : `${m} m`;
+
+const camera = new Live('camera', $('picture'), shownAs('camera', 'layer'), async live => {
+  const body = pictureRequest();
+  if (!body.sensor) return;
   const [info, buffer, at] = await parts(await call('api/picture', body));
   const bitmap = await createImageBitmap(new Blob([new Uint8Array(buffer, at)], {type: 'image/jpeg'}));
   const canvas = $('picture');
@@ -69,23 +36,24 @@ const camera = new Live(async live => {
     canvas.style.aspectRatio = `${bitmap.width} / ${bitmap.height}`;
   }
   canvas.getContext('2d').drawImage(bitmap, 0, 0);
+  const scale = info.far_m > 0 ? ` ${distance(info.near_m)} (pale) to ${distance(info.far_m)} (dark)` : '';
   $('camera-time').textContent =
-    `${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG` +
+    `${body.sensor}, ${body.quality}, ${body.layer}${scale}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG` +
     (live.rate ? `, ${live.rate.toFixed(1)} per s` : '');
   canvas.dataset.frames = 1 + (+canvas.dataset.frames || 0);
 });
 
-const lidar = new Live(async live => {
-  const sensor = $('lidar').value;
-  if (!sensor) return;
-  const [info, buffer, at] = await parts(await call('api/sweep', request(sensor)));
+const lidar = new Live('lidar', $('points'), shownAs('lidar'), async live => {
+  const body = request($('lidar').value);
+  if (!body.sensor) return;
+  const [info, buffer, at] = await parts(await call('api/sweep', body));
   const data = new Float32Array(buffer, at);
   points.show(data, $('colour').value, info.scene_from_sensor.t);
   const held = points.boxes.find(box => box.held);
   points.boxes = info.actors.map(actor => ({...actor, shown: actor.is_there, held: held && held.name === actor.name}));
   if ($('follow').checked) points.orbit.target = info.scene_from_sensor.t;
   points.draw();
-  $('lidar-time').textContent = `${data.length / 4} returns of ${info.rays} rays, ${info.render_ms.toFixed(0)} ms` +
+  $('lidar-time').textContent = `${body.sensor}, ${body.quality}, ${data.length / kPointValues} returns of ${info.rays} rays, ${info.render_ms.toFixed(0)} ms` +
     (live.rate ? `, ${live.rate.toFixed(1)} per s` : '');
   $('points').dataset.frames = 1 + (+$('points').dataset.frames || 0);
 });
@@ -102,6 +70,25 @@ function setTime(time) {
   refresh();
 }
 
+// The picture as it is chosen now, without loss.
+async function save() {
+  const body = {...pictureRequest(), lossless: true};
+  const [, buffer, at] = await parts(await call('api/picture', body));
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([new Uint8Array(buffer, at)], {type: 'image/png'}));
+  link.download = `${body.sensor}_${body.layer}_${body.time_s.toFixed(3)}s.png`;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+// The command line that makes what is chosen now: shown, and copied where the browser lets us.
+async function tellCommand(body) {
+  const {command} = await (await call('api/command', body)).json();
+  $('command').hidden = false;
+  $('command').value = command;
+  if (navigator.clipboard) await navigator.clipboard.writeText(command).catch(() => $('command').select());
+}
+
 let playing = 0;
 function play() {
   if (playing) { clearInterval(playing); playing = 0; $('play').innerHTML = '&#9654;'; return; }
@@ -112,30 +99,6 @@ function play() {
     last = now;
     setTime(next > scene.time_end_s ? scene.time_start_s : next);
   }, 50);
-}
-
-function listActors() {
-  $('actors').replaceChildren(...scene.actors.map(actor => {
-    const row = document.createElement('tr');
-    const cell = (...nodes) => { const td = document.createElement('td'); td.append(...nodes); row.append(td); };
-    const shown = Object.assign(document.createElement('input'), {type: 'checkbox', checked: !state.removed.has(actor.name)});
-    shown.dataset.actor = actor.name;
-    shown.onchange = () => { state.removed[shown.checked ? 'delete' : 'add'](actor.name); refresh(); };
-    cell(shown, ' ', actor.name);
-    cell(actor.kind);
-    ['forward', 'left', 'up'].forEach((axis, k) => {
-      const value = Object.assign(document.createElement('input'), {type: 'number', step: 0.25, value: (state.moved.get(actor.name) || [0, 0, 0])[k].toFixed(2)});
-      value.onchange = () => {
-        const by = [...(state.moved.get(actor.name) || [0, 0, 0])];
-        by[k] = +value.value;
-        state.moved.set(actor.name, by);
-        refresh();
-      };
-      cell(axis + ' ', value, ' m');
-    });
-    return row;
-  }));
-  $('actors-view').querySelector('h2').hidden = scene.actors.length === 0;
 }
 
 // Dragging with what was grabbed at the start.
@@ -176,7 +139,8 @@ dragging($('points'), e => {
     }};
   }
   const before = state.moved.get(box.name) || [0, 0, 0];
-  const inverse = [box.q[0], -box.q[1], -box.q[2], -box.q[3]];
+  // Moved along its own axes as they were before it was turned.
+  const inverse = turnedLeft([box.q[0], -box.q[1], -box.q[2], -box.q[3]], state.turned.get(box.name) || 0);
   box.held = true;
   return {
     move: (dx, dy, m) => {
@@ -218,6 +182,13 @@ document.addEventListener('keydown', e => {
   refresh();
 });
 
+async function reload() {
+  scene = await (await call('api/scene')).json();
+  points.path = scene.path;
+  listActors();
+  refresh();
+}
+
 // While a training runs: how far it is, and its newest scene.
 async function watch() {
   let version = -1;
@@ -231,14 +202,9 @@ async function watch() {
         number(s.distance_m === null ? null : 100 * s.distance_m, 1, 'cm') +
         `  ${((s.camera_particles + s.lidar_particles) / 1e3).toFixed(0)} k particles`;
     }
-    if (s.version !== version && version !== -1) {  // another scene: more actors, perhaps
-      scene = await (await call('api/scene')).json();
-      points.path = scene.path;
-      listActors();
-      refresh();
-    }
+    if (s.version !== version && version !== -1) await reload();  // another scene: more actors, perhaps
     version = s.version;
-    await new Promise(done => setTimeout(done, s.training ? 1000 : 5000));
+    await pause(s.training ? 1000 : 5000);
   }
 }
 
@@ -267,10 +233,17 @@ async function start() {
   $('time').oninput = () => setTime(+$('time').value);
   $('play').onclick = play;
   for (const id of ['left', 'up']) $(id).oninput = () => { state[id] = +$(id).value; refresh(); };
-  for (const id of ['camera', 'width', 'free']) $(id).onchange = () => camera.ask();
+  for (const id of ['camera', 'layer', 'width', 'free']) $(id).onchange = () => camera.ask();
   for (const id of ['lidar', 'colour']) $(id).onchange = () => lidar.ask();
   $('follow').onchange = () => lidar.ask();
   $('quality').onchange = refresh;
+  $('save').onclick = () => save().catch(error => say(error.message));
+  const tell = request => tellCommand(request()).catch(error => {
+    say(error.message);
+    $('message').dataset.from = 'camera';  // until the next picture
+  });
+  $('camera-command').onclick = () => tell(pictureRequest);
+  $('lidar-command').onclick = () => tell(() => request($('lidar').value));
   $('home').onclick = () => {
     Object.assign(state, {forward: 0, left: 0, up: 0, yaw: 0, pitch: 0});
     $('left').value = $('up').value = 0;

@@ -1,0 +1,42 @@
+#pragma once
+// What takes long right now, for those who wait.
+#include <list>
+#include <mutex>
+#include <string>
+
+namespace simuli {
+
+/// Something under way, in whatever thread, for as long as it lives.
+class Activity {
+ public:
+  explicit Activity(const std::string& text) {
+    const std::lock_guard lock(running().mutex);
+    self_ = &running().texts.emplace_back(text);
+  }
+  Activity(const Activity&) = delete;
+  Activity& operator=(const Activity&) = delete;
+  ~Activity() {
+    const std::lock_guard lock(running().mutex);
+    running().texts.remove_if([this](const std::string& text) { return &text == self_; });
+  }
+
+  /// Of those that live, the last that began ("compiling kernels/render.cl"); empty when there is none.
+  [[nodiscard]] static std::string now() {
+    const std::lock_guard lock(running().mutex);
+    return running().texts.empty() ? std::string() : running().texts.back();
+  }
+
+ private:
+  struct Running {
+    std::mutex mutex;
+    std::list<std::string> texts;
+  };
+  static Running& running() {
+    static Running all;
+    return all;
+  }
+
+  const std::string* self_;
+};
+
+}  // namespace simuli

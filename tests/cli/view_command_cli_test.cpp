@@ -1,0 +1,58 @@
+// The viewer's "this view as a command", run.
+#include <gtest/gtest.h>
+#include <string>
+
+#include "io/base/file.hpp"
+#include "tests/cli/view_fixture.hpp"
+
+namespace {
+
+using namespace simuli::test;
+
+TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
+  make_scene();
+  fs::rename(folder_ / "s.scene", folder_ / "it's a.scene");
+  start_scene("it's a.scene", {"--duplicate", "car:old", "--move", "old:0,1,0"});
+  json view = view_of("front");
+  view["width"] = 96;
+  view["lossless"] = true;
+  view["left_m"] = 0.5;
+  ASSERT_EQ(client_->Post("/api/duplicate", R"({"actor": "car"})", "application/json")->status, 200);
+  view["removed"] = {"car"};
+  view["moved"] = {{"car_2", {-1.0, 0.5, 0.0}}};
+  view["turned_deg"] = {{"car_2", 30.0}};
+  view["retimed"] = {{"car_2", {0.75, 0.1}}};
+  const auto told = [&] {
+    const httplib::Result result = client_->Post("/api/command", view.dump(), "application/json");
+    EXPECT_EQ(result->status, 200) << result->body;
+    return json::parse(result->body).at("command").get<std::string>();
+  };
+  const auto run_told = [&](const std::string& command) {
+    const std::string program = "simuli ";
+    EXPECT_EQ(command.substr(0, program.size()), program);
+    fs::remove_all(folder_ / "view");
+    const Outcome outcome = run(command.substr(program.size()));
+    EXPECT_EQ(outcome.exit_code, 0) << command << '\n' << outcome.err;
+  };
+  run_told(told());
+  EXPECT_EQ(simuli::read_file(folder_ / "view" / "front_000000.png"), post("/api/picture", view).payload)
+      << told();
+  // Of another LiDAR.
+  view["sensor"] = "velodyne_vlp16";
+  run_told(told());
+  EXPECT_TRUE(fs::exists(folder_ / "view" / "velodyne_vlp16_000000.ply"));
+  const auto refused = [&](const char* key, const json& value, const char* part) {
+    json other = view_of("front");
+    other[key] = value;
+    const httplib::Result result = client_->Post("/api/command", other.dump(), "application/json");
+    EXPECT_EQ(result->status, 400) << key;
+    EXPECT_NE(result->body.find(part), std::string::npos) << result->body;
+  };
+  refused("yaw_rad", 0.1, "another place or direction");
+  refused("up_m", 1.0, "another place or direction");
+  refused("layer", "depth", "a layer");
+  refused("moved", {{"old", {1, 0, 0}}}, "an edit of old");
+  refused("sensor", "nobody", "nobody");
+}
+
+}  // namespace
