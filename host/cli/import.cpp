@@ -9,7 +9,7 @@
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
-#include "host/cli/info.hpp"
+#include "host/cli/info/info.hpp"
 #include "host/scene/placement.hpp"
 #include "io/base/output.hpp"
 #include "io/import/kitti/kitti.hpp"

@@ -2,7 +2,7 @@
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/file_progress.hpp"
-#include "host/cli/info.hpp"
+#include "host/cli/info/info.hpp"
 #include "io/synth/street.hpp"
 
 namespace simuli::cli {

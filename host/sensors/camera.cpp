@@ -90,6 +90,25 @@ void set_ftheta(Camera& camera,
   camera.lens = Lens(kind, parameters, "camera " + camera.name);
 }
 
+ViewAngle view_angle(const Camera& camera) {
+  // The angle about the other axis of the outermost ray from one end of a row or column.
+  const auto outermost = [&](double from, double to, auto&& pixel_at, auto&& angle_of) {
+    const double step = to > from ? 1.0 : -1.0;
+    for (double at = from; step * (to - at) >= 0.0; at += step) {
+      const Eigen::Vector3d ray = camera.unproject(pixel_at(at));
+      if (ray != Eigen::Vector3d::Zero()) return static_cast<double>(angle_of(ray));
+    }
+    return 0.0;
+  };
+  const auto in_row = [&](double at) { return Eigen::Vector2d(at, camera.cy); };
+  const auto in_column = [&](double at) { return Eigen::Vector2d(camera.cx, at); };
+  const auto right = [](const Eigen::Vector3d& ray) { return std::atan2(ray.x(), ray.z()); };
+  const auto down = [](const Eigen::Vector3d& ray) { return std::atan2(ray.y(), ray.z()); };
+  const double width = camera.width, height = camera.height;
+  return {outermost(width, 0.0, in_row, right) - outermost(0.0, width, in_row, right),
+          outermost(height, 0.0, in_column, down) - outermost(0.0, height, in_column, down)};
+}
+
 std::size_t pixels_without_ray(const Camera& camera) {
   std::size_t missing = 0;
   for (int y = 0; y < camera.height; ++y) {

@@ -43,6 +43,13 @@ void set_ftheta(Camera& camera,
                 const std::array<double, 3>& linear_cde,
                 double max_angle_rad);
 
+/// What the picture spans, rad, along the row and the column through the principal point: of pixels that have
+/// a ray, whole turns of a fisheye included.
+struct ViewAngle {
+  double horizontal_rad = 0.0, vertical_rad = 0.0;
+};
+[[nodiscard]] ViewAngle view_angle(const Camera& camera);
+
 /// Number of pixels through whose centre the lens has no ray.
 [[nodiscard]] std::size_t pixels_without_ray(const Camera& camera);
 

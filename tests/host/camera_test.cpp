@@ -1,7 +1,9 @@
 #include "host/sensors/camera.hpp"
 
+#include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numbers>
 
 #include "tests/host/expect_error.hpp"
 
@@ -37,6 +39,22 @@ TEST(Camera, AxesFollowOpenCv) {
   ASSERT_TRUE(camera.project({0.2, 0.1, 2}, right_down));
   EXPECT_NEAR(right_down.x(), 372.0, kPixelRounding);
   EXPECT_NEAR(right_down.y(), 203.0, kPixelRounding);
+}
+
+TEST(Camera, ViewAngleIsWhatThePictureSpans) {
+  constexpr double kDeg = std::numbers::pi / 180.0;
+  // 45 degrees to the left, 26.565 (tan 1/2) to the right; 45 up and down.
+  Camera camera{"c", 150, 200, 100.0, 100.0, 100.0, 100.0};
+  EXPECT_NEAR(view_angle(camera).horizontal_rad, 45.0 * kDeg + std::atan(0.5), 1e-12);
+  EXPECT_NEAR(view_angle(camera).vertical_rad, 90.0 * kDeg, 1e-12);
+  // 960 px to either side at 600 px per rad are 183.3 degrees, but the lens ends at 90 to either side.
+  EXPECT_NEAR(
+      view_angle(builtin_camera("gsplat_camera_rear_fisheye_nodist")).horizontal_rad, 180.0 * kDeg, 0.01);
+  // A whole turn.
+  camera = {"c", 360, 90, 180.0 / std::numbers::pi, 180.0 / std::numbers::pi, 180.0, 45.0};
+  camera.lens = Lens(LensKind::kEquirectangular, {});
+  EXPECT_NEAR(view_angle(camera).horizontal_rad, 360.0 * kDeg, 1e-9);
+  EXPECT_NEAR(view_angle(camera).vertical_rad, 90.0 * kDeg, 1e-9);
 }
 
 TEST(Camera, NothingBehindTheLensIsProjected) {

@@ -4,8 +4,11 @@
 #include <fmt/ranges.h>
 #include <iostream>
 #include <map>
+#include <set>
 
 #include "host/base/fields.hpp"
+#include "host/render/options/quality.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli::cli {
 
@@ -17,6 +20,20 @@ std::string held_out_text(const FrameSelection& f) {
     text += fmt::format("{}the last {:.3g} % of the path", text.empty() ? "" : ", ", 100.0 * f.held_out_last);
   }
   return text.empty() ? "nothing" : text;
+}
+
+/// Those that a training of that quality does not have by itself, but for what has a line of its own.
+std::string settings_text(const TrainingRecord& r) {
+  const std::set<std::string> told{"image_scale", "held_out_every", "held_out_last", "seed", "iterations"};
+  const std::vector<std::string> lines =
+      lines_of(training_options(find_quality(r.quality) ? r.quality : "", {}));
+  const std::set<std::string> defaults(lines.begin(), lines.end());
+  std::vector<std::string> others;
+  for (const std::string& line : r.settings) {
+    const bool is_told = told.contains(line.substr(0, line.find('=')));
+    if (!is_told && !defaults.contains(line)) others.push_back(line);
+  }
+  return others.empty() ? "as by default" : fmt::format("{}", fmt::join(others, " "));
 }
 
 }  // namespace
@@ -32,6 +49,7 @@ std::vector<RecordLine> record_lines(const TrainingRecord& r) {
           {"held out", held_out_text(f)},
           {"seed", fmt::format("{}", f.seed)},
           {"quality", r.quality},
+          {"settings", settings_text(r)},
           {"by", fmt::format("simuli {} on {}, driver {}", r.version, r.device, r.driver)}};
 }
 

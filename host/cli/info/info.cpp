@@ -1,4 +1,4 @@
-#include "host/cli/info.hpp"
+#include "host/cli/info/info.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "io/scene/sensor_rig.hpp"
+#include "io/scene/splat_scene.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -62,14 +63,16 @@ void print_builtin(const std::string& name, bool json) {
   }
   std::vector<std::string> known = cameras;
   known.insert(known.end(), lidars.begin(), lidars.end());
+  known.emplace_back(kAllSensors);
   const std::vector<std::string> close = close_names(name, known);
   throw_input_error(
       name,
       "folder",
       is_there(name) ? "neither log.json nor scene.json" : "nothing of that name",
       close.empty()
-          ? fmt::format("a log, a scene, a sensor file, or a sensor of \"{}\"", kAllSensors)
-          : fmt::format("a log, a scene, a sensor file, or a sensor like {}", fmt::join(close, ", ")));
+          ? fmt::format("a log, a scene, a splat or sensor file, or a sensor of \"{}\"", kAllSensors)
+          : fmt::format("a log, a scene, a splat or sensor file, or a sensor like {}",
+                        fmt::join(close, ", ")));
 }
 
 void info(const InfoOptions& options, bool json) {
@@ -91,6 +94,7 @@ void info(const InfoOptions& options, bool json) {
             "{} is a sensor: found \"{}\" behind it, allowed nothing", options.target, options.sensor));
   }
   std::error_code ignored;
+  if (is_splat_file(target) && is_there(target)) return print_splats(target, json);
   if (fs::is_regular_file(target, ignored)) return print_any(read_sensor_file(target), json);
   print_builtin(options.target, json);
 }
@@ -99,11 +103,12 @@ void info(const InfoOptions& options, bool json) {
 
 void add_info(Command app, const Globals& globals) {
   const auto options = std::make_shared<InfoOptions>();
-  Command command = app.command("info", "what a log, a scene or a sensor consists of");
+  Command command = app.command("info", "what a log, a scene, splats or a sensor consist of");
   command
       .option("TARGET",
               options->target,
-              "log folder, scene folder, sensor file, built-in sensor (a LiDAR's name may end in "
+              "log folder, scene folder, splats (.ply, .spz), sensor file, built-in sensor (a LiDAR's name "
+              "may end in "
               "@COLUMNSxHZ), or \"sensors\" for the list of them")
       .required();
   command.option("SENSOR", options->sensor, "name of one sensor in that log or scene");

@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iostream>
 #include <numbers>
 
 #include "host/cli/base/json_text.hpp"
-#include "host/cli/info.hpp"
+#include "host/cli/info/info.hpp"
 #include "io/log/sensor_json.hpp"
 
 namespace simuli::cli {
@@ -100,20 +101,24 @@ std::string facts_text(const LidarFacts& facts) {
 }
 
 std::string line_of(const Lidar& lidar) {
-  return fmt::format("lidar  {:<26} {:3} rows x {} columns, elevation {:.2f} to {:.2f} deg, {}, {} to {} m",
-                     lidar.name,
-                     lidar.row_count(),
-                     lidar.columns,
-                     lidar.rows.back().elevation * kDegPerRad,
-                     lidar.rows.front().elevation * kDegPerRad,
-                     lidar.spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise",
-                     lidar.range_min,
-                     lidar.range_max);
+  return fmt::format(
+      "lidar  {:<26} {:3} rows x {} columns, elevation {:.2f} to {:.2f} deg, {}, {:.6g} to {:.6g} m",
+      lidar.name,
+      lidar.row_count(),
+      lidar.columns,
+      lidar.rows.back().elevation * kDegPerRad,
+      lidar.rows.front().elevation * kDegPerRad,
+      lidar.spin == SpinDirection::kClockwise ? "clockwise" : "counter_clockwise",
+      lidar.range_min,
+      lidar.range_max);
 }
 
 std::string line_of(const RayList& list) {
-  return fmt::format(
-      "ray list {:<14} {} rays, {} to {} m", list.name, list.ray_count(), list.range_min, list.range_max);
+  return fmt::format("ray list {:<14} {} rays, {:.6g} to {:.6g} m",
+                     list.name,
+                     list.ray_count(),
+                     list.range_min,
+                     list.range_max);
 }
 
 std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
@@ -152,6 +157,24 @@ std::string lidar_line(const LidarModel& lidar) {
   return std::visit([](const auto& model) { return line_of(model); }, lidar);
 }
 
+nlohmann::ordered_json lidar_summary(const LidarModel& model) {
+  return std::visit(
+      [](const auto& lidar) -> nlohmann::ordered_json {
+        nlohmann::ordered_json out = {{"name", lidar.name}, {"rays", lidar.ray_count()}};
+        if constexpr (std::same_as<std::decay_t<decltype(lidar)>, Lidar>) {
+          out["rows"] = lidar.row_count();
+          out["columns"] = lidar.columns;
+          out["elevation_min_deg"] = lidar.rows.back().elevation * kDegPerRad;
+          out["elevation_max_deg"] = lidar.rows.front().elevation * kDegPerRad;
+          out["turns_per_s"] = 1.0 / lidar.sweep_s;
+        }
+        out["range_min_m"] = lidar.range_min;
+        out["range_max_m"] = lidar.range_max;
+        return out;
+      },
+      model);
+}
+
 void print_sensor(const LidarFile& lidar, bool json) {
   if (json) {
     std::cout << json_text(to_json(lidar)) << '\n';
@@ -165,11 +188,16 @@ void print_sensor_names(const std::vector<std::string>& cameras,
                         const std::vector<std::string>& lidars,
                         bool json) {
   if (json) {
-    std::cout << json_text(Json{{"cameras", cameras}, {"lidars", lidars}}) << '\n';
+    nlohmann::ordered_json models = nlohmann::ordered_json::array();
+    for (const std::string& name : cameras) models.push_back(camera_summary(builtin_camera(name)));
+    for (const std::string& name : lidars) models.push_back(lidar_summary(builtin_lidar(name)));
+    std::cout << json_text(
+                     nlohmann::ordered_json{{"cameras", cameras}, {"lidars", lidars}, {"models", models}})
+              << '\n';
     return;
   }
   for (const std::string& name : lidars) std::cout << line_of(builtin_lidar(name)) << '\n';
-  for (const std::string& name : cameras) std::cout << "camera " << name << '\n';
+  for (const std::string& name : cameras) std::cout << camera_line(builtin_camera(name)) << '\n';
 }
 
 }  // namespace simuli::cli

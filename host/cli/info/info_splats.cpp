@@ -1,0 +1,53 @@
+#include <fmt/format.h>
+#include <iostream>
+
+#include "host/cli/base/json_text.hpp"
+#include "host/cli/info/info.hpp"
+#include "io/splat/splat_file.hpp"
+
+namespace simuli::cli {
+
+nlohmann::ordered_json set_json(const GaussianSet& set) {
+  nlohmann::ordered_json json = {
+      {"particles", set.size()},
+      {"sh_degree", set.sh_degree},
+      {"parameter_bytes", set.params.size() * static_cast<Eigen::Index>(sizeof(float))}};
+  if (set.size() > 0) {
+    const Eigen::RowVector3f low = set.mean().colwise().minCoeff();
+    const Eigen::RowVector3f high = set.mean().colwise().maxCoeff();
+    json["mean_min_m"] = {low.x(), low.y(), low.z()};
+    json["mean_max_m"] = {high.x(), high.y(), high.z()};
+  }
+  return json;
+}
+
+std::string set_text(const char* name, const GaussianSet& set) {
+  return fmt::format("  {} set {} particles, SH degree {}, {:.1f} MB\n",
+                     name,
+                     set.size(),
+                     set.sh_degree,
+                     static_cast<double>(set.params.size()) * sizeof(float) / 1e6);
+}
+
+void print_splats(const std::filesystem::path& file, bool json) {
+  const GaussianSet set = read_splats(file);
+  if (json) {
+    nlohmann::ordered_json out = {{"kind", "splats"}, {"file", file.string()}};
+    out.update(set_json(set));
+    std::cout << json_text(out) << '\n';
+    return;
+  }
+  std::cout << fmt::format("splats {}\n", file.string()) << set_text("camera", set);
+  if (set.size() == 0) return;
+  const Eigen::RowVector3f low = set.mean().colwise().minCoeff();
+  const Eigen::RowVector3f high = set.mean().colwise().maxCoeff();
+  std::cout << fmt::format("  from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, {:.2f} in its own units\n",
+                           low.x(),
+                           low.y(),
+                           low.z(),
+                           high.x(),
+                           high.y(),
+                           high.z());
+}
+
+}  // namespace simuli::cli
