@@ -11,6 +11,7 @@ void add_commands(CommandLine& line, const Globals& globals) {
   add_actors(root, globals);
   add_align(root, globals);
   add_bench(line);
+  add_completion(line);
   add_convert(root, globals);
   add_demo(root, globals);
   add_devices(root, globals);
@@ -18,6 +19,7 @@ void add_commands(CommandLine& line, const Globals& globals) {
   add_fit(root, globals);
   add_import(root, globals);
   add_info(root, globals);
+  add_manual(line);
   add_render(root, globals);
   add_synth(root, globals);
   add_tile(root, globals);

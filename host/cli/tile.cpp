@@ -146,7 +146,9 @@ void tile(const TileCommand& command, const Globals& globals) {
 void add_tile(Command app, const Globals& globals) {
   const auto options = std::make_shared<TileCommand>();
   Command command = app.command("tile", "the tiles of a LiDAR: numbers, a picture, the fastest ones");
-  command.option("SENSOR", options->sensor, "LiDAR file, or name of a built-in LiDAR").required();
+  command.option("SENSOR", options->sensor, "LiDAR file, or name of a built-in LiDAR")
+      .required()
+      .completed_by(builtin_lidar_names);
   command.option("-o,--output", options->picture, "picture of beams, tiles and rays per tile (PNG)");
   command
       .option("--elevation-tiles", options->tiles.elevation, "tiles from top to bottom; default: as rendered")

@@ -12,6 +12,12 @@
 #include "host/base/error.hpp"
 
 namespace simuli::cli {
+
+/// By option, as the library that reads arguments has no place for them.
+struct Completions {
+  std::map<const CLI::Option*, std::function<std::vector<std::string>()>> values;
+};
+
 namespace {
 
 /// The library's own checks of open ranges tell the largest double in 309 digits.
@@ -88,6 +94,37 @@ std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
   return fmt::format("{} ({} --help)", what, full_name(app));
 }
 
+OptionText text_of(const CLI::Option& option, const Completions& completions) {
+  OptionText text;
+  for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+  text.is_named = !text.names.empty();
+  if (!text.is_named) text.names.push_back(option.get_name(true));
+  text.is_flag = option.get_items_expected_max() == 0;
+  text.takes_many =
+      option.get_allow_extra_args() && option.get_expected_max() == CLI::detail::expected_max_vector_size;
+  text.is_required = option.get_required();
+  if (!text.is_flag) {
+    text.type = option.get_type_name();
+    text.preset = option.get_default_str();
+  }
+  text.help = option.get_description();
+  const auto known = completions.values.find(&option);
+  if (known != completions.values.end()) text.completions = known->second();
+  return text;
+}
+
+CommandText text_of(const CLI::App& app, const Completions& completions) {
+  CommandText text{app.get_name(), app.get_description(), {}, {}};
+  for (const CLI::Option* const option : app.get_options()) {
+    text.options.push_back(text_of(*option, completions));
+  }
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    text.commands.push_back(text_of(*command, completions));
+  }
+  return text;
+}
+
 /// The program's own options, below those of each command that takes them, too.
 std::string shared_options(const CLI::App& command) {
   const CLI::App* root = &command;
@@ -109,6 +146,11 @@ struct Answer {
 
 Option& Option::required() {
   option_->required();
+  return *this;
+}
+
+Option& Option::completed_by(std::function<std::vector<std::string>()> values) {
+  completions_->values[option_] = std::move(values);
   return *this;
 }
 
@@ -148,8 +190,9 @@ Option& Option::non_negative() {
 }
 
 Option& Option::one_of(std::initializer_list<const char*> values) {
-  option_->check(CLI::IsMember(std::vector<std::string>(values.begin(), values.end())));
-  return *this;
+  const std::vector<std::string> names(values.begin(), values.end());
+  option_->check(CLI::IsMember(names));
+  return completed_by([names] { return names; });
 }
 
 Option& Option::one_of(std::initializer_list<int> values) {
@@ -207,7 +250,7 @@ Option Command::option(const std::string& names, T& value, const std::string& he
         },
         ""));
   }
-  return Option(option);
+  return Option(option, completions_);
 }
 
 template Option Command::option(const std::string&, std::string&, const std::string&) const;
@@ -221,17 +264,17 @@ template Option Command::option(const std::string&, std::vector<std::string>&, c
 Option Command::option(const std::string& names,
                        const std::function<void(const std::string&)>& read,
                        const std::string& help) const {
-  return Option(app_->add_option_function<std::string>(names, read, help)->trigger_on_parse());
+  return Option(app_->add_option_function<std::string>(names, read, help)->trigger_on_parse(), completions_);
 }
 
 Option Command::flag(const std::string& names, bool& value, const std::string& help) const {
-  return Option(app_->add_flag(names, value, help));
+  return Option(app_->add_flag(names, value, help), completions_);
 }
 
 Command Command::command(const std::string& name, const std::string& help) const {
   CLI::App* const command = app_->add_subcommand(name, help);
   command->footer([command] { return shared_options(*command); });
-  return Command(command);
+  return Command(command, completions_);
 }
 
 void Command::require_command() const { app_->require_subcommand(1); }
@@ -242,6 +285,7 @@ void Command::run(std::function<void()> work) const { app_->callback(std::move(w
 
 struct CommandLine::Impl {
   CLI::App app;
+  Completions completions;
   std::map<std::string, Forward, std::less<>> foreign;
 
   Impl(const std::string& name, const std::string& about) : app(about, name) {}
@@ -266,7 +310,9 @@ CommandLine::CommandLine(const std::string& name, const std::string& about, cons
 
 CommandLine::~CommandLine() = default;
 
-Command CommandLine::root() { return Command(&impl_->app); }
+Command CommandLine::root() { return Command(&impl_->app, &impl_->completions); }
+
+CommandText CommandLine::text() const { return text_of(impl_->app, impl_->completions); }
 
 void CommandLine::add_foreign(const std::string& name, const std::string& help, Forward run) {
   impl_->app.add_subcommand(name, help);

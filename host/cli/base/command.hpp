@@ -18,6 +18,8 @@ class Option;
 
 namespace simuli::cli {
 
+struct Completions;
+
 /// What an option can set. Numbers are read whole, in decimal; a vector takes every value up to the next
 /// option.
 template <class T>
@@ -29,6 +31,8 @@ concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::files
 class Option {
  public:
   Option& required();
+  /// Values that can be told beforehand, for shells to complete; others may be allowed, too.
+  Option& completed_by(std::function<std::vector<std::string>()> values);
   /// The help tells what the value is now.
   Option& with_default();
   /// What stands in the help for its type and its default.
@@ -55,8 +59,28 @@ class Option {
 
  private:
   friend class Command;
-  explicit Option(CLI::Option* option) : option_(option) {}
+  Option(CLI::Option* option, Completions* completions) : option_(option), completions_(completions) {}
   CLI::Option* option_;
+  Completions* completions_;
+};
+
+/// What the help tells of an option, or of a value that has its place alone.
+struct OptionText {
+  std::vector<std::string> names;  // "--output", "-o"; of a value "LOG"
+  bool is_named = true;            // by these, not by its place
+  bool is_flag = false;            // takes no value
+  bool takes_many = false;         // values, up to the next option
+  bool is_required = false;
+  std::string type;    // of its values, with what is allowed: "INT", "TEXT:{a,b}"
+  std::string preset;  // empty: none is told
+  std::string help;
+  std::vector<std::string> completions;
+};
+struct CommandText {
+  std::string name;  // as typed behind that of the program or of the command that it is one of
+  std::string help;
+  std::vector<OptionText> options;
+  std::vector<CommandText> commands;
 };
 
 /// A command, or the program itself as the one above all. A handle: copies mean the same command.
@@ -84,8 +108,9 @@ class Command {
 
  private:
   friend class CommandLine;
-  explicit Command(CLI::App* app) : app_(app) {}
+  Command(CLI::App* app, Completions* completions) : app_(app), completions_(completions) {}
   CLI::App* app_;
+  Completions* completions_;
 };
 
 /// The arguments of a program: its own options, before or behind a command's name, and its commands.
@@ -106,6 +131,9 @@ class CommandLine {
   /// Runs the command that is named; false when only help, the version or an answer was asked for, and
   /// printed. Error{kUsage} for arguments that are not allowed.
   bool parse(int argc, const char* const* argv);
+
+  /// All that the help tells.
+  [[nodiscard]] CommandText text() const;
 
  private:
   struct Impl;

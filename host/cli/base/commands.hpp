@@ -30,6 +30,7 @@ void add_absent(Command app, const std::string& name, const std::string& help, c
 void add_actors(Command app, const Globals& globals);
 void add_align(Command app, const Globals& globals);
 void add_bench(CommandLine& line);
+void add_completion(CommandLine& line);
 void add_convert(Command app, const Globals& globals);
 void add_demo(Command app, const Globals& globals);
 void add_devices(Command app, const Globals& globals);
@@ -37,6 +38,7 @@ void add_eval(Command app, const Globals& globals);
 void add_fit(Command app, const Globals& globals);
 void add_import(Command app, const Globals& globals);
 void add_info(Command app, const Globals& globals);
+void add_manual(CommandLine& line);
 void add_render(Command app, const Globals& globals);
 void add_synth(Command app, const Globals& globals);
 void add_tile(Command app, const Globals& globals);

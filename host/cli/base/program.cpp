@@ -31,7 +31,8 @@ void add_globals(Command root, Globals& globals) {
             globals.quality = *quality;
           },
           "speed against accuracy, wherever something is rendered: " + names)
-      .shown_as("NAME", "balanced");
+      .shown_as("NAME", "balanced")
+      .completed_by([] { return quality_names(); });
   root.flag("--json", globals.json, "data as JSON on stdout");
   root.flag("--json-progress", globals.json_progress, "progress as one JSON object a line on stderr");
   root.flag("--verbose", globals.verbose, "tell times on stderr");

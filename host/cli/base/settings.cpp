@@ -13,9 +13,17 @@ void add_settings(Command command,
                   const Globals& globals,
                   std::function<Fields()> fields,
                   const std::string& help) {
-  command.option("--set", settings, help).answers("help", [&globals, fields = std::move(fields)] {
-    std::cout << (globals.json ? json_text(help_json(fields())) + '\n' : fields().help());
-  });
+  command.option("--set", settings, help)
+      .answers("help",
+               [&globals, fields] {
+                 std::cout << (globals.json ? json_text(help_json(fields())) + '\n' : fields().help());
+               })
+      .completed_by([fields = std::move(fields)] {
+        std::vector<std::string> keys{"help"};
+        const Fields all = fields();
+        for (const Field& field : all.all()) keys.push_back(field.key + '=');
+        return keys;
+      });
 }
 
 }  // namespace simuli::cli

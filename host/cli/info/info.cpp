@@ -110,7 +110,12 @@ void add_info(Command app, const Globals& globals) {
               "log folder, scene folder, splats (.ply, .spz), sensor file, built-in sensor (a LiDAR's name "
               "may end in "
               "@COLUMNSxHZ), or \"sensors\" for the list of them")
-      .required();
+      .required()
+      .completed_by([] {
+        std::vector<std::string> names = builtin_sensor_names();
+        names.emplace_back(kAllSensors);
+        return names;
+      });
   command.option("SENSOR", options->sensor, "name of one sensor in that log or scene");
   command.run([options, &globals] { info(*options, globals.json); });
 }

@@ -68,7 +68,8 @@ void add_sensor_options(Command sub, SensorOptions& options) {
              options.names,
              "a sensor of the scene; or a built-in camera or LiDAR, or one of a file, in its place; again "
              "for more")
-      .one_at_a_time();
+      .one_at_a_time()
+      .completed_by(builtin_sensor_names);
   sub.option("--rig", options.rig, "file of sensors and their mountings, all rendered").excludes("--sensor");
   sub.option("--mount",
              options.mount,

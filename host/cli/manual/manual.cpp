@@ -1,0 +1,51 @@
+#include "host/cli/manual/manual.hpp"
+
+#include <fmt/format.h>
+#include <iostream>
+#include <memory>
+
+#include "host/base/version.hpp"
+#include "host/cli/base/commands.hpp"
+
+namespace simuli::cli {
+namespace {
+
+void visit_below(const std::string& path,
+                 const CommandText& command,
+                 const std::function<void(const std::string&, const CommandText&)>& visit) {
+  visit(path, command);
+  for (const CommandText& inner : command.commands) visit_below(path + ' ' + inner.name, inner, visit);
+}
+
+}  // namespace
+
+void visit_commands(const CommandText& program,
+                    const std::function<void(const std::string&, const CommandText&)>& visit) {
+  visit_below(program.name, program, visit);
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+void add_completion(CommandLine& line) {
+  const auto shell = std::make_shared<std::string>();
+  const Command completion = line.root().command("completion", "a script that completes commands in a shell");
+  completion.option("SHELL", *shell, "which shell is to read it").required().one_of({"bash", "zsh", "fish"});
+  completion.run([shell, &line] {
+    const CommandText text = line.text();
+    std::cout << (*shell == "bash"  ? bash_completion(text)
+                  : *shell == "zsh" ? zsh_completion(text)
+                                    : fish_completion(text));
+  });
+}
+
+void add_manual(CommandLine& line) {
+  line.root()
+      .command("manual", "all commands and options as a manual page: simuli manual | man -l -")
+      .run([&line] { std::cout << man_page(line.text(), fmt::format("simuli {}", version())); });
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,24 @@
+#pragma once
+// The program's commands and options as shells and man read them, from the descriptions that make the help.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/cli/base/command.hpp"
+
+namespace simuli::cli {
+
+/// Scripts that complete the program's name, commands, options and values, for each shell to read.
+[[nodiscard]] std::string bash_completion(const CommandText& program);
+[[nodiscard]] std::string zsh_completion(const CommandText& program);
+[[nodiscard]] std::string fish_completion(const CommandText& program);
+/// Section 1, in the macros of man(7); `version` as --version tells it.
+[[nodiscard]] std::string man_page(const CommandText& program, const std::string& version);
+
+/// Calls `visit("program command ...", command)` of the program and of each command, outer ones first.
+void visit_commands(const CommandText& program,
+                    const std::function<void(const std::string& path, const CommandText& command)>& visit);
+/// In quotes in which the shells named above change nothing.
+[[nodiscard]] std::string quoted(const std::string& text);
+
+}  // namespace simuli::cli
