@@ -29,12 +29,13 @@ void add_commands(CommandLine& line, const Globals& globals) {
 
 }  // namespace
 
-int run_simuli(int argc, char** argv) {
+int run_simuli(int argc, char** argv, const std::string& commit) {
   return run_program("simuli",
                      "Camera and LiDAR simulation with 3D Gaussians on any OpenCL device",
                      argc,
                      argv,
-                     add_commands);
+                     add_commands,
+                     commit);
 }
 
 }  // namespace simuli::cli

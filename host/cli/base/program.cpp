@@ -65,8 +65,10 @@ void run_arguments(const std::string& name,
                    const std::string& about,
                    int argc,
                    const char* const* argv,
-                   const AddCommands& add) {
-  CommandLine line(name, about, fmt::format("simuli {}", version()));
+                   const AddCommands& add,
+                   const std::string& commit) {
+  const std::string built_from = commit.empty() ? "" : fmt::format(" ({})", commit);
+  CommandLine line(name, about, fmt::format("simuli {}{}", version(), built_from));
   Globals globals;
   add_globals(line.root(), globals);
   add(line, globals);
@@ -78,8 +80,12 @@ void run_arguments(const std::string& name,
   }
 }
 
-int run_program(
-    const std::string& name, const std::string& about, int argc, char** argv, const AddCommands& add) {
+int run_program(const std::string& name,
+                const std::string& about,
+                int argc,
+                char** argv,
+                const AddCommands& add,
+                const std::string& commit) {
   constexpr int kInternal = static_cast<int>(ErrorKind::kInternal);
   watch_signals();
   watch_crashes();
@@ -92,7 +98,7 @@ int run_program(
     }
   } const notes;
   try {
-    run_arguments(name, about, argc, argv, add);
+    run_arguments(name, about, argc, argv, add, commit);
     return 0;
   } catch (const Error& error) {
     // A driver's build log has lines of its own.
