@@ -6,7 +6,7 @@
 /// matter.
 /// in  as render
 /// out largest[N]: bits of a float each, not below what they were before
-__kernel void largest_weight(const FrameParams frame,
+__kernel GROUP void largest_weight(const FrameParams frame,
                              __global const SensorConstants* sensor,
                              __global const real* world_ray,
                              __global const real* ray_u,
@@ -27,6 +27,7 @@ __kernel void largest_weight(const FrameParams frame,
   RayLanes ray[NR];
   F transmittance[NR];
   uint alive = 0;  // a bit per vector that still has a ray
+  EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray[j]);
     transmittance[j] = (F)R(1.0);
@@ -37,9 +38,8 @@ __kernel void largest_weight(const FrameParams frame,
   for (uint i = first[tile]; i < end && alive; ++i) {
     const uint packed = payload[i];
     const uint particle = packed & SIM_PARTICLE_MASK;
-    const __global real* source = records + (ulong)particle * SIM_RECORD;
     real record[SIM_RECORD];
-    for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+    load_record(records + (ulong)particle * SIM_RECORD, record);
 #if ACTOR_MOTION
     real motion[SIM_MOTION];
     const int moves = take_motion(record, motions, particle, motion);
@@ -47,6 +47,7 @@ __kernel void largest_weight(const FrameParams frame,
     const real box_mean = nearest_box_mean(record, tile_u);
     F most = (F)R(0.0);
     const int j_last = J_LAST(packed);
+    EACH_VECTOR
     for (int j = J_FIRST(packed); j <= j_last; ++j) {
       if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
       RayLanes seen = ray[j];

@@ -12,7 +12,7 @@
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
 /// footprint touches are visited, of these the vectors that still have a ray. A ray is retired (direction
 /// zeroed) once T < transmittance cut.
-__kernel void render(const FrameParams frame,
+__kernel GROUP void render(const FrameParams frame,
                      __global const SensorConstants* sensor,
                      __global const real* world_ray,
                      __global const real* ray_u,
@@ -39,6 +39,7 @@ __kernel void render(const FrameParams frame,
   F median[NR];
 #endif
   uint alive = 0;  // a bit per vector that still has a ray
+  EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray[j]);
     transmittance[j] = (F)R(1.0);
@@ -51,7 +52,7 @@ __kernel void render(const FrameParams frame,
 
   const uint end = first[tile + 1];
 #if LS > 1
-  __local real staged[LS * SIM_RECORD];
+  __local REAL_VECTOR(4) staged[STAGED_RECORDS];
   __local uint staged_payload[LS];
   __local int group_alive;
   for (uint batch = first[tile]; batch < end; batch += LS) {
@@ -60,8 +61,7 @@ __kernel void render(const FrameParams frame,
     if (batch + lid < end) {
       const uint p = payload[batch + lid];
       staged_payload[lid] = p;
-      const __global real* source = records + (ulong)(p & SIM_PARTICLE_MASK) * SIM_RECORD;
-      for (int k = 0; k < SIM_RECORD; ++k) staged[lid * SIM_RECORD + k] = source[k];
+      stage_record(records + (ulong)(p & SIM_PARTICLE_MASK) * SIM_RECORD, staged, lid);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (alive) group_alive = 1;
@@ -71,16 +71,15 @@ __kernel void render(const FrameParams frame,
     for (uint i = 0; i < count; ++i) {
       const uint packed = staged_payload[i];
       real record[SIM_RECORD];
-      for (int k = 0; k < SIM_RECORD; ++k) record[k] = staged[i * SIM_RECORD + k];
+      staged_record(staged, i, record);
 #else
   for (uint i = first[tile]; i < end && alive; ++i) {
     {
       const uint packed = payload[i];
       if (!(alive & VECTORS_OF(packed))) continue;  // its record is not even read
       if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
-      const __global real* source = records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD;
       real record[SIM_RECORD];
-      for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+      load_record(records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, record);
 #endif
 #if ACTOR_MOTION
       real motion[SIM_MOTION];
@@ -88,18 +87,15 @@ __kernel void render(const FrameParams frame,
 #endif
       const real box_mean = nearest_box_mean(record, tile_u);
       const int j_last = J_LAST(packed);
+      EACH_VECTOR
       for (int j = J_FIRST(packed); j <= j_last; ++j) {
         if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
-        const RayLanes* seen = &ray[j];
+        RayLanes seen = ray[j];
 #if ACTOR_MOTION
-        RayLanes followed;
-        if (moves) {
-          followed = follow(&ray[j], motion);
-          seen = &followed;
-        }
+        if (moves) seen = follow(&ray[j], motion);
 #endif
         Response response;
-        respond(record, box_mean, seen, t_min, t_max, &response);
+        respond(record, box_mean, &seen, t_min, t_max, &response);
         if (!ANY(response.inside)) continue;
         const F raw = raw_alpha(record, response.q, log_cut);
         const F alpha = SEL(response.inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
@@ -140,6 +136,7 @@ __kernel void render(const FrameParams frame,
     }
   }
 
+  EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     __global real* slot = out + base + VECTOR_SLOT(j, lid);
     const F t = transmittance[j];

@@ -26,6 +26,7 @@ FN ulong gradient_slot(__global const Footprint* footprints,
   return (ulong)slot_first[particle] + row * (count + SIM_HIGH(f.others)) + column;
 }
 
+#if LS == 1
 /// Brings what the next instances touch, and where their sums go, near: particles of a tile lie all over memory,
 /// and waiting for them would be a third of the time.
 FN void fetch_ahead(__global const uint* payload,
@@ -48,6 +49,7 @@ FN void fetch_ahead(__global const uint* payload,
     PREFETCH(grads + SIM_GRAD * gradient_slot(footprints, slot_first, particle, tx, ty));
   }
 }
+#endif
 
 /// sum += A^T v, A the record's matrix, whose first row ends in 0.
 FN void add_transposed(const real* record, const F* v, F* sum) {
@@ -68,7 +70,7 @@ FN void add_transposed(const real* record, const F* v, F* sum) {
 ///     Every slot of every instance is written.
 ///     ERRORS: instance_error[K]: sum over its rays of weight x ray_error[slots]
 ///     RAY_GRADIENTS: ray_grads[3|6][slots]: dL/d(direction); with ORIGINS also dL/d(origin)
-__kernel void render_bwd(const FrameParams frame,
+__kernel GROUP void render_bwd(const FrameParams frame,
                          __global const SensorConstants* sensor,
                          __global const real* world_ray,
                          __global const real* ray_u,
@@ -117,6 +119,7 @@ __kernel void render_bwd(const FrameParams frame,
   F ray_gradient[NR][3 + 3 * ORIGINS];
 #endif
   uint alive = 0;  // a bit per vector that still has a ray
+  EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     const uint slot = base + VECTOR_SLOT(j, lid);
     load_ray(world_ray, ray_u, frame.slots, slot, &ray[j]);
@@ -166,9 +169,8 @@ __kernel void render_bwd(const FrameParams frame,
 #endif
     const uint packed = payload[i];
     const uint particle = packed & SIM_PARTICLE_MASK;
-    const __global real* source = records + (ulong)particle * SIM_RECORD;
     real record[SIM_RECORD];
-    for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+    load_record(records + (ulong)particle * SIM_RECORD, record);
 #if ACTOR_MOTION
     real motion[SIM_MOTION];
     const int moves = take_motion(record, motions, particle, motion);
@@ -179,18 +181,15 @@ __kernel void render_bwd(const FrameParams frame,
     F blended_error = (F)R(0.0);
 
     const int j_last = J_LAST(packed);
+    EACH_VECTOR
     for (int j = J_FIRST(packed); j <= j_last; ++j) {
       if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
-      const RayLanes* seen = &ray[j];
+      RayLanes seen = ray[j];
 #if ACTOR_MOTION
-      RayLanes followed;
-      if (moves) {
-        followed = follow(&ray[j], motion);
-        seen = &followed;
-      }
+      if (moves) seen = follow(&ray[j], motion);
 #endif
       Response response;
-      respond(record, box_mean, seen, t_min, t_max, &response);
+      respond(record, box_mean, &seen, t_min, t_max, &response);
       const I inside = response.inside;
       if (!ANY(inside)) continue;
 #if RAY_ORDER
@@ -257,9 +256,9 @@ __kernel void render_bwd(const FrameParams frame,
 #endif
       for (int k = 0; k < 3; ++k) {
         for (int c = 0; c < 3; ++c) {
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen->d[c], sum[SIM_G_MATRIX + 3 * k + c]);
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen.d[c], sum[SIM_G_MATRIX + 3 * k + c]);
 #if ORIGINS
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen->o[c], sum[SIM_G_MATRIX + 3 * k + c]);
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen.o[c], sum[SIM_G_MATRIX + 3 * k + c]);
 #endif
         }
         sum[SIM_G_ORIGIN + k] += origin[k];
@@ -305,6 +304,7 @@ __kernel void render_bwd(const FrameParams frame,
 #endif
   }
 #if RAY_GRADIENTS
+  EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     for (int k = 0; k < 3 + 3 * ORIGINS; ++k) {
       STV(ray_grads + k * frame.slots + base + VECTOR_SLOT(j, lid), ray_gradient[j][k]);

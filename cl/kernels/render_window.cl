@@ -35,7 +35,7 @@ FN void put(Window* w, Met* met) {
 ///     the particle does not touch, nor from replayed_to on
 ///     replayed_to[tiles][LS][NR]: the place in the tile's list that a vector needs no more
 #if !REPLAY
-__kernel void render_window(const FrameParams frame,
+__kernel GROUP void render_window(const FrameParams frame,
                             __global const SensorConstants* sensor,
                             __global const real* world_ray,
                             __global const real* ray_u,
@@ -50,7 +50,7 @@ __kernel void render_window(const FrameParams frame,
                             __global real* out) {
   const uint tile = get_group_id(0);
 #else
-__kernel void replay_window(const FrameParams frame,
+__kernel GROUP void replay_window(const FrameParams frame,
                             __global const SensorConstants* sensor,
                             __global const real* world_ray,
                             __global const real* ray_u,
@@ -108,7 +108,7 @@ __kernel void replay_window(const FrameParams frame,
 #endif
 #if LS > 1
 #define PLACE (batch + i - begin)  // in the tile's list
-  __local real staged[LS * SIM_RECORD];
+  __local REAL_VECTOR(4) staged[STAGED_RECORDS];
   __local uint staged_payload[LS];
   __local int group_alive;
   for (uint batch = begin; batch < end; batch += LS) {
@@ -117,8 +117,7 @@ __kernel void replay_window(const FrameParams frame,
     if (batch + lid < end) {
       const uint p = payload[batch + lid];
       staged_payload[lid] = p;
-      const __global real* source = records + (ulong)(p & SIM_PARTICLE_MASK) * SIM_RECORD;
-      for (int k = 0; k < SIM_RECORD; ++k) staged[lid * SIM_RECORD + k] = source[k];
+      stage_record(records + (ulong)(p & SIM_PARTICLE_MASK) * SIM_RECORD, staged, lid);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (alive) group_alive = 1;
@@ -128,7 +127,7 @@ __kernel void replay_window(const FrameParams frame,
     for (uint i = 0; i < count; ++i) {
       const uint packed = staged_payload[i];
       real record[SIM_RECORD];
-      for (int k = 0; k < SIM_RECORD; ++k) record[k] = staged[i * SIM_RECORD + k];
+      staged_record(staged, i, record);
 #else
 #define PLACE (i - begin)
   for (uint i = begin; i < end && alive; ++i) {
@@ -136,9 +135,8 @@ __kernel void replay_window(const FrameParams frame,
       const uint packed = payload[i];
       if (!(alive & VECTORS_OF(packed))) continue;  // its record is not even read
       if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
-      const __global real* source = records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD;
       real record[SIM_RECORD];
-      for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+      load_record(records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, record);
 #endif
 #if ACTOR_MOTION
       real motion[SIM_MOTION];
@@ -286,9 +284,8 @@ FN void gather(const TileRow* tile,
     const uint packed = tile->list[i];
     const uint particle = packed & SIM_PARTICLE_MASK;
     if (tile->j < J_FIRST(packed) || tile->j > J_LAST(packed) || J_OUTSIDE(tile->j, tile->lid, packed)) continue;
-    const __global real* source = tile->records + (ulong)particle * SIM_RECORD;
     real record[SIM_RECORD];
-    for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+    load_record(tile->records + (ulong)particle * SIM_RECORD, record);
     RayLanes seen = *ray;
 #if ACTOR_MOTION
     real motion[SIM_MOTION];
@@ -322,7 +319,7 @@ FN void gather(const TileRow* tile,
 /// those of the last; the next one begins at the first response that was left over.
 /// replay_per_ray, with REPLAY: the same once more, as replay_window.
 #if !REPLAY
-__kernel void render_per_ray(const FrameParams frame,
+__kernel GROUP void render_per_ray(const FrameParams frame,
                              __global const SensorConstants* sensor,
                              __global const real* world_ray,
                              __global const real* ray_u,
@@ -337,7 +334,7 @@ __kernel void render_per_ray(const FrameParams frame,
                              __global real* out) {
   const uint tile = get_group_id(0);
 #else
-__kernel void replay_per_ray(const FrameParams frame,
+__kernel GROUP void replay_per_ray(const FrameParams frame,
                              __global const SensorConstants* sensor,
                              __global const real* world_ray,
                              __global const real* ray_u,

@@ -3,7 +3,7 @@
 
 /// data[n] becomes its exclusive prefix sum; total[0] the sum in 64 bits. One work-group of LS work-items,
 /// each over consecutive elements, so that barriers are few: launch with global = local = LS.
-__kernel void scan_exclusive(__global uint* data, const uint n, __global ulong* total) {
+__kernel GROUP void scan_exclusive(__global uint* data, const uint n, __global ulong* total) {
   __local ulong sums[LS];
   const uint lid = get_local_id(0);
   const uint chunk = (n + LS - 1) / LS;

@@ -17,7 +17,7 @@
   const uint last = min(first + own, end);
 
 /// out histogram[digit][group]: pairs of each group with that digit.
-__kernel void radix_count(__global const uint* keys,
+__kernel GROUP void radix_count(__global const uint* keys,
                           const uint n,
                           const uint block,
                           const uint shift,
@@ -36,7 +36,7 @@ __kernel void radix_count(__global const uint* keys,
 
 /// in  base[digit][group]: exclusive prefix sum of the histogram
 /// out sorted pairs; pairs of equal digit keep their order
-__kernel void radix_scatter(__global const uint* keys,
+__kernel GROUP void radix_scatter(__global const uint* keys,
                             __global const uint* values,
                             const uint n,
                             const uint block,

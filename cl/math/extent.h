@@ -128,19 +128,19 @@ FN void exact_bounds(const FrameParams* frame,
                      F radius,
                      Bounds* out) {
   const Extent none = {(F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
-  Extent whole, place[2];
+  Extent whole, one, other;  // the same at its two places, no array: GPUs index those in memory
   F first, last;
   times_within(frame, sensor, &none, 1, &first, &last);
   const real period = sensor->model.period;
   extent_during(sensor, g, reach, radius, first, last, (F)(R(0.5) * period), &whole);
-  place[0] = place[1] = whole;
+  one = other = whole;
 #if SENSOR == SENSOR_LIDAR
   // In [0, period] there is at most this second place, half a turn being the widest that is no full one.
-  place[1].mean_x += SEL(whole.mean_x < R(0.5) * period, (F)period, (F)-period);
+  other.mean_x += SEL(whole.mean_x < R(0.5) * period, (F)period, (F)-period);
   const F swept_first = (F)sensor->model.tile_first;
   const F swept_last = (F)sensor->model.tile_last;
   const I both =
-      AND(place[1].mean_x + place[1].half_x >= swept_first, place[1].mean_x - place[1].half_x <= swept_last);
+      AND(other.mean_x + other.half_x >= swept_first, other.mean_x - other.half_x <= swept_last);
 #endif
 #if MOVING
 #if SENSOR == SENSOR_LIDAR
@@ -149,29 +149,35 @@ FN void exact_bounds(const FrameParams* frame,
   const int places = 1;
 #endif
   for (int k = 0; k < places; ++k) {
+    Extent here = k == 0 ? one : other;
     for (int round = 1; round < EXACT_ROUNDS; ++round) {
-      times_within(frame, sensor, place + k, 0, &first, &last);
-      extent_during(sensor, g, reach, radius, first, last, place[k].mean_x, place + k);
+      times_within(frame, sensor, &here, 0, &first, &last);
+      extent_during(sensor, g, reach, radius, first, last, here.mean_x, &here);
+    }
+    if (k == 0) {
+      one = here;
+    } else {
+      other = here;
     }
   }
 #endif
 #if SENSOR == SENSOR_CAMERA
   // Exposed at the same time: the same once more.
-  place[1] = place[0];
+  other = one;
 #if WRAPS
-  place[1].mean_x += SEL(place[0].mean_x < R(0.5) * period, (F)period, (F)-period);
+  other.mean_x += SEL(one.mean_x < R(0.5) * period, (F)period, (F)-period);
 #endif
 #endif
-  out->low = place[0].low;
-  out->high = place[0].high;
-  out->mean_x = place[0].mean_x;
-  out->half_x = place[0].half_x;
-  out->other_x = place[1].mean_x;
+  out->low = one.low;
+  out->high = one.high;
+  out->mean_x = one.mean_x;
+  out->half_x = one.half_x;
+  out->other_x = other.mean_x;
 #if SENSOR == SENSOR_LIDAR
   out->other_x = SEL(both, out->other_x, out->mean_x);
-  out->low = SEL(both, VMIN(out->low, place[1].low), out->low);
-  out->high = SEL(both, VMAX(out->high, place[1].high), out->high);
-  out->half_x = SEL(both, VMAX(out->half_x, place[1].half_x), out->half_x);
+  out->low = SEL(both, VMIN(out->low, other.low), out->low);
+  out->high = SEL(both, VMAX(out->high, other.high), out->high);
+  out->half_x = SEL(both, VMAX(out->half_x, other.half_x), out->half_x);
   // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
   out->half_x = SEL(out->half_x > R(1.5), (F)NO_BOUND, out->half_x);
 #elif WRAPS

@@ -37,6 +37,13 @@ typedef float real;
 #define V 1
 #endif
 
+// Kernels that are launched in groups of LS: drivers plan registers for any size unless they are told.
+#if LS > 1
+#define GROUP __attribute__((reqd_work_group_size(LS, 1, 1)))
+#else
+#define GROUP
+#endif
+
 #if V == 1
 typedef real F;
 typedef int I;
@@ -119,7 +126,8 @@ FN F hsum16_each(const F* v) {
 #define VMIN(a, b) SEL((a) < (b), (a), (b))
 #define VMAX(a, b) SEL((a) > (b), (a), (b))
 
-#ifdef __has_builtin
+// CPUs alone: Intel's compiler for GPUs has the builtin, and then can't translate it.
+#if V > 1 && defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)
 #define PREFETCH(p) __builtin_prefetch(p)
 #endif

@@ -106,6 +106,53 @@ FN real nearest_box_mean(const real* record, real u) {
   (VECTOR_SLOT_ROW(j, lid) < SLOT_ROW_FIRST(payload) || VECTOR_SLOT_ROW(j, lid) > SLOT_ROW_LAST(payload))
 #endif
 
+// Loops over a work-item's vectors. Unrolled where there are several work-items (GPUs): what a vector has is in
+// registers then, while an array indexed by a variable is in memory.
+#if LS > 1
+#define EACH_VECTOR _Pragma("unroll")
+#else
+#define EACH_VECTOR
+#endif
+
+/// A record in four loads of 16 bytes, not in 16 of four: records are aligned to their size.
+#if LS > 1
+FN void load_record(__global const real* source, real* record) {
+  __global const REAL_VECTOR(4)* quarters = (__global const REAL_VECTOR(4)*)source;
+#pragma unroll
+  for (int k = 0; k < SIM_RECORD / 4; ++k) {
+    const REAL_VECTOR(4) quarter = quarters[k];
+    record[4 * k] = quarter.x;
+    record[4 * k + 1] = quarter.y;
+    record[4 * k + 2] = quarter.z;
+    record[4 * k + 3] = quarter.w;
+  }
+}
+#else
+FN void load_record(__global const real* source, real* record) {
+  for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+}
+#endif
+
+/// Records of a batch of a tile's list, one by each work-item, for all of them.
+#if LS > 1
+#define STAGED_RECORDS LS * SIM_RECORD / 4
+FN void stage_record(__global const real* source, __local REAL_VECTOR(4)* staged, uint lid) {
+  __global const REAL_VECTOR(4)* quarters = (__global const REAL_VECTOR(4)*)source;
+#pragma unroll
+  for (int k = 0; k < SIM_RECORD / 4; ++k) staged[lid * (SIM_RECORD / 4) + k] = quarters[k];
+}
+FN void staged_record(const __local REAL_VECTOR(4)* staged, uint i, real* record) {
+#pragma unroll
+  for (int k = 0; k < SIM_RECORD / 4; ++k) {
+    const REAL_VECTOR(4) quarter = staged[i * (SIM_RECORD / 4) + k];
+    record[4 * k] = quarter.x;
+    record[4 * k + 1] = quarter.y;
+    record[4 * k + 2] = quarter.z;
+    record[4 * k + 3] = quarter.w;
+  }
+}
+#endif
+
 // Through a pointer: Mesa's rusticl loses a structure that is assigned to an element of an array.
 FN void load_ray(
     __global const real* world_ray, __global const real* ray_u, uint slots, uint slot, RayLanes* ray) {
