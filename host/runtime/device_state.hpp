@@ -15,6 +15,7 @@ namespace simuli::detail {
 /// Holds no Device: the Device's own table of programs refers to this.
 struct ProgramState {
   std::string path;
+  std::string options;
   Precision precision = Precision::kFloat;
   cl::Program program;
   std::vector<std::string> kernel_names;

@@ -104,6 +104,7 @@ Program::Program(const Device& device, const Expanded& expanded, const BuildOpti
   }
   auto state = std::make_shared<detail::ProgramState>();
   state->path = expanded.shown;
+  state->options = text;
   state->precision = options.precision();
   std::optional<cl::Program> stored;
   if (const auto binary = load_binary(key)) stored = from_binary(device, *binary, text);
@@ -137,5 +138,11 @@ Program Program::from_text(const Device& device,
 Precision Program::precision() const { return state_->precision; }
 const std::string& Program::path() const { return state_->path; }
 std::vector<std::string> Program::kernel_names() const { return state_->kernel_names; }
+
+std::vector<BuiltProgram> built_programs(const Device& device) {
+  std::vector<BuiltProgram> out;
+  for (const auto& [key, program] : device.state().programs) out.push_back({program->path, program->options});
+  return out;
+}
 
 }  // namespace simuli

@@ -50,4 +50,12 @@ class Program {
   ProgramOrigin origin_ = ProgramOrigin::kCompiled;
 };
 
+/// A program as the device's compiler got it.
+struct BuiltProgram {
+  std::string path;  // "cl/kernels/bin.cl", or the name of a text
+  std::string options;
+};
+/// What was built for the device so far, each once.
+[[nodiscard]] std::vector<BuiltProgram> built_programs(const Device& device);
+
 }  // namespace simuli

@@ -1,0 +1,178 @@
+#include "tests/gpu_compile/gpu_programs.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "host/render/frame/variant.hpp"
+#include "host/runtime/text/source.hpp"
+
+namespace simuli::test {
+namespace {
+
+constexpr LaneShape kShape{1, 4, 64};
+constexpr int kNeighbours = 50;  // as trainings anchor
+
+struct NamedVariant {
+  std::string name;
+  Variant variant;
+};
+
+NamedVariant base(SensorType sensor, int motion) {
+  NamedVariant out{sensor == SensorType::kCamera ? "camera" : "lidar", {}};
+  out.name += motion == 0 ? " at rest" : motion == 1 ? " moving" : " actors";
+  FrameKind& frame = out.variant.frame;
+  frame.sensor = sensor;
+  frame.moving = frame.origins = motion > 0;
+  frame.actors = frame.actor_motion = motion == 2;
+  frame.sh_degree = 3;
+  frame.median = sensor == SensorType::kLidar;
+  frame.culling = sensor == SensorType::kLidar;
+  frame.shape = kShape;
+  return out;
+}
+
+/// Each with one thing changed. Not all fit each other (lenses and LiDARs): those are left out.
+std::vector<NamedVariant> changed(const NamedVariant& from) {
+  std::vector<NamedVariant> out;
+  const auto add = [&](const std::string& name, const std::function<void(Variant&)>& change) {
+    out.push_back({from.name + ", " + name, from.variant});
+    change(out.back().variant);
+  };
+  const bool is_camera = from.variant.frame.sensor == SensorType::kCamera;
+  for (int degree = 0; degree < 3; ++degree)
+    add("sh " + std::to_string(degree), [=](Variant& v) { v.frame.sh_degree = degree; });
+  add("half", [](Variant& v) { v.frame.sh_storage = ShStorage::kHalf; });
+  add("median", [](Variant& v) { v.frame.median = !v.frame.median; });
+  add("boxes", [](Variant& v) { v.options.extent = Extent::kUnscented; });
+  add("boxes, linearized", [](Variant& v) {
+    v.options.extent = Extent::kUnscented;
+    v.options.projection = Projection::kLinearized;
+  });
+  add("monte carlo", [](Variant& v) { v.options.projection = Projection::kMonteCarlo; });
+  add("draft", [](Variant& v) { v.options.shutter_iterations = 1; });
+  for (int degree = 0; degree < 4; ++degree) {
+    add(degree == 3 ? "window" : "window, sh " + std::to_string(degree), [=](Variant& v) {
+      v.options.order = Order::kWindow;
+      v.frame.sh_degree = degree;
+    });
+  }
+  add("window 16", [](Variant& v) {
+    v.options.order = Order::kWindow;
+    v.options.window = 16;
+  });
+  add("per ray", [](Variant& v) { v.options.order = Order::kPerRay; });
+  add("sh by ray", [](Variant& v) { v.options.sh_direction = ShDirection::kRay; });
+  add("precise", [](Variant& v) { v.options.math = Math::kPrecise; });
+  add("compensated", [](Variant& v) { v.options.camera_compensation = v.options.lidar_compensation = true; });
+  if (!from.variant.frame.moving) add("origins", [](Variant& v) { v.frame.origins = true; });
+  if (!from.variant.frame.actors) add("actors at rest", [](Variant& v) { v.frame.actors = true; });
+  if (from.variant.frame.actors) {
+    for (const Order order : {Order::kRange, Order::kWindow, Order::kPerRay}) {
+      const char* name = order == Order::kRange ? "" : order == Order::kWindow ? ", window" : ", per ray";
+      add(std::string("actors' numbers") + name, [=](Variant& v) {
+        v.frame.actor_ids = v.frame.median = true;
+        v.options.order = order;
+      });
+    }
+  }
+  add("tiles of 64 rays", [](Variant& v) { v.frame.shape = kShape.for_tile(64); });
+  if (is_camera) {
+    for (const LensKind lens : {LensKind::kOpencvPinhole,
+                                LensKind::kOpencvFisheye,
+                                LensKind::kFtheta,
+                                LensKind::kFthetaInverse,
+                                LensKind::kMei,
+                                LensKind::kEquirectangular,
+                                LensKind::kDoubleSphere,
+                                LensKind::kEucm})
+      add("lens " + std::to_string(static_cast<int>(lens)), [=](Variant& v) { v.frame.lens = lens; });
+  } else {
+    add("no culling", [](Variant& v) { v.frame.culling = false; });
+  }
+  return out;
+}
+
+class List {
+ public:
+  void add(const std::string& name, const std::string& path, const BuildOptions& options) {
+    const BuildOptions named = options.named_in(expand_file(path));
+    if (there_.insert(path + " " + named.text()).second) programs_.push_back({name, path, named});
+  }
+  void add_frame(const NamedVariant& frame) {
+    const Variant& variant = frame.variant;
+    const BuildOptions options = variant.build_options();
+    for (const char* path : {"kernels/project.cl", "kernels/rays.cl"}) add(frame.name, path, options);
+    const bool in_order = variant.options.order == Order::kRange;
+    add(frame.name, in_order ? "kernels/render.cl" : "kernels/render_window.cl", options);
+    // Those that have a backward pass.
+    if (variant.options.sh_direction == ShDirection::kRay || variant.frame.sh_storage == ShStorage::kHalf)
+      return;
+    for (const char* path : {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/largest_weight.cl"})
+      add(frame.name, path, options);
+    if (!in_order) {
+      BuildOptions replay = options;
+      add(frame.name, "kernels/render_window.cl", replay.define("REPLAY", true));
+    }
+    for (const bool errors : {false, true}) {
+      for (const bool ray_gradients : {false, true}) {
+        BuildOptions backward = options;
+        backward.define("ERRORS", errors).define("RAY_GRADIENTS", ray_gradients);
+        add(frame.name + (errors ? ", errors" : "") + (ray_gradients ? ", ray gradients" : ""),
+            "kernels/render_bwd.cl",
+            backward);
+      }
+    }
+  }
+  [[nodiscard]] bool has(const std::string& path) const {
+    return std::any_of(
+        programs_.begin(), programs_.end(), [&](const GpuProgram& p) { return p.path == path; });
+  }
+  [[nodiscard]] std::vector<GpuProgram> take() && { return std::move(programs_); }
+
+ private:
+  std::vector<GpuProgram> programs_;
+  std::set<std::string> there_;
+};
+
+}  // namespace
+
+std::vector<GpuProgram> gpu_programs() {
+  List list;
+  std::vector<GpuProgram> others;  // of files that no frame has
+  std::vector<NamedVariant> frames;
+  for (const SensorType sensor : {SensorType::kCamera, SensorType::kLidar}) {
+    for (int motion = 0; motion < 3; ++motion) frames.push_back(base(sensor, motion));
+  }
+  for (const NamedVariant& frame : frames) list.add_frame(frame);
+  for (const NamedVariant& frame : frames) {
+    for (const NamedVariant& other : changed(frame)) list.add_frame(other);
+  }
+  for (NamedVariant& frame : frames) {
+    frame.name += ", double";
+    frame.variant.options.precision = Precision::kDouble;
+    list.add_frame(frame);
+  }
+  for (const EmbeddedFile& file : embedded_files()) {
+    const std::string path(file.path);
+    if (path.rfind("kernels/", 0) != 0 || list.has(path)) continue;
+    for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
+      BuildOptions options;
+      options.real(precision)
+          .define("SENSOR", SensorType::kLidar)
+          .define("V", kShape.lanes)
+          .define("LS", path == "kernels/scan.cl" ? 256 : 64)
+          .define("RADIX_BITS", 4)
+          .define("NEIGHBOURS", kNeighbours)
+          .define("GRID_X", 16)
+          .define("GRID_Y", 16)
+          .define("GRID_Z", 8);
+      others.push_back({precision == Precision::kFloat ? "alone" : "alone, double", path, options});
+    }
+  }
+  for (const GpuProgram& other : others) list.add(other.name, other.path, other.options);
+  return std::move(list).take();
+}
+
+}  // namespace simuli::test
