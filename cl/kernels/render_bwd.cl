@@ -184,12 +184,23 @@ __kernel GROUP void render_bwd(const FrameParams frame,
     EACH_VECTOR
     for (int j = J_FIRST(packed); j <= j_last; ++j) {
       if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
-      RayLanes seen = ray[j];
+#if LS > 1
+      RayLanes followed = ray[j];  // a value: in registers
+      const RayLanes* seen = &followed;
+#else
+      const RayLanes* seen = &ray[j];  // copies make a CPU's backward pass 1.4 times as slow
 #if ACTOR_MOTION
-      if (moves) seen = follow(&ray[j], motion);
+      RayLanes followed;
+#endif
+#endif
+#if ACTOR_MOTION
+      if (moves) {
+        followed = follow(&ray[j], motion);
+        seen = &followed;
+      }
 #endif
       Response response;
-      respond(record, box_mean, &seen, t_min, t_max, &response);
+      respond(record, box_mean, seen, t_min, t_max, &response);
       const I inside = response.inside;
       if (!ANY(inside)) continue;
 #if RAY_ORDER
@@ -256,9 +267,9 @@ __kernel GROUP void render_bwd(const FrameParams frame,
 #endif
       for (int k = 0; k < 3; ++k) {
         for (int c = 0; c < 3; ++c) {
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen.d[c], sum[SIM_G_MATRIX + 3 * k + c]);
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen->d[c], sum[SIM_G_MATRIX + 3 * k + c]);
 #if ORIGINS
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen.o[c], sum[SIM_G_MATRIX + 3 * k + c]);
+          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen->o[c], sum[SIM_G_MATRIX + 3 * k + c]);
 #endif
         }
         sum[SIM_G_ORIGIN + k] += origin[k];
