@@ -35,8 +35,7 @@ struct StageWork {
 
 /// What the stages of a frame and of its backward pass do at least: each value that a stage takes or leaves
 /// moves once between it and memory, however often it is used; arithmetic in all lanes of a vector. Stages
-/// that only move integers have no arithmetic. Spherical harmonics of degree `sh_degree` in particles of
-/// `stride`.
+/// that only move integers have no arithmetic.
 [[nodiscard]] std::map<std::string, StageWork> stage_work(const Pass& pass);
 
 }  // namespace simuli::bench

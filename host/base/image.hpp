@@ -4,6 +4,9 @@
 
 namespace simuli {
 
+/// Of pictures and cameras, whatever their format.
+inline constexpr int kLargestSide_px = 65536;
+
 /// Interleaved float picture, row-major, top row first.
 struct Image {
   int width = 0;

@@ -1,6 +1,8 @@
 #include "host/base/names.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host/base/error.hpp"
 #include "host/base/one_line.hpp"
@@ -50,6 +52,15 @@ std::string name_from(std::string_view text) {
   if (name.empty()) return "_";
   if (name.front() == '.') name.front() = '_';
   return name;
+}
+
+std::size_t index_of_name(std::string_view name,
+                          const std::vector<std::string>& names,
+                          std::string_view what) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: found \"{}\", allowed {}", what, name, fmt::join(names, ", ")));
 }
 
 }  // namespace simuli

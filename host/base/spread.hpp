@@ -10,4 +10,7 @@ struct Spread {
 };
 [[nodiscard]] Spread spread_of(std::vector<double> samples);
 
+/// The middle one, the upper of the two when their number is even; 0 of nothing.
+[[nodiscard]] double upper_median(std::vector<double> samples);
+
 }  // namespace simuli

@@ -74,6 +74,10 @@ void validate(const Actor& actor, const std::string& where) {
   }
 }
 
+bool has_actor(const std::vector<Actor>& actors, const std::string& name) {
+  return std::any_of(actors.begin(), actors.end(), [&](const Actor& actor) { return actor.name == name; });
+}
+
 std::size_t find_actor(const std::vector<Actor>& actors, const std::string& name) {
   std::vector<std::string> known;
   for (std::size_t i = 0; i < actors.size(); ++i) {

@@ -53,6 +53,8 @@ struct Actor {
 /// poses, not finite or not strictly increasing in time.
 void validate(const Actor& actor, const std::string& where);
 
+[[nodiscard]] bool has_actor(const std::vector<Actor>& actors, const std::string& name);
+
 /// Index of the actor of that name; Error{kUsage} naming those there are.
 [[nodiscard]] std::size_t find_actor(const std::vector<Actor>& actors, const std::string& name);
 

@@ -57,9 +57,7 @@ std::uint32_t number_of(const std::vector<Actor>& actors, const std::string& nam
 }
 
 void need_new_name(const Scene& scene, const std::string& name) {
-  const bool is_taken = std::any_of(
-      scene.actors.begin(), scene.actors.end(), [&](const Actor& actor) { return actor.name == name; });
-  if (!is_taken && !name.empty()) return;
+  if (!name.empty() && !has_actor(scene.actors, name)) return;
   throw Error(ErrorKind::kUsage, fmt::format("actor: found the name \"{}\", allowed one that is new", name));
 }
 

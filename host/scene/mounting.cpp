@@ -8,8 +8,7 @@
 namespace simuli {
 namespace {
 
-/// Camera x right, y down, z forward in axes x forward, y left, z up.
-const Pose kForwardFromCamera{Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), Eigen::Vector3d::Zero()};
+const Pose kLevelFromCamera{kForwardFromCamera, Eigen::Vector3d::Zero()};
 
 }  // namespace
 
@@ -22,7 +21,7 @@ Pose Mounting::rig_from_lidar() const {
           position_m};
 }
 
-Pose Mounting::rig_from_camera() const { return rig_from_lidar() * kForwardFromCamera; }
+Pose Mounting::rig_from_camera() const { return rig_from_lidar() * kLevelFromCamera; }
 
 Mounting Mounting::of_lidar(const Pose& rig_from_lidar) {
   constexpr double kUpright = 1.0 - 1e-12;  // sine of a pitch that leaves roll and yaw one turn
@@ -39,7 +38,7 @@ Mounting Mounting::of_lidar(const Pose& rig_from_lidar) {
 }
 
 Mounting Mounting::of_camera(const Pose& rig_from_camera) {
-  return of_lidar(rig_from_camera * kForwardFromCamera.inverse());
+  return of_lidar(rig_from_camera * kLevelFromCamera.inverse());
 }
 
 }  // namespace simuli

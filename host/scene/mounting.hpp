@@ -6,6 +6,9 @@
 
 namespace simuli {
 
+/// Camera axes (x right, y down, z forward) in those of rigs and LiDARs (x forward, y left, z up).
+inline const Eigen::Quaterniond kForwardFromCamera{0.5, -0.5, 0.5, -0.5};
+
 /// In the rig's frame: x forward, y left, z up. With all angles 0 a LiDAR's axes are the rig's, and a camera
 /// looks along the rig's x, upright. Turned from there by the roll about x, then the pitch about y, then the
 /// yaw about z of the rig: rotation = Rz(yaw) Ry(pitch) Rx(roll).

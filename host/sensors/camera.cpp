@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/image.hpp"
 
 namespace simuli {
 namespace {
@@ -137,8 +138,8 @@ ShutterKind shutter_from_string(const std::string& name, const std::string& file
 void validate(const Camera& camera, const std::string& file) {
   const std::string prefix = "camera " + camera.name + ": ";
   for (const auto& [field, value] : {std::pair{"width_px", camera.width}, {"height_px", camera.height}}) {
-    if (value < 1 || value > 65536) {
-      throw_input_error(file, prefix + field, std::to_string(value), "1 to 65536");
+    if (value < 1 || value > kLargestSide_px) {
+      throw_input_error(file, prefix + field, std::to_string(value), fmt::format("1 to {}", kLargestSide_px));
     }
   }
   for (const auto& [field, value] : {std::pair{"fx_px", camera.fx}, {"fy_px", camera.fy}}) {

@@ -1,6 +1,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/image.hpp"
 #include "host/base/names.hpp"
 #include "io/log/sensor_json.hpp"
 
@@ -22,7 +23,6 @@ Json to_json(const Camera& model) {
 }
 
 Camera camera_model_from_json(JsonObject& object) {
-  constexpr int kLargestSide_px = 65536;
   Camera model;
   model.name = object.text("name");
   need_name(model.name, object.file(), object.field("name"));

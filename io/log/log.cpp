@@ -213,6 +213,12 @@ void copy_log(const Log& log, const fs::path& folder) {
   });
 }
 
+void sort_by_time(Log& log) {
+  const auto is_earlier = [](const auto& a, const auto& b) { return a.time_start_s < b.time_start_s; };
+  std::stable_sort(log.images.begin(), log.images.end(), is_earlier);
+  std::stable_sort(log.sweeps.begin(), log.sweeps.end(), is_earlier);
+}
+
 Log on_path(Log log, const Trajectory& world_from_rig) {
   for (Actor& actor : log.actors) {
     for (KeyPose& key : actor.track) {

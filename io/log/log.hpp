@@ -71,13 +71,17 @@ struct Sweep {
 /// The log with the rig on another path. Boxes of actors were seen from the rig and go where it goes.
 [[nodiscard]] Log on_path(Log log, const Trajectory& world_from_rig);
 
+/// Pictures and sweeps in the order in which they began; what began at once stays as it was.
+void sort_by_time(Log& log);
+
 /// Reads log.json. LiDARs take as long for a turn as their sweeps did (the median). Unknown keys, missing
 /// keys, wrong types or units, dangling names are Error{kInput}.
 [[nodiscard]] Log read_log(const std::filesystem::path& folder);
 /// Writes log.json (temporary name, sync, rename); images and sweeps are written by their writers.
 void write_log(const Log& log);
-/// The log with whatever was changed in it as a new folder, complete or not at all. Pictures, sweeps and points
-/// are hard links where the file system has them, copies where not. Error{kInput} when the folder exists.
+/// The log with whatever was changed in it as a new folder, complete or not at all. Pictures, sweeps and
+/// points are hard links where the file system has them, copies where not. Error{kInput} when the folder
+/// exists.
 void copy_log(const Log& log, const std::filesystem::path& folder);
 /// What a log is known by, 16 hexadecimal digits: of all that log.json says, and of the sizes in bytes of the
 /// files that it names. Where the folder lies makes no difference, nor does how log.json is laid out.

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "host/base/error.hpp"
+#include "host/base/image.hpp"
 
 namespace simuli {
 namespace {

@@ -3,9 +3,6 @@
 
 namespace simuli {
 
-/// Of pictures, whatever their format.
-inline constexpr int kLargestSide_px = 65536;
-
 /// Error{kInput} naming `file` for an OpenEXR file that claims more than it is: an attribute longer than the
 /// file, a picture or tiles of more pixels a side than pictures have here, several parts. OpenEXR allocates
 /// what a header claims.

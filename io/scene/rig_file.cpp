@@ -4,6 +4,7 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "host/base/image.hpp"
 #include "host/base/names.hpp"
 #include "host/scene/mounting.hpp"
 #include "io/base/file.hpp"
@@ -63,7 +64,6 @@ RigSensor read_model(JsonObject& object, const SensorRig& recorded, bool is_moun
 }
 
 Sensor with_camera_keys(JsonObject& object, const Sensor& sensor) {
-  constexpr int kLargestSide_px = 65536;
   for (const char* key : {"width_px", "height_px", "readout_s"}) {
     if (!sensor.is_camera() && object.has(key)) {
       throw_input_error(object.file(), object.field(key), "a value of a LiDAR", "such a key of cameras");

@@ -9,6 +9,7 @@
 
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
+#include "host/base/spread.hpp"
 #include "io/log/sensor_file.hpp"
 
 namespace simuli {
@@ -42,10 +43,7 @@ Sensor find_named(const std::string& name, bool reads_files, std::vector<std::st
 double median_duration_s(const std::vector<FrameSpan>& spans) {
   std::vector<double> seconds;
   for (const FrameSpan& span : spans) seconds.push_back(span.time_end_s - span.time_start_s);
-  if (seconds.empty()) return 0.0;
-  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
-  std::nth_element(seconds.begin(), middle, seconds.end());
-  return *middle;
+  return upper_median(std::move(seconds));
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/base/parallel.hpp"
+#include "host/base/spread.hpp"
 #include "optim/init/actor_tracks.hpp"
 
 namespace simuli {
@@ -73,9 +75,7 @@ void face_forward(BodyTrack& track) {
     const double apart = headings[k] - yaw_of(track.actor.track[k].world_from_actor.rotation);
     off.push_back(std::remainder(apart, 2.0 * M_PI));
   }
-  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), middle, off.end());
-  const Eigen::Quaterniond turn = turn_about_z(*middle);
+  const Eigen::Quaterniond turn = turn_about_z(upper_median(std::move(off)));
   for (KeyPose& key : track.actor.track) {
     key.world_from_actor.rotation = (key.world_from_actor.rotation * turn).normalized();
   }

@@ -56,9 +56,7 @@ const LabelOfFound* going_on(const std::vector<LabelOfFound>& labels, double tim
 std::string free_name(const std::vector<Actor>& actors, std::size_t& number) {
   for (;; ++number) {
     std::string name = fmt::format("moving_{}", number);
-    const bool is_taken =
-        std::any_of(actors.begin(), actors.end(), [&](const Actor& a) { return a.name == name; });
-    if (!is_taken) return name;
+    if (!has_actor(actors, name)) return name;
   }
 }
 

@@ -46,9 +46,10 @@ class Training {
   Training& operator=(const Training&) = delete;
 
   /// Refines the path (refined_path.hpp), learns what sweeps say of their LiDARs, finds what moves
-  /// and has no label (find_actors.hpp, complete_actors.hpp) and places the first particles, unless that is done; `progress` is
-  /// called after each file of the latter, and after each sweep of the first. Error{kInput} when no frame is
-  /// left to train on or a file can't be read, Error{kDevice} when the device has no room for the training.
+  /// and has no label (find_actors.hpp, complete_actors.hpp) and places the first particles, unless that is
+  /// done; `progress` is called after each file of the latter, and after each sweep of the first.
+  /// Error{kInput} when no frame is left to train on or a file can't be read, Error{kDevice} when the device
+  /// has no room for the training.
   void prepare(const Progress& progress = {});
   /// prepare(), and then goes on where a training of the same log and settings was saved. The number of
   /// iterations may be larger than it was: the rates of those that are left are the longer training's, so

@@ -174,7 +174,7 @@ def is_base(program):
 
 
 def compiled(tools, target, folder, program, done):
-    """[(kernel, numbers)], and whether this text was compiled before."""
+    """[(kernel, numbers)]; a text that was compiled before is not compiled again."""
     options = [o for o in program["options"].split() if o not in ("-cl-kernel-arg-info", "-w")] + ["-w"]
     source = folder / program["file"]
     plain = subprocess.run([tools.clang or "clang", "-E", "-P", "-x", "cl", *options, source], env=tools.environment,

@@ -111,7 +111,9 @@ TEST(LidarLibrary, UnknownNamesListCloseOnes) {
   });
   expect_error(ErrorKind::kUsage, "kitti_hdl64e", [] { (void)builtin_lidar("hdl65"); });
   expect_error(ErrorKind::kUsage, "velodyne_vlp16", [] { (void)builtin_lidar("vlp16"); });
-  expect_error(ErrorKind::kUsage, "allowed those that \"simuli info sensors\" lists", [] { (void)builtin_lidar("zzzzzzzzzzzz"); });
+  expect_error(ErrorKind::kUsage, "allowed those that \"simuli info sensors\" lists", [] {
+    (void)builtin_lidar("zzzzzzzzzzzz");
+  });
 }
 
 TEST(LidarLibrary, OusterBeamsStartOnACircleThatTurnsWithTheHead) {

@@ -1,6 +1,5 @@
 #include "optim/calibration/path/align.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <iostream>
@@ -197,10 +196,7 @@ void apply(const CameraResult& result, Log& log) {
     frame.time_start_s += result.report->time_offset_s;
     frame.time_end_s += result.report->time_offset_s;
   }
-  // Images of several cameras stand in one list by time.
-  std::stable_sort(log.images.begin(), log.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
-    return a.time_start_s < b.time_start_s;
-  });
+  sort_by_time(log);
 }
 
 void align(const AlignCommand& command, const Globals& globals) {

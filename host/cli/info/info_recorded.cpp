@@ -1,6 +1,8 @@
 // What was recorded when, and what was near.
 #include <algorithm>
+#include <utility>
 
+#include "host/base/spread.hpp"
 #include "host/cli/info/info.hpp"
 
 namespace simuli::cli {
@@ -14,10 +16,8 @@ Recorded recorded_of(const std::vector<FrameSpan>& spans) {
   for (std::size_t i = 1; i < spans.size(); ++i) {
     steps_s.push_back(spans[i].time_start_s - spans[i - 1].time_start_s);
   }
-  if (steps_s.empty()) return recorded;
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  if (*middle > 0.0) recorded.rate_hz = 1.0 / *middle;
+  const double step_s = upper_median(std::move(steps_s));
+  if (step_s > 0.0) recorded.rate_hz = 1.0 / step_s;
   return recorded;
 }
 

@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <iostream>
 
@@ -6,6 +7,13 @@
 #include "io/splat/splat_file.hpp"
 
 namespace simuli::cli {
+namespace {
+
+Eigen::AlignedBox3f bounds_of(const GaussianSet& set) {
+  return {set.mean().colwise().minCoeff().transpose(), set.mean().colwise().maxCoeff().transpose()};
+}
+
+}  // namespace
 
 nlohmann::ordered_json set_json(const GaussianSet& set) {
   nlohmann::ordered_json json = {
@@ -13,10 +21,9 @@ nlohmann::ordered_json set_json(const GaussianSet& set) {
       {"sh_degree", set.sh_degree},
       {"parameter_bytes", set.params.size() * static_cast<Eigen::Index>(sizeof(float))}};
   if (set.size() > 0) {
-    const Eigen::RowVector3f low = set.mean().colwise().minCoeff();
-    const Eigen::RowVector3f high = set.mean().colwise().maxCoeff();
-    json["mean_min_m"] = {low.x(), low.y(), low.z()};
-    json["mean_max_m"] = {high.x(), high.y(), high.z()};
+    const Eigen::AlignedBox3f box = bounds_of(set);
+    json["mean_min_m"] = {box.min().x(), box.min().y(), box.min().z()};
+    json["mean_max_m"] = {box.max().x(), box.max().y(), box.max().z()};
   }
   return json;
 }
@@ -39,15 +46,14 @@ void print_splats(const std::filesystem::path& file, bool json) {
   }
   std::cout << fmt::format("splats {}\n", file.string()) << set_text("camera", set);
   if (set.size() == 0) return;
-  const Eigen::RowVector3f low = set.mean().colwise().minCoeff();
-  const Eigen::RowVector3f high = set.mean().colwise().maxCoeff();
+  const Eigen::AlignedBox3f box = bounds_of(set);
   std::cout << fmt::format("  from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, {:.2f} in its own units\n",
-                           low.x(),
-                           low.y(),
-                           low.z(),
-                           high.x(),
-                           high.y(),
-                           high.z());
+                           box.min().x(),
+                           box.min().y(),
+                           box.min().z(),
+                           box.max().x(),
+                           box.max().y(),
+                           box.max().z());
 }
 
 }  // namespace simuli::cli

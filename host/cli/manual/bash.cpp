@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "host/cli/base/quoted.hpp"
 #include "host/cli/manual/manual.hpp"
 
 namespace simuli::cli {

@@ -24,12 +24,6 @@ void visit_commands(const CommandText& program,
   visit_below(program.name, program, visit);
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 void add_completion(CommandLine& line) {
   const auto shell = std::make_shared<std::string>();
   const Command completion = line.root().command("completion", "a script that completes commands in a shell");

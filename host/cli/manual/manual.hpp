@@ -18,7 +18,5 @@ namespace simuli::cli {
 /// Calls `visit("program command ...", command)` of the program and of each command, outer ones first.
 void visit_commands(const CommandText& program,
                     const std::function<void(const std::string& path, const CommandText& command)>& visit);
-/// In quotes in which the shells named above change nothing.
-[[nodiscard]] std::string quoted(const std::string& text);
 
 }  // namespace simuli::cli

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.hpp"
+#include "host/base/split.hpp"
 #include "host/cli/base/pictures.hpp"
 #include "io/base/file.hpp"
 #include "io/base/npz.hpp"
@@ -26,25 +27,21 @@ CloudOptions cloud_options(const FileOptions& options, const LidarModel& lidar, 
   return cloud;
 }
 
+bool has(const std::vector<CameraOutput>& outputs, CameraOutput output) {
+  return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
+}
+
 /// "rgb,depth": each once.
 std::vector<CameraOutput> parse_outputs(const std::string& text, bool is_camera) {
   std::vector<CameraOutput> outputs;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const CameraOutput output = camera_output(text.substr(at, end - at));
+  for (const std::string& name : split(text, ',')) {
+    const CameraOutput output = camera_output(name);
     if (!is_camera && output != CameraOutput::kRgb && output != CameraOutput::kActors) {
-      throw Error(
-          ErrorKind::kUsage,
-          fmt::format("--outputs: found \"{}\" of a LiDAR, allowed actors", text.substr(at, end - at)));
+      throw Error(ErrorKind::kUsage, fmt::format("--outputs: found \"{}\" of a LiDAR, allowed actors", name));
     }
-    if (std::find(outputs.begin(), outputs.end(), output) == outputs.end()) outputs.push_back(output);
-    at = end + 1;
+    if (!has(outputs, output)) outputs.push_back(output);
   }
   return outputs;
-}
-
-bool has(const std::vector<CameraOutput>& outputs, CameraOutput output) {
-  return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
 }
 
 const std::string& name_of(CameraOutput output) {

@@ -1,19 +1,11 @@
 #include "host/cli/render/rendered_log.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
 
 #include "io/picture/image.hpp"
 
 namespace simuli::cli {
 namespace {
-
-template <class Frames>
-void sort_by_time(Frames& frames) {
-  std::stable_sort(frames.begin(), frames.end(), [](const auto& a, const auto& b) {
-    return a.time_start_s < b.time_start_s;
-  });
-}
 
 /// The track with what was learned as part of its poses.
 Actor as_seen(Actor actor) {
@@ -58,8 +50,7 @@ void RenderedLog::add(const Frame& frame, std::size_t number, const std::string&
 }
 
 void RenderedLog::finish() {
-  sort_by_time(log_.images);
-  sort_by_time(log_.sweeps);
+  sort_by_time(log_);
   write_log(log_);
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <set>
 #include <utility>
 
+#include "host/base/image.hpp"
 #include "host/cli/base/edits.hpp"
 #include "host/cli/render/numbers.hpp"
 #include "optim/base/frames.hpp"
@@ -18,11 +20,11 @@ Pose rig_from_sensor(const std::string& mount, bool is_camera) {
 }
 
 std::pair<int, int> parse_size(const std::string& size) {
-  constexpr double kLargestSide_px = 65536.0;
   const std::vector<double> sides = parse_numbers("--size", size, 2, 'x');
   for (const double side : sides) {
     const bool allowed = side >= 1.0 && side <= kLargestSide_px && side == std::floor(side);
-    if (!allowed) refuse("--size", size, "WIDTHxHEIGHT, whole pixels from 1 to 65536");
+    if (!allowed)
+      refuse("--size", size, fmt::format("WIDTHxHEIGHT, whole pixels from 1 to {}", kLargestSide_px));
   }
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1])};
 }
@@ -40,12 +42,11 @@ Sensor sized(const Sensor& sensor, const SensorOptions& options) {
 std::vector<RigSensor> named_sensors(const SensorRig& recorded, const SensorOptions& options) {
   if (options.names.empty() && !options.are_all) refuse("--sensor", "", "at least one, or --rig FILE");
   const bool is_mounted = !options.mount.empty();
-  if (is_mounted && options.names.size() > 1) {
+  if (is_mounted && options.names.size() != 1) {
     refuse("--mount", options.mount, "with one --sensor; a --rig FILE mounts many");
   }
   std::vector<RigSensor> sensors;
   if (options.names.empty()) {
-    if (is_mounted) refuse("--mount", options.mount, "with one --sensor; a --rig FILE mounts many");
     for (const Sensor& own : recorded.sensors()) sensors.push_back({own, own.name()});
     return sensors;
   }

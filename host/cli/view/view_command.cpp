@@ -5,20 +5,19 @@
 #include <set>
 
 #include "host/base/error.hpp"
+#include "host/cli/base/quoted.hpp"
 
 namespace simuli::cli {
 namespace {
 
 /// As a shell reads it back.
-std::string quoted(const std::string& word) {
+std::string shell_word(const std::string& word) {
   const auto is_plain = [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
            std::string_view("_-./:,@=+").find(c) != std::string_view::npos;
   };
   if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
+  return quoted(word);
 }
 
 [[noreturn]] void refuse(const std::string& found, const char* allowed) {
@@ -49,9 +48,9 @@ std::string command_of(const ViewRequest& request,
   if (request.layer != ViewLayer::kColour) refuse("a layer", "colour");
   std::string line = "simuli render";
   const auto add = [&line](const std::string& option, const std::string& value) {
-    line += ' ' + option + ' ' + quoted(value);
+    line += ' ' + option + ' ' + shell_word(value);
   };
-  line += ' ' + quoted(source.scene);
+  line += ' ' + shell_word(source.scene);
   add("--sensor", request.sensor);
   add("--times", fmt::format("{}:{}:1", time_s, time_s));
   if (sensor.is_camera()) {

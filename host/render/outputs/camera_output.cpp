@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "host/base/error.hpp"
+#include "host/base/names.hpp"
 #include "host/render/scene/frame_state.hpp"
 
 namespace simuli {
@@ -148,13 +147,7 @@ const std::vector<std::string>& camera_output_names() {
 }
 
 CameraOutput camera_output(std::string_view name) {
-  const auto& names = camera_output_names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("output: found \"{}\", allowed {}", name, fmt::join(names, ", ")));
-  }
-  return static_cast<CameraOutput>(found - names.begin());
+  return static_cast<CameraOutput>(index_of_name(name, camera_output_names(), "output"));
 }
 
 FrameRequest request_for(const std::vector<CameraOutput>& outputs, FrameRequest request) {

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/base/names.hpp"
 
 namespace simuli {
 namespace {
@@ -54,13 +52,7 @@ const std::vector<std::string>& point_frame_names() {
 }
 
 PointFrame point_frame(std::string_view name) {
-  const auto& names = point_frame_names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("frame of points: found \"{}\", allowed {}", name, fmt::join(names, ", ")));
-  }
-  return static_cast<PointFrame>(found - names.begin());
+  return static_cast<PointFrame>(index_of_name(name, point_frame_names(), "frame of points"));
 }
 
 std::vector<Eigen::Vector3d> points_of(const LidarModel& lidar,

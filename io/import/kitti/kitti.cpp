@@ -275,9 +275,7 @@ Log import_kitti(const KittiOptions& options,
       }
       if (progress) progress(i - frames.first + 1, frames.last - frames.first + 1);
     }
-    std::stable_sort(log.images.begin(), log.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
-      return a.time_start_s < b.time_start_s;
-    });
+    sort_by_time(log);
     write_log(log);
     imported = read_log(folder);  // what was written is what the next command will read
   });

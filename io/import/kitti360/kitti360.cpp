@@ -218,9 +218,7 @@ Log import_kitti360(const Kitti360Options& options,
         step();
       }
     }
-    std::stable_sort(log.images.begin(), log.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
-      return a.time_start_s < b.time_start_s;
-    });
+    sort_by_time(log);
     write_log(log);
     written = read_log(folder);  // what was written is what the next command will read
   });

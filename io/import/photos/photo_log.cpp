@@ -9,6 +9,8 @@
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
+#include "host/base/spread.hpp"
+#include "host/scene/mounting.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/cloud_file.hpp"
 
@@ -20,16 +22,6 @@ namespace fs = std::filesystem;
 constexpr double kPointDistance_m = 10.0;
 constexpr double kStep_m = 0.5;
 constexpr double kFarthest = 100.0;  // points beyond this many typical distances are mistakes
-
-/// Camera axes on a rig: x forward, y left, z up.
-const Eigen::Quaterniond kRigFromCamera(0.5, -0.5, 0.5, -0.5);
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Distance of each point (at most some thousand) from the nearest photograph.
 std::vector<double> point_distances(const PhotoSet& set) {
@@ -53,9 +45,9 @@ double usual_scale(const PhotoSet& set) {
         (set.photos[i].world_from_camera.translation - set.photos[i - 1].world_from_camera.translation)
             .norm());
   }
-  const double distance = median(point_distances(set));
+  const double distance = upper_median(point_distances(set));
   if (distance > 0.0) return kPointDistance_m / distance;
-  const double step = median(steps);
+  const double step = upper_median(steps);
   return step > 0.0 ? kStep_m / step : 1.0;
 }
 
@@ -116,14 +108,15 @@ Log write_photo_log(PhotoSet set,
     Pose world_from_camera = set.photos[i].world_from_camera;
     world_from_camera = {turn * world_from_camera.rotation, placed(world_from_camera.translation)};
     farthest_m = std::max(farthest_m, world_from_camera.translation.norm());
-    path.push_back({static_cast<double>(i), world_from_camera * Pose{kRigFromCamera.conjugate(), {0, 0, 0}}});
+    path.push_back(
+        {static_cast<double>(i), world_from_camera * Pose{kForwardFromCamera.conjugate(), {0, 0, 0}}});
   }
   for (Eigen::Vector3d& p : set.points) p = placed(p);
 
   Log log;
   log.name = name_from((fs::current_path() / output).lexically_normal().stem().string());
   log.world_from_rig = Trajectory(std::move(path));
-  for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kRigFromCamera, {0, 0, 0}}});
+  for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kForwardFromCamera, {0, 0, 0}}});
   Log written;
   write_folder_atomically(output, [&](const fs::path& folder) {
     log.folder = folder;

@@ -76,9 +76,7 @@ class SegmentLog {
   Log take() {
     report_.frames = frames_;
     end_sweeps();
-    std::stable_sort(log_.images.begin(), log_.images.end(), [](const ImageFrame& a, const ImageFrame& b) {
-      return a.time_start_s < b.time_start_s;
-    });
+    sort_by_time(log_);
     log_.actors = boxes_.take(file_);
     std::vector<TimedPose> poses;
     for (const auto& [ns, pose] : path_) poses.push_back({static_cast<double>(ns) * 1e-9, pose});

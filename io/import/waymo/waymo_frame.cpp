@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
+#include "host/scene/mounting.hpp"
 #include "io/base/gzip.hpp"
 #include "io/import/waymo/wire.hpp"
 
@@ -21,8 +22,6 @@ constexpr std::array<ShutterKind, 6> kShutters{ShutterKind::kGlobal,
                                                ShutterKind::kBottomToTop,
                                                ShutterKind::kRightToLeft,
                                                ShutterKind::kGlobal};
-/// Their cameras look along x, y left, z up.
-const Eigen::Quaterniond kForwardFromCamera(0.5, -0.5, 0.5, -0.5);
 
 int pixels(std::uint64_t value) { return static_cast<int>(std::min<std::uint64_t>(value, 1U << 20U)); }
 

@@ -8,6 +8,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "host/base/angles.hpp"
+#include "host/base/spread.hpp"
 #include "optim/calibration/beams/beam_parts.hpp"
 
 namespace simuli::calibration {
@@ -194,9 +195,7 @@ double columns_by_steps(const BeamPoints& points, const BeamTable& table) {
     }
   }
   if (steps.empty()) return 0.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double step = mean_single_step(steps, *middle);
+  const double step = mean_single_step(steps, upper_median(steps));
   return step > 0.0 ? kTurn / step : 0.0;
 }
 

@@ -11,8 +11,8 @@
 
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
+#include "host/base/spread.hpp"
 #include "optim/calibration/beams/beam_parts.hpp"
-#include "optim/calibration/path/median.hpp"
 
 namespace simuli::calibration {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
+#include "host/base/spread.hpp"
 #include "optim/calibration/camera/mounting_problem.hpp"
-#include "optim/calibration/path/median.hpp"
 
 namespace simuli::calibration {
 namespace {

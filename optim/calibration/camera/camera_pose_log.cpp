@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/spread.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"
-#include "optim/calibration/path/median.hpp"
 
 namespace simuli::calibration {
 

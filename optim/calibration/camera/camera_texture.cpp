@@ -8,11 +8,11 @@
 #include <memory>
 #include <utility>
 
+#include "host/base/parallel.hpp"
+#include "host/base/spread.hpp"
 #include "optim/calibration/camera/camera_residual.hpp"
-#include "optim/calibration/path/median.hpp"
 #include "optim/calibration/camera/placed_view.hpp"
 #include "optim/calibration/path/plane_map.hpp"
-#include "host/base/parallel.hpp"
 
 namespace simuli::calibration {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "optim/calibration/path/median.hpp"
+#include "host/base/parallel.hpp"
+#include "host/base/spread.hpp"
 #include "optim/calibration/path/odometry.hpp"
 #include "optim/calibration/path/plane_map.hpp"
-#include "host/base/parallel.hpp"
 
 namespace simuli::calibration {
 

@@ -12,7 +12,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/parallel.hpp"
-#include "optim/calibration/path/median.hpp"
+#include "host/base/spread.hpp"
 #include "optim/calibration/path/odometry.hpp"
 #include "optim/calibration/path/residuals.hpp"
 
