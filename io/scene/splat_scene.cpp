@@ -8,6 +8,7 @@
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
+#include "host/scene/mounting.hpp"
 #include "host/scene/placement.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "io/splat/splat_file.hpp"
@@ -17,15 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Axes right, down, forward to forward, left, up.
-const Eigen::Quaterniond kLevelFromDown(0.5, -0.5, 0.5, -0.5);
-
 Eigen::Quaterniond level_from_file(SplatAxes axes) {
   switch (axes) {
     case SplatAxes::kYDown:
-      return kLevelFromDown;
+      return kForwardFromCamera;
     case SplatAxes::kYUp:  // half a turn about x in front
-      return kLevelFromDown * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+      return kForwardFromCamera * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
     case SplatAxes::kZUp:
       break;
   }
@@ -69,11 +67,15 @@ bool is_splat_file(const fs::path& file) {
 }
 
 SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement) {
+  return scene_of_splats(read_splats(file), file, placement);
+}
+
+SceneFile scene_of_splats(GaussianSet splats, const fs::path& file, const SplatPlacement& placement) {
   const Eigen::Quaterniond level = level_from_file(placement.axes);
   SceneFile out;
   Scene& scene = out.scene;
   scene.name = name_from(file.stem().string());
-  scene.camera = read_splats(file);
+  scene.camera = std::move(splats);
   if (!scene.camera.actor.empty()) {
     throw_input_error(
         file.string(), "actor", "particles of actors, in frames of their own", "the scene's folder");
@@ -85,7 +87,7 @@ SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement)
   Eigen::AlignedBox3d box = extent_of(scene.camera);
   if (box.isEmpty()) throw_input_error(file.string(), "particles", "none", "at least one");
   scene.lidar = lidar_of(scene.camera);
-  out.cameras.push_back({orbit_camera(), {kLevelFromDown, Eigen::Vector3d::Zero()}});
+  out.cameras.push_back({orbit_camera(), {kForwardFromCamera, Eigen::Vector3d::Zero()}});
   out.lidars.push_back({builtin_lidar("hesai_xt32"), {}});
   out.world_from_rig = around(box.translate(scene.origin));
   const std::vector<TimedPose>& poses = out.world_from_rig.poses();

@@ -28,5 +28,9 @@ struct SplatPlacement {
 /// finite.
 [[nodiscard]] SceneFile scene_of_splats(const std::filesystem::path& file,
                                         const SplatPlacement& placement = {});
+/// The same of what a file of that name holds.
+[[nodiscard]] SceneFile scene_of_splats(GaussianSet splats,
+                                        const std::filesystem::path& file,
+                                        const SplatPlacement& placement = {});
 
 }  // namespace simuli

@@ -223,21 +223,23 @@ void read_body(const std::string& bytes,
 }  // namespace
 
 GaussianSet read_gaussians_ply(const std::filesystem::path& file, SetKind kind) {
-  const std::string name = file.string();
-  const std::string bytes = read_file(file, kMaxFileBytes);
+  return read_gaussians_ply(read_file(file, kMaxFileBytes), kind, file.string());
+}
+
+GaussianSet read_gaussians_ply(const std::string& bytes, SetKind kind, const std::string& file) {
   if (is_compressed_ply(bytes)) {
-    if (kind == SetKind::kCamera) return read_compressed_ply(bytes, name);
+    if (kind == SetKind::kCamera) return read_compressed_ply(bytes, file);
     throw_input_error(
-        name, "channels", "a compressed PLY of colours", '"' + ply_channels_comment(kind) + '"');
+        file, "channels", "a compressed PLY of colours", '"' + ply_channels_comment(kind) + '"');
   }
-  const PlyHeader header = parse_ply_header(bytes, name);
-  check_channels(header, kind, name);
-  const int sh_degree = find_sh_degree(header, name);
-  const std::vector<Source> sources = find_sources(header, sh_degree, name);
+  const PlyHeader header = parse_ply_header(bytes, file);
+  check_channels(header, kind, file);
+  const int sh_degree = find_sh_degree(header, file);
+  const std::vector<Source> sources = find_sources(header, sh_degree, file);
   GaussianSet set(kind, sh_degree, static_cast<Eigen::Index>(header.vertices));
   if (header.find(kPlyActor) >= 0) set.actor.resize(header.vertices);
-  read_body(bytes, header, sources, name, set);
-  validate(set, name);  // zero quaternions: numbers were checked on the way
+  read_body(bytes, header, sources, file, set);
+  validate(set, file);  // zero quaternions: numbers were checked on the way
   return set;
 }
 

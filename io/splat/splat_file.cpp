@@ -1,5 +1,7 @@
 #include "io/splat/splat_file.hpp"
 
+#include <utility>
+
 #include "host/base/error.hpp"
 #include "io/splat/ply.hpp"
 
@@ -7,6 +9,11 @@ namespace simuli {
 
 GaussianSet read_splats(const std::filesystem::path& file) {
   return file.extension() == ".spz" ? read_spz(file) : read_gaussians_ply(file, SetKind::kCamera);
+}
+
+GaussianSet read_splats(std::string bytes, const std::filesystem::path& file) {
+  return file.extension() == ".spz" ? read_spz(std::move(bytes), file.string())
+                                    : read_gaussians_ply(bytes, SetKind::kCamera, file.string());
 }
 
 void write_splats(const std::filesystem::path& file, const GaussianSet& set) {

@@ -224,17 +224,19 @@ int fractional_bits_of(const GaussianSet& set, const std::string& file) {
 }  // namespace
 
 GaussianSet read_spz(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  std::string bytes = read_file(file, kMaxBytes);
-  if (is_gzip(bytes)) bytes = gunzip(bytes, name, kMaxBytes);
-  const Header header = parse_header(bytes, name);
-  if (header.version == 4) bytes = unpack_v4(bytes, header, name);
+  return read_spz(read_file(file, kMaxBytes), file.string());
+}
+
+GaussianSet read_spz(std::string bytes, const std::string& file) {
+  if (is_gzip(bytes)) bytes = gunzip(bytes, file, kMaxBytes);
+  const Header header = parse_header(bytes, file);
+  if (header.version == 4) bytes = unpack_v4(bytes, header, file);
   Streams streams;
   std::size_t at = kHeaderBytes;
   const auto sizes = stream_bytes(header);
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     if (sizes[i] > bytes.size() - at) {
-      throw_input_error(name,
+      throw_input_error(file,
                         "points",
                         fmt::format("{}", header.points),
                         fmt::format("as many as {} bytes hold", bytes.size()));
@@ -244,7 +246,7 @@ GaussianSet read_spz(const std::filesystem::path& file) {
   }
   GaussianSet set = decode(header, streams);
   turn(set);
-  validate(set, name);
+  validate(set, file);
   return set;
 }
 

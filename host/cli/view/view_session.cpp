@@ -18,13 +18,14 @@
 #include "host/base/names.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/view/uploaded.hpp"
 #include "host/cli/view/view_layers.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/scene/placement.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/picture/image.hpp"
+#include "io/scene/splat_scene.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -76,12 +77,8 @@ RenderOptions options_named(const std::string& quality) {
 
 /// `wanted`, or with a number behind it where the scene has one of that name.
 std::string new_name(const Scene& scene, const std::string& wanted) {
-  const auto is_taken = [&](const std::string& name) {
-    return std::any_of(
-        scene.actors.begin(), scene.actors.end(), [&](const Actor& actor) { return actor.name == name; });
-  };
   std::string name = wanted;
-  for (int i = 2; is_taken(name); ++i) name = fmt::format("{}_{}", wanted, i);
+  for (int i = 2; has_actor(scene.actors, name); ++i) name = fmt::format("{}_{}", wanted, i);
   return name;
 }
 
@@ -198,7 +195,9 @@ std::string ViewSession::duplicate(const std::string& json) {
 }
 
 std::string ViewSession::add(const std::string& file_name, const std::string& bytes, double time_s) {
-  const Scene object = uploaded_scene(file_name, bytes);
+  const std::filesystem::path file = name_from(file_name);
+  if (!is_splat_file(file)) throw_input_error(file.string(), "extension", "another one", ".ply or .spz");
+  const Scene object = scene_of_splats(read_splats(bytes, file), file).scene;
   const Trajectory& path = file_.world_from_rig;
   const double at_s = std::clamp(time_s, path.start_s(), path.end_s());
   const Pose base_from_rig = standing_pose(path).inverse() * path.at(at_s);
@@ -207,9 +206,9 @@ std::string ViewSession::add(const std::string& file_name, const std::string& by
   moved_m.z() = base_from_rig.translation.z();
   std::string name;
   change([&](Scene& scene) {
-    name = new_name(scene, name_from(std::filesystem::path(file_name).stem().stem().string()));
+    name = new_name(scene, name_from(file.stem().stem().string()));
     add_actor(scene, as_actor(object, name, standing_pose(path)), name, name);
-    return fmt::format("--add {}:{}", name_from(file_name), name);
+    return fmt::format("--add {}:{}", file.string(), name);
   });
   return Json{{"actor", name}, {"moved_m", json_of(moved_m)}}.dump();
 }
