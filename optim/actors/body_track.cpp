@@ -75,7 +75,8 @@ void face_forward(BodyTrack& track) {
     const double apart = headings[k] - yaw_of(track.actor.track[k].world_from_actor.rotation);
     off.push_back(std::remainder(apart, 2.0 * M_PI));
   }
-  const Eigen::Quaterniond turn = turn_about_z(upper_median(std::move(off)));
+  const double off_rad = upper_median(std::move(off));
+  const Eigen::Quaterniond turn = turn_about_z(off_rad);
   for (KeyPose& key : track.actor.track) {
     key.world_from_actor.rotation = (key.world_from_actor.rotation * turn).normalized();
   }
@@ -84,7 +85,7 @@ void face_forward(BodyTrack& track) {
     box.extend(turn.conjugate() * track.box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
   }
   // A small turn would blow a long box up: its sides stay as they were.
-  if (std::abs(*middle) > 0.2) track.box = box;
+  if (std::abs(off_rad) > 0.2) track.box = box;
 }
 
 }  // namespace

@@ -10,11 +10,10 @@
 namespace simuli {
 
 Camera scaled_camera(const Camera& camera, double scale) {
-  constexpr double kLargestSide_px = 65536.0;
   const bool allowed = scale > 0.0 && scale * std::max(camera.width, camera.height) <= kLargestSide_px;
   if (!allowed) {
     throw Error(ErrorKind::kUsage,
-                fmt::format("image scale: found {}, allowed above 0, and up to {:.0f} pixels a side",
+                fmt::format("image scale: found {}, allowed above 0, and up to {} pixels a side",
                             scale,
                             kLargestSide_px));
   }
