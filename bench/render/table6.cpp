@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
-#include "host/render/scene/tile_tuning.hpp"
+#include "host/render/scene/tuning.hpp"
 
 namespace simuli::bench {
 namespace {

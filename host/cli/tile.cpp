@@ -12,7 +12,7 @@
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/report/tile_picture.hpp"
 #include "host/render/rays/tile_choice.hpp"
-#include "host/render/scene/tile_tuning.hpp"
+#include "host/render/scene/tuning.hpp"
 #include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {

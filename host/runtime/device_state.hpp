@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/runtime/build_options.hpp"
+#include "host/runtime/cache/tuning.hpp"
 #include "host/runtime/cl/cl.hpp"
 #include "host/runtime/device.hpp"
 #include "host/runtime/text/declaration.hpp"
@@ -34,6 +35,7 @@ struct DeviceState {
 
   DeviceInfo info;
   Quirks quirks;
+  DeviceTuning tuning;
   cl::Device device;
   cl::Context context;
   cl::CommandQueue queue;

@@ -134,6 +134,9 @@ class Kernel {
   /// Error{kKernel} naming kernel, global and local size when the driver refuses; Error{kInternal} for a
   /// buffer of another device.
   void run(const Range& global, const Range& local, std::initializer_list<Binding> arguments);
+  /// The same for at least `count` work-items that have nothing in common, in groups that suit the device and
+  /// that it runs this kernel with: whole waves on GPUs. Those beyond `count` must do nothing.
+  void run_over(std::size_t count, std::initializer_list<Binding> arguments);
 
   /// For ArgumentGroup::offer_to(): binds what the kernel has an argument for. `name`: a literal's address.
   void offer(const char* name, const detail::PassedType& type, const detail::Memory& memory);
@@ -166,6 +169,7 @@ class Kernel {
   std::string name_;
   std::unique_ptr<_cl_kernel, Release> kernel_;
   const KernelDeclaration* declaration_;  // of the program
+  std::size_t group_ = 0;                 // of run_over(); 0: not asked yet
   std::vector<Place> places_;
   std::size_t at_ = 0;        // of the launch under way
   bool is_complete_ = false;  // places_ has every argument once

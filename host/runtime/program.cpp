@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "host/base/activity.hpp"
+#include "host/runtime/cache/disk_cache.hpp"
 #include "host/runtime/cl/cl_error.hpp"
 #include "host/runtime/device_state.hpp"
-#include "host/runtime/disk_cache.hpp"
 #include "host/runtime/text/source.hpp"
 
 namespace simuli {

@@ -9,7 +9,7 @@
 #include <string>
 #include <unistd.h>
 
-#include "host/runtime/disk_cache.hpp"
+#include "host/runtime/cache/disk_cache.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "host/runtime/disk_cache.hpp"
+#include "host/runtime/cache/disk_cache.hpp"
 #include "io/base/temporary.hpp"
 
 namespace simuli::cli {

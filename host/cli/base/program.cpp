@@ -13,7 +13,7 @@
 #include "host/base/version.hpp"
 #include "host/cli/base/crash.hpp"
 #include "host/cli/base/interrupt.hpp"
-#include "host/runtime/disk_cache.hpp"
+#include "host/runtime/cache/disk_cache.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -4,8 +4,6 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kGridLocalSize = 32;
-
 Program program(const Device& device, const ColorGridBuffers& grids) {
   return {device, "kernels/color_grid_bwd.cl", grids.options()};
 }
@@ -43,15 +41,14 @@ void ColorGridBackwardStage::run(const shared::FrameParams& frame,
              blended,
              {"grad_out", gradients.grad_out},
              {"partial", scratch_.partial}});
-  gather_.run(round_up(vertices_, kGridLocalSize),
-              kGridLocalSize,
-              {{"height", static_cast<std::uint32_t>(height)},
-               {"first", first},
-               {"tv_scale", scale.variation},
-               {"drift_scale", scale.drift},
-               {"all_grids", grids.grid},
-               {"partial", scratch_.partial},
-               {"grads", grads}});
+  gather_.run_over(vertices_,
+                   {{"height", static_cast<std::uint32_t>(height)},
+                    {"first", first},
+                    {"tv_scale", scale.variation},
+                    {"drift_scale", scale.drift},
+                    {"all_grids", grids.grid},
+                    {"partial", scratch_.partial},
+                    {"grads", grads}});
 }
 
 }  // namespace simuli

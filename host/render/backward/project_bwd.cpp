@@ -2,12 +2,6 @@
 #include "host/render/backward/backward_stages.hpp"
 
 namespace simuli {
-namespace {
-
-constexpr std::size_t kProjectLocalSize = 32;
-
-}  // namespace
-
 ProjectBackwardStage::ProjectBackwardStage(const Device& device, const Variant& variant)
     : lanes_(variant.frame.shape.lanes),
       actors_(variant.frame.actors),
@@ -21,9 +15,8 @@ void ProjectBackwardStage::run(const shared::FrameParams& frame,
   if (actors_) gradients.pose_grads.reserve(std::size_t{SIM_POSE_GRAD} * frame.stride);
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_bwd_.run(
-      round_up(items, kProjectLocalSize),
-      kProjectLocalSize,
+  project_bwd_.run_over(
+      items,
       {{"frame", frame}, particles, made.constants, made.projected, gradients, {"param_grads", param_grads}});
 }
 

@@ -2,12 +2,6 @@
 #include "host/render/frame/stages.hpp"
 
 namespace simuli {
-namespace {
-
-constexpr std::size_t kGridLocalSize = 32;
-
-}  // namespace
-
 ColorGridStage::ColorGridStage(const Device& device, const ColorGridBuffers& grids)
     : color_grid_(Program(device, "kernels/color_grid.cl", grids.options()), "color_grid") {}
 
@@ -19,15 +13,14 @@ void ColorGridStage::run(const shared::FrameParams& frame,
                          const Blended& blended,
                          RealBuffer& picture) {
   picture.reserve(std::size_t{3} * frame.slots);
-  color_grid_.run(frame.slots,
-                  kGridLocalSize,
-                  {{"frame", frame},
-                   {"width", static_cast<std::uint32_t>(width)},
-                   {"height", static_cast<std::uint32_t>(height)},
-                   {"first", grids.first_real(index)},
-                   grids,
-                   blended,
-                   {"picture", picture}});
+  color_grid_.run_over(frame.slots,
+                       {{"frame", frame},
+                        {"width", static_cast<std::uint32_t>(width)},
+                        {"height", static_cast<std::uint32_t>(height)},
+                        {"first", grids.first_real(index)},
+                        grids,
+                        blended,
+                        {"picture", picture}});
 }
 
 }  // namespace simuli

@@ -3,12 +3,6 @@
 #include "host/render/options/lane_shape.hpp"
 
 namespace simuli {
-namespace {
-
-constexpr std::size_t kEnvironmentLocalSize = 32;
-
-}  // namespace
-
 EnvironmentStage::EnvironmentStage(const Device& device, Precision precision, int lanes)
     : lanes_(lanes == 0 ? lane_shape_of(device, precision).lanes : lanes),
       environment_(Program(device, "kernels/environment.cl", lane_options(device, precision, lanes_)),
@@ -19,15 +13,14 @@ void EnvironmentStage::run(const shared::FrameParams& frame,
                            const FrameConstants& constants,
                            const WorldRays& world_rays,
                            Blended& out) {
-  environment_.run(round_up(frame.slots / static_cast<std::size_t>(lanes_), kEnvironmentLocalSize),
-                   kEnvironmentLocalSize,
-                   {{"frame", frame},
-                    {"width", environment.width},
-                    {"height", environment.height},
-                    constants,
-                    world_rays,
-                    environment,
-                    out});
+  environment_.run_over(frame.slots / static_cast<std::size_t>(lanes_),
+                        {{"frame", frame},
+                         {"width", environment.width},
+                         {"height", environment.height},
+                         constants,
+                         world_rays,
+                         environment,
+                         out});
 }
 
 }  // namespace simuli

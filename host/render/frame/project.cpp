@@ -3,12 +3,6 @@
 #include "host/render/rays/sensor_in_frame.hpp"
 
 namespace simuli {
-namespace {
-
-constexpr std::size_t kProjectLocalSize = 32;
-
-}  // namespace
-
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.frame.shape.lanes),
       actor_motion_(variant.frame.actor_motion),
@@ -25,9 +19,7 @@ void ProjectStage::run(const shared::FrameParams& frame,
   out.reserve({.particles = frame.particles, .moving_particles = actor_motion_ ? frame.particles : 0});
   const std::size_t items =
       round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_.run(round_up(items, kProjectLocalSize),
-               kProjectLocalSize,
-               {{"frame", frame}, particles, constants, rays, samples_, out});
+  project_.run_over(items, {{"frame", frame}, particles, constants, rays, samples_, out});
 }
 
 }  // namespace simuli

@@ -80,15 +80,14 @@ Uints LidarTilingStage::groups_of_rows(const Buffer<float>& elevation,
                                        const Uints& group_of_bin) {
   const auto rows = static_cast<std::uint32_t>(elevation.count());
   Uints group_of_row(device_, "groups of rows", rows);
-  row_groups_.run(round_up(rows, 64),
-                  64,
-                  {{"row_elevation", elevation},
-                   {"rows", rows},
-                   {"first", bins.first},
-                   {"scale", bins.scale},
-                   {"bins", bins.count},
-                   {"group_of_bin", group_of_bin},
-                   {"group_of_row", group_of_row}});
+  row_groups_.run_over(rows,
+                       {{"row_elevation", elevation},
+                        {"rows", rows},
+                        {"first", bins.first},
+                        {"scale", bins.scale},
+                        {"bins", bins.count},
+                        {"group_of_bin", group_of_bin},
+                        {"group_of_row", group_of_row}});
   return group_of_row;
 }
 
@@ -163,9 +162,7 @@ bool LidarTilingStage::list_rows(const BinnedValues& elevation,
   const auto n = static_cast<std::uint32_t>(elevation.values.count());
   Uints keys(device_, "elevation keys", n);
   rows.order.reserve(n);
-  keys_.run(round_up(n, 64),
-            64,
-            {{"elevation", elevation.values}, {"n", n}, {"keys", keys}, {"order", rows.order}});
+  keys_.run_over(n, {{"elevation", elevation.values}, {"n", n}, {"keys", keys}, {"order", rows.order}});
   sort_.run(keys, rows.order, n, 32);
   const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiles::kMostIndex});
   rows.starts.reserve(std::size_t{most_rows} + 1);
@@ -213,16 +210,15 @@ void LidarTilingStage::count(const Buffer<float>& values,
                              const TileBins& bins,
                              const Uints& group_of_bin,
                              Uints& counts) {
-  histogram_.run(round_up(n, 64),
-                 64,
-                 {{"values", values},
-                  {"n", n},
-                  {"weight", weight},
-                  {"first", bins.first},
-                  {"scale", bins.scale},
-                  {"bins", bins.count},
-                  {"group_of_bin", group_of_bin},
-                  {"counts", counts}});
+  histogram_.run_over(n,
+                      {{"values", values},
+                       {"n", n},
+                       {"weight", weight},
+                       {"first", bins.first},
+                       {"scale", bins.scale},
+                       {"bins", bins.count},
+                       {"group_of_bin", group_of_bin},
+                       {"counts", counts}});
 }
 
 }  // namespace simuli

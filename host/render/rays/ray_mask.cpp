@@ -45,17 +45,16 @@ bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays)
   rays.mask_row_of_row.assign(rows_of_mask(grid, size));
   scratch_.reserve(size);
   scratch_.cells.fill(0);
-  cells_.run(round_up(grid.frame.slots, 64),
-             64,
-             {{"frame", grid.frame},
-              rays,
-              {"first", m.tile_first},
-              {"scale", m.mask_scale},
-              {"columns", columns},
-              scratch_});
+  cells_.run_over(grid.frame.slots,
+                  {{"frame", grid.frame},
+                   rays,
+                   {"first", m.tile_first},
+                   {"scale", m.mask_scale},
+                   {"columns", columns},
+                   scratch_});
   rays.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));
-  row_sums_.run(std::size_t{rows} + 1, 1, {scratch_, {"rows", rows}, {"columns", columns}, rays});
-  column_sums_.run(round_up(std::size_t{columns} + 1, 64), 64, {{"rows", rows}, {"columns", columns}, rays});
+  row_sums_.run_over(std::size_t{rows} + 1, {scratch_, {"rows", rows}, {"columns", columns}, rays});
+  column_sums_.run_over(std::size_t{columns} + 1, {{"rows", rows}, {"columns", columns}, rays});
   return rays.areas.read_back(rays.areas.count() - 1) < std::size_t{rows} * columns;
 }
 

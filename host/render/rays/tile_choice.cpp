@@ -5,7 +5,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "host/runtime/disk_cache.hpp"
+#include "host/runtime/cache/disk_cache.hpp"
 
 namespace simuli {
 namespace {

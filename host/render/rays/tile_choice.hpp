@@ -1,6 +1,6 @@
 #pragma once
 // Which tiles a LiDAR is rendered with when nobody asks for particular ones: what `simuli tile --tune` found
-// fastest on this device, kept beside the compiled programs (host/runtime/disk_cache.hpp).
+// fastest on this device, kept beside the compiled programs (host/runtime/cache/disk_cache.hpp).
 #include <optional>
 #include <string>
 

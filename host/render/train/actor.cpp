@@ -10,7 +10,6 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kActorLocalSize = 16;
 constexpr std::uint32_t kChunks = ActorSizes::kChunks;
 constexpr std::size_t kBounds = 4;
 
@@ -32,16 +31,15 @@ std::vector<ActorPoseGradient> ActorStage::pose_gradients(const ParticleBuffers&
                                                           bool actor_motion) {
   const std::size_t items = std::size_t{particles.actors} * kChunks;
   buffers_.reserve({particles.actors});
-  sums_.run(round_up(items, kActorLocalSize),
-            kActorLocalSize,
-            {{"actors", particles.actors},
-             {"chunks", kChunks},
-             {"stride", particles.stride},
-             {"moving", actor_motion ? 1U : 0U},
-             particles,
-             projected,
-             gradients,
-             {"partial", buffers_.partial}});
+  sums_.run_over(items,
+                 {{"actors", particles.actors},
+                  {"chunks", kChunks},
+                  {"stride", particles.stride},
+                  {"moving", actor_motion ? 1U : 0U},
+                  particles,
+                  projected,
+                  gradients,
+                  {"partial", buffers_.partial}});
   std::vector<ActorPoseGradient> out(particles.actors);
   const std::vector<double> partial = buffers_.partial.download_double();
   for (std::size_t item = 0; item < items; ++item) {
@@ -66,9 +64,8 @@ void ActorStage::confine(ParticleBuffers& particles, const std::vector<Actor>& a
   }
   buffers_.bounds.assign(bounds);
   const auto count = static_cast<std::uint32_t>(particles.actor_list.count());
-  confine_.run(round_up(count, kActorLocalSize),
-               kActorLocalSize,
-               {{"count", count}, {"stride", particles.stride}, particles, {"bounds", buffers_.bounds}});
+  confine_.run_over(count,
+                    {{"count", count}, {"stride", particles.stride}, particles, {"bounds", buffers_.bounds}});
 }
 
 }  // namespace simuli

@@ -13,8 +13,6 @@ constexpr double kBeta1 = 0.9;
 constexpr double kBeta2 = 0.999;
 constexpr double kEpsilon = 1e-15;  // gradients of means over many rays are tiny: epsilon must not damp them
 
-constexpr std::size_t kAdamLocalSize = 32;
-
 }  // namespace
 
 AdamStage::AdamStage(const Device& device, const ParticleBuffers& particles)
@@ -63,22 +61,21 @@ void AdamStage::launch(const Matrix& matrix,
   buffers_.rate.assign(rate);
   const auto t = static_cast<double>(step);
   const std::size_t items = matrix.stride / static_cast<std::size_t>(lanes_);
-  adam_.run(round_up(items, kAdamLocalSize),
-            kAdamLocalSize,
-            {{"particles", matrix.columns},
-             {"stride", matrix.stride},
-             {"rows", static_cast<std::uint32_t>(rate.size())},
-             {"dense", matrix.dense ? 1U : 0U},
-             {"first", matrix.first},
-             {"keys", keys},
-             {"beta1", kBeta1},
-             {"beta2", kBeta2},
-             {"inv_bias1", 1.0 / (1.0 - std::pow(kBeta1, t))},
-             {"inv_bias2", 1.0 / (1.0 - std::pow(kBeta2, t))},
-             {"epsilon", kEpsilon},
-             {"grads", grads},
-             {"params", params},
-             buffers_});
+  adam_.run_over(items,
+                 {{"particles", matrix.columns},
+                  {"stride", matrix.stride},
+                  {"rows", static_cast<std::uint32_t>(rate.size())},
+                  {"dense", matrix.dense ? 1U : 0U},
+                  {"first", matrix.first},
+                  {"keys", keys},
+                  {"beta1", kBeta1},
+                  {"beta2", kBeta2},
+                  {"inv_bias1", 1.0 / (1.0 - std::pow(kBeta1, t))},
+                  {"inv_bias2", 1.0 / (1.0 - std::pow(kBeta2, t))},
+                  {"epsilon", kEpsilon},
+                  {"grads", grads},
+                  {"params", params},
+                  buffers_});
 }
 
 }  // namespace simuli

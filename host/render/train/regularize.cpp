@@ -4,12 +4,6 @@
 #include "host/render/options/lane_shape.hpp"
 
 namespace simuli {
-namespace {
-
-constexpr std::size_t kRegularizeLocalSize = 32;
-
-}  // namespace
-
 RegularizeStage::RegularizeStage(const Device& device, Precision precision)
     : lanes_(lane_shape_of(device, precision).lanes),
       regularize_(Program(device, "kernels/regularize.cl", lane_options(device, precision, lanes_)),
@@ -18,15 +12,14 @@ RegularizeStage::RegularizeStage(const Device& device, Precision precision)
 void RegularizeStage::run(const ParticleBuffers& particles,
                           const RegularizeScale& scale,
                           RealBuffer& param_grads) {
-  regularize_.run(round_up(particles.stride / static_cast<std::size_t>(lanes_), kRegularizeLocalSize),
-                  kRegularizeLocalSize,
-                  {{"particles", particles.count},
-                   {"stride", particles.stride},
-                   {"by_scale", scale.scale},
-                   {"by_opacity", scale.opacity},
-                   {"by_entropy", scale.entropy},
-                   particles,
-                   {"param_grads", param_grads}});
+  regularize_.run_over(particles.stride / static_cast<std::size_t>(lanes_),
+                       {{"particles", particles.count},
+                        {"stride", particles.stride},
+                        {"by_scale", scale.scale},
+                        {"by_opacity", scale.opacity},
+                        {"by_entropy", scale.entropy},
+                        particles,
+                        {"param_grads", param_grads}});
 }
 
 }  // namespace simuli

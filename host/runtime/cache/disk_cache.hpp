@@ -35,9 +35,9 @@ void prepare_driver_cache();
 [[nodiscard]] std::string driver_cache_note();
 /// Where PoCL keeps what it compiles.
 [[nodiscard]] std::filesystem::path driver_cache_folder();
-/// Calls `install` now and whenever a driver has built a program: compilers in drivers (LLVM in PoCL) put their
-/// own handlers of signals in the place of everybody's, and a second signal ends the process while they are at
-/// the first.
+/// Calls `install` now and whenever a driver has built a program: compilers in drivers (LLVM in PoCL) put
+/// their own handlers of signals in the place of everybody's, and a second signal ends the process while they
+/// are at the first.
 void keep_installed(void (*install)());
 void driver_has_built();
 /// The file that counts crashes and the count after the next one; whoever notices a crash writes it there.

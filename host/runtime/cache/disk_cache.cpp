@@ -1,4 +1,4 @@
-#include "host/runtime/disk_cache.hpp"
+#include "host/runtime/cache/disk_cache.hpp"
 
 #include <atomic>
 #include <cstdint>
