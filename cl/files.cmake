@@ -15,6 +15,7 @@ set(SIMULI_CL_FILES
   math/environment.h
   math/extent.h
   math/gaussian.h
+  math/group.h
   math/random.h
   math/ray_drop.h
   math/ray_feature.h

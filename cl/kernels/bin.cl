@@ -1,11 +1,11 @@
 // bin.cl - visible particles -> tile instances -> tile ranges. Launcher: host/render/frame/bin.cpp
 // Every work-item owns `chunk` consecutive elements: few work-items with long loops suit CPUs, many with
-// short ones GPUs. All orders are fixed by the input, none by scheduling.
+// short ones, in groups of LS, GPUs. All orders are fixed by the input, none by scheduling.
 #include "math/lanes.h"
 #include "shared/layout.h"
 
 /// out counts[work-items]: visible particles of each chunk.
-__kernel void visible_count(__global const uint* keys,
+__kernel GROUP void visible_count(__global const uint* keys,
                             const uint n,
                             const uint chunk,
                             __global uint* counts) {
@@ -18,7 +18,7 @@ __kernel void visible_count(__global const uint* keys,
 
 /// in  offsets[work-items]: exclusive prefix sum of counts
 /// out visible_keys, visible[M]: range keys and indices of the visible particles, by index
-__kernel void visible_write(__global const uint* keys,
+__kernel GROUP void visible_write(__global const uint* keys,
                             const uint n,
                             const uint chunk,
                             __global const uint* offsets,
@@ -37,7 +37,7 @@ __kernel void visible_write(__global const uint* keys,
 
 /// in  order[M]: visible particles by range
 /// out counts[work-items]: tile instances of each chunk, 0xffffffff if they don't fit 32 bits
-__kernel void instance_count(__global const uint* order,
+__kernel GROUP void instance_count(__global const uint* order,
                              const uint m,
                              const uint chunk,
                              __global const Footprint* footprints,
@@ -52,7 +52,7 @@ __kernel void instance_count(__global const uint* order,
 /// Writes the instances of each particle, nearest particle first.
 /// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
 /// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28
-__kernel void instance_emit(const FrameParams frame,
+__kernel GROUP void instance_emit(const FrameParams frame,
                             __global const uint* order,
                             const uint m,
                             const uint chunk,
@@ -90,7 +90,7 @@ __kernel void instance_emit(const FrameParams frame,
 
 /// in  tile[K]: sorted
 /// out first[tiles + 1]: instances of tile t are [first[t], first[t+1])
-__kernel void tile_ranges(__global const uint* tile,
+__kernel GROUP void tile_ranges(__global const uint* tile,
                           const uint k,
                           const uint chunk,
                           const uint tiles,
@@ -103,7 +103,8 @@ __kernel void tile_ranges(__global const uint* tile,
     const uint from = i == 0 ? 0 : tile[i - 1] + 1;
     for (uint t = from; t <= here; ++t) first[t] = i;
   }
-  if (end == k && (begin < end || k == 0)) {
+  // The last instance's owner opens those that follow it; of none, the first work-item opens all.
+  if (k == 0 ? get_global_id(0) == 0 : begin < end && end == k) {
     const uint from = k == 0 ? 0 : tile[k - 1] + 1;
     for (uint t = from; t <= tiles; ++t) first[t] = k;
   }

@@ -1,21 +1,49 @@
-// scan.cl - exclusive prefix sum by one work-group. Launcher: host/render/device/scan.cpp
+// scan.cl - exclusive prefix sum. Launcher: host/render/device/scan.cpp
+// A work-group owns `block` consecutive elements, a work-item consecutive elements of those. CPUs: one group of
+// one work-item; GPUs: as many groups as the elements fill.
+#include "math/group.h"
 #include "math/lanes.h"
 
-/// data[n] becomes its exclusive prefix sum; total[0] the sum in 64 bits. One work-group of LS work-items,
-/// each over consecutive elements, so that barriers are few: launch with global = local = LS.
-__kernel GROUP void scan_exclusive(__global uint* data, const uint n, __global ulong* total) {
-  __local ulong sums[LS];
-  const uint lid = get_local_id(0);
-  const uint chunk = (n + LS - 1) / LS;
-  const uint first = min(lid * chunk, n);
-  const uint last = min(first + chunk, n);
-  ulong sum = 0;
+/// Elements of this work-item: [first, last).
+#define OWN_RANGE                                              \
+  const uint lid = get_local_id(0);                            \
+  const uint begin = min((uint)get_group_id(0) * block, n);    \
+  const uint end = min(begin + block, n);                      \
+  const uint own = (end - begin + LS - 1) / LS;                \
+  const uint first = min(begin + lid * own, end);              \
+  const uint last = min(first + own, end);
+
+/// out sums[groups]: of each group's elements
+__kernel GROUP void scan_sums(__global const uint* data,
+                              const uint n,
+                              const uint block,
+                              __global ulong* sums) {
+  __local ulong parts[LS];
+  OWN_RANGE
+  ulong sum = 0, total;
   for (uint i = first; i < last; ++i) sum += data[i];
-  sums[lid] = sum;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  ulong before = 0;
-  for (uint k = 0; k < lid; ++k) before += sums[k];
-  if (lid == LS - 1) total[0] = before + sum;
+  group_sum_before_ulong(sum, parts, &total);
+  if (lid == 0) sums[get_group_id(0)] = total;
+}
+
+/// data[n] becomes its exclusive prefix sum.
+/// in  sums[groups]: scan_sums(); of one group alone they are not read
+/// out total[0]: the sum of all, in 64 bits
+__kernel GROUP void scan_exclusive(__global uint* data,
+                                   const uint n,
+                                   const uint block,
+                                   __global const ulong* sums,
+                                   __global ulong* total) {
+  __local ulong parts[LS];
+  OWN_RANGE
+  ulong earlier = 0, own_groups = 0;
+  for (uint g = lid; g < get_group_id(0); g += LS) own_groups += sums[g];
+  group_sum_before_ulong(own_groups, parts, &earlier);
+
+  ulong sum = 0, of_group;
+  for (uint i = first; i < last; ++i) sum += data[i];
+  ulong before = earlier + group_sum_before_ulong(sum, parts, &of_group);
+  if (lid == 0 && get_group_id(0) == get_num_groups(0) - 1) total[0] = earlier + of_group;
   for (uint i = first; i < last; ++i) {
     const uint value = data[i];
     data[i] = (uint)before;

@@ -162,8 +162,11 @@ std::vector<GpuProgram> gpu_programs() {
       options.real(precision)
           .define("SENSOR", SensorType::kLidar)
           .define("V", kShape.lanes)
-          .define("LS", path == "kernels/scan.cl" ? 256 : 64)
-          .define("RADIX_BITS", 4)
+          .define("LS",
+                  path == "kernels/scan.cl"   ? 256
+                  : path == "kernels/sort.cl" ? 128
+                                              : 64)
+          .define("RADIX_BITS", 8)
           .define("NEIGHBOURS", kNeighbours)
           .define("GRID_X", 16)
           .define("GRID_Y", 16)

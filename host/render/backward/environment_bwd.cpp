@@ -7,8 +7,6 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kEnvironmentLocalSize = 32;
-
 Program program(const Device& device, Precision precision, int lanes) {
   return {device, "kernels/environment_bwd.cl", lane_options(device, precision, lanes)};
 }
@@ -21,7 +19,8 @@ EnvironmentBackwardStage::EnvironmentBackwardStage(const Device& device, Precisi
       sort_(device),
       scratch_(device, precision),
       cells_(program(device, precision, lanes_), "environment_cells"),
-      ranges_(Program(device, "kernels/bin.cl"), "tile_ranges"),
+      ranges_(Program(device, "kernels/bin.cl", BuildOptions().define("LS", chunks_of(device, 0).group)),
+              "tile_ranges"),
       gather_(program(device, precision, lanes_), "environment_gather") {}
 
 void EnvironmentBackwardStage::run(const shared::FrameParams& frame,
@@ -35,37 +34,35 @@ void EnvironmentBackwardStage::run(const shared::FrameParams& frame,
   const std::uint32_t cells = environment.width * environment.height + 1;  // the last: sees none of it
   scratch_.reserve({frame.slots, cells});
   grads.reserve(environment.texture.count());
-  cells_.run(round_up(frame.slots / static_cast<std::size_t>(lanes_), kEnvironmentLocalSize),
-             kEnvironmentLocalSize,
-             {{"frame", frame},
-              {"width", environment.width},
-              {"height", environment.height},
-              constants,
-              world_rays,
-              blended,
-              scratch_});
+  cells_.run_over(frame.slots / static_cast<std::size_t>(lanes_),
+                  {{"frame", frame},
+                   {"width", environment.width},
+                   {"height", environment.height},
+                   constants,
+                   world_rays,
+                   blended,
+                   scratch_});
   sort_.run(scratch_.cell, scratch_.slot, frame.slots, std::bit_width(cells - 1));
   const Chunks chunks = chunks_of(device_, frame.slots);
   ranges_.run(chunks.work_items,
-              1,
+              chunks.group,
               {{"tile", scratch_.cell},
                {"k", frame.slots},
                {"chunk", chunks.chunk},
                {"tiles", cells},
                {"first", scratch_.first}});
-  gather_.run(round_up(std::size_t{cells} - 1, kEnvironmentLocalSize),
-              kEnvironmentLocalSize,
-              {{"frame", frame},
-               {"width", environment.width},
-               {"height", environment.height},
-               {"tv_scale", tv_scale},
-               {"first", scratch_.first},
-               {"slot", scratch_.slot},
-               {"fraction", scratch_.fraction},
-               blended,
-               {"grad_out", gradients.grad_out},
-               environment,
-               {"grads", grads}});
+  gather_.run_over(std::size_t{cells} - 1,
+                   {{"frame", frame},
+                    {"width", environment.width},
+                    {"height", environment.height},
+                    {"tv_scale", tv_scale},
+                    {"first", scratch_.first},
+                    {"slot", scratch_.slot},
+                    {"fraction", scratch_.fraction},
+                    blended,
+                    {"grad_out", gradients.grad_out},
+                    environment,
+                    {"grads", grads}});
 }
 
 }  // namespace simuli

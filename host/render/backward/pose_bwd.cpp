@@ -39,12 +39,13 @@ PoseGradient PoseStage::run(const shared::FrameParams& frame,
   // Whole vectors to each work-item: slots come in tiles.
   const auto chunk = static_cast<std::uint32_t>(round_up(slots.chunk, SIM_SLOT_ROW));
   const Chunks particles = chunks_of(device_, frame.particles);
-  buffers_.reserve({(frame.slots + chunk - 1) / chunk, particles.work_items});
-  rays_.run(buffers_.ray_sums.count() / 3,
-            1,
+  const std::size_t ray_items = round_up((frame.slots + chunk - 1) / chunk, slots.group);
+  buffers_.reserve({ray_items, particles.work_items});
+  rays_.run(ray_items,
+            slots.group,
             {{"frame", frame}, {"chunk", chunk}, constants, rays, gradients, {"sums", buffers_.ray_sums}});
   particles_.run(particles.work_items,
-                 1,
+                 particles.group,
                  {{"frame", frame},
                   {"chunk", particles.chunk},
                   projected,

@@ -7,8 +7,6 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kRenderLocalSize = 64;
-
 /// Runs of tiles, their first and the one behind their last, whose lists have together at most `most` places;
 /// of a tile of more, itself.
 struct TileRun {
@@ -91,9 +89,7 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
   gradients.grads.reserve(instances * SIM_GRAD);
   gradients.slot_first.reserve(frame.particles);
   Kernel& blend_back = kernel(extras);
-  slot_counts_->run(round_up(frame.particles, kRenderLocalSize),
-                    kRenderLocalSize,
-                    {{"n", frame.particles}, made.projected, gradients});
+  slot_counts_->run_over(frame.particles, {{"n", frame.particles}, made.projected, gradients});
   scan_.run(gradients.slot_first, frame.particles, false);
   const auto work_items = static_cast<std::size_t>(variant_.frame.shape.work_items);
   const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;

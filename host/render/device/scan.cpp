@@ -3,30 +3,48 @@
 
 #include <algorithm>
 
+#include "host/render/device/group_size.hpp"
+
 namespace simuli {
 namespace {
 
+constexpr const char* kScanFile = "kernels/scan.cl";
+constexpr std::size_t kOwn = 8;  // elements of each work-item, where there are groups of them
+
 std::size_t scan_work_items(const Device& device) {
-  return device.info().is_cpu ? 1 : std::min<std::size_t>(256, device.info().max_work_group_size);
+  if (device.info().is_cpu) return 1;
+  return group_size_for(device, kScanFile, {}, {"scan_sums", "scan_exclusive"}, 256);
+}
+
+Program program_of(const Device& device, std::size_t work_items) {
+  return {device, kScanFile, BuildOptions().define("LS", work_items)};
 }
 
 }  // namespace
 
-Chunks chunks_of(const Device& device, std::size_t n) {
-  const std::size_t target = device.info().compute_units * (device.info().is_cpu ? 4U : 256U);
-  const std::size_t chunk = std::max<std::size_t>(16, (n + target - 1) / target);
-  return {(n + chunk - 1) / chunk, static_cast<std::uint32_t>(chunk)};
+Chunks chunks_of(const Device& device, std::size_t n, std::size_t group) {
+  if (group == 0) group = device.info().is_cpu ? 1 : 64;
+  const std::size_t target = device.info().compute_units * (group == 1 ? 4U : 256U);
+  const std::size_t chunk = std::max<std::size_t>(group == 1 ? 16 : 4, (n + target - 1) / target);
+  return {round_up((n + chunk - 1) / chunk, group), group, static_cast<std::uint32_t>(chunk)};
 }
 
 ScanStage::ScanStage(const Device& device, std::size_t work_items)
     : work_items_(work_items == 0 ? scan_work_items(device) : work_items),
-      scan_(Program(device, "kernels/scan.cl", BuildOptions().define("LS", work_items_)), "scan_exclusive"),
-      buffers_(device) {
-  buffers_.reserve({});
-}
+      sums_(program_of(device, work_items_), "scan_sums"),
+      scan_(program_of(device, work_items_), "scan_exclusive"),
+      buffers_(device) {}
 
 std::uint64_t ScanStage::run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted) {
-  scan_.run(work_items_, work_items_, {{"data", data}, {"n", n}, {"total", buffers_.total}});
+  const std::size_t block = work_items_ == 1 ? n : kOwn * work_items_;
+  const std::size_t groups = std::max<std::size_t>(1, block == 0 ? 0 : (n + block - 1) / block);
+  buffers_.reserve({groups});
+  const Binding blocks{"block", static_cast<std::uint32_t>(block)};
+  const std::size_t all = groups * work_items_;
+  if (groups > 1) sums_.run(all, work_items_, {{"data", data}, {"n", n}, blocks, {"sums", buffers_.sums}});
+  scan_.run(all,
+            work_items_,
+            {{"data", data}, {"n", n}, blocks, {"sums", buffers_.sums}, {"total", buffers_.total}});
   return wanted ? buffers_.total.read_back() : 0;
 }
 

@@ -9,7 +9,7 @@ namespace simuli {
 /// What a sort of `pairs` keeps beside them.
 struct SortSizes {
   std::uint64_t pairs = 0;
-  std::uint64_t counters = 0;  // digits x work-groups
+  std::uint64_t counters = 0;  // digits x work-groups, at most
 };
 struct SortBuffers : BufferTable<SortSizes> {
   using BufferTable::BufferTable;
@@ -20,7 +20,7 @@ struct SortBuffers : BufferTable<SortSizes> {
 
 class SortStage {
  public:
-  /// Work-groups of one work-item sort 11 bits a pass, larger ones 4; 0: as suits the device.
+  /// Work-groups of one work-item sort 11 bits a pass, larger ones (at least 16) 8; 0: as suits the device.
   explicit SortStage(const Device& device, std::size_t work_items = 0);
   /// Sorts n pairs by the low `bits` of the key, stably.
   void run(Buffer<std::uint32_t>& keys, Buffer<std::uint32_t>& values, std::uint32_t n, int bits);
@@ -32,7 +32,6 @@ class SortStage {
  private:
   std::size_t work_items_;
   int digit_bits_;
-  std::size_t groups_;
   ScanStage scan_;
   SortBuffers buffers_;
   Kernel count_;

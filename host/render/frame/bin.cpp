@@ -7,17 +7,25 @@
 #include "host/render/frame/stages.hpp"
 
 namespace simuli {
+namespace {
+
+Program program_of(const Device& device, std::size_t group) {
+  return {device, "kernels/bin.cl", BuildOptions().define("LS", group)};
+}
+
+}  // namespace
 
 BinStage::BinStage(const Device& device, std::size_t work_items)
     : device_(device),
+      group_(chunks_of(device, 0, work_items).group),
       scan_(device, work_items),
       sort_(device, work_items),
       scratch_(device),
-      visible_count_(Program(device, "kernels/bin.cl"), "visible_count"),
-      visible_write_(Program(device, "kernels/bin.cl"), "visible_write"),
-      instance_count_(Program(device, "kernels/bin.cl"), "instance_count"),
-      instance_emit_(Program(device, "kernels/bin.cl"), "instance_emit"),
-      tile_ranges_(Program(device, "kernels/bin.cl"), "tile_ranges") {}
+      visible_count_(program_of(device, group_), "visible_count"),
+      visible_write_(program_of(device, group_), "visible_write"),
+      instance_count_(program_of(device, group_), "instance_count"),
+      instance_emit_(program_of(device, group_), "instance_emit"),
+      tile_ranges_(program_of(device, group_), "tile_ranges") {}
 
 void BinStage::run(const shared::FrameParams& frame,
                    const RayBuffers& rays,
@@ -31,25 +39,26 @@ void BinStage::run(const shared::FrameParams& frame,
   if (frame.particles > 0) list_visible(projected, sizes, out);
   out.reserve(sizes);
   if (out.visible > 0) list_instances(frame, rays, projected, max_instances, sizes, out);
-  const Chunks instances = chunks_of(device_, out.instances);
-  tile_ranges_.run(std::max<std::size_t>(instances.work_items, 1),
-                   1,
+  const Chunks instances = chunks_of(device_, out.instances, group_);
+  tile_ranges_.run(std::max(instances.work_items, group_),
+                   group_,
                    {out, {"k", out.instances}, {"chunk", instances.chunk}, {"tiles", tiles}});
 }
 
 void BinStage::list_visible(const Projected& projected, FrameSizes& sizes, Binned& out) {
   const auto n = static_cast<std::uint32_t>(sizes.particles);
-  const Chunks particles = chunks_of(device_, n);
+  const Chunks particles = chunks_of(device_, n, group_);
   sizes.work_items = particles.work_items;
   scratch_.reserve(sizes);
-  visible_count_.run(particles.work_items, 1, {projected, {"n", n}, {"chunk", particles.chunk}, scratch_});
+  visible_count_.run(
+      particles.work_items, group_, {projected, {"n", n}, {"chunk", particles.chunk}, scratch_});
   out.visible = static_cast<std::uint32_t>(
       scan_.run(scratch_.counts, static_cast<std::uint32_t>(particles.work_items), true));
   sizes.visible = out.visible;
   scratch_.reserve(sizes);
   out.reserve(sizes);
   visible_write_.run(particles.work_items,
-                     1,
+                     group_,
                      {projected,
                       {"n", n},
                       {"chunk", particles.chunk},
@@ -66,11 +75,11 @@ void BinStage::list_instances(const shared::FrameParams& frame,
                               std::size_t max_instances,
                               FrameSizes& sizes,
                               Binned& out) {
-  const Chunks visible = chunks_of(device_, out.visible);
+  const Chunks visible = chunks_of(device_, out.visible, group_);
   sizes.work_items = visible.work_items;
   scratch_.reserve(sizes);
   instance_count_.run(
-      visible.work_items, 1, {out, {"m", out.visible}, {"chunk", visible.chunk}, projected, scratch_});
+      visible.work_items, group_, {out, {"m", out.visible}, {"chunk", visible.chunk}, projected, scratch_});
   const std::uint64_t total =
       scan_.run(scratch_.counts, static_cast<std::uint32_t>(visible.work_items), true);
   if (total > max_instances) {
@@ -84,7 +93,7 @@ void BinStage::list_instances(const shared::FrameParams& frame,
   sizes.instances = total;
   out.reserve(sizes);
   instance_emit_.run(visible.work_items,
-                     1,
+                     group_,
                      {{"frame", frame},
                       out,
                       {"m", out.visible},

@@ -76,6 +76,7 @@ class BinStage {
                       FrameSizes& sizes,
                       Binned& out);
   Device device_;
+  std::size_t group_;  // work-items
   ScanStage scan_;
   SortStage sort_;
   BinScratch scratch_;

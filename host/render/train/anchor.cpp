@@ -9,7 +9,6 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kAnchorLocalSize = 32;
 constexpr std::uint64_t kWidth = AnchorSizes::kWidth;
 constexpr double kCells = 2097152.0;  // per axis: 21 bits
 
@@ -59,18 +58,17 @@ void AnchorStage::assign(const ParticleBuffers& set, const ParticleBuffers& targ
   targets_ = targets.count;
   buffers_.reserve(sizes());
   if (targets_ > 0) build_tree(targets);
-  search_.run(round_up(set.count, kAnchorLocalSize),
-              kAnchorLocalSize,
-              {{"queries", set.params},
-               {"query_stride", set.stride},
-               {"query_count", set.count},
-               {"query_actors", set.actors},
-               {"query_actor_of", set.actor_of},
-               {"n", targets_},
-               {"actors", targets.actors},
-               {"actor_of", targets.actor_of},
-               {"reach2", reach_m * reach_m},
-               buffers_});
+  search_.run_over(set.count,
+                   {{"queries", set.params},
+                    {"query_stride", set.stride},
+                    {"query_count", set.count},
+                    {"query_actors", set.actors},
+                    {"query_actor_of", set.actor_of},
+                    {"n", targets_},
+                    {"actors", targets.actors},
+                    {"actor_of", targets.actor_of},
+                    {"reach2", reach_m * reach_m},
+                    buffers_});
 }
 
 void AnchorStage::build_tree(const ParticleBuffers& targets) {
@@ -79,12 +77,11 @@ void AnchorStage::build_tree(const ParticleBuffers& targets) {
   const std::vector<std::uint64_t> levels = sizes().levels();
   std::uint64_t first = 0;
   for (std::size_t level = 0; level + 1 < levels.size(); ++level) {
-    nodes_.run(round_up(levels[level], kAnchorLocalSize),
-               kAnchorLocalSize,
-               {{"boxes", buffers_.boxes},
-                {"child_first", static_cast<std::uint32_t>(first)},
-                {"children", static_cast<std::uint32_t>(levels[level])},
-                {"parent_first", static_cast<std::uint32_t>(first + levels[level])}});
+    nodes_.run_over(levels[level],
+                    {{"boxes", buffers_.boxes},
+                     {"child_first", static_cast<std::uint32_t>(first)},
+                     {"children", static_cast<std::uint32_t>(levels[level])},
+                     {"parent_first", static_cast<std::uint32_t>(first + levels[level])}});
     first += levels[level];
   }
 }
@@ -95,7 +92,7 @@ void AnchorStage::order_by_place(const ParticleBuffers& targets) {
   const Chunks chunks = chunks_of(device_, n);
   bounds_.run(
       chunks.work_items,
-      1,
+      chunks.group,
       {targets, {"stride", targets.stride}, {"n", n}, {"chunk", chunks.chunk}, {"boxes", buffers_.parts}});
   const std::vector<double> parts = buffers_.parts.download_double();
   double low[3] = {kInfinity, kInfinity, kInfinity};
@@ -110,15 +107,14 @@ void AnchorStage::order_by_place(const ParticleBuffers& targets) {
   const double cells_per_m = side > 0.0 ? kCells / side : 1.0;
   buffers_.frame.assign(std::vector<double>{low[0], low[1], low[2], cells_per_m});
   for (const std::uint32_t shift : {0U, 32U}) {
-    keys_.run(round_up(n, kAnchorLocalSize),
-              kAnchorLocalSize,
-              {targets,
-               {"stride", targets.stride},
-               {"n", n},
-               {"frame", buffers_.frame},
-               {"shift", shift},
-               {"order", buffers_.order},
-               {"keys", buffers_.keys}});
+    keys_.run_over(n,
+                   {targets,
+                    {"stride", targets.stride},
+                    {"n", n},
+                    {"frame", buffers_.frame},
+                    {"shift", shift},
+                    {"order", buffers_.order},
+                    {"keys", buffers_.keys}});
     sort_.run(buffers_.keys, buffers_.order, n, 32);
   }
 }
@@ -126,14 +122,13 @@ void AnchorStage::order_by_place(const ParticleBuffers& targets) {
 void AnchorStage::box_leaves(const ParticleBuffers& targets) {
   const std::uint64_t leaves = sizes().leaves();
   buffers_.boxes.fill(std::numeric_limits<double>::quiet_NaN());
-  leaves_.run(round_up(leaves, kAnchorLocalSize),
-              kAnchorLocalSize,
-              {targets,
-               {"stride", targets.stride},
-               {"n", targets.count},
-               {"order", buffers_.order},
-               buffers_,
-               {"leaves", static_cast<std::uint32_t>(leaves)}});
+  leaves_.run_over(leaves,
+                   {targets,
+                    {"stride", targets.stride},
+                    {"n", targets.count},
+                    {"order", buffers_.order},
+                    buffers_,
+                    {"leaves", static_cast<std::uint32_t>(leaves)}});
 }
 
 bool AnchorStage::is_assigned_for(const ParticleBuffers& set) const {
@@ -149,7 +144,7 @@ void AnchorStage::add_gradient(const ParticleBuffers& set,
   const Chunks chunks = chunks_of(device_, set.count);
   buffers_.sums.reserve(2 * chunks.work_items);
   loss_.run(chunks.work_items,
-            1,
+            chunks.group,
             {{"n", set.count},
              {"chunk", chunks.chunk},
              {"keys", keys},

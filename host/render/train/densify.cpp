@@ -12,7 +12,6 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kDensifyLocalSize = 64;
 // Whole-number weights add up to less than 2^32, whatever rounding does to each.
 constexpr double kShares = 4294967296.0 * (1.0 - 1e-6);
 
@@ -49,9 +48,8 @@ void DensifyStage::pixel_error(const shared::FrameParams& frame,
                                const RealBuffer& truth,
                                RealBuffer& ray_error) {
   ray_error.reserve(frame.slots);
-  pixel_error_.run(
+  pixel_error_.run_over(
       frame.slots,
-      kDensifyLocalSize,
       {{"slots", frame.slots}, world_rays, {"picture", picture}, {"truth", truth}, {"error", ray_error}});
 }
 
@@ -63,23 +61,21 @@ void DensifyStage::beam_error(const shared::FrameParams& frame,
                               RealBuffer& ray_error) {
   ray_error.reserve(frame.slots);
   buffers_.weights.assign(std::span<const double>(weights));
-  beam_error_.run(frame.slots,
-                  kDensifyLocalSize,
-                  {{"slots", frame.slots},
-                   {"weight", buffers_.weights},
-                   world_rays,
-                   blended,
-                   {"truth", truth},
-                   {"error", ray_error}});
+  beam_error_.run_over(frame.slots,
+                       {{"slots", frame.slots},
+                        {"weight", buffers_.weights},
+                        world_rays,
+                        blended,
+                        {"truth", truth},
+                        {"error", ray_error}});
 }
 
 void DensifyStage::accumulate(const shared::FrameParams& frame,
                               const FrameBuffers& made,
                               const GradientBuffers& gradients,
                               RealBuffer& accumulated) {
-  accumulate_.run(
-      round_up(frame.particles, kDensifyLocalSize),
-      kDensifyLocalSize,
+  accumulate_.run_over(
+      frame.particles,
       {{"n", frame.particles}, made.projected, made.binned, gradients, {"accumulated", accumulated}});
 }
 
@@ -87,15 +83,14 @@ void DensifyStage::widen(
     RealBuffer& rows, std::uint32_t count, std::uint32_t stride, std::uint32_t new_stride, bool params) {
   const std::size_t row_count = rows.count() / std::max(stride, 1U);
   RealBuffer wide(device_, rows.name(), precision_, row_count * new_stride);
-  widen_.run(round_up(new_stride, kDensifyLocalSize),
-             kDensifyLocalSize,
-             {{"rows", static_cast<std::uint32_t>(row_count)},
-              {"n", count},
-              {"stride", stride},
-              {"new_stride", new_stride},
-              {"is_params", params ? 1U : 0U},
-              {"from", rows},
-              {"to", wide}});
+  widen_.run_over(new_stride,
+                  {{"rows", static_cast<std::uint32_t>(row_count)},
+                   {"n", count},
+                   {"stride", stride},
+                   {"new_stride", new_stride},
+                   {"is_params", params ? 1U : 0U},
+                   {"from", rows},
+                   {"to", wide}});
   rows.exchange(wide);
 }
 
@@ -104,7 +99,7 @@ DensifyStage::Census DensifyStage::census(const ParticleBuffers& particles, cons
   buffers_.dead.reserve(out.chunks.work_items);
   buffers_.sums.reserve(out.chunks.work_items);
   weigh_.run(out.chunks.work_items,
-             1,
+             out.chunks.group,
              {{"n", particles.count},
               {"chunk", out.chunks.chunk},
               {"rows", static_cast<std::uint32_t>(param_rows(particles.sh_degree))},
@@ -129,7 +124,7 @@ bool DensifyStage::draw(const ParticleBuffers& particles,
   buffers_.reserve({n, wanted, census.chunks.work_items});
   buffers_.copies.fill(0);
   list_.run(census.chunks.work_items,
-            1,
+            census.chunks.group,
             {{"n", n},
              {"chunk", census.chunks.chunk},
              {"rows", static_cast<std::uint32_t>(param_rows(particles.sh_degree))},
@@ -142,21 +137,20 @@ bool DensifyStage::draw(const ParticleBuffers& particles,
              {"share", buffers_.share}});
   const std::uint64_t total = scan_.run(buffers_.share, n, true);
   if (total == 0 || total > 0xffffffffU) return false;
-  draw_.run(round_up(wanted, kDensifyLocalSize),
-            kDensifyLocalSize,
-            {{"count", wanted},
-             {"listed", census.dead},
-             {"first_new", n},
-             {"n", n},
-             {"total", static_cast<std::uint32_t>(total)},
-             {"seed_low", low_word(key.seed)},
-             {"seed_high", high_word(key.seed)},
-             {"iteration", key.iteration},
-             {"set", key.set},
-             {"running", buffers_.share},
-             {"targets", buffers_.targets},
-             {"source", buffers_.source},
-             {"copies", buffers_.copies}});
+  draw_.run_over(wanted,
+                 {{"count", wanted},
+                  {"listed", census.dead},
+                  {"first_new", n},
+                  {"n", n},
+                  {"total", static_cast<std::uint32_t>(total)},
+                  {"seed_low", low_word(key.seed)},
+                  {"seed_high", high_word(key.seed)},
+                  {"iteration", key.iteration},
+                  {"set", key.set},
+                  {"running", buffers_.share},
+                  {"targets", buffers_.targets},
+                  {"source", buffers_.source},
+                  {"copies", buffers_.copies}});
   return true;
 }
 
@@ -178,27 +172,25 @@ void DensifyStage::copy(ParticleBuffers& particles,
   const auto wanted = static_cast<std::uint32_t>(buffers_.targets.count());
   for (const bool in_place : {false, true}) {
     const std::uint32_t count = in_place ? before : wanted;
-    copy_.run(round_up(count, kDensifyLocalSize),
-              kDensifyLocalSize,
-              {{"count", count},
-               {"rows", rows},
-               {"stride", particles.stride},
-               {"in_place", in_place ? 1U : 0U},
-               {"targets", buffers_.targets},
-               {"source", buffers_.source},
-               {"copies", buffers_.copies},
-               {"params", particles.params}});
+    copy_.run_over(count,
+                   {{"count", count},
+                    {"rows", rows},
+                    {"stride", particles.stride},
+                    {"in_place", in_place ? 1U : 0U},
+                    {"targets", buffers_.targets},
+                    {"source", buffers_.source},
+                    {"copies", buffers_.copies},
+                    {"params", particles.params}});
   }
   for (RealBuffer* moment : moments) {
-    clear_.run(round_up(std::max(wanted, before), kDensifyLocalSize),
-               kDensifyLocalSize,
-               {{"count", wanted},
-                {"n", before},
-                {"rows", rows},
-                {"stride", particles.stride},
-                {"targets", buffers_.targets},
-                {"copies", buffers_.copies},
-                {"moments", *moment}});
+    clear_.run_over(std::max(wanted, before),
+                    {{"count", wanted},
+                     {"n", before},
+                     {"rows", rows},
+                     {"stride", particles.stride},
+                     {"targets", buffers_.targets},
+                     {"copies", buffers_.copies},
+                     {"moments", *moment}});
   }
 }
 
@@ -235,30 +227,28 @@ DensifyCounts DensifyStage::relocate(ParticleBuffers& particles,
 void DensifyStage::follow(Buffer<std::uint32_t>& words, std::uint32_t width) {
   if (changed_ == 0) return;
   words.extend(std::size_t{particles_} * width);
-  copy_words_.run(round_up(changed_, kDensifyLocalSize),
-                  kDensifyLocalSize,
-                  {{"count", changed_},
-                   {"width", width},
-                   {"targets", buffers_.targets},
-                   {"source", buffers_.source},
-                   {"words", words}});
+  copy_words_.run_over(changed_,
+                       {{"count", changed_},
+                        {"width", width},
+                        {"targets", buffers_.targets},
+                        {"source", buffers_.source},
+                        {"words", words}});
 }
 
 void DensifyStage::jitter(ParticleBuffers& particles,
                           const Buffer<std::uint32_t>& keys,
                           double strength,
                           const RandomKey& key) {
-  jitter_.run(round_up(particles.count, kDensifyLocalSize),
-              kDensifyLocalSize,
-              {{"n", particles.count},
-               {"stride", particles.stride},
-               {"strength", strength},
-               {"seed_low", low_word(key.seed)},
-               {"seed_high", high_word(key.seed)},
-               {"iteration", key.iteration},
-               {"set", key.set},
-               {"keys", keys},
-               {"params", particles.params}});
+  jitter_.run_over(particles.count,
+                   {{"n", particles.count},
+                    {"stride", particles.stride},
+                    {"strength", strength},
+                    {"seed_low", low_word(key.seed)},
+                    {"seed_high", high_word(key.seed)},
+                    {"iteration", key.iteration},
+                    {"set", key.set},
+                    {"keys", keys},
+                    {"params", particles.params}});
 }
 
 }  // namespace simuli
