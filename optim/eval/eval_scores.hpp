@@ -39,6 +39,22 @@ struct KindScores {
   double share_met = kNoNumber;  // of these rays: they return from the same place in the scene (is_met())
 };
 
+/// One frame by itself.
+struct FrameScore {
+  std::size_t index = 0;  // among the log's pictures, or its sweeps
+  std::string sensor;
+  double time_s = 0.0;  // of its start
+};
+struct PictureScore : FrameScore {
+  double psnr_db = kNoNumber;
+  double ssim = kNoNumber;
+  double psnr_ungraded_db = kNoNumber;
+};
+struct SweepScore : FrameScore {
+  SweepMetrics metrics;
+  double expected_median_m = kNoNumber;
+};
+
 /// Means over frames. NaN where there is no such frame; a sweep whose value is NaN (nothing predicted,
 /// nothing returned) is left out of that mean and counted.
 struct EvalScores {
@@ -62,8 +78,8 @@ struct EvalScores {
   std::size_t sweeps_without_distance = 0;
   std::size_t sweeps_without_drops = 0;            // left out of the mean of recalls
   std::size_t sweeps_without_predicted_drops = 0;  // and of precisions
-  std::vector<RangeScores> ranges;  // [RangeScores::kFrom_m]
-  std::vector<KindScores> kinds;    // in the order of the log's moving actors, the background last; or empty
+  std::vector<RangeScores> ranges;                 // [RangeScores::kFrom_m]
+  std::vector<KindScores> kinds;  // in the order of the log's moving actors, the background last; or empty
 };
 
 }  // namespace simuli

@@ -223,8 +223,11 @@ void Evaluation::Run::images() {
   if (!frames.images.empty()) time_picture(of_.log_.images[frames.images.front()]);
   for (const std::size_t index : frames.images) {
     ErrorPools errors = pools();
-    const PictureScore score = score_picture(of_.log_.images[index], errors);
+    const ImageFrame& frame = of_.log_.images[index];
+    PictureScore score = score_picture(frame, errors);
+    static_cast<FrameScore&>(score) = {index, frame.camera, frame.time_start_s};
     add(score, errors, frames.image_uses, index);
+    report_.picture_scores.push_back(std::move(score));
   }
 }
 
@@ -273,8 +276,11 @@ void Evaluation::Run::sweeps() {
   if (!frames.sweeps.empty()) time_sweep(of_.log_.sweeps[frames.sweeps.front()]);
   for (const std::size_t index : frames.sweeps) {
     ErrorPools errors = pools();
-    const SweepScore score = score_sweep(of_.log_.sweeps[index], errors);
+    const SweepFrame& frame = of_.log_.sweeps[index];
+    SweepScore score = score_sweep(frame, errors);
+    static_cast<FrameScore&>(score) = {index, frame.lidar, frame.time_start_s};
     add(score, errors, frames.sweep_uses, index);
+    report_.sweep_scores.push_back(std::move(score));
   }
 }
 
@@ -283,8 +289,10 @@ SweepScore Evaluation::Run::score_sweep(const SweepFrame& frame, ErrorPools& poo
   const SweepPair pair = render_sweep(of_.on_device_, of_.log_, frame);
   pool_rays(frame, pair, pools);
   const Shot in_scene = shot.relative_to(of_.scene_.scene.origin);
-  return {compare_sweep(compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene)),
-          expected_median_m(pair)};
+  SweepScore score;
+  score.metrics = compare_sweep(compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene));
+  score.expected_median_m = expected_median_m(pair);
+  return score;
 }
 
 void Evaluation::Run::pool_rays(const SweepFrame& frame, const SweepPair& pair, ErrorPools& pools) const {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/base/image.hpp"
 #include "host/render/scene/scene_on_device.hpp"
@@ -19,6 +20,9 @@ struct EvalReport : EvalScores {
   EvalFrames frames;  // that were compared
   /// Of held-out frames that are of both uses: each by itself; else nothing.
   std::optional<EvalScores> between, beyond;
+  /// Each of frames.images and frames.sweeps by itself, in their order.
+  std::vector<PictureScore> picture_scores;
+  std::vector<SweepScore> sweep_scores;
   double camera_mp_per_s = kNoNumber;  // 1e6 pixels per second: median of the timed renders of one frame,
   double lidar_mr_per_s = kNoNumber;   // projection to blending, results left on the device
   int image_width = 0;                 // px, of the pictures compared

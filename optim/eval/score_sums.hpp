@@ -54,16 +54,6 @@ class Mean {
   std::size_t left_out_ = 0;
 };
 
-struct PictureScore {
-  double psnr_db = kNoNumber;
-  double ssim = kNoNumber;
-  double psnr_ungraded_db = kNoNumber;
-};
-struct SweepScore {
-  SweepMetrics metrics;
-  double expected_median_m = kNoNumber;
-};
-
 /// Sums over frames.
 class ScoreSums {
  public:

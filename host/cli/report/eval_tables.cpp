@@ -161,6 +161,28 @@ Json json_of(const EvalScores& s) {
           {"kinds", kinds}};
 }
 
+Json json_of(const PictureScore& s) {
+  return {{"index", s.index},
+          {"sensor", s.sensor},
+          {"time_s", s.time_s},
+          {"psnr_db", s.psnr_db},
+          {"ssim", s.ssim},
+          {"psnr_ungraded_db", s.psnr_ungraded_db}};
+}
+
+Json json_of(const SweepScore& s) {
+  const SweepMetrics& m = s.metrics;
+  return {{"index", s.index},
+          {"sensor", s.sensor},
+          {"time_s", s.time_s},
+          {"distance_median_m", m.distance_median_m},
+          {"distance_expected_median_m", s.expected_median_m},
+          {"mean_rel_l2", m.mean_rel_l2},
+          {"intensity_rmse", m.intensity_rmse},
+          {"raydrop_accuracy", m.raydrop_accuracy},
+          {"chamfer_m", m.chamfer_m}};
+}
+
 std::string number_text(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }

@@ -23,6 +23,10 @@ struct TextTable {
 /// With units in the key names; a value that is not a number is null.
 [[nodiscard]] Json json_of(const EvalScores& scores);
 
+/// A frame's own scores: its index in the log, sensor, time.
+[[nodiscard]] Json json_of(const PictureScore& score);
+[[nodiscard]] Json json_of(const SweepScore& score);
+
 /// "-" for what is not a finite number.
 [[nodiscard]] std::string number_text(double value, int decimals);
 

@@ -266,6 +266,10 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
                 {"held_out_last", r.frames.held_out_last},
                 {"image_scale", r.frames.image_scale}};
     out.update(json_of(r));
+    Json pictures = Json::array(), sweeps = Json::array();
+    for (const PictureScore& score : r.picture_scores) pictures.push_back(json_of(score));
+    for (const SweepScore& score : r.sweep_scores) sweeps.push_back(json_of(score));
+    out.update(Json{{"by_picture", pictures}, {"by_sweep", sweeps}});
     out.update(Json{{"between", r.between ? json_of(*r.between) : Json()},
                     {"beyond", r.beyond ? json_of(*r.beyond) : Json()},
                     {"camera_mp_per_s", r.camera_mp_per_s},
