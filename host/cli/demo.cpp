@@ -9,7 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/file_progress.hpp"
-#include "host/cli/base/pictures.hpp"
+#include "host/cli/draw/pictures.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
@@ -63,8 +63,11 @@ void demo(const DemoCommand& command, const Globals& globals) {
     const PicturePair ranges =
         range_pictures(evaluation.log().lidar(log.sweeps[index].lidar).model, evaluation.sweep(index));
     write_image(folder / "lidar_range.png", joined(ranges.rendered, ranges.recorded, Layout::kBelow));
-    write_report(
-        folder / "report.html", "simuli demo: the embedded street", globals, evaluation, *report, &trained);
+    write_report(folder / "report.html",
+                 {.title = "simuli demo: the embedded street", .trained = &trained},
+                 globals,
+                 evaluation,
+                 *report);
   });
   print_eval(*report, scene, globals.json);
   if (globals.json) return;

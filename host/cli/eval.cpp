@@ -48,7 +48,8 @@ void eval(EvalCommand command, const Globals& globals) {
   const EvalReport report = run_evaluation(evaluation, globals);
   if (!command.report.empty()) {
     write_report(command.report,
-                 fmt::format("simuli eval: {} on {}", command.scene, command.log),
+                 {.title = fmt::format("simuli eval: {} on {}", command.scene, command.log),
+                  .edits = lines_of(command.edits)},
                  globals,
                  evaluation,
                  report);
@@ -78,7 +79,9 @@ void add_eval(Command app, const Globals& globals) {
     return fields_of(command->options);
   };
   add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
-  sub.option("--report", command->report, "HTML file to write: metrics, pictures, sweeps, times");
+  sub.option("--report",
+             command->report,
+             "HTML file to write: metrics, curves, pictures, points to turn, settings, times");
   add_edit_options(sub, command->edits);
   sub.run([command, scale, held_out, held_out_last, &globals] {
     if (scale.is_given()) command->options.image_scale = command->scale;

@@ -184,12 +184,12 @@ void write_train_report(const TrainCommand& command,
                         const Globals& globals) {
   Evaluation evaluation(device, std::move(scene), std::move(log), {.render = command.options.train.render});
   const EvalReport report = run_evaluation(evaluation, globals);
-  write_report(command.report,
-               fmt::format("simuli train: {} from {}", command.output, command.log),
-               globals,
-               evaluation,
-               report,
-               &trained);
+  write_report(
+      command.report,
+      {.title = fmt::format("simuli train: {} from {}", command.output, command.log), .trained = &trained},
+      globals,
+      evaluation,
+      report);
 }
 
 std::filesystem::path checkpoint_beside(const std::string& output) {

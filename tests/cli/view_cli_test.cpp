@@ -16,6 +16,7 @@
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/splat_file.hpp"
 #include "tests/cli/background_program.hpp"
+#include "tests/cli/draw/browser.hpp"
 #include "tests/cli/view_fixture.hpp"
 
 namespace {
@@ -203,74 +204,8 @@ TEST_F(ViewCli, RefusesWhatItCantShow) {
   EXPECT_EQ(post("/api/picture", view_of("front")).status, 200);  // still there
 }
 
-/// A browser driven over the WebDriver protocol.
-class Browser {
- public:
-  Browser(int driver_port, const std::filesystem::path& profile) : http_("127.0.0.1", driver_port) {
-    http_.set_read_timeout(120);
-    const json args = {"--headless=new",
-                       "--no-sandbox",
-                       "--disable-dev-shm-usage",
-                       "--use-angle=swiftshader",
-                       "--enable-unsafe-swiftshader",
-                       "--window-size=1200,800",
-                       "--user-data-dir=" + profile.string()};
-    const json wanted = {{"browserName", "chrome"},
-                         {"goog:chromeOptions", {{"args", args}}},
-                         {"goog:loggingPrefs", {{"browser", "ALL"}}}};
-    const json made = call("", {{"capabilities", {{"alwaysMatch", wanted}}}});
-    session_ = made.value("sessionId", "");
-  }
-  ~Browser() {
-    if (!session_.empty()) http_.Delete("/session/" + session_);
-  }
-  [[nodiscard]] bool is_open() const { return !session_.empty(); }
-  void open(const std::string& url) { call("/url", {{"url", url}}); }
-  json evaluate(const std::string& script) {
-    return call("/execute/sync", {{"script", script}, {"args", json::array()}});
-  }
-  /// Tries for a minute.
-  bool wait_for(const std::string& condition) {
-    for (int tries = 0; tries < 300; ++tries) {
-      if (evaluate("return Boolean(" + condition + ")") == true) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    }
-    return false;
-  }
-  void drag(int x, int y, int dx, int dy) {
-    const auto move = [](int to_x, int to_y) {
-      return json{{"type", "pointerMove"}, {"duration", 100}, {"x", to_x}, {"y", to_y}};
-    };
-    const json steps = {move(x, y),
-                        {{"type", "pointerDown"}, {"button", 0}},
-                        move(x + dx, y + dy),
-                        {{"type", "pointerUp"}, {"button", 0}}};
-    const json pointer = {
-        {"type", "pointer"}, {"id", "mouse"}, {"parameters", {{"pointerType", "mouse"}}}, {"actions", steps}};
-    call("/actions", {{"actions", {pointer}}});
-  }
-  /// The page itself, whatever windows may be.
-  bool resize_to(int width, int height) {
-    call("/goog/cdp/execute",
-         {{"cmd", "Emulation.setDeviceMetricsOverride"},
-          {"params", {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}}}});
-    return evaluate("return innerWidth") == width;
-  }
-  json console() { return call("/se/log", {{"type", "browser"}}); }
-
- private:
-  json call(const std::string& path, const json& body) {
-    const std::string at = session_.empty() ? "/session" : "/session/" + session_ + path;
-    const httplib::Result result = http_.Post(at, body.dump(), "application/json");
-    if (!result) return json::object();
-    return json::parse(result->body).value("value", json());
-  }
-  httplib::Client http_;
-  std::string session_;
-};
-
 TEST_F(ViewCli, PageWorksInABrowser) {
-  if (std::system("command -v chromedriver >/dev/null 2>&1") != 0) {
+  if (!has_browser()) {
     GTEST_SKIP() << "not run: the page in a browser, chromedriver (Debian: chromium-driver) is not installed";
   }
   make_scene();

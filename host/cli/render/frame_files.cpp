@@ -5,7 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/split.hpp"
-#include "host/cli/base/pictures.hpp"
+#include "host/cli/draw/pictures.hpp"
 #include "io/base/file.hpp"
 #include "io/base/npz.hpp"
 #include "io/splat/cloud_columns.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/cli/base/pictures.hpp"
+#include "host/cli/draw/pictures.hpp"
 
 namespace simuli::cli {
 
@@ -20,42 +20,9 @@ Image error_picture(const PicturePair& pair) {
     for (std::size_t c = 0; c < 3; ++c) {
       sum += std::abs(pair.rendered.data[i + c] - pair.recorded.data[i + c]);
     }
-    const auto place = static_cast<double>(kErrorGain * sum / 3.0F);
-    const std::array<float, 3> colour = colour_at(1.0 - place);
-    // From black, so that what is right is dark.
-    for (std::size_t c = 0; c < 3; ++c) {
-      out.data[i + c] = colour[c] * static_cast<float>(std::min(1.0, place));
-    }
+    const std::array<float, 3> colour = error_colour(kErrorGain * sum / 3.0F);
+    std::copy(colour.begin(), colour.end(), out.data.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  return out;
-}
-
-Image birds_eye(const LidarModel& lidar, const LidarPair& sweep, double radius_m) {
-  constexpr int kSide_px = 900;
-  constexpr std::array<float, 3> kRecorded{0.16F, 0.47F, 1.0F}, kRendered{0.84F, 0.53F, 0.0F};
-  Image out(kSide_px, kSide_px, 3);
-  const auto draw = [&](const std::vector<float>& range, const std::array<float, 3>& colour) {
-    std::vector<bool> drawn(static_cast<std::size_t>(kSide_px) * kSide_px);
-    for (std::size_t i = 0; i < range.size(); ++i) {
-      if (!(range[i] > 0.0F)) continue;
-      const Eigen::Vector3d p = ray_origin(lidar, sweep.recorded.rays, i) +
-                                static_cast<double>(range[i]) *
-                                    Lidar::direction(static_cast<double>(sweep.recorded.rays.azimuth[i]),
-                                                     static_cast<double>(sweep.recorded.rays.elevation[i]));
-      const auto x = static_cast<int>(std::floor((p.x() / radius_m + 1.0) * 0.5 * kSide_px));
-      const auto y = static_cast<int>(std::floor((1.0 - p.y() / radius_m) * 0.5 * kSide_px));
-      if (x < 0 || x >= kSide_px || y < 0 || y >= kSide_px) continue;
-      const std::size_t pixel = static_cast<std::size_t>(y) * kSide_px + static_cast<std::size_t>(x);
-      if (drawn[pixel]) continue;
-      drawn[pixel] = true;
-      for (std::size_t c = 0; c < 3; ++c) {
-        float& value = out.data[3 * pixel + c];
-        value = std::min(1.0F, value + colour[c]);
-      }
-    }
-  };
-  draw(sweep.recorded.range, kRecorded);
-  draw(sweep.rendered.range, kRendered);
   return out;
 }
 

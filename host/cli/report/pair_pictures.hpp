@@ -15,10 +15,6 @@ namespace simuli::cli {
 [[nodiscard]] Image error_picture(const PicturePair& pair);
 inline constexpr float kErrorGain = 4.0F;
 
-/// Both sweeps from above, in the sensor's frame, forward to the right, `radius_m` to each side: recorded
-/// returns blue, simulated ones orange, white where both are.
-[[nodiscard]] Image birds_eye(const LidarModel& lidar, const LidarPair& sweep, double radius_m);
-
 /// At most `count` of `frames`, evenly spread.
 [[nodiscard]] std::vector<std::size_t> some_of(const std::vector<std::size_t>& frames, std::size_t count);
 

@@ -1,20 +1,24 @@
 #include "host/cli/report/report.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/base/fields.hpp"
 #include "host/base/version.hpp"
 #include "host/cli/base/progress.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/draw/html_report.hpp"
+#include "host/cli/draw/pictures.hpp"
+#include "host/cli/report/curves.hpp"
 #include "host/cli/report/eval_tables.hpp"
 #include "host/cli/report/pair_pictures.hpp"
 #include "host/cli/report/tile_picture.hpp"
+#include "host/cli/report/unrecorded.hpp"
 #include "host/render/rays/ray_grid.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "optim/base/frames.hpp"
@@ -23,7 +27,6 @@ namespace simuli::cli {
 namespace {
 
 constexpr std::size_t kPictures = 3;  // of each kind
-constexpr double kBirdsEye_m = 50.0;  // to each side
 constexpr int kProfiledFrames = 5;
 
 std::string count_text(Eigen::Index count) {
@@ -52,15 +55,42 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
   return values;
 }
 
-void add_record(HtmlReport& html, const TrainingRecord& made) {
-  html.heading("How the scene was made");
+/// "key=value" each.
+std::vector<std::vector<std::string>> setting_rows(const std::vector<std::string>& lines) {
   std::vector<std::vector<std::string>> rows;
-  for (const RecordLine& line : record_lines(made)) rows.push_back({line.name, line.value});
-  for (const std::string& setting : made.settings) {
-    const std::size_t equals = setting.find('=');
-    rows.push_back({setting.substr(0, equals), setting.substr(std::min(setting.size(), equals + 1))});
+  for (const std::string& line : lines) {
+    const std::size_t equals = line.find('=');
+    rows.push_back({line.substr(0, equals), line.substr(std::min(line.size(), equals + 1))});
   }
-  html.table({"setting", "value"}, rows);
+  return rows;
+}
+
+void add_settings(HtmlReport& html,
+                  const ReportText& text,
+                  const Globals& globals,
+                  const Evaluation& evaluation,
+                  const EvalReport& report) {
+  const RenderOptions& options = evaluation.options().render;
+  const std::vector<std::string> unlike = unlike_training(evaluation.scene(), options);
+  const EvalFrames& frames = report.frames;
+  html.heading("Settings");
+  std::vector<std::vector<std::string>> rows{
+      {"edits", text.edits.empty() ? "none" : fmt::format("{}", fmt::join(text.edits, " "))},
+      {"compared",
+       fmt::format("{}, {} pictures and {} sweeps", frames.label(), report.images, report.sweeps)},
+      {"size of pictures", fmt::format("{} of the recorded", frames.image_scale)},
+      {"quality", quality_names()[static_cast<std::size_t>(globals.quality)]},
+      {"unlike in training", unlike.empty() ? "nothing" : fmt::format("{}", fmt::join(unlike, ", "))},
+      {"device", evaluation.device().info().label()},
+      {"took", format_duration(report.seconds)}};
+  html.text_table({"how it was rendered", ""}, rows);
+  html.folded_table("All settings of rendering", {"setting", "value"}, setting_rows(lines_of(options)));
+  if (!evaluation.scene().training) return;
+  const TrainingRecord& made = *evaluation.scene().training;
+  rows.clear();
+  for (const RecordLine& line : record_lines(made)) rows.push_back({line.name, line.value});
+  html.text_table({"how the scene was made", ""}, rows);
+  html.folded_table("All settings of training", {"setting", "value"}, setting_rows(made.settings));
 }
 
 void add_training(HtmlReport& html, const TrainedReport& trained) {
@@ -94,27 +124,20 @@ void add_training(HtmlReport& html, const TrainedReport& trained) {
   html.chart("device memory, MB", x, {{"memory", h.iteration, scaled(h.device_bytes, 1e-6)}});
 }
 
-double seconds_of(const Log& log, double time_s) {
-  return log.world_from_rig.poses().empty() ? time_s : time_s - log.world_from_rig.start_s();
-}
-
 void add_pictures(HtmlReport& html, Evaluation& evaluation) {
   const Log& log = evaluation.log();
   const std::vector<std::size_t> images = some_of(evaluation.frames().images, kPictures);
   if (images.empty() || evaluation.scene().scene.camera.size() == 0) return;
   html.heading(fmt::format("Pictures: {}", evaluation.frames().label()));
   html.paragraph(
-      "Drag the line. Error pictures: black is right, pale is off by a quarter of full scale or more.");
+      "Drag the line, or move it with the arrow keys. Errors: black is right, pale is off by a quarter of "
+      "full scale or more.");
   for (const std::size_t index : images) {
     const ImageFrame& frame = log.images[index];
     const PicturePair pair = evaluation.picture(index);
-    html.compare(
-        pair.rendered,
-        "rendered",
-        pair.recorded,
-        "recorded",
-        fmt::format("{}, picture {}, {:.2f} s", frame.camera, index, seconds_of(log, frame.time_start_s)));
-    html.picture(error_picture(pair), "error of the picture above");
+    const std::string name = fmt::format("{}, picture {}, {:.2f} s", frame.camera, index, frame.time_start_s);
+    html.compare(pair.rendered, "rendered", pair.recorded, "recorded", name, PictureCode::kPhoto);
+    html.picture(error_picture(pair), name + ": error", PictureCode::kPhoto);
   }
 }
 
@@ -123,26 +146,22 @@ void add_sweeps(HtmlReport& html, Evaluation& evaluation) {
   const std::vector<std::size_t> sweeps = some_of(evaluation.frames().sweeps, kPictures);
   if (sweeps.empty() || evaluation.scene().scene.lidar.size() == 0) return;
   html.heading(fmt::format("Sweeps: {}", evaluation.frames().label()));
+  html.paragraph(
+      "Ranges by azimuth: warm near, cold far; black: no return; grey: the sensor has no ray there, or none "
+      "that gets past its own vehicle.");
   for (const std::size_t index : sweeps) {
     const SweepFrame& frame = log.sweeps[index];
     const LidarModel& lidar = log.lidar(frame.lidar).model;
     const LidarPair sweep = evaluation.sweep(index);
     const PicturePair ranges = range_pictures(lidar, sweep);
-    html.compare(
-        ranges.rendered,
-        "rendered",
-        ranges.recorded,
-        "recorded",
-        fmt::format("{}, sweep {}, {:.2f} s: range of every ray, warm near, cold far, black: no return",
-                    frame.lidar,
-                    index,
-                    seconds_of(log, frame.time_start_s)));
-    if (index != sweeps.front()) continue;
+    const std::string name = fmt::format("{}, sweep {}, {:.2f} s", frame.lidar, index, frame.time_start_s);
+    html.compare(ranges.rendered, "rendered", ranges.recorded, "recorded", name + ": ranges");
     html.picture(
-        birds_eye(lidar, sweep, kBirdsEye_m),
-        fmt::format("The same sweep from above, {:.0f} m to each side: recorded returns blue, simulated "
-                    "ones orange, both white",
-                    kBirdsEye_m));
+        range_error_image(lidar, sweep.recorded.rays, sweep.rendered.range, sweep.recorded.range),
+        fmt::format("{}: error of ranges, black is right, pale is off by {:g} m or more; blue: returned, "
+                    "but not in the scene; green: returns in the scene alone",
+                    name,
+                    kFullError_m));
   }
 }
 
@@ -166,11 +185,9 @@ std::vector<std::vector<std::string>> kernel_times(SceneOnDevice& scene,
   return rows;
 }
 
-void add_times(HtmlReport& html, const Globals& globals, const Evaluation& evaluation) {
+void add_times(HtmlReport& html, const Evaluation& evaluation, SceneOnDevice& scene) {
   const Log& log = evaluation.log();
   const RenderOptions& options = evaluation.options().render;
-  SceneOnDevice scene(
-      Device::best(globals.device, {.profiling = true}), borrowed(evaluation.scene().scene), options);
   const std::vector<std::string> header{"kernel", "ms a frame", "launches"};
   html.heading("Time on the device, by kernel");
   if (!log.images.empty() && scene.scene().camera.size() > 0) {
@@ -186,26 +203,30 @@ void add_times(HtmlReport& html, const Globals& globals, const Evaluation& evalu
   html.table(header, kernel_times(scene, lidar, shot_of(log, frame)));
   html.heading("How the LiDAR's rays fall into tiles");
   html.picture(tile_picture(make_ray_grid(scene.device(), lidar.lidar(), lidar.rays(), options), frame.lidar),
-               "the beam pattern, the tiles over it, the rays of each tile");
+               frame.lidar + ": the beam pattern, the tiles over it, the rays of each tile");
 }
 
 }  // namespace
 
 void write_report(const std::filesystem::path& file,
-                  const std::string& title,
+                  const ReportText& text,
                   const Globals& globals,
                   Evaluation& evaluation,
-                  const EvalReport& report,
-                  const TrainedReport* trained) {
+                  const EvalReport& report) {
   const DeviceInfo& info = evaluation.device().info();
-  HtmlReport html(title,
+  HtmlReport html(text.title,
                   fmt::format("simuli {}; {}, driver {}", version(), info.label(), info.driver_version));
+  SceneOnDevice scene(Device::best(globals.device, {.profiling = true}),
+                      borrowed(evaluation.scene().scene),
+                      evaluation.options().render);
   add_metrics(html, report);
-  if (trained != nullptr) add_training(html, *trained);
+  add_curves(html, report);
+  if (text.trained != nullptr) add_training(html, *text.trained);
   add_pictures(html, evaluation);
   add_sweeps(html, evaluation);
-  add_times(html, globals, evaluation);
-  if (evaluation.scene().training) add_record(html, *evaluation.scene().training);
+  add_unrecorded(html, evaluation, scene);
+  add_settings(html, text, globals, evaluation, report);
+  add_times(html, evaluation, scene);
   html.write(file);
 }
 

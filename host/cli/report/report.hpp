@@ -2,6 +2,7 @@
 // What a training or an evaluation came to, as one HTML file.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/cli/report/training.hpp"
 
@@ -13,14 +14,21 @@ struct TrainedReport {
   TrainHistory history;
 };
 
-/// Metrics, curves of the training (when `trained` is given), how the scene was made, pictures and sweeps
-/// beside what was recorded, the LiDAR's tiles, the time of each kernel of a frame. Renders what it shows, on
-/// the device that `globals` asks for. Atomic; Error{kInput} when the file can't be written.
+/// What a report says beside its numbers.
+struct ReportText {
+  std::string title;
+  std::vector<std::string> edits = {};     // of the scene, as they were given
+  const TrainedReport* trained = nullptr;  // where it was trained just now
+};
+
+/// Metrics, errors over the drive and by range, curves of the training, pictures and sweeps beside what was
+/// recorded, what nobody recorded (a point cloud to turn, depth, another lane, another lens and LiDAR, an
+/// actor gone), all settings, the time of each kernel of a frame, the LiDAR's tiles. Renders what it shows,
+/// on the device that `globals` asks for. Atomic; Error{kInput} when the file can't be written.
 void write_report(const std::filesystem::path& file,
-                  const std::string& title,
+                  const ReportText& text,
                   const Globals& globals,
                   Evaluation& evaluation,
-                  const EvalReport& report,
-                  const TrainedReport* trained = nullptr);
+                  const EvalReport& report);
 
 }  // namespace simuli::cli

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <numbers>
 
-#include "host/cli/base/pictures.hpp"
 #include "host/cli/draw/canvas.hpp"
+#include "host/cli/draw/pictures.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -12,12 +12,21 @@ namespace simuli::cli {
 [[nodiscard]] std::array<float, 3> colour_at(double place);
 
 /// Ranges as colours: warm near, cold far, on a logarithmic scale from range_min to range_max; black: no
-/// return. Beams from top to bottom, each kBeam_px tall; firings from left to right as seen from the sensor.
-/// Rays of a list stand where they point to, equally many pixels per rad both ways, the nearest in front.
+/// return; SweepCanvas::kNoRay: there is no ray, or none that gets past the vehicle. The nearest in front.
 [[nodiscard]] Image range_image(const LidarModel& lidar,
                                 const LidarRays& rays,
                                 const std::vector<float>& range);
-inline constexpr int kBeam_px = 4;
+
+/// |range - truth| of rays that return in both, as error_colour() of its share of kFullError_m; blue: they
+/// return in truth alone; green: not in truth. Else as range_image().
+[[nodiscard]] Image range_error_image(const LidarModel& lidar,
+                                      const LidarRays& rays,
+                                      const std::vector<float>& range,
+                                      const std::vector<float>& truth);
+inline constexpr float kFullError_m = 1.0F;
+
+/// From black for 0 to pale for 1 and more.
+[[nodiscard]] std::array<float, 3> error_colour(float error);
 
 enum class Layout { kBeside, kBelow };
 /// Two pictures of the same height beside each other, or of the same width one below the other, with a gap.
