@@ -29,6 +29,7 @@ void add_synth(Command app, const Globals& globals) {
   };
   add("--frames", options->frames, "images per camera and sweeps");
   add("--speed", options->speed_m_per_s, "of the rig, m/s");
+  add("--lane-shift", options->lane_shift_m, "so far to its left, m: the truth of `render --lane-shift`");
   add("--image-width", options->image_width, "pixels");
   add("--image-height", options->image_height, "pixels");
   add("--lidar-columns", options->lidar_columns, "firings per turn");

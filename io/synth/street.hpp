@@ -10,8 +10,8 @@
 #include <memory>
 #include <optional>
 
-#include "io/picture/image.hpp"
 #include "io/log/log.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli {
 
@@ -48,8 +48,8 @@ struct StreetCar {
 
 class Street {
  public:
-  /// The street as embedded; seed varies textures and furniture. At most one car moves. With thin_poles, poles
-  /// of 1.6 to 4 cm across line both pavements; all else stays where it is.
+  /// The street as embedded; seed varies textures and furniture. At most one car moves. With thin_poles,
+  /// poles of 1.6 to 4 cm across line both pavements; all else stays where it is.
   explicit Street(std::uint64_t seed = 1,
                   const std::optional<StreetCar>& car = StreetCar{},
                   bool thin_poles = false);
@@ -78,6 +78,7 @@ struct StreetOptions {
   std::filesystem::path output;
   int frames = 20;             // images per camera = sweeps
   double speed_m_per_s = 8.0;  // of the rig
+  double lane_shift_m = 0.0;   // the rig drives so far to its left; what it passes stays the same
   int image_width = 320;
   int image_height = 180;
   int lidar_columns = 900;

@@ -23,6 +23,7 @@ constexpr double kPosePeriod_s = 0.01;
 constexpr int kPosesOutside = 5;  // poses before the first and after the last sweep
 constexpr double kReadOut_s = 0.02;
 constexpr double kLane_m = -1.75;
+constexpr double kLargestShift_m = 4.0;  // walls stand further from the lane
 constexpr double kSeeFar_m = 2e4;
 
 constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
@@ -33,6 +34,7 @@ void check_options(const StreetOptions& o) {
   };
   check(o.frames >= 1 && o.frames <= 10000, "frames", o.frames, "1 to 10000");
   check(o.speed_m_per_s >= 0.0 && o.speed_m_per_s <= 50.0, "speed_m_per_s", o.speed_m_per_s, "0 to 50");
+  check(std::abs(o.lane_shift_m) <= kLargestShift_m, "lane_shift_m", o.lane_shift_m, "-4 to 4");
   check(o.image_width >= 8 && o.image_width <= 8192, "image_width", o.image_width, "8 to 8192");
   check(o.image_height >= 8 && o.image_height <= 8192, "image_height", o.image_height, "8 to 8192");
   check(o.lidar_columns >= 8 && o.lidar_columns <= 16384, "lidar_columns", o.lidar_columns, "8 to 16384");
@@ -58,9 +60,10 @@ Pose world_from_rig_at(double time_s, double speed_m_per_s) {
 Trajectory drive(const StreetOptions& o) {
   std::vector<TimedPose> poses;
   const int per_frame = 10;  // kFramePeriod_s / kPosePeriod_s
+  const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, o.lane_shift_m, 0.0}};
   for (int i = -kPosesOutside; i <= o.frames * per_frame + kPosesOutside; ++i) {
     const double time_s = i * kPosePeriod_s;
-    poses.push_back({time_s, world_from_rig_at(time_s, o.speed_m_per_s)});
+    poses.push_back({time_s, world_from_rig_at(time_s, o.speed_m_per_s) * rig_from_shifted});
   }
   return Trajectory(std::move(poses));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "host/base/error.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -130,6 +131,25 @@ TEST(Street, LidarIsBlindToGlassAndToFaintReturns) {
   EXPECT_EQ(road(60.0), 0.0);
   // Nearer than the sensor can measure.
   EXPECT_EQ(street.lidar_return({0.0, 0.0, 0.5}, -Vector3d::UnitZ(), 0.0, 0.9, 100.0).range, 0.0);
+}
+
+TEST(Street, AShiftedRigPassesTheSameStreet) {
+  StreetOptions options = small_options("unused");
+  const Log log = street_log(options);
+  options.lane_shift_m = 3.0;
+  const Log shifted = street_log(options);
+  for (const double time_s : {0.0, 0.13, 0.2}) {
+    const Pose here = log.world_from_rig.at(time_s);
+    const Pose there = shifted.world_from_rig.at(time_s);
+    EXPECT_NEAR((here * Vector3d(0.0, 3.0, 0.0) - there.translation).norm(), 0.0, kExact_m);
+    EXPECT_NEAR(here.rotation.angularDistance(there.rotation), 0.0, kExact_m);
+  }
+  EXPECT_EQ(shifted.actors.front().track.front().world_from_actor.translation,
+            log.actors.front().track.front().world_from_actor.translation);
+  options.lane_shift_m = 4.5;
+  EXPECT_THROW((void)street_log(options), Error);
+  options.lane_shift_m = std::nan("");
+  EXPECT_THROW((void)street_log(options), Error);
 }
 
 TEST(Street, SweepIsTracedFromEachRaysOwnOriginAtItsOwnTime) {
