@@ -15,9 +15,9 @@ struct Drive {
   std::vector<std::string> settings = {};  // "key=value" that its own command sets beside the defaults
 };
 
-/// Opens what `text` names: "street" (as `simuli demo` makes it and trains on it), a log folder, or a folder
-/// of KITTI raw; behind the folder "poses=FILE" and "labels=FILE", each after a comma, as `simuli import
-/// kitti` takes them with --poses and --tracking. What is imported or made is written below `scratch`.
+/// Opens what `text` names: "street" (as `simuli synth street` makes it, at full size), a log folder, or a
+/// folder of KITTI raw; behind the folder "poses=FILE" and "labels=FILE", each after a comma, as `simuli
+/// import kitti` takes them with --poses and --tracking. What is imported or made is written below `scratch`.
 /// Error{kUsage} for anything else, Error{kInput} as the importers have it.
 [[nodiscard]] Drive open_drive(const std::string& text, const std::filesystem::path& scratch);
 

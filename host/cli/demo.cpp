@@ -23,9 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A size that people look at, whose training two cores do in less than a minute.
+constexpr int kWidth_px = 640, kHeight_px = 360;
+
 struct DemoCommand {
   std::string output;  // empty: a new folder below the temporary one
-  int iterations = 400;
+  int iterations = 300;
   double held_out_last = 0.0;
 };
 
@@ -46,6 +49,8 @@ void demo(const DemoCommand& command, const Globals& globals) {
   write_folder_atomically(output, [&](const fs::path& folder) {
     StreetOptions street;
     street.output = folder / "street.log";
+    street.image_width = kWidth_px;
+    street.image_height = kHeight_px;
     FileProgress synthesis("synth street", globals);
     const Log log = synth_street(street, synthesis.callback());
     synthesis.finish();
