@@ -337,6 +337,13 @@ void add_scenes(py::module_& m) {
           py::arg("time_s"),
           "4 x 4, on the recorded path")
       .def_property_readonly(
+          "origin_m",
+          [](const PyScene& s) {
+            const Eigen::Vector3d& origin = s.scene()->origin;
+            return std::tuple(origin.x(), origin.y(), origin.z());
+          },
+          "where in the world the means of particles() count from")
+      .def_property_readonly(
           "actors",
           [](const PyScene& s) { return actors_of(*s.scene()); },
           "name, kind, size_m, times_s, world_from_actor of each")
