@@ -29,19 +29,14 @@ std::vector<double> shifts_of(const Lidar& lidar, const LidarRays& rays, int col
   return shifts;
 }
 
-/// Pixels that a column is wide, so that rows stand where they are beside the first one.
+/// Pixels that a column is wide: 2 where rows stand between whole columns beside the first one.
 int column_px(const std::vector<double>& shifts, int columns) {
-  constexpr int kWidest = 4;
-  constexpr double kOff = 0.15;  // of a pixel
-  for (int width = 1; width < kWidest; ++width) {
-    if ((width + 1) * columns > SweepCanvas::kWidest_px) return width;
-    const bool is_right = std::all_of(shifts.begin(), shifts.end(), [&](double shift) {
-      const double px = width * (shift - shifts.front());
-      return std::abs(px - std::round(px)) <= kOff;
-    });
-    if (is_right) return width;
-  }
-  return kWidest;
+  constexpr double kOff = 0.15;  // of a column
+  const bool is_right = std::all_of(shifts.begin(), shifts.end(), [&](double shift) {
+    const double beside = shift - shifts.front();
+    return std::abs(beside - std::round(beside)) <= kOff;
+  });
+  return is_right || 2 * columns > SweepCanvas::kWidest_px ? 1 : 2;
 }
 
 }  // namespace

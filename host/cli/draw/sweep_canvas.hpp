@@ -12,7 +12,7 @@ namespace simuli::cli {
 /// kNoRay all over, until rays are drawn. Of a LiDAR with rows: beams from top to bottom, each kBeam_px tall,
 /// from left to right as seen from the sensor, where a column is an azimuth. A beam whose rays fire ahead of
 /// the others' or behind them is moved by so many columns, round the turn or, of a part of a turn, into a
-/// wider picture; where that is no whole number, columns are 2 to 4 pixels wide and it is right to one,
+/// wider picture; where that is no whole number, rays are drawn twice as large and it is right to a pixel,
 /// unless the picture got wider than kWidest_px. Beams are found where they were fired, whatever the model
 /// says. Rays of a list: where they point to, as squares of kListRay_px, equally many pixels per rad both
 /// ways.

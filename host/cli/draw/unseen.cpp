@@ -6,19 +6,16 @@
 namespace simuli::cli {
 namespace {
 
-/// Times of a camera's frames, at most RecordedViews::kMostPoses.
+/// In the middle of a camera's frames.
 std::vector<double> times_of(const SceneFile& file, const std::string& camera) {
-  std::vector<double> all;
+  std::vector<double> times;
   const auto spans = file.recorded_frames.find(camera);
   if (spans != file.recorded_frames.end()) {
-    for (const FrameSpan& span : spans->second) all.push_back(0.5 * (span.time_start_s + span.time_end_s));
+    for (const FrameSpan& span : spans->second) times.push_back(0.5 * (span.time_start_s + span.time_end_s));
   } else {
-    for (const TimedPose& pose : file.world_from_rig.poses()) all.push_back(pose.time_s);
+    for (const TimedPose& pose : file.world_from_rig.poses()) times.push_back(pose.time_s);
   }
-  const std::size_t count = std::min(all.size(), RecordedViews::kMostPoses);
-  std::vector<double> some;
-  for (std::size_t k = 0; k < count; ++k) some.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
-  return some;
+  return times;
 }
 
 void hatch(Image& image, int x0, int y0) {
@@ -40,9 +37,29 @@ RecordedViews::RecordedViews(const SceneFile& file) {
   for (const LogCamera& camera : file.cameras) {
     for (const double time_s : times_of(file, camera.model.name)) {
       const Pose world_from_camera = file.world_from_rig.at(time_s) * camera.rig_from_camera;
-      views_.push_back({&camera.model, world_from_camera.inverse()});
+      views_.push_back({&camera.model, world_from_camera.inverse(), world_from_camera.translation});
     }
   }
+}
+
+RecordedViews RecordedViews::around(const Eigen::Vector3d& p_world) const {
+  RecordedViews some;
+  for (auto first = views_.begin(); first != views_.end();) {
+    const auto last =
+        std::find_if(first, views_.end(), [&](const View& view) { return view.camera != first->camera; });
+    std::vector<View> views(first, last);
+    std::stable_sort(views.begin(), views.end(), [&](const View& a, const View& b) {
+      return (a.p_world - p_world).squaredNorm() < (b.p_world - p_world).squaredNorm();
+    });
+    const std::size_t nearest = std::min(views.size(), kNearest), rest = views.size() - nearest;
+    for (std::size_t i = 0; i < nearest; ++i) some.views_.push_back(views[i]);
+    const std::size_t others = std::min(rest, kNearest);
+    for (std::size_t k = 0; k < others; ++k) {
+      some.views_.push_back(views[nearest + (2 * k + 1) * rest / (2 * others)]);
+    }
+    first = last;
+  }
+  return some;
 }
 
 bool RecordedViews::has(const Eigen::Vector3d& p_world) const {
@@ -92,6 +109,7 @@ MarkedPicture with_unseen_marked(const Frame& frame, const RecordedViews& views)
   const Camera& camera = frame.sensor().camera();
   MarkedPicture marked{frame.image()};
   if (views.empty()) return marked;
+  const RecordedViews near = views.around(frame.shot().world_from_sensor_start.translation);
   const RayResults& rays = frame.results();
   Blocks blocks{.columns = (camera.width + kUnseenBlock_px - 1) / kUnseenBlock_px,
                 .rows = (camera.height + kUnseenBlock_px - 1) / kUnseenBlock_px,
@@ -112,7 +130,7 @@ MarkedPicture with_unseen_marked(const Frame& frame, const RecordedViews& views)
       const double distance_m = is_met ? static_cast<double>(rays.expected_distance(ray)) : kSky_m;
       const Pose world_from_camera = frame.shot().pose_at(camera.exposure_fraction(pixel));
       const Eigen::Vector3d p_world = world_from_camera * Eigen::Vector3d(distance_m * direction);
-      blocks.unseen.back() = views.has(p_world) ? 0 : 1;
+      blocks.unseen.back() = near.has(p_world) ? 0 : 1;
     }
   }
   for (int row = 0; row < blocks.rows; ++row) {

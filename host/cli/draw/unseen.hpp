@@ -11,25 +11,29 @@
 namespace simuli::cli {
 
 /// Where the cameras were, and looked, that a scene was made of: at their recorded frames, or all along the
-/// path where the scene doesn't say when these were; at most kMostPoses of each, evenly spread.
+/// path where the scene doesn't say when these were.
 class RecordedViews {
  public:
-  static constexpr std::size_t kMostPoses = 60;
-
-  /// `file` must outlive this.
+  /// `file` must outlive this and what around() makes of it.
   explicit RecordedViews(const SceneFile& file);
 
   /// A scene without cameras, or without a path: nothing can be told.
   [[nodiscard]] bool empty() const { return views_.empty(); }
+  /// Those that tell most of what is seen from a point (m, world): the kNearest views of each camera, and as
+  /// many of its others, evenly spread.
+  [[nodiscard]] RecordedViews around(const Eigen::Vector3d& p_world) const;
+  static constexpr std::size_t kNearest = 30;
   /// Whether a point (m, world) falls into one of the pictures, whatever stands before it.
   [[nodiscard]] bool has(const Eigen::Vector3d& p_world) const;
 
  private:
+  RecordedViews() = default;
   struct View {
     const Camera* camera;
     Pose camera_from_world;
+    Eigen::Vector3d p_world;  // of the camera, m
   };
-  std::vector<View> views_;
+  std::vector<View> views_;       // by camera
   mutable std::size_t last_ = 0;  // that had a point: its neighbours mostly have theirs there, too
 };
 

@@ -88,12 +88,17 @@ void add_file_options(Command sub, FileOptions& options) {
              "npz, one file of arrays")
       .one_of({"exr", "npz"})
       .with_default();
+  sub.flag("--mark-unseen", options.mark_unseen, "hatch in pictures what no recorded camera faced");
 }
 
-FrameFiles::FrameFiles(const FileOptions& options, const Sensor& sensor, const Plan& plan)
+FrameFiles::FrameFiles(const FileOptions& options,
+                       const Sensor& sensor,
+                       const Plan& plan,
+                       const RecordedViews* recorded)
     : options_(options),
       is_camera_(sensor.is_camera()),
-      outputs_(parse_outputs(options.outputs, is_camera_)) {
+      outputs_(parse_outputs(options.outputs, is_camera_)),
+      recorded_(recorded) {
   if (is_camera_) return;
   cloud_ = cloud_options(options, sensor.lidar(), plan);
   cloud_.actors = has(outputs_, CameraOutput::kActors);
@@ -107,7 +112,7 @@ void FrameFiles::write_outputs(const Frame& frame,
     files.push_back(stem + ending);
     return folder / files.back();
   };
-  if (has(outputs_, CameraOutput::kRgb)) write_image(file("." + options_.images), frame.image());
+  if (has(outputs_, CameraOutput::kRgb)) write_image(file("." + options_.images), shown(frame, recorded_));
   const bool is_npz = options_.values == "npz";
   Npz arrays((folder / (stem + ".npz")).string());
   std::size_t count = 0;
@@ -136,7 +141,7 @@ FrameFiles::Names FrameFiles::write(const Frame& frame,
   } else {
     files = {stem + "." + options_.clouds, stem + "_range.png"};
     write_point_cloud(folder / files[0], point_cloud(frame, cloud_));
-    write_image(folder / files[1], shown(frame));
+    write_image(folder / files[1], shown(frame, recorded_));
   }
   return files;
 }
@@ -154,8 +159,10 @@ void FrameFiles::describe(FramesRecord& record, const Scene& scene) const {
   record.clouds = {options_.cloud_frame, is_double ? "float64" : "float32"};
 }
 
-Image shown(const Frame& frame) {
-  if (frame.sensor().is_camera()) return frame.image();
+Image shown(const Frame& frame, const RecordedViews* recorded) {
+  if (frame.sensor().is_camera()) {
+    return recorded == nullptr ? frame.image() : with_unseen_marked(frame, *recorded).image;
+  }
   const LidarFrame sweep = frame.lidar();
   return range_image(frame.sensor().lidar(), sweep.rays, sweep.range);
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/cli/base/command.hpp"
+#include "host/cli/draw/unseen.hpp"
 #include "host/cli/render/plan.hpp"
 #include "host/render/outputs/camera_output.hpp"
 #include "host/render/outputs/cloud.hpp"
@@ -19,6 +20,7 @@ struct FileOptions {
   std::string cloud_frame = "world";
   std::string outputs = "rgb";  // camera_output_names(), parted by commas
   std::string values = "exr";   // of all outputs but pictures
+  bool mark_unseen = false;     // in pictures, what no recorded camera faced
 };
 
 void add_file_options(Command sub, FileOptions& options);
@@ -27,8 +29,12 @@ void add_file_options(Command sub, FileOptions& options);
 class FrameFiles {
  public:
   using Names = std::vector<std::string>;
-  /// Error{kUsage} for outputs that there are not, or not of this sensor.
-  FrameFiles(const FileOptions& options, const Sensor& sensor, const Plan& plan);
+  /// `recorded` marks what these did not face and must outlive this; null: nothing is marked. Error{kUsage}
+  /// for outputs that there are not, or not of this sensor.
+  FrameFiles(const FileOptions& options,
+             const Sensor& sensor,
+             const Plan& plan,
+             const RecordedViews* recorded);
 
   /// What frames are to be rendered with.
   [[nodiscard]] FrameRequest request() const { return request_for(outputs_); }
@@ -49,9 +55,11 @@ class FrameFiles {
   bool is_camera_;
   std::vector<CameraOutput> outputs_;
   CloudOptions cloud_;
+  const RecordedViews* recorded_;
 };
 
-/// As a picture: what a camera saw, or a LiDAR's ranges as colours.
-[[nodiscard]] Image shown(const Frame& frame);
+/// As a picture: what a camera saw, with what `recorded` did not face marked, unless it is null; or a LiDAR's
+/// ranges as colours.
+[[nodiscard]] Image shown(const Frame& frame, const RecordedViews* recorded);
 
 }  // namespace simuli::cli

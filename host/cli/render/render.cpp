@@ -69,6 +69,7 @@ FramesRecord record_of(const RenderCommand& command,
   if (!command.sensors.mount.empty()) record.edits.push_back("--mount " + command.sensors.mount);
   if (command.sensors.lane_shift_m != 0.0)
     record.edits.push_back(fmt::format("--lane-shift {}", command.sensors.lane_shift_m));
+  if (command.files.mark_unseen) record.edits.emplace_back("--mark-unseen");
   if (command.plan.speed != 1.0) record.edits.push_back(fmt::format("--speed {}", command.plan.speed));
   record.quality = quality_names()[static_cast<std::size_t>(globals.quality)];
   record.settings = simuli::lines_of(options);
@@ -76,6 +77,17 @@ FramesRecord record_of(const RenderCommand& command,
   record.device = scene.device().info().label();
   record.driver = scene.device().info().driver_version;
   return record;
+}
+
+/// Where the scene's cameras looked, if that is to be told; else nothing.
+std::unique_ptr<const RecordedViews> recorded_views(const RenderCommand& command, const SceneFile& file) {
+  if (!command.files.mark_unseen) return nullptr;
+  auto views = std::make_unique<const RecordedViews>(file);
+  if (views->empty()) {
+    throw_input_error(
+        command.scene, "cameras", "none that were carried along a path", "at least one, to mark unseen");
+  }
+  return views;
 }
 
 /// Whether each sensor has a folder of its own in the output's.
@@ -196,6 +208,7 @@ void render(RenderCommand command, const Globals& globals) {
                             command.output,
                             views.size()));
   }
+  const std::unique_ptr<const RecordedViews> recorded = recorded_views(command, file);
   std::size_t frames = 0, done = 0;
   for (const SensorPlan& view : views) frames += view.plan.spans.size();
 
@@ -208,13 +221,14 @@ void render(RenderCommand command, const Globals& globals) {
     const SensorPlan& view = views.front();
     Video video(command.output, frame_rate(view.plan, command));
     for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
-      video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i))));
+      video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i)), recorded.get()));
       on_frame();
     }
     video.finish();
   } else {
     std::vector<FrameFiles> files;
-    for (const SensorPlan& view : views) files.emplace_back(command.files, view.sensor, view.plan);
+    for (const SensorPlan& view : views)
+      files.emplace_back(command.files, view.sensor, view.plan, recorded.get());
     write_folder_atomically(command.output, [&](const fs::path& folder) {
       for (std::size_t k = 0; k < views.size(); ++k) {
         const Sensor& sensor = views[k].sensor;
@@ -247,7 +261,7 @@ void add_render(Command app, const Globals& globals) {
   Option as_log = sub.flag("--as-log",
                            command->as_log,
                            "the folder becomes a log, by default of all sensors of the scene, to train on");
-  for (const char* other : {"--clouds", "--cloud-frame", "--outputs", "--values", "--fps"})
+  for (const char* other : {"--clouds", "--cloud-frame", "--outputs", "--values", "--fps", "--mark-unseen"})
     as_log.excludes(other);
   add_plan_options(sub, command->plan);
   add_edit_options(sub, command->edits);
