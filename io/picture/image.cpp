@@ -186,9 +186,8 @@ std::vector<Footprint> footprints(int old_size, int new_size) {
   return out;
 }
 
-}  // namespace
-
-Image read_image(const fs::path& file) {
+/// With the channels that the file has.
+Image read_stored(const fs::path& file) {
   need_regular_file(file);
   require_whole_png(file);
   OIIO::ImageSpec config;
@@ -204,17 +203,36 @@ Image read_image(const fs::path& file) {
     throw_input_error(file.string(), "pixels", one_line(input->geterror()), "a whole picture");
   }
   if (input->format_name() == std::string("jpeg")) require_jpeg_end(file);
-  if (spec.nchannels == 3) return stored;
-  Image rgb(spec.width, spec.height, 3);
-  const bool grey = spec.nchannels < 3;
-  const auto pixels = rgb.data.size() / 3;
-  for (std::size_t i = 0; i < pixels; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      rgb.data[3 * i + c] = stored.data[static_cast<std::size_t>(spec.nchannels) * i + (grey ? 0 : c)];
-    }
-  }
-  return rgb;
+  return stored;
 }
+
+std::vector<unsigned char> bytes_of(const Image& image) {
+  std::vector<unsigned char> bytes(image.data.size());
+  to_bytes(image.data, bytes);
+  return bytes;
+}
+
+/// Colours, grey three times, and behind them alpha where four channels are wanted.
+Image as_colors(const Image& stored, int channels) {
+  Image out(stored.width, stored.height, channels);
+  const bool is_grey = stored.channels < 3, has_alpha = stored.channels % 2 == 0;
+  const auto from = static_cast<std::size_t>(stored.channels), to = static_cast<std::size_t>(channels);
+  for (std::size_t i = 0; i < stored.data.size() / from; ++i) {
+    const float* const pixel = &stored.data[from * i];
+    for (std::size_t c = 0; c < 3; ++c) out.data[to * i + c] = pixel[is_grey ? 0 : c];
+    if (channels == 4) out.data[to * i + 3] = has_alpha ? pixel[from - 1] : 1.0F;
+  }
+  return out;
+}
+
+}  // namespace
+
+Image read_image(const fs::path& file) {
+  Image stored = read_stored(file);
+  return stored.channels == 3 ? stored : as_colors(stored, 3);
+}
+
+Image read_image_with_alpha(const fs::path& file) { return as_colors(read_stored(file), 4); }
 
 void write_image(const fs::path& file, const Image& image) {
   require_writable(file, image);
@@ -224,7 +242,11 @@ void write_image(const fs::path& file, const Image& image) {
     spec["compression"] = "zip";               // lossless
     spec["DateTime"] = "1970:01:01 00:00:00";  // else the day's, and the same picture has other bits
   }
-  write_pixels(file, spec, OIIO::TypeDesc::FLOAT, image.data.data());
+  if (has_float_pixels(file)) {
+    write_pixels(file, spec, OIIO::TypeDesc::FLOAT, image.data.data());
+  } else {
+    write_pixels(file, spec, OIIO::TypeDesc::UINT8, bytes_of(image).data());
+  }
 }
 
 void write_counts(const fs::path& file, const Image& image) {
@@ -259,9 +281,34 @@ std::string encode_image(const Image& image, ImageCode code, int quality) {
   OIIO::Filesystem::IOVecOutput sink(bytes);
   output->set_ioproxy(&sink);
   if (!output->open(name.string(), spec)) refuse(output->geterror());
-  if (!output->write_image(OIIO::TypeDesc::FLOAT, image.data.data())) refuse(output->geterror());
+  if (!output->write_image(OIIO::TypeDesc::UINT8, bytes_of(image).data())) refuse(output->geterror());
   if (!output->close()) refuse(output->geterror());
   return {bytes.begin(), bytes.end()};
+}
+
+void to_bytes(std::span<const float> values, std::span<unsigned char> bytes) {
+  if (values.size() != bytes.size()) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("bytes: found room for {}, allowed {}", bytes.size(), values.size()));
+  }
+  // The library rounds sixteen values at a time to the nearest, ties to even, and what is left over by
+  // itself, ties up: the last ones are filled up, so that a value's byte does not depend on where it stands.
+  constexpr std::size_t kGroup = 16;
+  constexpr std::size_t kAtOnce = std::size_t{1} << 24U;  // what is called counts in int
+  const auto convert = [](const float* from, unsigned char* to, std::size_t count) {
+    OIIO::convert_pixel_values(
+        OIIO::TypeDesc::FLOAT, from, OIIO::TypeDesc::UINT8, to, static_cast<int>(count));
+  };
+  const std::size_t whole = values.size() / kGroup * kGroup;
+  for (std::size_t first = 0; first < whole; first += kAtOnce) {
+    convert(&values[first], &bytes[first], std::min(kAtOnce, whole - first));
+  }
+  if (whole == values.size()) return;
+  std::array<float, kGroup> last{};
+  std::array<unsigned char, kGroup> converted{};
+  std::copy(values.begin() + static_cast<std::ptrdiff_t>(whole), values.end(), last.begin());
+  convert(last.data(), converted.data(), kGroup);
+  std::copy_n(converted.begin(), values.size() - whole, bytes.begin() + static_cast<std::ptrdiff_t>(whole));
 }
 
 Image resize_area(const Image& image, int width, int height) {

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "io/base/file.hpp"
+#include "tests/host/expect_error.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -220,6 +221,29 @@ TEST(Image, WholeStepsOfEightBitsAreRounded) {
   image.data = {100.4F / 255.0F};
   write_image(scratch / "a.png", image);
   EXPECT_NEAR(read_image(scratch / "a.png").at(0, 0, 0), image.data[0], kEightBitTolerance);
+}
+
+TEST(ImageFile, BytesAreThoseOfAPng) {
+  const Scratch scratch;
+  std::vector<float> values{-1.0F, 0.0F, 1.0F, 2.0F};
+  for (int step = 0; step < 255; ++step) {  // where one byte becomes the next, and beside it
+    const float edge = (static_cast<float>(step) + 0.5F) / 255.0F;
+    values.insert(values.end(), {std::nextafter(edge, 0.0F), edge, std::nextafter(edge, 1.0F)});
+  }
+  Image image(static_cast<int>(values.size()), 1, 1);
+  image.data = values;
+  write_image(scratch / "steps.png", image);
+  const Image stored = read_image(scratch / "steps.png");
+  std::vector<unsigned char> bytes(values.size());
+  to_bytes(values, bytes);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(bytes[i], std::lround(255.0F * stored.data[3 * i])) << values[i];
+    std::vector<unsigned char> alone(1);
+    to_bytes(std::span(values).subspan(i, 1), alone);
+    EXPECT_EQ(alone[0], bytes[i]) << values[i];  // wherever it stands
+  }
+  expect_error(
+      ErrorKind::kUsage, "bytes: found room for 1", [&] { to_bytes(values, std::span(bytes).first(1)); });
 }
 
 }  // namespace
