@@ -71,7 +71,8 @@ allow("io" "host/(base|scene|sensors)|io" "io knows no device and no optimiser")
 allow("optim" "cl$|host/(base|scene|sensors|runtime|render)|io|optim" "optim knows no program")
 allow("bench/(drives|paper|peers|render|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(drives|paper|peers|render|trade)"
       "benches know no program")
-allow("host/cli" "host/(base|scene|sensors|runtime|render|cli)|io|optim" "the program knows no bench")
+allow("host/serve" "host/(base|scene|sensors|runtime|render|serve)|io" "the server knows no program")
+allow("host/cli" "host/(base|scene|sensors|runtime|render|cli|serve)|io|optim" "the program knows no bench")
 
 forbid("cl" "\"(host|io|optim|tests|bench)/" "cl includes nothing above it")
 forbid("host/api;host/python" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")

@@ -21,6 +21,7 @@ void add_commands(CommandLine& line, const Globals& globals) {
   add_info(root, globals);
   add_manual(line);
   add_render(root, globals);
+  add_serve(root, globals);
   add_synth(root, globals);
   add_tile(root, globals);
   add_train(root, globals);

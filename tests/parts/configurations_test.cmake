@@ -46,10 +46,14 @@ configure(no_viewer all ${least} -DSIMULI_VIEWER=OFF)
 need(view/absent.cpp no_viewer)
 forbid(no_viewer httplib view_server view_session)
 
+configure(no_serve all ${least} -DSIMULI_SERVE=OFF)
+need(serve/absent.cpp no_serve)
+forbid(no_serve grpc protoc render_session cli/serve/serve.cpp)
+
 configure(no_calibration all ${least} -DSIMULI_CALIBRATION=OFF)
 need(calibration/absent.cpp no_calibration)
 forbid(no_calibration ceres glog ${SOURCE}/optim/calibration calibration/fit.cpp)
 
 configure(core all ${least} -DSIMULI_CORE_ONLY=ON)
 need(bin/simuli_bench core)
-forbid(core ceres httplib nlohmann OpenImageIO nanoflann CLI11 ${SOURCE}/host/cli ${SOURCE}/optim/ libz.)
+forbid(core grpc protoc ceres httplib nlohmann OpenImageIO nanoflann CLI11 ${SOURCE}/host/cli ${SOURCE}/optim/ libz.)

@@ -1,4 +1,4 @@
-# A program without viewer and calibration says so where they are asked for, and holds nothing of them.
+# A program without viewer, server and calibration says so where they are asked for, and holds nothing of them.
 cmake_minimum_required(VERSION 3.23)
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
@@ -17,11 +17,12 @@ expect(0 "" synth street -o street.log --frames 2 --image-width 32 --image-heigh
 expect(0 "train" --help)
 expect(2 "view" view street.scene)
 expect(2 "SIMULI_VIEWER" view street.scene)
+expect(2 "SIMULI_SERVE=ON and libgrpc++-dev" serve street.scene --port 0)
 expect(2 "SIMULI_VIEWER" train street.log -o street.scene --view 0)
 expect(2 "SIMULI_CALIBRATION" align street.log)
 expect(2 "SIMULI_CALIBRATION" fit)
 execute_process(COMMAND ${NM} --demangle ${PROGRAM} OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
-foreach(part IN ITEMS "httplib::" "ceres::" "simuli::calibration::" "ViewSession::")
+foreach(part IN ITEMS "httplib::" "ceres::" "grpc::" "google::protobuf" "simuli::calibration::" "ViewSession::")
   string(FIND "${symbols}" "${part}" at)
   if(NOT at EQUAL -1)
     string(SUBSTRING "${symbols}" ${at} 120 some)

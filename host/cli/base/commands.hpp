@@ -17,6 +17,7 @@ struct Globals {
   bool json = false;                     // data as JSON
   bool json_progress = false;            // progress as JSON lines
   bool verbose = false;                  // tell times on stderr
+  std::string commit;                    // that the program was built from; may be empty
 };
 
 /// As asked for; nothing beside data as JSON.
@@ -40,6 +41,7 @@ void add_import(Command app, const Globals& globals);
 void add_info(Command app, const Globals& globals);
 void add_manual(CommandLine& line);
 void add_render(Command app, const Globals& globals);
+void add_serve(Command app, const Globals& globals);
 void add_synth(Command app, const Globals& globals);
 void add_tile(Command app, const Globals& globals);
 void add_train(Command app, const Globals& globals);

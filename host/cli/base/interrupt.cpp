@@ -18,6 +18,7 @@ namespace simuli::cli {
 namespace {
 
 std::atomic<int> points{0};  // InterruptionPoint objects
+std::atomic<const char*> point_note{""};
 std::atomic<bool> is_noted{false};
 int signal_pipe = -1;  // the handler's end
 
@@ -62,8 +63,7 @@ void serve(int pipe) {
     if (got < 0 && errno == EINTR) continue;
     if (got != 1) return;
     if (points > 0 && !is_noted.exchange(true)) {
-      std::cerr << "simuli: interrupted: a checkpoint is written; a second signal ends it without"
-                << std::endl;
+      std::cerr << "simuli: interrupted: " << point_note << std::endl;
       continue;
     }
     end_by(signal);
@@ -90,7 +90,10 @@ void watch_signals() {
   keep_installed(watch_for_signals);
 }
 
-InterruptionPoint::InterruptionPoint() { ++points; }
+InterruptionPoint::InterruptionPoint(const char* note) {
+  point_note = note;
+  ++points;
+}
 InterruptionPoint::~InterruptionPoint() { --points; }
 bool InterruptionPoint::is_asked_for() const { return is_noted; }
 

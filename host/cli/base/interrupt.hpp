@@ -19,10 +19,12 @@ class Interrupted : public std::runtime_error {
 /// it would have at once. Signals that are ignored (nohup) stay ignored.
 void watch_signals();
 
-/// While there is one, the first signal is only noted; the second ends the process.
+/// While there is one, the first signal is only noted, and `note` told on stderr; the second ends the
+/// process.
 class InterruptionPoint {
  public:
-  InterruptionPoint();
+  /// `note` is a literal: it is told whenever the signal comes.
+  explicit InterruptionPoint(const char* note = "a checkpoint is written; a second signal ends it without");
   InterruptionPoint(const InterruptionPoint&) = delete;
   InterruptionPoint& operator=(const InterruptionPoint&) = delete;
   ~InterruptionPoint();

@@ -70,6 +70,7 @@ void run_arguments(const std::string& name,
   const std::string built_from = commit.empty() ? "" : fmt::format(" ({})", commit);
   CommandLine line(name, about, fmt::format("simuli {}{}", version(), built_from));
   Globals globals;
+  globals.commit = commit;
   add_globals(line.root(), globals);
   add(line, globals);
   const Stopwatch watch;

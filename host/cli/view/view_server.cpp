@@ -1,7 +1,6 @@
 #include "host/cli/view/view_server.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <exception>
@@ -14,6 +13,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/view/guarded_server.hpp"
+#include "host/cli/view/loopback.hpp"
 #include "host/cli/view/page.hpp"
 
 namespace simuli::cli {
@@ -21,11 +21,6 @@ namespace {
 
 constexpr std::size_t kLargestRequest = std::size_t{1} << 20U;
 constexpr std::size_t kLargestFile = std::size_t{60} << 20U;  // of splats
-constexpr std::array<std::string_view, 3> kLoopback{"127.0.0.1", "localhost", "::1"};
-
-bool is_loopback(std::string_view host) {
-  return std::find(kLoopback.begin(), kLoopback.end(), host) != kLoopback.end();
-}
 
 /// "host:port" or "[host]:port" without the port; empty for what is neither.
 std::string host_of(const std::string& header) {

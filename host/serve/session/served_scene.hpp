@@ -1,0 +1,65 @@
+#pragma once
+// A scene as clients see it: its names, its clock, its sensors.
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/render/scene/scene_on_device.hpp"
+#include "io/scene/sensor_rig.hpp"
+
+namespace simuli::serve {
+
+struct SceneSource {
+  std::string id;  // what clients ask for
+  std::filesystem::path path;
+};
+
+/// "ID=PATH", or a path, whose scene is named like its folder or file without the extension. Error{kUsage}
+/// for none at all, an empty name, and a name that two have.
+[[nodiscard]] std::vector<SceneSource> scene_sources(const std::vector<std::string>& arguments);
+
+/// A scene that has been read. What it tells is safe to ask from any thread; its device is RenderSession's.
+class ServedScene {
+ public:
+  /// Errors as read_scene().
+  explicit ServedScene(const SceneSource& source);
+
+  [[nodiscard]] const std::string& id() const { return id_; }
+  [[nodiscard]] const Scene& scene() const { return *scene_; }
+  [[nodiscard]] const Trajectory& world_from_rig() const { return world_from_rig_; }
+  /// Its cameras, in order.
+  [[nodiscard]] const std::vector<Sensor>& cameras() const { return cameras_; }
+  [[nodiscard]] const Sensor* find_camera(const std::string& name) const;
+  /// As SensorRig::find() takes it, but no file: of the scene, or built in. Refusal{kNotFound} where there is
+  /// none, and where it is a camera.
+  [[nodiscard]] Sensor lidar(const std::string& name) const;
+
+  /// Clients count microseconds from the log's start; where the path begins before it, from a whole number of
+  /// seconds before it, so that no time is negative.
+  [[nodiscard]] std::uint64_t microseconds(double time_s) const;
+  /// Refusal{kOutOfRange} for what lies farther beyond the path than it can be continued.
+  [[nodiscard]] double seconds(std::uint64_t time_us, const std::string& field) const;
+
+  /// Clients' places are relative to the scene's origin: numbers small enough for single precision.
+  [[nodiscard]] Pose local(Pose world) const;
+  [[nodiscard]] Pose world(Pose local) const;
+
+ private:
+  friend class RenderSession;
+  std::string id_;
+  SensorRig rig_;
+  std::vector<Sensor> cameras_;
+  Trajectory world_from_rig_;
+  std::shared_ptr<const Scene> scene_;
+  std::int64_t clock_start_us_ = 0;  // at or below 0: of the log's clock
+  std::optional<SceneOnDevice> on_device_;
+  mutable std::mutex lidars_mutex_;
+  mutable std::map<std::string, Sensor> lidars_;  // that were asked for
+};
+
+}  // namespace simuli::serve

@@ -1,0 +1,57 @@
+#include "host/serve/session/turns.hpp"
+
+#include <chrono>
+
+#include "host/serve/session/refusal.hpp"
+
+namespace simuli::serve {
+
+bool never_given_up() { return false; }
+
+void need_wanted(const IsGivenUp& is_given_up) {
+  if (is_given_up()) throw Refusal(RefusalKind::kCancelled, "cancelled, or past its deadline");
+}
+
+struct Turns::Turn::Queue {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::size_t free;
+  std::list<int> waiting;  // who came first stands first; the numbers say nothing
+
+  explicit Queue(std::size_t places) : free(places) {}
+};
+
+Turns::Turns(std::size_t places) : queue_(std::make_shared<Turn::Queue>(places)) {}
+
+Turns::Turn::~Turn() {
+  if (!queue_) return;
+  {
+    const std::lock_guard lock(queue_->mutex);
+    ++queue_->free;
+  }
+  queue_->changed.notify_all();
+}
+
+Turns::Turn Turns::take(const IsGivenUp& is_given_up) const {
+  constexpr std::chrono::milliseconds kAskAgain{20};
+  Turn::Queue& queue = *queue_;
+  std::unique_lock lock(queue.mutex);
+  const auto place = queue.waiting.insert(queue.waiting.end(), 0);
+  while (queue.free == 0 || queue.waiting.begin() != place) {
+    queue.changed.wait_for(lock, kAskAgain);
+    if (!is_given_up()) continue;
+    queue.waiting.erase(place);
+    lock.unlock();
+    queue.changed.notify_all();
+    need_wanted(is_given_up);
+    throw Refusal(RefusalKind::kCancelled, "cancelled");
+  }
+  queue.waiting.erase(place);
+  --queue.free;
+  const bool has_more = queue.free > 0 && !queue.waiting.empty();
+  lock.unlock();
+  if (has_more) queue.changed.notify_all();
+  return Turn(queue_);
+}
+
+}  // namespace simuli::serve

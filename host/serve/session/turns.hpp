@@ -1,0 +1,49 @@
+#pragma once
+// Turns at something that only so many callers use at a time.
+#include <condition_variable>
+#include <cstddef>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+
+namespace simuli::serve {
+
+/// Whether nobody waits for the answer any more.
+using IsGivenUp = std::function<bool()>;
+/// Of work that is always finished.
+[[nodiscard]] bool never_given_up();
+
+/// Refusal{kCancelled} once it says so.
+void need_wanted(const IsGivenUp& is_given_up);
+
+/// Up to `places` callers at a time, in the order in which they came. A handle: copies mean the same queue.
+class Turns {
+ public:
+  explicit Turns(std::size_t places);
+
+  /// A place, until it is destroyed. Move-only.
+  class Turn {
+   public:
+    Turn(Turn&&) noexcept = default;
+    Turn& operator=(Turn&&) = delete;
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    ~Turn();
+
+   private:
+    friend class Turns;
+    struct Queue;
+    explicit Turn(std::shared_ptr<Queue> queue) : queue_(std::move(queue)) {}
+    std::shared_ptr<Queue> queue_;
+  };
+
+  /// Waits for a place. Refusal{kCancelled} once `is_given_up` says so, which is asked some 50 times a
+  /// second.
+  [[nodiscard]] Turn take(const IsGivenUp& is_given_up = never_given_up) const;
+
+ private:
+  std::shared_ptr<Turn::Queue> queue_;
+};
+
+}  // namespace simuli::serve

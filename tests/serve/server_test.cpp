@@ -1,0 +1,339 @@
+// The service over loopback.
+#include "host/serve/server/server.hpp"
+
+#include <arpa/inet.h>
+#include <atomic>
+#include <chrono>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+
+#include "tests/host/expect_error.hpp"
+#include "tests/serve/served_client.hpp"
+#include "tests/serve/served_scene.hpp"
+
+namespace simuli::serve {
+namespace {
+
+using std::chrono::milliseconds;
+using test::channel_to;
+using test::NreService;
+using test::NurecService;
+
+class ServerTest : public test::Served {
+ protected:
+  void SetUp() override {
+    test::Served::SetUp();
+    start({});
+  }
+  void start(ServerOptions options) {
+    options.port = 0;
+    server_ = std::make_unique<Server>(*handlers_, options);
+    channel_ = channel_to(server_->address());
+    stub_ = NreService::NewStub(channel_);
+  }
+  /// A plain connection, of which the server is to survive anything.
+  [[nodiscard]] int connection() const {
+    const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(server_->port()));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+    return socket;
+  }
+  void expect_answers() const {
+    grpc::ClientContext context;
+    proto_common::VersionId version;
+    const grpc::Status status = stub_->get_version(&context, {}, &version);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+  }
+
+  std::unique_ptr<Server> server_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<NreService::Stub> stub_;
+};
+
+TEST_F(ServerTest, AnswersWhatThereIs) {
+  proto_common::VersionId version;
+  grpc::ClientContext c1, c2, c3, c4, c5, c6, c7;
+  ASSERT_TRUE(stub_->get_version(&c1, {}, &version).ok());
+  EXPECT_EQ(version.version_id().rfind("simuli ", 0), 0U);
+  EXPECT_EQ(version.git_hash(), "0123abc");
+  EXPECT_TRUE(version.has_grpc_api_version());
+  proto_common::AvailableScenesReturn scenes;
+  ASSERT_TRUE(stub_->get_available_scenes(&c2, {}, &scenes).ok());
+  ASSERT_EQ(scenes.scene_ids_size(), 1);
+  EXPECT_EQ(scenes.scene_ids(0), "small");
+  proto::LoadedScenesReturn loaded;
+  ASSERT_TRUE(stub_->get_loaded_scenes(&c3, {}, &loaded).ok());
+  EXPECT_EQ(loaded.scenes(0).scene_id(), "small");
+  EXPECT_EQ(loaded.loaded_instance_capacity(), 4U);
+  proto::AvailableCamerasRequest of_scene;
+  of_scene.set_scene_id("small");
+  proto::AvailableCamerasReturn cameras;
+  ASSERT_TRUE(stub_->get_available_cameras(&c4, of_scene, &cameras).ok());
+  ASSERT_EQ(cameras.available_cameras_size(), 5);
+  const proto::AvailableCamera& front = cameras.available_cameras(0);
+  EXPECT_EQ(front.logical_id(), "front");
+  EXPECT_EQ(front.intrinsics().SerializeAsString(), spec_of(file_.cameras[0].model).SerializeAsString());
+  EXPECT_EQ(front.rig_to_camera().vec().x(), 1.5F);  // where it is on the rig, not the rig seen from it
+  EXPECT_EQ(front.rig_to_camera().quat().x(), -0.5F);
+  proto::AvailableEgoMasksReturn masks;
+  ASSERT_TRUE(stub_->get_available_ego_masks(&c5, {}, &masks).ok());
+  EXPECT_EQ(masks.ego_mask_metadata_size(), 0);
+  proto::AvailableDynamicObjectsRequest objects_of;
+  objects_of.set_scene_id("small");
+  proto::AvailableDynamicObjectsReturn objects;
+  ASSERT_TRUE(stub_->get_dynamic_objects(&c6, objects_of, &objects).ok());
+  ASSERT_EQ(objects.dynamic_objects_size(), 2);
+  const proto::DynamicObjectTrack& van = objects.dynamic_objects(1);
+  EXPECT_EQ(van.id(), "van");
+  EXPECT_EQ(van.semantic_class(), "truck");
+  EXPECT_EQ(van.object_size().size_z(), 2.5F);
+  EXPECT_EQ(van.trajectory().poses(1).timestamp_us(), 2000000U);
+  EXPECT_EQ(van.trajectory().poses(1).pose().vec().x(), 12.0F);
+  EXPECT_EQ(van.trajectory().poses(1).pose().quat().z(), 1.0F);
+  proto::AvailableTrajectoriesRequest path_of;
+  path_of.set_scene_id("small");
+  proto::AvailableTrajectoriesReturn path;
+  ASSERT_TRUE(stub_->get_available_trajectories(&c7, path_of, &path).ok());
+  EXPECT_EQ(path.available_trajectories(0).trajectory().poses_size(), 3);
+}
+
+TEST_F(ServerTest, RendersUnderBothNames) {
+  const auto request = picture_request("rolling", 0.5, 0.75);
+  const std::string wanted = rendered(request);
+  const auto nurec = NurecService::NewStub(channel_);
+  grpc::ClientContext c1, c2, c3, c4, c5;
+  proto::RGBRenderReturn one, two;
+  ASSERT_TRUE(stub_->render_rgb(&c1, request, &one).ok());
+  ASSERT_TRUE(nurec->render_rgb(&c2, request, &two).ok());
+  EXPECT_EQ(one.image_bytes(), wanted);
+  EXPECT_EQ(two.image_bytes(), wanted);
+  const auto sweep = sweep_request(0.5, 0.625);
+  proto::LidarRenderReturn points;
+  c3.AddMetadata("x-simuli-lidar", "top");
+  ASSERT_TRUE(stub_->render_lidar(&c3, sweep, &points).ok());
+  EXPECT_EQ(points.SerializeAsString(), rendered(sweep).SerializeAsString());
+  proto::BatchRGBRenderRequest batch;
+  *batch.add_items()->mutable_request() = request;
+  proto::BatchRGBRenderReturn items;
+  ASSERT_TRUE(stub_->batch_render_rgb(&c4, batch, &items).ok());
+  EXPECT_EQ(items.items(0).result().image_bytes(), wanted);
+  proto::AggregatedRenderRequest all;
+  *all.add_rgb_requests() = request;
+  proto::AggregatedRenderReturn both;
+  ASSERT_TRUE(stub_->render_aggregated(&c5, all, &both).ok());
+  EXPECT_EQ(both.rgb_returns(0).image_bytes(), wanted);
+}
+
+TEST_F(ServerTest, FourClientsGetWhatOneGets) {
+  const std::vector<proto::RGBRenderRequest> requests{picture_request("front", 0.5, 0.5),
+                                                      picture_request("rolling", 0.25, 0.5),
+                                                      picture_request("fisheye", 1.0, 1.0, proto::PNG),
+                                                      picture_request("wide", 1.5, 1.5)};
+  std::vector<std::string> alone;
+  for (const auto& request : requests) alone.push_back(rendered(request));
+  std::atomic<int> different = 0;
+  {
+    std::vector<std::jthread> clients;
+    for (std::size_t k = 0; k < 4; ++k) {
+      clients.emplace_back([&, k] {
+        const auto stub = NreService::NewStub(channel_to(server_->address()));
+        for (std::size_t round = 0; round < 8; ++round) {
+          const std::size_t i = (k + round) % 4;
+          grpc::ClientContext context;
+          proto::RGBRenderReturn reply;
+          const grpc::Status status = stub->render_rgb(&context, requests[i], &reply);
+          if (!status.ok() || reply.image_bytes() != alone[i]) ++different;
+        }
+      });
+    }
+  }
+  EXPECT_EQ(different, 0);
+}
+
+TEST_F(ServerTest, StatusesAreTheProtocols) {
+  const auto status_of = [&](const std::function<void(proto::RGBRenderRequest&)>& spoil) {
+    auto request = picture_request("front", 0.5, 0.5);
+    spoil(request);
+    grpc::ClientContext context;
+    proto::RGBRenderReturn reply;
+    return stub_->render_rgb(&context, request, &reply);
+  };
+  EXPECT_EQ(status_of([](auto& q) { q.set_scene_id("x"); }).error_code(), grpc::NOT_FOUND);
+  EXPECT_EQ(status_of([](auto& q) { q.set_frame_end_us(90000000); }).error_code(), grpc::OUT_OF_RANGE);
+  EXPECT_EQ(status_of([](auto& q) { q.set_image_format(proto::AVC); }).error_code(), grpc::UNIMPLEMENTED);
+  const grpc::Status huge = status_of([](auto& q) {
+    q.set_resolution_w(100000);
+    q.set_resolution_h(100000);
+  });
+  EXPECT_EQ(huge.error_code(), grpc::INVALID_ARGUMENT);
+  EXPECT_NE(huge.error_message().find("100000 x 100000 px"), std::string::npos);
+  std::filesystem::remove_all(scratch_ / "small.scene");
+  start({});
+  scene_.reset();
+  session_ = std::make_unique<RenderSession>(options());
+  handlers_ = std::make_unique<Handlers>(*session_, Hoods(), "");
+  start({});
+  grpc::ClientContext context;
+  proto::AvailableCamerasRequest request;
+  request.set_scene_id("small");
+  proto::AvailableCamerasReturn reply;
+  EXPECT_EQ(stub_->get_available_cameras(&context, request, &reply).error_code(), grpc::FAILED_PRECONDITION);
+}
+
+TEST_F(ServerTest, WhatItLacksIsUnimplemented) {
+  grpc::TemplatedGenericStub<proto_common::Empty, proto_common::Empty> stub(channel_);
+  for (const char* const name :
+       {"edit_assets", "restore_model_parameters", "shut_down", "get_server_config"}) {
+    grpc::ClientContext context;
+    grpc::CompletionQueue queue;
+    proto_common::Empty reply;
+    grpc::Status status;
+    const auto call = stub.PrepareUnaryCall(
+        &context, std::string("/nre.grpc.protos.sensorsim.SensorsimService/") + name, {}, &queue);
+    call->StartCall();
+    call->Finish(&reply, &status, nullptr);
+    void* tag = nullptr;
+    bool is_ok = false;
+    queue.Next(&tag, &is_ok);
+    EXPECT_EQ(status.error_code(), grpc::UNIMPLEMENTED) << name;
+  }
+}
+
+TEST_F(ServerTest, RequestsHaveALargestSize) {
+  auto request = picture_request("front", 0.5, 0.5);
+  request.set_scene_id(std::string(Server::kLargestRequest, 'x'));
+  grpc::ClientContext context;
+  proto::RGBRenderReturn reply;
+  EXPECT_EQ(stub_->render_rgb(&context, request, &reply).error_code(), grpc::RESOURCE_EXHAUSTED);
+  expect_answers();
+}
+
+/// While the device is somebody's.
+TEST_F(ServerTest, DeadlinesAndCancellationsAreHeard) {
+  std::atomic<bool> is_held = true, is_begun = false;
+  std::jthread holder([&] {
+    std::array<FrameJob, 1> job{
+        FrameJob{scene_->cameras()[0], recorded_shot("front", 0.5, 0.5), [&](const Frame&) {
+                   is_begun = true;
+                   while (is_held) std::this_thread::sleep_for(milliseconds(5));
+                 }}};
+    session_->render(*scene_, job);
+  });
+  while (!is_begun) std::this_thread::sleep_for(milliseconds(5));
+  const auto request = picture_request("front", 0.5, 0.5);
+  {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + milliseconds(200));
+    proto::RGBRenderReturn reply;
+    EXPECT_EQ(stub_->render_rgb(&context, request, &reply).error_code(), grpc::DEADLINE_EXCEEDED);
+  }
+  {
+    grpc::ClientContext context;
+    std::jthread canceller([&] {
+      std::this_thread::sleep_for(milliseconds(100));
+      context.TryCancel();
+    });
+    proto::RGBRenderReturn reply;
+    EXPECT_EQ(stub_->render_rgb(&context, request, &reply).error_code(), grpc::CANCELLED);
+  }
+  is_held = false;
+  holder.join();
+  grpc::ClientContext context;
+  proto::RGBRenderReturn reply;
+  EXPECT_TRUE(stub_->render_rgb(&context, request, &reply).ok());
+}
+
+TEST_F(ServerTest, MoreThanItsWorkersWait) {
+  ServerOptions options;
+  options.max_workers = 1;
+  start(options);
+  std::atomic<int> answered = 0;
+  {
+    std::vector<std::jthread> clients;
+    for (int k = 0; k < 8; ++k) {
+      clients.emplace_back([&] {
+        const auto stub = NreService::NewStub(channel_to(server_->address()));
+        grpc::ClientContext context;
+        proto::RGBRenderReturn reply;
+        if (stub->render_rgb(&context, picture_request("front", 0.5, 0.5), &reply).ok()) ++answered;
+      });
+    }
+  }
+  EXPECT_EQ(answered, 8);
+}
+
+TEST_F(ServerTest, TellsItsHealthAndDrains) {
+  for (const char* const service :
+       {"", "nre.grpc.protos.sensorsim.SensorsimService", "nurec.grpc.protos.sensorsim.SensorsimService"}) {
+    EXPECT_EQ(test::health_of(channel_, service), 1) << service;
+  }
+  EXPECT_EQ(test::health_of(channel_, "another"), -static_cast<int>(grpc::NOT_FOUND));
+  std::atomic<bool> is_held = true, is_begun = false;
+  std::jthread holder([&] {
+    std::array<FrameJob, 1> job{
+        FrameJob{scene_->cameras()[0], recorded_shot("front", 0.5, 0.5), [&](const Frame&) {
+                   is_begun = true;
+                   while (is_held) std::this_thread::sleep_for(milliseconds(5));
+                 }}};
+    session_->render(*scene_, job);
+  });
+  while (!is_begun) std::this_thread::sleep_for(milliseconds(5));
+  grpc::Status status;
+  proto::RGBRenderReturn reply;
+  std::jthread client([&] {
+    grpc::ClientContext context;
+    status = stub_->render_rgb(&context, picture_request("front", 0.5, 0.5), &reply);
+  });
+  std::this_thread::sleep_for(milliseconds(200));  // until it waits for the device
+  std::jthread opener([&] {
+    std::this_thread::sleep_for(milliseconds(200));
+    is_held = false;
+  });
+  server_->drain(std::chrono::seconds(20));
+  client.join();
+  EXPECT_TRUE(status.ok()) << status.error_message();  // it had begun
+  EXPECT_EQ(reply.image_bytes(), rendered(picture_request("front", 0.5, 0.5)));
+  EXPECT_LT(test::health_of(channel_to(server_->address()), ""), 0);
+}
+
+TEST_F(ServerTest, SurvivesConnectionsThatAreNone) {
+  std::vector<int> idle;
+  for (int i = 0; i < 300; ++i) idle.push_back(connection());
+  const std::string preface = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
+  // Half a preface; frames that are cut off, too long, of no kind; another protocol.
+  for (const std::string& said :
+       {preface.substr(0, 10),
+        preface + std::string("\x00\x00\x12\x04\x00", 5),
+        preface + std::string("\xFF\xFF\xFF\x00\x01\x00\x00\x00\x01", 9) + std::string(100, 'x'),
+        preface + std::string("\x00\x00\x01\x77\xFF\xFF\xFF\xFF\xFF", 9) + "x",
+        std::string("GET / HTTP/1.1\r\n\r\n"),
+        std::string(5000, '\x00')}) {
+    const int socket = connection();
+    static_cast<void>(!::send(socket, said.data(), said.size(), MSG_NOSIGNAL));
+    ::close(socket);
+    expect_answers();
+  }
+  expect_answers();
+  for (const int socket : idle) ::close(socket);
+}
+
+TEST_F(ServerTest, APortIsOneServers) {
+  ServerOptions options;
+  options.port = server_->port();
+  expect_error(ErrorKind::kUsage, "--port", [&] { Server second(*handlers_, options); });
+  options.port = 0;
+  options.tls_certificate = "cert.pem";
+  expect_error(ErrorKind::kUsage, "--tls-cert", [&] { Server half(*handlers_, options); });
+  options.tls_key = (scratch_ / "none.pem").string();
+  expect_error(ErrorKind::kInput, "none.pem", [&] { Server without(*handlers_, options); });
+  options.tls_key = options.tls_certificate = scratch_.file("bad.pem", "no certificate").string();
+  expect_error(ErrorKind::kUsage, "TLS files", [&] { Server bad(*handlers_, options); });
+}
+
+}  // namespace
+}  // namespace simuli::serve
