@@ -50,6 +50,7 @@ class Driver:
         self.env = dict(os.environ, SIMULI_CACHE_DIR=str(self.work / "programs"), POCL_CACHE_DIR=str(self.work / "pocl"))
         if vendors != "-":
             self.env["OCL_ICD_VENDORS"] = str(pathlib.Path(vendors).resolve())
+        self.limit_s = None  # seconds that a program may take
         self.row = {"driver": self.name}
         self.failures = []
 
@@ -58,7 +59,11 @@ class Driver:
         command = [*self.command, str(self.bin / program), *arguments]
         out, err = self.work / f"{program}.out", self.work / f"{program}.err"
         with open(out, "w") as out_file, open(err, "w") as err_file:
-            code = subprocess.run(command, env=self.env, stdout=out_file, stderr=err_file, check=False).returncode
+            try:
+                code = subprocess.run(command, env=self.env, stdout=out_file, stderr=err_file, check=False,
+                                      timeout=self.limit_s).returncode
+            except subprocess.TimeoutExpired:
+                code = 124
         if code != 0:
             last = (err.read_text().strip() or out.read_text().strip()).splitlines()[-1:] or [""]
             self.failures.append(f"{program} {' '.join(arguments)}: exit code {code}: {last[0]}")

@@ -203,6 +203,12 @@ std::vector<Row> run_stages(const std::string& device_request,
                     mega / frame.median,
                     kind == SetKind::kCamera ? "MP/s" : "MR/s",
                     mega * frame.half_iqr / (frame.median * frame.median)});
+    // What a model of another device needs (bench/gpu/model.py).
+    for (const auto& [what, count] : {std::pair{"visible", std::size_t{buffers.binned.visible}},
+                                      {"instances", std::size_t{buffers.binned.instances}},
+                                      {"rays_in_tiles", std::size_t{shaped.pass().frame().slots}}}) {
+      rows.push_back({base + "/" + what, static_cast<double>(count), "1", 0.0});
+    }
     const double without = Case(device, kind, options, no_ray_done).instances_without_ray();
     rows.push_back({base + "/instances_without_ray", without, "%", 0.0});
   }

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""Packs what bench/gpu/run.py needs for a machine that has nothing but a driver, glibc and Python: bundle.py BIN FOLDER
+
+FOLDER/bin holds the programs, FOLDER/lib the shared libraries they load (glibc and OpenCL drivers excepted), FOLDER/bench the scripts. Then, there:
+  FOLDER/bench/gpu/run.py FOLDER/bin
+Programs are scripts that set the library path; debugging symbols are left out.
+"""
+import pathlib
+import shutil
+import subprocess
+import sys
+
+PROGRAMS = ("simuli", "simuli-bench", "simuli_runtime_tests", "simuli_cl_tests", "simuli_render_tests", "simuli_scene_tests")
+SCRIPTS = ("drivers.py", "gpu/run.py", "gpu/icd.py", "gpu/model.py", "gpu/gsplat_peer.py")
+# Of every machine, or to be the machine's own.
+LEFT = ("linux-vdso.so", "ld-linux", "libc.so", "libm.so", "libpthread.so", "libdl.so", "librt.so", "libresolv.so")
+LAUNCHER = """#!/bin/sh
+here=$(dirname "$(readlink -f "$0")")
+LD_LIBRARY_PATH="$here/../lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" exec "$here/../programs/NAME" "$@"
+"""
+
+
+def libraries(program):
+    out = subprocess.run(["ldd", program], capture_output=True, text=True, check=True).stdout
+    for line in out.splitlines():
+        words = line.split()
+        if "not found" in line:
+            sys.exit(f"bundle.py: {program}: library {words[0]}: found none, allowed one that is installed")
+        if "=>" in words and not words[0].startswith(LEFT):
+            yield words[0], pathlib.Path(words[2])
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    programs, folder = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    if folder.exists():
+        sys.exit(f"bundle.py: FOLDER: found {folder}, allowed one that does not exist")
+    for part in ("bin", "lib", "programs", "bench/gpu"):
+        (folder / part).mkdir(parents=True)
+    for name in PROGRAMS:
+        if not (programs / name).is_file():
+            sys.exit(f"bundle.py: BIN: found no {programs / name}, allowed a folder of built programs")
+        packed = folder / "programs" / name
+        subprocess.run(["strip", "-o", packed, programs / name], check=True)
+        launcher = folder / "bin" / name
+        launcher.write_text(LAUNCHER.replace("NAME", name))
+        launcher.chmod(0o755)
+        for library, path in libraries(programs / name):
+            if not (folder / "lib" / library).exists():
+                shutil.copy(path, folder / "lib" / library)
+    here = pathlib.Path(__file__).resolve().parent.parent
+    for script in SCRIPTS:
+        shutil.copy(here / script, folder / "bench" / script)
+    size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+    print(f"{folder}: {size / 1e6:.0f} MB")
+
+
+if __name__ == "__main__":
+    main()
