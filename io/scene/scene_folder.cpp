@@ -4,6 +4,7 @@
 #include <array>
 #include <fmt/format.h>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -225,6 +226,10 @@ SceneFile read_scene(const fs::path& folder) {
     SceneFile file = scene_of_splats(folder);
     file.scene = in_coherent_order(std::move(file.scene));
     return file;
+  }
+  std::error_code ignored;
+  if (fs::is_regular_file(folder, ignored)) {
+    throw_input_error(folder.string(), "scene", "a file", "a scene's folder, or splats: .ply, .spz");
   }
   const auto own = [&](const char* name) { return inside(folder, name, folder.string(), "file"); };
   const fs::path file = own(kSceneName);

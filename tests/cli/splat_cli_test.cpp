@@ -38,6 +38,14 @@ class SplatCli : public Cli {
   }
 };
 
+TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
+  make_block("red.ply", {0.9F, 0.1F, 0.2F});
+  fs::copy(folder_ / "red.ply", folder_ / "red.splat");
+  expect_failure("info red.splat", kInput, "found .splat, allowed .ply");
+  expect_failure(
+      "view red.splat --port 0", kInput, "found a file, allowed a scene's folder, or splats: .ply, .spz");
+}
+
 TEST_F(SplatCli, AFileOfSplatsIsAScene) {
   for (const char* file : {"red.ply", "red.spz"}) {
     make_block(file, {0.9F, 0.1F, 0.2F});

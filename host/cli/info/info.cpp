@@ -95,6 +95,11 @@ void info(const InfoOptions& options, bool json) {
   }
   std::error_code ignored;
   if (is_splat_file(target) && is_there(target)) return print_splats(target, json);
+  for (const char* other : {".splat", ".ksplat", ".sog"}) {
+    if (target.extension() == other && is_there(target)) {
+      throw_input_error(options.target, "splats", other, ".ply (also SuperSplat's compressed) or .spz");
+    }
+  }
   if (fs::is_regular_file(target, ignored)) return print_any(read_sensor_file(target), json);
   print_builtin(options.target, json);
 }
