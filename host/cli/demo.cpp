@@ -82,7 +82,9 @@ void demo(const DemoCommand& command, const Globals& globals) {
             << fmt::format("held-out picture, rendered beside recorded   {}\n",
                            (output / "camera.png").string())
             << fmt::format("held-out ranges, rendered over recorded      {}\n",
-                           (output / "lidar_range.png").string());
+                           (output / "lidar_range.png").string())
+            << fmt::format("drive through it                simuli view {}\n",
+                           (output / "street.scene").string());
 }
 
 }  // namespace
