@@ -21,7 +21,7 @@ void write_counts(const std::filesystem::path& file, const Image& image);
 enum class ImageCode { kPng, kJpeg };
 /// The bytes of an 8-bit file of that format, as write_image() would write it; `quality` of JPEG in [1, 100].
 [[nodiscard]] std::string encode_image(const Image& image, ImageCode code, int quality = 90);
-/// `values` as 8-bit formats hold them: clipped to [0, 1], in 255 steps. As many bytes; Error{kUsage} for
+/// `values` as 8-bit formats hold them: clipped to [0, 1], the nearest of 255 steps. As many bytes; Error{kUsage} for
 /// another number of them.
 void to_bytes(std::span<const float> values, std::span<unsigned char> bytes);
 /// Area-averaging resize (box filter over the exact footprint of each new pixel).

@@ -241,6 +241,8 @@ TEST(ImageFile, BytesAreThoseOfAPng) {
     std::vector<unsigned char> alone(1);
     to_bytes(std::span(values).subspan(i, 1), alone);
     EXPECT_EQ(alone[0], bytes[i]) << values[i];  // wherever it stands
+    const double steps = 255.0 * static_cast<double>(std::clamp(values[i], 0.0F, 1.0F));
+    EXPECT_LE(std::abs(steps - bytes[i]), 0.5 + 1e-5) << values[i];
   }
   expect_error(
       ErrorKind::kUsage, "bytes: found room for 1", [&] { to_bytes(values, std::span(bytes).first(1)); });
