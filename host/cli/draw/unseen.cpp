@@ -88,11 +88,12 @@ struct Blocks {
     return unseen[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
                   static_cast<std::size_t>(column)];
   }
-  /// What most of it and its neighbours are: single blocks are noise of the distances.
+  /// What most of it and its neighbours are: few blocks are noise of the distances.
   [[nodiscard]] bool is_mostly_unseen(int column, int row) const {
+    constexpr int kReach = 2;
     int all = 0, marked = 0;
-    for (int v = std::max(row - 1, 0); v <= std::min(row + 1, rows - 1); ++v) {
-      for (int u = std::max(column - 1, 0); u <= std::min(column + 1, columns - 1); ++u) {
+    for (int v = std::max(row - kReach, 0); v <= std::min(row + kReach, rows - 1); ++v) {
+      for (int u = std::max(column - kReach, 0); u <= std::min(column + kReach, columns - 1); ++u) {
         ++all;
         marked += at(u, v);
       }
@@ -126,8 +127,13 @@ MarkedPicture with_unseen_marked(const Frame& frame, const RecordedViews& views)
       ++with_ray;
       const std::size_t ray =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
+      // Light that comes from two distances has its mean between them and its median at one: the nearer
+      // counts.
+      const float mean_m = rays.expected_distance(ray);
+      const bool has_median = !rays.median.empty() && rays.median[ray] > 0.0F;
+      const float met_m = has_median ? std::min(mean_m, rays.median[ray]) : mean_m;
       const bool is_met = rays.transmittance[ray] <= kMostLeft;
-      const double distance_m = is_met ? static_cast<double>(rays.expected_distance(ray)) : kSky_m;
+      const double distance_m = is_met ? static_cast<double>(met_m) : kSky_m;
       const Pose world_from_camera = frame.shot().pose_at(camera.exposure_fraction(pixel));
       const Eigen::Vector3d p_world = world_from_camera * Eigen::Vector3d(distance_m * direction);
       blocks.unseen.back() = near.has(p_world) ? 0 : 1;

@@ -38,8 +38,10 @@ class RecordedViews {
 };
 
 /// A camera's picture, hatched and darkened where nothing recorded is: where what a pixel shows, or its
-/// direction where the light goes on by more than a half, was in no recorded picture. Told for blocks of
-/// kUnseenBlock_px. Pixels without a ray stay as they are. Waits. Error{kUsage} of a LiDAR.
+/// direction where the light goes on by more than a half, was in no recorded picture. What it shows is at the
+/// mean distance, or at the median where the frame has it (FrameRequest::camera_median) and it is nearer.
+/// Told for blocks of kUnseenBlock_px. Pixels without a ray stay as they are. Waits. Error{kUsage} of a
+/// LiDAR.
 struct MarkedPicture {
   Image image;
   double unseen_share = 0.0;  // of the pixels that have a ray

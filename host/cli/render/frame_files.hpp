@@ -37,7 +37,9 @@ class FrameFiles {
              const RecordedViews* recorded);
 
   /// What frames are to be rendered with.
-  [[nodiscard]] FrameRequest request() const { return request_for(outputs_); }
+  [[nodiscard]] FrameRequest request() const {
+    return request_for(outputs_, {.camera_median = recorded_ != nullptr});
+  }
   /// Files "STEM..." into the folder; returns their names.
   [[nodiscard]] Names write(const Frame& frame,
                             const std::filesystem::path& folder,

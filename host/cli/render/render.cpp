@@ -221,7 +221,8 @@ void render(RenderCommand command, const Globals& globals) {
     const SensorPlan& view = views.front();
     Video video(command.output, frame_rate(view.plan, command));
     for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
-      video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i)), recorded.get()));
+      const FrameRequest request{.camera_median = recorded != nullptr};
+      video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i), request), recorded.get()));
       on_frame();
     }
     video.finish();

@@ -69,7 +69,8 @@ class Album {
       : html_(html), scene_(scene), views_(evaluation.scene()) {}
   void add(const Sensor& camera, const Shot& shot, const std::string& caption) {
     constexpr double kLeastShare = 5e-4;
-    const MarkedPicture picture = with_unseen_marked(scene_.render(camera, shot), views_);
+    const MarkedPicture picture =
+        with_unseen_marked(scene_.render(camera, shot, {.camera_median = true}), views_);
     const std::string marked =
         picture.unseen_share > kLeastShare
             ? fmt::format("; hatched: {:.1f} % that no recorded camera faced", 100.0 * picture.unseen_share)
@@ -180,9 +181,9 @@ void add_unrecorded(HtmlReport& html, Evaluation& evaluation, SceneOnDevice& sce
   html.paragraph("Rendered; nothing was recorded to compare with.");
   Album album(html, evaluation, scene);
   album.add_depth(take.camera, take.shot, name);
-  add_lens(album, take, name);
   add_lanes(album, take, name);
   if (const auto seen = largest_actor(evaluation, frames)) add_edits(album, evaluation, *seen);
+  add_lens(album, take, name);
 }
 
 }  // namespace simuli::cli
