@@ -88,6 +88,14 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
   const json scale = post("/api/picture", deep).info;
   EXPECT_GT(scale.at("near_m"), 0.0);
   EXPECT_GE(scale.at("far_m"), 2.0 * scale.at("near_m").get<double>());
+  // Where the recorded camera looked nothing is hatched, behind it all is.
+  json unseen = view_of("front");
+  unseen["layer"] = "unseen";
+  const Reply ahead = post("/api/picture", unseen);
+  EXPECT_EQ(ahead.status, 200) << ahead.body;
+  EXPECT_LT(ahead.info.at("unseen_share"), 0.05);
+  unseen["yaw_rad"] = 3.1;
+  EXPECT_GT(post("/api/picture", unseen).info.at("unseen_share"), 0.9);
   // The car is taken away, and moved.
   json view = view_of("top");
   const Reply all = post("/api/sweep", view);
@@ -254,7 +262,13 @@ TEST_F(ViewCli, PageWorksInABrowser) {
   EXPECT_TRUE(changes(points, [&] { browser.evaluate("document.querySelector('[data-actor]').click()"); }))
       << "actor taken away";
   browser.evaluate("document.querySelector('[data-actor]').click()");
+  browser.evaluate("document.getElementById('clip').click()");
+  EXPECT_EQ(browser.evaluate("return document.getElementById('clip').textContent"), "stop");
   EXPECT_TRUE(changes(picture, [&] { set("layer", "depth", "change"); })) << "depth";
+  EXPECT_TRUE(changes(picture, [&] { set("time", "0.3", "input"); }));
+  browser.evaluate("document.getElementById('clip').click()");
+  EXPECT_TRUE(browser.wait_for("document.getElementById('clip').textContent === 'clip'"));
+  EXPECT_TRUE(browser.wait_for("+document.getElementById('clip').dataset.bytes > 0")) << "clip";
   EXPECT_TRUE(changes(points, [&] { set("colour", "ring", "change"); })) << "coloured by ring";
   EXPECT_TRUE(changes(points, [&] {
     browser.evaluate(

@@ -37,6 +37,10 @@ TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
   run_told(told());
   EXPECT_EQ(simuli::read_file(folder_ / "view" / "front_000000.png"), post("/api/picture", view).payload)
       << told();
+  view["layer"] = "unseen";
+  run_told(told());
+  EXPECT_EQ(simuli::read_file(folder_ / "view" / "front_000000.png"), post("/api/picture", view).payload)
+      << told();
   // Of another LiDAR.
   view["sensor"] = "velodyne_vlp16";
   run_told(told());

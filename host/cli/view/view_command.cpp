@@ -45,7 +45,8 @@ std::string command_of(const ViewRequest& request,
       (sensor.is_camera() && request.scene_from_camera)) {
     refuse("another place or direction", "the recorded path, and a shift to the left of it");
   }
-  if (request.layer != ViewLayer::kColour) refuse("a layer", "colour");
+  const bool is_marked = request.layer == ViewLayer::kUnseen;
+  if (request.layer != ViewLayer::kColour && !is_marked) refuse("a layer", "colour, unseen");
   std::string line = "simuli render";
   const auto add = [&line](const std::string& option, const std::string& value) {
     line += ' ' + option + ' ' + shell_word(value);
@@ -59,6 +60,7 @@ std::string command_of(const ViewRequest& request,
     if (scale != 1.0) add("--scale", fmt::format("{}", scale));
   }
   add("--quality", request.quality);
+  if (is_marked && sensor.is_camera()) line += " --mark-unseen";
   if (shift.y() != 0.0) add("--lane-shift", fmt::format("{}", shift.y()));
 
   const std::set<std::string> edited_before = actors_of(source.edits);

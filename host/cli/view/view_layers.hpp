@@ -1,6 +1,7 @@
 #pragma once
 // What of a camera's frame the viewer shows.
 #include "host/base/image.hpp"
+#include "host/cli/draw/unseen.hpp"
 #include "host/cli/view/view_request.hpp"
 #include "host/render/scene/frame.hpp"
 
@@ -9,8 +10,10 @@ namespace simuli::cli {
 struct LayerPicture {
   Image image;                       // [height][width][3]
   double near_m = 0.0, far_m = 0.0;  // ends of the scale of colours, of depth alone
+  double unseen_share = 0.0;         // of the pixels, where unseen ones are marked
 };
-/// As in host/cli/draw/depth_picture.hpp. Waits.
-[[nodiscard]] LayerPicture layer_of(ViewLayer layer, const Frame& frame);
+/// As in host/cli/draw/depth_picture.hpp and unseen.hpp. Waits. Error{kInput} for unseen pixels of a scene
+/// that no camera was carried through.
+[[nodiscard]] LayerPicture layer_of(ViewLayer layer, const Frame& frame, const RecordedViews& recorded);
 
 }  // namespace simuli::cli

@@ -15,7 +15,8 @@ ViewLayer layer_named(const std::string& name, const std::string& field) {
   if (name == "colour") return ViewLayer::kColour;
   if (name == "depth") return ViewLayer::kDepth;
   if (name == "opacity") return ViewLayer::kOpacity;
-  throw_input_error("request", field, '"' + name + '"', "colour, depth, opacity");
+  if (name == "unseen") return ViewLayer::kUnseen;
+  throw_input_error("request", field, '"' + name + '"', "colour, depth, opacity, unseen");
 }
 
 }  // namespace

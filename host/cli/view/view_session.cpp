@@ -87,6 +87,7 @@ std::string new_name(const Scene& scene, const std::string& wanted) {
 ViewSession::ViewSession(const Globals& globals, SceneFile file, ViewSource source)
     : globals_(globals),
       file_(std::move(file)),
+      recorded_(file_),
       rig_(file_),
       scene_(Device::best(globals.device), std::move(file_.scene)),
       source_(std::move(source)),
@@ -275,7 +276,7 @@ std::string ViewSession::picture(const ViewRequest& request) {
   const Frame frame = scene_.render(camera, shot, how);
   frame.wait();
   const double render_ms = render.ms();
-  const LayerPicture shown = layer_of(request.layer, frame);
+  const LayerPicture shown = layer_of(request.layer, frame, recorded_);
   lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
   const ImageCode code = request.lossless ? ImageCode::kPng : ImageCode::kJpeg;
@@ -283,7 +284,8 @@ std::string ViewSession::picture(const ViewRequest& request) {
   return reply({{"render_ms", render_ms},
                 {"encode_ms", encode.ms()},
                 {"near_m", shown.near_m},
-                {"far_m", shown.far_m}},
+                {"far_m", shown.far_m},
+                {"unseen_share", shown.unseen_share}},
                bytes.data(),
                bytes.size());
 }

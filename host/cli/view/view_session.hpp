@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/cli/base/commands.hpp"
+#include "host/cli/draw/unseen.hpp"
 #include "host/cli/view/live_page.hpp"
 #include "host/cli/view/view_command.hpp"
 #include "host/cli/view/view_request.hpp"
@@ -66,6 +67,7 @@ class ViewSession {
   Globals globals_;
   mutable std::mutex mutex_;  // of everything below but the progress
   SceneFile file_;            // without its scene, which is on the device
+  RecordedViews recorded_;    // of its cameras
   SensorRig rig_;
   SceneOnDevice scene_;
   mutable std::mutex progress_mutex_;

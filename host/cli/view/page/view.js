@@ -37,8 +37,9 @@ const camera = new Live('camera', $('picture'), shownAs('camera', 'layer'), asyn
   }
   canvas.getContext('2d').drawImage(bitmap, 0, 0);
   const scale = info.far_m > 0 ? ` ${distance(info.near_m)} (pale) to ${distance(info.far_m)} (dark)` : '';
+  const unseen = body.layer === 'unseen' ? ` (hatched: no recorded camera faced it, ${(100 * info.unseen_share).toFixed(0)} %)` : '';
   $('camera-time').textContent =
-    `${body.sensor}, ${body.quality}, ${body.layer}${scale}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG` +
+    `${body.sensor}, ${body.quality}, ${body.layer}${scale}${unseen}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG` +
     (live.rate ? `, ${live.rate.toFixed(1)} per s` : '');
   canvas.dataset.frames = 1 + (+canvas.dataset.frames || 0);
 });
@@ -70,15 +71,38 @@ function setTime(time) {
   refresh();
 }
 
+function offer(blob, name) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
 // The picture as it is chosen now, without loss.
 async function save() {
   const body = {...pictureRequest(), lossless: true};
   const [, buffer, at] = await parts(await call('api/picture', body));
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(new Blob([new Uint8Array(buffer, at)], {type: 'image/png'}));
-  link.download = `${body.sensor}_${body.layer}_${body.time_s.toFixed(3)}s.png`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  offer(new Blob([new Uint8Array(buffer, at)], {type: 'image/png'}), `${body.sensor}_${body.layer}_${body.time_s.toFixed(3)}s.png`);
+}
+
+// All that the picture shows until the button is pressed again, as it is shown. Every frame of a drive: simuli render -o X.mp4.
+let recorder = null;
+function clip() {
+  if (recorder) { recorder.stop(); return; }
+  if (!window.MediaRecorder) { say('this browser records no canvas'); return; }
+  const chunks = [], name = `${$('camera').value}_${state.time.toFixed(3)}s.webm`;
+  recorder = new MediaRecorder($('picture').captureStream());
+  recorder.ondataavailable = event => chunks.push(event.data);
+  recorder.onstop = () => {
+    const blob = new Blob(chunks, {type: recorder.mimeType});
+    offer(blob, name);
+    recorder = null;
+    $('clip').textContent = 'clip';
+    $('clip').dataset.bytes = blob.size;
+  };
+  recorder.start();
+  $('clip').textContent = 'stop';
 }
 
 // The command line that makes what is chosen now: shown, and copied where the browser lets us.
@@ -237,6 +261,7 @@ async function start() {
   for (const id of ['lidar', 'colour']) $(id).onchange = () => lidar.ask();
   $('follow').onchange = () => lidar.ask();
   $('quality').onchange = refresh;
+  $('clip').onclick = clip;
   $('save').onclick = () => save().catch(error => say(error.message));
   const tell = request => tellCommand(request()).catch(error => {
     say(error.message);
