@@ -263,6 +263,19 @@ def rays_of(points, origins, directions):
     return torch.cat(which), torch.cat(beside)
 
 
+def drop_logit(parameters, feature, left, distance):
+    """ln(p / (1 - p)) of the probability p that a ray returns nothing (METHOD section 7); parameters of none: of the logits alone."""
+    opacity = 1 - left
+    reach = distance + 20 * opacity
+    inputs = torch.stack([feature[:, 2] - feature[:, 1], 10 * left, 10 * feature[:, 0],
+                          10 * opacity * distance / torch.where(reach > 0, reach, torch.ones_like(reach))], 1)
+    if parameters is None:
+        return inputs[:, 0]
+    skip, bias, hidden, out = parameters[:4], parameters[4], parameters[5:45].reshape(8, 5), parameters[45:]
+    sums = inputs @ hidden[:, :4].T + hidden[:, 4]
+    return inputs @ skip + bias + (sums / (1 + sums.abs())) @ out
+
+
 def main(program, folder, time_s="1"):
     folder, time_s = pathlib.Path(folder), float(time_s)
     scene = json.load(open(folder / "scene.json"))
@@ -306,9 +319,12 @@ def main(program, folder, time_s="1"):
     kappa = lidar["divergence_variance"] * math.tan(lidar["beam_divergence_rad"] / 2) ** 2
     feature, left, distance, median = render(read_set(folder / "lidar.ply", 1), origins, directions, (start[1] + end[1]) / 2, kappa,
                                              tensor(scene["lidar_set"]["background"]), lidar["range_min_m"], lidar["range_max_m"])
+    drops = scene.get("ray_drop", [])
+    drop = next((d for d in drops if d["lidar"] == lidar["name"]), drops[0] if drops else None)
+    logit = drop_logit(None if drop is None else tensor(drop["parameters"]), feature, left, distance)
     expected = torch.where(left < 1, distance / (1 - left), torch.zeros_like(left))
     distance = torch.where((median > 0) & ((expected - median).abs() > ONE_SURFACE_M), median, expected)
-    returns = (feature[:, 2] <= feature[:, 1]) & (distance > 0)
+    returns = (logit <= 0) & (distance > 0)
     cloud = np.load(f"{simuli(lidar['name'], '--clouds', 'npz')}.npz")
     which, beside = rays_of(tensor(cloud["xyz"]) - origin, origins, directions)
     if not bool((which[1:] > which[:-1]).all()):
