@@ -6,10 +6,16 @@
 
 namespace simuli::serve {
 
+namespace {
+
+[[noreturn]] void give_up() { throw Refusal(RefusalKind::kCancelled, "cancelled, or past its deadline"); }
+
+}  // namespace
+
 bool never_given_up() { return false; }
 
 void need_wanted(const IsGivenUp& is_given_up) {
-  if (is_given_up()) throw Refusal(RefusalKind::kCancelled, "cancelled, or past its deadline");
+  if (is_given_up()) give_up();
 }
 
 struct Turns::Turn::Queue {
@@ -43,8 +49,7 @@ Turns::Turn Turns::take(const IsGivenUp& is_given_up) const {
     queue.waiting.erase(place);
     lock.unlock();
     queue.changed.notify_all();
-    need_wanted(is_given_up);
-    throw Refusal(RefusalKind::kCancelled, "cancelled");
+    give_up();
   }
   queue.waiting.erase(place);
   --queue.free;
