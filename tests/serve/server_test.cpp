@@ -43,6 +43,20 @@ class ServerTest : public test::Served {
     EXPECT_EQ(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
     return socket;
   }
+  /// Takes the device, and has it until `is_held` says no more.
+  [[nodiscard]] std::jthread hold_device(const std::atomic<bool>& is_held) {
+    const auto is_begun = std::make_shared<std::atomic<bool>>(false);
+    std::jthread holder([this, &is_held, is_begun] {
+      std::array<FrameJob, 1> job{
+          FrameJob{scene_->cameras()[0], recorded_shot("front", 0.5, 0.5), [&](const Frame&) {
+                     *is_begun = true;
+                     while (is_held) std::this_thread::sleep_for(milliseconds(5));
+                   }}};
+      session_->render(*scene_, job);
+    });
+    while (!*is_begun) std::this_thread::sleep_for(milliseconds(5));
+    return holder;
+  }
   void expect_answers() const {
     grpc::ClientContext context;
     proto_common::VersionId version;
@@ -215,16 +229,8 @@ TEST_F(ServerTest, RequestsHaveALargestSize) {
 
 /// While the device is somebody's.
 TEST_F(ServerTest, DeadlinesAndCancellationsAreHeard) {
-  std::atomic<bool> is_held = true, is_begun = false;
-  std::jthread holder([&] {
-    std::array<FrameJob, 1> job{
-        FrameJob{scene_->cameras()[0], recorded_shot("front", 0.5, 0.5), [&](const Frame&) {
-                   is_begun = true;
-                   while (is_held) std::this_thread::sleep_for(milliseconds(5));
-                 }}};
-    session_->render(*scene_, job);
-  });
-  while (!is_begun) std::this_thread::sleep_for(milliseconds(5));
+  std::atomic<bool> is_held = true;
+  std::jthread holder = hold_device(is_held);
   const auto request = picture_request("front", 0.5, 0.5);
   {
     grpc::ClientContext context;
@@ -273,16 +279,8 @@ TEST_F(ServerTest, TellsItsHealthAndDrains) {
     EXPECT_EQ(test::health_of(channel_, service), 1) << service;
   }
   EXPECT_EQ(test::health_of(channel_, "another"), -static_cast<int>(grpc::NOT_FOUND));
-  std::atomic<bool> is_held = true, is_begun = false;
-  std::jthread holder([&] {
-    std::array<FrameJob, 1> job{
-        FrameJob{scene_->cameras()[0], recorded_shot("front", 0.5, 0.5), [&](const Frame&) {
-                   is_begun = true;
-                   while (is_held) std::this_thread::sleep_for(milliseconds(5));
-                 }}};
-    session_->render(*scene_, job);
-  });
-  while (!is_begun) std::this_thread::sleep_for(milliseconds(5));
+  std::atomic<bool> is_held = true;
+  std::jthread holder = hold_device(is_held);
   grpc::Status status;
   proto::RGBRenderReturn reply;
   std::jthread client([&] {
