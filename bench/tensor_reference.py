@@ -186,8 +186,9 @@ def read_set(path, clamped):
     sh = get("f_dc_0", "f_dc_1", "f_dc_2")[:, None]
     if rest:
         sh = torch.cat([sh, get(*[f"f_rest_{i}" for i in range(rest)]).unflatten(1, (3, rest // 3)).transpose(1, 2)], 1)
+    quaternion = get("rot_0", "rot_1", "rot_2", "rot_3")
     return {"mean": get("x", "y", "z"), "scale": get("scale_0", "scale_1", "scale_2").exp(),
-            "rotation": rotation(get("rot_0", "rot_1", "rot_2", "rot_3")), "opacity": torch.sigmoid(get("opacity")[:, 0]),
+            "quaternion": quaternion, "rotation": rotation(quaternion), "opacity": torch.sigmoid(get("opacity")[:, 0]),
             "sh": sh, "degree": math.isqrt(sh.shape[1]) - 1, "clamped": clamped}
 
 

@@ -40,18 +40,9 @@ def run(*words):
 
 def particles(ply, device):
     """means, quaternions wxyz, scales, opacities, SH [N, K, 3]"""
-    v = tensor_reference.read_ply(ply)
-
-    def columns(*names):
-        return torch.as_tensor(np.stack([v[name] for name in names], -1), device=device)
-    rest = sum(name.startswith("f_rest_") for name in v.dtype.names)
-    sh = columns("f_dc_0", "f_dc_1", "f_dc_2")[:, None]
-    if rest:
-        higher = columns(*(f"f_rest_{i}" for i in range(rest)))
-        sh = torch.cat([sh, higher.reshape(len(higher), 3, -1).transpose(1, 2)], 1)
-    quats = torch.nn.functional.normalize(columns(*(f"rot_{i}" for i in range(4))), dim=-1)
-    return (columns("x", "y", "z"), quats, torch.exp(columns("scale_0", "scale_1", "scale_2")),
-            torch.sigmoid(columns("opacity"))[:, 0], sh)
+    p = tensor_reference.read_set(ply, 3)
+    quats = torch.nn.functional.normalize(p["quaternion"], dim=-1)
+    return tuple(x.float().to(device) for x in (p["mean"], quats, p["scale"], p["opacity"], p["sh"]))
 
 
 def stand_in(means, quats, scales, opacities, sh, view, k, width, height):

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/spread.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/serve/messages/render_message.hpp"
 #include "host/serve/server/server.hpp"
@@ -21,10 +22,9 @@ namespace {
 
 using Service = ::nre::grpc::protos::sensorsim::SensorsimService;
 
-void print(const char* what, std::vector<double> ms) {
-  std::sort(ms.begin(), ms.end());
-  const auto at = [&](double share) { return ms[static_cast<std::size_t>(share * double(ms.size() - 1))]; };
-  fmt::print("{:<42} {:8.2f} ms +- {:.2f}\n", what, at(0.5), 0.5 * (at(0.75) - at(0.25)));
+void print(const char* what, const std::vector<double>& ms) {
+  const Spread spread = spread_of(ms);
+  fmt::print("{:<42} {:8.2f} ms +- {:.2f}\n", what, spread.median, spread.half_iqr);
 }
 
 void need(const grpc::Status& status) {
