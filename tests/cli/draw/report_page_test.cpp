@@ -74,8 +74,11 @@ TEST(ReportPage, WorksInABrowser) {
   // Pictures open as large as the window, and larger.
   run("document.querySelectorAll('.enlarge')[0].click()");
   EXPECT_EQ(run("return document.querySelector('dialog p span').textContent"), "a pair");
-  run("document.querySelector('[data-close]').click()");
-  run("document.querySelectorAll('.enlarge')[1].click()");
+  // The event of a closing comes after the next opening here.
+  run("window.closings = 0; "
+      "document.querySelector('dialog').addEventListener('close', () => ++window.closings); "
+      "document.querySelector('[data-close]').click(); document.querySelectorAll('.enlarge')[1].click()");
+  ASSERT_TRUE(browser.wait_for("window.closings === 1"));
   const std::string shown = "return document.querySelector('dialog[open] .stage > *')?.clientWidth ?? 0";
   const double fit = run(shown);
   EXPECT_GT(fit, 1000.0);

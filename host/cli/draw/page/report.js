@@ -76,6 +76,8 @@ large.addEventListener('click', e => {
   else if (e.target.closest('[data-size]') || (e.target.closest('.stage') && !e.target.closest('.pair'))) setFull(!isFull);
 });
 large.addEventListener('close', () => {
+  // The event comes later than the closing: another figure may be open by then.
+  if (large.open) return;
   shown = null;
   stage.replaceChildren();
 });
