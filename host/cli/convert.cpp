@@ -66,8 +66,10 @@ void convert(const ConvertCommand& command, const Globals& globals) {
 void add_convert(Command app, const Globals& globals) {
   const auto command = std::make_shared<ConvertCommand>();
   Command sub = app.command("convert", "the particles of a scene or a splat file as another file");
-  sub.option("INPUT", command->input, "scene folder, .ply (also SuperSplat's compressed) or .spz").required();
-  sub.option("-o,--output", command->output, ".ply or .spz to write").required();
+  sub.option("INPUT", command->input, "scene folder, .ply (also SuperSplat's compressed) or .spz")
+      .required()
+      .reads();
+  sub.option("-o,--output", command->output, ".ply or .spz to write").required().makes();
   sub.flag("--lidar", command->lidar, "the LiDAR set instead of the camera set; .ply alone");
   sub.run([command, &globals] { convert(*command, globals); });
 }

@@ -92,7 +92,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
 void add_demo(Command app, const Globals& globals) {
   const auto command = std::make_shared<DemoCommand>();
   Command sub = app.command("demo", "the whole system on an embedded street, in two minutes");
-  sub.option("-o,--output", command->output, "folder to make; default: a new temporary one");
+  sub.option("-o,--output", command->output, "folder to make; default: a new temporary one").makes();
   sub.option("--iterations", command->iterations, "of training").with_default();
   sub.option("--held-out-last", command->held_out_last, "keep that share of the path, too, for evaluation")
       .with_default();

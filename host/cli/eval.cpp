@@ -7,6 +7,7 @@
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
+#include "host/cli/base/kept.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
@@ -32,7 +33,7 @@ void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
   fields_of(command.options).apply(command.settings);
   check(command.options);
-  SceneFile file = read_scene(command.scene);
+  SceneFile file = read_scene(globals, command.scene);
   warn_unlike_training(file, command.options.render);
   apply(command.edits, file);
   Log log = read_log(command.log);
@@ -63,8 +64,10 @@ void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
   Command sub =
       app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required();
-  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required().reads();
+  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another")
+      .required()
+      .reads();
   const Option scale =
       sub.option("--scale", command->scale, "size of the compared pictures over the recorded")
           .shown_as("FLOAT", "as in training");
@@ -81,7 +84,8 @@ void add_eval(Command app, const Globals& globals) {
   add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.option("--report",
              command->report,
-             "HTML file to write: metrics, curves, pictures, points to turn, settings, times");
+             "HTML file to write: metrics, curves, pictures, points to turn, settings, times")
+      .makes();
   add_edit_options(sub, command->edits);
   sub.run([command, scale, held_out, held_out_last, &globals] {
     if (scale.is_given()) command->options.image_scale = command->scale;

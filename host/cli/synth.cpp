@@ -23,7 +23,7 @@ void add_synth(Command app, const Globals& globals) {
 
   const auto options = std::make_shared<StreetOptions>();
   Command street = command.command("street", "a street with one moving car");
-  street.option("-o,--output", options->output, "log folder to write").required();
+  street.option("-o,--output", options->output, "log folder to write").required().makes();
   const auto add = [&](const char* name, auto& value, const char* text) {
     street.option(name, value, text).with_default();
   };

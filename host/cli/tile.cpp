@@ -148,8 +148,9 @@ void add_tile(Command app, const Globals& globals) {
   Command command = app.command("tile", "the tiles of a LiDAR: numbers, a picture, the fastest ones");
   command.option("SENSOR", options->sensor, "LiDAR file, or name of a built-in LiDAR")
       .required()
+      .reads(file_unless_name)
       .completed_by(builtin_lidar_names);
-  command.option("-o,--output", options->picture, "picture of beams, tiles and rays per tile (PNG)");
+  command.option("-o,--output", options->picture, "picture of beams, tiles and rays per tile (PNG)").makes();
   command
       .option("--elevation-tiles", options->tiles.elevation, "tiles from top to bottom; default: as rendered")
       .range(1, 4096);

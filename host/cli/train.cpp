@@ -290,8 +290,8 @@ void train(TrainCommand command, const Globals& globals) {
 void add_train(Command app, const Globals& globals) {
   const auto command = std::make_shared<TrainCommand>();
   Command sub = app.command("train", "fit a scene to a log");
-  sub.option("LOG", command->log, "log folder").required();
-  sub.option("-o,--output", command->output, "scene folder to write").required();
+  sub.option("LOG", command->log, "log folder").required().reads();
+  sub.option("-o,--output", command->output, "scene folder to write").required().makes(".checkpoint");
   const auto add = [&](const char* name, auto& value, const char* text) {
     sub.option(name, value, text).with_default();
   };
@@ -316,11 +316,13 @@ void add_train(Command app, const Globals& globals) {
   sub.flag("--resume",
            command->outputs.resume,
            "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "
-           "training that has kept it: the rates of what is left are those of the longer training");
-  sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
+           "training that has kept it: the rates of what is left are those of the longer training")
+      .goes_on();
+  sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times")
+      .makes();
   sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
       .range(0, 65535);
-  sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
+  sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file").makes();
   const auto fields = [command, &globals] {
     command->options.train.render = training_options_of(globals.quality);
     return fields_of(command->options);

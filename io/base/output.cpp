@@ -47,6 +47,11 @@ fs::path target_of(const fs::path& folder) {
 
 }  // namespace
 
+fs::path lock_beside(const fs::path& output) {
+  const fs::path path = without_trailing_slash(output);
+  return parent_of(path) / fmt::format(".{}.lock", path.filename().string());
+}
+
 OutputLock::OutputLock(const fs::path& output) {
   const fs::path path = target_of(output);
   if (path.filename().empty() || path.filename() == "." || path.filename() == "..") {
@@ -55,18 +60,17 @@ OutputLock::OutputLock(const fs::path& output) {
   std::error_code failed;
   fs::create_directories(parent_of(path), failed);
   if (failed) throw_input_error(output.string(), "folder", failed.message(), kWritable);
-  file_ = parent_of(path) / fmt::format(".{}.lock", path.filename().string());
+  file_ = lock_beside(path);
   for (;;) {
     constexpr mode_t kAll = 0666;
     Descriptor lock(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kAll));
     if (lock.get() < 0) throw_errno(output, "folder", kWritable);
     if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       const std::string process = text_in(lock.get());
-      throw_input_error(output.string(),
-                        "folder",
-                        process.empty() ? "another process that makes it"
-                                        : fmt::format("process {}, which makes it", process),
-                        "one at a time");
+      const std::string who = process.empty() ? "another process that makes it"
+                                              : fmt::format("process {}, which makes it", process);
+      throw OutputTaken(ErrorKind::kInput,
+                        fmt::format("{}: folder: found {}, allowed one at a time", output.string(), who));
     }
     // Elsewhere flock() is unknown: then nobody is kept out.
     if (!is_at(file_, lock.get())) continue;

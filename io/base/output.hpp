@@ -4,11 +4,23 @@
 #include <functional>
 #include <string>
 
+#include "host/base/error.hpp"
+
 namespace simuli {
+
+/// What is there while a process makes `output`, and after one that was killed.
+[[nodiscard]] std::filesystem::path lock_beside(const std::filesystem::path& output);
+
+/// Somebody else has the OutputLock.
+class OutputTaken : public Error {
+ public:
+  using Error::Error;
+};
 
 /// Whoever has it is the only process that makes `output`, until it is destroyed or dies, however it dies: a
 /// file lock on ".NAME.lock" beside it, which is removed again. Missing folders above are made.
-/// Error{kInput} when another process has it, with its number, and where nothing can be written.
+/// OutputTaken{kInput} when another process has it, with its number; Error{kInput} where nothing can be
+/// written.
 class OutputLock {
  public:
   explicit OutputLock(const std::filesystem::path& output);

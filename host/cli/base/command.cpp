@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -14,8 +15,13 @@
 namespace simuli::cli {
 
 /// By option, as the library that reads arguments has no place for them.
-struct Completions {
-  std::map<const CLI::Option*, std::function<std::vector<std::string>()>> values;
+struct OptionMarks {
+  using PathIn = std::function<std::string(const std::string&)>;
+  std::map<const CLI::Option*, std::function<std::vector<std::string>()>> completions;
+  std::map<const CLI::Option*, std::string> made;  // with what is unfinished behind it
+  std::map<const CLI::Option*, PathIn> read;
+  std::set<const CLI::Option*> going_on;
+  bool is_only_asked = false;  // nothing is run
 };
 
 namespace {
@@ -94,7 +100,7 @@ std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
   return fmt::format("{} ({} --help)", what, full_name(app));
 }
 
-OptionText text_of(const CLI::Option& option, const Completions& completions) {
+OptionText text_of(const CLI::Option& option, const OptionMarks& marks) {
   OptionText text;
   for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
   for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
@@ -109,18 +115,18 @@ OptionText text_of(const CLI::Option& option, const Completions& completions) {
     text.preset = option.get_default_str();
   }
   text.help = option.get_description();
-  const auto known = completions.values.find(&option);
-  if (known != completions.values.end()) text.completions = known->second();
+  const auto known = marks.completions.find(&option);
+  if (known != marks.completions.end()) text.completions = known->second();
   return text;
 }
 
-CommandText text_of(const CLI::App& app, const Completions& completions) {
+CommandText text_of(const CLI::App& app, const OptionMarks& marks) {
   CommandText text{app.get_name(), app.get_description(), {}, {}};
   for (const CLI::Option* const option : app.get_options()) {
-    text.options.push_back(text_of(*option, completions));
+    text.options.push_back(text_of(*option, marks));
   }
   for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    text.commands.push_back(text_of(*command, completions));
+    text.commands.push_back(text_of(*command, marks));
   }
   return text;
 }
@@ -137,6 +143,26 @@ std::string shared_options(const CLI::App& command) {
   return formatter->make_group("Options of every command", false, shown);
 }
 
+/// Adds what the given options of a command name, and those of the command that it was followed by.
+void add_work(const CLI::App& app, const OptionMarks& marks, Work& work) {
+  for (const CLI::Option* const option : app.get_options()) {
+    const auto made = marks.made.find(option);
+    const auto read = marks.read.find(option);
+    for (const std::string& given : option->results()) {
+      if (made != marks.made.end()) {
+        work.makes.push_back(given);
+        const std::string name = given.substr(0, given.find_last_not_of('/') + 1);
+        if (!made->second.empty()) work.unfinished.push_back(name + made->second);
+      }
+      if (read == marks.read.end()) continue;
+      const std::string path = read->second ? read->second(given) : given;
+      if (!path.empty()) work.reads.push_back(path);
+    }
+    if (option->count() > 0 && marks.going_on.contains(option)) work.goes_on = true;
+  }
+  for (const CLI::App* const command : app.get_subcommands()) add_work(*command, marks, work);
+}
+
 /// Leaves the library's parsing with what is to be run instead.
 struct Answer {
   std::function<void()> run;
@@ -150,7 +176,7 @@ Option& Option::required() {
 }
 
 Option& Option::completed_by(std::function<std::vector<std::string>()> values) {
-  completions_->values[option_] = std::move(values);
+  marks_->completions[option_] = std::move(values);
   return *this;
 }
 
@@ -222,6 +248,21 @@ Option& Option::excludes(const std::string& name) {
   return *this;
 }
 
+Option& Option::makes(const std::string& unfinished) {
+  marks_->made[option_] = unfinished;
+  return *this;
+}
+
+Option& Option::reads(OptionMarks::PathIn path) {
+  marks_->read[option_] = std::move(path);
+  return *this;
+}
+
+Option& Option::goes_on() {
+  marks_->going_on.insert(option_);
+  return *this;
+}
+
 bool Option::is_given() const { return option_->count() > 0; }
 
 template <OptionValue T>
@@ -239,8 +280,7 @@ Option Command::option(const std::string& names, T& value, const std::string& he
         },
         ""));
   }
-  // And "nan" and "inf" as numbers, which no range of the library's refuses. Other texts are for later
-  // checks.
+  // And "nan" and "inf" as numbers, which no range of the library's refuses.
   if constexpr (std::same_as<T, double>) {
     option->check(CLI::Validator(
         [](const std::string& text) -> std::string {
@@ -250,7 +290,7 @@ Option Command::option(const std::string& names, T& value, const std::string& he
         },
         ""));
   }
-  return Option(option, completions_);
+  return Option(option, marks_);
 }
 
 template Option Command::option(const std::string&, std::string&, const std::string&) const;
@@ -264,28 +304,32 @@ template Option Command::option(const std::string&, std::vector<std::string>&, c
 Option Command::option(const std::string& names,
                        const std::function<void(const std::string&)>& read,
                        const std::string& help) const {
-  return Option(app_->add_option_function<std::string>(names, read, help)->trigger_on_parse(), completions_);
+  return Option(app_->add_option_function<std::string>(names, read, help)->trigger_on_parse(), marks_);
 }
 
 Option Command::flag(const std::string& names, bool& value, const std::string& help) const {
-  return Option(app_->add_flag(names, value, help), completions_);
+  return Option(app_->add_flag(names, value, help), marks_);
 }
 
 Command Command::command(const std::string& name, const std::string& help) const {
   CLI::App* const command = app_->add_subcommand(name, help);
   command->footer([command] { return shared_options(*command); });
-  return Command(command, completions_);
+  return Command(command, marks_);
 }
 
 void Command::require_command() const { app_->require_subcommand(1); }
 
 void Command::take_anything() const { app_->allow_extras()->fallthrough(false); }
 
-void Command::run(std::function<void()> work) const { app_->callback(std::move(work)); }
+void Command::run(std::function<void()> work) const {
+  app_->callback([marks = marks_, work = std::move(work)] {
+    if (!marks->is_only_asked) work();
+  });
+}
 
 struct CommandLine::Impl {
   CLI::App app;
-  Completions completions;
+  OptionMarks marks;
   std::map<std::string, Forward, std::less<>> foreign;
 
   Impl(const std::string& name, const std::string& about) : app(about, name) {}
@@ -310,9 +354,9 @@ CommandLine::CommandLine(const std::string& name, const std::string& about, cons
 
 CommandLine::~CommandLine() = default;
 
-Command CommandLine::root() { return Command(&impl_->app, &impl_->completions); }
+Command CommandLine::root() { return Command(&impl_->app, &impl_->marks); }
 
-CommandText CommandLine::text() const { return text_of(impl_->app, impl_->completions); }
+CommandText CommandLine::text() const { return text_of(impl_->app, impl_->marks); }
 
 void CommandLine::add_foreign(const std::string& name, const std::string& help, Forward run) {
   impl_->app.add_subcommand(name, help);
@@ -323,6 +367,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   const int at = impl_->command_at(argc, argv);
   const auto foreign = at < argc ? impl_->foreign.find(std::string_view(argv[at])) : impl_->foreign.end();
   if (foreign != impl_->foreign.end()) {
+    if (impl_->marks.is_only_asked) return true;
     std::vector<std::string> arguments(argv + 1, argv + argc);
     arguments.erase(arguments.begin() + (at - 1));
     foreign->second(arguments);
@@ -332,16 +377,24 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const Answer& answer) {
-    answer.run();
+    if (!impl_->marks.is_only_asked) answer.run();
     return false;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // --help, --version
-      app.exit(error);
+      if (!impl_->marks.is_only_asked) app.exit(error);
       return false;
     }
     throw Error(ErrorKind::kUsage, refusal(app, error));
   }
   return true;
+}
+
+Work CommandLine::work(int argc, const char* const* argv) {
+  impl_->marks.is_only_asked = true;
+  if (!parse(argc, argv)) throw Error(ErrorKind::kUsage, "found a question, allowed a command to run");
+  Work work;
+  add_work(impl_->app, impl_->marks, work);
+  return work;
 }
 
 }  // namespace simuli::cli

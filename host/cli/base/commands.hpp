@@ -2,6 +2,7 @@
 // The commands of the program, one file each. A command adds itself to the program; what it runs does the
 // work and throws Error, which run_program() turns into one line on stderr and an exit code. Data goes to
 // stdout, everything else to stderr.
+#include <functional>
 #include <string>
 
 #include "host/cli/base/command.hpp"
@@ -9,6 +10,8 @@
 #include "host/render/options/quality.hpp"
 
 namespace simuli::cli {
+
+class Kept;
 
 /// Options that every command takes, before or behind its name.
 struct Globals {
@@ -18,9 +21,10 @@ struct Globals {
   bool json_progress = false;            // progress as JSON lines
   bool verbose = false;                  // tell times on stderr
   std::string commit;                    // that the program was built from; may be empty
+  Kept* kept = nullptr;                  // by a process of many commands, which shows their progress itself
 };
 
-/// As asked for; nothing beside data as JSON.
+/// As asked for; nothing beside data as JSON, nor of one command of many.
 [[nodiscard]] ProgressStyle progress_style(const Globals& globals);
 
 /// Error{kUsage}: `what` needs a build with that CMake option.
@@ -30,6 +34,10 @@ void add_absent(Command app, const std::string& name, const std::string& help, c
 
 void add_actors(Command app, const Globals& globals);
 void add_align(Command app, const Globals& globals);
+/// Of commands that `add` adds.
+void add_batch(Command app,
+               const Globals& globals,
+               std::function<void(CommandLine& line, const Globals& globals)> add);
 void add_bench(CommandLine& line);
 void add_completion(CommandLine& line);
 void add_convert(Command app, const Globals& globals);

@@ -16,8 +16,6 @@
 #include "host/runtime/cache/disk_cache.hpp"
 
 namespace simuli::cli {
-namespace {
-
 void add_globals(Command root, Globals& globals) {
   root.option("--device", globals.device, "part of the OpenCL device's name; default: the best one");
   const std::string names = fmt::format("{}", fmt::join(quality_names(), ", "));
@@ -38,14 +36,8 @@ void add_globals(Command root, Globals& globals) {
   root.flag("--verbose", globals.verbose, "tell times on stderr");
 }
 
-int fail(const std::string& what, int exit_code) {
-  std::cerr << "simuli: " << what << std::endl;
-  return exit_code;
-}
-
-}  // namespace
-
 ProgressStyle progress_style(const Globals& globals) {
+  if (globals.kept != nullptr) return ProgressStyle::kQuiet;
   if (globals.json_progress) return ProgressStyle::kJson;
   return globals.json ? ProgressStyle::kQuiet : simuli::progress_style();
 }
@@ -81,13 +73,31 @@ void run_arguments(const std::string& name,
   }
 }
 
+Failure failure_of(const std::exception& thrown) {
+  constexpr int kInternal = static_cast<int>(ErrorKind::kInternal);
+  if (const auto* const error = dynamic_cast<const Error*>(&thrown)) {
+    // A driver's build log has lines of its own.
+    const bool is_log = error->kind() == ErrorKind::kKernel;
+    return {is_log ? error->what() : on_one_line(error->what()), error->exit_code()};
+  }
+  if (const auto* const ended = dynamic_cast<const Ended*>(&thrown))
+    return {ended->what(), ended->exit_code()};
+  if (dynamic_cast<const Interrupted*>(&thrown) != nullptr) return {thrown.what(), kInterruptedExit};
+  const auto* const system = dynamic_cast<const std::system_error*>(&thrown);
+  // Of threads, whose stacks take memory; what libraries say of files comes as an Error.
+  const bool has_no_thread = system != nullptr && system->code() == std::errc::resource_unavailable_try_again;
+  if (has_no_thread || dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr) {
+    return {"out of memory", kMemoryExit};
+  }
+  return {on_one_line(fmt::format("internal error: {}", thrown.what())), kInternal};
+}
+
 int run_program(const std::string& name,
                 const std::string& about,
                 int argc,
                 char** argv,
                 const AddCommands& add,
                 const std::string& commit) {
-  constexpr int kInternal = static_cast<int>(ErrorKind::kInternal);
   watch_signals();
   watch_crashes();
   // Behind everything else, as the last thing to be read.
@@ -101,20 +111,10 @@ int run_program(const std::string& name,
   try {
     run_arguments(name, about, argc, argv, add, commit);
     return 0;
-  } catch (const Error& error) {
-    // A driver's build log has lines of its own.
-    const bool is_log = error.kind() == ErrorKind::kKernel;
-    return fail(is_log ? error.what() : on_one_line(error.what()), error.exit_code());
-  } catch (const Interrupted& interrupted) {
-    return fail(interrupted.what(), kInterruptedExit);
-  } catch (const std::bad_alloc&) {
-    return fail("out of memory", kMemoryExit);
-  } catch (const std::system_error& error) {
-    // Of threads, whose stacks take memory; what libraries say of files comes as an Error.
-    if (error.code() == std::errc::resource_unavailable_try_again) return fail("out of memory", kMemoryExit);
-    return fail(on_one_line(fmt::format("internal error: {}", error.what())), kInternal);
-  } catch (const std::exception& error) {
-    return fail(on_one_line(fmt::format("internal error: {}", error.what())), kInternal);
+  } catch (const std::exception& thrown) {
+    const Failure failure = failure_of(thrown);
+    std::cerr << "simuli: " << failure.line << std::endl;
+    return failure.exit_code;
   }
 }
 

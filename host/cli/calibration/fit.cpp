@@ -231,8 +231,8 @@ void add_fit(Command app, const Globals& globals) {
 
   const auto beams = std::make_shared<BeamsCommand>();
   Command table = fit.command("beams", "the beam table of a spinning LiDAR, from bare points");
-  table.option("DIR", beams->folder, "folder of sweeps: *.bin, float32 x y z reflectance").required();
-  table.option("-o,--output", beams->output, "LiDAR file to write");
+  table.option("DIR", beams->folder, "folder of sweeps: *.bin, float32 x y z reflectance").required().reads();
+  table.option("-o,--output", beams->output, "LiDAR file to write").makes();
   table.option("--name", beams->name, "of the sensor").with_default();
   table.option("--sweeps", beams->most_sweeps, "evenly taken, at most").with_default();
   table.option("--spin-hz", beams->spin_hz, "turns per second, for the spin direction")
@@ -242,10 +242,10 @@ void add_fit(Command app, const Globals& globals) {
 
   const auto lens = std::make_shared<LensCommand>();
   Command model = fit.command("lens", "a camera in terms of another lens model");
-  model.option("TARGET", lens->target, "built-in camera, camera file, or a log").required();
+  model.option("TARGET", lens->target, "built-in camera, camera file, or a log").required().reads();
   model.option("SENSOR", lens->sensor, "camera of that log");
   model.option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...").required();
-  model.option("-o,--output", lens->output, "camera file to write");
+  model.option("-o,--output", lens->output, "camera file to write").makes();
   model.run([lens, &globals] { fit_lens(*lens, globals); });
 }
 

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
+#include "host/cli/base/kept.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/base/video.hpp"
@@ -198,7 +200,7 @@ void render(RenderCommand command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
   validate(options);
-  SceneFile file = read_scene(command.scene);
+  SceneFile file = read_scene(globals, command.scene);
   warn_unlike_training(file, options);
   apply(command.edits, file);
   const std::vector<SensorPlan> views = views_of(file, command);
@@ -212,7 +214,9 @@ void render(RenderCommand command, const Globals& globals) {
   std::size_t frames = 0, done = 0;
   for (const SensorPlan& view : views) frames += view.plan.spans.size();
 
-  SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
+  std::optional<SceneOnDevice> own;
+  const bool is_as_read = lines_of(command.edits).empty();
+  SceneOnDevice& scene = on_device(globals, own, std::move(file.scene), options, is_as_read);
   FileProgress progress("render", globals);
   const auto on_frame = [&, tell = progress.callback()] { tell(++done, frames); };
   if (command.as_log) {
@@ -249,13 +253,14 @@ void render(RenderCommand command, const Globals& globals) {
 void add_render(Command app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
   Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required().reads();
   add_sensor_options(sub, command->sensors);
   sub.option("-o,--output",
              command->output,
              "folder to make: pictures, or clouds and range pictures, and frames.json; of several sensors in "
              "a folder each; or a video.mp4")
-      .required();
+      .required()
+      .makes();
   add_file_options(sub, command->files);
   sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
       .range(kLeastRate, kMostRate);
