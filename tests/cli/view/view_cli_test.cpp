@@ -17,7 +17,7 @@
 #include "io/splat/splat_file.hpp"
 #include "tests/cli/background_program.hpp"
 #include "tests/cli/draw/browser.hpp"
-#include "tests/cli/view_fixture.hpp"
+#include "tests/cli/view/view_fixture.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "io/base/file.hpp"
-#include "tests/cli/view_fixture.hpp"
+#include "tests/cli/view/view_fixture.hpp"
 
 namespace {
 

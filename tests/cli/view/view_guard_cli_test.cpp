@@ -14,7 +14,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "tests/cli/view_fixture.hpp"
+#include "tests/cli/view/view_fixture.hpp"
 
 namespace {
 
