@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <limits>
+#include <memory>
 #include <zlib.h>
+#ifdef SIMULI_HAS_LZ4
+#include <lz4frame.h>
+#endif
 #ifdef SIMULI_HAS_ZSTD
 #include <zstd.h>
 #endif
@@ -80,6 +84,15 @@ std::string gzip(const std::string& bytes) {
 #ifdef SIMULI_HAS_ZSTD
 bool has_zstd() { return true; }
 
+std::string zstd(const std::string& bytes) {
+  std::string out(ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t got =
+      ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
+  if (ZSTD_isError(got) != 0U) throw Error(ErrorKind::kInternal, "Zstandard: compression failed");
+  out.resize(got);
+  return out;
+}
+
 std::string unzstd(const char* bytes, std::size_t count, std::size_t size, const std::string& file) {
   std::string out(size, '\0');
   const std::size_t got = ZSTD_decompress(out.data(), out.size(), bytes, count);
@@ -91,9 +104,44 @@ std::string unzstd(const char* bytes, std::size_t count, std::size_t size, const
 #else
 bool has_zstd() { return false; }
 
+std::string zstd(const std::string&) {
+  throw Error(ErrorKind::kUsage, "compression: found Zstandard, allowed in a build with libzstd");
+}
+
 std::string unzstd(const char*, std::size_t, std::size_t, const std::string& file) {
   throw_input_error(file, "compression", "Zstandard, which this build can't read", "a build with libzstd");
 }
 #endif
+
+#ifdef SIMULI_HAS_LZ4
+std::string unlz4(const char* bytes, std::size_t count, std::size_t size, const std::string& file) {
+  LZ4F_dctx* made = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION)) != 0U)
+    throw Error(ErrorKind::kInternal, "LZ4: no memory");
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> context(
+      made, LZ4F_freeDecompressionContext);
+  std::string out(size, '\0');
+  std::size_t read = 0, written = 0, wanted = 1;  // 0: at the end of a frame
+  while (read < count) {
+    std::size_t in = count - read, to = size - written;
+    wanted = LZ4F_decompress(context.get(), out.data() + written, &to, bytes + read, &in, nullptr);
+    if (LZ4F_isError(wanted) != 0U || (in == 0 && to == 0)) break;
+    read += in;
+    written += to;
+  }
+  if (wanted != 0 || read != count || written != size)
+    throw_input_error(file, "LZ4 data", "damaged, cut short or of another size", "whole");
+  return out;
+}
+#else
+std::string unlz4(const char*, std::size_t, std::size_t, const std::string& file) {
+  throw_input_error(file, "compression", "LZ4, which this build can't read", "a build with liblz4");
+}
+#endif
+
+std::uint32_t crc_32(std::string_view bytes, std::uint32_t before) {
+  return static_cast<std::uint32_t>(
+      crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
 
 }  // namespace simuli

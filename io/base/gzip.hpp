@@ -1,7 +1,9 @@
 #pragma once
 // Compressed bytes. Included by io/*.cpp alone.
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace simuli {
 
@@ -11,12 +13,23 @@ namespace simuli {
 [[nodiscard]] std::string gunzip(const std::string& bytes, const std::string& file, std::size_t most_bytes);
 [[nodiscard]] std::string gzip(const std::string& bytes);
 
-/// Whether unzstd() works in this build.
+/// Whether zstd() and unzstd() work in this build.
 [[nodiscard]] bool has_zstd();
+/// One Zstandard frame; Error{kUsage} where has_zstd() says no.
+[[nodiscard]] std::string zstd(const std::string& bytes);
 /// One Zstandard frame of exactly `size` bytes; Error{kInput} naming `file` otherwise.
 [[nodiscard]] std::string unzstd(const char* bytes,
                                  std::size_t count,
                                  std::size_t size,
                                  const std::string& file);
+
+/// LZ4 frames of exactly `size` bytes; Error{kInput} naming `file` otherwise, and in a build without liblz4.
+[[nodiscard]] std::string unlz4(const char* bytes,
+                                std::size_t count,
+                                std::size_t size,
+                                const std::string& file);
+
+/// CRC-32 as in gzip, of `bytes` behind those that `before` is the one of.
+[[nodiscard]] std::uint32_t crc_32(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace simuli

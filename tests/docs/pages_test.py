@@ -81,6 +81,7 @@ def prepare():
     (work / "rig.json").write_text(json.dumps({"format": "simuli rig", "version": 1, "sensors": [
         {"name": "roof", "sensor": "velodyne_vlp16", "mount": {"position_m": [0, 0, 1.9]}}, {"name": "ahead", "sensor": "front"}]}))
     photographs()
+    run("simuli render drive.scene -o drive.mcap && simuli info drive.log top --json > roof.json")
 
 
 def smaller(command):

@@ -14,10 +14,12 @@
 namespace simuli::cli {
 namespace {
 
+constexpr char kWorldFrame[] = "world";
+
 /// In the world one type holds all of a path's clouds.
 CloudOptions cloud_options(const FileOptions& options, const LidarModel& lidar, const Plan& plan) {
   CloudOptions cloud;
-  cloud.frame = point_frame(options.cloud_frame);
+  cloud.frame = point_frame(options.cloud_frame.empty() ? kWorldFrame : options.cloud_frame);
   if (cloud.frame != PointFrame::kWorld) return cloud;
   double farthest_m = 0.0;
   for (const TimedPose& p : plan.world_from_rig.poses()) {
@@ -66,17 +68,17 @@ void add_array(Npz& arrays, const std::string& name, const Image& image, ColumnT
 }  // namespace
 
 void add_file_options(Command sub, FileOptions& options) {
-  sub.option("--images", options.images, "png, or exr with float colours")
-      .one_of({"png", "exr"})
+  sub.option(
+         "--images", options.images, "png, jpeg, or exr with float colours; in .mcap files png, jpeg or raw")
+      .one_of({"png", "jpeg", "exr", "raw"})
       .with_default();
   sub.option("--clouds", options.clouds, "ply, pcd or npz").one_of({"ply", "pcd", "npz"}).with_default();
   sub.option(
          "--cloud-frame",
          options.cloud_frame,
          "axes of points: world; sensor, at each ray's own time; or sensor_start, without its motion since "
-         "the frame's start")
-      .one_of({"world", "sensor", "sensor_start"})
-      .with_default();
+         "the frame's start; default: world, in .mcap files sensor")
+      .one_of({"world", "sensor", "sensor_start"});
   sub.option("--outputs",
              options.outputs,
              "of cameras, parted by commas: rgb, depth, mean_depth (along z), distance, mean_distance (along "
@@ -156,7 +158,8 @@ void FrameFiles::describe(FramesRecord& record, const Scene& scene) const {
     return;
   }
   const bool is_double = cloud_.coordinates == ColumnType::kDouble;
-  record.clouds = {options_.cloud_frame, is_double ? "float64" : "float32"};
+  record.clouds = {options_.cloud_frame.empty() ? kWorldFrame : options_.cloud_frame,
+                   is_double ? "float64" : "float32"};
 }
 
 Image shown(const Frame& frame, const RecordedViews* recorded) {

@@ -17,7 +17,7 @@ namespace simuli::cli {
 struct FileOptions {
   std::string images = "png";
   std::string clouds = "ply";
-  std::string cloud_frame = "world";
+  std::string cloud_frame;      // empty: world; of recordings sensor
   std::string outputs = "rgb";  // camera_output_names(), parted by commas
   std::string values = "exr";   // of all outputs but pictures
   bool mark_unseen = false;     // in pictures, what no recorded camera faced

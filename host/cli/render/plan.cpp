@@ -107,7 +107,7 @@ Shot Plan::shot(const Sensor& sensor, std::size_t i) const {
 Drive read_drive(const std::string& scene, const SceneFile& file, const PlanOptions& options) {
   if (options.trajectory != kRecorded) {
     const Log log = read_log(options.trajectory);
-    return {options.trajectory, log.world_from_rig, SensorRig(log)};
+    return {options.trajectory, log.world_from_rig, SensorRig(log), log.start_ns};
   }
   if (file.world_from_rig.poses().empty()) {
     throw_input_error(scene, "trajectory", "no poses", "at least one, or --trajectory LOG");

@@ -1,6 +1,8 @@
 #pragma once
 // Which frames `simuli render` renders: the path, and every frame's start and end on it.
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,7 @@ struct Drive {
   std::string source;  // the folder that it is of
   Trajectory world_from_rig;
   SensorRig recorded;
+  std::optional<std::int64_t> start_ns = {};  // of a log: nanoseconds since 1970 of its time 0
 };
 
 /// The path of --trajectory: that of the scene in the folder `scene`, or a log's. Error{kInput} where there

@@ -21,6 +21,7 @@
 #include "host/cli/base/video.hpp"
 #include "host/cli/render/frame_files.hpp"
 #include "host/cli/render/plan.hpp"
+#include "host/cli/render/rendered_bag.hpp"
 #include "host/cli/render/rendered_log.hpp"
 #include "host/cli/render/sensors.hpp"
 #include "host/render/options/validate.hpp"
@@ -41,7 +42,8 @@ struct RenderCommand {
   std::string output;
   FileOptions files;
   bool as_log = false;
-  double frames_per_s = 0.0;  // of a video; 0: as the frames follow each other
+  std::int64_t start_ns = -1;  // of a recording; below 0: as the log says, or usual_start_ns()
+  double frames_per_s = 0.0;   // of a video; 0: as the frames follow each other
   std::vector<std::string> settings;
 };
 
@@ -94,7 +96,7 @@ std::unique_ptr<const RecordedViews> recorded_views(const RenderCommand& command
 
 /// Whether each sensor has a folder of its own in the output's.
 bool has_folders(const RenderCommand& command) {
-  if (command.as_log) return false;
+  if (command.as_log || is_bag(command.output)) return false;
   return !command.sensors.rig.empty() || command.sensors.names.size() > 1;
 }
 
@@ -104,8 +106,7 @@ struct SensorPlan {
   Plan plan;
 };
 
-std::vector<SensorPlan> views_of(const SceneFile& file, const RenderCommand& command) {
-  const Drive drive = read_drive(command.scene, file, command.plan);
+std::vector<SensorPlan> views_of(const Drive& drive, const SceneFile& file, const RenderCommand& command) {
   std::vector<SensorPlan> views;
   for (const RigSensor& asked : find_sensors(file, command.sensors, command.plan.duration_s)) {
     views.push_back({asked.sensor, make_plan(drive, asked, command.plan)});
@@ -160,6 +161,40 @@ void write_rendered_log(SceneOnDevice& scene,
   });
 }
 
+/// In the order of the frames' starts, over all sensors.
+void write_rendered_bag(SceneOnDevice& scene,
+                        const std::vector<SensorPlan>& views,
+                        std::optional<std::int64_t> start_ns,
+                        const RenderCommand& command,
+                        const RecordedViews* recorded,
+                        const std::function<void()>& on_frame) {
+  struct Due {
+    double start_s;
+    const SensorPlan* view;
+    std::size_t frame;
+  };
+  std::vector<Due> due;
+  std::vector<Sensor> sensors;
+  for (const SensorPlan& view : views) {
+    sensors.push_back(view.sensor);
+    for (std::size_t i = 0; i < view.plan.spans.size(); ++i)
+      due.push_back({view.plan.spans[i].time_start_s, &view, i});
+  }
+  std::stable_sort(due.begin(), due.end(), [](const Due& a, const Due& b) { return a.start_s < b.start_s; });
+  const Trajectory& path = views.front().plan.world_from_rig;
+  if (command.start_ns >= 0) start_ns = command.start_ns;
+  const Ros2Drive drive{path, sensors, scene.scene().actors, start_ns.value_or(usual_start_ns(path))};
+  const FrameRequest request{.camera_median = recorded != nullptr};
+  write_atomically(command.output, [&](const fs::path& file) {
+    RenderedBag bag(file, drive, command.files);
+    for (const Due& d : due) {
+      bag.add(scene.render(d.view->sensor, d.view->plan.shot(d.view->sensor, d.frame), request), recorded);
+      on_frame();
+    }
+    bag.finish();
+  });
+}
+
 void print_outcome(const RenderCommand& command,
                    const Globals& globals,
                    const std::vector<SensorPlan>& views,
@@ -191,7 +226,14 @@ void render(RenderCommand command, const Globals& globals) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("--as-log: found with \"{}\", allowed with a folder", command.output));
   }
-  command.sensors.are_all = command.as_log;
+  if (is_bag(command.output)) {
+    need_options_of_bags(command.files);
+    if (command.as_log)
+      throw Error(ErrorKind::kUsage, "--as-log: found with an .mcap file, allowed with a folder");
+  } else if (command.files.images == "raw") {
+    throw Error(ErrorKind::kUsage, "--images: found \"raw\" for a folder, allowed png, jpeg, exr");
+  }
+  command.sensors.are_all = command.as_log || is_bag(command.output);
   if (is_video(command.output) && command.files.outputs != FileOptions{}.outputs) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("--outputs: found with \"{}\", allowed with a folder: a video shows rgb",
@@ -203,7 +245,8 @@ void render(RenderCommand command, const Globals& globals) {
   SceneFile file = read_scene(globals, command.scene);
   warn_unlike_training(file, options);
   apply(command.edits, file);
-  const std::vector<SensorPlan> views = views_of(file, command);
+  const Drive drive = read_drive(command.scene, file, command.plan);
+  const std::vector<SensorPlan> views = views_of(drive, file, command);
   if (is_video(command.output) && views.size() > 1) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("-o: found \"{}\" for {} sensors, allowed a folder, or one sensor",
@@ -221,6 +264,8 @@ void render(RenderCommand command, const Globals& globals) {
   const auto on_frame = [&, tell = progress.callback()] { tell(++done, frames); };
   if (command.as_log) {
     write_rendered_log(scene, views, command, on_frame);
+  } else if (is_bag(command.output)) {
+    write_rendered_bag(scene, views, drive.start_ns, command, recorded.get(), on_frame);
   } else if (is_video(command.output)) {
     const SensorPlan& view = views.front();
     Video video(command.output, frame_rate(view.plan, command));
@@ -255,15 +300,22 @@ void add_render(Command app, const Globals& globals) {
   Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
   sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required().reads();
   add_sensor_options(sub, command->sensors);
-  sub.option("-o,--output",
-             command->output,
-             "folder to make: pictures, or clouds and range pictures, and frames.json; of several sensors in "
-             "a folder each; or a video.mp4")
+  sub.option(
+         "-o,--output",
+         command->output,
+         "folder to make: pictures, or clouds and range pictures, and frames.json; of several sensors in "
+         "a folder each; or a video.mp4; or a recording of ROS 2, drive.mcap, by default of all sensors of "
+         "the scene")
       .required()
       .makes();
   add_file_options(sub, command->files);
   sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
       .range(kLeastRate, kMostRate);
+  sub.option("--start-ns",
+             command->start_ns,
+             "of an .mcap file: nanoseconds since 1970 of the scene's time 0; default: as the log of "
+             "--trajectory says, else about a second")
+      .non_negative();
   Option as_log = sub.flag("--as-log",
                            command->as_log,
                            "the folder becomes a log, by default of all sensors of the scene, to train on");

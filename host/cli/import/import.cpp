@@ -7,9 +7,8 @@
 #include "host/base/split.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
-#include "host/cli/info/info.hpp"
+#include "host/cli/import/run_import.hpp"
 #include "host/scene/placement.hpp"
 #include "io/base/output.hpp"
 #include "io/import/kitti/kitti.hpp"
@@ -36,18 +35,6 @@ void print_report(const KittiReport& r) {
       percent(r.unplaced, r.points),
       percent(r.returned, r.rays),
       r.rays);
-}
-
-/// What every import does: `run(progress, report)` returns the log, `tell(report)` says on stderr what became
-/// of what was recorded.
-template <class Report, class Run, class Tell>
-void run_import(const char* name, const Globals& globals, const Run& run, const Tell& tell) {
-  FileProgress progress(std::string("import ") + name, globals);
-  Report report;
-  const Log log = run(progress.callback(), report);
-  progress.finish();
-  tell(report);
-  print_log(log, globals.json);
 }
 
 /// "3, 177 to 180"; what is beyond the tenth run is only told to be there.
@@ -259,6 +246,8 @@ void add_import(Command app, const Globals& globals) {
   segment.option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)").required().reads();
   segment.option("-o,--output", waymo->output, "log folder to write").required().makes();
   segment.run([waymo, &globals] { import_waymo_segment(*waymo, globals); });
+
+  add_import_ros2(import, globals);
 
   const auto points = std::make_shared<PointsOptions>();
   Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");

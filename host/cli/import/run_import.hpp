@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+
+#include "host/cli/base/command.hpp"
+#include "host/cli/base/file_progress.hpp"
+#include "host/cli/info/info.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli::cli {
+
+/// What every import does: `run(progress, report)` returns the log, `tell(report)` says on stderr what became
+/// of what was recorded.
+template <class Report, class Run, class Tell>
+void run_import(const char* name, const Globals& globals, const Run& run, const Tell& tell) {
+  FileProgress progress(std::string("import ") + name, globals);
+  Report report;
+  const Log log = run(progress.callback(), report);
+  progress.finish();
+  tell(report);
+  print_log(log, globals.json);
+}
+
+/// `import mcap`: recordings of ROS 2.
+void add_import_ros2(Command import, const Globals& globals);
+
+}  // namespace simuli::cli

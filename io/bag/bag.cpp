@@ -1,0 +1,64 @@
+#include "io/bag/bag.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The parts of one recording, one after the other.
+class BagParts : public Bag {
+ public:
+  explicit BagParts(const std::vector<fs::path>& files) {
+    for (const fs::path& file : files) parts_.push_back(open_bag(file));
+  }
+  void read(const Wanted& wanted, const OnMessage& on_message) const override {
+    for (const auto& part : parts_) part->read(wanted, on_message);
+  }
+
+ private:
+  std::vector<std::unique_ptr<const Bag>> parts_;
+};
+
+/// NAME_2 before NAME_10, as recorders number them.
+bool is_before(const fs::path& a, const fs::path& b) {
+  const std::string x = a.string(), y = b.string();
+  return std::pair(x.size(), x) < std::pair(y.size(), y);
+}
+
+}  // namespace
+
+std::unique_ptr<const Bag> open_bag(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  std::error_code status;
+  if (fs::is_directory(path, status)) {
+    std::vector<fs::path> files;
+    std::set<std::string> endings;
+    for (const auto& entry : fs::directory_iterator(path, status)) {
+      const std::string of = entry.path().extension().string();
+      if (of != ".mcap" && of != ".db3") continue;
+      files.push_back(entry.path());
+      endings.insert(of);
+    }
+    if (endings.size() != 1) {
+      throw_input_error(
+          path.string(), "files", files.empty() ? "no .mcap and no .db3" : "both .mcap and .db3", "one kind");
+    }
+    std::sort(files.begin(), files.end(), is_before);
+    return std::make_unique<const BagParts>(files);
+  }
+  if (ending == ".mcap") return open_mcap(path);
+  if (ending == ".db3") return open_sqlite_bag(path);
+  throw_input_error(path.string(),
+                    "ending",
+                    '"' + ending + '"',
+                    ".mcap, .db3, or a folder of such (unpack .zstd; ROS 1's .bag: rosbags-convert)");
+}
+
+}  // namespace simuli

@@ -1,0 +1,275 @@
+#include "io/import/ros2/ros2_lidar.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <fmt/format.h>
+#include <map>
+#include <optional>
+
+#include "host/base/angles.hpp"
+#include "host/base/error.hpp"
+#include "host/sensors/lidar_locate.hpp"
+
+namespace simuli::ros2 {
+namespace {
+
+constexpr std::size_t kSamplesOfRing = 48;
+constexpr double kLeastOff_rad = 0.01;  // as io/import/points/point_grid.hpp
+
+using Rings = std::map<int, std::vector<const CloudPoint*>>;
+
+/// Up to kSamplesOfRing points of each ring, from all around.
+Rings sampled(const std::vector<std::vector<CloudPoint>>& sweeps) {
+  Rings all, some;
+  for (const auto& sweep : sweeps) {
+    for (const CloudPoint& point : sweep) all[point.ring].push_back(&point);
+  }
+  for (const auto& [ring, points] : all) {
+    const std::size_t count = std::min(points.size(), kSamplesOfRing);
+    for (std::size_t i = 0; i < count; ++i) some[ring].push_back(points[i * points.size() / count]);
+  }
+  return some;
+}
+
+/// Median of how far the points are above a row's beam, rad; nothing where it sees none of them.
+std::optional<double> off_row(const Lidar& lidar, int row, const std::vector<const CloudPoint*>& points) {
+  std::vector<double> off;
+  for (const CloudPoint* point : points) {
+    const auto hit = locate_in_row(lidar, row, point->position);
+    if (hit) off.push_back(std::abs(hit->elevation_error));
+  }
+  if (off.empty()) return {};
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return *middle;
+}
+
+/// Half the way to the next row.
+double tolerance(const Lidar& lidar, int row) {
+  double nearest = 2.0 * kLeastOff_rad;
+  for (const int other : {row - 1, row + 1}) {
+    if (other < 0 || other >= lidar.row_count()) continue;
+    const double way = std::abs(lidar.rows[static_cast<std::size_t>(row)].elevation -
+                                lidar.rows[static_cast<std::size_t>(other)].elevation);
+    nearest = std::max(nearest, way);
+  }
+  return 0.5 * nearest;
+}
+
+class Fit {
+ public:
+  Fit(const Lidar& table, const std::string& file, const std::string& where) : file_(file), where_(where) {
+    out.model = table;
+  }
+
+  void rows(const Rings& rings) {
+    const int count = out.model.row_count();
+    const int last = rings.rbegin()->first;
+    if (last >= count) {
+      refuse("rings", fmt::format("{}", last), fmt::format("0 to {}: rows of {}", count - 1, out.model.name));
+    }
+    out.row_of.assign(static_cast<std::size_t>(count), -1);
+    std::map<int, int> ring_of;
+    for (const auto& [ring, points] : rings) {
+      int best = -1;
+      double least = 0.0;
+      for (int row = 0; row < count; ++row) {
+        const auto off = off_row(out.model, row, points);
+        if (off && (best < 0 || *off < least)) {
+          best = row;
+          least = *off;
+        }
+      }
+      if (best < 0 || least > tolerance(out.model, best)) {
+        refuse(fmt::format("ring {}", ring),
+               best < 0 ? "on no row" : fmt::format("{:.2f} degrees beside the nearest row", least / kDegree),
+               fmt::format("on a row of {}: is it that sensor?", out.model.name));
+      }
+      const auto [other, is_new] = ring_of.emplace(best, ring);
+      if (!is_new) {
+        refuse(fmt::format("rings {} and {}", other->second, ring),
+               fmt::format("both on row {}", best),
+               fmt::format("a row of {} each: is it that sensor?", out.model.name));
+      }
+      out.row_of[static_cast<std::size_t>(ring)] = best;
+    }
+    complete(ring_of.size());
+  }
+
+  /// Where the turn begins and to which side it goes, by the points' times.
+  void turn(const Rings& rings, double period_s) {
+    Lidar& model = out.model;
+    if (std::abs(model.azimuth_span - kTurn) > 1e-6) return;  // it swings: the table says how
+    model.sweep_s = period_s;
+    std::optional<std::complex<double>> best;
+    SpinDirection side = model.spin;
+    for (const SpinDirection spin : {model.spin, other(model.spin)}) {
+      Lidar tried = model;
+      tried.spin = spin;
+      const std::complex<double> sum = mean_phase(tried, rings, period_s);
+      if (best && std::abs(sum) <= std::abs(*best)) continue;
+      best = sum;
+      side = spin;
+    }
+    constexpr double kLeastCoherent = 0.9;
+    if (std::abs(*best) < kLeastCoherent) {
+      refuse("points' times",
+             "such that fit no turn",
+             fmt::format("one turn in {:.4f} s: --point-time says what they are", period_s));
+    }
+    if (side != model.spin) {
+      model.spin = side;
+      out.notes.push_back(side == SpinDirection::kClockwise
+                              ? "turns clockwise, by the points' times"
+                              : "turns counter-clockwise, by the points' times");
+    }
+    const double share = std::arg(*best) / kTurn;  // of a turn, by which points are later than the table says
+    if (std::abs(share) <= 0.5 / model.columns) return;
+    model.azimuth_first = std::remainder(model.azimuth_first - model.spin_sign() * share * kTurn, kTurn);
+    out.notes.push_back(fmt::format("the first column is at {:.2f} degrees, by the points' times",
+                                    model.azimuth_first / kDegree));
+  }
+
+  void start(const std::vector<std::vector<CloudPoint>>& sweeps, double period_s, Stamp stamp) {
+    double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s;
+    for (const auto& sweep : sweeps) {
+      for (const CloudPoint& point : sweep) {
+        first_s = std::min(first_s, point.time_s);
+        last_s = std::max(last_s, point.time_s);
+      }
+    }
+    const bool has_times = std::isfinite(first_s);
+    if (has_times && last_s - first_s > 1.5 * period_s) {
+      refuse("points' times",
+             fmt::format("{:.4f} s from first to last", last_s - first_s),
+             fmt::format("a turn's {:.4f} s: --point-time FIELD:UNIT says another unit", period_s));
+    }
+    if (!has_times && stamp == Stamp::kUnknown)
+      refuse("points' times", "none", "some, or --stamp start or end: which of the sweep a stamp is");
+    const double slack_s = 0.1 * period_s;
+    if (stamp == Stamp::kUnknown) {
+      const bool is_start = first_s >= -slack_s, is_end = last_s <= slack_s;
+      if (!is_start && !is_end) {
+        out.start_after_stamp_s = first_s;
+        out.notes.push_back(
+            fmt::format("sweeps begin {:.4f} s after their stamp, by the points' times", first_s));
+        return;
+      }
+      stamp = is_start ? Stamp::kStart : Stamp::kEnd;
+    }
+    out.start_after_stamp_s = stamp == Stamp::kStart ? 0.0 : -period_s;
+    out.notes.emplace_back(stamp == Stamp::kStart ? "stamped at the start of a sweep"
+                                                  : "stamped at the end of a sweep");
+  }
+
+  [[noreturn]] void refuse(const std::string& field,
+                           const std::string& found,
+                           const std::string& allowed) const {
+    throw_input_error(file_, where_ + ": " + field, found, allowed);
+  }
+
+  RecordedLidar out;
+
+ private:
+  static SpinDirection other(SpinDirection spin) {
+    return spin == SpinDirection::kClockwise ? SpinDirection::kCounterClockwise : SpinDirection::kClockwise;
+  }
+
+  /// Rings without a point in the samples follow the order of the others, where these have one.
+  void complete(std::size_t known) {
+    const auto count = static_cast<int>(out.row_of.size());
+    const auto follows = [&](bool is_reversed) {
+      for (int ring = 0; ring < count; ++ring) {
+        const int row = out.row_of[static_cast<std::size_t>(ring)];
+        if (row >= 0 && row != (is_reversed ? count - 1 - ring : ring)) return false;
+      }
+      return true;
+    };
+    const bool is_straight = follows(false), is_reversed = follows(true);
+    if (is_straight != is_reversed) {
+      for (int ring = 0; ring < count; ++ring)
+        out.row_of[static_cast<std::size_t>(ring)] = is_reversed ? count - 1 - ring : ring;
+      out.notes.emplace_back(is_reversed ? "ring 0 is the lowest beam" : "ring 0 is the highest beam");
+    } else {
+      out.notes.push_back(fmt::format("{} rings, each on the beam that its points lie on", known));
+    }
+  }
+
+  /// Mean over the points of exp(i 2 pi (their time less the table's, in turns)).
+  [[nodiscard]] std::complex<double> mean_phase(const Lidar& tried,
+                                                const Rings& rings,
+                                                double period_s) const {
+    std::complex<double> sum;
+    double count = 0.0;
+    for (const auto& [ring, points] : rings) {
+      for (const CloudPoint* point : points) {
+        const auto hit =
+            ring < 0 ? locate(tried, point->position)
+                     : locate_in_row(tried, out.row_of[static_cast<std::size_t>(ring)], point->position);
+        if (!hit || std::isnan(point->time_s)) continue;
+        sum += std::polar(
+            1.0,
+            kTurn * (point->time_s / period_s - hit->time_fraction - out.start_after_stamp_s / period_s));
+        count += 1.0;
+      }
+    }
+    return count > 0.0 ? sum / count : std::complex<double>(1.0);
+  }
+
+  const std::string& file_;
+  const std::string& where_;
+};
+
+}  // namespace
+
+RecordedLidar fit_recorded(const Lidar& table,
+                           const std::vector<std::vector<CloudPoint>>& sweeps,
+                           double period_s,
+                           Stamp stamp,
+                           const std::string& file,
+                           const std::string& where) {
+  Fit fit(table, file, where);
+  const Rings rings = sampled(sweeps);
+  if (rings.empty()) fit.refuse("points", "none in the first sweeps", "some");
+  if (rings.begin()->first >= 0) fit.rows(rings);
+  fit.start(sweeps, period_s, stamp);
+  if (!std::isnan(rings.begin()->second.front()->time_s)) fit.turn(rings, period_s);
+  fit.out.model.sweep_s = period_s;
+  return fit.out;
+}
+
+std::vector<MeasuredPoint> measured(const std::vector<CloudPoint>& points,
+                                    const RecordedLidar& lidar,
+                                    const std::string& file,
+                                    const std::string& where) {
+  std::vector<MeasuredPoint> out;
+  out.reserve(points.size());
+  for (const CloudPoint& point : points) {
+    MeasuredPoint m;
+    m.position = point.position;
+    m.intensity = point.intensity;
+    if (!lidar.row_of.empty()) {
+      const auto ring = static_cast<std::size_t>(point.ring);
+      if (ring >= lidar.row_of.size() || lidar.row_of[ring] < 0) {
+        throw_input_error(file,
+                          where + ": ring",
+                          fmt::format("{}", point.ring),
+                          fmt::format("one of the first sweeps', below {}", lidar.row_of.size()));
+      }
+      m.row = lidar.row_of[ring];
+    }
+    m.time_fraction = (point.time_s - lidar.start_after_stamp_s) / lidar.model.sweep_s;  // NaN without times
+    if (m.time_fraction < -0.5 || m.time_fraction > 1.5) {
+      throw_input_error(
+          file,
+          where + ": a point's time",
+          fmt::format("{:.4f} s after the stamp", point.time_s),
+          fmt::format("within its sweep of {:.4f} s, or half of one beside it", lidar.model.sweep_s));
+    }
+    out.push_back(m);
+  }
+  return out;
+}
+
+}  // namespace simuli::ros2

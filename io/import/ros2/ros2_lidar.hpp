@@ -1,0 +1,40 @@
+#pragma once
+// A LiDAR's table beside the points of a recording: which ring is which row, where a turn begins, when a
+// sweep does. For io/import/ros2/*.cpp and tests.
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/sensors/lidar.hpp"
+#include "io/import/points/point_grid.hpp"
+#include "io/import/ros2/cloud_fields.hpp"
+
+namespace simuli::ros2 {
+
+/// What a stamp means in a turn.
+enum class Stamp { kStart, kEnd, kUnknown };
+
+struct RecordedLidar {
+  Lidar model;              // as given, but for where its turn begins and to which side it goes
+  std::vector<int> row_of;  // by ring; -1: none. Empty: rows by elevation
+  double start_after_stamp_s = 0.0;
+  std::vector<std::string> notes;  // what was found in the points
+};
+
+/// From the points of some sweeps, `period_s` of a turn. Rings are rows by where their points are: any order.
+/// Error{kInput} naming `file` and `where` for rings that lie on no row, or two on one; times that fit no
+/// turn of the table; and, where points have no times, a stamp that is kUnknown.
+[[nodiscard]] RecordedLidar fit_recorded(const Lidar& table,
+                                         const std::vector<std::vector<CloudPoint>>& sweeps,
+                                         double period_s,
+                                         Stamp stamp,
+                                         const std::string& file,
+                                         const std::string& where);
+
+/// Points of a sweep for grid_points(). Error{kInput} for a ring that none of fit_recorded()'s sweeps had.
+[[nodiscard]] std::vector<MeasuredPoint> measured(const std::vector<CloudPoint>& points,
+                                                  const RecordedLidar& lidar,
+                                                  const std::string& file,
+                                                  const std::string& where);
+
+}  // namespace simuli::ros2

@@ -1,0 +1,309 @@
+#include "io/import/ros2/ros2_log.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/base/names.hpp"
+#include "io/base/file.hpp"
+#include "io/import/ros2/ros2_frames.hpp"
+#include "io/import/ros2/ros2_lidar.hpp"
+#include "io/import/ros2/ros2_scan.hpp"
+#include "io/ros2/camera_info.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace ros2;  // NOLINT(google-build-using-namespace): the import is about them
+
+constexpr double kMostUnplaced = 0.05;
+constexpr double kNanosecond_s = 1e-9;
+
+/// "/a/b/c" -> "/a/b"; of a picture compressed by a transport what the picture itself has.
+std::string folder_of(std::string topic) {
+  constexpr std::string_view kTransport = "/compressed";
+  if (topic.ends_with(kTransport)) topic.resize(topic.size() - kTransport.size());
+  return topic.substr(0, topic.rfind('/') == std::string::npos ? 0 : topic.rfind('/'));
+}
+
+template <class Map>
+std::string names(const Map& topics) {
+  std::string all;
+  for (const auto& [name, unused] : topics) all += (all.empty() ? "" : ", ") + name;
+  return all.empty() ? "none" : all;
+}
+
+class Importer {
+ public:
+  Importer(const Ros2Options& options, Ros2Report& report)
+      : options_(options),
+        report_(report),
+        file_(options.recording.string()),
+        bag_(open_bag(options.recording)),
+        scan_(scan_bag(*bag_, options)) {}
+
+  Log run(const std::function<void(std::size_t, std::size_t)>& progress) {
+    choose_lidars();
+    choose_cameras();
+    if (lidars_.empty() && cameras_.empty())
+      throw_input_error(
+          file_, "sensors", "no clouds and no pictures with a CameraInfo", "at least one sensor");
+    find_path();
+    Log written;
+    write_folder_atomically(options_.output, [&](const fs::path& folder) {
+      FrameWriter writer(*bag_, file_, log_, folder, span_, report_);
+      for (const auto& [topic, unused] : lidars_) writer.total += scan_.clouds.at(topic).stamps_ns.size();
+      for (const auto& [topic, unused] : cameras_) writer.total += scan_.pictures.at(topic).stamps_ns.size();
+      writer.write(lidars_, cameras_, field_options(options_), progress);
+      if (static_cast<double>(report_.points.unplaced) >
+          kMostUnplaced * static_cast<double>(report_.points.points)) {
+        throw_input_error(file_,
+                          "points on no ray of their LiDAR",
+                          fmt::format("{} of {}", report_.points.unplaced, report_.points.points),
+                          fmt::format("at most {} %: is it that sensor?", 100.0 * kMostUnplaced));
+      }
+      sort_by_time(log_);
+      log_.folder = folder;
+      write_log(log_);
+      written = read_log(folder);  // what was written is what the next command will read
+    });
+    written.folder = options_.output;
+    return written;
+  }
+
+ private:
+  void note(std::string text) { report_.notes.push_back(std::move(text)); }
+
+  [[noreturn]] static void refuse_option(const char* option,
+                                         const std::string& found,
+                                         const std::string& allowed) {
+    throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", option, found, allowed));
+  }
+
+  /// What is below the topic, or all of it where another sensor has that name.
+  std::string name_of_topic(const std::string& topic) {
+    const std::string folder = folder_of(topic);
+    for (std::string name : {folder.empty() ? topic : folder, topic}) {
+      name.erase(0, name.find_first_not_of('/'));
+      std::replace(name.begin(), name.end(), '/', '_');
+      name = name_from(name.empty() ? "sensor" : name);
+      if (names_.insert(name).second) return name;
+    }
+    throw_input_error(file_, topic, "a name that two sensors would have", "topics that differ");
+  }
+
+  /// rig_from_sensor, a camera's or a LiDAR's.
+  Pose mount_of(const std::string& topic, const std::string& frame, bool is_camera) const {
+    const auto asked = options_.mounts.find(topic);
+    if (asked != options_.mounts.end())
+      return is_camera ? asked->second.rig_from_camera() : asked->second.rig_from_lidar();
+    if (frame == options_.rig_frame) return {};
+    const auto pose = scan_.transforms.fixed(options_.rig_frame, frame);
+    if (!pose) {
+      throw_input_error(
+          file_,
+          fmt::format("transform of {} ({}) in {}", frame, topic, options_.rig_frame),
+          fmt::format("none; frames: {}", scan_.transforms.frames()),
+          fmt::format("one that stays, --rig-frame FRAME, or --mount {}:X,Y,Z,ROLL,PITCH,YAW", topic));
+    }
+    return *pose;
+  }
+
+  /// Median time between sweeps.
+  double period_of(const SensorTopic& topic, const Lidar& table) const {
+    std::vector<std::int64_t> steps;
+    std::vector<std::int64_t> stamps = topic.stamps_ns;
+    std::sort(stamps.begin(), stamps.end());
+    for (std::size_t i = 1; i < stamps.size(); ++i) {
+      if (stamps[i] > stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
+    }
+    if (steps.empty()) return table.sweep_s;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    return static_cast<double>(*middle) * kNanosecond_s;
+  }
+
+  void choose_lidars() {
+    const auto stamp = options_.stamp == "start" ? Stamp::kStart
+                       : options_.stamp == "end" ? Stamp::kEnd
+                                                 : Stamp::kUnknown;
+    if (!options_.stamp.empty() && stamp == Stamp::kUnknown)
+      refuse_option("--stamp", options_.stamp, "start, end");
+    if (options_.lidars.empty() && !options_.without_lidars && !scan_.clouds.empty()) {
+      throw_input_error(file_,
+                        "clouds",
+                        names(scan_.clouds),
+                        "--lidar TOPIC=SENSOR for those that are wanted (simuli info sensors; simuli fit "
+                        "beams), or --no-lidars");
+    }
+    for (const Ros2Lidar& asked : options_.lidars) {
+      const auto found = scan_.clouds.find(asked.topic);
+      if (found == scan_.clouds.end())
+        refuse_option("--lidar", asked.topic, "a topic of clouds: " + names(scan_.clouds));
+      const SensorTopic& topic = found->second;
+      const double period_s = period_of(topic, asked.table);
+      if (!(period_s > 0.0) || period_s > kLongestSweep_s)
+        throw_input_error(file_,
+                          asked.topic + ": time between sweeps",
+                          fmt::format("{} s", period_s),
+                          fmt::format("at most {}", kLongestSweep_s));
+      RecordedLidar lidar =
+          fit_recorded(asked.table, topic.first_sweeps, period_s, stamp, file_, asked.topic);
+      lidar.model.name = name_of_topic(asked.topic);
+      log_.lidars.push_back({lidar.model, mount_of(asked.topic, topic.frame_id, false)});
+      std::string text = fmt::format(
+          "LiDAR {}: {}, {} Hz; {}", lidar.model.name, asked.topic, 1.0 / period_s, topic.fields->told());
+      for (const std::string& more : lidar.notes) text += "; " + more;
+      note(text);
+      if (!lidars_.emplace(asked.topic, std::move(lidar)).second)
+        refuse_option("--lidar", asked.topic, "each topic once");
+    }
+    for (const auto& [topic, unused] : scan_.clouds) {
+      if (lidars_.count(topic) == 0) note("left out: " + topic + ", no --lidar names it");
+    }
+  }
+
+  void choose_cameras() {
+    for (const std::string& topic : options_.cameras) {
+      if (scan_.pictures.count(topic) == 0)
+        refuse_option("--cameras", topic, "a topic of pictures: " + names(scan_.pictures));
+    }
+    std::map<std::string, std::string> taken;  // by what they are a picture of
+    for (const auto& [topic, pictures] : scan_.pictures) {
+      const bool is_asked =
+          std::find(options_.cameras.begin(), options_.cameras.end(), topic) != options_.cameras.end();
+      if (!options_.cameras.empty() && !is_asked) continue;
+      const auto info = scan_.infos.find(folder_of(topic) + "/camera_info");
+      if (info == scan_.infos.end()) {
+        const std::string lacks = "no " + folder_of(topic) + "/camera_info";
+        if (is_asked) throw_input_error(file_, topic, lacks, "a CameraInfo beside it");
+        note("left out: " + topic + ", " + lacks);
+        continue;
+      }
+      const auto [same, is_first] = taken.emplace(folder_of(topic), topic);
+      if (!is_first) {
+        if (is_asked)
+          refuse_option("--cameras", topic, "one topic of a camera; " + same->second + " is of the same");
+        note("left out: " + topic + ", of the same camera as " + same->second);
+        continue;
+      }
+      if (topic.find("rect", folder_of(topic).size()) != std::string::npos &&
+          topic.find("/image_rect") != std::string::npos) {
+        throw_input_error(file_,
+                          topic,
+                          "rectified pictures, which K and D do not describe",
+                          "raw ones: --cameras names them");
+      }
+      Camera camera = camera_of(info->second, name_of_topic(topic), file_, info->first);
+      const auto shutter = options_.shutters.find(topic);
+      RecordedCamera recorded;
+      if (shutter != options_.shutters.end()) {
+        camera.shutter = shutter->second.kind;
+        recorded.readout_s = shutter->second.readout_s;
+      }
+      recorded.name = camera.name;
+      note(fmt::format("camera {}: {}, {}, {}",
+                       camera.name,
+                       topic,
+                       info->second.distortion_model,
+                       to_string(camera.shutter)));
+      log_.cameras.push_back({std::move(camera), mount_of(topic, pictures.frame_id, true)});
+      cameras_.emplace(topic, std::move(recorded));
+    }
+  }
+
+  void find_path() {
+    for (const auto& [topic, unused] : lidars_) add_span(scan_.clouds.at(topic));
+    for (const auto& [topic, unused] : cameras_) add_span(scan_.pictures.at(topic));
+    log_.start_ns = span_.first;
+    log_.name = name_from(options_.recording.stem().string());
+    std::vector<StampedPose> path;
+    if (!options_.without_poses) path = recorded_path();
+    std::vector<TimedPose> poses;
+    for (const StampedPose& pose : path)
+      poses.push_back({static_cast<double>(pose.stamp_ns - log_.start_ns) * kNanosecond_s, pose.pose});
+    if (options_.without_poses) {
+      constexpr double kBeyond_s = 1.0;  // so that the last sweep ends on it
+      poses = {{-kBeyond_s, {}},
+               {static_cast<double>(span_.second - span_.first) * kNanosecond_s + kBeyond_s, {}}};
+      note("no poses: a rig at rest");
+    } else if (poses.empty()) {
+      throw_input_error(
+          file_,
+          "path of " + options_.rig_frame,
+          fmt::format("none; frames: {}; odometry: {}", scan_.transforms.frames(), names(scan_.odometry)),
+          "transforms or odometry that move it, --rig-frame, --odometry, or --no-poses");
+    }
+    log_.world_from_rig = Trajectory(std::move(poses));
+    const auto [first_ns, last_ns] = span_;
+    span_ = {first_ns + static_cast<std::int64_t>(
+                            (log_.world_from_rig.start_s() - Trajectory::kExtrapolation_s) / kNanosecond_s),
+             first_ns + static_cast<std::int64_t>(
+                            (log_.world_from_rig.end_s() + Trajectory::kExtrapolation_s) / kNanosecond_s)};
+  }
+
+  void add_span(const SensorTopic& topic) {
+    for (const std::int64_t ns : topic.stamps_ns) {
+      span_.first = std::min(span_.first, ns);
+      span_.second = std::max(span_.second, ns);
+    }
+  }
+
+  std::vector<StampedPose> recorded_path() {
+    if (options_.odometry.empty() &&
+        (scan_.transforms.has(options_.rig_frame) || !options_.world_frame.empty())) {
+      std::string world = options_.world_frame;
+      std::vector<StampedPose> path = scan_.transforms.path(options_.rig_frame, world);
+      if (!path.empty()) {
+        note(fmt::format("path: {} in {}, {} poses of transforms", options_.rig_frame, world, path.size()));
+        return path;
+      }
+    }
+    std::string topic = options_.odometry;
+    if (topic.empty() && scan_.odometry.size() == 1) topic = scan_.odometry.begin()->first;
+    if (topic.empty()) return {};
+    const auto found = scan_.odometry.find(topic);
+    if (found == scan_.odometry.end())
+      refuse_option("--odometry", topic, "a topic of Odometry: " + names(scan_.odometry));
+    std::string child = frame_name(scan_.odometry_frames.at(topic).child_frame_id);
+    if (child.empty()) child = options_.rig_frame;
+    const auto child_from_rig =
+        child == options_.rig_frame ? Pose{} : scan_.transforms.fixed(child, options_.rig_frame);
+    if (!child_from_rig) {
+      throw_input_error(file_,
+                        topic + ": child_frame_id",
+                        child,
+                        fmt::format("{}, or a frame that is fixed to it", options_.rig_frame));
+    }
+    std::vector<StampedPose> path = found->second;
+    for (StampedPose& pose : path) pose.pose = pose.pose * *child_from_rig;
+    sort_by_stamp(path);
+    note(fmt::format("path: {} of {}, {} poses", options_.rig_frame, topic, path.size()));
+    return path;
+  }
+
+  const Ros2Options& options_;
+  Ros2Report& report_;
+  std::string file_;
+  std::unique_ptr<const Bag> bag_;
+  Scan scan_;
+  Log log_;
+  std::set<std::string> names_;
+  std::map<std::string, RecordedLidar> lidars_;    // by topic
+  std::map<std::string, RecordedCamera> cameras_;  // by topic
+  std::pair<std::int64_t, std::int64_t> span_{std::numeric_limits<std::int64_t>::max(),
+                                              std::numeric_limits<std::int64_t>::min()};
+};
+
+}  // namespace
+
+Log import_ros2(const Ros2Options& options,
+                const std::function<void(std::size_t, std::size_t)>& progress,
+                Ros2Report& report) {
+  return Importer(options, report).run(progress);
+}
+
+}  // namespace simuli

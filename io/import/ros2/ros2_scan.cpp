@@ -1,0 +1,102 @@
+#include "io/import/ros2/ros2_scan.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+
+namespace simuli::ros2 {
+namespace {
+
+constexpr std::size_t kFirstSweeps = 4;  // enough of every ring, from all around
+constexpr std::size_t kMostMessages = 10'000'000;
+
+class Scanner {
+ public:
+  Scanner(const Ros2Options& options, std::string file)
+      : scan(file), options_(options), file_(std::move(file)) {}
+
+  void take(const BagChannel& channel, std::string_view data) {
+    if (++messages_ > kMostMessages)
+      throw_input_error(
+          file_, "messages", "more", fmt::format("at most {} of sensors and poses", kMostMessages));
+    if (channel.encoding != "cdr") {
+      throw_input_error(
+          file_, channel.topic + ": message encoding", '"' + channel.encoding + '"', "cdr: ROS 2's");
+    }
+    const CdrReader in = reader_of(channel, data, file_);
+    const std::string& type = channel.type;
+    if (type == kTfMessage) {
+      for (const TransformMessage& transform : read_transforms(in)) scan.transforms.add(transform);
+    } else if (type == kCameraInfo) {
+      take_info(channel, read_camera_info(in));
+    } else if (type == kOdometry) {
+      const OdometryMessage pose = read_odometry(in);
+      scan.odometry[channel.topic].push_back({pose.header.stamp_ns, pose.parent_from_child});
+      scan.odometry_frames.emplace(channel.topic, pose);
+    } else if (type == kPointCloud2) {
+      take_cloud(channel, read_point_cloud(in));
+    } else {
+      const Header header = type == kImage ? read_image_message(in).header : read_compressed_image(in).header;
+      take_stamp(scan.pictures[channel.topic], channel, header);
+    }
+  }
+
+  Scan scan;
+
+ private:
+  static void take_stamp(SensorTopic& topic, const BagChannel& channel, const Header& header) {
+    if (topic.stamps_ns.empty()) {
+      topic.type = channel.type;
+      topic.frame_id = frame_name(header.frame_id);
+    }
+    topic.stamps_ns.push_back(header.stamp_ns);
+  }
+
+  void take_info(const BagChannel& channel, const CameraInfoMessage& info) {
+    const auto [known, is_new] = scan.infos.emplace(channel.topic, info);
+    const CameraInfoMessage& first = known->second;
+    const bool is_same = first.width == info.width && first.height == info.height && first.k == info.k &&
+                         first.d == info.d && first.distortion_model == info.distortion_model;
+    if (!is_same)
+      throw_input_error(file_, channel.topic, "a calibration that changes", "one for the whole drive");
+  }
+
+  void take_cloud(const BagChannel& channel, const PointCloudMessage& cloud) {
+    SensorTopic& topic = scan.clouds[channel.topic];
+    take_stamp(topic, channel, cloud.header);
+    const bool is_asked = std::any_of(options_.lidars.begin(),
+                                      options_.lidars.end(),
+                                      [&](const Ros2Lidar& lidar) { return lidar.topic == channel.topic; });
+    if (!is_asked || topic.first_sweeps.size() >= kFirstSweeps) return;
+    if (!topic.fields) topic.fields = find_cloud_fields(cloud, field_options(options_), file_, channel.topic);
+    std::vector<CloudPoint> points = points_of(cloud, *topic.fields, file_, channel.topic);
+    if (!points.empty()) topic.first_sweeps.push_back(std::move(points));
+  }
+
+  const Ros2Options& options_;
+  std::string file_;
+  std::size_t messages_ = 0;
+};
+
+}  // namespace
+
+CdrReader reader_of(const BagChannel& channel, std::string_view data, const std::string& file) {
+  return {data, file, channel.topic};
+}
+
+Scan scan_bag(const Bag& bag, const Ros2Options& options) {
+  Scanner scanner(options, options.recording.string());
+  const auto is_wanted = [](const BagChannel& channel) {
+    const std::string& t = channel.type;
+    return t == kTfMessage || t == kCameraInfo || t == kOdometry || t == kPointCloud2 || t == kImage ||
+           t == kCompressedImage;
+  };
+  bag.read(is_wanted, [&](const BagChannel& channel, std::uint64_t, std::string_view data) {
+    scanner.take(channel, data);
+  });
+  scanner.scan.transforms.finish();
+  return std::move(scanner.scan);
+}
+
+}  // namespace simuli::ros2

@@ -1,0 +1,46 @@
+#pragma once
+// What is in a recording, found in one pass. For io/import/ros2/*.cpp alone.
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/bag/bag.hpp"
+#include "io/import/ros2/cloud_fields.hpp"
+#include "io/import/ros2/ros2_log.hpp"
+#include "io/import/ros2/transform_tree.hpp"
+#include "io/ros2/messages.hpp"
+
+namespace simuli::ros2 {
+
+/// One topic of clouds or pictures.
+struct SensorTopic {
+  std::string type;
+  std::string frame_id;  // of the first message
+  std::vector<std::int64_t> stamps_ns;
+  std::vector<std::vector<CloudPoint>> first_sweeps;  // of clouds that options.lidars names
+  std::optional<CloudFields> fields;                  // of these
+};
+
+struct Scan {
+  explicit Scan(const std::string& file) : transforms(file) {}
+
+  std::map<std::string, SensorTopic> clouds, pictures;       // by topic
+  std::map<std::string, CameraInfoMessage> infos;            // by topic, the first
+  std::map<std::string, std::vector<StampedPose>> odometry;  // by topic, header.frame_id from child_frame_id
+  std::map<std::string, OdometryMessage> odometry_frames;    // the first of each
+  TransformTree transforms;
+};
+
+/// A reader of one message of that channel.
+[[nodiscard]] CdrReader reader_of(const BagChannel& channel, std::string_view data, const std::string& file);
+
+/// Errors as import_ros2().
+[[nodiscard]] Scan scan_bag(const Bag& bag, const Ros2Options& options);
+
+[[nodiscard]] inline CloudFieldOptions field_options(const Ros2Options& options) {
+  return {options.point_time, options.intensity};
+}
+
+}  // namespace simuli::ros2

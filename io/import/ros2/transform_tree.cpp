@@ -1,0 +1,148 @@
+#include "io/import/ros2/transform_tree.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+#include "host/base/error.hpp"
+
+namespace simuli::ros2 {
+namespace {
+
+/// Between the poses around a stamp; at the ends the nearest.
+Pose at(const std::vector<StampedPose>& poses, std::int64_t stamp_ns) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), stamp_ns, [](const StampedPose& p, std::int64_t ns) {
+        return p.stamp_ns < ns;
+      });
+  if (after == poses.end()) return poses.back().pose;
+  if (after == poses.begin() || after->stamp_ns == stamp_ns) return after->pose;
+  const StampedPose& before = *(after - 1);
+  const double share = static_cast<double>(stamp_ns - before.stamp_ns) /
+                       static_cast<double>(after->stamp_ns - before.stamp_ns);
+  return interpolate(before.pose, after->pose, share);
+}
+
+bool are_one(const std::vector<StampedPose>& poses) {
+  constexpr double kSame = 1e-6;  // m, rad: what a publisher's rounding makes of one pose
+  const Pose& first = poses.front().pose;
+  return std::all_of(poses.begin(), poses.end(), [&](const StampedPose& p) {
+    return (p.pose.translation - first.translation).norm() <= kSame &&
+           p.pose.rotation.angularDistance(first.rotation) <= kSame;
+  });
+}
+
+}  // namespace
+
+std::string frame_name(const std::string& frame_id) {
+  return frame_id.starts_with('/') ? frame_id.substr(1) : frame_id;
+}
+
+void sort_by_stamp(std::vector<StampedPose>& poses) {
+  std::stable_sort(poses.begin(), poses.end(), [](const StampedPose& a, const StampedPose& b) {
+    return a.stamp_ns < b.stamp_ns;
+  });
+  std::vector<StampedPose> kept;
+  for (const StampedPose& pose : poses) {
+    if (!kept.empty() && kept.back().stamp_ns == pose.stamp_ns) kept.pop_back();
+    kept.push_back(pose);
+  }
+  poses = std::move(kept);
+}
+
+void TransformTree::add(const TransformMessage& transform) {
+  constexpr std::size_t kMost = 10'000'000;
+  if (++count_ > kMost) throw_input_error(file_, "/tf", "more transforms", fmt::format("at most {}", kMost));
+  const std::string parent = frame_name(transform.header.frame_id),
+                    child = frame_name(transform.child_frame_id);
+  Link& link = links_[child];
+  if (link.poses.empty()) link.parent = parent;
+  if (link.parent != parent) {
+    throw_input_error(file_,
+                      "/tf: frame " + child,
+                      fmt::format("in {} and in {}", link.parent, parent),
+                      "one frame that it is in");
+  }
+  link.poses.push_back({transform.header.stamp_ns, transform.parent_from_child});
+}
+
+void TransformTree::finish() {
+  for (auto& [child, link] : links_) {
+    sort_by_stamp(link.poses);
+    link.is_fixed = are_one(link.poses);
+  }
+}
+
+bool TransformTree::has(const std::string& frame) const {
+  if (links_.count(frame) != 0) return true;
+  return std::any_of(
+      links_.begin(), links_.end(), [&](const auto& link) { return link.second.parent == frame; });
+}
+
+std::string TransformTree::frames() const {
+  std::set<std::string> names;
+  for (const auto& [child, link] : links_) names.insert({child, link.parent});
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::vector<const TransformTree::Link*> TransformTree::above(const std::string& frame) const {
+  std::vector<const Link*> links;
+  for (auto link = links_.find(frame); link != links_.end(); link = links_.find(link->second.parent)) {
+    links.push_back(&link->second);
+    if (links.size() > links_.size())
+      throw_input_error(file_, "/tf: frame " + frame, "in itself, by way of others", "in a tree of frames");
+  }
+  return links;
+}
+
+std::optional<Pose> TransformTree::fixed(const std::string& a, const std::string& b) const {
+  std::map<std::string, Pose> from_b;  // of what b is fixed in
+  Pose up;
+  from_b[b] = up;
+  for (const Link* link : above(b)) {
+    if (!link->is_fixed) break;
+    up = link->poses.front().pose * up;
+    from_b[link->parent] = up;
+  }
+  Pose from_a;
+  if (from_b.count(a) != 0) return from_b[a];
+  for (const Link* link : above(a)) {
+    if (!link->is_fixed) break;
+    from_a = link->poses.front().pose * from_a;
+    const auto common = from_b.find(link->parent);
+    if (common != from_b.end()) return from_a.inverse() * common->second;
+  }
+  return {};
+}
+
+std::vector<StampedPose> TransformTree::path(const std::string& frame, std::string& world) const {
+  std::vector<const Link*> links;
+  bool is_found = world.empty() || world == frame;
+  for (const Link* link : above(frame)) {
+    if (!world.empty() && is_found) break;
+    links.push_back(link);
+    is_found = is_found || link->parent == world;
+  }
+  if (!is_found)
+    throw_input_error(file_, "/tf: frame " + frame, "not in " + world, "one that it is in: " + frames());
+  if (world.empty() && !links.empty()) world = links.back()->parent;
+  const Link* fastest = nullptr;
+  for (const Link* link : links) {
+    if (!link->is_fixed && (fastest == nullptr || link->poses.size() > fastest->poses.size())) fastest = link;
+  }
+  if (fastest == nullptr) return {};
+  std::vector<StampedPose> path;
+  for (const StampedPose& sample : fastest->poses) {
+    const bool is_known = std::all_of(links.begin(), links.end(), [&](const Link* link) {
+      return link->is_fixed || (link->poses.front().stamp_ns <= sample.stamp_ns &&
+                                sample.stamp_ns <= link->poses.back().stamp_ns);
+    });
+    if (!is_known) continue;
+    Pose up;
+    for (const Link* link : links) up = at(link->poses, sample.stamp_ns) * up;
+    path.push_back({sample.stamp_ns, up});
+  }
+  return path;
+}
+
+}  // namespace simuli::ros2

@@ -1,0 +1,122 @@
+#include "io/ros2/camera_info.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <numbers>
+
+#include "host/base/error.hpp"
+#include "host/base/image.hpp"
+
+namespace simuli::ros2 {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr char kPlumbBob[] = "plumb_bob", kRational[] = "rational_polynomial", kEquidistant[] = "equidistant";
+
+/// Our k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 max_angle has OpenCV's order.
+constexpr std::size_t kPlumbBobCount = 5, kRationalCount = 8, kEquidistantCount = 4;
+
+void put_distortion(const Lens& lens, CameraInfoMessage& info) {
+  const std::vector<double>& p = lens.parameters();
+  const auto are_zero = [&](std::size_t first, std::size_t end) {
+    return std::all_of(p.begin() + static_cast<std::ptrdiff_t>(first),
+                       p.begin() + static_cast<std::ptrdiff_t>(end),
+                       [](double v) { return v == 0.0; });
+  };
+  const auto first = [&](std::size_t count) {
+    info.d.assign(p.begin(), p.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  if (lens.kind() == LensKind::kPinhole) {
+    info.distortion_model = kPlumbBob;
+    info.d.assign(kPlumbBobCount, 0.0);
+  } else if (lens.kind() == LensKind::kOpencvPinhole && are_zero(kRationalCount, p.size() - 1)) {
+    const bool is_plumb_bob = are_zero(kPlumbBobCount, kRationalCount);
+    info.distortion_model = is_plumb_bob ? kPlumbBob : kRational;
+    first(is_plumb_bob ? kPlumbBobCount : kRationalCount);
+  } else if (lens.kind() == LensKind::kOpencvFisheye) {
+    info.distortion_model = kEquidistant;
+    first(kEquidistantCount);
+  } else {
+    info.distortion_model = to_string(lens.kind());
+    info.d = p;
+  }
+}
+
+}  // namespace
+
+CameraInfoMessage camera_info_of(const Camera& camera) {
+  CameraInfoMessage info;
+  info.height = static_cast<std::uint32_t>(camera.height);
+  info.width = static_cast<std::uint32_t>(camera.width);
+  put_distortion(camera.lens, info);
+  const double cx = camera.cx - 0.5, cy = camera.cy - 0.5;
+  info.k = {camera.fx, 0, cx, 0, camera.fy, cy, 0, 0, 1};
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.p = {camera.fx, 0, cx, 0, 0, camera.fy, cy, 0, 0, 0, 1, 0};
+  return info;
+}
+
+Camera camera_of(const CameraInfoMessage& info,
+                 const std::string& name,
+                 const std::string& file,
+                 const std::string& where) {
+  const auto refuse = [&](const char* field, const std::string& found, const std::string& allowed) {
+    throw_input_error(file, where + ": " + field, found, allowed);
+  };
+  if (info.binning_x > 1 || info.binning_y > 1)
+    refuse("binning", fmt::format("{} x {}", info.binning_x, info.binning_y), "none: 0 or 1");
+  const bool is_whole = info.roi_x_offset == 0 && info.roi_y_offset == 0 &&
+                        (info.roi_width == 0 || info.roi_width == info.width) &&
+                        (info.roi_height == 0 || info.roi_height == info.height);
+  if (!is_whole) refuse("roi", "a part of the picture", "the whole");
+  if (info.width > static_cast<std::uint32_t>(kLargestSide_px) ||
+      info.height > static_cast<std::uint32_t>(kLargestSide_px)) {
+    refuse("width x height",
+           fmt::format("{} x {}", info.width, info.height),
+           fmt::format("at most {} a side", kLargestSide_px));
+  }
+  Camera camera;
+  camera.name = name;
+  camera.width = static_cast<int>(info.width);
+  camera.height = static_cast<int>(info.height);
+  camera.fx = info.k[0];
+  camera.fy = info.k[4];
+  camera.cx = info.k[2] + 0.5;
+  camera.cy = info.k[5] + 0.5;
+  if (info.k[0] == 0.0) refuse("k", "no focal length", "that of a calibrated camera");
+  const std::string& model = info.distortion_model;
+  std::vector<double> d = info.d;
+  const bool is_undistorted = std::all_of(d.begin(), d.end(), [](double v) { return v == 0.0; });
+  const auto need = [&](std::size_t count) {
+    if (d.size() != count)
+      refuse("d", fmt::format("{} values", d.size()), fmt::format("{} of {}", count, model));
+  };
+  LensKind kind = LensKind::kPinhole;
+  const auto known = std::find(lens_names().begin(), lens_names().end(), model);
+  if ((model.empty() || model == kPlumbBob) && is_undistorted) {
+    d.clear();
+  } else if (model == kPlumbBob || model == kRational) {
+    // plumb_bob of drivers that leave k3 out has four.
+    if (model == kPlumbBob && d.size() == 4) d.push_back(0.0);
+    need(model == kPlumbBob ? kPlumbBobCount : kRationalCount);
+    kind = LensKind::kOpencvPinhole;
+    d.resize(lens_parameter_names(kind).size() - 1, 0.0);
+    d.push_back(kPi);
+  } else if (model == kEquidistant || model == "kannala_brandt") {
+    need(kEquidistantCount);
+    kind = LensKind::kOpencvFisheye;
+    d.push_back(kPi);
+  } else if (known != lens_names().end()) {
+    kind = lens_from_string(model, file, where);
+    need(lens_parameter_names(kind).size());
+  } else {
+    refuse("distortion_model",
+           '"' + model + '"',
+           "plumb_bob, rational_polynomial, equidistant, or a lens of simuli's");
+  }
+  camera.lens = kind == LensKind::kPinhole ? Lens() : Lens(kind, d, file + ": " + where);
+  validate(camera, file + ": " + where);
+  return camera;
+}
+
+}  // namespace simuli::ros2

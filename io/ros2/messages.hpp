@@ -1,0 +1,133 @@
+#pragma once
+// The messages of ROS 2 that drives are made of, with the fields that they have there, and how they stand in
+// CDR. For io/ros2/*.cpp, io/import/ros2/*.cpp and tests.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/scene/pose.hpp"
+#include "io/ros2/cdr.hpp"
+
+namespace simuli::ros2 {
+
+struct Header {
+  std::int64_t stamp_ns = 0;  // seconds of 32 bits and nanoseconds in the message
+  std::string frame_id;
+};
+
+/// sensor_msgs/msg/Image
+struct ImageMessage {
+  Header header;
+  std::uint32_t height = 0, width = 0;
+  std::string encoding;
+  bool is_bigendian = false;
+  std::uint32_t step = 0;  // bytes of a row
+  std::string_view data;   // of the message; in writing, of whoever owns it
+};
+
+/// sensor_msgs/msg/CompressedImage
+struct CompressedImageMessage {
+  Header header;
+  std::string format;
+  std::string_view data;
+};
+
+/// sensor_msgs/msg/CameraInfo
+struct CameraInfoMessage {
+  Header header;
+  std::uint32_t height = 0, width = 0;
+  std::string distortion_model;
+  std::vector<double> d;
+  std::array<double, 9> k{};
+  std::array<double, 9> r{};
+  std::array<double, 12> p{};
+  std::uint32_t binning_x = 0, binning_y = 0;
+  std::uint32_t roi_x_offset = 0, roi_y_offset = 0, roi_height = 0, roi_width = 0;
+  bool roi_do_rectify = false;
+};
+
+/// sensor_msgs/msg/PointField
+struct PointField {
+  enum Type : std::uint8_t {
+    kInt8 = 1,
+    kUint8 = 2,
+    kInt16 = 3,
+    kUint16 = 4,
+    kInt32 = 5,
+    kUint32 = 6,
+    kFloat32 = 7,
+    kFloat64 = 8
+  };
+  std::string name;
+  std::uint32_t offset = 0;
+  std::uint8_t datatype = 0;
+  std::uint32_t count = 1;
+};
+
+/// sensor_msgs/msg/PointCloud2
+struct PointCloudMessage {
+  Header header;
+  std::uint32_t height = 0, width = 0;
+  std::vector<PointField> fields;
+  bool is_bigendian = false;
+  std::uint32_t point_step = 0, row_step = 0;
+  std::string_view data;
+  bool is_dense = true;
+};
+
+/// geometry_msgs/msg/TransformStamped: header.frame_id from child_frame_id.
+struct TransformMessage {
+  Header header;
+  std::string child_frame_id;
+  Pose parent_from_child;
+};
+
+/// nav_msgs/msg/Odometry without covariances and velocities.
+struct OdometryMessage {
+  Header header;
+  std::string child_frame_id;
+  Pose parent_from_child;
+};
+
+/// A box of visualization_msgs/msg/Marker.
+struct BoxMarker {
+  Header header;
+  std::string name;     // its namespace
+  Pose frame_from_box;  // of its middle
+  std::array<double, 3> size_m{};
+  std::array<float, 4> rgba{};
+  std::int64_t lifetime_ns = 0;
+};
+
+inline constexpr char kImage[] = "sensor_msgs/msg/Image";
+inline constexpr char kCompressedImage[] = "sensor_msgs/msg/CompressedImage";
+inline constexpr char kCameraInfo[] = "sensor_msgs/msg/CameraInfo";
+inline constexpr char kPointCloud2[] = "sensor_msgs/msg/PointCloud2";
+inline constexpr char kTfMessage[] = "tf2_msgs/msg/TFMessage";
+inline constexpr char kOdometry[] = "nav_msgs/msg/Odometry";
+inline constexpr char kMarkerArray[] = "visualization_msgs/msg/MarkerArray";
+
+[[nodiscard]] std::string to_cdr(const ImageMessage& message);
+[[nodiscard]] std::string to_cdr(const CompressedImageMessage& message);
+[[nodiscard]] std::string to_cdr(const CameraInfoMessage& message);
+[[nodiscard]] std::string to_cdr(const PointCloudMessage& message);
+[[nodiscard]] std::string to_cdr(const std::vector<TransformMessage>& transforms);  // TFMessage
+[[nodiscard]] std::string to_cdr(const OdometryMessage& message);
+[[nodiscard]] std::string to_cdr(const std::vector<BoxMarker>& markers);  // MarkerArray
+
+/// Errors as CdrReader's; also a height, a step or fields that the data does not have, poses that are none.
+[[nodiscard]] ImageMessage read_image_message(CdrReader in);
+[[nodiscard]] CompressedImageMessage read_compressed_image(CdrReader in);
+[[nodiscard]] CameraInfoMessage read_camera_info(CdrReader in);
+[[nodiscard]] PointCloudMessage read_point_cloud(CdrReader in);
+[[nodiscard]] std::vector<TransformMessage> read_transforms(CdrReader in);
+[[nodiscard]] OdometryMessage read_odometry(CdrReader in);
+
+/// Bytes of one value; 0 of a type that there is not.
+[[nodiscard]] std::size_t bytes_of(std::uint8_t datatype);
+/// A type's definition with all that it is made of, as MCAP has them ("ros2msg"), of those named above.
+[[nodiscard]] std::string definition_of(std::string_view type);
+
+}  // namespace simuli::ros2
