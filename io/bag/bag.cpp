@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "io/base/regular_file.hpp"
 
 namespace simuli {
 namespace {
@@ -53,6 +54,7 @@ std::unique_ptr<const Bag> open_bag(const fs::path& path) {
     std::sort(files.begin(), files.end(), is_before);
     return std::make_unique<const BagParts>(files);
   }
+  if (!is_there(path)) throw_input_error(path.string(), "file", "none", "a recording");
   if (ending == ".mcap") return open_mcap(path);
   if (ending == ".db3") return open_sqlite_bag(path);
   throw_input_error(path.string(),

@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer as McapWriter
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
@@ -20,6 +21,13 @@ store = get_typestore(Stores.ROS2_HUMBLE)
 
 def run(*words):
     return subprocess.run([str(w) for w in words], check=True, capture_output=True, text=True).stdout
+
+
+def sweeps_of(recording, log):
+    run(simuli, "import", "mcap", recording, "-o", log, "--lidar", f"/top/points={work / 'top.json'}")
+    told = json.loads((log / "log.json").read_text())
+    assert len(told["images"]) == 3 and len(told["sweeps"]) == 3
+    return b"".join((log / s["file"]).read_bytes() for s in told["sweeps"])
 
 
 run(simuli, "synth", "street", "-o", work / "street.log", "--frames", 4, "--image-width", 64, "--image-height", 36,
@@ -73,9 +81,17 @@ for plugin in (StoragePlugin.MCAP, StoragePlugin.SQLITE3):
                        for topic, kind in {(m[0], m[1]) for m in messages}}
         for topic, _, time_ns, data in messages:
             writer.write(connections[topic], time_ns, data)
-    log = work / f"{plugin.name}.log"
-    run(simuli, "import", "mcap", folder, "-o", log, "--lidar", f"/top/points={work / 'top.json'}")
-    told = json.loads((log / "log.json").read_text())
-    assert len(told["images"]) == 3 and len(told["sweeps"]) == 3
-    hashes.add(b"".join((log / s["file"]).read_bytes() for s in told["sweeps"]))
+    hashes.add(sweeps_of(folder, work / f"{plugin.name}.log"))
+# The same from mcap's own writer, with either compression and without chunks.
+for name, options in (("lz4", {"compression": CompressionType.LZ4}), ("zstd", {"compression": CompressionType.ZSTD}),
+                      ("flat", {"use_chunking": False})):
+    with open(work / f"{name}.mcap", "wb") as file:
+        writer = McapWriter(file, enable_data_crcs=True, **options)
+        writer.start("ros2", "test")
+        channels = {topic: writer.register_channel(topic, "cdr", writer.register_schema(kind, "ros2msg", b""))
+                    for topic, kind in {(m[0], m[1]) for m in messages}}
+        for topic, _, time_ns, data in messages:
+            writer.add_message(channels[topic], time_ns, data, time_ns)
+        writer.finish()
+    hashes.add(sweeps_of(work / f"{name}.mcap", work / f"{name}.log"))
 assert len(hashes) == 1

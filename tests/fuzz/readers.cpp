@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/sensors/lidar_library.hpp"
+#include "io/bag/bag.hpp"
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
 #include "io/base/state_file.hpp"
@@ -19,6 +20,7 @@
 #include "io/import/photos/colmap.hpp"
 #include "io/import/photos/nerfstudio.hpp"
 #include "io/import/points/points_log.hpp"
+#include "io/import/ros2/ros2_log.hpp"
 #include "io/import/waymo/tfrecord.hpp"
 #include "io/import/waymo/waymo_frame.hpp"
 #include "io/log/log.hpp"
@@ -132,6 +134,26 @@ void read_point_drive(const fs::path& file) {
   fs::remove_all(log);
 }
 
+/// All of it into a log.
+void read_recording(const fs::path& file) {
+  Ros2Options options;
+  options.recording = file;
+  options.output = file.parent_path() / "log";
+  options.lidars = {{"/top/points", sweep_lidar()}};
+  options.lidars[0].table.columns = 8;  // the seeds' points have four azimuths
+  Ros2Report report;
+  (void)import_ros2(options, {}, report);
+  fs::remove_all(options.output);
+}
+
+void read_messages(const fs::path& file) {
+  std::size_t bytes = 0;
+  open_bag(file)->read([](const BagChannel&) { return true; },
+                       [&](const BagChannel& channel, std::uint64_t, std::string_view data) {
+                         bytes += channel.topic.size() + data.size();
+                       });
+}
+
 /// A frame's message with its sensors; the range image as it is before compression, which no change of the
 /// compressed bytes would get past.
 void read_waymo_frame(const fs::path& file) {
@@ -159,6 +181,12 @@ void read_waymo_records(const fs::path& file) {
     if (!frame.top.empty()) (void)reader.grid(frame.top);
   }
 }
+
+#ifdef SIMULI_TEST_SQLITE
+constexpr bool kHasSqlite = true;
+#else
+constexpr bool kHasSqlite = false;
+#endif
 
 constexpr std::array kReaders{
     FuzzedReader{
@@ -228,6 +256,8 @@ constexpr std::array kReaders{
     FuzzedReader{"nuscenes_tables", Form::kJson, read_nuscenes_tables, "tables", false},
     FuzzedReader{"nuscenes_sweep", Form::kBytes, read_nuscenes_sweep, "0.pcd.bin"},
     FuzzedReader{"points", Form::kJson, read_point_drive, "drive"},
+    FuzzedReader{"mcap", Form::kMcap, read_recording, "a.mcap"},
+    FuzzedReader{"rosbag2", Form::kBytes, read_messages, "a.db3", kHasSqlite},
     FuzzedReader{"waymo_frame", Form::kWire, read_waymo_frame, "frame"},
     FuzzedReader{"waymo_records", Form::kRecords, read_waymo_records, "segment.tfrecord"},
 };

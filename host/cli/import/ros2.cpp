@@ -31,14 +31,15 @@ std::pair<std::string, std::string> parted(const char* option, const std::string
 }
 
 Ros2Lidar lidar_of(const std::string& text) {
-  const auto [topic, name] = parted("--lidar", text, '=');
+  const auto [topic, rest] = parted("--lidar", text, '=');
+  const std::string name = rest.substr(0, rest.rfind(':'));
   const Sensor sensor = named_sensor(name);
   const auto* table = sensor.is_camera() ? nullptr : std::get_if<Lidar>(&sensor.lidar());
   if (table == nullptr) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("--lidar: found \"{}\", allowed a LiDAR with rows (simuli info sensors)", name));
   }
-  return {topic, *table};
+  return {topic, *table, name.size() < rest.size() ? rest.substr(name.size() + 1) : ""};
 }
 
 std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
@@ -98,8 +99,8 @@ void add_import_ros2(Command import, const Globals& globals) {
   sub.option(
          "--lidar",
          command->lidars,
-         "TOPIC=SENSOR, a topic of PointCloud2 and whose beams it has: built-in (velodyne_vlp16) or LiDAR "
-         "file (simuli fit beams)")
+         "TOPIC=SENSOR[:FRAME], a topic of PointCloud2, whose beams it has, built-in (velodyne_vlp16) or a "
+         "LiDAR file (simuli fit beams), and the frame that these are in, if it is not the clouds'")
       .one_at_a_time();
   sub.flag("--no-lidars", options.without_lidars, "pictures alone").excludes("--lidar");
   sub.option(

@@ -14,6 +14,8 @@
 namespace simuli::ros2 {
 namespace {
 
+constexpr char kDoubt[] =
+    "is it that sensor, in that frame (of Ouster often --lidar TOPIC=SENSOR:os_sensor)?";
 constexpr std::size_t kSamplesOfRing = 48;
 constexpr double kLeastOff_rad = 0.01;  // as io/import/points/point_grid.hpp
 
@@ -84,13 +86,13 @@ class Fit {
       if (best < 0 || least > tolerance(out.model, best)) {
         refuse(fmt::format("ring {}", ring),
                best < 0 ? "on no row" : fmt::format("{:.2f} degrees beside the nearest row", least / kDegree),
-               fmt::format("on a row of {}: is it that sensor?", out.model.name));
+               fmt::format("on a row of {}: {}", out.model.name, kDoubt));
       }
       const auto [other, is_new] = ring_of.emplace(best, ring);
       if (!is_new) {
         refuse(fmt::format("rings {} and {}", other->second, ring),
                fmt::format("both on row {}", best),
-               fmt::format("a row of {} each: is it that sensor?", out.model.name));
+               fmt::format("a row of {} each: {}", out.model.name, kDoubt));
       }
       out.row_of[static_cast<std::size_t>(ring)] = best;
     }
@@ -247,7 +249,7 @@ std::vector<MeasuredPoint> measured(const std::vector<CloudPoint>& points,
   out.reserve(points.size());
   for (const CloudPoint& point : points) {
     MeasuredPoint m;
-    m.position = point.position;
+    m.position = lidar.table_from_cloud * point.position;
     m.intensity = point.intensity;
     if (!lidar.row_of.empty()) {
       const auto ring = static_cast<std::size_t>(point.ring);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/scene/pose.hpp"
 #include "host/sensors/lidar.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/import/ros2/cloud_fields.hpp"
@@ -18,12 +19,13 @@ struct RecordedLidar {
   Lidar model;              // as given, but for where its turn begins and to which side it goes
   std::vector<int> row_of;  // by ring; -1: none. Empty: rows by elevation
   double start_after_stamp_s = 0.0;
+  Pose table_from_cloud;           // of points as they are in messages
   std::vector<std::string> notes;  // what was found in the points
 };
 
-/// From the points of some sweeps, `period_s` of a turn. Rings are rows by where their points are: any order.
-/// Error{kInput} naming `file` and `where` for rings that lie on no row, or two on one; times that fit no
-/// turn of the table; and, where points have no times, a stamp that is kUnknown.
+/// From the points of some sweeps, in the table's frame, `period_s` of a turn. Rings are rows by where their
+/// points are: any order. Error{kInput} naming `file` and `where` for rings that lie on no row, or two on
+/// one; times that fit no turn of the table; and, where points have no times, a stamp that is kUnknown.
 [[nodiscard]] RecordedLidar fit_recorded(const Lidar& table,
                                          const std::vector<std::vector<CloudPoint>>& sweeps,
                                          double period_s,

@@ -100,12 +100,16 @@ class Importer {
     const auto asked = options_.mounts.find(topic);
     if (asked != options_.mounts.end())
       return is_camera ? asked->second.rig_from_camera() : asked->second.rig_from_lidar();
-    if (frame == options_.rig_frame) return {};
-    const auto pose = scan_.transforms.fixed(options_.rig_frame, frame);
+    return fixed(options_.rig_frame, frame, topic);
+  }
+
+  /// a_from_b of frames that don't move against each other.
+  [[nodiscard]] Pose fixed(const std::string& a, const std::string& b, const std::string& topic) const {
+    const auto pose = scan_.transforms.fixed(a, b);
     if (!pose) {
       throw_input_error(
           file_,
-          fmt::format("transform of {} ({}) in {}", frame, topic, options_.rig_frame),
+          fmt::format("transform of {} ({}) in {}", b, topic, a),
           fmt::format("none; frames: {}", scan_.transforms.frames()),
           fmt::format("one that stays, --rig-frame FRAME, or --mount {}:X,Y,Z,ROLL,PITCH,YAW", topic));
     }
@@ -150,12 +154,18 @@ class Importer {
                           asked.topic + ": time between sweeps",
                           fmt::format("{} s", period_s),
                           fmt::format("at most {}", kLongestSweep_s));
-      RecordedLidar lidar =
-          fit_recorded(asked.table, topic.first_sweeps, period_s, stamp, file_, asked.topic);
+      const std::string& frame = asked.frame.empty() ? topic.frame_id : asked.frame;
+      const Pose table_from_cloud = fixed(frame, topic.frame_id, asked.topic);
+      std::vector<std::vector<CloudPoint>> sweeps = topic.first_sweeps;
+      for (std::vector<CloudPoint>& sweep : sweeps) {
+        for (CloudPoint& point : sweep) point.position = table_from_cloud * point.position;
+      }
+      RecordedLidar lidar = fit_recorded(asked.table, sweeps, period_s, stamp, file_, asked.topic);
+      lidar.table_from_cloud = table_from_cloud;
       lidar.model.name = name_of_topic(asked.topic);
-      log_.lidars.push_back({lidar.model, mount_of(asked.topic, topic.frame_id, false)});
+      log_.lidars.push_back({lidar.model, mount_of(asked.topic, frame, false)});
       std::string text = fmt::format(
-          "LiDAR {}: {}, {} Hz; {}", lidar.model.name, asked.topic, 1.0 / period_s, topic.fields->told());
+          "LiDAR {}: {}, {:.4g} Hz; {}", lidar.model.name, asked.topic, 1.0 / period_s, topic.fields->told());
       for (const std::string& more : lidar.notes) text += "; " + more;
       note(text);
       if (!lidars_.emplace(asked.topic, std::move(lidar)).second)
@@ -208,7 +218,7 @@ class Importer {
       note(fmt::format("camera {}: {}, {}, {}",
                        camera.name,
                        topic,
-                       info->second.distortion_model,
+                       to_string(camera.lens.kind()),
                        to_string(camera.shutter)));
       log_.cameras.push_back({std::move(camera), mount_of(topic, pictures.frame_id, true)});
       cameras_.emplace(topic, std::move(recorded));

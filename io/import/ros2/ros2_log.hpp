@@ -23,7 +23,8 @@ namespace simuli {
 
 struct Ros2Lidar {
   std::string topic;
-  Lidar table;  // beams, columns and range of the sensor: a recording has no such thing
+  Lidar table;             // beams, columns and range of the sensor: a recording has no such thing
+  std::string frame = {};  // that the table's axes are; empty: the clouds' own
 };
 
 struct Ros2Shutter {

@@ -86,6 +86,8 @@ std::optional<std::string> mutated(Form form, const std::string& input, Choice& 
       return mutated_wire(input, choice);
     case Form::kRecords:
       return mutated_records(input, choice);
+    case Form::kMcap:
+      return mutated_mcap(input, choice);
   }
   return std::nullopt;
 }

@@ -19,6 +19,7 @@ enum class Form {
   kExr,      // attributes, a table of offsets, blocks of lines
   kWire,     // a protobuf message
   kRecords,  // TFRecords of protobuf messages
+  kMcap,     // MCAP's records, with messages in CDR
 };
 
 inline constexpr char kBetweenParts[] = "%%%%";
@@ -48,6 +49,7 @@ struct Choice {
 [[nodiscard]] std::optional<std::string> mutated_exr(const std::string& file, Choice& choice);
 [[nodiscard]] std::optional<std::string> mutated_wire(const std::string& message, Choice& choice);
 [[nodiscard]] std::optional<std::string> mutated_records(const std::string& file, Choice& choice);
+[[nodiscard]] std::optional<std::string> mutated_mcap(const std::string& file, Choice& choice);
 /// Numbers of a list that stands there in binary (float or double): one at an edge, or the bytes changed.
 [[nodiscard]] std::string mutated_numbers(std::string bytes, std::size_t bytes_of_one, Choice& choice);
 

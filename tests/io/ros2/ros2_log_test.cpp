@@ -1,4 +1,4 @@
-// The street as ROS 2 records it, by simuli itself and by the drivers of others, and back.
+// The street as simuli itself records it for ROS 2, and back.
 #include "io/import/ros2/ros2_log.hpp"
 
 #include <cmath>
@@ -14,55 +14,13 @@
 #include "io/ros2/messages.hpp"
 #include "io/ros2/recording.hpp"
 #include "io/synth/street.hpp"
-#include "tests/io/scratch.hpp"
+#include "tests/io/ros2/ros2_street.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
-using ros2::PointField;
-using test::expect_input_error;
-using test::Scratch;
-
-/// Coordinates are float32 (2e-6 m in the street), times of whole nanoseconds and float32 (1e-8 s).
-constexpr double kStored_m = 1e-4;
-constexpr double kStored_rad = 1e-5;
-constexpr std::int64_t kStart_ns = 1'700'000'000'123'456'789;
-
-Log street(const Scratch& scratch) {
-  StreetOptions options;
-  options.output = scratch / "street.log";
-  options.frames = 3;
-  options.image_width = 48;
-  options.image_height = 27;
-  options.lidar_columns = 180;
-  return synth_street(options);
-}
-
-const Lidar& lidar_of(const Log& log) { return log.lidars.at(0).with_rows(); }
-
-struct Point {
-  Eigen::Vector3d p;
-  double intensity, time_s;
-  int row;
-};
-
-std::vector<Point> points_of(const Log& log, const SweepFrame& frame) {
-  const Lidar& lidar = lidar_of(log);
-  const Sweep sweep = read_sweep(log.folder / frame.file, lidar);
-  std::vector<Point> points;
-  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
-    if (sweep.range[i] == 0.0F) continue;
-    const int row = static_cast<int>(i / static_cast<std::size_t>(lidar.columns));
-    const double azimuth = sweep.rays.azimuth[i];
-    points.push_back({lidar.origin(row, azimuth) +
-                          double{sweep.range[i]} * Lidar::direction(azimuth, sweep.rays.elevation[i]),
-                      sweep.intensity[i],
-                      sweep.rays.time_fraction[i] * (frame.time_end_s - frame.time_start_s),
-                      row});
-  }
-  return points;
-}
+using namespace test;  // NOLINT(google-build-using-namespace)
 
 /// As `simuli render -o x.mcap` writes it.
 void record(const Log& log, const fs::path& file, BagPictures pictures) {
@@ -84,46 +42,6 @@ void record(const Log& log, const fs::path& file, BagPictures pictures) {
   for (const ImageFrame& frame : log.images)
     recording.add_picture(frame.camera, frame.time_start_s, read_image(log.folder / frame.file), pictures);
   recording.finish();
-}
-
-Ros2Options options_for(const Log& log, const fs::path& file, const fs::path& output) {
-  Ros2Options options;
-  options.recording = file;
-  options.output = output;
-  options.lidars = {{"/top/points", lidar_of(log)}};
-  return options;
-}
-
-Log imported(const Ros2Options& options, Ros2Report& report) { return import_ros2(options, {}, report); }
-
-void expect_same_sweeps(const Log& log, const Log& back) {
-  ASSERT_EQ(back.sweeps.size(), log.sweeps.size());
-  const Lidar& lidar = lidar_of(log);
-  double range_off = 0.0, angle_off = 0.0, time_off = 0.0, intensity_off = 0.0;
-  std::size_t returned = 0;
-  for (std::size_t s = 0; s < log.sweeps.size(); ++s) {
-    EXPECT_NEAR(back.sweeps[s].time_start_s - back.sweeps[0].time_start_s,
-                log.sweeps[s].time_start_s - log.sweeps[0].time_start_s,
-                1e-6);
-    const Sweep a = read_sweep(log.folder / log.sweeps[s].file, lidar);
-    const Sweep b = read_sweep(back.folder / back.sweeps[s].file, lidar_of(back));
-    for (std::size_t i = 0; i < a.range.size(); ++i) {
-      ASSERT_EQ(a.range[i] > 0.0F, b.range[i] > 0.0F) << "ray " << i;
-      returned += a.range[i] > 0.0F ? 1 : 0;
-      const auto off = [](float x, float y) { return std::abs(double{x} - double{y}); };
-      range_off = std::max(range_off, off(a.range[i], b.range[i]));
-      intensity_off = std::max(intensity_off, off(a.intensity[i], b.intensity[i]));
-      const double turn =
-          std::remainder(double{a.rays.azimuth[i]} - double{b.rays.azimuth[i]}, 2.0 * std::numbers::pi);
-      angle_off = std::max({angle_off, std::abs(turn), off(a.rays.elevation[i], b.rays.elevation[i])});
-      time_off = std::max(time_off, off(a.rays.time_fraction[i], b.rays.time_fraction[i]));
-    }
-  }
-  EXPECT_GT(returned, 1000U);
-  EXPECT_LT(range_off, kStored_m);
-  EXPECT_LT(angle_off, kStored_rad);
-  EXPECT_LT(time_off, 2e-5);         // of 0.1 s: 2e-6 s
-  EXPECT_LT(intensity_off, 2.1e-3);  // half a step of 255
 }
 
 TEST(Ros2Log, TheStreetComesBack) {
@@ -161,187 +79,6 @@ TEST(Ros2Log, TheStreetComesBack) {
   }
 }
 
-/// How a driver's clouds look.
-struct Driver {
-  const char* name;
-  std::vector<PointField> fields;
-  std::uint32_t step;
-  bool is_ring_reversed;
-  bool is_stamped_at_end;
-};
-
-template <class T>
-void put(std::string& to, std::size_t at, double value) {
-  const T v = static_cast<T>(std::is_integral_v<T> ? std::round(value) : value);
-  std::memcpy(to.data() + at, &v, sizeof v);
-}
-
-const std::vector<Driver>& drivers() {
-  constexpr auto f32 = PointField::kFloat32;
-  const auto xyz = [](std::vector<PointField> more) {
-    std::vector<PointField> fields{{"x", 0, f32}, {"y", 4, f32}, {"z", 8, f32}};
-    fields.insert(fields.end(), more.begin(), more.end());
-    return fields;
-  };
-  static const std::vector<Driver> all{
-      {"velodyne",
-       xyz({{"intensity", 12, f32}, {"ring", 16, PointField::kUint16}, {"time", 18, f32}}),
-       22,
-       true,
-       true},
-      {"ouster",
-       xyz({{"intensity", 16, f32},
-            {"t", 20, PointField::kUint32},
-            {"reflectivity", 24, PointField::kUint16},
-            {"ring", 26, PointField::kUint16},
-            {"ambient", 28, PointField::kUint16},
-            {"range", 32, PointField::kUint32}}),
-       48,
-       false,
-       false},
-      {"hesai",
-       xyz({{"intensity", 16, f32},
-            {"timestamp", 24, PointField::kFloat64},
-            {"ring", 32, PointField::kUint16}}),
-       48,
-       false,
-       false},
-      {"robosense",
-       xyz({{"intensity", 16, PointField::kUint8},
-            {"ring", 18, PointField::kUint16},
-            {"timestamp", 24, PointField::kFloat64}}),
-       32,
-       true,
-       true},
-      {"nebula",
-       xyz({{"intensity", 12, PointField::kUint8},
-            {"return_type", 13, PointField::kUint8},
-            {"channel", 14, PointField::kUint16},
-            {"time_stamp", 28, PointField::kUint32}}),
-       32,
-       false,
-       false}};
-  return all;
-}
-
-std::string cloud_of(const Log& log, const SweepFrame& frame, const Driver& driver) {
-  const std::vector<Point> points = points_of(log, frame);
-  const int rows = lidar_of(log).row_count();
-  ros2::PointCloudMessage cloud;
-  const double start_s = frame.time_start_s, stamp_s = driver.is_stamped_at_end ? frame.time_end_s : start_s;
-  cloud.header = {kStart_ns + static_cast<std::int64_t>(std::llround(1e9 * stamp_s)), "lidar_frame"};
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(points.size()) + 1;
-  cloud.fields = driver.fields;
-  cloud.point_step = driver.step;
-  cloud.row_step = cloud.width * cloud.point_step;
-  std::string data(cloud.row_step, '\0');  // and a last point without a return
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Point& p = points[i];
-    const double after_s = start_s + p.time_s - stamp_s;
-    for (const PointField& field : driver.fields) {
-      const std::size_t at = i * driver.step + field.offset;
-      double value = 0.0;
-      if (field.name == "x") value = p.p.x();
-      if (field.name == "y") value = p.p.y();
-      if (field.name == "z") value = p.p.z();
-      if (field.name == "intensity") value = 255.0 * p.intensity;
-      if (field.name == "reflectivity") value = 255.0 * p.intensity;
-      if (field.name == "intensity" && std::string(driver.name) == "ouster") value = 4000.0;
-      if (field.name == "ring" || field.name == "channel")
-        value = driver.is_ring_reversed ? rows - 1 - p.row : p.row;
-      if (field.name == "time") value = after_s;
-      if (field.name == "t" || field.name == "time_stamp") value = 1e9 * after_s;
-      if (field.name == "timestamp") value = 1e-9 * static_cast<double>(cloud.header.stamp_ns) + after_s;
-      switch (field.datatype) {
-        case PointField::kUint8:
-          put<std::uint8_t>(data, at, value);
-          break;
-        case PointField::kUint16:
-          put<std::uint16_t>(data, at, value);
-          break;
-        case PointField::kUint32:
-          put<std::uint32_t>(data, at, value);
-          break;
-        case PointField::kFloat32:
-          put<float>(data, at, value);
-          break;
-        default:
-          put<double>(data, at, value);
-      }
-    }
-  }
-  cloud.data = data;
-  return to_cdr(cloud);
-}
-
-/// Clouds alone, the path as odometry of a frame that is fixed to the rig.
-void record_by(const Driver& driver, const Log& log, const fs::path& file) {
-  McapWriter mcap(file, "ros2", McapWriter::Compression::kNone);
-  const auto channel = [&](const std::string& topic, const char* type) {
-    return mcap.add_channel({topic,
-                             type,
-                             "ros2msg",
-                             ros2::kPointCloud2 == std::string(type) ? ros2::definition_of(type) : "",
-                             "cdr"});
-  };
-  const std::uint16_t clouds = channel("/points", ros2::kPointCloud2),
-                      tf = channel("/tf_static", ros2::kTfMessage),
-                      odometry = channel("/odom", ros2::kOdometry);
-  const Pose rig_from_imu{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())),
-                          {1.0, 0.5, 0.2}};
-  const std::vector<ros2::TransformMessage> fixed{
-      {{kStart_ns, "base_link"}, "/lidar_frame", log.lidars.at(0).rig_from_lidar},
-      {{kStart_ns, "base_link"}, "imu", rig_from_imu}};
-  mcap.add_message(tf, kStart_ns, ros2::to_cdr(fixed));
-  for (const TimedPose& pose : log.world_from_rig.poses()) {
-    const std::int64_t ns = kStart_ns + static_cast<std::int64_t>(std::llround(1e9 * pose.time_s));
-    mcap.add_message(odometry,
-                     static_cast<std::uint64_t>(ns),
-                     ros2::to_cdr(ros2::OdometryMessage{{ns, "odom"}, "imu", pose.pose * rig_from_imu}));
-  }
-  for (const SweepFrame& frame : log.sweeps)
-    mcap.add_message(clouds, kStart_ns, cloud_of(log, frame, driver));
-  mcap.finish();
-}
-
-TEST(Ros2Log, DriversOfOthersAreUnderstood) {
-  const Scratch scratch;
-  const Log log = street(scratch);
-  for (const Driver& driver : drivers()) {
-    SCOPED_TRACE(driver.name);
-    const fs::path file = scratch / fmt::format("{}.mcap", driver.name);
-    record_by(driver, log, file);
-    Ros2Options options = options_for(log, file, scratch / fmt::format("{}.log", driver.name));
-    options.lidars[0].topic = "/points";
-    // As if the table were of a sensor that was cabled otherwise: what the points say goes before it.
-    options.lidars[0].table.azimuth_first = 1.0;
-    options.lidars[0].table.spin = SpinDirection::kCounterClockwise;
-    Ros2Report report;
-    const Log back = imported(options, report);
-    EXPECT_EQ(report.points.unplaced, 0U);
-    EXPECT_EQ(lidar_of(back).spin, lidar_of(log).spin);
-    // The turn's cut is found to a part of a column: rays are as measured, whichever column they are in.
-    EXPECT_LT(std::abs(std::remainder(lidar_of(back).azimuth_first - lidar_of(log).azimuth_first,
-                                      2.0 * std::numbers::pi)),
-              2.0 * std::numbers::pi / lidar_of(log).columns);
-    EXPECT_EQ(report.points.returned, report.points.points);
-    ASSERT_EQ(back.sweeps.size(), log.sweeps.size());
-    for (std::size_t s = 0; s < log.sweeps.size(); ++s)
-      EXPECT_NEAR(back.sweeps[s].time_start_s + 1e-9 * static_cast<double>(back.start_ns - kStart_ns),
-                  log.sweeps[s].time_start_s,
-                  1e-6);
-    options.lidars[0].table = lidar_of(log);
-    options.output = scratch / fmt::format("{}_exact.log", driver.name);
-    expect_same_sweeps(log, imported(options, report));
-    for (const SweepFrame& frame : log.sweeps) {
-      const double time_s = frame.time_start_s - 1e-9 * static_cast<double>(back.start_ns - kStart_ns);
-      EXPECT_TRUE(back.world_from_rig.at(time_s).matrix().isApprox(
-          log.world_from_rig.at(frame.time_start_s).matrix(), 1e-6));
-    }
-  }
-}
-
 TEST(Ros2Log, WhatCanNotBeToldIsAskedFor) {
   const Scratch scratch;
   const Log log = street(scratch);
@@ -374,7 +111,7 @@ TEST(Ros2Log, WhatCanNotBeToldIsAskedFor) {
   refused([](auto& o) { o.lidars[0].table = builtin_lidar("velodyne_vlp16"); },
           {"/top/points", "rings", "velodyne_vlp16"});
   refused([](auto& o) { o.lidars[0].table = builtin_lidar("velodyne_vls128"); },
-          {"/top/points", "ring", "is it that sensor?"});
+          {"/top/points", "ring", "is it that sensor"});
   refused([](auto& o) { o.point_time = "time:ms"; }, {"/top/points", "no turn"});
   refused([](auto& o) { o.point_time = "tick:s"; }, {"tick", "x, y, z, intensity, ring, time"});
   refused([](auto& o) { o.point_time = "time:min"; }, {"--point-time"}, ErrorKind::kUsage);
