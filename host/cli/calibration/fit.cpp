@@ -13,6 +13,7 @@
 #include "host/cli/base/json_text.hpp"
 #include "host/sensors/camera.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
+#include "io/import/ros2/ros2_clouds.hpp"
 #include "io/log/log.hpp"
 #include "io/log/sensor_json.hpp"
 #include "io/scene/sensor_rig.hpp"
@@ -28,6 +29,7 @@ namespace fs = std::filesystem;
 
 struct BeamsCommand {
   std::string folder;
+  std::string topic;  // of a recording
   std::string output;
   std::string name = "fitted";
   std::size_t most_sweeps = 16;
@@ -60,18 +62,39 @@ calib::RawSweep read_raw(const fs::path& file) {
   return sweep;
 }
 
+constexpr std::size_t kSpinSweeps = 10;
+
+/// What the fit is of: sweeps that follow each other, and such of the whole drive.
+struct RawSweeps {
+  std::vector<calib::RawSweep> first, spread;
+};
+
+RawSweeps read_sweeps(const BeamsCommand& command) {
+  const std::size_t most = std::max<std::size_t>(1, command.most_sweeps);
+  if (!command.topic.empty()) {
+    Ros2Clouds clouds = read_ros2_clouds(command.folder, command.topic, kSpinSweeps, most);
+    return {std::move(clouds.first), std::move(clouds.spread)};
+  }
+  const std::vector<fs::path> files = sweep_files(command.folder);
+  const std::size_t count = std::min(files.size(), most);
+  RawSweeps sweeps;
+  for (std::size_t i = 0; i < std::min(kSpinSweeps, files.size()); ++i)
+    sweeps.first.push_back(read_raw(files[i]));
+  for (std::size_t i = 0; i < count; ++i) sweeps.spread.push_back(read_raw(files[i * files.size() / count]));
+  return sweeps;
+}
+
 /// Consecutive sweeps with the times that either spin direction gives them, in sweeps.
-calib::SpinReport spin_of(const std::vector<fs::path>& files, double period_s) {
-  constexpr std::size_t kSweeps = 10;
+calib::SpinReport spin_of(const std::vector<calib::RawSweep>& sweeps, double period_s) {
   constexpr double kVehicle_m = 2.0;
   std::vector<calib::Returns> clockwise;
   std::vector<calib::Returns> counter_clockwise;
-  for (std::size_t s = 0; s < std::min(kSweeps, files.size()); ++s) {
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
     calib::Returns one;
     one.time_start_s = static_cast<double>(s) * period_s;
     one.time_end_s = static_cast<double>(s + 1) * period_s;
     calib::Returns other = one;
-    for (const Eigen::Vector3d& p : read_raw(files[s])) {
+    for (const Eigen::Vector3d& p : sweeps[s]) {
       if (!(p.norm() >= kVehicle_m)) continue;
       const double share = 0.5 - std::atan2(p.y(), p.x()) / (2.0 * std::numbers::pi);
       one.p_rig.push_back(p);
@@ -102,13 +125,11 @@ std::string row_line(std::size_t i, const calib::BeamEstimate& b) {
 }
 
 void fit_beams(const BeamsCommand& command, const Globals& globals) {
-  const std::vector<fs::path> files = sweep_files(command.folder);
-  std::vector<calib::RawSweep> sweeps;
-  const std::size_t count = std::min(files.size(), std::max<std::size_t>(1, command.most_sweeps));
-  for (std::size_t i = 0; i < count; ++i) sweeps.push_back(read_raw(files[i * files.size() / count]));
-  const calib::BeamTable table = calib::find_beams(sweeps);
-  const calib::SpinReport spin = files.size() >= 2 ? spin_of(files, 1.0 / command.spin_hz)
-                                                   : calib::SpinReport{{}, 0, 0, "one sweep alone"};
+  const RawSweeps sweeps = read_sweeps(command);
+  const std::size_t count = sweeps.spread.size();
+  const calib::BeamTable table = calib::find_beams(sweeps.spread);
+  const calib::SpinReport spin = sweeps.first.size() >= 2 ? spin_of(sweeps.first, 1.0 / command.spin_hz)
+                                                          : calib::SpinReport{{}, 0, 0, "one sweep alone"};
   LidarFile file{calib::lidar_of(table, command.name, spin.spin.value_or(SpinDirection::kClockwise)), {}};
   file.facts.note = fmt::format("fitted to {} sweeps of bare points{}",
                                 count,
@@ -231,7 +252,13 @@ void add_fit(Command app, const Globals& globals) {
 
   const auto beams = std::make_shared<BeamsCommand>();
   Command table = fit.command("beams", "the beam table of a spinning LiDAR, from bare points");
-  table.option("DIR", beams->folder, "folder of sweeps: *.bin, float32 x y z reflectance").required().reads();
+  table
+      .option("DIR",
+              beams->folder,
+              "folder of sweeps: *.bin, float32 x y z reflectance; or a recording of ROS 2, with --topic")
+      .required()
+      .reads();
+  table.option("--topic", beams->topic, "of a recording: its clouds, measured at rest or not");
   table.option("-o,--output", beams->output, "LiDAR file to write").makes();
   table.option("--name", beams->name, "of the sensor").with_default();
   table.option("--sweeps", beams->most_sweeps, "evenly taken, at most").with_default();

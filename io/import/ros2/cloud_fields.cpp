@@ -165,8 +165,7 @@ std::string CloudFields::told() const {
   return text;
 }
 
-CloudFields find_cloud_fields(const PointCloudMessage& message,
-                              const CloudFieldOptions& options,
+CloudFields find_cloud_places(const PointCloudMessage& message,
                               const std::string& file,
                               const std::string& where) {
   const Finder finder(message, file, where);
@@ -179,6 +178,15 @@ CloudFields find_cloud_fields(const PointCloudMessage& message,
       finder.refuse(
           std::string("field ") + kXyz[i], fmt::format("of type {}", type), "7 or 8: float32 or float64");
   }
+  return fields;
+}
+
+CloudFields find_cloud_fields(const PointCloudMessage& message,
+                              const CloudFieldOptions& options,
+                              const std::string& file,
+                              const std::string& where) {
+  const Finder finder(message, file, where);
+  CloudFields fields = find_cloud_places(message, file, where);
   for (const char* name : {"ring", "channel"}) {
     if (fields.ring) break;
     fields.ring = finder.find(name);

@@ -58,6 +58,11 @@ struct CloudPoint {
                                             const std::string& file,
                                             const std::string& where);
 
+/// The coordinates alone.
+[[nodiscard]] CloudFields find_cloud_places(const PointCloudMessage& message,
+                                            const std::string& file,
+                                            const std::string& where);
+
 /// Points at the sensor itself and such with NaN returned nothing and are left out. Error{kInput} for times
 /// that are not within 10 s of the stamp, and intensities above the most.
 [[nodiscard]] std::vector<CloudPoint> points_of(const PointCloudMessage& message,

@@ -10,6 +10,7 @@
 
 #include "io/bag/mcap_writer.hpp"
 #include "io/base/file.hpp"
+#include "io/import/ros2/ros2_clouds.hpp"
 #include "io/picture/image.hpp"
 #include "io/ros2/messages.hpp"
 #include "io/ros2/recording.hpp"
@@ -76,6 +77,28 @@ TEST(Ros2Log, TheStreetComesBack) {
       EXPECT_EQ(read_image(back.folder / back.images[i].file).data,
                 read_image(log.folder / log.images[i].file).data);
     }
+  }
+}
+
+TEST(Ros2Log, BarePointsAreThoseOfTheClouds) {
+  const Scratch scratch;
+  const Log log = street(scratch);
+  const fs::path file = scratch / "a.mcap";
+  record(log, file, BagPictures::kPng);
+  const Ros2Clouds clouds = read_ros2_clouds(file, "/top/points", 2, 1);
+  ASSERT_EQ(clouds.first.size(), 2U);
+  ASSERT_EQ(clouds.spread.size(), 1U);
+  EXPECT_EQ(read_ros2_clouds(file, "/top/points", 9, 9).spread.size(), log.sweeps.size());
+  const std::vector<Point> second = points_of(log, log.sweeps[1]);
+  ASSERT_EQ(clouds.first[1].size(), second.size());
+  for (std::size_t i = 0; i < second.size(); ++i)
+    EXPECT_LT((clouds.first[1][i] - second[i].p).norm(), kStored_m);
+  try {
+    (void)read_ros2_clouds(file, "/front/camera_info", 1, 1);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_NE(std::string(error.what()).find("/top/points"), std::string::npos) << error.what();
   }
 }
 
