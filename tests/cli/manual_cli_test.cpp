@@ -44,7 +44,7 @@ TEST_F(ManualCli, BashCompletesCommandsOptionsAndValues) {
   EXPECT_EQ(completed({"render", "s.scene", "--sensor", "hesai_xt16"}), Words{"hesai_xt16"});
   EXPECT_EQ(completed({"train", "--set", "seed=2", "init.voxel"}), (Words{"init.voxel_m="}));
   EXPECT_EQ(completed({"train", "--seed", "2", "init.voxel"}), Words{});  // no value of --seed, nor a file
-  EXPECT_EQ(completed({"render", "--images", ""}), (Words{"png", "exr"}));
+  EXPECT_EQ(completed({"render", "--images", ""}), (Words{"png", "jpeg", "exr", "raw"}));
   std::ofstream(folder_ / "generic.json") << "{}";
   EXPECT_EQ(completed({"info", "generic"}), (Words{"generic64", "generic.json"}));
 }
