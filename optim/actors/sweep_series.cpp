@@ -109,7 +109,7 @@ SweepSeries load_series(const Log& log, const HeldOutRule& rule) {
     sweep.scene_from_lidar_start = posed.scene_from_lidar_start;
     sweep.scene_from_lidar_end = posed.scene_from_lidar_end;
     take_returns(posed, sweep);
-    series.ground.add(sweep.points);
+    series.ground.add(sweep.points.position);
     sweep.seen.range = std::move(posed.sweep.range);
   }
   series.ground.finish();

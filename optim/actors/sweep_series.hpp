@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "host/scene/ground/ground_map.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
-#include "optim/actors/ground_map.hpp"
 #include "optim/init/initialize_moving.hpp"
 #include "optim/points/points.hpp"
 

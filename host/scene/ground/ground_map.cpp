@@ -1,7 +1,8 @@
-#include "optim/actors/ground_map.hpp"
+#include "host/scene/ground/ground_map.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace simuli {
 
@@ -9,10 +10,10 @@ GroundMap::Cell GroundMap::cell_of(double x, double y) {
   return {static_cast<int>(std::floor(x / kCell_m)), static_cast<int>(std::floor(y / kCell_m))};
 }
 
-void GroundMap::add(const PointSet& points) {
+void GroundMap::add(const Eigen::Matrix3Xf& points) {
   std::map<Cell, std::vector<float>> heights;
-  for (Eigen::Index i = 0; i < points.position.cols(); ++i) {
-    const Eigen::Vector3f p = points.position.col(i);
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Eigen::Vector3f p = points.col(i);
     heights[cell_of(p.x(), p.y())].push_back(p.z());
   }
   for (auto& [cell, z] : heights) {
@@ -83,6 +84,62 @@ std::optional<double> GroundMap::height_m(double x, double y) const {
   }
   if (weight == 0.0) return std::nullopt;
   return sum / weight;
+}
+
+/// A few times: cells without a height, but with one in most of their eight neighbours, get the mean of
+/// those.
+std::map<GroundMap::Cell, float> GroundMap::closed(std::map<Cell, float> heights) {
+  constexpr int kTimes = 3, kMost = 5;
+  for (int time = 0; time < kTimes; ++time) {
+    std::map<Cell, std::pair<float, int>> around;  // sum, count
+    for (const auto& [cell, z] : heights) {
+      for (int k = 0; k < 9; ++k) {
+        const Cell other{cell[0] + k % 3 - 1, cell[1] + k / 3 - 1};
+        if (heights.contains(other)) continue;
+        auto& [sum, count] = around[other];
+        sum += z;
+        ++count;
+      }
+    }
+    for (const auto& [cell, sum] : around) {
+      if (sum.second >= kMost) heights[cell] = sum.first / static_cast<float>(sum.second);
+    }
+  }
+  return heights;
+}
+
+TriangleMesh GroundMap::mesh(const std::vector<Eigen::Vector2d>& places) const {
+  const std::map<Cell, float> heights = closed(height_);
+  std::set<Cell> reached;
+  std::vector<Cell> open;
+  const auto reach = [&](const Cell& cell) {
+    if (heights.contains(cell) && reached.insert(cell).second) open.push_back(cell);
+  };
+  const auto reach_around = [&](const Cell& cell) {
+    for (int k = 0; k < 9; ++k) reach({cell[0] + k % 3 - 1, cell[1] + k / 3 - 1});
+  };
+  for (const Eigen::Vector2d& place : places) reach_around(cell_of(place.x(), place.y()));
+  while (!open.empty()) {
+    const Cell cell = open.back();
+    open.pop_back();
+    reach_around(cell);
+  }
+  TriangleMesh mesh;
+  std::map<Cell, std::uint32_t> vertex;
+  for (const Cell& cell : reached) {
+    vertex[cell] = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.emplace_back(static_cast<float>((cell[0] + 0.5) * kCell_m),
+                               static_cast<float>((cell[1] + 0.5) * kCell_m),
+                               heights.at(cell));
+  }
+  for (const auto& [cell, first] : vertex) {
+    const auto along = vertex.find({cell[0] + 1, cell[1]}), across = vertex.find({cell[0], cell[1] + 1});
+    const auto beyond = vertex.find({cell[0] + 1, cell[1] + 1});
+    if (along == vertex.end() || across == vertex.end() || beyond == vertex.end()) continue;
+    mesh.triangles.push_back({first, along->second, beyond->second});
+    mesh.triangles.push_back({first, beyond->second, across->second});
+  }
+  return mesh;
 }
 
 }  // namespace simuli

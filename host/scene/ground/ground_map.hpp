@@ -1,5 +1,5 @@
 #pragma once
-// How high the ground is below the sweeps of a log.
+// How high the ground is below what LiDARs have met.
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "optim/points/points.hpp"
+#include "host/scene/ground/triangle_mesh.hpp"
 
 namespace simuli {
 
@@ -16,12 +16,15 @@ namespace simuli {
 /// windows) lower it: they are few, and a cell lies no more than kPit_m below the median of those around.
 class GroundMap {
  public:
-  /// All returns of one sweep, scene frame.
-  void add(const PointSet& points);
+  /// All returns of one sweep: [3, N] m, scene frame.
+  void add(const Eigen::Matrix3Xf& points);
   /// After the last sweep.
   void finish();
   /// Scene z of the ground at (x, y), bilinear between cells; none where no cell is known.
   [[nodiscard]] std::optional<double> height_m(double x, double y) const;
+  /// Two triangles between each four cells' centres: of the cells that hang together with those of `places`
+  /// (scene x, y), and of the gaps between them that most of their neighbours close.
+  [[nodiscard]] TriangleMesh mesh(const std::vector<Eigen::Vector2d>& places) const;
 
  private:
   using Cell = std::array<int, 2>;
@@ -39,6 +42,7 @@ class GroundMap {
   };
   [[nodiscard]] std::map<Cell, float> lows();
   [[nodiscard]] static std::map<Cell, float> without_pits(const std::map<Cell, float>& lows);
+  [[nodiscard]] static std::map<Cell, float> closed(std::map<Cell, float> heights);
 
   std::map<Cell, std::vector<Low>> lows_;
   std::map<Cell, float> height_;

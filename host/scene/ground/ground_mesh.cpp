@@ -1,0 +1,25 @@
+#include "host/scene/ground/ground_mesh.hpp"
+
+#include "host/scene/ground/ground_map.hpp"
+#include "host/scene/moment.hpp"
+
+namespace simuli {
+
+TriangleMesh ground_mesh(const Scene& scene, const Trajectory& world_from_rig) {
+  const GaussianSet still = background_of(scene.lidar);
+  Eigen::Matrix3Xf solid(3, still.size());
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < still.size(); ++i) {
+    if (still.opacity_logit()(i) >= 0.0F) solid.col(count++) = still.mean().row(i).transpose();
+  }
+  GroundMap map;
+  map.add(solid.leftCols(count));
+  map.finish();
+  std::vector<Eigen::Vector2d> below;
+  for (const TimedPose& pose : world_from_rig.poses()) {
+    below.emplace_back((pose.pose.translation - scene.origin).head<2>());
+  }
+  return map.mesh(below);
+}
+
+}  // namespace simuli

@@ -1,0 +1,14 @@
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace simuli {
+
+struct TriangleMesh {
+  std::vector<Eigen::Vector3f> vertices;                // m
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from their outer side
+};
+
+}  // namespace simuli

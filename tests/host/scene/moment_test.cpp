@@ -1,0 +1,46 @@
+#include "host/scene/moment.hpp"
+
+#include <gtest/gtest.h>
+
+namespace simuli {
+namespace {
+
+/// One particle of the background, one a metre ahead in each of two cars. The first drives along y and has
+/// turned to the left; the second is there from 10 s on.
+Scene two_cars() {
+  Scene scene;
+  scene.origin = {1000.0, 2000.0, 0.0};
+  scene.camera = GaussianSet(SetKind::kCamera, 1, 3);
+  scene.camera.rotation().col(0).setOnes();
+  scene.camera.mean() << 5.0F, 6.0F, 7.0F, 1.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F;
+  scene.camera.actor = {0, 2, 1};
+  scene.camera.sh(3).row(2) << 1.0F, 1.0F, 1.0F;  // along x
+  Actor car{"car", "car", {4.0, 2.0, 1.5}, {}};
+  const Eigen::Quaterniond left(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+  for (const double time_s : {0.0, 2.0}) {
+    car.track.push_back({time_s, {left, {1000.0, 2000.0 + 10.0 * time_s, 0.5}}});
+  }
+  Actor late = car;
+  late.name = "late";
+  for (KeyPose& key : late.track) key.time_s += 10.0;
+  scene.actors = {car, late};
+  return scene;
+}
+
+TEST(Moment, PutsActorsWhereTheyAre) {
+  const Scene scene = two_cars();
+  EXPECT_EQ(background_of(scene.camera).size(), 1);
+  const GaussianSet set = moment_of(scene, SetKind::kCamera, 1.0);
+  ASSERT_EQ(set.size(), 2);
+  EXPECT_TRUE(set.actor.empty());
+  EXPECT_EQ(Eigen::RowVector3f(set.mean().row(0)), Eigen::RowVector3f(5.0F, 6.0F, 7.0F));
+  EXPECT_TRUE(Eigen::RowVector3f(set.mean().row(1)).isApprox(Eigen::RowVector3f(0.0F, 11.0F, 0.5F), 1e-6F));
+  // What was seen from ahead of the car is seen from +y.
+  EXPECT_NEAR(set.sh(1)(1, 0), 1.0F, 1e-6F);
+  EXPECT_NEAR(set.sh(3)(1, 0), 0.0F, 1e-6F);
+  EXPECT_EQ(moment_of(scene, SetKind::kCamera, 5.0).size(), 1);
+  EXPECT_EQ(moment_of(scene, SetKind::kCamera, 11.0).size(), 2);
+}
+
+}  // namespace
+}  // namespace simuli
