@@ -316,8 +316,8 @@ def all_commands():
     add("align/camera", "align {street}/out.log --keep-path --camera front --apply-cameras -o out.log --json > align.json")
     for name in ("opencv_fisheye", "ftheta_angle_to_radius", "ftheta_radius_to_angle", "mei", "double_sphere", "eucm"):
         add(f"fit/{name}", f"fit lens tum_vi_cam0 --model {name} -o lens.json --json > fit.json")
-    add("convert", "convert {train/default}/out.scene -o camera.ply", "convert {train/default}/out.scene -o camera.spz",
-        "convert {train/default}/out.scene --lidar -o lidar.ply", "convert camera.spz -o back.ply")
+    add("export", "export {train/default}/out.scene -o camera.ply", "export {train/default}/out.scene -o camera.spz",
+        "export {train/default}/out.scene --lidar -o lidar.ply", "export camera.spz -o back.ply")
     for name in ("hesai_pandar64", "robosense_bpearl", "{lidars/files}/rows.json", "{lidars/files}/rays.json"):
         stem = pathlib.Path(name).stem
         add(f"tile/{stem}", f"tile {name} -o tiles.png --json > tile.json",
@@ -343,5 +343,5 @@ def all_commands():
     add("data/fox", f"import nerfstudio {data}/posed_images/fox -o out.log",
         "train out.log -o out.scene --iterations 20 --scale 0.1 --json > train.json")
     for name in ("biker.compressed.ply", "biker.spz"):
-        add(f"data/{name}", f"convert {data}/splats/playcanvas/{name} -o out.ply")
+        add(f"data/{name}", f"export {data}/splats/playcanvas/{name} -o out.ply")
     return found

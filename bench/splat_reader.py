@@ -1,6 +1,6 @@
 """A scene of ours in somebody else's reader: splat_reader.py SCENE PLY LOG FRAME PICTURE.png [gsply|plyfile]
 
-Reads PLY, which `simuli convert SCENE -o PLY` made, with the Python package gsply (or plyfile), splats it in NumPy as the 3DGS paper does (EWA,
+Reads PLY, which `simuli export SCENE -o PLY` made, with the Python package gsply (or plyfile), splats it in NumPy as the 3DGS paper does (EWA,
 screen-space Gaussians, sorted by depth), and prints the PSNR to PICTURE, which `simuli render` made of the same
 frame without actors. Nothing of simuli is used; a pinhole without distortion and a global shutter are assumed.
 """

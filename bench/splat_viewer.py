@@ -1,6 +1,6 @@
 """A scene of ours in somebody else's viewer: splat_viewer.py SCENE PLY LOG FRAME PICTURE.png [OUT.png]
 
-Reads PLY, which `simuli convert SCENE -o PLY` made, with the Python package gsply, shows it with viser, whose renderer
+Reads PLY, which `simuli export SCENE -o PLY` made, with the Python package gsply, shows it with viser, whose renderer
 of splats is WebGL in a browser (here a headless Chromium that playwright drives), and prints the PSNR to PICTURE, which
 `simuli render` made at the same time (--times) without actors and with --set render.sh_degree=0: viser knows one colour
 per splat. OUT: theirs above ours. Nothing of simuli is used; a pinhole in the middle of the picture without distortion

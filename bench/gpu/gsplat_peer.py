@@ -109,7 +109,7 @@ def main():
         if not demo.exists():
             run(simuli, "demo", "-o", demo)
         scene, log = demo / "street.scene", demo / "street.log"
-        run(simuli, "convert", scene, "-o", work / "camera.ply")
+        run(simuli, "export", scene, "-o", work / "camera.ply")
         run(simuli, "render", scene, "--sensor", "front", "--frames", f"{arguments.frame}:{arguments.frame}", "--duration", 0, "--size",
             arguments.size, "--remove", "car", "--images", "exr", "--outputs", "rgb,opacity", "--values", "npz", "-o", work / "ours")
         told = json.loads((work / "ours/frames.json").read_text())

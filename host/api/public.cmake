@@ -1,7 +1,7 @@
 # What libsimuli shows: each installed header, and the headers of the tree that it is made of, in order.
 # Nothing else becomes public, whatever includes what: headers.cmake refuses a header that needs one which is in
 # no line above it. A header of calibration is there when the library has it (SIMULI_CALIBRATION).
-set(SIMULI_PUBLIC base scene sensors device options render log files import training evaluation)
+set(SIMULI_PUBLIC base scene sensors device options render log files export import training evaluation)
 if(SIMULI_CALIBRATION)
   list(APPEND SIMULI_PUBLIC calibration)
 endif()
@@ -14,7 +14,7 @@ set(SIMULI_PUBLIC_base
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/scene/pose.hpp host/scene/mounting.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
-  host/scene/ray_drop.hpp host/scene/scene.hpp host/scene/edit.hpp)
+  host/scene/ray_drop.hpp host/scene/scene.hpp host/scene/edit.hpp host/scene/moment.hpp)
 set(SIMULI_PUBLIC_sensors
   "Cameras, LiDARs and the paths that carry them."
   host/sensors/lens.hpp host/sensors/camera.hpp host/sensors/lidar.hpp host/sensors/ray_list.hpp
@@ -40,6 +40,9 @@ set(SIMULI_PUBLIC_files
   io/picture/image.hpp io/splat/ply.hpp io/splat/splat_file.hpp io/splat/cloud_file.hpp
   io/log/sensor_file.hpp io/scene/training_record.hpp io/scene/scene_folder.hpp io/scene/sensor_rig.hpp
   io/scene/rig_file.hpp)
+set(SIMULI_PUBLIC_export
+  "Drives for other simulators."
+  io/export/drive_archive.hpp)
 set(SIMULI_PUBLIC_import
   "Logs from the files of others."
   io/import/kitti/kitti.hpp io/import/kitti360/kitti360.hpp io/import/nuscenes/nuscenes.hpp

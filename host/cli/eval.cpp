@@ -64,7 +64,7 @@ void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
   Command sub =
       app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required().reads();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required().reads();
   sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another")
       .required()
       .reads();

@@ -13,10 +13,10 @@ void add_commands(CommandLine& line, const Globals& globals) {
   add_batch(root, globals, add_commands);
   add_bench(line);
   add_completion(line);
-  add_convert(root, globals);
   add_demo(root, globals);
   add_devices(root, globals);
   add_eval(root, globals);
+  add_export(root, globals);
   add_fit(root, globals);
   add_import(root, globals);
   add_info(root, globals);

@@ -229,7 +229,7 @@ SceneFile read_scene(const fs::path& folder) {
   }
   std::error_code ignored;
   if (fs::is_regular_file(folder, ignored)) {
-    throw_input_error(folder.string(), "scene", "a file", "a scene's folder, or splats: .ply, .spz");
+    throw_input_error(folder.string(), "scene", "a file", "a scene's folder, or splats: .ply, .spz, .glb");
   }
   const auto own = [&](const char* name) { return inside(folder, name, folder.string(), "file"); };
   const fs::path file = own(kSceneName);

@@ -11,24 +11,12 @@
 #include "host/scene/mounting.hpp"
 #include "host/scene/placement.hpp"
 #include "host/sensors/lidar_library.hpp"
-#include "io/splat/splat_file.hpp"
+#include "io/splat/splat_axes.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
-
-Eigen::Quaterniond level_from_file(SplatAxes axes) {
-  switch (axes) {
-    case SplatAxes::kYDown:
-      return kForwardFromCamera;
-    case SplatAxes::kYUp:  // half a turn about x in front
-      return kForwardFromCamera * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
-    case SplatAxes::kZUp:
-      break;
-  }
-  return Eigen::Quaterniond::Identity();
-}
 
 Camera orbit_camera() {
   constexpr int kWidth = 1280, kHeight = 720;
@@ -63,7 +51,7 @@ Trajectory around(const Eigen::AlignedBox3d& box) {
 
 bool is_splat_file(const fs::path& file) {
   std::error_code ignored;
-  return (file.extension() == ".ply" || file.extension() == ".spz") && !fs::is_directory(file, ignored);
+  return has_splat_extension(file) && !fs::is_directory(file, ignored);
 }
 
 SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement) {
@@ -71,7 +59,7 @@ SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement)
 }
 
 SceneFile scene_of_splats(GaussianSet splats, const fs::path& file, const SplatPlacement& placement) {
-  const Eigen::Quaterniond level = level_from_file(placement.axes);
+  const Eigen::Quaterniond level = level_from(placement.axes);
   SceneFile out;
   Scene& scene = out.scene;
   scene.name = name_from(file.stem().string());

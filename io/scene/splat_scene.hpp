@@ -5,11 +5,9 @@
 
 #include "host/scene/pose.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli {
-
-/// What is up in a file: y down (x right, z forward), as most programs write them; y up (z backward); z up.
-enum class SplatAxes { kYDown, kYUp, kZUp };
 
 /// How a file's axes and unit stand in the world.
 struct SplatPlacement {
@@ -18,7 +16,7 @@ struct SplatPlacement {
   Pose world_from_model;  // of the model with z up (and x forward): behind both
 };
 
-/// Whether read_scene() takes this path for a file of splats: .ply or .spz, and no folder.
+/// Whether read_scene() takes this path for a file of splats: has_splat_extension(), and no folder.
 [[nodiscard]] bool is_splat_file(const std::filesystem::path& file);
 
 /// The particles as camera set, and their geometry as LiDAR set (lidar_of()). A camera "orbit" (1280 x 720

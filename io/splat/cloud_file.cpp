@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "io/archive/npz.hpp"
 #include "io/base/file.hpp"
-#include "io/base/npz.hpp"
 #include "io/splat/cloud_columns.hpp"
 
 namespace simuli {

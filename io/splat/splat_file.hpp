@@ -1,7 +1,9 @@
 #pragma once
 // Files of Gaussians as other programs write them: the 3DGS PLY (io/splat/ply.hpp), SuperSplat's compressed
-// PLY, and Niantic's SPZ. The axes of SPZ are right, up, back, those of the PLYs right, down, forward: y and
-// z change sign on the way, so that the same model has the same particles whichever file it comes from.
+// PLY, Niantic's SPZ, glTF and OpenUSD. The axes of PLYs are right, down, forward, those of SPZ right, up,
+// back, those of glTF left, up, forward, USD says its own: signs change on the way, so that the same model
+// has the same particles whichever file it comes from.
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -9,12 +11,28 @@
 
 namespace simuli {
 
-/// Reads a camera set: .spz by that extension, any PLY else. Error{kInput} as the readers below say.
+/// What is up in a model: y down (x right, z forward), as most programs write them; y up (z backward); z up
+/// (x forward, y left), as in the world of a scene.
+enum class SplatAxes { kYDown, kYUp, kZUp };
+
+/// How splats are written.
+struct SplatOutput {
+  SplatAxes axes = SplatAxes::kYDown;  // of the set: it is turned to those of the file, but in a PLY
+  bool compress = false;               // .glb: particles as SPZ in it, with what that rounds
+};
+
+/// Reads a camera set with y down: .spz and .glb by extension, any PLY else. Error{kInput} as the readers
+/// below say.
 [[nodiscard]] GaussianSet read_splats(const std::filesystem::path& file);
 /// The same of the bytes of a file of that name.
 [[nodiscard]] GaussianSet read_splats(std::string bytes, const std::filesystem::path& file);
-/// Writes .ply or .spz by extension. Error{kInput} for another one.
-void write_splats(const std::filesystem::path& file, const GaussianSet& set);
+/// Writes .ply, .spz, .glb, .usda or .usdz by extension, complete or not at all. Error{kInput} for another
+/// one, and for what the format does not hold.
+void write_splats(const std::filesystem::path& file, const GaussianSet& set, const SplatOutput& how = {});
+/// Whether read_splats() takes files of that name: .ply, .spz or .glb.
+[[nodiscard]] bool has_splat_extension(const std::filesystem::path& file);
+/// ".ply, .spz or .glb", for messages.
+inline constexpr char kSplatExtensions[] = ".ply, .spz or .glb";
 
 /// Whether these are the first bytes of a compressed PLY.
 [[nodiscard]] bool is_compressed_ply(const std::string& bytes);
@@ -31,9 +49,27 @@ void write_splats(const std::filesystem::path& file, const GaussianSet& set);
 [[nodiscard]] GaussianSet read_spz(const std::filesystem::path& file);
 /// The same of its bytes; `file` is for messages.
 [[nodiscard]] GaussianSet read_spz(std::string bytes, const std::string& file);
-/// Version 3. What its numbers can't hold is clipped: colours to -0.4 to 1.4, SH to -1 to 1, scales to
-/// 45 um to 380 m. Error{kInput} for what validate() refuses, for LiDAR sets, and for means so far out that
-/// fewer than 4 fractional bits would be left (half a million metres).
+/// Version 3, of a set with y down. What its numbers can't hold is clipped: colours to -0.4 to 1.4, SH to -1
+/// to 1, scales to 45 um to 380 m. Error{kInput} for what validate() refuses, for LiDAR sets, and for means
+/// so far out that fewer than 4 fractional bits would be left (half a million metres).
 void write_spz(const std::filesystem::path& file, const GaussianSet& set);
+
+/// glTF 2.0 in one binary file: the particles of all primitives with KHR_gaussian_splatting (kernel
+/// "ellipse", colour space "srgb_rec709_display") of its default scene, where the nodes put them; floats and
+/// the normalised integers that it allows, and the draft KHR_gaussian_splatting_compression_spz_2, whose
+/// numbers are taken to be in glTF's axes, as CesiumJS takes them. Error{kInput} naming file and field for
+/// other kernels and colour spaces, files beside this one, sparse accessors, nodes that are sheared or scaled
+/// unevenly, and whatever else does not hold what it should.
+[[nodiscard]] GaussianSet read_glb(const std::string& bytes, const std::string& file);
+/// The bytes of such a file: one primitive, floats, COLOR_0 for viewers that know no splats; compress: SPZ 3.
+/// Error{kInput} for what validate() refuses, LiDAR sets, and more than 4 GiB.
+[[nodiscard]] std::string glb_of(const GaussianSet& set, const SplatOutput& how, const std::string& file);
+
+/// A .usdz is a StoredZip whose first file is its layer.
+inline constexpr std::size_t kUsdzAlignment = 64;
+inline constexpr char kUsdzLayer[] = "splats.usda";
+/// An OpenUSD layer (.usda): one ParticleField3DGaussianSplat "Splats", metres, z up for a set with z up,
+/// else y up. Errors as glb_of().
+[[nodiscard]] std::string usda_of(const GaussianSet& set, SplatAxes axes, const std::string& file);
 
 }  // namespace simuli

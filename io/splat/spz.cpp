@@ -7,13 +7,16 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "io/base/bytes.hpp"
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
 #include "io/splat/ply.hpp"
+#include "io/splat/splat_axes.hpp"
 #include "io/splat/splat_file.hpp"
+#include "io/splat/spz_bytes.hpp"
 
 namespace simuli {
 namespace {
@@ -228,6 +231,12 @@ GaussianSet read_spz(const std::filesystem::path& file) {
 }
 
 GaussianSet read_spz(std::string bytes, const std::string& file) {
+  GaussianSet set = set_of_spz(std::move(bytes), file);
+  turn(set);
+  return set;
+}
+
+GaussianSet set_of_spz(std::string bytes, const std::string& file) {
   if (is_gzip(bytes)) bytes = gunzip(bytes, file, kMaxBytes);
   const Header header = parse_header(bytes, file);
   if (header.version == 4) bytes = unpack_v4(bytes, header, file);
@@ -245,18 +254,19 @@ GaussianSet read_spz(std::string bytes, const std::string& file) {
     at += sizes[i];
   }
   GaussianSet set = decode(header, streams);
-  turn(set);
   validate(set, file);
   return set;
 }
 
-void write_spz(const std::filesystem::path& file, const GaussianSet& own) {
-  const std::string name = file.string();
-  validate(own, name);
-  GaussianSet set = own;
-  turn(set);
-  if (set.kind != SetKind::kCamera) throw_input_error(name, "kind", "a LiDAR set", "a camera set");
-  const int bits = fractional_bits_of(set, name);
+void write_spz(const std::filesystem::path& file, const GaussianSet& set) {
+  GaussianSet in_axes = set;
+  turn(in_axes);
+  write_file_atomically(file, spz_of(in_axes, file.string()));
+}
+
+std::string spz_of(const GaussianSet& set, const std::string& file) {
+  need_camera_set(set, file);
+  const int bits = fractional_bits_of(set, file);
   const Eigen::Index count = set.size();
   std::string out(kMagic);
   append_little_endian(out, 3, 4);
@@ -287,7 +297,7 @@ void write_spz(const std::filesystem::path& file, const GaussianSet& own) {
   append_bytes(kShRow + 3, 3 * (sh_coefficients(set.sh_degree) - 1), [](float x) {
     return to_byte(std::clamp(x, -2.0F, 2.0F) * 128.0F + 128.0F);
   });
-  write_file_atomically(file, gzip(out));
+  return gzip(out);
 }
 
 }  // namespace simuli

@@ -102,7 +102,7 @@ def full_disk(trial: Trial) -> None:
 def limited_files(trial: Trial) -> None:
     commands = command_lines(trial)
     kept = [path.name for path in trial.folder.iterdir()]
-    chosen = ["convert ply", "synth", "import nerfstudio", "eval"] if trial.options.quick else list(commands)
+    chosen = ["export ply", "synth", "import nerfstudio", "eval"] if trial.options.quick else list(commands)
     for name in chosen:
         arguments, output = commands[name]
         trial.run("--json", *arguments)  # compiles its kernels: files of a driver's compiler can't grow either
@@ -173,7 +173,7 @@ def impossible_outputs(trial: Trial) -> None:
     places = make_unwritable(trial)
     chosen = list(commands.items())
     if trial.options.quick:
-        chosen = [(n, commands[n]) for n in ("convert ply", "render pictures", "import points", "fit lens", "eval")]
+        chosen = [(n, commands[n]) for n in ("export ply", "render pictures", "import points", "fit lens", "eval")]
     for name, (arguments, output) in chosen:
         for place in places:
             target = place.replace("OUT", output)

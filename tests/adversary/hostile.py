@@ -80,7 +80,7 @@ def commands_of(name: str) -> list[list[str]]:
         ["info", "s.scene"],
         ["render", "s.scene", "--sensor", "front", "--times", "0:0:1", "-o", "out"],
         ["eval", "s.scene", "s.log", "--report", "out.html", "--repeats", "1"],
-        ["convert", "s.scene", "-o", "out.ply"],
+        ["export", "s.scene", "-o", "out.ply"],
         ["render", "s.scene", "--sensor", "top", "--times", "0:0:1", "--add", "s.scene:car:guest", "-o", "out"],
     ]
 
@@ -164,9 +164,9 @@ def reading_commands() -> dict[str, list[str]]:
         "render trajectory": ["render", "s.scene", "--sensor", "front", "--trajectory", "X", "-o", "out"],
         "render add": ["render", "s.scene", "--sensor", "front", "--add", "X:car", "-o", "out"],
         "render track": ["render", "s.scene", "--sensor", "front", "--track", "car:X", "-o", "out"],
-        "convert": ["convert", "X", "-o", "out.ply"],
-        "convert ply": ["convert", "X.ply", "-o", "out.ply"],
-        "convert spz": ["convert", "X.spz", "-o", "out.ply"],
+        "export": ["export", "X", "-o", "out.ply"],
+        "export ply": ["export", "X.ply", "-o", "out.ply"],
+        "export spz": ["export", "X.spz", "-o", "out.ply"],
         "tile": ["tile", "X"],
         "view": ["view", "X", "--port", "0"],
         "fit beams": ["fit", "beams", "X"],
@@ -279,8 +279,8 @@ def odd_paths(trial: Trial) -> None:
             ["train", at + ".log", "-o", at + ".scene", "--iterations", "1", *SMALL],
             ["info", at + ".scene"],
             ["render", at + ".scene", "--sensor", "front", "--times", "0:0:1", "-o", at],
-            ["convert", at + ".scene", "-o", at + ".ply"],
-            ["convert", at + ".ply", "-o", at + ".spz"],
+            ["export", at + ".scene", "-o", at + ".ply"],
+            ["export", at + ".ply", "-o", at + ".spz"],
             ["eval", at + ".scene", at + ".log", "--repeats", "1", "--report", at + ".html"],
         ):
             outcome = trial.run("--json", *command)

@@ -34,8 +34,8 @@ def command_lines(trial: Trial) -> dict[str, tuple[list[str], str]]:
         "render exr": (["render", "s.scene", "--sensor", "front", "--times", "0:0.3:0.05", "--images", "exr", "-o", "out"], "out"),
         "render clouds": (["render", "s.scene", "--sensor", "top", "--times", "0:0.5:0.05", "-o", "out"], "out"),
         "render npz": (["render", "s.scene", "--sensor", "top", "--times", "0:0.5:0.05", "--clouds", "npz", "-o", "out"], "out"),
-        "convert spz": (["convert", "s.scene", "-o", "out.spz"], "out.spz"),
-        "convert ply": (["convert", "s.scene", "--lidar", "-o", "out.ply"], "out.ply"),
+        "export spz": (["export", "s.scene", "-o", "out.spz"], "out.spz"),
+        "export ply": (["export", "s.scene", "--lidar", "-o", "out.ply"], "out.ply"),
         "eval": (["eval", "s.scene", "s.log", "--repeats", "1", "--report", "out.html"], "out.html"),
         "train": (["train", "s.log", "-o", "out.scene", "--iterations", "20", *SMALL], "out.scene"),
         "train again": (["train", "s.log", "-o", "out.scene", "--iterations", "20", "--overwrite", *SMALL], "out.scene"),
@@ -222,7 +222,7 @@ def two_processes(trial: Trial) -> None:
         (["render", "s.scene", "--sensor", "front", "--times", "0:0.6:0.05", "-o", "out"], "out"),
         ([*STREET, "-o", "out.log"], "out.log"),
         (["train", "s.log", "-o", "out.scene", "--iterations", "10", *SMALL], "out.scene"),
-        (["convert", "s.scene", "-o", "out.ply"], "out.ply"),
+        (["export", "s.scene", "-o", "out.ply"], "out.ply"),
     ):
         trial.works(*arguments)
         right = output_of(trial, output)

@@ -189,7 +189,7 @@ def little_memory(trial: Trial) -> None:
         ["info", "s.scene"],
         ["render", "s.scene", "--sensor", "front", "--times", "0:0:1", "-o", "out"],
         ["train", "s.log", "-o", "out.scene", "--iterations", "2", *SMALL],
-        ["convert", "s.scene", "-o", "out.ply"],
+        ["export", "s.scene", "-o", "out.ply"],
     ]
     for command in commands:
         for megabytes in trial.random.sample(

@@ -54,17 +54,17 @@ def inputs(trial: Trial) -> Iterator[tuple[str, Path, list[list[str]]]]:
     """A file, and the commands that read it."""
     trial.give_street()
     at = trial.folder
-    trial.works("convert", "s.scene", "-o", "s.spz")
-    trial.works("convert", "s.scene", "-o", "s.ply")
+    trial.works("export", "s.scene", "-o", "s.spz")
+    trial.works("export", "s.scene", "-o", "s.ply")
     for name in ("generic64", "tum_vi_cam0"):
         (at / f"{name}.json").write_text(trial.works("info", name, "--json").out)
     out = ["-o", "out.ply"]
     render = ["render", "s.scene", "--sensor", "front", "--times", "0:0:1", "-o", "out"]
     yield "scene.json", at / "s.scene/scene.json", [["info", "s.scene"], render]
-    yield "camera.ply", at / "s.scene/camera.ply", [["convert", "s.scene", *out], render]
-    yield "lidar.ply", at / "s.scene/lidar.ply", [["convert", "--lidar", "s.scene", *out]]
-    yield "splat PLY", at / "s.ply", [["convert", "s.ply", *out]]
-    yield "SPZ", at / "s.spz", [["convert", "s.spz", *out]]
+    yield "camera.ply", at / "s.scene/camera.ply", [["export", "s.scene", *out], render]
+    yield "lidar.ply", at / "s.scene/lidar.ply", [["export", "--lidar", "s.scene", *out]]
+    yield "splat PLY", at / "s.ply", [["export", "s.ply", *out]]
+    yield "SPZ", at / "s.spz", [["export", "s.spz", *out]]
     yield "camera file", at / "tum_vi_cam0.json", [["info", "tum_vi_cam0.json"]]
     yield "LiDAR file", at / "generic64.json", [["info", "generic64.json"], ["tile", "generic64.json"]]
     actors = ["actors", "s.log", "-o", "out.log", "--set", "actors.min_sweeps=4"]
@@ -76,7 +76,7 @@ def inputs(trial: Trial) -> Iterator[tuple[str, Path, list[list[str]]]]:
     for name in ("ply_compressed/sh.ply", "ply/ascii.ply"):
         copy = at / Path(name).name
         shutil.copy(seed / name, copy)
-        yield name, copy, [["convert", copy.name, *out]]
+        yield name, copy, [["export", copy.name, *out]]
     shutil.copy(seed / "waymo_records/segment", at / "w.tfrecord")
     yield "Waymo segment", at / "w.tfrecord", [["import", "waymo", "w.tfrecord", "-o", "out.log"]]
     for name, arguments in datasets.imports(trial).items():

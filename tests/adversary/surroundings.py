@@ -16,7 +16,7 @@ def umask(trial: Trial) -> None:
     for mask in (0o077, 0o027, 0o022):
         for arguments in (
             [*STREET, "-o", "out.log"],
-            ["convert", "s.scene", "-o", "out.ply"],
+            ["export", "s.scene", "-o", "out.ply"],
             ["render", "s.scene", "--sensor", "front", "--times", "0:0:1", "-o", "out"],
             [
                 "train",
@@ -55,7 +55,7 @@ def locale(trial: Trial) -> None:
         [*STREET, "-o", "out.log"],
         ["train", "s.log", "-o", "out.scene", "--iterations", "5", *SMALL],
         ["render", "s.scene", "--sensor", "top", "--times", "0:0:1", "-o", "out"],
-        ["convert", "s.scene", "-o", "out.ply"],
+        ["export", "s.scene", "-o", "out.ply"],
     )
     found = []
     for name in ("C", commas[0]):

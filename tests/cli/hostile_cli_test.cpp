@@ -86,7 +86,7 @@ TEST_F(HostileCli, NamesOfScenesWriteNothing) {
   changed["cameras"][0]["name"] = kNames.front();
   write_json("s.scene/scene.json", changed);
   refused({"eval s.scene s.log --report eval.html",
-           "convert s.scene -o out.ply",
+           "export s.scene -o out.ply",
            "view s.scene --port 0",
            "info s.scene",
            "render s.scene --sensor top --add s.scene:car:guest -o out"},
@@ -144,7 +144,7 @@ TEST_F(HostileCli, RefusalsAreOneLine) {
   write_json("s.log/log.json", log);
   refused({"info s.log", "train s.log -o out.scene"}, "found \"\\xe2\\x80\\xaegnp.\\xc2\\x85\"");
   // Particles of actors that would have been left out are no news where nothing was written.
-  refused({"convert s.scene -o out.splat"}, "found \".splat\", allowed .ply or .spz");
+  refused({"export s.scene -o out.splat"}, "found \".splat\", allowed .ply, .spz, .glb, .usda or .usdz");
   fs::copy(folder_ / "s.scene" / "camera.ply", folder_ / "0.png");
   std::ofstream(folder_ / "transforms.json")
       << R"({"w": 8, "h": 6, "fl_x": 8, "frames": [{"file_path": "0.png", "transform_matrix":

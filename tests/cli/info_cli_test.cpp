@@ -68,8 +68,8 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   expect_failure(
       "render s.scene --sensor nope -o p", kUsage, "found \"nope\", allowed front, top, those that");
 
-  ASSERT_EQ(run("convert s.scene -o s.ply").exit_code, 0);
-  ASSERT_EQ(run("convert s.scene -o s.spz").exit_code, 0);
+  ASSERT_EQ(run("export s.scene -o s.ply").exit_code, 0);
+  ASSERT_EQ(run("export s.scene -o s.spz").exit_code, 0);
   for (const std::string file : {"s.ply", "s.spz", "s.scene/camera.ply"}) {
     const json splats = told(file);
     EXPECT_EQ(splats.at("kind"), "splats");

@@ -333,14 +333,14 @@ TEST_F(SceneCli, OtherFormatsOut) {
               0);
     expect_file(format + "/top_000000." + format);
   }
-  const Outcome spz = run("convert s.scene -o s.spz --json");
+  const Outcome spz = run("export s.scene -o s.spz --json");
   ASSERT_EQ(spz.exit_code, 0) << spz.err;
   const auto particles = nlohmann::json::parse(spz.out).at("particles").get<int>();
   EXPECT_GT(particles, 100);
-  EXPECT_EQ(nlohmann::json::parse(run("convert s.spz -o s.ply --json").out).at("particles"), particles);
-  EXPECT_EQ(run("convert s.scene --lidar -o lidar.ply").exit_code, 0);
-  expect_failure("convert s.scene --lidar -o lidar.spz", kInput, "lidar.spz: kind");
-  expect_failure("convert s.scene -o s.splat", kInput, ".ply or .spz");
+  EXPECT_EQ(nlohmann::json::parse(run("export s.spz -o s.ply --json").out).at("particles"), particles);
+  EXPECT_EQ(run("export s.scene --lidar -o lidar.ply").exit_code, 0);
+  expect_failure("export s.scene --lidar -o lidar.spz", kInput, "lidar.spz: kind");
+  expect_failure("export s.scene -o s.splat", kInput, ".ply, .spz, .glb, .usda or .usdz");
   expect_failure("render s.scene --sensor top --clouds las -o x", kUsage, "npz");
 
   if (std::system("command -v ffmpeg >/dev/null") == 0) {

@@ -42,12 +42,45 @@ TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
   make_block("red.ply", {0.9F, 0.1F, 0.2F});
   fs::copy(folder_ / "red.ply", folder_ / "red.splat");
   expect_failure("info red.splat", kInput, "found .splat, allowed .ply");
-  expect_failure(
-      "view red.splat --port 0", kInput, "found a file, allowed a scene's folder, or splats: .ply, .spz");
+  expect_failure("view red.splat --port 0",
+                 kInput,
+                 "found a file, allowed a scene's folder, or splats: .ply, .spz, .glb");
+}
+
+TEST_F(SplatCli, ScenesAreExported) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  ASSERT_EQ(run("train s.log -o s.scene --iterations 3 --set init.voxel_m=0.3").exit_code, 0);
+  const auto particles = [this](const std::string& command) {
+    const Outcome done = run("export " + command + " --json");
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return nlohmann::json::parse(done.out).at("particles").get<int>();
+  };
+  const int still = particles("s.scene -o still.glb"), all = particles("s.scene --at 0.1 -o all.glb");
+  EXPECT_LT(still, all);
+  EXPECT_EQ(particles("s.scene --at 0.1 --remove car -o none.glb"), still);
+  EXPECT_EQ(particles("s.scene --at 1000 -o none.glb"), still);  // nobody is there any more
+  for (const char* file : {"a.ply", "a.spz", "a.usda", "a.usdz"}) {
+    EXPECT_EQ(particles("s.scene --at 0.1 -o " + std::string(file)), all) << file;
+  }
+  EXPECT_EQ(particles("s.scene --compress -o c.glb"), still);
+  EXPECT_LT(fs::file_size(folder_ / "c.glb"), fs::file_size(folder_ / "still.glb") / 4);
+  EXPECT_NE(run("export s.scene -o still.ply").err.find("left out: "), std::string::npos);
+  // What is left is as it was: the scene's means, turned and turned back.
+  const GaussianSet ply = simuli::read_splats(folder_ / "a.ply");
+  EXPECT_EQ(particles("all.glb -o back.ply"), all);
+  const GaussianSet back = simuli::read_splats(folder_ / "back.ply");  // right, down, ahead
+  EXPECT_LT((back.mean().col(2) - ply.mean().col(0)).cwiseAbs().maxCoeff(), 1e-4F);
+  EXPECT_LT((back.mean().col(1) + ply.mean().col(2)).cwiseAbs().maxCoeff(), 1e-4F);
+  expect_failure("export a.ply --at 1 -o b.ply", kUsage, "allowed a scene with --at");
+  expect_failure("export s.scene --compress -o c.ply", kInput, "compression");
+  expect_failure("export s.scene --lidar -o l.usdz", kInput, "kind");
+  EXPECT_FALSE(fs::exists(folder_ / "l.usdz"));
 }
 
 TEST_F(SplatCli, AFileOfSplatsIsAScene) {
-  for (const char* file : {"red.ply", "red.spz"}) {
+  for (const char* file : {"red.ply", "red.spz", "red.glb"}) {
     make_block(file, {0.9F, 0.1F, 0.2F});
     const std::string name = std::string(file) + ".out";
     const Outcome render =

@@ -77,7 +77,7 @@ def prepare():
     (work / "drive.log").symlink_to("demo/street.log")
     for name in ("drive.scene", "street.scene"):
         (work / name).symlink_to("demo/street.scene")
-    run("python3 $EXAMPLES/write_splats.py object.ply && simuli convert object.ply -o biker.spz")
+    run("python3 $EXAMPLES/write_splats.py object.ply && simuli export object.ply -o biker.spz")
     (work / "rig.json").write_text(json.dumps({"format": "simuli rig", "version": 1, "sensors": [
         {"name": "roof", "sensor": "velodyne_vlp16", "mount": {"position_m": [0, 0, 1.9]}}, {"name": "ahead", "sensor": "front"}]}))
     photographs()

@@ -135,9 +135,9 @@ void add_commands(const std::vector<std::string>& arguments,
                   const cli::Globals& globals) {
   using Add = void (*)(cli::Command, const cli::Globals&);
   constexpr std::array<std::pair<std::string_view, Add>, 10> kCommands{{{"actors", cli::add_actors},
-                                                                        {"convert", cli::add_convert},
                                                                         {"devices", cli::add_devices},
                                                                         {"eval", cli::add_eval},
+                                                                        {"export", cli::add_export},
                                                                         {"import", cli::add_import},
                                                                         {"info", cli::add_info},
                                                                         {"render", cli::add_render},

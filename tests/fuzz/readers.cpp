@@ -120,6 +120,22 @@ void read_nuscenes_tables(const fs::path& file) {
   (void)import_nuscenes({file.parent_path(), "v1.0-mini", "", file.parent_path() / "out"}, {}, report);
 }
 
+/// A JSON chunk and a binary one, with the headers around them that they ask for.
+void read_glb_parts(const fs::path& file) {
+  const std::string all = read_file(file);
+  const std::size_t end = all.find(kBetweenParts);
+  const std::string json = all.substr(0, end);
+  const std::string binary =
+      end == std::string::npos ? "" : all.substr(end + std::string_view(kBetweenParts).size());
+  std::string bytes("glTF\x02\x00\x00\x00", 8);
+  append_number(bytes, static_cast<std::uint32_t>(28 + json.size() + binary.size()));
+  append_number(bytes, static_cast<std::uint32_t>(json.size()));
+  bytes += "JSON" + json;
+  append_number(bytes, static_cast<std::uint32_t>(binary.size()));
+  bytes += std::string("BIN\x00", 4) + binary;
+  (void)read_glb(bytes, file.string());
+}
+
 void read_nuscenes_sweep(const fs::path& file) {
   const Lidar lidar = nuscenes::lidar_of({file}, "top");
   (void)nuscenes::read_turn(file, lidar, Pose{Eigen::Quaterniond::Identity(), {0.0, 0.1, 0.0}});
@@ -201,6 +217,7 @@ constexpr std::array kReaders{
                  [](const fs::path& f) { (void)read_gaussians_ply(f, SetKind::kLidar); },
                  "a.ply"},
     FuzzedReader{"spz", Form::kSpz, [](const fs::path& f) { (void)read_spz(f); }, "a.spz"},
+    FuzzedReader{"glb", Form::kJson, read_glb_parts, "a.glb"},
     FuzzedReader{"image", Form::kBytes, [](const fs::path& f) { (void)read_image(f); }, "a.png"},
     FuzzedReader{"sweep", Form::kExr, [](const fs::path& f) { (void)read_sweep(f, sweep_lidar()); }, "a.exr"},
     FuzzedReader{"sensor", Form::kJson, [](const fs::path& f) { (void)read_sensor_file(f); }, "a.json"},

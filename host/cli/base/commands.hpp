@@ -40,10 +40,10 @@ void add_batch(Command app,
                std::function<void(CommandLine& line, const Globals& globals)> add);
 void add_bench(CommandLine& line);
 void add_completion(CommandLine& line);
-void add_convert(Command app, const Globals& globals);
 void add_demo(Command app, const Globals& globals);
 void add_devices(Command app, const Globals& globals);
 void add_eval(Command app, const Globals& globals);
+void add_export(Command app, const Globals& globals);
 void add_fit(Command app, const Globals& globals);
 void add_import(Command app, const Globals& globals);
 void add_info(Command app, const Globals& globals);

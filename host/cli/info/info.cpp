@@ -110,11 +110,12 @@ void add_info(Command app, const Globals& globals) {
   const auto options = std::make_shared<InfoOptions>();
   Command command = app.command("info", "what a log, a scene, splats or a sensor consist of");
   command
-      .option("TARGET",
-              options->target,
-              "log folder, scene folder, splats (.ply, .spz), sensor file, built-in sensor (a LiDAR's name "
-              "may end in "
-              "@COLUMNSxHZ), or \"sensors\" for the list of them")
+      .option(
+          "TARGET",
+          options->target,
+          "log folder, scene folder, splats (.ply, .spz, .glb), sensor file, built-in sensor (a LiDAR's name "
+          "may end in "
+          "@COLUMNSxHZ), or \"sensors\" for the list of them")
       .required()
       .reads(file_unless_name)
       .completed_by([] {

@@ -7,7 +7,7 @@
 #include "host/base/split.hpp"
 #include "host/cli/draw/pictures.hpp"
 #include "io/base/file.hpp"
-#include "io/base/npz.hpp"
+#include "io/archive/npz.hpp"
 #include "io/splat/cloud_columns.hpp"
 #include "io/splat/cloud_file.hpp"
 

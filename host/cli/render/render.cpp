@@ -298,7 +298,7 @@ void render(RenderCommand command, const Globals& globals) {
 void add_render(Command app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
   Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required().reads();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required().reads();
   add_sensor_options(sub, command->sensors);
   sub.option(
          "-o,--output",

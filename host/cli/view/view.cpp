@@ -53,7 +53,7 @@ void view(const ViewCommand& command, const Globals& globals) {
 void add_view(Command app, const Globals& globals) {
   const auto command = std::make_shared<ViewCommand>();
   Command sub = app.command("view", "a scene in the browser, rendered live, until Ctrl-C");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz").required();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
   sub.option("--port", command->server.port, "0: any free one").range(0, 65535).with_default();
   sub.option("--host", command->server.host, "address to listen on; others than loopback need --token")
       .with_default();

@@ -197,7 +197,7 @@ std::string ViewSession::duplicate(const std::string& json) {
 
 std::string ViewSession::add(const std::string& file_name, const std::string& bytes, double time_s) {
   const std::filesystem::path file = name_from(file_name);
-  if (!is_splat_file(file)) throw_input_error(file.string(), "extension", "another one", ".ply or .spz");
+  if (!is_splat_file(file)) throw_input_error(file.string(), "extension", "another one", kSplatExtensions);
   const Scene object = scene_of_splats(read_splats(bytes, file), file).scene;
   const Trajectory& path = file_.world_from_rig;
   const double at_s = std::clamp(time_s, path.start_s(), path.end_s());

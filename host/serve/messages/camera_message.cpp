@@ -9,6 +9,7 @@
 
 #include "host/base/image.hpp"
 #include "host/serve/session/refusal.hpp"
+#include "io/export/ftheta_camera.hpp"
 
 namespace simuli::serve {
 namespace {
@@ -135,26 +136,21 @@ void tell_fisheye(const Camera& camera, proto::OpenCVFisheyeCameraParam& p) {
   p.set_max_angle(all[4]);
 }
 
-/// The polynomial in pixels down the picture; what is wider or narrower across is in the linear part.
+/// The reference polynomial alone.
 void tell_polynomial(const Camera& camera, proto::FthetaCameraParam& p) {
-  const bool is_inverse = camera.lens.kind() == LensKind::kFthetaInverse;
-  const std::vector<double>& all = camera.lens.parameters();
-  auto& polynomial = is_inverse ? *p.mutable_pixeldist_to_angle_poly() : *p.mutable_angle_to_pixeldist_poly();
-  polynomial.Add(0.0);
-  double scale = is_inverse ? 1.0 : camera.fy;
-  for (std::size_t i = 0; i < 5; ++i) {
-    if (is_inverse) scale /= camera.fy;
-    polynomial.Add(all[i] * scale);
-  }
-  p.set_reference_poly(is_inverse ? proto::FthetaCameraParam::PIXELDIST_TO_ANGLE
-                                  : proto::FthetaCameraParam::ANGLE_TO_PIXELDIST);
-  const double aspect = camera.fx / camera.fy;
-  p.mutable_linear_cde()->set_linear_c(all[5] * aspect);
-  p.mutable_linear_cde()->set_linear_d(all[6] * aspect);
-  p.mutable_linear_cde()->set_linear_e(all[7]);
-  p.set_max_angle(all[8]);
-  p.set_principal_point_x(camera.cx - kFirstCentre);
-  p.set_principal_point_y(camera.cy - kFirstCentre);
+  const FthetaCamera ftheta = ftheta_of(camera);
+  p.set_reference_poly(ftheta.is_inverse ? proto::FthetaCameraParam::PIXELDIST_TO_ANGLE
+                                         : proto::FthetaCameraParam::ANGLE_TO_PIXELDIST);
+  const auto& polynomial = ftheta.is_inverse ? ftheta.pixels_to_angle : ftheta.angle_to_pixels;
+  auto& told =
+      ftheta.is_inverse ? *p.mutable_pixeldist_to_angle_poly() : *p.mutable_angle_to_pixeldist_poly();
+  told.Add(polynomial.begin(), polynomial.end());
+  p.mutable_linear_cde()->set_linear_c(ftheta.linear_cde[0]);
+  p.mutable_linear_cde()->set_linear_d(ftheta.linear_cde[1]);
+  p.mutable_linear_cde()->set_linear_e(ftheta.linear_cde[2]);
+  p.set_max_angle(ftheta.max_angle_rad);
+  p.set_principal_point_x(ftheta.principal_point[0]);
+  p.set_principal_point_y(ftheta.principal_point[1]);
 }
 
 }  // namespace

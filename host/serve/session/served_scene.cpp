@@ -12,14 +12,8 @@
 namespace simuli::serve {
 namespace {
 
-constexpr double kMicroseconds = 1e6;
 /// Of names that a client makes up: modes of built-in LiDARs.
 constexpr std::size_t kMostLidars = 16;
-
-std::string name_of_path(std::filesystem::path path) {
-  if (!path.has_filename()) path = path.parent_path();  // "drive.scene/"
-  return path.stem().string();
-}
 
 }  // namespace
 
@@ -29,7 +23,7 @@ std::vector<SceneSource> scene_sources(const std::vector<std::string>& arguments
   for (const std::string& argument : arguments) {
     const std::size_t equals = argument.find('=');
     const bool is_named = equals != std::string::npos && argument.find('/') > equals;
-    SceneSource source{is_named ? argument.substr(0, equals) : name_of_path(argument),
+    SceneSource source{is_named ? argument.substr(0, equals) : scene_id_of(argument),
                        is_named ? argument.substr(equals + 1) : argument};
     if (source.id.empty() || source.path.empty()) {
       throw Error(ErrorKind::kUsage,
@@ -52,10 +46,7 @@ ServedScene::ServedScene(const SceneSource& source) : id_(source.id) {
   rig_.refuse_files();
   for (const LogCamera& camera : file.cameras) cameras_.push_back(rig_.find(camera.model.name));
   world_from_rig_ = std::move(file.world_from_rig);
-  if (!world_from_rig_.poses().empty()) {
-    const double before_s = std::max(0.0, std::ceil(-world_from_rig_.start_s()));
-    clock_start_us_ = -std::llround(before_s * kMicroseconds);
-  }
+  clock_ = SceneClock(world_from_rig_);
   scene_ = std::make_shared<const Scene>(std::move(file.scene));
 }
 
@@ -83,11 +74,6 @@ Sensor ServedScene::lidar(const std::string& name) const {
   return lidars_.emplace(name, found).first->second;
 }
 
-std::uint64_t ServedScene::microseconds(double time_s) const {
-  return static_cast<std::uint64_t>(std::max<std::int64_t>(
-      0, static_cast<std::int64_t>(std::llround(time_s * kMicroseconds)) - clock_start_us_));
-}
-
 double ServedScene::seconds(std::uint64_t time_us, const std::string& field) const {
   constexpr std::uint64_t kLatest_us = std::uint64_t{1} << 52U;  // exact in a double
   const auto refuse_time = [&](const std::string& allowed) {
@@ -95,8 +81,7 @@ double ServedScene::seconds(std::uint64_t time_us, const std::string& field) con
                   fmt::format("{}: found {} us, allowed {}", field, time_us, allowed));
   };
   if (time_us > kLatest_us) refuse_time(fmt::format("at most {}", kLatest_us));
-  const double time_s =
-      static_cast<double>(static_cast<std::int64_t>(time_us) + clock_start_us_) / kMicroseconds;
+  const double time_s = clock_.seconds(time_us);
   if (world_from_rig_.poses().empty()) return time_s;
   constexpr double kBeyond_s = Trajectory::kExtrapolation_s;
   if (time_s < world_from_rig_.start_s() - kBeyond_s || time_s > world_from_rig_.end_s() + kBeyond_s) {

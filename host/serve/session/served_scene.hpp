@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/render/scene/scene_on_device.hpp"
+#include "io/scene/scene_clock.hpp"
 #include "io/scene/sensor_rig.hpp"
 
 namespace simuli::serve {
@@ -39,9 +40,8 @@ class ServedScene {
   /// none, and where it is a camera.
   [[nodiscard]] Sensor lidar(const std::string& name) const;
 
-  /// Clients count microseconds from the log's start; where the path begins before it, from a whole number of
-  /// seconds before it, so that no time is negative.
-  [[nodiscard]] std::uint64_t microseconds(double time_s) const;
+  /// What clients count.
+  [[nodiscard]] std::uint64_t microseconds(double time_s) const { return clock_.microseconds(time_s); }
   /// Refusal{kOutOfRange} for what lies farther beyond the path than it can be continued.
   [[nodiscard]] double seconds(std::uint64_t time_us, const std::string& field) const;
 
@@ -56,7 +56,7 @@ class ServedScene {
   std::vector<Sensor> cameras_;
   Trajectory world_from_rig_;
   std::shared_ptr<const Scene> scene_;
-  std::int64_t clock_start_us_ = 0;  // at or below 0: of the log's clock
+  SceneClock clock_;
   std::optional<SceneOnDevice> on_device_;
   mutable std::mutex lidars_mutex_;
   mutable std::map<std::string, Sensor> lidars_;  // that were asked for

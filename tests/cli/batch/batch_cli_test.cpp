@@ -25,7 +25,7 @@ TEST_F(BatchCommandCli, JobsAreTheCommandsOnTheirOwn) {
                 {"name": "trained", "run": ["train", "s.log", "--iterations", 3, "--set", "init.voxel_m=0.5",
                                             "-o", "out/t.scene"]},
                 {"name": "told", "run": ["info", "out/t.scene", "--json"], "stdout": "out/t.json"},
-                {"name": "splats", "run": ["convert", "out/t.scene", "-o", "out/t.ply"]})");
+                {"name": "splats", "run": ["export", "out/t.scene", "-o", "out/t.ply"]})");
   const Outcome outcome = run("batch jobs.json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err << outcome.out;
   for (const char* command :
@@ -34,7 +34,7 @@ TEST_F(BatchCommandCli, JobsAreTheCommandsOnTheirOwn) {
         "render s.scene --sensor front --lane-shift 1 -o own/c",
         "render s.scene --sensor top -o own/d",
         "train s.log --iterations 3 --set init.voxel_m=0.5 -o own/t.scene",
-        "convert own/t.scene -o own/t.ply"}) {
+        "export own/t.scene -o own/t.ply"}) {
     const Outcome own = run(command);
     ASSERT_EQ(own.exit_code, 0) << own.err;
   }
@@ -120,7 +120,7 @@ TEST_F(BatchCommandCli, NobodysFilesAreReplaced) {
 
 TEST_F(BatchCommandCli, FailuresAreToldAndTheOthersGoOn) {
   write_jobs(R"({"name": "nothing", "run": ["render", "absent.scene", "--sensor", "front", "-o", "out/n"]},
-                {"name": "reads", "run": ["convert", "out/n", "-o", "out/n.ply"]},
+                {"name": "reads", "run": ["export", "out/n", "-o", "out/n.ply"]},
                 {"name": "usage", "run": ["render", "s.scene", "--sensor", "front", "--size", "0x0",
                                           "-o", "out/u"]},
                 {"name": "diverges", "run": ["train", "s.log", "--iterations", 40, "--set",

@@ -6,32 +6,20 @@
 #include <cstdlib>
 #include <cstring>
 #include <gtest/gtest.h>
-#include <random>
 #include <string>
 
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
 #include "io/splat/ply.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/splat/some_set.hpp"
 
 namespace simuli {
 namespace {
 
 using test::expect_input_error;
 using test::Scratch;
-
-GaussianSet some_set(int degree, Eigen::Index count) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<float> unit(-1.0F, 1.0F);
-  GaussianSet set(SetKind::kCamera, degree, count);
-  for (Eigen::Index v = 0; v < count; ++v) {
-    for (Eigen::Index c = 0; c < set.params.cols(); ++c) set.params(v, c) = 0.9F * unit(random);
-    set.mean().row(v) *= 100.0F;
-    set.log_scale().row(v).array() -= 3.0F;
-    set.opacity_logit()(v) *= 4.0F;
-  }
-  return set;
-}
+using test::some_set;
 
 /// How far apart two rotations are, rad.
 float angle_between(const GaussianSet& a, const GaussianSet& b, Eigen::Index v) {
@@ -88,6 +76,16 @@ std::string small_spz(char version) {
   return bytes + std::string("\x80\x90\xa0\xff\x80\x80", 6);  // scales -2, -1, 0; a half turn about x
 }
 
+TEST(Spz, ScenesStandUpright) {
+  const Scratch scratch;
+  GaussianSet set = some_set(0, 1);
+  set.mean().row(0) << 1.0F, 2.0F, 3.0F;  // ahead, left, up
+  write_splats(scratch / "up.spz", set, {SplatAxes::kZUp});
+  const GaussianSet right_down_ahead = read_splats(scratch / "up.spz");
+  EXPECT_TRUE(Eigen::RowVector3f(right_down_ahead.mean().row(0))
+                  .isApprox(Eigen::RowVector3f(-2.0F, -3.0F, 1.0F), 1e-4F));
+}
+
 TEST(Spz, ReadsOlderVersions) {
   const Scratch scratch;
   for (const char version : {'\1', '\2'}) {
@@ -128,7 +126,7 @@ TEST(Spz, RefusesWhatIsNotWhole) {
   refuse(v4, "table of contents");
   expect_input_error([&] { write_spz(scratch / "l.spz", GaussianSet(SetKind::kLidar, 0, 1)); }, {"l.spz"});
   expect_input_error([&] { write_splats(scratch / "l.splat", GaussianSet(SetKind::kCamera, 0, 0)); },
-                     {".ply or .spz"});
+                     {".usdz"});
 }
 
 void append_float(std::string& to, float value) {

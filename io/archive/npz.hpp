@@ -4,13 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "io/archive/stored_zip.hpp"
+
 namespace simuli {
 
 /// The bytes of a .npz file: arrays, little endian and row-major, stored as they are.
 class Npz {
  public:
   /// `file` is named in errors.
-  explicit Npz(std::string file) : file_(std::move(file)) {}
+  explicit Npz(std::string file) : zip_(std::move(file)) {}
   /// dtype: NumPy's, "<f4"; data: the array's bytes. Error{kInput} when the file would have more than 4 GiB.
   void add(const std::string& name,
            const std::string& dtype,
@@ -19,8 +21,7 @@ class Npz {
   [[nodiscard]] std::string finish() const;
 
  private:
-  std::string file_, out_, directory_;
-  std::size_t count_ = 0;
+  StoredZip zip_;
 };
 
 }  // namespace simuli

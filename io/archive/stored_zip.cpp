@@ -1,0 +1,64 @@
+#include "io/archive/stored_zip.hpp"
+
+#include <zlib.h>
+
+#include "host/base/error.hpp"
+#include "io/base/bytes.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr std::size_t kLocalHeader = 30, kDirectoryEntry = 46;
+constexpr std::size_t kExtraHeader = 4;     // of an extra field: what it is, its length
+constexpr std::uint64_t kPadding = 0xd935;  // the extra field that others pad with, too
+constexpr std::size_t kMost = 0xffffffffU;  // of the format without its extension
+constexpr std::uint64_t kFirstOfJanuary1980 = 0x21;
+
+}  // namespace
+
+void StoredZip::add(const std::string& name, const std::string& bytes) {
+  // Between the name and what the file holds is room for what nobody reads.
+  const std::size_t end = out_.size() + kLocalHeader + name.size();
+  std::size_t extra = (alignment_ - end % alignment_) % alignment_;
+  while (extra > 0 && extra < kExtraHeader) extra += alignment_;
+  if (end + extra + bytes.size() + directory_.size() + kDirectoryEntry + name.size() > kMost) {
+    throw_input_error(file_, "size", "more than 4 GiB", "less, or another format");
+  }
+  const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  std::string entry;                   // what the local header and the directory share
+  append_little_endian(entry, 20, 2);  // version 2.0
+  append_little_endian(entry, 0, 2);
+  append_little_endian(entry, 0, 2);  // stored
+  append_little_endian(entry, 0, 2);
+  append_little_endian(entry, kFirstOfJanuary1980, 2);
+  append_little_endian(entry, crc, 4);
+  append_little_endian(entry, bytes.size(), 4);
+  append_little_endian(entry, bytes.size(), 4);
+  append_little_endian(entry, name.size(), 2);
+  directory_ += std::string("PK\x01\x02\x14\x00", 6) + entry;
+  directory_.append(12, '\0');  // no extra field and no comment here, the first disk, no attributes
+  append_little_endian(directory_, out_.size(), 4);
+  directory_ += name;
+  append_little_endian(entry, extra, 2);
+  out_ += "PK\x03\x04" + entry + name;
+  if (extra > 0) {
+    append_little_endian(out_, kPadding, 2);
+    append_little_endian(out_, extra - kExtraHeader, 2);
+    out_.append(extra - kExtraHeader, '\0');
+  }
+  out_ += bytes;
+  ++count_;
+}
+
+std::string StoredZip::finish() const {
+  std::string end = "PK\x05\x06";
+  append_little_endian(end, 0, 4);
+  append_little_endian(end, count_, 2);
+  append_little_endian(end, count_, 2);
+  append_little_endian(end, directory_.size(), 4);
+  append_little_endian(end, out_.size(), 4);
+  append_little_endian(end, 0, 2);
+  return out_ + directory_ + end;
+}
+
+}  // namespace simuli

@@ -1,0 +1,17 @@
+#pragma once
+#include "io/base/json_reader.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli {
+
+/// A camera as AlpaSim's rig_trajectories.json has it: {"logical_sensor_name", "sequence_id",
+/// "unique_sensor_idx", "T_sensor_rig", "camera_model": {"type", "parameters"}}; no model for lenses that it
+/// has no name for (all but pinholes, OpenCV's fisheye and f-theta).
+[[nodiscard]] Json camera_calibration(const LogCamera& camera,
+                                      const std::string& sequence,
+                                      std::size_t index);
+
+/// Rows of a 4 x 4 matrix.
+[[nodiscard]] Json rows_of(const Eigen::Matrix4d& matrix);
+
+}  // namespace simuli

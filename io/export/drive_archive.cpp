@@ -1,0 +1,100 @@
+#include "io/export/drive_archive.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+#include "host/base/version.hpp"
+#include "host/scene/ground/ground_mesh.hpp"
+#include "host/scene/moment.hpp"
+#include "io/archive/stored_zip.hpp"
+#include "io/base/file.hpp"
+#include "io/export/drive_tracks.hpp"
+#include "io/export/mesh_ply.hpp"
+#include "io/splat/splat_file.hpp"
+
+namespace simuli {
+namespace {
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo), 64 bits, from any start.
+std::uint64_t hash_of(const std::string& text, std::uint64_t hash) {
+  for (const char c : text) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001b3U;
+  return hash;
+}
+
+/// The same for the same tracks under the same name: version 8 of RFC 9562, which is left to the application.
+std::string uuid_of(const std::string& text) {
+  const std::uint64_t a = hash_of(text, 0xcbf29ce484222325U), b = hash_of(text, a);
+  return fmt::format("{:08x}-{:04x}-8{:03x}-{:04x}-{:012x}",
+                     a >> 32U,
+                     a >> 16U & 0xffffU,
+                     a & 0xfffU,
+                     (b >> 48U & 0x3fffU) | 0x8000U,
+                     b & 0xffffffffffffU);
+}
+
+/// YAML, of which JSON is a part: each value on a line of its own.
+std::string metadata_of(const SceneFile& file,
+                        const SceneClock& clock,
+                        const std::string& scene_id,
+                        const std::string& uuid) {
+  Json cameras = Json::array(), lidars = Json::array();
+  for (const LogCamera& camera : file.cameras) cameras.push_back(camera.model.name);
+  for (const LogLidar& lidar : file.lidars) lidars.push_back(name_of(lidar.model));
+  const Json values{{"scene_id", scene_id},
+                    {"version_string", std::string("simuli ") + version()},
+                    {"training_date", "unknown"},
+                    {"dataset_hash", file.training ? file.training->log_hash : ""},
+                    {"uuid", uuid},
+                    {"is_resumable", false},
+                    {"sensors", {{"camera_ids", cameras}, {"lidar_ids", lidars}}},
+                    {"logger", {{"name", nullptr}, {"run_id", nullptr}, {"run_url", nullptr}}},
+                    {"time_range",
+                     {{"start", static_cast<double>(clock.microseconds(file.world_from_rig.start_s()))},
+                      {"end", static_cast<double>(clock.microseconds(file.world_from_rig.end_s()))}}},
+                    {"training_step_outputs", Json::object()}};
+  std::string out;
+  for (const auto& [key, value] : values.items()) out += key + ": " + text_of(value) + '\n';
+  return out;
+}
+
+}  // namespace
+
+DriveArchive write_drive_archive(const std::filesystem::path& file,
+                                 const SceneFile& scene,
+                                 const std::string& scene_id) {
+  const std::string name = file.string();
+  if (file.extension() != ".usdz") {
+    throw_input_error(name, "extension", '"' + file.extension().string() + '"', ".usdz");
+  }
+  if (scene.world_from_rig.poses().empty()) throw_input_error(name, "path", "none", "that of a drive");
+  if (scene.cameras.empty()) throw_input_error(name, "cameras", "none", "at least one");
+  const SceneClock clock(scene.world_from_rig);
+  const Json rig = rig_trajectories(scene, clock, scene_id), tracks = sequence_tracks(scene.scene, clock);
+  const std::string rig_text = text_of(rig), tracks_text = text_of(tracks);
+  DriveArchive out;
+  out.actors = tracks.at("dummy_chunk_id").at("tracks_data").at("tracks_id").size();
+  for (const Json& camera : rig.at("camera_calibrations")) {
+    if (camera.at("camera_model").is_null()) ++out.cameras_without_model;
+  }
+  StoredZip zip(name, kUsdzAlignment);
+  zip.add(kUsdzLayer, usda_of(background_of(scene.scene.camera), SplatAxes::kZUp, name));
+  zip.add("metadata.yaml", metadata_of(scene, clock, scene_id, uuid_of(scene_id + rig_text + tracks_text)));
+  zip.add("rig_trajectories.json", rig_text);
+  zip.add("sequence_tracks.json", tracks_text);
+  zip.add("data_info.json",
+          text_of({{"sequence_id", scene_id},
+                   {"pose-range",
+                    {{"start-timestamp_us", clock.microseconds(scene.world_from_rig.start_s())},
+                     {"end-timestamp_us", clock.microseconds(scene.world_from_rig.end_s())}}}}));
+  const TriangleMesh ground = ground_mesh(scene.scene, scene.world_from_rig);
+  out.ground_triangles = ground.triangles.size();
+  if (!ground.triangles.empty()) zip.add("mesh_ground.ply", ply_of(ground));
+  write_file_atomically(file, zip.finish());
+  return out;
+}
+
+}  // namespace simuli

@@ -1,0 +1,11 @@
+#pragma once
+#include <string>
+
+#include "host/scene/ground/triangle_mesh.hpp"
+
+namespace simuli {
+
+/// A PLY, binary little endian: floats x, y, z and faces of three vertex_indices.
+[[nodiscard]] std::string ply_of(const TriangleMesh& mesh);
+
+}  // namespace simuli
