@@ -20,12 +20,15 @@
 #include "io/import/photos/colmap.hpp"
 #include "io/import/photos/nerfstudio.hpp"
 #include "io/import/points/points_log.hpp"
-#include "io/import/ros2/ros2_log.hpp"
+#include "io/import/ros2/ros2_frames.hpp"
+#include "io/import/ros2/ros2_lidar.hpp"
+#include "io/import/ros2/ros2_scan.hpp"
 #include "io/import/waymo/tfrecord.hpp"
 #include "io/import/waymo/waymo_frame.hpp"
 #include "io/log/log.hpp"
 #include "io/log/sensor_file.hpp"
 #include "io/picture/image.hpp"
+#include "io/ros2/camera_info.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_file.hpp"
@@ -150,16 +153,33 @@ void read_point_drive(const fs::path& file) {
   fs::remove_all(log);
 }
 
-/// All of it into a log.
+/// All that an import makes of the bytes, but for writing it: that takes a hundred times as long.
 void read_recording(const fs::path& file) {
+  const std::string name = file.string();
   Ros2Options options;
   options.recording = file;
-  options.output = file.parent_path() / "log";
   options.lidars = {{"/top/points", sweep_lidar()}};
-  options.lidars[0].table.columns = 8;  // the seeds' points have four azimuths
-  Ros2Report report;
-  (void)import_ros2(options, {}, report);
-  fs::remove_all(options.output);
+  Lidar& table = options.lidars[0].table;
+  table.columns = 8;  // the seeds' points have four azimuths
+  const auto bag = open_bag(file);
+  const ros2::Scan scan = ros2::scan_bag(*bag, options);
+  std::string world;
+  (void)scan.transforms.path(options.rig_frame, world);
+  for (const auto& [topic, info] : scan.infos) (void)ros2::camera_of(info, "front", name, topic);
+  for (const auto& [topic, cloud] : scan.clouds) {
+    (void)scan.transforms.fixed(options.rig_frame, cloud.frame_id);
+    if (!cloud.fields) continue;
+    const auto lidar =
+        ros2::fit_recorded(table, cloud.first_sweeps, table.sweep_s, ros2::Stamp::kUnknown, name, topic);
+    PointReport report;
+    for (const auto& sweep : cloud.first_sweeps)
+      (void)grid_points(ros2::measured(sweep, lidar, name, topic), lidar.model, report);
+  }
+  const auto is_picture = [](const BagChannel& channel) { return channel.type == ros2::kImage; };
+  bag->read(is_picture, [&](const BagChannel& channel, std::uint64_t, std::string_view data) {
+    (void)ros2::picture_of(
+        ros2::read_image_message(ros2::reader_of(channel, data, name)), name, channel.topic);
+  });
 }
 
 void read_messages(const fs::path& file) {
