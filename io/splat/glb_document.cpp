@@ -212,8 +212,7 @@ Document read_document(const std::string& bytes, const std::string& file) {
 }
 
 void refuse_index(const Document& document, const char* what, std::size_t index, std::size_t count) {
-  throw_input_error(
-      document.file, what, fmt::format("number {}", index), fmt::format("below {}", count));
+  throw_input_error(document.file, what, fmt::format("number {}", index), fmt::format("below {}", count));
 }
 
 }  // namespace simuli::glb

@@ -6,8 +6,8 @@
 #include "host/base/error.hpp"
 #include "host/base/split.hpp"
 #include "host/cli/draw/pictures.hpp"
-#include "io/base/file.hpp"
 #include "io/archive/npz.hpp"
+#include "io/base/file.hpp"
 #include "io/splat/cloud_columns.hpp"
 #include "io/splat/cloud_file.hpp"
 
