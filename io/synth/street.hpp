@@ -46,19 +46,20 @@ struct StreetCar {
   [[nodiscard]] Actor actor(double start_s, double end_s) const;
 };
 
-class Street {
+/// What rays are traced through.
+class TracedWorld {
  public:
-  /// The street as embedded; seed varies textures and furniture. At most one car moves. With thin_poles,
-  /// poles of 1.6 to 4 cm across line both pavements; all else stays where it is.
-  explicit Street(std::uint64_t seed = 1,
-                  const std::optional<StreetCar>& car = StreetCar{},
-                  bool thin_poles = false);
+  TracedWorld() = default;
+  TracedWorld(const TracedWorld&) = default;
+  TracedWorld& operator=(const TracedWorld&) = default;
+  virtual ~TracedWorld() = default;
+
   /// First hit of the ray from origin (world, m) along the unit direction at time_s, up to max_range.
   /// Non-finite rays hit nothing.
-  [[nodiscard]] StreetHit trace(const Eigen::Vector3d& origin,
-                                const Eigen::Vector3d& direction,
-                                double time_s,
-                                double max_range) const;
+  [[nodiscard]] virtual StreetHit trace(const Eigen::Vector3d& origin,
+                                        const Eigen::Vector3d& direction,
+                                        double time_s,
+                                        double max_range) const = 0;
   /// The same ray through a LiDAR: nothing for glass, for hits outside [range_min, range_max], and where
   /// reflectance * cos(incidence) / range^2 is below kMinimumEnergy. Deterministic.
   [[nodiscard]] StreetReturn lidar_return(const Eigen::Vector3d& origin,
@@ -66,8 +67,21 @@ class Street {
                                           double time_s,
                                           double range_min,
                                           double range_max) const;
-  static constexpr double kLength_m = 260.0;      // the rig may drive from x = 0 to here
   static constexpr double kMinimumEnergy = 4e-6;  // 1/m^2; bare asphalt goes silent beyond about 40 m
+};
+
+class Street : public TracedWorld {
+ public:
+  /// The street as embedded; seed varies textures and furniture. At most one car moves. With thin_poles,
+  /// poles of 1.6 to 4 cm across line both pavements; all else stays where it is.
+  explicit Street(std::uint64_t seed = 1,
+                  const std::optional<StreetCar>& car = StreetCar{},
+                  bool thin_poles = false);
+  [[nodiscard]] StreetHit trace(const Eigen::Vector3d& origin,
+                                const Eigen::Vector3d& direction,
+                                double time_s,
+                                double max_range) const override;
+  static constexpr double kLength_m = 260.0;  // the rig may drive from x = 0 to here
 
  private:
   std::shared_ptr<const StreetWorld> world_;
@@ -102,7 +116,7 @@ Log synth_street(const StreetOptions& options,
 /// The picture a camera takes of the street: RGB in [0,1], mean of 2x2 rays per pixel (of those that the lens
 /// has; black where it has none), each pixel at its own time between time_start_s and time_end_s. For views
 /// that no log holds, too.
-[[nodiscard]] Image render_street(const Street& street,
+[[nodiscard]] Image render_street(const TracedWorld& street,
                                   const LogCamera& camera,
                                   const Trajectory& world_from_rig,
                                   double time_start_s,
@@ -110,7 +124,7 @@ Log synth_street(const StreetOptions& options,
                                   int threads = 0);
 
 /// The sweep a LiDAR takes of the street; each ray from its own origin at its own time.
-[[nodiscard]] Sweep scan_street(const Street& street,
+[[nodiscard]] Sweep scan_street(const TracedWorld& street,
                                 const LogLidar& lidar,
                                 const Trajectory& world_from_rig,
                                 double time_start_s,

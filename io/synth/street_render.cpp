@@ -12,18 +12,13 @@
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/synth/street.hpp"
+#include "io/synth/street_sensors.hpp"
 
 namespace simuli {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFramePeriod_s = 0.1;
-constexpr double kPosePeriod_s = 0.01;
-constexpr int kPosesOutside = 5;  // poses before the first and after the last sweep
-constexpr double kReadOut_s = 0.02;
-constexpr double kLane_m = -1.75;
-constexpr double kLargestShift_m = 4.0;  // walls stand further from the lane
 constexpr double kSeeFar_m = 2e4;
 
 constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
@@ -34,78 +29,27 @@ void check_options(const StreetOptions& o) {
   };
   check(o.frames >= 1 && o.frames <= 10000, "frames", o.frames, "1 to 10000");
   check(o.speed_m_per_s >= 0.0 && o.speed_m_per_s <= 50.0, "speed_m_per_s", o.speed_m_per_s, "0 to 50");
-  check(std::abs(o.lane_shift_m) <= kLargestShift_m, "lane_shift_m", o.lane_shift_m, "-4 to 4");
+  check(std::abs(o.lane_shift_m) <= kStreetLargestShift_m, "lane_shift_m", o.lane_shift_m, "-4 to 4");
   check(o.image_width >= 8 && o.image_width <= 8192, "image_width", o.image_width, "8 to 8192");
   check(o.image_height >= 8 && o.image_height <= 8192, "image_height", o.image_height, "8 to 8192");
   check(o.lidar_columns >= 8 && o.lidar_columns <= 16384, "lidar_columns", o.lidar_columns, "8 to 16384");
   check(o.threads >= 0 && o.threads <= 1024, "threads", o.threads, "0 to 1024");
-  const double driven_m = o.speed_m_per_s * kFramePeriod_s * o.frames;
+  const double driven_m = o.speed_m_per_s * kStreetFramePeriod_s * o.frames;
   check(driven_m <= Street::kLength_m, "frames * speed_m_per_s / 10", driven_m, "at most 260 m of street");
-}
-
-/// Along +x with a slight sway: the rig heads where it drives, and nods and leans a little on its springs.
-Pose world_from_rig_at(double time_s, double speed_m_per_s) {
-  const double x = speed_m_per_s * time_s;
-  const double phase = 2.0 * std::numbers::pi * x / 45.0;
-  const double sway_m = 0.3;
-  const double heading = std::atan(sway_m * std::cos(phase) * 2.0 * std::numbers::pi / 45.0);
-  const double pitch = radians(0.3) * std::sin(0.35 * x);
-  const double roll = radians(0.4) * std::sin(0.21 * x + 1.0);
-  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
-                                      Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
-                                      Eigen::AngleAxisd(roll, Vector3d::UnitX());
-  return {rotation, {x, kLane_m + sway_m * std::sin(phase), 0.0}};
 }
 
 Trajectory drive(const StreetOptions& o) {
   std::vector<TimedPose> poses;
-  const int per_frame = 10;  // kFramePeriod_s / kPosePeriod_s
+  const int per_frame = 10;  // kStreetFramePeriod_s / kStreetPosePeriod_s
   const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, o.lane_shift_m, 0.0}};
-  for (int i = -kPosesOutside; i <= o.frames * per_frame + kPosesOutside; ++i) {
-    const double time_s = i * kPosePeriod_s;
-    poses.push_back({time_s, world_from_rig_at(time_s, o.speed_m_per_s) * rig_from_shifted});
+  for (int i = -kStreetPosesOutside; i <= o.frames * per_frame + kStreetPosesOutside; ++i) {
+    const double time_s = i * kStreetPosePeriod_s;
+    const double x = o.speed_m_per_s * time_s;
+    const Pose sway = street_sway(x);
+    const Pose world_from_rig{sway.rotation, {x, kStreetLane_m + sway.translation.y(), 0.0}};
+    poses.push_back({time_s, world_from_rig * rig_from_shifted});
   }
   return Trajectory(std::move(poses));
-}
-
-LogCamera front_camera(const StreetOptions& o) {
-  LogCamera camera;
-  const double focal_px = 0.5 * o.image_width / std::tan(radians(40.0));  // 80 degrees wide
-  camera.model = {"front",
-                  o.image_width,
-                  o.image_height,
-                  focal_px,
-                  focal_px,
-                  0.5 * o.image_width,
-                  0.5 * o.image_height,
-                  o.rolling_shutter ? ShutterKind::kTopToBottom : ShutterKind::kGlobal};
-  Eigen::Matrix<double, 3, 4> rig_from_camera;
-  rig_from_camera << 0.0, 0.0, 1.0, 1.4,  // z forward is rig x
-      -1.0, 0.0, 0.0, 0.05,               // x right is rig -y
-      0.0, -1.0, 0.0, 1.5;                // y down is rig -z
-  camera.rig_from_camera = Pose::from_matrix(rig_from_camera);
-  return camera;
-}
-
-LogLidar top_lidar(const StreetOptions& o) {
-  Lidar model;
-  model.name = "top";
-  model.columns = o.lidar_columns;
-  model.azimuth_first = std::numbers::pi;  // clockwise from the back: the front is seen at mid-sweep
-  model.azimuth_span = 2.0 * std::numbers::pi;
-  model.spin = SpinDirection::kClockwise;
-  model.range_min = 0.9;
-  model.range_max = 100.0;
-  constexpr int kRows = 32;
-  for (int r = 0; r < kRows; ++r) {
-    LidarRow row;
-    row.elevation = radians(5.0 - 30.0 * r / (kRows - 1));
-    row.vertical_offset = 0.06 - 0.12 * r / (kRows - 1);  // beams leave a head 12 cm tall
-    row.horizontal_offset = r % 2 == 0 ? 0.02 : -0.02;    // from two columns of emitters
-    row.azimuth_offset = r % 2 == 0 ? radians(0.5) : radians(-0.5);
-    model.rows.push_back(row);
-  }
-  return {std::move(model), Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.9}}};
 }
 
 /// Calls work(row) for every row, on several threads. Rows write to places of their own, so the result does
@@ -136,29 +80,83 @@ void for_each_row(int rows, int threads, const Work& work) {
 
 }  // namespace
 
+Pose street_sway(double driven_m) {
+  const double phase = 2.0 * std::numbers::pi * driven_m / 45.0;
+  const double sway_m = 0.3;
+  const double heading = std::atan(sway_m * std::cos(phase) * 2.0 * std::numbers::pi / 45.0);
+  const double pitch = radians(0.3) * std::sin(0.35 * driven_m);
+  const double roll = radians(0.4) * std::sin(0.21 * driven_m + 1.0);
+  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
+                                      Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(roll, Vector3d::UnitX());
+  return {rotation, {0.0, sway_m * std::sin(phase), 0.0}};
+}
+
+LogCamera street_front_camera(int width, int height, bool rolling_shutter) {
+  LogCamera camera;
+  const double focal_px = 0.5 * width / std::tan(radians(40.0));  // 80 degrees wide
+  camera.model = {"front",
+                  width,
+                  height,
+                  focal_px,
+                  focal_px,
+                  0.5 * width,
+                  0.5 * height,
+                  rolling_shutter ? ShutterKind::kTopToBottom : ShutterKind::kGlobal};
+  Eigen::Matrix<double, 3, 4> rig_from_camera;
+  rig_from_camera << 0.0, 0.0, 1.0, 1.4,  // z forward is rig x
+      -1.0, 0.0, 0.0, 0.05,               // x right is rig -y
+      0.0, -1.0, 0.0, 1.5;                // y down is rig -z
+  camera.rig_from_camera = Pose::from_matrix(rig_from_camera);
+  return camera;
+}
+
+LogLidar street_top_lidar(int columns) {
+  Lidar model;
+  model.name = "top";
+  model.columns = columns;
+  model.azimuth_first = std::numbers::pi;  // clockwise from the back: the front is seen at mid-sweep
+  model.azimuth_span = 2.0 * std::numbers::pi;
+  model.spin = SpinDirection::kClockwise;
+  model.range_min = 0.9;
+  model.range_max = 100.0;
+  constexpr int kRows = 32;
+  for (int r = 0; r < kRows; ++r) {
+    LidarRow row;
+    row.elevation = radians(5.0 - 30.0 * r / (kRows - 1));
+    row.vertical_offset = 0.06 - 0.12 * r / (kRows - 1);  // beams leave a head 12 cm tall
+    row.horizontal_offset = r % 2 == 0 ? 0.02 : -0.02;    // from two columns of emitters
+    row.azimuth_offset = r % 2 == 0 ? radians(0.5) : radians(-0.5);
+    model.rows.push_back(row);
+  }
+  return {std::move(model), Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.9}}};
+}
+
 Log street_log(const StreetOptions& options) {
   check_options(options);
   Log log;
   log.folder = options.output;
   log.name = "street";
-  log.cameras.push_back(front_camera(options));
-  log.lidars.push_back(top_lidar(options));
+  log.cameras.push_back(
+      street_front_camera(options.image_width, options.image_height, options.rolling_shutter));
+  log.lidars.push_back(street_top_lidar(options.lidar_columns));
   log.world_from_rig = drive(options);
-  const double half_exposure_s = options.rolling_shutter ? 0.5 * kReadOut_s : 0.0;
+  const double half_exposure_s = options.rolling_shutter ? 0.5 * kStreetReadOut_s : 0.0;
   for (int i = 0; i < options.frames; ++i) {
-    const double start_s = i * kFramePeriod_s;
-    const double middle_s = start_s + 0.5 * kFramePeriod_s;
+    const double start_s = i * kStreetFramePeriod_s;
+    const double middle_s = start_s + 0.5 * kStreetFramePeriod_s;
     log.images.push_back({"front",
                           fmt::format("images/front_{:06d}.png", i),
                           middle_s - half_exposure_s,
                           middle_s + half_exposure_s});
-    log.sweeps.push_back({"top", fmt::format("sweeps/top_{:06d}.exr", i), start_s, (i + 1) * kFramePeriod_s});
+    log.sweeps.push_back(
+        {"top", fmt::format("sweeps/top_{:06d}.exr", i), start_s, (i + 1) * kStreetFramePeriod_s});
   }
-  if (options.moving_car) log.actors.push_back(options.car.actor(0.0, options.frames * kFramePeriod_s));
+  if (options.moving_car) log.actors.push_back(options.car.actor(0.0, options.frames * kStreetFramePeriod_s));
   return log;
 }
 
-Image render_street(const Street& street,
+Image render_street(const TracedWorld& street,
                     const LogCamera& camera,
                     const Trajectory& world_from_rig,
                     double time_start_s,
@@ -188,7 +186,7 @@ Image render_street(const Street& street,
   return image;
 }
 
-Sweep scan_street(const Street& street,
+Sweep scan_street(const TracedWorld& street,
                   const LogLidar& lidar,
                   const Trajectory& world_from_rig,
                   double time_start_s,

@@ -94,28 +94,6 @@ bool meet_pole(const StreetSolid& solid,
   return met;
 }
 
-bool meet(const StreetSolid& solid,
-          const Vector3d& origin,
-          const Vector3d& direction,
-          const Vector3d& inverse,
-          StreetCrossing& nearest) {
-  switch (solid.shape) {
-    case StreetShape::kBox:
-      return meet_box(solid, origin, direction, inverse, nearest);
-    case StreetShape::kPole:
-      return meet_pole(solid, origin, direction, nearest);
-    case StreetShape::kSphere:
-      return meet_sphere(solid, origin, direction, nearest);
-  }
-  return false;
-}
-
-/// Sun and sky light, the same all day: no cast shadows, so that appearance depends on the surface alone.
-double lighting(const Vector3d& normal) {
-  static const Vector3d towards_sun = Vector3d(-0.45, -0.35, 0.82).normalized();
-  return 0.62 + 0.43 * std::max(0.0, normal.dot(towards_sun));
-}
-
 /// Walks the slices of the street that the ray crosses, nearest first.
 const StreetSolid* meet_slices(const StreetWorld& world,
                                const Vector3d& origin,
@@ -129,7 +107,7 @@ const StreetSolid* meet_slices(const StreetWorld& world,
   const int step = direction.x() > 0.0 ? 1 : -1;
   while (slice >= 0 && slice <= last) {
     for (const std::uint32_t i : world.slices[static_cast<std::size_t>(slice)]) {
-      if (meet(world.solids[i], origin, direction, inverse, nearest)) met = &world.solids[i];
+      if (meet_solid(world.solids[i], origin, direction, inverse, nearest)) met = &world.solids[i];
     }
     if (direction.x() == 0.0) break;
     const double edge =
@@ -141,6 +119,27 @@ const StreetSolid* meet_slices(const StreetWorld& world,
 }
 
 }  // namespace
+
+bool meet_solid(const StreetSolid& solid,
+                const Vector3d& origin,
+                const Vector3d& direction,
+                const Vector3d& inverse,
+                StreetCrossing& nearest) {
+  switch (solid.shape) {
+    case StreetShape::kBox:
+      return meet_box(solid, origin, direction, inverse, nearest);
+    case StreetShape::kPole:
+      return meet_pole(solid, origin, direction, nearest);
+    case StreetShape::kSphere:
+      return meet_sphere(solid, origin, direction, nearest);
+  }
+  return false;
+}
+
+double street_light(const Vector3d& normal) {
+  static const Vector3d towards_sun = Vector3d(-0.45, -0.35, 0.82).normalized();
+  return 0.62 + 0.43 * std::max(0.0, normal.dot(towards_sun));
+}
 
 Actor StreetCar::actor(double start_s, double end_s) const {
   constexpr double kKeyPeriod_s = 0.1;
@@ -172,12 +171,12 @@ StreetHit Street::trace(const Vector3d& origin,
   nearest.range = max_range;
   const StreetSolid* met = nullptr;
   for (const StreetSolid& solid : world_->ground) {
-    if (meet(solid, origin, direction, inverse, nearest)) met = &solid;
+    if (meet_solid(solid, origin, direction, inverse, nearest)) met = &solid;
   }
   Vector3d solid_from_world = Vector3d::Zero();  // translation
   const Vector3d car_from_world = car_ ? Vector3d(-car_->position(time_s)) : Vector3d::Zero();
   for (const StreetSolid& solid : world_->car) {
-    if (meet(solid, origin + car_from_world, direction, inverse, nearest)) {
+    if (meet_solid(solid, origin + car_from_world, direction, inverse, nearest)) {
       met = &solid;
       solid_from_world = car_from_world;
       hit.on_car = true;
@@ -197,16 +196,16 @@ StreetHit Street::trace(const Vector3d& origin,
   hit.normal = nearest.normal;
   const Vector3d point = origin + nearest.range * direction + solid_from_world;
   const StreetSurface surface = street_surface(*met, point, nearest.normal, world_->seed);
-  hit.colour = (surface.albedo * lighting(nearest.normal)).cwiseMax(0.0).cwiseMin(1.0);
+  hit.colour = (surface.albedo * street_light(nearest.normal)).cwiseMax(0.0).cwiseMin(1.0);
   hit.reflectance = surface.reflectance;
   return hit;
 }
 
-StreetReturn Street::lidar_return(const Vector3d& origin,
-                                  const Vector3d& direction,
-                                  double time_s,
-                                  double range_min,
-                                  double range_max) const {
+StreetReturn TracedWorld::lidar_return(const Vector3d& origin,
+                                       const Vector3d& direction,
+                                       double time_s,
+                                       double range_min,
+                                       double range_max) const {
   const StreetHit hit = trace(origin, direction, time_s, range_max);
   if (!(hit.hit && hit.range >= range_min)) return {};
   const double cosine = std::abs(hit.normal.dot(direction));

@@ -1,8 +1,10 @@
 #pragma once
 // Inside the synthetic street: its solids and what they are made of. Included by io/street_*.cpp alone.
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <random>
 #include <vector>
 
 namespace simuli {
@@ -67,6 +69,46 @@ inline constexpr double kFacadeLine_m = 9.0;
 inline constexpr double kCarHalfLength_m = 2.1;
 inline constexpr double kCarHalfWidth_m = 0.88;
 inline constexpr double kCarHeight_m = 1.48;
+
+/// Uniform numbers from the engine's own bits: the standard distributions differ between libraries.
+class StreetDice {
+ public:
+  explicit StreetDice(std::uint64_t seed) : engine_(seed) {}
+  double between(double low, double high) {
+    return low + (high - low) * static_cast<double>(engine_() >> 11U) * 0x1.0p-53;
+  }
+  template <std::size_t N>
+  const Eigen::Vector3d& pick(const std::array<Eigen::Vector3d, N>& from) {
+    return from[static_cast<std::size_t>(engine_() % N)];
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+// Parts of a street along x, on the side of y that `side` (1 or -1) tells.
+[[nodiscard]] StreetSolid street_box(StreetMaterial material,
+                                     const Eigen::Vector3d& low,
+                                     const Eigen::Vector3d& high,
+                                     const Eigen::Vector3d& tint,
+                                     double reflectance);
+/// Houses from x = from_m on, the last one beginning before to_m.
+void add_street_buildings(
+    std::vector<StreetSolid>& to, StreetDice& dice, double side, double from_m, double to_m);
+/// Lamps, trees and parked cars.
+void add_street_furniture(
+    std::vector<StreetSolid>& to, StreetDice& dice, double side, double from_m, double to_m);
+/// A car whose middle stands on the road at `at`, as long as the x axis.
+void add_street_car(std::vector<StreetSolid>& to, const Eigen::Vector3d& at, const Eigen::Vector3d& tint);
+
+/// The crossing with the solid becomes `nearest` where it is nearer, and the result true.
+bool meet_solid(const StreetSolid& solid,
+                const Eigen::Vector3d& origin,
+                const Eigen::Vector3d& direction,
+                const Eigen::Vector3d& inverse,
+                StreetCrossing& nearest);
+/// Sun and sky light, the same all day: no cast shadows, so that appearance depends on the surface alone.
+[[nodiscard]] double street_light(const Eigen::Vector3d& normal);
 
 [[nodiscard]] StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_poles);
 /// Colour and reflectance of `solid` at `point` (in the solid's frame, on the surface with that normal).
