@@ -150,10 +150,11 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                           found.added,
                           found.continued))
             << fmt::format(
-                   "  camera set {} particles ({} of them the far shell), LiDAR set {} particles ({} of "
-                   "them on actors' surfaces that return nothing)\n",
+                   "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
+                   "there), LiDAR set {} particles ({} of them on actors' surfaces that return nothing)\n",
                    r.camera_particles,
                    init.shell_particles,
+                   init.filled_particles,
                    r.lidar_particles,
                    init.dark_points)
             << fmt::format(

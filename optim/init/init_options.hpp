@@ -14,8 +14,10 @@ struct InitOptions {
   std::size_t max_camera = 1'000'000;
   std::size_t max_lidar = 1'000'000;
   std::size_t max_shell = 100'000;
-  int environment_width = 0;
+  double off_path_m = 3.0;
+  int environment_width = 64;
   double shell_spacing_deg = 0.5;
+  double shell_open_share = 0.5;
   double camera_scale = 0.5;
   double lidar_scale = 0.5;
   double lidar_voxel_rad = 0.01;
@@ -66,6 +68,16 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         o.shell_spacing_deg,
         range(0.05, 45.0),
         "degrees between shell particles, seen from the scene's origin");
+  field("init.shell_open_share",
+        o.shell_open_share,
+        range(0.0, 1.0),
+        "of the pictures of a direction, at least: that many must show something there that no laser reached "
+        "for shell particles to stand there");
+  field("init.off_path_m",
+        o.off_path_m,
+        range(0.0, 100.0),
+        "m that cameras may leave the recorded path by, to the sides and upwards: what they would see then, "
+        "and no picture shows, is filled in where the laser met it, with the colours around");
   field("init.camera_scale",
         o.camera_scale,
         above(0.0, 10.0),
@@ -135,7 +147,7 @@ struct InitReport {
   std::size_t actor_points = 0;   // voxels of actors
   std::size_t dark_points = 0;    // voxels of actors' surfaces that return nothing
   std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
-  std::size_t unseen_points = 0;  // voxels that no image sees: not in the camera set
+  std::size_t unseen_points = 0;  // voxels that no image sees, nor would off the path: not in the camera set
   std::size_t joined_points = 0;  // voxels that no picture shows apart from others
   std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
   std::size_t lidar_cells = 0;    // voxels of the background's LiDAR set, grown where that costs nothing
@@ -143,6 +155,7 @@ struct InitReport {
   std::size_t camera_thinned = 0;
   std::size_t lidar_particles = 0;
   std::size_t camera_particles = 0;  // with the shell
+  std::size_t filled_particles = 0;  // of the camera set, that no image sees
   std::size_t shell_particles = 0;
   double shell_distance_m = 0.0;
   double seconds = 0.0;

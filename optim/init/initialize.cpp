@@ -18,6 +18,7 @@
 #include "optim/init/initialize_environment.hpp"
 #include "optim/init/initialize_moving.hpp"
 #include "optim/init/initialize_sets.hpp"
+#include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/points/points.hpp"
@@ -188,6 +189,7 @@ class Initialisation {
   PointSet points_;                // of the background, one per voxel
   std::size_t static_points_ = 0;  // of those, all but the ones that only pictures show
   std::vector<PointLook> looks_;   // at points_, then at the actors' points
+  std::vector<ImageView> views_;   // [images_]
   std::optional<FarShell> shell_, sky_;
 };
 
@@ -270,6 +272,7 @@ void Initialisation::take_colours() {
   looks_.resize(points_.size() + actors_->camera_count());
   for (const ImageFrame* frame : images_) {
     const auto [image, view] = load_view(log_, *frame, scene_.origin, frames_.image_scale);
+    views_.push_back(view);
     // Two samples per shell cell and axis, so that no cell between two samples stays empty.
     const double finest_rad = std::min(shell_->spacing_rad(), sky_->spacing_rad());
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
@@ -287,13 +290,19 @@ void Initialisation::take_colours() {
 void Initialisation::place_camera_set() {
   auto actor_looks = actors_->split(looks_, points_.size());
   looks_.resize(points_.size());
-  report_.unseen_points = keep_seen(points_, looks_);
+  UnseenPoints unseen = unseen_points(points_, looks_, views_, options_.off_path_m);
+  report_.unseen_points = keep_seen(points_, looks_) - unseen.points.size();
   report_.joined_points = join_by_footprint(points_, looks_, options_.voxel_m, options_.camera_voxel_px);
   report_.camera_thinned = keep_some(points_, looks_, options_.max_camera, frames_.seed);
+  report_.joined_points +=
+      join_by_footprint(unseen.points, unseen.looks, options_.voxel_m, options_.camera_voxel_px);
+  report_.camera_thinned +=
+      keep_some(unseen.points, unseen.looks, options_.max_camera - points_.size(), frames_.seed);
 
-  const std::vector<FarShell::Patch> patches = shell_->patches();
+  const std::vector<FarShell::Patch> patches = shell_->patches(options_.shell_open_share);
   const auto shell_kept = thin(patches.size(), options_.max_shell, frames_.seed);
   scene_.camera = camera_set(points_, looks_, options_);
+  append(scene_.camera, unseen_set(unseen.points, unseen.looks, options_), 0);
   append(scene_.camera, shell_set(*shell_, patches, shell_kept, options_), 0);
   for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
     PointSet seen = actors_->camera_points()[i];
@@ -303,9 +312,10 @@ void Initialisation::place_camera_set() {
   }
   if (!patches.empty()) scene_.camera_background = sky_colour(patches);
   if (options_.environment_width > 0) {
-    scene_.environment = environment_of(sky_->patches(), options_.environment_width);
+    scene_.environment = environment_of(sky_->patches(options_.shell_open_share), options_.environment_width);
   }
   report_.shell_particles = shell_kept.size();
+  report_.filled_particles = unseen.points.size();
   report_.camera_particles = static_cast<std::size_t>(scene_.camera.size());
   report_.shell_distance_m = shell_->distance_m();
 }

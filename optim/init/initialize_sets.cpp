@@ -12,8 +12,9 @@ namespace {
 constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it either way
 /// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
 constexpr float kHitLogit = 1.5F;
-constexpr float kDarkOpacityLogit = 2.0F;  // 0.88: no distance ever pulls it up
-constexpr double kFlatRatio = 0.2;         // thickness of a particle on a plane over its width
+constexpr float kDarkOpacityLogit = 2.0F;    // 0.88: no distance ever pulls it up
+constexpr float kUnseenOpacityLogit = 2.0F;  // 0.88
+constexpr double kFlatRatio = 0.2;           // thickness of a particle on a plane over its width
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
 constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells
@@ -93,6 +94,14 @@ GaussianSet camera_set(const PointSet& points,
     set_on_point(set, points, i, shapes[i], looks[i].footprint_m, options.camera_scale, options);
     set_colour(set, i, looks[i].colour);
   }
+  return set;
+}
+
+GaussianSet unseen_set(const PointSet& points,
+                       const std::vector<PointLook>& looks,
+                       const InitOptions& options) {
+  GaussianSet set = camera_set(points, looks, options);
+  set.opacity_logit().setConstant(kUnseenOpacityLogit);
   return set;
 }
 

@@ -25,6 +25,11 @@ namespace simuli {
                                      const std::vector<PointLook>& looks,
                                      const InitOptions& options);
 
+/// The same where no picture shows them: what no picture's loss teaches is opaque from the start.
+[[nodiscard]] GaussianSet unseen_set(const PointSet& points,
+                                     const std::vector<PointLook>& looks,
+                                     const InitOptions& options);
+
 /// The shell's `patches` at the indices `kept` as camera particles.
 [[nodiscard]] GaussianSet shell_set(const FarShell& shell,
                                     const std::vector<FarShell::Patch>& patches,

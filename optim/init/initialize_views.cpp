@@ -69,6 +69,18 @@ void ImageView::unproject(const Eigen::Vector2d& pixel,
   direction = pose.rotation * camera_.unproject(pixel);
 }
 
+void Coverage::cover(const Eigen::Vector2d& pixel, double radius_px) {
+  const double radius = std::min(radius_px, kMostRadius_px);
+  const auto cell = [this](double at_px, int count) {
+    return std::clamp(static_cast<int>(std::floor(at_px / cell_px)), 0, count - 1);
+  };
+  const int left = cell(pixel.x() - radius, columns), right = cell(pixel.x() + radius, columns);
+  for (int row = cell(pixel.y() - radius, rows); row <= cell(pixel.y() + radius, rows); ++row) {
+    const auto first = covered.begin() + static_cast<std::ptrdiff_t>(row) * columns;
+    std::fill(first + left, first + right + 1, std::uint8_t{1});
+  }
+}
+
 bool Coverage::is_empty_around(int column, int row) const {
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {
     for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns - 1); ++x) {
@@ -131,10 +143,8 @@ Coverage look_at_points(const ImageView& view,
     const Eigen::Vector3d p_scene = points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
     if (!view.project(p_scene, pixel, range_m)) continue;
     seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(range_m), pixel.cast<float>()});
-    coverage.covered[static_cast<std::size_t>(static_cast<int>(pixel.y()) / cell_px) *
-                         static_cast<std::size_t>(coverage.columns) +
-                     static_cast<std::size_t>(static_cast<int>(pixel.x()) / cell_px)] = 1;
     const double radius_px = 0.5 * point_size_m / (view.pixel_size_at_1m() * range_m);
+    coverage.cover(pixel, radius_px);
     const int reach = static_cast<int>(std::min<double>(kMaxReach, radius_px / kDepthCell_px));
     const int x = static_cast<int>(pixel.x()) / kDepthCell_px;
     const int y = static_cast<int>(pixel.y()) / kDepthCell_px;
@@ -226,7 +236,6 @@ FarShell::FarShell(double spacing_deg, double distance_m)
 void FarShell::add(const ImageView& view, const Image& image, const Coverage& coverage) {
   for (int row = 0; row < coverage.rows; ++row) {
     for (int column = 0; column < coverage.columns; ++column) {
-      if (!coverage.is_empty_around(column, row)) continue;
       // The last row and column of cells may be cut off by the picture's edge.
       const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
                                   std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
@@ -234,7 +243,10 @@ void FarShell::add(const ImageView& view, const Image& image, const Coverage& co
       Eigen::Vector3d direction;
       view.unproject(pixel, origin, direction);
       if (direction.isZero(0.0)) continue;
-      add(origin, direction, sample_bilinear(image, pixel));
+      if (coverage.is_empty_around(column, row))
+        add(origin, direction, sample_bilinear(image, pixel));
+      else
+        add_hidden(origin, direction);
     }
   }
 }
@@ -242,6 +254,18 @@ void FarShell::add(const ImageView& view, const Image& image, const Coverage& co
 void FarShell::add(const Eigen::Vector3d& origin,
                    const Eigen::Vector3d& direction,
                    const Eigen::Vector3f& colour) {
+  const Meeting met = meeting(origin, direction);
+  Cell& cell = cells_[met.cell];
+  cell.direction += met.from_origin;
+  cell.colour += colour.cast<double>();
+  cell.open += 1.0;
+}
+
+void FarShell::add_hidden(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+  cells_[meeting(origin, direction).cell].hidden += 1.0;
+}
+
+FarShell::Meeting FarShell::meeting(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
   // Where the ray leaves the sphere: |origin + t direction| = distance.
   const double b = origin.dot(direction);
   const double c = origin.squaredNorm() - distance_m_ * distance_m_;
@@ -257,21 +281,20 @@ void FarShell::add(const Eigen::Vector3d& origin,
   const double width = 2.0 * std::numbers::pi * std::max(std::cos(ring_elevation), 0.0);
   const double cells = std::max(std::floor(width / spacing_rad_), 1.0);
   const double cell = std::min(std::floor(azimuth / (2.0 * std::numbers::pi) * cells), cells - 1.0);
-  Sum& sum = cells_[static_cast<std::uint64_t>(ring) << 32U | static_cast<std::uint64_t>(cell)];
-  sum.direction += from_origin;
-  sum.colour += colour.cast<double>();
-  sum.count += 1.0;
+  return {from_origin, static_cast<std::uint64_t>(ring) << 32U | static_cast<std::uint64_t>(cell)};
 }
 
-std::vector<FarShell::Patch> FarShell::patches() const {
-  std::vector<std::pair<std::uint64_t, const Sum*>> sorted;
-  sorted.reserve(cells_.size());
-  for (const auto& [key, sum] : cells_) sorted.emplace_back(key, &sum);
+std::vector<FarShell::Patch> FarShell::patches(double open_share) const {
+  std::vector<std::pair<std::uint64_t, const Cell*>> sorted;
+  for (const auto& [key, cell] : cells_) {
+    const bool is_open = cell.open > 0.0 && cell.open >= open_share * (cell.open + cell.hidden);
+    if (is_open) sorted.emplace_back(key, &cell);
+  }
   std::sort(sorted.begin(), sorted.end());
   std::vector<Patch> out;
   out.reserve(sorted.size());
-  for (const auto& [key, sum] : sorted) {
-    out.push_back({sum->direction.normalized().cast<float>(), (sum->colour / sum->count).cast<float>()});
+  for (const auto& [key, cell] : sorted) {
+    out.push_back({cell->direction.normalized().cast<float>(), (cell->colour / cell->open).cast<float>()});
   }
   return out;
 }

@@ -56,6 +56,10 @@ struct Coverage {
   int columns = 0;
   int rows = 0;
   std::vector<std::uint8_t> covered;  // [rows][columns]
+  /// A square of cells, to kMostRadius_px to each side at most: what is right before the lens does not cover
+  /// the whole picture.
+  void cover(const Eigen::Vector2d& pixel, double radius_px);
+  static constexpr double kMostRadius_px = 32.0;
   /// True when neither the cell nor one of its eight neighbours is covered.
   [[nodiscard]] bool is_empty_around(int column, int row) const;
 };
@@ -89,29 +93,39 @@ class FarShell {
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
   FarShell(double spacing_deg, double distance_m);
   /// Adds the colours of all cells of `coverage` that are empty with their neighbours and have a ray at their
-  /// middle. The camera must stand within the shell.
+  /// middle, and counts the others as hidden. The camera must stand within the shell.
   void add(const ImageView& view, const Image& image, const Coverage& coverage);
-  /// One direction with a colour.
+  /// One direction: with its colour, or hidden.
   void add(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const Eigen::Vector3f& colour);
+  void add_hidden(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction);
 
   struct Patch {
     Eigen::Vector3f direction;  // unit, from the scene origin
     Eigen::Vector3f colour;
   };
-  /// One patch per occupied cell, sorted by cell.
-  [[nodiscard]] std::vector<Patch> patches() const;
+  /// One patch per cell that has a colour and of whose looks at least that share were not hidden, sorted by
+  /// cell. Where most meet something nothing can be far away: what looks open is a gap between points, and a
+  /// patch behind it would be seen through them from elsewhere.
+  [[nodiscard]] std::vector<Patch> patches(double open_share) const;
   [[nodiscard]] double spacing_rad() const { return spacing_rad_; }
   [[nodiscard]] double distance_m() const { return distance_m_; }
 
  private:
-  struct Sum {
-    Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  struct Cell {
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // sums
     Eigen::Vector3d colour = Eigen::Vector3d::Zero();
-    double count = 0.0;
+    double open = 0.0, hidden = 0.0;  // looks
   };
+  /// The direction from the scene origin of what a ray meets on the shell, and its cell.
+  struct Meeting {
+    Eigen::Vector3d from_origin;
+    std::uint64_t cell;
+  };
+  [[nodiscard]] Meeting meeting(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+
   double spacing_rad_;
   double distance_m_;
-  std::unordered_map<std::uint64_t, Sum> cells_;
+  std::unordered_map<std::uint64_t, Cell> cells_;
 };
 
 }  // namespace simuli

@@ -122,6 +122,27 @@ TEST(JoinByFootprint, OnlyWhatNoPictureShowsApartBecomesOne) {
   EXPECT_TRUE(points.position.col(3).isApprox(Eigen::Vector3f(10.45F, 0.05F, 0.05F)));
 }
 
+TEST(LookAtPoints, APointCoversAsMuchAsItsDisc) {
+  const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
+  const PointSet points = point_set({{0.005F, 0.005F, 1.0F}, {0.1F, 0.005F, 10.0F}});
+  std::vector<PointLook> looks(points.size());
+  const Coverage coverage = look_at_points(view, plain(0, 0, 1), points, 0.1, 1, looks);
+  // 0.1 m are 10 px at 1 m, 1 px at 10 m: squares around the pixels of both.
+  const Camera c = camera();
+  const int x = c.width / 2, y = c.height / 2;
+  const auto is_covered = [&](int column, int row) {
+    return coverage.covered[static_cast<std::size_t>(row) * static_cast<std::size_t>(coverage.columns) +
+                            static_cast<std::size_t>(column)] == 1;
+  };
+  EXPECT_TRUE(is_covered(x, y) && is_covered(x - 4, y - 4) && is_covered(x + 4, y + 4));
+  EXPECT_FALSE(is_covered(x - 7, y) || is_covered(x, y + 7));
+  Coverage whole{1, 200, 100, std::vector<std::uint8_t>(200 * 100, 0)};
+  whole.cover({1.0, 1.0}, 1e9);  // never the whole picture
+  EXPECT_EQ(whole.covered[33], 1);
+  EXPECT_EQ(whole.covered[34], 0);
+  EXPECT_EQ(whole.covered[34 * 200], 0);
+}
+
 TEST(JoinByFootprint, ZeroPixelsJoinNothingInVoxelsOfTheirOwn) {
   PointSet points = point_set({{0.05F, 0.0F, 0.0F}, {50.15F, 0.0F, 0.0F}, {50.25F, 0.0F, 0.0F}});
   std::vector<PointLook> looks(3, {50.0F, 5.0F, {0.5F, 0.5F, 0.5F}});
@@ -149,7 +170,7 @@ TEST(FarShell, DirectionsWithinACellBecomeOnePatch) {
   shell.add(here, direction(10.2, 30.4), {1, 0, 0});
   shell.add(here, direction(10.3, 30.6), {0, 1, 0});
   shell.add(here, direction(14.0, 30.5), {0, 0, 1});
-  const std::vector<FarShell::Patch> patches = shell.patches();
+  const std::vector<FarShell::Patch> patches = shell.patches(0.5);
   ASSERT_EQ(patches.size(), 2U);
   EXPECT_LT((patches[0].colour - Eigen::Vector3f(0.5F, 0.5F, 0.0F)).norm(), 1e-6F);
   EXPECT_GT(patches[0].direction.dot(direction(10.25, 30.5).cast<float>()), 0.99999F);
@@ -158,9 +179,24 @@ TEST(FarShell, DirectionsWithinACellBecomeOnePatch) {
 TEST(FarShell, SeenFromElsewhereThePatchIsWhereTheRayMeetsTheShell) {
   FarShell shell(1.0, 500.0);
   shell.add({300, 0, 0}, {0, 1, 0}, {1, 1, 1});
-  const std::vector<FarShell::Patch> patches = shell.patches();
+  const std::vector<FarShell::Patch> patches = shell.patches(0.5);
   ASSERT_EQ(patches.size(), 1U);
   EXPECT_LT((500.0F * patches[0].direction - Eigen::Vector3f(300, 400, 0)).norm(), 1e-3F);
+}
+
+TEST(FarShell, NothingStandsWhereMostLooksMeetSomething) {
+  FarShell shell(1.0, 500.0);
+  const Eigen::Vector3d here = Eigen::Vector3d::Zero(), seldom(1, 0, 0), often(0, 1, 0), never(0, 0, 1);
+  for (int k = 0; k < 3; ++k) shell.add_hidden(here, seldom);
+  shell.add(here, seldom, {0, 0, 1});
+  for (int k = 0; k < 2; ++k) shell.add_hidden(here, often);
+  for (int k = 0; k < 2; ++k) shell.add(here, often, {0, 0, 1});
+  shell.add_hidden(here, never);
+  const std::vector<FarShell::Patch> half = shell.patches(0.5);
+  ASSERT_EQ(half.size(), 1U);
+  EXPECT_GT(half[0].direction.y(), 0.999F);
+  EXPECT_EQ(half[0].colour, Eigen::Vector3f(0, 0, 1));
+  EXPECT_EQ(shell.patches(0.0).size(), 2U);
 }
 
 TEST(FarShell, AWholeSphereHasCellsOfEqualSizeAndNoDoubles) {
@@ -176,7 +212,7 @@ TEST(FarShell, AWholeSphereHasCellsOfEqualSizeAndNoDoubles) {
   const double spacing = kSpacing_deg * std::numbers::pi / 180.0;
   const double cells = 4.0 * std::numbers::pi / (spacing * spacing);
   // Whole cells per ring: at most one too few of the 72 at the equator, relatively more near the poles.
-  EXPECT_NEAR(static_cast<double>(shell.patches().size()), cells, 0.03 * cells);
+  EXPECT_NEAR(static_cast<double>(shell.patches(0.5).size()), cells, 0.03 * cells);
 }
 
 TEST(FarShell, AddsOnlyWhatNoPointExplains) {
@@ -191,7 +227,7 @@ TEST(FarShell, AddsOnlyWhatNoPointExplains) {
   const Image image = plain(0, 0, 1);
   FarShell shell(1.0, 500.0);
   shell.add(view, image, look_at_points(view, image, points, 0.1, 2, looks));
-  const std::vector<FarShell::Patch> patches = shell.patches();
+  const std::vector<FarShell::Patch> patches = shell.patches(0.5);
   ASSERT_GT(patches.size(), 100U);
   for (const FarShell::Patch& patch : patches) {
     EXPECT_LT(patch.direction.x(), 0.0F);
@@ -214,7 +250,7 @@ TEST(FarShell, LeavesOutPixelsWithoutARay) {
   const Image image = plain(0, 0, 1);
   FarShell shell(1.0, 500.0);
   shell.add(view, image, look_at_points(view, image, nothing, 0.1, 2, looks));
-  const std::vector<FarShell::Patch> patches = shell.patches();
+  const std::vector<FarShell::Patch> patches = shell.patches(0.5);
   ASSERT_GT(patches.size(), 100U);
   for (const FarShell::Patch& patch : patches) {
     EXPECT_NEAR(patch.direction.norm(), 1.0F, 1e-5F);

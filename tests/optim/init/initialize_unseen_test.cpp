@@ -1,0 +1,78 @@
+#include "optim/init/initialize_unseen.hpp"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+
+namespace simuli {
+namespace {
+
+/// 100 x 80 px at the origin, looking along +x, the picture's right towards -y: 0.5 m to each side per m.
+ImageView view() {
+  const Camera camera{"front", 100, 80, 100.0, 100.0, 50.0, 40.0, ShutterKind::kGlobal};
+  Eigen::Matrix3d scene_from_camera;
+  scene_from_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  const Pose pose{Eigen::Quaterniond(scene_from_camera), Eigen::Vector3d::Zero()};
+  return {camera, pose, pose};
+}
+
+struct Points {
+  PointSet points;
+  std::vector<PointLook> looks;
+
+  void add(const Eigen::Vector3f& position, float intensity) {
+    PointSet one;
+    one.position = position;
+    one.intensity = {intensity};
+    points.append(one);
+    looks.emplace_back();
+  }
+  void add_seen(const Eigen::Vector3f& position, float intensity, const Eigen::Vector3f& colour) {
+    add(position, intensity);
+    looks.back() = {position.norm(), 0.01F * position.norm(), colour};
+  }
+};
+
+TEST(UnseenPoints, AreThoseThatAMoveToTheSideOrUpBringsIntoThePicture) {
+  Points some;
+  some.add_seen({10, 0, 0}, 0.5F, {0.2F, 0.4F, 0.6F});
+  some.add({10, 0, -1}, 0.5F);  // in the picture, hidden by something
+  some.add({10, 7, 0}, 0.5F);   // 2 m to the left of it
+  some.add({10, -7, 0}, 0.5F);  // and to the right
+  some.add({10, 0, 6}, 0.5F);   // and above
+  some.add({10, 9, 0}, 0.5F);   // too far to the left
+  some.add({10, 0, -6}, 0.5F);  // below: no camera sinks into the road
+  some.add({-10, 0, 0}, 0.5F);  // behind
+  const UnseenPoints unseen = unseen_points(some.points, some.looks, {view()}, 3.0);
+  ASSERT_EQ(unseen.points.size(), 4U);
+  EXPECT_EQ(unseen.points.position, some.points.position.middleCols(1, 4));
+  for (const PointLook& look : unseen.looks) {
+    EXPECT_LT((look.colour - Eigen::Vector3f(0.2F, 0.4F, 0.6F)).norm(), 1e-6F);
+    EXPECT_GE(look.range_m, 10.0F);
+    EXPECT_FLOAT_EQ(look.footprint_m, 0.01F * look.range_m);
+  }
+  EXPECT_EQ(unseen_points(some.points, some.looks, {view()}, 0.0).points.size(), 1U);  // the hidden one
+}
+
+TEST(UnseenPoints, HaveTheColourOfWhatIsNearAndReflectsAlike) {
+  Points some;
+  some.add_seen({10, 0, 0}, 0.1F, {0, 0, 0});     // asphalt
+  some.add_seen({10, 0.3F, 0}, 0.9F, {1, 1, 1});  // a marking
+  some.add({10, 0.1F, 0}, 0.9F);                  // nearer to the asphalt, as bright as the marking
+  some.add({10, 0.2F, 0}, 0.1F);
+  const UnseenPoints unseen = unseen_points(some.points, some.looks, {view()}, 1.0);
+  ASSERT_EQ(unseen.points.size(), 2U);
+  EXPECT_GT(unseen.looks[0].colour.minCoeff(), 0.95F);
+  EXPECT_LT(unseen.looks[1].colour.maxCoeff(), 0.05F);
+}
+
+TEST(UnseenPoints, AreNoneWithoutAColourOrAView) {
+  Points some;
+  some.add({10, 0, 0}, 0.5F);
+  EXPECT_EQ(unseen_points(some.points, some.looks, {view()}, 3.0).points.size(), 0U);
+  some.add_seen({10, 1, 0}, 0.5F, {1, 1, 1});
+  EXPECT_EQ(unseen_points(some.points, some.looks, {}, 3.0).points.size(), 0U);
+}
+
+}  // namespace
+}  // namespace simuli
