@@ -105,6 +105,20 @@ constexpr void visit_fields(ParticleWeights& o, F&& field) {
   field("loss.entropy", o.entropy, at_least(0.0), "of its opacity's entropy");
 }
 
+/// The camera set along the LiDARs' rays: pictures alone leave open how far away what they show is.
+struct DepthOptions {
+  double weight = 0.1;
+  int every = 2;
+};
+template <class F>
+constexpr void visit_fields(DepthOptions& o, F&& field) {
+  field("depth.weight",
+        o.weight,
+        at_least(0.0),
+        "of the camera set's mean |d^ - d| in m along a sweep's returned rays; 0: none");
+  field("depth.every", o.every, at_least(1), "iterations per sweep that the camera set is compared with");
+}
+
 struct TrainOptions {
   int iterations = 1500;
   LengthOptions length;
@@ -119,6 +133,7 @@ struct TrainOptions {
   /// heart.
   LearningRates lidar{.mean_m = 2e-3, .mean_final_m = 2e-5, .opacity = 5e-2, .sh = 5e-3, .sh_rest = 2.5e-4};
   LidarWeights weights;
+  DepthOptions depth;
   RayDropOptions ray_drop;
   AnchorOptions anchor;
   DensifyOptions densify;
@@ -152,6 +167,7 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part("camera.", o.camera);
   field.part("lidar.", o.lidar);
   field.part("", o.weights);
+  field.part("", o.depth);
   field.part("", o.ray_drop);
   field.part("", o.anchor);
   field.part("", o.densify);

@@ -92,6 +92,8 @@ class Trainer {
   };
   void step_camera(double progress);
   void step_lidar(double progress);
+  /// The camera set along a sweep's rays.
+  void step_depth(double progress);
   /// From the loss of the pass to the set's step: what both sets do, in its order.
   void descend(const Turn& turn);
   void regularize(TrainedSet& set, const ParticleWeights& weights);

@@ -20,6 +20,8 @@ void Trainer::step() {
   if (prunes_now) prune_lidar();
   structure_.find_anchors(status_.iteration, prunes_now);
   if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
+  const bool depth_turn = options_.depth.weight > 0.0 && status_.iteration % options_.depth.every == 0;
+  if (depth_turn && !images_.empty() && !sweeps_.empty() && camera_.particles.count > 0) step_depth(progress);
   const bool lidar_turn = status_.iteration % options_.lidar_every == 0;
   if (lidar_turn && !sweeps_.empty() && lidar_.particles.count > 0) step_lidar(progress);
   ++status_.iteration;
@@ -67,6 +69,21 @@ void Trainer::step_camera(double progress) {
   square_.add(loss.squared / values);
   length_.add_image(index, loss.squared / values);
   status_.psnr_db = -10.0 * std::log10(square_.value());
+}
+
+void Trainer::step_depth(double progress) {
+  const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.depth.every));
+  const SweepFrame& frame = log_.sweeps[index];
+  const auto truth = truth_.sweep(index);
+  Pass pass = renderer_.render(camera_.particles, truth->truth.rays(), view(frame, frame.lidar));
+  const double returned = std::max(1.0, static_cast<double>(truth->returned));
+  const LidarLoss loss = pass.lidar_loss(truth->truth, {.distance = options_.depth.weight / returned});
+  pass.backward(camera_.particles, camera_.grads);
+  camera_.adam.run(camera_.particles,
+                   camera_.grads,
+                   pass.buffers().projected.keys,
+                   row_rates(options_.camera, camera_.particles.sh_degree, progress));
+  static_cast<void>(is_sound(loss.distance_m));
 }
 
 void Trainer::step_lidar(double progress) {

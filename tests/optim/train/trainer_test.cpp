@@ -283,6 +283,24 @@ TEST_F(TrainerTest, AnchorsHoldTheCameraSetNearTheLidarSet) {
   EXPECT_EQ(anchor_distance(0.0), 0.0);  // not even measured
 }
 
+TEST_F(TrainerTest, SweepsHoldTheCameraSetWhereTheirReturnsAre) {
+  // The camera set's own distances along the rays of the sweeps, mean error in m.
+  const auto error_m = [&](double weight) {
+    TrainingOptions o = options(100);
+    o.train.depth = {.weight = weight, .every = 1};
+    Scene scene = train(o);
+    GaussianSet as_lidar(SetKind::kLidar, scene.camera.sh_degree, scene.camera.size());
+    as_lidar.params.leftCols(kShRow) = scene.camera.params.leftCols(kShRow);
+    scene.lidar = as_lidar;
+    scene.ray_drop.clear();
+    Trainer trainer(Device::best(), log_, scene, options(5));
+    for (int k = 0; k < 5; ++k) trainer.step();
+    return trainer.status().distance_m;
+  };
+  const double without = error_m(0.0);
+  EXPECT_LT(error_m(1.0), 0.7 * without) << without;
+}
+
 TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
   Scene scene = initial_scene();
   const float kNaN = std::numeric_limits<float>::quiet_NaN();
