@@ -8,7 +8,8 @@ namespace simuli {
 namespace {
 
 /// Sums of colours over a grid of texels.
-struct Level {
+class Level {
+ public:
   int width = 0;
   int height = 0;
   std::vector<Eigen::Vector4f> sum;  // [height][width] colours and their number
@@ -17,8 +18,12 @@ struct Level {
       : width(w),
         height(h),
         sum(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), Eigen::Vector4f::Zero()) {}
-  [[nodiscard]] Eigen::Vector4f& at(int x, int y) {
-    return sum[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  [[nodiscard]] Eigen::Vector4f& at(int x, int y) { return sum[index(x, y)]; }
+  [[nodiscard]] const Eigen::Vector4f& at(int x, int y) const { return sum[index(x, y)]; }
+
+ private:
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
   }
 };
 
@@ -28,6 +33,33 @@ Level halved(Level& fine) {
     for (int x = 0; x < fine.width; ++x) coarse.at(x / 2, y / 2) += fine.at(x, y);
   }
   return coarse;
+}
+
+/// Gives cells without a colour the mean of their row, and rows without any that of the nearest row that has
+/// one: sky goes on upwards and all around, ground downwards.
+void fill_by_rows(Level& level) {
+  std::vector<Eigen::Vector4f> means;
+  for (int y = 0; y < level.height; ++y) {
+    Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+    for (int x = 0; x < level.width; ++x) {
+      const Eigen::Vector4f& cell = level.at(x, y);
+      if (cell.w() > 0.0F) sum += cell / cell.w();
+    }
+    means.push_back(sum);
+  }
+  for (int y = 0; y < level.height; ++y) {
+    // Above before below, of rows as far away.
+    int nearest = y;
+    for (int away = 1; means[static_cast<std::size_t>(nearest)].w() == 0.0F && away < level.height; ++away) {
+      if (y - away >= 0 && means[static_cast<std::size_t>(y - away)].w() > 0.0F)
+        nearest = y - away;
+      else if (y + away < level.height && means[static_cast<std::size_t>(y + away)].w() > 0.0F)
+        nearest = y + away;
+    }
+    for (int x = 0; x < level.width; ++x) {
+      if (level.at(x, y).w() == 0.0F) level.at(x, y) = means[static_cast<std::size_t>(nearest)];
+    }
+  }
 }
 
 }  // namespace
@@ -44,7 +76,10 @@ EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int w
                                           std::clamp(static_cast<int>(y), 0, height - 1));
     texel += Eigen::Vector4f(patch.colour.x(), patch.colour.y(), patch.colour.z(), 1.0F);
   }
-  while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(halved(levels.back()));
+  // Small holes of a fine map close by the mean of the block around them.
+  constexpr int kCoarse = 64;  // cells around
+  while (levels.back().width > kCoarse) levels.push_back(halved(levels.back()));
+  fill_by_rows(levels.back());
 
   EnvironmentMap map{width, height, {}};
   map.texels.reserve(3 * levels[0].sum.size());

@@ -68,7 +68,7 @@ struct LookOptions {
   double environment_rate = 1e-2;
   double grid_rate = 2e-3;
   double final_share = 0.1;
-  double environment_variation = 1.0;
+  double environment_variation = 0.0;
   double grid_variation = 10.0;
   double grid_drift = 0.001;
 };
@@ -84,7 +84,9 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
   field("loss.environment_variation",
         o.environment_variation,
         at_least(0.0),
-        "of the mean squared difference of neighbouring texels");
+        "of the mean squared difference of neighbouring texels: those that no picture looks at become like "
+        "those "
+        "around them");
   field("loss.grid_variation", o.grid_variation, at_least(0.0), "of that of neighbouring vertices of a grid");
   field("loss.grid_drift",
         o.grid_drift,
