@@ -5,7 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "io/picture/image.hpp"
 #include "io/synth/street.hpp"
 
 namespace simuli::bench {
@@ -36,17 +35,7 @@ Log record(const Figure11Options& options, const fs::path& folder) {
   street.moving_car = false;  // the scene is static
   Log log = street_log(street);
   log.world_from_rig = turning(log.world_from_rig, options.turn_deg_per_s * std::numbers::pi / 180.0);
-  const Street world(street.seed, std::nullopt);
-  fs::create_directories(folder / "images");
-  fs::create_directories(folder / "sweeps");
-  for (const ImageFrame& f : log.images) {
-    write_image(folder / f.file,
-                render_street(world, log.cameras[0], log.world_from_rig, f.time_start_s, f.time_end_s));
-  }
-  for (const SweepFrame& f : log.sweeps) {
-    write_sweep(folder / f.file,
-                scan_street(world, log.lidars[0], log.world_from_rig, f.time_start_s, f.time_end_s));
-  }
+  write_frames(log, Street(street.seed, std::nullopt));
   return log;
 }
 

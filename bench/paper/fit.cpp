@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli::bench {
 
@@ -18,6 +19,20 @@ ScratchFolder::ScratchFolder() {
 ScratchFolder::~ScratchFolder() {
   std::error_code ignored;  // a destructor does not throw; what is left lies in the temporary folder
   std::filesystem::remove_all(path_, ignored);
+}
+
+void write_frames(const Log& log, const Street& street) {
+  for (const ImageFrame& f : log.images) {
+    std::filesystem::create_directories((log.folder / f.file).parent_path());
+    write_image(
+        log.folder / f.file,
+        render_street(street, log.camera(f.camera), log.world_from_rig, f.time_start_s, f.time_end_s));
+  }
+  for (const SweepFrame& f : log.sweeps) {
+    std::filesystem::create_directories((log.folder / f.file).parent_path());
+    write_sweep(log.folder / f.file,
+                scan_street(street, log.lidar(f.lidar), log.world_from_rig, f.time_start_s, f.time_end_s));
+  }
 }
 
 SceneFile fit(const Device& device, const Log& log, const TrainingOptions& options) {

@@ -6,6 +6,7 @@
 
 #include "host/runtime/device.hpp"
 #include "io/log/log.hpp"
+#include "io/synth/street.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/train/training.hpp"
 
@@ -28,6 +29,10 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// Pictures and sweeps of the street for each frame of `log`, into its folder, each by the sensor of that
+/// name.
+void write_frames(const Log& log, const Street& street);
 
 /// A scene from the frames of `log` that are not held out, as `simuli train` makes it.
 [[nodiscard]] SceneFile fit(const Device& device, const Log& log, const TrainingOptions& options);

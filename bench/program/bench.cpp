@@ -14,11 +14,13 @@
 #include "bench/paper/actors.hpp"
 #include "bench/paper/figure10.hpp"
 #include "bench/paper/figure11.hpp"
+#include "bench/paper/shift.hpp"
 #include "bench/paper/table5.hpp"
 #include "bench/paper/table8.hpp"
 #include "bench/paper/training.hpp"
 #include "bench/peers/peers.hpp"
 #include "bench/program/report.hpp"
+#include "bench/program/shift_picture.hpp"
 #include "bench/program/trade_picture.hpp"
 #include "bench/render/agreement.hpp"
 #include "bench/render/sensor_errors.hpp"
@@ -50,8 +52,9 @@ struct BenchCommand {
   bool plan = false;
   bool trade = false;
   bool peers = false;
+  bool shift = false;
   std::vector<std::string> settings;  // measured by the trade beside the qualities
-  std::string picture;                // of the trade's front
+  std::string picture;                // of the trade's front, of the shift's places
   std::string report;                 // HTML file to write; empty: none
   int table = 0;                      // 0: none
   int figure = 0;                     // 0: none
@@ -67,6 +70,7 @@ struct BenchCommand {
   TradeOptions trade_options;
   PeersOptions peer_options;
   DrivesOptions drives;
+  ShiftOptions shift_options;
 };
 
 void run_drives(const BenchCommand& command, const Globals& globals, const Note& note) {
@@ -96,6 +100,14 @@ void run_peers(const BenchCommand& command, const Globals& globals, const Note& 
   std::cout << (globals.json ? to_json(peer_rows(cases)) : peer_table(cases));
 }
 
+std::vector<Row> run_shift(const BenchCommand& command, const Globals& globals, const Note& note) {
+  ShiftOptions options = command.shift_options;
+  options.settings = command.settings;
+  ShiftResult result = run_shift(globals.device, options, note);
+  if (!command.picture.empty()) write_image(command.picture, shift_picture(result.pictures));
+  return std::move(result.rows);
+}
+
 void measure(BenchCommand command, const Globals& globals) {
   const std::array asked{command.stages,
                          command.extremes,
@@ -105,30 +117,35 @@ void measure(BenchCommand command, const Globals& globals) {
                          command.plan,
                          command.trade,
                          command.peers,
+                         command.shift,
                          !command.drives.drives.empty(),
                          !command.agreement.empty(),
                          command.table != 0,
                          command.figure != 0};
   const auto count = std::count(asked.begin(), asked.end(), true);
   if (count != 1) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
-                            "--drive, --lidar-rates, --actors, --plan, --trade, --peers, --agreement, "
-                            "--table 5|6|7|8, --figure 10|11",
-                            count));
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
+                    "--drive, --lidar-rates, --actors, --plan, --trade, --peers, --shift, --agreement, "
+                    "--table 5|6|7|8, --figure 10|11",
+                    count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
   }
   command.table5.log = command.table8.log = command.log;
   if (command.iterations > 0) {
-    if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors) {
+    if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors &&
+        !command.shift) {
       throw Error(
           ErrorKind::kUsage,
-          "bench: --iterations: found without a training, allowed with --table 5|8, --figure, --actors");
+          "bench: --iterations: found without a training, allowed with --table 5|8, --figure, --actors, "
+          "--shift");
     }
     command.table5.iterations = command.table8.iterations = command.figure10.iterations =
-        command.figure11.iterations = command.actor_options.iterations = command.iterations;
+        command.figure11.iterations = command.actor_options.iterations = command.shift_options.iterations =
+            command.iterations;
   }
   const auto note = [](const std::string& line) { std::cerr << line << '\n'; };
   std::vector<Row> rows;
@@ -148,6 +165,7 @@ void measure(BenchCommand command, const Globals& globals) {
     rows = run_plan(globals.device, {command.stage_options.particles, command.stage_options.frames}, note);
   }
   if (command.trade) return run_trade(command, globals, note);
+  if (command.shift) rows = run_shift(command, globals, note);
   if (command.peers) return run_peers(command, globals, note);
   if (!command.drives.drives.empty()) return run_drives(command, globals, note);
   if (command.extremes) {
@@ -223,6 +241,10 @@ void add_bench(const Command& command, const Globals& globals) {
   command.flag("--peers",
                options->peers,
                "the same particles ray traced with Embree, in turns with ours; 50 k, 200 k and 1 M");
+  command.flag("--shift",
+               options->shift,
+               "the street's scene beside the truth off the recorded path: moved, higher, turned, with other "
+               "sensors");
   command.option("--agreement",
                  options->agreement,
                  "every ray of a camera and a LiDAR frame against FILE, which another OpenCL "
@@ -234,7 +256,9 @@ void add_bench(const Command& command, const Globals& globals) {
       .values(0, 2);
   command.option(
       "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
-  command.option("--picture", options->picture, "--trade: a PNG of time and error, with the front");
+  command.option("--picture",
+                 options->picture,
+                 "--trade: a PNG of time and error, with the front; --shift: of renders beside the truth");
   const auto fields = [options, &globals] {
     options->trade_options.own = options_of(globals.quality);
     return fields_of(options->trade_options.own);
@@ -244,8 +268,8 @@ void add_bench(const Command& command, const Globals& globals) {
       options->settings,
       globals,
       fields,
-      "--trade: KEY=VALUE..., only these together, and the qualities; help: lists the keys; --drive: keys "
-      "of simuli train, for all trainings");
+      "--trade: KEY=VALUE..., only these together, and the qualities; help: lists the keys; --drive: and "
+      "--shift: keys of simuli train, for all trainings");
   command.option("--repeats", options->trade_options.repeats, "--trade: timed renders of each view")
       .range(1, 1000)
       .with_default();

@@ -1,0 +1,108 @@
+#include "bench/paper/shift.hpp"
+
+#include <fmt/format.h>
+#include <numbers>
+
+#include "io/synth/street.hpp"
+
+namespace simuli::bench {
+namespace {
+
+/// What is other than when the scene was recorded.
+struct Place {
+  std::string name;
+  double left_m = 0.0, up_m = 0.0, turn_deg = 0.0;
+  bool other_camera = false, other_lidar = false;
+  bool is_shown = false;
+};
+
+std::vector<Place> places() {
+  std::vector<Place> all;
+  for (const double left_m : {0.0, 0.5, 1.0, 2.0, 3.0, -0.5, -1.0, -2.0, -3.0}) {
+    const bool is_shown = left_m == 0.0 || left_m == 1.0 || left_m == 3.0;
+    all.push_back({.name = fmt::format("left_{}_m", left_m), .left_m = left_m, .is_shown = is_shown});
+  }
+  all.push_back({.name = "up_1_m", .up_m = 1.0, .is_shown = true});
+  for (const double turn_deg : {15.0, 30.0, -15.0, -30.0}) {
+    const bool is_shown = turn_deg == 30.0;
+    all.push_back(
+        {.name = fmt::format("turned_{}_deg", turn_deg), .turn_deg = turn_deg, .is_shown = is_shown});
+  }
+  all.push_back({.name = "wider_camera", .other_camera = true, .is_shown = true});
+  all.push_back({.name = "other_lidar", .other_lidar = true});
+  return all;
+}
+
+Trajectory moved(const Trajectory& world_from_rig, const Place& place) {
+  const double turn_rad = place.turn_deg * std::numbers::pi / 180.0;
+  const Pose rig_from_moved{Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
+                            {0.0, place.left_m, place.up_m}};
+  std::vector<TimedPose> poses = world_from_rig.poses();
+  for (TimedPose& p : poses) p.pose = p.pose * rig_from_moved;
+  return Trajectory(std::move(poses));
+}
+
+/// The log of the same drive as it would have been recorded there.
+Log record(const Street& street, Log log, const Place& place, const std::filesystem::path& folder) {
+  log.folder = folder;
+  log.world_from_rig = moved(log.world_from_rig, place);
+  LogCamera& camera = log.cameras.front();
+  LogLidar& lidar = log.lidars.front();
+  if (place.other_camera) camera.model.fx *= 0.6, camera.model.fy *= 0.6;
+  if (place.other_lidar) {
+    Lidar other = builtin_lidar("velodyne_hdl32e");
+    other.name = name_of(lidar.model);
+    lidar.model = other;
+  }
+  write_frames(log, street);
+  return log;
+}
+
+}  // namespace
+
+ShiftResult run_shift(const std::string& device_request, const ShiftOptions& options, const Note& note) {
+  const Device device = Device::best(device_request);
+  note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
+  const ScratchFolder scratch;
+  StreetOptions street;
+  street.output = scratch.path() / "street.log";
+  const Log log = synth_street(street);
+  std::vector<std::string> settings = options.settings;
+  settings.push_back("image_scale=1");
+  settings.push_back(fmt::format("iterations={}", options.iterations));
+  const SceneFile scene = fit(device, log, training_options("", settings));
+  note(fmt::format("trained on the street, {} iterations", options.iterations));
+
+  const Street world(street.seed, street.car);
+  ShiftResult result;
+  const EvalOptions all{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};
+  for (const Place& place : places()) {
+    const Log there = record(world, log, place, scratch.path() / place.name);
+    Evaluation evaluation(device, scene, there, all);
+    const EvalReport report = evaluation.run();
+    const auto add = [&](const char* metric, double value, const char* unit) {
+      result.rows.push_back({fmt::format("shift/{}/{}", place.name, metric), value, unit, 0.0});
+    };
+    if (!place.other_lidar) {
+      add("psnr_db", report.psnr_db, "dB");
+      add("ssim", report.ssim, "of 1");
+    }
+    if (!place.other_camera) {
+      add("distance_median_cm", 100.0 * report.lidar.distance_median_m, "cm");
+      add("raydrop_accuracy", report.lidar.raydrop_accuracy, "of 1");
+      add("chamfer_m", report.lidar.chamfer_m, "m");
+    }
+    if (place.is_shown) {
+      PicturePair pair = evaluation.picture(there.images.size() / 2);
+      result.pictures.push_back({place.name, std::move(pair.rendered), std::move(pair.recorded)});
+    }
+    note(fmt::format("{}: {:.1f} dB, {:.2f} cm, ray drop {:.3f}",
+                     place.name,
+                     report.psnr_db,
+                     100.0 * report.lidar.distance_median_m,
+                     report.lidar.raydrop_accuracy));
+  }
+  return result;
+}
+
+}  // namespace simuli::bench

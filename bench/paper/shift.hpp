@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/paper/fit.hpp"
+#include "bench/render/measure.hpp"
+#include "io/picture/image.hpp"
+
+namespace simuli::bench {
+
+struct ShiftOptions {
+  int iterations = 400;               // of the training
+  std::vector<std::string> settings;  // "key=value" of the training, beside the defaults
+};
+
+struct ShiftResult {
+  std::vector<Row> rows;
+  /// The middle picture of some places: its name, as rendered, the truth.
+  struct Pair {
+    std::string name;
+    Image rendered, truth;
+  };
+  std::vector<Pair> pictures;
+};
+
+/// The street's scene from where it was never recorded, beside the truth there: the rig 0.5 to 3 m to either
+/// side, 1 m higher, turned by 15 and 30 degrees to either side, and with another camera or LiDAR in its
+/// place.
+///   shift/<place>/<psnr_db|ssim|distance_median_cm|raydrop_accuracy|chamfer_m>   means over all frames
+/// -3 m leads through parked cars.
+[[nodiscard]] ShiftResult run_shift(const std::string& device_request,
+                                    const ShiftOptions& options,
+                                    const Note& note);
+
+}  // namespace simuli::bench
