@@ -9,7 +9,7 @@ file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 execute_process(COMMAND ${PROGRAM} synth street -o ${WORK}/street.log --frames 6 --image-width 64 --image-height 36
   --lidar-columns 90 COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
-execute_process(COMMAND ${PROGRAM} train ${WORK}/street.log -o ${WORK}/street.scene --iterations 5
+execute_process(COMMAND ${PROGRAM} train ${WORK}/street.log -o ${WORK}/street.scene --iterations 5 --set init.environment_width=0
   COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET ERROR_QUIET)
 execute_process(COMMAND ${DUMP} ${WORK}/gradients.json COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${PYTHON} ${SOURCE}/tensor_gradients.py ${BENCH} ${WORK}/gradients.json COMMAND_ERROR_IS_FATAL ANY)
