@@ -12,10 +12,14 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
+#include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/base/kept.hpp"
 #include "host/scene/moment.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/export/drive_archive.hpp"
+#include "io/log/log.hpp"
+#include "io/ncore/ncore_export.hpp"
 #include "io/scene/scene_clock.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/ply.hpp"
@@ -103,7 +107,31 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
   }
 }
 
+/// A log becomes NCore, which its name's ending says.
+void export_log(const ExportCommand& command, const Globals& globals) {
+  if (command.is_moment || command.drive || command.lidar || command.compress ||
+      !lines_of(command.edits).empty()) {
+    throw Error(ErrorKind::kUsage, "INPUT: found a log, allowed a scene with edits and with options");
+  }
+  const Log log = read_log(command.input);
+  FileProgress progress("export", globals);
+  const NcoreExport done = export_ncore(log, command.output, progress.callback());
+  progress.finish();
+  tell_left_out(done.left_out);
+  if (globals.json) {
+    const nlohmann::ordered_json out = {{"file", command.output},
+                                        {"pictures", done.pictures},
+                                        {"sweeps", done.sweeps},
+                                        {"boxes", done.boxes}};
+    std::cout << json_text(out) << '\n';
+  } else {
+    std::cout << fmt::format(
+        "{} pictures, {} sweeps, {} boxes in {}\n", done.pictures, done.sweeps, done.boxes, command.output);
+  }
+}
+
 void run_export(const ExportCommand& command, const Globals& globals) {
+  if (is_there(std::filesystem::path(command.input) / "log.json")) return export_log(command, globals);
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(command.input, ignored);
   if (command.drive && is_folder) return export_drive(command, globals);
@@ -127,11 +155,15 @@ void run_export(const ExportCommand& command, const Globals& globals) {
 
 void add_export(Command app, const Globals& globals) {
   const auto command = std::make_shared<ExportCommand>();
-  Command sub = app.command("export", "the particles of a scene or a splat file for other programs");
-  sub.option("INPUT", command->input, "scene folder, .ply (also SuperSplat's compressed), .spz or .glb")
+  Command sub = app.command("export", "a scene, a splat file or a log for other programs");
+  sub.option("INPUT",
+             command->input,
+             "scene folder, .ply (also SuperSplat's compressed), .spz or .glb; a log folder for NCore")
       .required()
       .reads();
-  sub.option("-o,--output", command->output, ".ply, .spz, .glb (glTF), .usda or .usdz (OpenUSD) to write")
+  sub.option("-o,--output",
+             command->output,
+             ".ply, .spz, .glb (glTF), .usda or .usdz (OpenUSD); of a log .zarr or .zarr.itar (NCore)")
       .required()
       .makes();
   const Option at = sub.option(

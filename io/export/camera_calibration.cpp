@@ -30,7 +30,9 @@ Json picked(const std::vector<double>& all, std::initializer_list<std::size_t> p
   return out;
 }
 
-Json model_of(const Camera& camera) {
+}  // namespace
+
+Json camera_model_of(const Camera& camera) {
   Json p{{"resolution", {camera.width, camera.height}},
          {"shutter_type", shutter_name(camera.shutter)},
          {"external_distortion_parameters", nullptr},
@@ -70,8 +72,6 @@ Json model_of(const Camera& camera) {
   return nullptr;
 }
 
-}  // namespace
-
 Json rows_of(const Eigen::Matrix4d& matrix) {
   Json rows = Json::array();
   for (int r = 0; r < 4; ++r) rows.push_back({matrix(r, 0), matrix(r, 1), matrix(r, 2), matrix(r, 3)});
@@ -83,7 +83,7 @@ Json camera_calibration(const LogCamera& camera, const std::string& sequence, st
           {"sequence_id", sequence},
           {"unique_sensor_idx", index},
           {"T_sensor_rig", rows_of(camera.rig_from_camera.matrix())},
-          {"camera_model", model_of(camera.model)}};
+          {"camera_model", camera_model_of(camera.model)}};
 }
 
 }  // namespace simuli

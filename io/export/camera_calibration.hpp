@@ -4,6 +4,10 @@
 
 namespace simuli {
 
+/// {"type", "parameters"} as NVIDIA's programs exchange them; null for lenses that they have no name for (all
+/// but pinholes, OpenCV's fisheye and f-theta). An ideal pinhole is an opencv-pinhole without distortion.
+[[nodiscard]] Json camera_model_of(const Camera& camera);
+
 /// A camera as AlpaSim's rig_trajectories.json has it: {"logical_sensor_name", "sequence_id",
 /// "unique_sensor_idx", "T_sensor_rig", "camera_model": {"type", "parameters"}}; no model for lenses that it
 /// has no name for (all but pinholes, OpenCV's fisheye and f-theta).

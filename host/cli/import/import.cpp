@@ -248,6 +248,7 @@ void add_import(Command app, const Globals& globals) {
   segment.run([waymo, &globals] { import_waymo_segment(*waymo, globals); });
 
   add_import_ros2(import, globals);
+  add_import_ncore(import, globals);
 
   const auto points = std::make_shared<PointsOptions>();
   Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");

@@ -21,25 +21,10 @@ struct Ros2Command {
   std::vector<std::string> lidars, mounts, shutters;
 };
 
-/// "TOPIC=REST" or "TOPIC:REST".
-std::pair<std::string, std::string> parted(const char* option, const std::string& text, char at) {
-  const std::size_t place = text.find(at);
-  if (place == 0 || place == std::string::npos || place + 1 == text.size()) {
-    throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed TOPIC{}...", option, text, at));
-  }
-  return {text.substr(0, place), text.substr(place + 1)};
-}
-
 Ros2Lidar lidar_of(const std::string& text) {
   const auto [topic, rest] = parted("--lidar", text, '=');
   const std::string name = rest.substr(0, rest.rfind(':'));
-  const Sensor sensor = named_sensor(name);
-  const auto* table = sensor.is_camera() ? nullptr : std::get_if<Lidar>(&sensor.lidar());
-  if (table == nullptr) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--lidar: found \"{}\", allowed a LiDAR with rows (simuli info sensors)", name));
-  }
-  return {topic, *table, name.size() < rest.size() ? rest.substr(name.size() + 1) : ""};
+  return {topic, lidar_table(name), name.size() < rest.size() ? rest.substr(name.size() + 1) : ""};
 }
 
 std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
@@ -89,6 +74,27 @@ void import_recording(const Ros2Command& command, const Globals& globals) {
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> parted(const char* option,
+                                           const std::string& text,
+                                           char at,
+                                           const char* first) {
+  const std::size_t place = text.find(at);
+  if (place == 0 || place == std::string::npos || place + 1 == text.size()) {
+    throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}{}...", option, text, first, at));
+  }
+  return {text.substr(0, place), text.substr(place + 1)};
+}
+
+Lidar lidar_table(const std::string& name) {
+  const Sensor sensor = named_sensor(name);
+  const auto* table = sensor.is_camera() ? nullptr : std::get_if<Lidar>(&sensor.lidar());
+  if (table == nullptr) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--lidar: found \"{}\", allowed a LiDAR with rows (simuli info sensors)", name));
+  }
+  return *table;
+}
 
 void add_import_ros2(Command import, const Globals& globals) {
   const auto command = std::make_shared<Ros2Command>();

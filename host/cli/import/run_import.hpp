@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <utility>
 
 #include "host/cli/base/command.hpp"
 #include "host/cli/base/file_progress.hpp"
@@ -20,7 +21,17 @@ void run_import(const char* name, const Globals& globals, const Run& run, const 
   print_log(log, globals.json);
 }
 
+/// The two sides of an option "FIRST=REST" or "FIRST:REST"; Error{kUsage} where one is missing.
+[[nodiscard]] std::pair<std::string, std::string> parted(const char* option,
+                                                         const std::string& text,
+                                                         char at,
+                                                         const char* first = "TOPIC");
+/// What --lidar names: Error{kUsage} for a camera and for a list of rays.
+[[nodiscard]] Lidar lidar_table(const std::string& name);
+
 /// `import mcap`: recordings of ROS 2.
 void add_import_ros2(Command import, const Globals& globals);
+/// `import ncore`: NVIDIA's format of drives.
+void add_import_ncore(Command import, const Globals& globals);
 
 }  // namespace simuli::cli

@@ -1,0 +1,311 @@
+#include "io/import/ncore/ncore_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "host/base/names.hpp"
+#include "io/base/file.hpp"
+#include "io/import/ncore/ncore_sequence.hpp"
+#include "io/log/log_json.hpp"
+#include "io/ncore/models.hpp"
+#include "io/picture/image.hpp"
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace ncore;
+
+void need_known(const std::vector<std::string>& asked,
+                const std::vector<std::string>& known,
+                const char* option) {
+  for (const std::string& name : asked) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: found \"{}\", allowed {}", option, name, fmt::join(known, ", ")));
+  }
+}
+
+bool is_asked(const std::vector<std::string>& names, const std::string& name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+class Importer {
+ public:
+  Importer(const NcoreOptions& options, NcoreReport& report)
+      : options_(options), report_(report), sequence_(options.sequence) {
+    std::vector<std::string> known = sequence_.in_order("lidars");
+    need_known(options.cameras, sequence_.in_order("cameras"), "--cameras");
+    need_known(options.lidars, known, "--lidars");
+    for (const auto& [name, table] : options.tables) need_known({name}, known, "--lidar");
+    path_ = sequence_.path(options.world_frame, options.rig_frame);
+    log_.name = name_from(sequence_.id());
+    log_.start_ns = sequence_.clock().start_ns();
+    log_.world_from_rig = path_.trajectory;
+    for (const std::string& name : sequence_.in_order("cameras")) {
+      if (is_asked(options.cameras, name)) add_camera(name);
+    }
+    for (const std::string& name : sequence_.in_order("lidars")) {
+      if (is_asked(options.lidars, name)) add_lidar(name);
+    }
+    if (log_.cameras.empty() && log_.lidars.empty())
+      throw_input_error(sequence_.file(), "sensors", "none that can be used", "at least one");
+    for (const char* const kind : {"radars", "point_clouds", "camera_labels"}) {
+      const std::size_t count = sequence_.instances(kind).size();
+      if (count > 0) report_.notes.push_back(fmt::format("left out: {} {}", count, kind));
+    }
+    log_.actors = actors_of(sequence_, path_, options.world_frame, options.rig_frame, report_.unposed);
+  }
+
+  Log write(const fs::path& folder, const std::function<void(std::size_t, std::size_t)>& progress) {
+    log_.folder = folder;
+    fs::create_directory(folder / "images");
+    fs::create_directory(folder / "sweeps");
+    std::size_t total = 0, done = 0;
+    for (const LogCamera& camera : log_.cameras) total += frames_of("cameras", camera.model.name).size();
+    for (const LogLidar& lidar : log_.lidars) total += frames_of("lidars", name_of(lidar.model)).size();
+    const auto step = [&] {
+      if (progress) progress(++done, total);
+    };
+    for (const LogCamera& camera : log_.cameras) add_pictures(camera.model, step);
+    for (LogLidar& lidar : log_.lidars) add_sweeps(lidar, step);
+    for (const LogCamera& camera : log_.cameras) add_masks(camera.model.name);
+    sort_by_time(log_);
+    write_log(log_);
+    return read_log(folder);  // what was written is what the next command will read
+  }
+
+ private:
+  [[nodiscard]] const Place& place(const char* kind, const std::string& name) const {
+    return sequence_.instances(kind).at(name);
+  }
+  [[nodiscard]] std::vector<FrameTime> frames_of(const char* kind, const std::string& name) const {
+    return Sequence::frames(place(kind, name));
+  }
+
+  void leave_out(const std::string& what, const std::string& why) {
+    report_.notes.push_back(fmt::format("left out: {}: {}", what, why));
+  }
+
+  /// Where a sensor is, from what export_ncore() has left where that is what the file says.
+  template <class Sensor>
+  [[nodiscard]] bool mount(const std::string& name,
+                           Pose& rig_from_sensor,
+                           const Sensor* exact,
+                           Pose Sensor::*own) {
+    const auto found = sequence_.poses().fixed(options_.rig_frame, name);
+    if (!found) return false;
+    rig_from_sensor = *found;
+    constexpr double kRounding = 1e-12;
+    if (exact != nullptr && (exact->*own).matrix().isApprox(found->matrix(), kRounding))
+      rig_from_sensor = exact->*own;
+    return true;
+  }
+
+  /// The sensor that export_ncore() has left at a component; damage there is no matter.
+  template <class Read>
+  [[nodiscard]] auto left_sensor(const Place& at, const Read& read) const
+      -> std::optional<decltype(read(std::declval<JsonObject&>()))> {
+    const Json ours = ours_of(at.attributes());
+    const auto found = ours.find("sensor");
+    if (found == ours.end() || !found->is_object()) return std::nullopt;
+    try {
+      JsonObject object(at.file(), "simuli.sensor", *found);
+      return object.read_and_finish(read);
+    } catch (const Error&) {
+      return std::nullopt;
+    }
+  }
+
+  void add_camera(const std::string& name) {
+    const auto at = sequence_.find("intrinsics", "cameras/" + name);
+    if (!at) return leave_out("camera " + name, "no intrinsics");
+    need_name(name, sequence_.file(), "cameras");
+    const Json attributes = at->attributes();
+    JsonObject intrinsics(at->file(), "", attributes);
+    LogCamera camera;
+    camera.model = camera_from_intrinsics(intrinsics, name, options_.ignore_windshield);
+    const auto exact = left_sensor(place("cameras", name), camera_from_json);
+    const bool is_exact =
+        exact && exact->model.name == name && is_same(intrinsics_of(exact->model), attributes);
+    if (is_exact) camera.model = exact->model;
+    if (!mount(name, camera.rig_from_camera, exact ? &*exact : nullptr, &LogCamera::rig_from_camera))
+      return leave_out("camera " + name, "no pose on the rig");
+    log_.cameras.push_back(std::move(camera));
+  }
+
+  void add_lidar(const std::string& name) {
+    need_name(name, sequence_.file(), "lidars");
+    LogLidar lidar;
+    const auto at = sequence_.find("intrinsics", "lidars/" + name);
+    const auto exact = left_sensor(place("lidars", name), lidar_from_json);
+    const auto table = options_.tables.find(name);
+    if (table != options_.tables.end()) {
+      Lidar model = table->second;
+      model.name = name;
+      lidar.model = std::move(model);
+    } else if (at) {
+      const Json attributes = at->attributes();
+      JsonObject intrinsics(at->file(), "", attributes);
+      Lidar model = lidar_from_intrinsics(intrinsics, name);
+      const bool is_exact =
+          exact && name_of(exact->model) == name && is_same(intrinsics_of(exact->model), attributes);
+      if (is_exact) {
+        lidar.model = exact->model;
+      } else {
+        lidar.model = std::move(model);
+        without_range_.push_back(name);
+      }
+    } else if (exact && name_of(exact->model) == name && intrinsics_of(exact->model).is_null()) {
+      lidar.model = exact->model;
+    } else {
+      throw_input_error(sequence_.file(),
+                        "lidars/" + name,
+                        "no intrinsics",
+                        fmt::format("--lidar {}=SENSOR, or --lidars without it", name));
+    }
+    if (!mount(name, lidar.rig_from_lidar, exact ? &*exact : nullptr, &LogLidar::rig_from_lidar))
+      return leave_out("lidar " + name, "no pose on the rig");
+    log_.lidars.push_back(std::move(lidar));
+  }
+
+  /// Times of a frame in the log; false when it lies beside the path.
+  bool span(const Place& frame, const FrameTime& time, double& start_s, double& end_s) {
+    const Json meta = (frame / "generic_data").attributes();
+    const auto ours = meta.find("simuli");
+    const std::vector<double> times_s = sequence_.times_of(
+        {time.start_us, time.end_us}, ours != meta.end() && ours->is_object() ? *ours : Json::object());
+    start_s = times_s[0];
+    end_s = times_s[1];
+    const bool is_posed = start_s >= path_.first_s && end_s <= path_.last_s;
+    if (!is_posed) ++report_.unposed;
+    return is_posed;
+  }
+
+  template <class Step>
+  void add_pictures(const Camera& camera, const Step& step) {
+    std::size_t number = 0;
+    for (const FrameTime& time : frames_of("cameras", camera.name)) {
+      step();
+      const Place frame = place("cameras", camera.name) / fmt::format("frames/{}", time.end_us),
+                  image = frame / "image";
+      double start_s = 0.0, end_s = 0.0;
+      if (!span(frame, time, start_s, end_s)) continue;
+      if (camera.shutter == ShutterKind::kGlobal) end_s = start_s;  // all of it at its start, as NCore has it
+      const std::string bytes = read_zarr_array(*image.store, image.path).bytes;
+      const bool is_png = bytes.starts_with("\x89PNG");
+      if (!is_png && !bytes.starts_with("\xff\xd8\xff"))
+        throw_input_error(image.file(), "format", "neither", "PNG or JPEG");
+      const std::string file =
+          fmt::format("images/{}_{:06}.{}", camera.name, number++, is_png ? "png" : "jpg");
+      write_file_atomically(log_.folder / file, bytes);
+      const Image decoded =
+          with_context("reading " + image.file(), [&] { return read_image(log_.folder / file); });
+      if (decoded.width != camera.width || decoded.height != camera.height) {
+        throw_input_error(image.file(),
+                          "size_px",
+                          fmt::format("{} x {}", decoded.width, decoded.height),
+                          fmt::format("{} x {} of its intrinsics", camera.width, camera.height));
+      }
+      log_.images.push_back({camera.name, file, start_s, end_s});
+    }
+  }
+
+  template <class Step>
+  void add_sweeps(LogLidar& lidar, const Step& step) {
+    const std::string name = name_of(lidar.model);
+    const bool by_table = options_.tables.contains(name);
+    const RayGrid grid(lidar.model);
+    float farthest = 0.0F;
+    std::size_t number = 0;
+    for (const FrameTime& time : frames_of("lidars", name)) {
+      step();
+      const Place frame = place("lidars", name) / fmt::format("frames/{}", time.end_us);
+      SweepFrame out{name, fmt::format("sweeps/{}_{:06}.exr", name, number), 0.0, 0.0};
+      if (!span(frame, time, out.time_start_s, out.time_end_s)) continue;
+      if (time.end_us == time.start_us) throw_input_error(frame.file(), "end", "its start", "a later time");
+      const RayBundle rays = read_rays(frame, report_.echoes);
+      Sweep sweep;
+      if (by_table || (rays.element.empty() && rays.count() != ray_count(lidar.model))) {
+        sweep = placed(rays, time, lidar.with_rows());
+      } else {
+        sweep = grid.sweep(rays, time, frame.file(), report_.twice);
+        grid.restore(read_exact(frame), sweep);
+      }
+      for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+        if (!(sweep.range[i] > 0.0F)) continue;
+        ++report_.returned;
+        farthest = std::max(farthest, sweep.range[i]);
+        sweep.range[i] = stated_range(lidar.model, sweep.rays, i, sweep.range[i]);
+      }
+      report_.rays += sweep.range.size();
+      write_sweep(log_.folder / out.file, sweep);
+      log_.sweeps.push_back(std::move(out));
+      ++number;
+    }
+    if (std::find(without_range_.begin(), without_range_.end(), name) == without_range_.end()) return;
+    auto& model = std::get<Lidar>(lidar.model);
+    model.range_max = std::max(1.0, std::ceil(static_cast<double>(farthest)));
+    report_.notes.push_back(fmt::format(
+        "lidar {}: NCore tells no range and no divergence: {} m, its farthest return, and an ideal ray",
+        name,
+        model.range_max));
+  }
+
+  /// By the rows of a table: rays that name no element of it.
+  Sweep placed(const RayBundle& rays, const FrameTime& time, const Lidar& table) {
+    std::vector<MeasuredPoint> points;
+    const auto duration = static_cast<double>(time.end_us - time.start_us);
+    for (std::size_t i = 0; i < rays.count(); ++i) {
+      if (!(rays.distance[i] > 0.0F)) continue;
+      const Eigen::Vector3d direction(
+          rays.direction[3 * i], rays.direction[3 * i + 1], rays.direction[3 * i + 2]);
+      const double after =
+          static_cast<double>(static_cast<std::int64_t>(rays.timestamp_us[i] - time.start_us));
+      points.push_back(
+          {rays.distance[i] * direction, rays.intensity[i], -1, std::clamp(after / duration, 0.0, 1.0)});
+    }
+    return grid_points(points, table, report_.points);
+  }
+
+  void add_masks(const std::string& camera) {
+    const auto at = sequence_.find("masks", "cameras/" + camera);
+    if (!at) return;
+    for (const std::string& name : at->store->children(at->path)) {
+      need_name(name, at->file(), "mask_names");
+      const std::string bytes = read_zarr_array(*at->store, (*at / name).path).bytes;
+      if (!bytes.starts_with("\x89PNG")) throw_input_error((*at / name).file(), "format", "another", "PNG");
+      const std::string file = fmt::format("masks/{}/{}.png", camera, name);
+      fs::create_directories((log_.folder / file).parent_path());
+      write_file_atomically(log_.folder / file, bytes);
+      report_.notes.push_back(
+          fmt::format("mask {} of camera {} is in {}; training does not use it", name, camera, file));
+    }
+  }
+
+  const NcoreOptions& options_;
+  NcoreReport& report_;
+  Sequence sequence_;
+  Sequence::Path path_;
+  std::vector<std::string> without_range_;
+  Log log_;
+};
+
+}  // namespace
+
+Log import_ncore(const NcoreOptions& options,
+                 const std::function<void(std::size_t, std::size_t)>& progress,
+                 NcoreReport& report) {
+  Importer importer(options, report);
+  Log written;
+  write_folder_atomically(options.output,
+                          [&](const fs::path& folder) { written = importer.write(folder, progress); });
+  written.folder = options.output;
+  return written;
+}
+
+}  // namespace simuli
