@@ -45,10 +45,10 @@ set(SIMULI_PUBLIC_export
   io/export/drive_archive.hpp io/ncore/ncore_export.hpp)
 set(SIMULI_PUBLIC_import
   "Logs from the files of others."
-  io/import/kitti/kitti.hpp io/import/kitti360/kitti360.hpp io/import/ncore/ncore_log.hpp
-  io/import/nuscenes/nuscenes.hpp
+  io/import/kitti/kitti.hpp io/import/kitti360/kitti360.hpp io/import/nuscenes/nuscenes.hpp
   io/import/photos/photo_log.hpp io/import/photos/colmap.hpp io/import/photos/nerfstudio.hpp
-  io/import/points/point_grid.hpp io/import/points/points_log.hpp io/import/ros2/ros2_clouds.hpp io/import/ros2/ros2_log.hpp
+  io/import/points/point_grid.hpp io/import/points/points_log.hpp io/import/ncore/ncore_log.hpp
+  io/import/ros2/ros2_clouds.hpp io/import/ros2/ros2_log.hpp
   io/import/waymo/waymo.hpp)
 set(SIMULI_PUBLIC_training
   "A scene from a log: what `simuli train` does."
