@@ -35,9 +35,10 @@ set(SIMULI_CL_FILES
   kernels/environment_bwd.cl
   kernels/largest_weight.cl
   kernels/lidar_tiling.cl
-  kernels/loss_image.cl
-  kernels/loss_lidar.cl
-  kernels/loss_ssim.cl
+  kernels/loss/loss_image.cl
+  kernels/loss/loss_lidar.cl
+  kernels/loss/loss_ssim.cl
+  kernels/outputs/picture_bytes.cl
   kernels/pose_bwd.cl
   kernels/project.cl
   kernels/project_bwd.cl

@@ -43,6 +43,35 @@ void Event::wait() const {
 
 _cl_event* Event::handle() const { return state_->event(); }
 
+namespace {
+
+/// Queues that `bytes` bytes of a buffer are read into `target`.
+void start_reading(const detail::Memory& memory, std::size_t bytes, void* target, cl::Event& done) {
+  cl_call(
+      ErrorKind::kDevice,
+      [&] { return fmt::format("reading {} bytes of buffer {}", bytes, memory.name()); },
+      [&] {
+        const cl::CommandQueue& queue = memory.device().state().queue;
+        if (bytes == 0) {
+          queue.enqueueMarkerWithWaitList(nullptr, &done);
+        } else {
+          queue.enqueueReadBuffer(
+              cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &done);
+        }
+        queue.flush();
+      });
+}
+
+/// The driver writes until then; errors are told to whoever waits for it, and nothing is written any more.
+void wait_quietly(const Event& done) {
+  try {
+    done.wait();
+  } catch (const Error&) {
+  }
+}
+
+}  // namespace
+
 struct Download::State {
   explicit State(std::shared_ptr<Event::State> event) : done(std::move(event)) {}
   Event done;
@@ -62,19 +91,7 @@ Download::Download(const RealBuffer& buffer) {
   }
   void* const target = is_float ? static_cast<void*>(state_->floats.data()) : state_->doubles.data();
   const std::size_t bytes = memory.count() * (is_float ? sizeof(float) : sizeof(double));
-  cl_call(
-      ErrorKind::kDevice,
-      [&] { return fmt::format("reading {} bytes of buffer {}", bytes, memory.name()); },
-      [&] {
-        const cl::CommandQueue& queue = memory.device().state().queue;
-        if (bytes == 0) {
-          queue.enqueueMarkerWithWaitList(nullptr, &event->event);
-        } else {
-          queue.enqueueReadBuffer(
-              cl::Buffer(memory.handle(), true), CL_FALSE, 0, bytes, target, nullptr, &event->event);
-        }
-        queue.flush();
-      });
+  start_reading(memory, bytes, target, event->event);
 }
 
 Download::Download(Download&&) noexcept = default;
@@ -85,11 +102,7 @@ Download& Download::operator=(Download&& other) noexcept {
 }
 
 Download::~Download() {
-  if (!state_) return;
-  try {
-    state_->done.wait();    // the driver writes until then
-  } catch (const Error&) {  // told to whoever waits for it; nothing is written any more
-  }
+  if (state_) wait_quietly(state_->done);
 }
 
 bool Download::is_done() const { return state_->done.is_done(); }
@@ -98,6 +111,36 @@ std::vector<float> Download::take() {
   state_->done.wait();
   if (!state_->doubles.empty()) state_->floats.assign(state_->doubles.begin(), state_->doubles.end());
   return std::move(state_->floats);
+}
+
+struct ByteDownload::State {
+  explicit State(std::shared_ptr<Event::State> event) : done(std::move(event)) {}
+  Event done;
+  std::string bytes;
+};
+
+ByteDownload::ByteDownload(const Buffer<std::uint8_t>& buffer) {
+  const detail::Memory& memory = buffer.memory();
+  const auto event = std::make_shared<Event::State>(Event::State{memory.device(), {}});
+  state_ = std::make_unique<State>(event);
+  state_->bytes.resize(memory.count());
+  start_reading(memory, memory.count(), state_->bytes.data(), event->event);
+}
+
+ByteDownload::ByteDownload(ByteDownload&&) noexcept = default;
+
+ByteDownload& ByteDownload::operator=(ByteDownload&& other) noexcept {
+  std::swap(state_, other.state_);
+  return *this;
+}
+
+ByteDownload::~ByteDownload() {
+  if (state_) wait_quietly(state_->done);
+}
+
+std::string ByteDownload::take() {
+  state_->done.wait();
+  return std::move(state_->bytes);
 }
 
 }  // namespace simuli

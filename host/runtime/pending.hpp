@@ -1,7 +1,9 @@
 #pragma once
 // What the device has been asked for and need not have done yet.
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "host/runtime/real_buffer.hpp"
@@ -24,6 +26,7 @@ class Event {
 
  private:
   friend class Download;
+  friend class ByteDownload;
   struct State;
   explicit Event(std::shared_ptr<State> state) : state_(std::move(state)) {}
   std::shared_ptr<State> state_;
@@ -44,6 +47,25 @@ class Download {
   [[nodiscard]] bool is_done() const;
   /// Waits, and gives the values, which can be taken once. Errors as Event::wait().
   [[nodiscard]] std::vector<float> take();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The same of bytes. Move-only; its destructor waits.
+class ByteDownload {
+ public:
+  /// Starts it; does not wait.
+  explicit ByteDownload(const Buffer<std::uint8_t>& buffer);
+  ByteDownload(ByteDownload&&) noexcept;
+  ByteDownload& operator=(ByteDownload&&) noexcept;
+  ByteDownload(const ByteDownload&) = delete;
+  ByteDownload& operator=(const ByteDownload&) = delete;
+  ~ByteDownload();
+
+  /// Waits, and gives the bytes, which can be taken once. Errors as Event::wait().
+  [[nodiscard]] std::string take();
 
  private:
   struct State;

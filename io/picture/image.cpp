@@ -212,6 +212,44 @@ std::vector<unsigned char> bytes_of(const Image& image) {
   return bytes;
 }
 
+fs::path name_for(ImageCode code) {
+  switch (code) {
+    case ImageCode::kPng:
+      return "picture.png";
+    case ImageCode::kJpeg:
+      return "picture.jpg";
+    case ImageCode::kJpeg2000:
+      break;
+  }
+  return "picture.jp2";
+}
+
+std::string encode_bytes(
+    std::span<const unsigned char> pixels, int width, int height, int channels, ImageCode code, int quality) {
+  const fs::path name = name_for(code);
+  constexpr int kLeastOfJpeg2000 = 32;  // of its six sizes; the library writes what nobody reads below it
+  if (code == ImageCode::kJpeg2000 && std::min(width, height) < kLeastOfJpeg2000) {
+    throw_input_error(name.string(),
+                      "picture",
+                      fmt::format("{} x {} px", width, height),
+                      fmt::format("{} a side and more of JPEG 2000", kLeastOfJpeg2000));
+  }
+  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
+  if (code == ImageCode::kJpeg) spec["Compression"] = fmt::format("jpeg:{}", quality);
+  const auto refuse = [&](const std::string& cause) {
+    throw_input_error(name.string(), "picture", one_line(cause), "one that can be encoded");
+  };
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name.string());
+  if (!output) refuse(OIIO::geterror());
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput sink(bytes);
+  output->set_ioproxy(&sink);
+  if (!output->open(name.string(), spec)) refuse(output->geterror());
+  if (!output->write_image(OIIO::TypeDesc::UINT8, pixels.data())) refuse(output->geterror());
+  if (!output->close()) refuse(output->geterror());
+  return {bytes.begin(), bytes.end()};
+}
+
 /// Colours, grey three times, and behind them alpha where four channels are wanted.
 Image as_colors(const Image& stored, int channels) {
   Image out(stored.width, stored.height, channels);
@@ -267,23 +305,20 @@ void write_counts(const fs::path& file, const Image& image) {
 }
 
 std::string encode_image(const Image& image, ImageCode code, int quality) {
-  const bool is_png = code == ImageCode::kPng;
-  const fs::path name = is_png ? "picture.png" : "picture.jpg";
-  require_writable(name, image);
-  OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
-  if (!is_png) spec["Compression"] = fmt::format("jpeg:{}", quality);
-  const auto refuse = [&](const std::string& cause) {
-    throw_input_error(name.string(), "picture", one_line(cause), "one that can be encoded");
-  };
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name.string());
-  if (!output) refuse(OIIO::geterror());
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput sink(bytes);
-  output->set_ioproxy(&sink);
-  if (!output->open(name.string(), spec)) refuse(output->geterror());
-  if (!output->write_image(OIIO::TypeDesc::UINT8, bytes_of(image).data())) refuse(output->geterror());
-  if (!output->close()) refuse(output->geterror());
-  return {bytes.begin(), bytes.end()};
+  require_writable(name_for(code), image);
+  return encode_bytes(bytes_of(image), image.width, image.height, image.channels, code, quality);
+}
+
+std::string encode_pixels(
+    std::span<const unsigned char> pixels, int width, int height, ImageCode code, int quality) {
+  if (width < 1 || height < 1 ||
+      pixels.size() != std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format(
+            "pixels: found {} bytes, allowed 3 for each of {} x {} pixels", pixels.size(), width, height));
+  }
+  return encode_bytes(pixels, width, height, 3, code, quality);
 }
 
 void to_bytes(std::span<const float> values, std::span<unsigned char> bytes) {

@@ -18,11 +18,18 @@ namespace simuli {
 void write_image(const std::filesystem::path& file, const Image& image);
 /// Whole numbers, 0 to 65535, of one channel as a grey PNG of 16 bits. Error{kInput} for others.
 void write_counts(const std::filesystem::path& file, const Image& image);
-enum class ImageCode { kPng, kJpeg };
+enum class ImageCode {
+  kPng,
+  kJpeg,
+  kJpeg2000  // without loss; of 32 pixels a side and more
+};
 /// The bytes of an 8-bit file of that format, as write_image() would write it; `quality` of JPEG in [1, 100].
 [[nodiscard]] std::string encode_image(const Image& image, ImageCode code, int quality = 90);
-/// `values` as 8-bit formats hold them: clipped to [0, 1], the nearest of 255 steps. As many bytes; Error{kUsage} for
-/// another number of them.
+/// The same of what is 8-bit already: [height][width][3].
+[[nodiscard]] std::string encode_pixels(
+    std::span<const unsigned char> pixels, int width, int height, ImageCode code, int quality = 90);
+/// `values` as 8-bit formats hold them: clipped to [0, 1], the nearest of 255 steps. As many bytes;
+/// Error{kUsage} for another number of them.
 void to_bytes(std::span<const float> values, std::span<unsigned char> bytes);
 /// Area-averaging resize (box filter over the exact footprint of each new pixel).
 [[nodiscard]] Image resize_area(const Image& image, int width, int height);

@@ -68,6 +68,18 @@ TEST(Image, JpegIsClose) {
   for (const float value : read_image(scratch / "a.jpg").data) EXPECT_NEAR(value, 0.5F, kJpegTolerance);
 }
 
+TEST(Image, EncodesPixelsAsItWritesPictures) {
+  const Image image = pattern(17, 9, 3);
+  std::vector<unsigned char> pixels(image.data.size());
+  to_bytes(image.data, pixels);
+  EXPECT_EQ(encode_pixels(pixels, 17, 9, ImageCode::kPng), encode_image(image, ImageCode::kPng));
+  EXPECT_EQ(encode_pixels(pixels, 17, 9, ImageCode::kJpeg, 80), encode_image(image, ImageCode::kJpeg, 80));
+  EXPECT_NE(encode_pixels(pixels, 17, 9, ImageCode::kJpeg, 81), encode_image(image, ImageCode::kJpeg, 80));
+  expect_error(ErrorKind::kUsage, "17 x 10 pixels", [&] {
+    static_cast<void>(encode_pixels(pixels, 17, 10, ImageCode::kPng));
+  });
+}
+
 TEST(Image, GreyBecomesThreeEqualChannels) {
   const Scratch scratch;
   const Image image = pattern(7, 3, 1);

@@ -67,6 +67,9 @@ struct FrameBuffersOfRays {
 struct FrameAccess {
   [[nodiscard]] static FrameBuffersOfRays buffers(const Frame& frame);
   [[nodiscard]] static _cl_event* ready(const Frame& frame) { return frame.state_->done->handle(); }
+  [[nodiscard]] static const std::array<float, 3>& background(const Frame& frame) {
+    return frame.state_->background;
+  }
   [[nodiscard]] static const RayGrid& grid(const Frame& frame) { return frame.state_->rays.grid(); }
 };
 

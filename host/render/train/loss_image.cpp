@@ -1,4 +1,4 @@
-// Launcher of "kernels/loss_image.cl".
+// Launcher of "kernels/loss/loss_image.cl".
 #include "host/render/options/lane_shape.hpp"
 #include "host/render/train/loss_stages.hpp"
 
@@ -14,7 +14,8 @@ std::vector<double> column_sums(const RealBuffer& parts, std::size_t columns) {
 ImageLossStage::ImageLossStage(const Device& device, Precision precision)
     : device_(device),
       buffers_(device, precision),
-      loss_image_(Program(device, "kernels/loss_image.cl", lane_options(device, precision)), "loss_image") {}
+      loss_image_(Program(device, "kernels/loss/loss_image.cl", lane_options(device, precision)),
+                  "loss_image") {}
 
 ImageLoss ImageLossStage::run(const shared::FrameParams& frame,
                               const WorldRays& world_rays,

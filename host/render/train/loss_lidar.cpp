@@ -1,4 +1,4 @@
-// Launcher of "kernels/loss_lidar.cl".
+// Launcher of "kernels/loss/loss_lidar.cl".
 #include <algorithm>
 
 #include "host/render/options/lane_shape.hpp"
@@ -8,7 +8,8 @@ namespace simuli {
 
 LidarLossStage::LidarLossStage(const Device& device, Precision precision)
     : buffers_(device, precision),
-      loss_lidar_(Program(device, "kernels/loss_lidar.cl", lane_options(device, precision)), "loss_lidar") {}
+      loss_lidar_(Program(device, "kernels/loss/loss_lidar.cl", lane_options(device, precision)),
+                  "loss_lidar") {}
 
 LidarLoss LidarLossStage::run(const shared::FrameParams& frame,
                               const FrameConstants& constants,
