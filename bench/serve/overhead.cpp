@@ -1,8 +1,9 @@
 // What the server costs beside rendering: simuli_serve_bench SCENE CAMERA WIDTH HEIGHT [FRAMES]
 //
 // Pictures along the recorded path over loopback, planar, each also rendered and brought to the host without
-// the server, in turns; then six pictures of one moment in a batch against six calls. Medians, and half the
-// distance of the quartiles.
+// the server, as numbers and as bytes, in turns; the same where there is nothing to render, so that the
+// server's own part is not lost in the spread of the rendering; then six pictures of one moment in a batch
+// against six calls. Medians, and half the distance of the quartiles.
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
@@ -24,7 +25,7 @@ using Service = ::nre::grpc::protos::sensorsim::SensorsimService;
 
 void print(const char* what, const std::vector<double>& ms) {
   const Spread spread = spread_of(ms);
-  fmt::print("{:<42} {:8.2f} ms +- {:.2f}\n", what, spread.median, spread.half_iqr);
+  fmt::print("{:<44} {:8.2f} ms +- {:.2f}\n", what, spread.median, spread.half_iqr);
 }
 
 void need(const grpc::Status& status) {
@@ -51,7 +52,7 @@ int run(const std::vector<std::string>& arguments) {
   if (own == nullptr) throw std::runtime_error("no camera " + arguments[1]);
   const int width = std::atoi(arguments[2].c_str()), height = std::atoi(arguments[3].c_str());
   const Trajectory& path = scene->world_from_rig();
-  const auto request_at = [&](double time_s) {
+  const auto request_at = [&](double time_s, float above_m = 0.0F) {
     proto::RGBRenderRequest request;
     request.set_scene_id("scene");
     request.set_resolution_w(static_cast<std::uint32_t>(width));
@@ -60,21 +61,22 @@ int run(const std::vector<std::string>& arguments) {
     const std::uint64_t us = scene->microseconds(time_s);
     request.set_frame_start_us(us);
     request.set_frame_end_us(us);
-    const auto pose = message_of(scene->local(path.at(time_s) * own->rig_from_sensor()));
+    auto pose = message_of(scene->local(path.at(time_s) * own->rig_from_sensor()));
+    pose.mutable_vec()->set_z(pose.vec().z() + above_m);
     *request.mutable_sensor_pose()->mutable_start_pose() = pose;
     *request.mutable_sensor_pose()->mutable_end_pose() = pose;
     request.set_image_format(proto::RGB_UINT8_PLANAR);
     return request;
   };
-  const auto alone = [&](const proto::RGBRenderRequest& request) {
+  const auto alone = [&](const proto::RGBRenderRequest& request, bool with_results) {
     const FrameMessage frame{
         request.frame_start_us(), request.frame_end_us(), request.sensor_pose(), request.dynamic_objects()};
     const Camera camera = requested_camera(*scene, request);
-    std::array<FrameJob, 1> job{FrameJob{Sensor(camera),
-                                         camera_shot(*scene, frame, camera),
-                                         [](const Frame& f) { static_cast<void>(f.results()); }}};
+    std::array<FrameJob, 1> job{FrameJob{Sensor(camera), camera_shot(*scene, frame, camera)}};
+    if (with_results) job[0].take = [](const Frame& f) { static_cast<void>(f.results()); };
     const Stopwatch watch;
     session.render(*scene, job);
+    if (job[0].error) std::rethrow_exception(job[0].error);
     return watch.ms();
   };
   const auto served = [&](const proto::RGBRenderRequest& request) {
@@ -84,19 +86,32 @@ int run(const std::vector<std::string>& arguments) {
     need(stub->render_rgb(&context, request, &reply));
     return watch.ms();
   };
-  std::vector<double> renders, calls, more, batches, sixes;
-  for (int i = -2; i < frames; ++i) {  // the first ones compile
-    const double share = std::max(0.0, (i + 0.5) / frames);
-    const auto request = request_at(path.start_s() + share * (path.end_s() - path.start_s()));
-    const bool is_first = i % 2 == 0;
-    double render_ms = is_first ? alone(request) : 0.0;
-    const double call_ms = served(request);
-    if (!is_first) render_ms = alone(request);
-    if (i < 0) continue;
-    renders.push_back(render_ms);
-    calls.push_back(call_ms);
-    more.push_back(call_ms - render_ms);
-  }
+  struct Times {
+    std::vector<double> results, pictures, calls, more;
+  };
+  // The first ones compile.
+  const auto measure = [&](float above_m) {
+    Times times;
+    for (int i = -2; i < frames; ++i) {
+      const double share = std::max(0.0, (i + 0.5) / frames);
+      const auto request = request_at(path.start_s() + share * (path.end_s() - path.start_s()), above_m);
+      const bool is_first = i % 2 == 0;
+      const double results_ms = alone(request, true);
+      double picture_ms = is_first ? alone(request, false) : 0.0;
+      const double call_ms = served(request);
+      if (!is_first) picture_ms = alone(request, false);
+      if (i < 0) continue;
+      times.results.push_back(results_ms);
+      times.pictures.push_back(picture_ms);
+      times.calls.push_back(call_ms);
+      times.more.push_back(call_ms - picture_ms);
+    }
+    return times;
+  };
+  const Times along_path = measure(0.0F);
+  constexpr float kAbove_m = 1000.0F;
+  const Times in_the_sky = measure(kAbove_m);
+  std::vector<double> batches, sixes;
   for (int i = 0; i < frames / 6; ++i) {
     const auto request =
         request_at(path.start_s() + (i + 0.5) / (frames / 6) * (path.end_s() - path.start_s()));
@@ -116,9 +131,15 @@ int run(const std::vector<std::string>& arguments) {
              height,
              scene->scene().camera.size(),
              session.device().info().label());
-  print("render, and results on the host", renders);
-  print("render_rgb, planar, over loopback", calls);
-  print("the one less the other, frame by frame", more);
+  const auto print_all = [](const Times& times) {
+    print("render, and results on the host", times.results);
+    print("render, and the picture's bytes on the host", times.pictures);
+    print("render_rgb, planar, over loopback", times.calls);
+    print("that less the line above, frame by frame", times.more);
+  };
+  print_all(along_path);
+  fmt::print("{:.0f} m higher, with nothing but sky in view\n", kAbove_m);
+  print_all(in_the_sky);
   print("six pictures in a batch", batches);
   print("six calls, one after the other", sixes);
   return 0;

@@ -18,4 +18,13 @@ void write_hood(const std::filesystem::path& file) {
   ASSERT_TRUE(output->close());
 }
 
+std::string stored_bytes(const std::filesystem::path& file) {
+  const auto input = OIIO::ImageInput::open(file.string());
+  if (!input) return {};
+  const OIIO::ImageSpec& spec = input->spec();
+  std::string bytes(spec.image_bytes(), '\0');
+  const bool is_whole = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, bytes.data());
+  return is_whole ? bytes : std::string();
+}
+
 }  // namespace simuli::test

@@ -8,6 +8,7 @@
 #include "host/render/scene/readings.hpp"
 #include "host/serve/messages/render_message.hpp"
 #include "io/picture/image.hpp"
+#include "tests/serve/hood_picture.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {
@@ -65,6 +66,20 @@ TEST_F(ServedFrames, PicturesAreTheLibrarys) {
     jpeg.set_image_quality(40.4F);
     EXPECT_EQ(rendered(jpeg), encode_image(picture, ImageCode::kJpeg, 40));
   }
+}
+
+/// Without loss, whatever the quality.
+TEST_F(ServedFrames, Jpeg2000HoldsThePlanarPicture) {
+  auto request = picture_request("front", 0.5, 0.5, proto::JPEG2000);
+  request.set_image_quality(10.0F);
+  const std::string stored = test::stored_bytes(scratch_.file("served.jp2", rendered(request)));
+  const std::string planar = rendered(picture_request("front", 0.5, 0.5));
+  ASSERT_EQ(stored.size(), planar.size());
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    ASSERT_EQ(stored[i], planar[i % 3 * stored.size() / 3 + i / 3]) << i;
+  }
+  request.set_resolution_h(31);
+  expect_refusal(RefusalKind::kInvalid, "48 x 31 px", [&] { static_cast<void>(rendered(request)); });
 }
 
 TEST_F(ServedFrames, PicturesOfAnotherSizeAreTheLibrarys) {
@@ -282,7 +297,11 @@ TEST_F(ServedFrames, RefusesWhatIsNotRendered) {
   refused(RefusalKind::kInvalid, "image_format: found 99", [](auto& q) {
     q.set_image_format(static_cast<proto::ImageFormat>(99));
   });
-  for (const auto format : {proto::JPEG2000, proto::AVC, proto::AV1}) {
+  refused(RefusalKind::kInvalid, "resolution: found 48 x 0 px", [](auto& q) { q.set_resolution_h(0); });
+  refused(RefusalKind::kInvalid, "resolution: found 0 x 32 px", [](auto& q) { q.set_resolution_w(0); });
+  refused(
+      RefusalKind::kInvalid, "resolution: found 65536 x 32 px", [](auto& q) { q.set_resolution_w(65536); });
+  for (const auto format : {proto::AVC, proto::AV1}) {
     refused(RefusalKind::kUnimplemented, "image_format", [&](auto& q) { q.set_image_format(format); });
   }
   for (const float quality : {-1.0F, 101.0F, std::nanf("")}) {

@@ -2,10 +2,14 @@
 #include <csignal>
 #include <cstdlib>
 #include <gtest/gtest.h>
+#ifdef SIMULI_HAS_METRICS
+#include <httplib.h>
+#endif
 
 #include "io/base/file.hpp"
 #include "tests/cli/background_program.hpp"
 #include "tests/cli/cli_fixture.hpp"
+#include "tests/serve/metrics_text.hpp"
 #include "tests/serve/served_client.hpp"
 #include "tests/serve/served_scene.hpp"
 
@@ -85,6 +89,14 @@ TEST_F(ServeCli, DrainsAndEndsBySigterm) {
   EXPECT_NE(server_->output().find("what was begun is finished"), std::string::npos) << server_->output();
 }
 
+TEST_F(ServeCli, EndsByAClientWhereThatIsAllowed) {
+  start({"--allow-shut-down"});
+  grpc::ClientContext context;
+  serve::proto_common::Empty empty;
+  ASSERT_TRUE(stub_->shut_down(&context, {}, &empty).ok());
+  EXPECT_EQ(server_->end_by(0), 0) << server_->output();
+}
+
 TEST_F(ServeCli, ListensElsewhereOnRequestAlone) {
   expect_failure("serve small.scene --host 0.0.0.0", kUsage, "--host: found 0.0.0.0 without TLS");
   expect_failure("serve nowhere.scene", kInput, "nowhere.scene");
@@ -93,6 +105,26 @@ TEST_F(ServeCli, ListensElsewhereOnRequestAlone) {
   expect_failure("serve small.scene --tls-cert x.pem", kUsage, "--tls-cert");
   expect_failure("serve small.scene --host 203.0.113.7 --insecure", kUsage, "found 203.0.113.7:8080");
 }
+
+#ifdef SIMULI_HAS_METRICS
+TEST_F(ServeCli, TellsPrometheus) {
+  start({"--metrics-port", "0"});
+  const int port = server_->number_behind("http://127.0.0.1:");
+  ASSERT_GT(port, 0) << server_->output();
+  EXPECT_EQ(health_of(channel_, ""), 1);
+  httplib::Client client("127.0.0.1", port);
+  const auto reply = client.Get("/metrics");
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->status, 200);
+  EXPECT_EQ(reply->get_header_value("Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
+  EXPECT_EQ(MetricsText(reply->body).value("simuli_scene_loads_total"), 1.0);
+  EXPECT_EQ(client.Get("/")->status, 404);
+  EXPECT_EQ(client.Get("/metrics", {{"Host", "elsewhere.example"}})->status, 403);
+  expect_failure(
+      fmt::format("serve small.scene --port 0 --metrics-port {}", port), kUsage, "--metrics-port: found");
+  EXPECT_EQ(server_->end_by(SIGTERM), 0);
+}
+#endif
 
 TEST_F(ServeCli, SpeaksTls) {
   if (std::system("openssl version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no openssl";

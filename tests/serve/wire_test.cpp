@@ -302,5 +302,31 @@ TEST(Wire, WritesWhatThereIs) {
                                   .text(5, "asset")));
 }
 
+TEST(Wire, ReadsEditsAndTellsOfThem) {
+  const Wire box = Wire().real32(1, 4).real32(2, 2).real32(3, 1);
+  const Wire replace = Wire().text(1, "van").text(2, "car").message(3, box);
+  const Wire insert = Wire().text(1, "second").text(2, "taxi").message(4, box).text(5, "car");
+  const auto edits =
+      parsed<proto::EditAssetsRequest>(Wire().text(1, "drive").message(2, replace).message(3, insert));
+  EXPECT_EQ(edits.scene_id(), "drive");
+  EXPECT_EQ(edits.replace(0).original_id(), "van");
+  EXPECT_EQ(edits.replace(0).replacement_id(), "car");
+  EXPECT_EQ(edits.replace(0).object_size().size_x(), 4.0F);
+  EXPECT_EQ(edits.insert(0).id(), "second");
+  EXPECT_EQ(edits.insert(0).asset_id(), "car");
+  EXPECT_EQ(parsed<proto::RestoreModelParametersRequest>(Wire().text(1, "drive")).scene_id(), "drive");
+  EXPECT_EQ(parsed<proto::ExternalAssetObjectsRequest>(Wire().text(1, "drive")).scene_id(), "drive");
+  proto::EditAssetsResponse edited;
+  edited.set_success(true);
+  edited.set_message("no");
+  expect_bytes(edited, Wire().varint(1, 1).text(2, "no"));
+  proto::ExternalAssetObjectsReturn external;
+  external.add_track_ids("second");
+  expect_bytes(external, Wire().text(1, "second"));
+  proto::ServerConfig config;
+  (*config.mutable_server_config())["device"] = "gpu";
+  expect_bytes(config, Wire().message(1, Wire().text(1, "device").text(2, "gpu")));
+}
+
 }  // namespace
 }  // namespace simuli::serve

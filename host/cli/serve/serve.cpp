@@ -1,8 +1,10 @@
 // simuli serve: scenes for simulators.
 #include <chrono>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/interrupt.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/serve/metrics_server.hpp"
 #include "host/cli/view/loopback.hpp"
 #include "host/serve/server/server.hpp"
 
@@ -21,8 +24,10 @@ struct ServeCommand {
   std::vector<std::string> scenes;
   serve::ServerOptions server;
   bool is_insecure = false;
+  bool allows_edits = false;
   int cache_size = 4;
   int max_workers = 4;
+  int metrics_port = -1;  // none
   double drain_s = 60.0;
   std::string hoods;
   std::vector<std::string> settings;
@@ -51,14 +56,29 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   // Who is told where to ask finds what fits in memory there, and scenes that can't be read are told here.
   const std::size_t first = std::min(session.sources().size(), session.cache_size());
   for (std::size_t i = first; i-- > 0;) session.read_now(session.sources()[i].id);
-  const serve::Handlers handlers(session, hoods, globals.commit);
+  serve::HandlerOptions of_handlers;
+  of_handlers.allows_edits = command.allows_edits;
+  of_handlers.told = {{"max-workers", fmt::format("{}", command.max_workers)},
+                      {"egocar-hood-dir", command.hoods},
+                      {"set", fmt::format("{}", fmt::join(command.settings, " "))}};
+  const serve::Handlers handlers(session, hoods, globals.commit, of_handlers);
   serve::ServerOptions of_server = command.server;
   of_server.max_workers = static_cast<std::size_t>(command.max_workers);
   const InterruptionPoint interruption("what was begun is finished; a second signal ends it");
   serve::Server server(handlers, of_server);
+  std::optional<MetricsServer> metrics;
+  if (command.metrics_port >= 0) {
+    // Plain text: on the network by --insecure alone, else beside a server with TLS on loopback.
+    const std::string& host = command.server.host;
+    metrics.emplace(is_loopback(host) || command.is_insecure ? host : "127.0.0.1",
+                    command.metrics_port,
+                    [&server] { return server.metrics(); });
+  }
   std::cout << server.address() << std::endl;  // at once: somebody waits for it
+  if (metrics) std::cout << metrics->url() << std::endl;
   constexpr std::chrono::milliseconds kLookAgain{50};
-  while (!interruption.is_asked_for()) std::this_thread::sleep_for(kLookAgain);
+  while (!interruption.is_asked_for() && !server.is_shut_down_asked_for())
+    std::this_thread::sleep_for(kLookAgain);
   server.drain(std::chrono::milliseconds(static_cast<std::int64_t>(command.drain_s * 1e3)));
 }
 
@@ -80,9 +100,18 @@ void add_serve(Command app, const Globals& globals) {
   sub.option("--max-workers", command->max_workers, "requests that are worked on at once; others wait")
       .range(1, 1000)
       .with_default();
+  sub.option("--metrics-port",
+             command->metrics_port,
+             "counts and latencies for Prometheus, by HTTP under /metrics; 0: any free port; on loopback, or "
+             "with --insecure on --host")
+      .range(0, 65535);
   sub.option("--egocar-hood-dir",
              command->hoods,
              "pictures of the own vehicle, with alpha: RIG/CAMERA.png, laid over where requests ask for it");
+  sub.flag("--enable-editing-actors",
+           command->allows_edits,
+           "clients may replace and insert actors, for everybody, by edit_assets");
+  sub.flag("--allow-shut-down", command->server.allows_shut_down, "clients may end the server, by shut_down");
   sub.option("--drain", command->drain_s, "s, that requests have to be finished after a signal")
       .range(0.0, 3600.0)
       .with_default();

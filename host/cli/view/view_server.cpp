@@ -22,17 +22,6 @@ namespace {
 constexpr std::size_t kLargestRequest = std::size_t{1} << 20U;
 constexpr std::size_t kLargestFile = std::size_t{60} << 20U;  // of splats
 
-/// "host:port" or "[host]:port" without the port; empty for what is neither.
-std::string host_of(const std::string& header) {
-  const bool is_v6 = !header.empty() && header.front() == '[';
-  const std::size_t end = is_v6 ? header.find(']') : std::min(header.find(':'), header.size());
-  if (end == std::string::npos) return {};
-  const std::string_view port = std::string_view(header).substr(is_v6 ? end + 1 : end);
-  const bool is_port = port.empty() || (port.front() == ':' &&
-                                        port.find_first_not_of("0123456789", 1) == std::string_view::npos);
-  return is_port ? header.substr(is_v6 ? 1 : 0, is_v6 ? end - 1 : end) : std::string();
-}
-
 /// Whether a page of another site asks: browsers say so, in one way or the other. Such a page cannot read the
 /// reply, but has the work done.
 bool is_foreign(const httplib::Request& request) {
@@ -114,7 +103,7 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
   server.set_pre_routing_handler(
       [this, loopback](const httplib::Request& request, httplib::Response& response) {
         // A page of another site whose name has been pointed here must not get through.
-        if (loopback && !is_loopback(host_of(request.get_header_value("Host")))) {
+        if (loopback && !is_loopback(host_of_header(request.get_header_value("Host")))) {
           response.status = 403;
           response.set_content("not a name of this machine", "text/plain");
           return httplib::Server::HandlerResponse::Handled;

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/stopwatch.hpp"
 #include "host/base/version.hpp"
+#include "host/serve/messages/edit_message.hpp"
 #include "host/serve/messages/render_message.hpp"
 #include "host/serve/session/refusal.hpp"
 
@@ -48,8 +50,8 @@ void add_pose(proto_common::Trajectory& trajectory, std::uint64_t time_us, const
 
 }  // namespace
 
-Handlers::Handlers(RenderSession& session, Hoods hoods, std::string commit)
-    : session_(session), hoods_(std::move(hoods)), commit_(std::move(commit)) {}
+Handlers::Handlers(RenderSession& session, Hoods hoods, std::string commit, HandlerOptions options)
+    : session_(session), hoods_(std::move(hoods)), commit_(std::move(commit)), options_(std::move(options)) {}
 
 void Handlers::get_version(proto_common::VersionId& reply) const {
   reply.set_version_id(fmt::format("simuli {}", version()));
@@ -120,14 +122,69 @@ void Handlers::get_dynamic_objects(const Call& call,
   }
 }
 
+void Handlers::edit_assets(const Call& call,
+                           const proto::EditAssetsRequest& request,
+                           proto::EditAssetsResponse& reply) const {
+  if (!options_.allows_edits) {
+    throw Refusal(RefusalKind::kPrecondition,
+                  "edit_assets: found a server without --enable-editing-actors, allowed one with it");
+  }
+  const auto scene = session_.open(request.scene_id(), call.is_given_up);
+  try {
+    session_.edit(scene->id(), edit_of(*scene, request, options_.most_more_particles), call.is_given_up);
+    reply.set_success(true);
+  } catch (...) {
+    const Refusal refusal = refusal_of(std::current_exception());
+    if (refusal.kind() == RefusalKind::kCancelled || refusal.kind() == RefusalKind::kInternal) throw;
+    reply.set_message(refusal.what());
+  }
+}
+
+void Handlers::restore_model_parameters(const Call& call,
+                                        const proto::RestoreModelParametersRequest& request) const {
+  session_.restore(request.scene_id(), call.is_given_up);
+}
+
+void Handlers::get_external_asset_objects(const Call& call,
+                                          const proto::ExternalAssetObjectsRequest& request,
+                                          proto::ExternalAssetObjectsReturn& reply) const {
+  const auto scene = session_.open(request.scene_id(), call.is_given_up);
+  for (const std::string& id : scene->external()) reply.add_track_ids(id);
+}
+
+void Handlers::get_server_config(proto::ServerConfig& reply) const {
+  auto& config = *reply.mutable_server_config();
+  for (const auto& [key, value] : options_.told) config[key] = value;
+  config["version"] = version();
+  config["device"] = session_.device().info().label();
+  config["cache-size"] = fmt::format("{}", session_.cache_size());
+  config["enable-editing-actors"] = options_.allows_edits ? "true" : "false";
+}
+
 /// One picture on its way.
 struct Handlers::Picture {
   RenderSession::ScenePtr scene = {};
   PictureCode code = {};
   std::optional<FrameJob> job = {};
-  TakenPicture taken = {};
+  Image under_mask = {};
   std::exception_ptr error = {};
 };
+
+/// Of one that has been rendered, once.
+std::string Handlers::encoded(Picture& picture) const {
+  if (picture.error) std::rethrow_exception(picture.error);
+  const Stopwatch watch;
+  std::string bytes;
+  if (picture.code.hood) {
+    hoods_.lay_over(picture.under_mask, *picture.code.hood);
+    bytes = serve::encoded(picture.under_mask, picture.code);
+  } else {
+    const Camera& camera = picture.job->sensor.camera();
+    bytes = serve::encoded(std::move(picture.job->bytes), camera.width, camera.height, picture.code);
+  }
+  metrics().add_time(Stage::kEncoding, watch.seconds());
+  return bytes;
+}
 
 Handlers::Picture Handlers::prepare(const Call& call, const proto::RGBRenderRequest& request) const {
   Picture picture;
@@ -137,7 +194,7 @@ Handlers::Picture Handlers::prepare(const Call& call, const proto::RGBRenderRequ
   const Camera camera = requested_camera(scene, request);
   const FrameMessage frame{
       request.frame_start_us(), request.frame_end_us(), request.sensor_pose(), request.dynamic_objects()};
-  picture.job = FrameJob{Sensor(camera), camera_shot(scene, frame, camera), {}};
+  picture.job = FrameJob{Sensor(camera), camera_shot(scene, frame, camera), {}, order_of(picture.code)};
   return picture;
 }
 
@@ -153,14 +210,17 @@ void Handlers::render(const Call& call, std::span<Picture> pictures) const {
       Picture& picture = pictures[i];
       if (!picture.job || picture.scene.get() != &scene) continue;
       done[i] = true;
-      picture.job->take = [&picture, this](const Frame& frame) {
-        picture.taken = take_picture(frame, picture.code, hoods_);
-      };
+      if (picture.code.hood) {
+        picture.job->take = [&picture](const Frame& frame) { picture.under_mask = frame.image(); };
+      }
       jobs.push_back(std::move(*picture.job));
       of_jobs.push_back(&picture);
     }
     session_.render(scene, jobs, call.is_given_up);
-    for (std::size_t k = 0; k < jobs.size(); ++k) of_jobs[k]->error = jobs[k].error;
+    for (std::size_t k = 0; k < jobs.size(); ++k) {
+      of_jobs[k]->error = jobs[k].error;
+      of_jobs[k]->job = std::move(jobs[k]);
+    }
   }
 }
 
@@ -169,9 +229,8 @@ void Handlers::render_rgb(const Call& call,
                           proto::RGBRenderReturn& reply) const {
   std::array<Picture, 1> one{prepare(call, request)};
   render(call, one);
-  if (one[0].error) std::rethrow_exception(one[0].error);
   need_wanted(call.is_given_up);
-  reply.set_image_bytes(encoded(std::move(one[0].taken), one[0].code));
+  reply.set_image_bytes(encoded(one[0]));
 }
 
 void Handlers::batch_render_rgb(const Call& call,
@@ -196,8 +255,7 @@ void Handlers::batch_render_rgb(const Call& call,
     auto& item = *reply.add_items();
     item.set_camera_name(request.items(static_cast<int>(i)).camera_name());
     try {
-      if (pictures[i].error) std::rethrow_exception(pictures[i].error);
-      item.mutable_result()->set_image_bytes(encoded(std::move(pictures[i].taken), pictures[i].code));
+      item.mutable_result()->set_image_bytes(encoded(pictures[i]));
       item.set_success(true);
     } catch (...) {
       item.clear_result();
@@ -237,9 +295,8 @@ void Handlers::render_aggregated(const Call& call,
   for (const auto& rgb : request.rgb_requests()) pictures.push_back(prepare(call, rgb));
   render(call, pictures);
   for (Picture& picture : pictures) {
-    if (picture.error) std::rethrow_exception(picture.error);
     need_wanted(call.is_given_up);
-    reply.add_rgb_returns()->set_image_bytes(encoded(std::move(picture.taken), picture.code));
+    reply.add_rgb_returns()->set_image_bytes(encoded(picture));
   }
   for (const auto& lidar : request.lidar_requests()) render_lidar(call, lidar, *reply.add_lidar_returns());
 }

@@ -1,8 +1,11 @@
 #pragma once
 // The calls of the service, without a network: a message in, a message out.
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host/serve/messages/camera_message.hpp"
 #include "host/serve/session/hoods.hpp"
@@ -16,12 +19,18 @@ struct Call {
   std::string lidar = {};  // by name, instead of the request's type: of the scene, or built in
 };
 
+struct HandlerOptions {
+  bool allows_edits = false;                     // by edit_assets: they are everybody's
+  std::int64_t most_more_particles = 1'000'000;  // than twice those of the scene, by edits
+  std::map<std::string, std::string> told = {};  // by get_server_config
+};
+
 /// Safe to use from any thread. What a call throws is what refusal_of() knows; its reply is not to be used
 /// then.
 class Handlers {
  public:
   /// `commit`: of the program, may be empty. The session outlives this.
-  Handlers(RenderSession& session, Hoods hoods, std::string commit);
+  Handlers(RenderSession& session, Hoods hoods, std::string commit, HandlerOptions options = {});
 
   void get_version(proto_common::VersionId& reply) const;
   void get_available_scenes(proto_common::AvailableScenesReturn& reply) const;
@@ -36,6 +45,17 @@ class Handlers {
   void get_dynamic_objects(const Call& call,
                            const proto::AvailableDynamicObjectsRequest& request,
                            proto::AvailableDynamicObjectsReturn& reply) const;
+  /// Of the scene, for all clients, until restore_model_parameters. What is wrong with the edits is told in
+  /// the reply, and then nothing has changed. Refusal{kPrecondition} where HandlerOptions don't allow it.
+  void edit_assets(const Call& call,
+                   const proto::EditAssetsRequest& request,
+                   proto::EditAssetsResponse& reply) const;
+  void restore_model_parameters(const Call& call, const proto::RestoreModelParametersRequest& request) const;
+  /// Actors with the particles of another one.
+  void get_external_asset_objects(const Call& call,
+                                  const proto::ExternalAssetObjectsRequest& request,
+                                  proto::ExternalAssetObjectsReturn& reply) const;
+  void get_server_config(proto::ServerConfig& reply) const;
 
   void render_rgb(const Call& call,
                   const proto::RGBRenderRequest& request,
@@ -51,14 +71,20 @@ class Handlers {
                          const proto::AggregatedRenderRequest& request,
                          proto::AggregatedRenderReturn& reply) const;
 
+  /// What is counted, and what there is at the moment.
+  [[nodiscard]] Metrics& metrics() const { return session_.metrics(); }
+  [[nodiscard]] std::vector<Gauge> gauges() const { return session_.gauges(); }
+
  private:
   struct Picture;
+  [[nodiscard]] std::string encoded(Picture& picture) const;
   [[nodiscard]] Picture prepare(const Call& call, const proto::RGBRenderRequest& request) const;
   void render(const Call& call, std::span<Picture> pictures) const;
 
   RenderSession& session_;
   Hoods hoods_;
   std::string commit_;
+  HandlerOptions options_;
 };
 
 }  // namespace simuli::serve

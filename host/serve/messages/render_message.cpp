@@ -41,6 +41,11 @@ std::span<unsigned char> as_bytes(std::string& text, std::size_t first, std::siz
   return {reinterpret_cast<unsigned char*>(text.data()) + first, count};
 }
 
+ImageCode image_code(proto::ImageFormat format) {
+  if (format == proto::PNG) return ImageCode::kPng;
+  return format == proto::JPEG ? ImageCode::kJpeg : ImageCode::kJpeg2000;
+}
+
 double probability(float value, const char* field) {
   if (!(value >= 0.0F && value <= 1.0F)) refuse(field, fmt::format("{}", value), "0 to 1");
   return static_cast<double>(value);
@@ -65,13 +70,13 @@ PictureCode picture_code(const proto::RGBRenderRequest& request, const Hoods& ho
   PictureCode code;
   code.format = request.image_format();
   const auto found = [&] { return fmt::format("{}", static_cast<int>(request.image_format())); };
-  constexpr const char* kAllowed = "1 (PNG), 2 (JPEG) or 4 (RGB_UINT8_PLANAR)";
+  constexpr const char* kAllowed = "1 (PNG), 2 (JPEG), 3 (JPEG2000) or 4 (RGB_UINT8_PLANAR)";
   switch (request.image_format()) {
     case proto::PNG:
     case proto::JPEG:
+    case proto::JPEG2000:
     case proto::RGB_UINT8_PLANAR:
       break;
-    case proto::JPEG2000:
     case proto::AVC:
     case proto::AV1:
       throw Refusal(RefusalKind::kUnimplemented,
@@ -90,12 +95,8 @@ PictureCode picture_code(const proto::RGBRenderRequest& request, const Hoods& ho
   return code;
 }
 
-std::string planar_bytes(const RayResults& results) {
-  std::string bytes(3 * results.rays, '\0');
-  for (std::size_t c = 0; c < 3; ++c) {
-    to_bytes(results.feature[c], as_bytes(bytes, c * results.rays, results.rays));
-  }
-  return bytes;
+PixelOrder order_of(const PictureCode& code) {
+  return code.format == proto::RGB_UINT8_PLANAR ? PixelOrder::kPlanar : PixelOrder::kInterleaved;
 }
 
 std::string planar_bytes(const Image& image) {
@@ -109,23 +110,15 @@ std::string planar_bytes(const Image& image) {
   return bytes;
 }
 
-TakenPicture take_picture(const Frame& frame, const PictureCode& code, const Hoods& hoods) {
-  TakenPicture taken;
-  const bool is_planar = code.format == proto::RGB_UINT8_PLANAR;
-  if (is_planar && !code.hood) {
-    taken.bytes = planar_bytes(frame.results());
-    return taken;
-  }
-  taken.image = frame.image();
-  if (code.hood) hoods.lay_over(taken.image, *code.hood);
-  return taken;
+std::string encoded(std::string bytes, int width, int height, const PictureCode& code) {
+  if (code.format == proto::RGB_UINT8_PLANAR) return bytes;
+  return encode_pixels(
+      as_bytes(bytes, 0, bytes.size()), width, height, image_code(code.format), code.quality);
 }
 
-std::string encoded(TakenPicture picture, const PictureCode& code) {
-  if (picture.image.data.empty()) return std::move(picture.bytes);
-  if (code.format == proto::RGB_UINT8_PLANAR) return planar_bytes(picture.image);
-  return encode_image(
-      picture.image, code.format == proto::PNG ? ImageCode::kPng : ImageCode::kJpeg, code.quality);
+std::string encoded(const Image& image, const PictureCode& code) {
+  if (code.format == proto::RGB_UINT8_PLANAR) return planar_bytes(image);
+  return encode_image(image, image_code(code.format), code.quality);
 }
 
 std::string lidar_name(const proto::LidarSpec& spec) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "host/render/outputs/picture_bytes.hpp"
 #include "host/render/scene/frame.hpp"
 #include "host/serve/messages/shot_message.hpp"
 #include "host/serve/session/hoods.hpp"
@@ -30,18 +31,13 @@ struct PictureCode {
 /// that there is not.
 [[nodiscard]] PictureCode picture_code(const proto::RGBRenderRequest& request, const Hoods& hoods);
 
+/// Pictures without a mask are bytes when they leave the device.
+[[nodiscard]] PixelOrder order_of(const PictureCode& code);
 /// [3][height][width] as write_image() would round it.
-[[nodiscard]] std::string planar_bytes(const RayResults& results);
 [[nodiscard]] std::string planar_bytes(const Image& image);
-
-/// A frame's picture while the device is the caller's: what is planar is whole then, what is encoded still to
-/// be.
-struct TakenPicture {
-  std::string bytes;
-  Image image;
-};
-[[nodiscard]] TakenPicture take_picture(const Frame& frame, const PictureCode& code, const Hoods& hoods);
-[[nodiscard]] std::string encoded(TakenPicture picture, const PictureCode& code);
+/// `bytes` in order_of(code).
+[[nodiscard]] std::string encoded(std::string bytes, int width, int height, const PictureCode& code);
+[[nodiscard]] std::string encoded(const Image& image, const PictureCode& code);
 
 /// Where the request names none: the protocol's types by their models here. Refusal{kInvalid}.
 [[nodiscard]] std::string lidar_name(const proto::LidarSpec& spec);

@@ -57,6 +57,7 @@ std::vector<ActorEdit> edits_of(const ServedScene& scene,
   for (const Actor& actor : scene.scene().actors) {
     const auto found = tracks.find(actor.name);
     if (found == tracks.end()) {
+      if (scene.is_inserted(actor.name)) continue;
       edits.push_back({actor.name, ActorEdit::Remove{}});
     } else {
       edits.push_back({actor.name, ActorEdit::Retrack{std::move(found->second)}});

@@ -21,10 +21,10 @@ struct FrameMessage {
   const google::protobuf::RepeatedPtrField<proto::DynamicObject>& dynamic_objects;
 };
 
-/// Actors that are named are where the request has them; all others are not there. A global shutter's moment
-/// is the frame's start. A rolling one's first row is exposed at the start and its last at the end; ours
-/// count from the picture's edge to its other edge, half a row more at either end. Refusal{kInvalid} naming
-/// the field, Refusal{kOutOfRange}.
+/// Actors that are named are where the request has them; all others are not there, but who was inserted with
+/// a track of its own. A global shutter's moment is the frame's start. A rolling one's first row is exposed
+/// at the start and its last at the end; ours count from the picture's edge to its other edge, half a row
+/// more at either end. Refusal{kInvalid} naming the field, Refusal{kOutOfRange}.
 [[nodiscard]] Shot camera_shot(const ServedScene& scene, const FrameMessage& frame, const Camera& camera);
 /// The same of a LiDAR, whose first ray leaves at the start and which is back there at the end.
 [[nodiscard]] Shot lidar_shot(const ServedScene& scene, const FrameMessage& frame);

@@ -8,6 +8,7 @@
 #include <grpcpp/resource_quota.h>
 
 #include "host/base/error.hpp"
+#include "host/base/stopwatch.hpp"
 #include "host/serve/session/refusal.hpp"
 #include "io/base/file.hpp"
 #include "nurec_sensorsim.grpc.pb.h"
@@ -25,6 +26,32 @@ constexpr int kMostStreams = 64;      // of a connection, at once
 constexpr int kWaitingThreads = 128;  // of requests that wait for a worker
 constexpr const char* kLidarKey = "x-simuli-lidar";
 
+/// As the protocol's documents spell it.
+const char* name_of(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::OK:
+      return "OK";
+    case grpc::CANCELLED:
+      return "CANCELLED";
+    case grpc::INVALID_ARGUMENT:
+      return "INVALID_ARGUMENT";
+    case grpc::NOT_FOUND:
+      return "NOT_FOUND";
+    case grpc::PERMISSION_DENIED:
+      return "PERMISSION_DENIED";
+    case grpc::RESOURCE_EXHAUSTED:
+      return "RESOURCE_EXHAUSTED";
+    case grpc::FAILED_PRECONDITION:
+      return "FAILED_PRECONDITION";
+    case grpc::OUT_OF_RANGE:
+      return "OUT_OF_RANGE";
+    case grpc::UNIMPLEMENTED:
+      return "UNIMPLEMENTED";
+    default:
+      return "INTERNAL";
+  }
+}
+
 Call call_of(const ServerContext& context) {
   Call call{[&context] { return context.IsCancelled(); }};
   const auto found = context.client_metadata().find(kLidarKey);
@@ -34,69 +61,124 @@ Call call_of(const ServerContext& context) {
   return call;
 }
 
+/// By a client.
+struct End {
+  bool is_allowed = false;
+  std::atomic<bool> is_asked_for{false};
+};
+
 /// The service under one of its names.
 template <class Base>
 class Sensorsim final : public Base::Service {
  public:
-  Sensorsim(const Handlers& handlers, const Turns& workers) : handlers_(handlers), workers_(workers) {}
+  Sensorsim(const Handlers& handlers, const Turns& workers, End& end)
+      : handlers_(handlers), workers_(workers), end_(end) {}
 
   Status get_version(ServerContext* /*c*/,
                      const proto_common::Empty* /*q*/,
                      proto_common::VersionId* r) override {
-    return told([&] { handlers_.get_version(*r); });
+    return told("get_version", *r, [&] { handlers_.get_version(*r); });
   }
   Status get_available_scenes(ServerContext* /*c*/,
                               const proto_common::Empty* /*q*/,
                               proto_common::AvailableScenesReturn* r) override {
-    return told([&] { handlers_.get_available_scenes(*r); });
+    return told("get_available_scenes", *r, [&] { handlers_.get_available_scenes(*r); });
   }
   Status get_loaded_scenes(ServerContext* /*c*/,
                            const proto_common::Empty* /*q*/,
                            proto::LoadedScenesReturn* r) override {
-    return told([&] { handlers_.get_loaded_scenes(*r); });
+    return told("get_loaded_scenes", *r, [&] { handlers_.get_loaded_scenes(*r); });
   }
   Status get_available_ego_masks(ServerContext* /*c*/,
                                  const proto_common::Empty* /*q*/,
                                  proto::AvailableEgoMasksReturn* r) override {
-    return told([&] { handlers_.get_available_ego_masks(*r); });
+    return told("get_available_ego_masks", *r, [&] { handlers_.get_available_ego_masks(*r); });
   }
   Status get_available_cameras(ServerContext* c,
                                const proto::AvailableCamerasRequest* q,
                                proto::AvailableCamerasReturn* r) override {
-    return worked(c, [&](const Call& call) { handlers_.get_available_cameras(call, *q, *r); });
+    return worked("get_available_cameras", c, *r, [&](const Call& call) {
+      handlers_.get_available_cameras(call, *q, *r);
+    });
   }
   Status get_available_trajectories(ServerContext* c,
                                     const proto::AvailableTrajectoriesRequest* q,
                                     proto::AvailableTrajectoriesReturn* r) override {
-    return worked(c, [&](const Call& call) { handlers_.get_available_trajectories(call, *q, *r); });
+    return worked("get_available_trajectories", c, *r, [&](const Call& call) {
+      handlers_.get_available_trajectories(call, *q, *r);
+    });
   }
   Status get_dynamic_objects(ServerContext* c,
                              const proto::AvailableDynamicObjectsRequest* q,
                              proto::AvailableDynamicObjectsReturn* r) override {
-    return worked(c, [&](const Call& call) { handlers_.get_dynamic_objects(call, *q, *r); });
+    return worked(
+        "get_dynamic_objects", c, *r, [&](const Call& call) { handlers_.get_dynamic_objects(call, *q, *r); });
+  }
+  Status edit_assets(ServerContext* c,
+                     const proto::EditAssetsRequest* q,
+                     proto::EditAssetsResponse* r) override {
+    return worked("edit_assets", c, *r, [&](const Call& call) { handlers_.edit_assets(call, *q, *r); });
+  }
+  Status restore_model_parameters(ServerContext* c,
+                                  const proto::RestoreModelParametersRequest* q,
+                                  proto_common::Empty* r) override {
+    return worked("restore_model_parameters", c, *r, [&](const Call& call) {
+      handlers_.restore_model_parameters(call, *q);
+    });
+  }
+  Status get_external_asset_objects(ServerContext* c,
+                                    const proto::ExternalAssetObjectsRequest* q,
+                                    proto::ExternalAssetObjectsReturn* r) override {
+    return worked("get_external_asset_objects", c, *r, [&](const Call& call) {
+      handlers_.get_external_asset_objects(call, *q, *r);
+    });
+  }
+  Status get_server_config(ServerContext* /*c*/,
+                           const proto_common::Empty* /*q*/,
+                           proto::ServerConfig* r) override {
+    return told("get_server_config", *r, [&] { handlers_.get_server_config(*r); });
+  }
+  Status shut_down(ServerContext* /*c*/, const proto_common::Empty* /*q*/, proto_common::Empty* r) override {
+    return told("shut_down", *r, [&] {
+      if (!end_.is_allowed) {
+        throw Refusal(RefusalKind::kDenied,
+                      "shut_down: found a server without --allow-shut-down, allowed one with it");
+      }
+      end_.is_asked_for = true;
+    });
   }
   Status render_rgb(ServerContext* c, const proto::RGBRenderRequest* q, proto::RGBRenderReturn* r) override {
-    return worked(c, [&](const Call& call) { handlers_.render_rgb(call, *q, *r); });
+    return worked("render_rgb", c, *r, [&](const Call& call) { handlers_.render_rgb(call, *q, *r); });
   }
   Status batch_render_rgb(ServerContext* c,
                           const proto::BatchRGBRenderRequest* q,
                           proto::BatchRGBRenderReturn* r) override {
-    return worked(c, [&](const Call& call) { handlers_.batch_render_rgb(call, *q, *r); });
+    return worked(
+        "batch_render_rgb", c, *r, [&](const Call& call) { handlers_.batch_render_rgb(call, *q, *r); });
   }
   Status render_lidar(ServerContext* c,
                       const proto::LidarRenderRequest* q,
                       proto::LidarRenderReturn* r) override {
-    return worked(c, [&](const Call& call) { handlers_.render_lidar(call, *q, *r); });
+    return worked("render_lidar", c, *r, [&](const Call& call) { handlers_.render_lidar(call, *q, *r); });
   }
   Status render_aggregated(ServerContext* c,
                            const proto::AggregatedRenderRequest* q,
                            proto::AggregatedRenderReturn* r) override {
-    return worked(c, [&](const Call& call) { handlers_.render_aggregated(call, *q, *r); });
+    return worked(
+        "render_aggregated", c, *r, [&](const Call& call) { handlers_.render_aggregated(call, *q, *r); });
   }
 
  private:
+  template <class Reply, class Work>
+  Status told(const char* name, const Reply& reply, const Work& work) const {
+    const Stopwatch watch;
+    const Status status = status_of(work);
+    handlers_.metrics().count_call(
+        name, name_of(status.error_code()), watch.seconds(), status.ok() ? reply.ByteSizeLong() : 0);
+    return status;
+  }
   template <class Work>
-  static Status told(const Work& work) {
+  static Status status_of(const Work& work) {
     try {
       work();
       return Status::OK;
@@ -105,11 +187,13 @@ class Sensorsim final : public Base::Service {
       return {static_cast<grpc::StatusCode>(refusal.kind()), refusal.what()};
     }
   }
-  template <class Work>
-  Status worked(const ServerContext* context, const Work& work) const {
-    return told([&] {
+  template <class Reply, class Work>
+  Status worked(const char* name, const ServerContext* context, const Reply& reply, const Work& work) const {
+    return told(name, reply, [&] {
       const Call call = call_of(*context);
+      const Stopwatch watch;
       const Turns::Turn worker = workers_.take(call.is_given_up);
+      handlers_.metrics().add_time(Stage::kWorkerWait, watch.seconds());
       need_wanted(call.is_given_up);
       work(call);
     });
@@ -117,6 +201,7 @@ class Sensorsim final : public Base::Service {
 
   const Handlers& handlers_;
   const Turns& workers_;
+  End& end_;
 };
 
 std::shared_ptr<grpc::ServerCredentials> credentials_of(const ServerOptions& options) {
@@ -152,11 +237,18 @@ void silence_libraries() {
 }  // namespace
 
 struct Server::Impl {
-  Impl(const Handlers& handlers, const ServerOptions& with)
-      : options(with), workers(with.max_workers), nre(handlers, workers), nurec(handlers, workers) {}
+  Impl(const Handlers& of, const ServerOptions& with)
+      : handlers(of),
+        options(with),
+        workers(with.max_workers),
+        end{with.allows_shut_down},
+        nre(handlers, workers, end),
+        nurec(handlers, workers, end) {}
 
+  const Handlers& handlers;
   ServerOptions options;
   Turns workers;
+  End end;
   Sensorsim<NreService> nre;
   Sensorsim<NurecService> nurec;
   std::unique_ptr<grpc::Server> server;
@@ -201,6 +293,20 @@ Server::~Server() { drain(std::chrono::milliseconds(0)); }
 
 int Server::port() const { return impl_->port; }
 std::string Server::address() const { return address_of(impl_->options.host, impl_->port); }
+
+bool Server::is_shut_down_asked_for() const { return impl_->end.is_asked_for; }
+
+std::string Server::metrics() const {
+  const Turns& workers = impl_->workers;
+  std::vector<Gauge> gauges = impl_->handlers.gauges();
+  gauges.push_back({"simuli_requests_waiting",
+                    "Requests that wait for a worker.",
+                    static_cast<double>(workers.waiting())});
+  gauges.push_back({"simuli_requests_in_work",
+                    "Requests that a worker has.",
+                    static_cast<double>(impl_->options.max_workers - workers.free())});
+  return impl_->handlers.metrics().text(gauges);
+}
 
 void Server::drain(std::chrono::milliseconds patience) {
   if (!impl_->server) return;

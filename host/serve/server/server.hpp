@@ -11,8 +11,9 @@ namespace simuli::serve {
 
 struct ServerOptions {
   std::string host = "127.0.0.1";
-  int port = 8080;              // 0: any free one
-  std::size_t max_workers = 4;  // requests at once; others wait
+  int port = 8080;                // 0: any free one
+  std::size_t max_workers = 4;    // requests at once; others wait
+  bool allows_shut_down = false;  // by any client
   std::string tls_certificate,
       tls_key;              // PEM files, both or neither: then everybody on the way can read along
   std::string tls_clients;  // PEM file of authorities: clients must have a certificate of one
@@ -36,6 +37,10 @@ class Server {
   [[nodiscard]] int port() const;
   /// "host:port".
   [[nodiscard]] std::string address() const;
+  /// Whether a client has, where that is allowed: who owns the server drains it.
+  [[nodiscard]] bool is_shut_down_asked_for() const;
+  /// What is counted and what is at work, in Prometheus' text format. Safe to ask from any thread.
+  [[nodiscard]] std::string metrics() const;
   /// From here on nothing new is answered; returns when what was begun is done, or cancelled after
   /// `patience`.
   void drain(std::chrono::milliseconds patience);

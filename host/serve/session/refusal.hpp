@@ -11,6 +11,7 @@ enum class RefusalKind : int {
   kCancelled = 1,
   kInvalid = 3,
   kNotFound = 5,
+  kDenied = 7,
   kExhausted = 8,
   kPrecondition = 9,
   kOutOfRange = 11,

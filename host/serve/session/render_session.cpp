@@ -9,25 +9,46 @@
 
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
+#include "host/base/stopwatch.hpp"
 #include "host/render/options/validate.hpp"
 #include "host/serve/session/refusal.hpp"
 
 namespace simuli::serve {
 
 RenderSession::RenderSession(SessionOptions options)
-    : options_(std::move(options)), device_(Device::best(options_.device)) {
+    : options_(std::move(options)), device_(Device::best(options_.device)), picture_bytes_(device_) {
   validate(options_.render);
 }
 
 RenderSession::~RenderSession() = default;
 
 /// What is on the device goes in a turn of its own, whoever holds the scene last.
-RenderSession::ScenePtr RenderSession::read(const SceneSource& source) const {
-  auto scene = std::make_unique<ServedScene>(source);
+RenderSession::ScenePtr RenderSession::owned(std::unique_ptr<ServedScene> scene) const {
   return {scene.release(), [turns = turns_, device = device_](ServedScene* last) {
             const Turns::Turn turn = turns.take();
             delete last;
           }};
+}
+
+RenderSession::ScenePtr RenderSession::read(const SceneSource& source) const {
+  auto scene = std::make_unique<ServedScene>(source);
+  std::vector<SceneEdit> edits;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = edits_.find(source.id); found != edits_.end()) edits = found->second;
+  }
+  for (const SceneEdit& edit : edits) scene = scene->edited(edit);
+  return owned(std::move(scene));
+}
+
+std::list<RenderSession::Kept> RenderSession::keep_front(Kept scene) {
+  std::list<Kept> dropped;
+  kept_.push_front(std::move(scene));
+  while (kept_.size() > std::max<std::size_t>(options_.cache_size, 1)) {
+    dropped.splice(dropped.end(), kept_, std::prev(kept_.end()));
+    metrics_.count_eviction();
+  }
+  return dropped;
 }
 
 void RenderSession::forget(const std::string& id) {
@@ -46,19 +67,20 @@ std::shared_future<RenderSession::ScenePtr> RenderSession::keep(const SceneSourc
         std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.id == source.id; });
     if (kept != kept_.end()) {
       kept_.splice(kept_.begin(), kept_, kept);
+      metrics_.count_hit();
     } else {
       is_ours = true;
-      kept_.push_front({source.id, promise.get_future().share()});
-      while (kept_.size() > std::max<std::size_t>(options_.cache_size, 1)) {
-        dropped.splice(dropped.end(), kept_, std::prev(kept_.end()));
-      }
+      dropped = keep_front({source.id, promise.get_future().share()});
     }
     scene = kept_.front().scene;
   }
   dropped.clear();  // before another one takes memory
   if (is_ours) {
     try {
+      const Stopwatch watch;
       promise.set_value(read(source));
+      metrics_.add_time(Stage::kSceneRead, watch.seconds());
+      metrics_.count_load();
     } catch (...) {
       forget(source.id);
       promise.set_exception(std::current_exception());
@@ -95,6 +117,45 @@ RenderSession::ScenePtr RenderSession::open(const std::string& id, const IsGiven
   }
 }
 
+void RenderSession::edit(const std::string& id, const SceneEdit& edit, const IsGivenUp& is_given_up) {
+  const std::lock_guard editing(edit_mutex_);
+  replace(id, owned(open(id, is_given_up)->edited(edit)), edit);
+}
+
+void RenderSession::restore(const std::string& id, const IsGivenUp& is_given_up) {
+  const std::lock_guard editing(edit_mutex_);
+  const ScenePtr scene = open(id, is_given_up);
+  if (scene->is_edited()) replace(id, owned(scene->restored()), std::nullopt);
+}
+
+void RenderSession::replace(const std::string& id, ScenePtr scene, const std::optional<SceneEdit>& edit) {
+  std::promise<ScenePtr> promise;
+  promise.set_value(std::move(scene));
+  std::list<Kept> dropped;  // goes when mutex_ is free again
+  const std::lock_guard lock(mutex_);
+  if (edit) {
+    edits_[id].push_back(*edit);
+  } else {
+    edits_.erase(id);
+  }
+  const auto kept = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.id == id; });
+  if (kept != kept_.end()) dropped.splice(dropped.end(), kept_, kept);
+  dropped.splice(dropped.end(), keep_front({id, promise.get_future().share()}));
+}
+
+std::vector<Gauge> RenderSession::gauges() const {
+  const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
+  return {
+      {"simuli_scenes_kept", "Scenes in memory.", number(kept().size())},
+      {"simuli_scenes_kept_limit", "Scenes that are kept in memory at most.", number(cache_size())},
+      {"simuli_device_queue", "Requests that wait for the device.", number(turns_.waiting())},
+      {"simuli_device_busy", "Whether the device is at work.", turns_.free() == 0 ? 1.0 : 0.0},
+      {"simuli_device_memory_bytes", "Device memory in use behind the last frame.", number(device_bytes_)},
+      {"simuli_device_memory_peak_bytes", "The most that was in use.", number(device_peak_bytes_)},
+      {"simuli_device_memory_limit_bytes", "What the device has.", number(device_.info().global_bytes)},
+  };
+}
+
 std::vector<std::string> RenderSession::kept() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> ids;
@@ -103,35 +164,53 @@ std::vector<std::string> RenderSession::kept() const {
 }
 
 void RenderSession::render(ServedScene& scene, std::span<FrameJob> jobs, const IsGivenUp& is_given_up) {
+  Stopwatch watch;
   const Turns::Turn turn = turns_.take(is_given_up);
+  metrics_.add_time(Stage::kDeviceWait, watch.seconds());
+  watch = {};
   if (!scene.on_device_) scene.on_device_.emplace(device_, scene.scene_, options_.render);
   struct Coming {
-    Frame frame;
     FrameJob& job;
+    Frame frame;
+    std::optional<ByteDownload> bytes;
   };
   std::optional<Coming> coming;
   const auto take = [&] {
     if (!coming) return;
-    const Coming now = std::move(*coming);
+    Coming now = std::move(*coming);
     coming.reset();
     try {
-      now.job.take(now.frame);
+      if (now.bytes) {
+        now.job.bytes = now.bytes->take();
+      } else {
+        now.job.take(now.frame);
+      }
+      metrics_.count_frame(true);
     } catch (...) {
       now.job.error = std::current_exception();
+      metrics_.count_frame(false);
     }
   };
   for (FrameJob& job : jobs) {
     need_wanted(is_given_up);
     try {
-      Frame frame = scene.on_device_->render(job.sensor, job.shot);
-      frame.fetch();
+      Coming next{job, scene.on_device_->render(job.sensor, job.shot), {}};
+      if (job.take) {
+        next.frame.fetch();
+      } else {
+        next.bytes.emplace(picture_bytes_.start(next.frame, job.order));
+      }
       take();
-      coming.emplace(Coming{std::move(frame), job});
+      coming.emplace(std::move(next));
     } catch (...) {
       job.error = std::current_exception();
+      metrics_.count_frame(false);
     }
   }
   take();
+  metrics_.add_time(Stage::kRendering, watch.seconds());
+  device_bytes_ = device_.memory().now;
+  device_peak_bytes_ = device_.memory().peak;
 }
 
 }  // namespace simuli::serve

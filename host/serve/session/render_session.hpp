@@ -1,15 +1,21 @@
 #pragma once
 // Scenes and the one device that renders them, for any number of callers.
+#include <atomic>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <future>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "host/render/outputs/picture_bytes.hpp"
+#include "host/serve/session/metrics.hpp"
 #include "host/serve/session/served_scene.hpp"
 #include "host/serve/session/turns.hpp"
 
@@ -22,12 +28,15 @@ struct SessionOptions {
   std::size_t cache_size = 4;  // scenes that are kept: those used last
 };
 
-/// One frame of a batch. `take` gets it when it is rendered, while the device is the caller's: it copies what
-/// it needs, and keeps no frame. What goes wrong with this frame stays with it.
+/// One frame of a batch. What goes wrong with it stays with it.
 struct FrameJob {
   Sensor sensor;
   Shot shot;
-  std::function<void(const Frame&)> take;
+  /// Gets the frame when it is rendered, while the device is the caller's: copies what it needs, and keeps
+  /// no frame. Empty: a picture, whose bytes are all that comes to the host.
+  std::function<void(const Frame&)> take = {};
+  PixelOrder order = PixelOrder::kPlanar;
+  std::string bytes = {};
   std::exception_ptr error = {};
 };
 
@@ -44,6 +53,9 @@ class RenderSession {
   [[nodiscard]] const std::vector<SceneSource>& sources() const { return options_.scenes; }
   [[nodiscard]] std::size_t cache_size() const { return options_.cache_size; }
   [[nodiscard]] const Device& device() const { return device_; }
+  [[nodiscard]] Metrics& metrics() const { return metrics_; }
+  /// Of scenes, the device's queue and its memory, as it was behind the last frame.
+  [[nodiscard]] std::vector<Gauge> gauges() const;
 
   using ScenePtr = std::shared_ptr<ServedScene>;
   /// Reads it unless it is kept; two who ask at once wait for the same reading. Refusal{kNotFound} for a name
@@ -51,6 +63,11 @@ class RenderSession {
   [[nodiscard]] ScenePtr open(const std::string& id, const IsGivenUp& is_given_up = never_given_up);
   /// The same before anybody asks, for who starts the server: Error{kInput} for a scene that can't be read.
   void read_now(const std::string& id);
+  /// Who opens the scene from now on finds it edited, also when it is read again; those who hold it have it
+  /// as it was. Errors as open() and `edit` throw them; then nothing has changed.
+  void edit(const std::string& id, const SceneEdit& edit, const IsGivenUp& is_given_up = never_given_up);
+  /// Takes all edits back. Errors as open().
+  void restore(const std::string& id, const IsGivenUp& is_given_up = never_given_up);
   /// Names of those that are kept, the last used first.
   [[nodiscard]] std::vector<std::string> kept() const;
 
@@ -63,16 +80,26 @@ class RenderSession {
     std::string id;
     std::shared_future<ScenePtr> scene;
   };
+  [[nodiscard]] ScenePtr owned(std::unique_ptr<ServedScene> scene) const;
   [[nodiscard]] ScenePtr read(const SceneSource& source) const;
+  /// What is kept under this name from now on; mutex_ is the caller's. Returns what goes for it.
+  [[nodiscard]] std::list<Kept> keep_front(Kept scene);
+  /// An edit more, or without one all taken back.
+  void replace(const std::string& id, ScenePtr scene, const std::optional<SceneEdit>& edit);
   /// A scene that is kept from here on, and read by now, or by another caller soon.
   [[nodiscard]] std::shared_future<ScenePtr> keep(const SceneSource& source);
   void forget(const std::string& id);
 
   SessionOptions options_;
   Device device_;
+  PictureBytes picture_bytes_;
   Turns turns_{1};
+  mutable Metrics metrics_;
+  std::atomic<std::uint64_t> device_bytes_{0}, device_peak_bytes_{0};  // the device is asked in a turn alone
   mutable std::mutex mutex_;
-  std::list<Kept> kept_;  // last used first
+  std::list<Kept> kept_;                                 // last used first
+  std::map<std::string, std::vector<SceneEdit>> edits_;  // by scene
+  std::mutex edit_mutex_;                                // one after the other; before mutex_
 };
 
 }  // namespace simuli::serve

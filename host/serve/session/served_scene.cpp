@@ -50,6 +50,30 @@ ServedScene::ServedScene(const SceneSource& source) : id_(source.id) {
   scene_ = std::make_shared<const Scene>(std::move(file.scene));
 }
 
+ServedScene::ServedScene(const ServedScene& base, std::shared_ptr<const Scene> scene)
+    : id_(base.id_),
+      rig_(base.rig_),
+      cameras_(base.cameras_),
+      world_from_rig_(base.world_from_rig_),
+      scene_(std::move(scene)),
+      clock_(base.clock_) {}
+
+std::unique_ptr<ServedScene> ServedScene::edited(const SceneEdit& edit) const {
+  auto scene = std::make_shared<Scene>(*scene_);
+  edit.apply(*scene);
+  std::unique_ptr<ServedScene> out(new ServedScene(*this, std::move(scene)));
+  out->original_ = is_edited() ? original_ : scene_;
+  out->external_ = external_;
+  out->external_.insert(edit.external.begin(), edit.external.end());
+  out->inserted_ = inserted_;
+  out->inserted_.insert(edit.inserted.begin(), edit.inserted.end());
+  return out;
+}
+
+std::unique_ptr<ServedScene> ServedScene::restored() const {
+  return std::unique_ptr<ServedScene>(new ServedScene(*this, is_edited() ? original_ : scene_));
+}
+
 const Sensor* ServedScene::find_camera(const std::string& name) const {
   const auto found =
       std::find_if(cameras_.begin(), cameras_.end(), [&](const Sensor& s) { return s.name() == name; });

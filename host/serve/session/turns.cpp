@@ -38,6 +38,16 @@ Turns::Turn::~Turn() {
   queue_->changed.notify_all();
 }
 
+std::size_t Turns::waiting() const {
+  const std::lock_guard lock(queue_->mutex);
+  return queue_->waiting.size();
+}
+
+std::size_t Turns::free() const {
+  const std::lock_guard lock(queue_->mutex);
+  return queue_->free;
+}
+
 Turns::Turn Turns::take(const IsGivenUp& is_given_up) const {
   constexpr std::chrono::milliseconds kAskAgain{20};
   Turn::Queue& queue = *queue_;

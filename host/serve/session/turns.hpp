@@ -41,6 +41,10 @@ class Turns {
   /// Waits for a place. Refusal{kCancelled} once `is_given_up` says so, which is asked some 50 times a
   /// second.
   [[nodiscard]] Turn take(const IsGivenUp& is_given_up = never_given_up) const;
+  /// Callers without a place.
+  [[nodiscard]] std::size_t waiting() const;
+  /// Places that nobody has.
+  [[nodiscard]] std::size_t free() const;
 
  private:
   std::shared_ptr<Turn::Queue> queue_;
