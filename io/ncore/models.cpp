@@ -187,12 +187,14 @@ Lidar lidar_from_intrinsics(JsonObject& intrinsics, const std::string& name) {
     const std::vector<double> elevations = p.numbers("row_elevations_rad"),
                               offsets = p.numbers("row_azimuth_offsets_rad"),
                               azimuths = p.numbers("column_azimuths_rad");
-    if (elevations.size() != offsets.size() || elevations.empty() || azimuths.size() < 2) {
+    constexpr std::size_t kMostRays = std::size_t{1} << 24U;
+    if (elevations.size() != offsets.size() || elevations.empty() || azimuths.size() < 2 ||
+        azimuths.size() > kMostRays / elevations.size()) {
       throw_input_error(
           p.file(),
           p.field("row_elevations_rad"),
           fmt::format("{} rows, {} offsets, {} columns", elevations.size(), offsets.size(), azimuths.size()),
-          "an offset for each row, and 2 columns at least");
+          "an offset for each row, 2 columns at least and 2^24 rays at most");
     }
     Lidar lidar;
     lidar.name = name;

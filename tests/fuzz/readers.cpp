@@ -32,6 +32,7 @@
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_file.hpp"
+#include "tests/fuzz/ncore_readers.hpp"
 
 namespace simuli::test {
 namespace {
@@ -295,6 +296,9 @@ constexpr std::array kReaders{
     FuzzedReader{"points", Form::kJson, read_point_drive, "drive"},
     FuzzedReader{"mcap", Form::kMcap, read_recording, "a.mcap"},
     FuzzedReader{"rosbag2", Form::kBytes, read_messages, "a.db3", kHasSqlite},
+    FuzzedReader{"itar", Form::kBytes, read_itar_parts, "a.itar"},
+    FuzzedReader{"zarr", Form::kJson, read_zarr_parts, "array"},
+    FuzzedReader{"ncore", Form::kJson, read_ncore_parts, "sequence"},
     FuzzedReader{"waymo_frame", Form::kWire, read_waymo_frame, "frame"},
     FuzzedReader{"waymo_records", Form::kRecords, read_waymo_records, "segment.tfrecord"},
 };

@@ -63,7 +63,7 @@ Sequence::Sequence(const fs::path& path) : file_(path.string()) {
       root.ignore_other_keys();
       (void)root.objects("component_stores", [&](JsonObject& store) {
         store.ignore_other_keys();
-        open(below(path.parent_path(), store.text("path"), file_, store.field("path")));
+        add(open_zarr(below(path.parent_path(), store.text("path"), file_, store.field("path"))));
         return 0;
       });
     });
@@ -75,11 +75,20 @@ Sequence::Sequence(const fs::path& path) : file_(path.string()) {
       if (is_store && name.find(".ncore4") != std::string::npos) parts.push_back(entry.path());
     }
     std::sort(parts.begin(), parts.end());
-    for (const fs::path& part : parts) open(part);
+    for (const fs::path& part : parts) add(open_zarr(part));
   } else {
-    open(path);
+    add(open_zarr(path));
   }
   if (stores_.empty()) throw_input_error(file_, "stores", "none", "NAME.ncore4*.zarr or .zarr.itar");
+  add_poses();
+}
+
+Sequence::Sequence(std::unique_ptr<const ZarrStore> store) : file_(store->name()) {
+  add(std::move(store));
+  add_poses();
+}
+
+void Sequence::add_poses() {
   for (const auto& [name, place] : instances("poses")) {
     const Place still = place / "static_poses", moving = place / "dynamic_poses";
     poses_.add_static(still.attributes(), still.file());
@@ -87,8 +96,8 @@ Sequence::Sequence(const fs::path& path) : file_(path.string()) {
   }
 }
 
-void Sequence::open(const fs::path& path) {
-  stores_.push_back(open_zarr(path));
+void Sequence::add(std::unique_ptr<const ZarrStore> opened) {
+  stores_.push_back(std::move(opened));
   const ZarrStore& store = *stores_.back();
   const Json attributes = zarr_attributes(store, "");
   JsonObject root(store.name() + ": .zattrs", "", attributes);

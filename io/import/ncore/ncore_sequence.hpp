@@ -34,6 +34,8 @@ class Sequence {
  public:
   /// Opens what `path` names. Error{kInput} for stores that are none of NCore 4, or of several sequences.
   explicit Sequence(const std::filesystem::path& path);
+  /// Of one store. Errors as above.
+  explicit Sequence(std::unique_ptr<const ZarrStore> store);
 
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const std::string& id() const { return id_; }
@@ -60,7 +62,8 @@ class Sequence {
   [[nodiscard]] Path path(const std::string& world, const std::string& rig) const;
 
  private:
-  void open(const std::filesystem::path& path);
+  void add(std::unique_ptr<const ZarrStore> store);
+  void add_poses();
   void add_components(const ZarrStore& store);
 
   std::string file_, id_;

@@ -1,0 +1,130 @@
+#include "tests/fuzz/ncore_readers.hpp"
+
+#include <array>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/import/ncore/ncore_sequence.hpp"
+#include "io/log/log_json.hpp"
+#include "io/ncore/models.hpp"
+#include "io/zarr/itar_index.hpp"
+#include "tests/fuzz/mutate/mutate.hpp"
+
+namespace simuli::test {
+namespace {
+
+using namespace ncore;
+
+class StoreInMemory : public ZarrStore {
+ public:
+  explicit StoreInMemory(std::map<std::string, std::string> entries) : entries_(std::move(entries)) {}
+  [[nodiscard]] bool has(const std::string& key) const override { return entries_.contains(key); }
+  [[nodiscard]] std::string read(const std::string& key) const override {
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) throw_input_error("memory", key, "none", "an entry");
+    return found->second;
+  }
+  [[nodiscard]] std::vector<std::string> children(const std::string& group) const override {
+    std::set<std::string> names;
+    const std::string prefix = group.empty() ? "" : group + '/';
+    for (auto at = entries_.lower_bound(prefix); at != entries_.end() && at->first.starts_with(prefix); ++at)
+      names.insert(at->first.substr(prefix.size(), at->first.find('/', prefix.size()) - prefix.size()));
+    std::vector<std::string> out;
+    for (const std::string& name : names) {
+      if (is_group(*this, prefix + name) || is_array(*this, prefix + name)) out.push_back(name);
+    }
+    return out;
+  }
+  [[nodiscard]] std::string name() const override { return "memory"; }
+
+ private:
+  std::map<std::string, std::string> entries_;
+};
+
+std::vector<std::string> parts_of(const std::filesystem::path& file) {
+  const std::string all = read_file(file);
+  const std::string_view between = kBetweenParts;
+  std::vector<std::string> out;
+  for (std::size_t at = 0;;) {
+    const std::size_t end = all.find(between, at);
+    out.push_back(all.substr(at, end - at));
+    if (end == std::string::npos) return out;
+    at = end + between.size();
+  }
+}
+
+void read_sensors_of(const Sequence& sequence) {
+  for (const auto& [name, place] : sequence.instances("cameras")) {
+    const auto at = sequence.find("intrinsics", "cameras/" + name);
+    if (!at) continue;
+    const Json attributes = at->attributes();
+    JsonObject intrinsics(at->file(), "", attributes);
+    (void)intrinsics_of(camera_from_intrinsics(intrinsics, name, true));
+    (void)Sequence::frames(place);
+  }
+  for (const auto& [name, place] : sequence.instances("lidars")) {
+    const auto at = sequence.find("intrinsics", "lidars/" + name);
+    if (!at) continue;
+    const Json attributes = at->attributes();
+    JsonObject intrinsics(at->file(), "", attributes);
+    const RayGrid grid(lidar_from_intrinsics(intrinsics, name));
+    for (const FrameTime& time : Sequence::frames(place)) {
+      const Place frame = place / ("frames/" + std::to_string(time.end_us));
+      std::size_t left_out = 0;
+      Sweep sweep = grid.sweep(read_rays(frame, left_out), time, frame.file(), left_out);
+      grid.restore(read_exact(frame), sweep);
+    }
+  }
+}
+
+}  // namespace
+
+void read_itar_parts(const std::filesystem::path& file) {
+  const std::string bytes = read_file(file);
+  constexpr std::size_t kTrailer = 20;
+  constexpr std::uint64_t kEnd = 100'000;
+  const ItarTrailer trailer =
+      read_itar_trailer(std::string_view(bytes).substr(0, kTrailer), kEnd, file.string());
+  (void)read_itar_index(std::string_view(bytes).substr(kTrailer), trailer.offset, file.string());
+}
+
+void read_zarr_parts(const std::filesystem::path& file) {
+  const std::vector<std::string> parts = parts_of(file);
+  const std::string chunk = parts.size() > 1 ? parts[1] : "";
+  const StoreInMemory store({{"a/.zarray", parts[0]}, {"a/0", chunk}, {"a/0.0", chunk}, {"a/1.0", chunk}});
+  (void)read_zarr_array(store, "a");
+}
+
+void read_ncore_parts(const std::filesystem::path& file) {
+  constexpr std::array<const char*, 8> kArrays{"ray_bundle/direction/0.0",
+                                               "ray_bundle/timestamp_us/0",
+                                               "ray_bundle/model_element/0.0",
+                                               "ray_bundle_returns/distance_m/0.0",
+                                               "ray_bundle_returns/intensity/0.0",
+                                               "ray_bundle_returns_valid_mask_packed/0",
+                                               "generic_data/simuli_ray/0",
+                                               "generic_data/simuli_values/0.0"};
+  const std::vector<std::string> parts = parts_of(file);
+  std::map<std::string, std::string> entries;
+  const Json keys = parse_json(parts[0], file.string());
+  if (!keys.is_object()) throw_input_error(file.string(), "root", "no object", "an object");
+  for (const auto& item : keys.items())
+    entries[item.key()] = item.value().dump(-1, ' ', false, Json::error_handler_t::replace);
+  for (std::size_t i = 0; i < kArrays.size() && i + 1 < parts.size(); ++i)
+    entries[std::string("lidars/top/frames/1100000/") + kArrays[i]] = parts[i + 1];
+  const Sequence sequence(std::make_unique<const StoreInMemory>(std::move(entries)));
+  (void)sequence.in_order("lidars");
+  read_sensors_of(sequence);
+  const Sequence::Path path = sequence.path("world", "rig");
+  std::size_t unposed = 0;
+  (void)actors_of(sequence, path, "world", "rig", unposed);
+}
+
+}  // namespace simuli::test
