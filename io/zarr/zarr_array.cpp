@@ -144,8 +144,9 @@ ZarrArray read_zarr_array(const ZarrStore& store, const std::string& path) {
   const std::string file = store.name() + ": " + path;
   const Header header = read_header(store, path, file);
   const std::size_t item = item_bytes(header.type, file), chunk_size = bytes_of(header.chunks, item, file);
-  ZarrArray out{header.shape, header.type, std::string(bytes_of(header.shape, item, file), '\0')};
-  if (out.bytes.empty()) return out;
+  ZarrArray out{header.shape, header.type, {}};
+  const std::size_t size = bytes_of(header.shape, item, file);
+  if (size == 0) return out;
   const Sizes shape = padded(header.shape), chunks = padded(header.chunks);
   Sizes first{};
   const std::size_t skipped = kMostDimensions - header.shape.size();
@@ -157,12 +158,10 @@ ZarrArray read_zarr_array(const ZarrStore& store, const std::string& path) {
     }
     const std::string whole_key = zarr_key(path, key);
     if (!store.has(whole_key)) throw_input_error(file, "chunk " + key, "none", "all of them");
-    place(decoded(store.read(whole_key), header.compressor, chunk_size, store.name() + ": " + whole_key),
-          chunks,
-          first,
-          shape,
-          item,
-          out.bytes);
+    const std::string chunk =
+        decoded(store.read(whole_key), header.compressor, chunk_size, store.name() + ": " + whole_key);
+    out.bytes.resize(size);  // once a chunk is what the header says: a few bytes may say to become many
+    place(chunk, chunks, first, shape, item, out.bytes);
     more = false;
     for (std::size_t d = kMostDimensions; d-- > 0 && !more;) {
       first[d] += chunks[d];

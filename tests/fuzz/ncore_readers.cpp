@@ -60,13 +60,19 @@ std::vector<std::string> parts_of(const std::filesystem::path& file) {
   }
 }
 
+constexpr std::size_t kMostLenses = 10'000;
+
 void read_sensors_of(const Sequence& sequence) {
   for (const auto& [name, place] : sequence.instances("cameras")) {
     const auto at = sequence.find("intrinsics", "cameras/" + name);
     if (!at) continue;
+    // Looking for a lens's folds takes longer than all else: once for each.
+    static std::set<std::string> known;
     const Json attributes = at->attributes();
     JsonObject intrinsics(at->file(), "", attributes);
-    (void)intrinsics_of(camera_from_intrinsics(intrinsics, name, true));
+    if (known.size() > kMostLenses) known.clear();
+    if (known.insert(attributes.dump(-1, ' ', false, Json::error_handler_t::replace)).second)
+      (void)intrinsics_of(camera_from_intrinsics(intrinsics, name, true));
     (void)Sequence::frames(place);
   }
   for (const auto& [name, place] : sequence.instances("lidars")) {
