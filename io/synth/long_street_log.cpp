@@ -23,27 +23,24 @@ constexpr double kFastest_m_per_s = 50.0;
 double speed_of(const LongStreetOptions& o) { return o.length_m / (kStreetFramePeriod_s * o.frames); }
 
 void check_long_options(const LongStreetOptions& o) {
-  const auto check = [](bool good, const char* field, const auto& found, const char* allowed) {
-    if (!good) throw_input_error("street options", field, fmt::format("{}", found), allowed);
-  };
-  check(o.length_m >= 10.0 && o.length_m <= 1e5, "length_m", o.length_m, "10 to 100000");
-  check(o.frames >= 1 && o.frames <= 1'000'000, "frames", o.frames, "1 to 1000000");
-  check(speed_of(o) <= kFastest_m_per_s, "length_m / (frames / 10 s), m/s", speed_of(o), "at most 50");
-  check(o.cameras >= 1 && o.cameras <= 4, "cameras", o.cameras, "1 to 4");
-  check(o.lidars >= 1 && o.lidars <= 3, "lidars", o.lidars, "1 to 3");
-  check(std::abs(o.lane_shift_m) <= kStreetLargestShift_m, "lane_shift_m", o.lane_shift_m, "-4 to 4");
-  check(o.image_width >= 8 && o.image_width <= 8192, "image_width", o.image_width, "8 to 8192");
-  check(o.image_height >= 8 && o.image_height <= 8192, "image_height", o.image_height, "8 to 8192");
-  check(o.lidar_columns >= 8 && o.lidar_columns <= 16384, "lidar_columns", o.lidar_columns, "8 to 16384");
-  check(o.threads >= 0 && o.threads <= 1024, "threads", o.threads, "0 to 1024");
+  check_street(o.length_m >= 10.0 && o.length_m <= 1e5, "length_m", o.length_m, "10 to 100000");
+  check_street(o.frames >= 1 && o.frames <= 1'000'000, "frames", o.frames, "1 to 1000000");
+  check_street(speed_of(o) <= kFastest_m_per_s, "length_m / (frames / 10 s), m/s", speed_of(o), "at most 50");
+  check_street(o.cameras >= 1 && o.cameras <= 4, "cameras", o.cameras, "1 to 4");
+  check_street(o.lidars >= 1 && o.lidars <= 3, "lidars", o.lidars, "1 to 3");
+  check_street_rig(o);
 }
 
+struct Place {
+  const char* name;
+  double yaw_deg;
+  Vector3d at_m;
+  [[nodiscard]] Eigen::AngleAxisd yaw() const {
+    return Eigen::AngleAxisd(yaw_deg * std::numbers::pi / 180.0, Vector3d::UnitZ());
+  }
+};
+
 std::vector<LogCamera> cameras_of(const LongStreetOptions& o) {
-  struct Place {
-    const char* name;
-    double yaw_deg;
-    Vector3d at_m;
-  };
   const std::array<Place, 4> places{{{"front", 0.0, {1.4, 0.05, 1.5}},
                                      {"left", 65.0, {1.2, 0.5, 1.5}},
                                      {"right", -65.0, {1.2, -0.5, 1.5}},
@@ -53,19 +50,13 @@ std::vector<LogCamera> cameras_of(const LongStreetOptions& o) {
     const Place& place = places[static_cast<std::size_t>(i)];
     LogCamera camera = street_front_camera(o.image_width, o.image_height, o.rolling_shutter);
     camera.model.name = place.name;
-    const Eigen::AngleAxisd yaw(place.yaw_deg * std::numbers::pi / 180.0, Vector3d::UnitZ());
-    camera.rig_from_camera = {(yaw * camera.rig_from_camera.rotation).normalized(), place.at_m};
+    camera.rig_from_camera = {(place.yaw() * camera.rig_from_camera.rotation).normalized(), place.at_m};
     cameras.push_back(std::move(camera));
   }
   return cameras;
 }
 
 std::vector<LogLidar> lidars_of(const LongStreetOptions& o) {
-  struct Place {
-    const char* name;
-    double yaw_deg;
-    Vector3d at_m;
-  };
   const std::array<Place, 3> places{{{"top", 0.0, {0.0, 0.0, 1.9}},
                                      {"front_low", 0.0, {2.0, 0.0, 0.6}},
                                      {"rear_low", 180.0, {-2.0, 0.0, 0.6}}}};
@@ -74,8 +65,7 @@ std::vector<LogLidar> lidars_of(const LongStreetOptions& o) {
     const Place& place = places[static_cast<std::size_t>(i)];
     LogLidar lidar = street_top_lidar(o.lidar_columns);
     std::visit([&](auto& model) { model.name = place.name; }, lidar.model);
-    const Eigen::AngleAxisd yaw(place.yaw_deg * std::numbers::pi / 180.0, Vector3d::UnitZ());
-    lidar.rig_from_lidar = {Eigen::Quaterniond(yaw), place.at_m};
+    lidar.rig_from_lidar = {Eigen::Quaterniond(place.yaw()), place.at_m};
     lidars.push_back(std::move(lidar));
   }
   return lidars;

@@ -24,18 +24,13 @@ constexpr double kSeeFar_m = 2e4;
 constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 void check_options(const StreetOptions& o) {
-  const auto check = [](bool good, const char* field, const auto& found, const char* allowed) {
-    if (!good) throw_input_error("street options", field, fmt::format("{}", found), allowed);
-  };
-  check(o.frames >= 1 && o.frames <= 10000, "frames", o.frames, "1 to 10000");
-  check(o.speed_m_per_s >= 0.0 && o.speed_m_per_s <= 50.0, "speed_m_per_s", o.speed_m_per_s, "0 to 50");
-  check(std::abs(o.lane_shift_m) <= kStreetLargestShift_m, "lane_shift_m", o.lane_shift_m, "-4 to 4");
-  check(o.image_width >= 8 && o.image_width <= 8192, "image_width", o.image_width, "8 to 8192");
-  check(o.image_height >= 8 && o.image_height <= 8192, "image_height", o.image_height, "8 to 8192");
-  check(o.lidar_columns >= 8 && o.lidar_columns <= 16384, "lidar_columns", o.lidar_columns, "8 to 16384");
-  check(o.threads >= 0 && o.threads <= 1024, "threads", o.threads, "0 to 1024");
+  check_street(o.frames >= 1 && o.frames <= 10000, "frames", o.frames, "1 to 10000");
+  check_street(
+      o.speed_m_per_s >= 0.0 && o.speed_m_per_s <= 50.0, "speed_m_per_s", o.speed_m_per_s, "0 to 50");
+  check_street_rig(o);
   const double driven_m = o.speed_m_per_s * kStreetFramePeriod_s * o.frames;
-  check(driven_m <= Street::kLength_m, "frames * speed_m_per_s / 10", driven_m, "at most 260 m of street");
+  check_street(
+      driven_m <= Street::kLength_m, "frames * speed_m_per_s / 10", driven_m, "at most 260 m of street");
 }
 
 Trajectory drive(const StreetOptions& o) {

@@ -77,7 +77,7 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         o.off_path_m,
         range(0.0, 100.0),
         "m that cameras may leave the recorded path by, to the sides and upwards: what they would see then, "
-        "and no picture shows, is filled in where the laser met it, with the colours around");
+        "and no picture shows, is filled in where the laser met it, with the colours around; 0: nothing is");
   field("init.camera_scale",
         o.camera_scale,
         above(0.0, 10.0),

@@ -9,8 +9,8 @@ namespace simuli {
 /// An environment of width x width / 2 texels: each the mean of the patches that point into it; those that
 /// none points into take the mean around them, over the nearest square of texels that has any, of squares up
 /// to 5.6 degrees wide; where that has none, either, the mean at their elevation, or at the nearest elevation
-/// that has one. Grey without a patch. `width` is
-/// even.
+/// that has one. Grey without a patch.
+/// `width` is even.
 [[nodiscard]] EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int width);
 
 }  // namespace simuli

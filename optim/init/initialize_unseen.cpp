@@ -67,7 +67,7 @@ UnseenPoints unseen_points(const PointSet& points,
     (std::isfinite(looks[i].range_m) ? seen : unseen).push_back(static_cast<std::uint32_t>(i));
   }
   UnseenPoints out;
-  if (seen.empty()) return out;
+  if (seen.empty() || !(off_path_m > 0.0)) return out;
 
   std::vector<PointLook> near(unseen.size());
   const std::vector<const ImageView*> some = apart(views, 0.5 * off_path_m);

@@ -18,7 +18,7 @@ struct UnseenPoints {
   std::vector<PointLook> looks;
 };
 
-/// `looks`: [points]. Nothing when no point has a look.
+/// `looks`: [points]. Nothing when no point has a look, or off_path_m is 0.
 [[nodiscard]] UnseenPoints unseen_points(const PointSet& points,
                                          const std::vector<PointLook>& looks,
                                          const std::vector<ImageView>& views,

@@ -13,7 +13,6 @@ namespace simuli {
 namespace {
 
 constexpr int kDepthCell_px = 2;  // of the occlusion buffer
-constexpr int kMaxReach = 16;     // cells: a point right before the lens does not hide the whole picture
 /// A point is hidden when something is nearer by more than this share of its range plus this distance:
 /// neighbours on a road seen at a grazing angle differ by less.
 constexpr double kHiddenShare = 0.05;
@@ -145,7 +144,7 @@ Coverage look_at_points(const ImageView& view,
     seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(range_m), pixel.cast<float>()});
     const double radius_px = 0.5 * point_size_m / (view.pixel_size_at_1m() * range_m);
     coverage.cover(pixel, radius_px);
-    const int reach = static_cast<int>(std::min<double>(kMaxReach, radius_px / kDepthCell_px));
+    const int reach = static_cast<int>(std::min(radius_px, Coverage::kMostRadius_px) / kDepthCell_px);
     const int x = static_cast<int>(pixel.x()) / kDepthCell_px;
     const int y = static_cast<int>(pixel.y()) / kDepthCell_px;
     for (int cy = std::max(y - reach, 0); cy <= std::min(y + reach, rows - 1); ++cy) {

@@ -56,9 +56,9 @@ struct Coverage {
   int columns = 0;
   int rows = 0;
   std::vector<std::uint8_t> covered;  // [rows][columns]
-  /// A square of cells, to kMostRadius_px to each side at most: what is right before the lens does not cover
-  /// the whole picture.
+  /// A square of cells, to kMostRadius_px to each side at most.
   void cover(const Eigen::Vector2d& pixel, double radius_px);
+  /// What is right before the lens neither covers nor hides the whole picture.
   static constexpr double kMostRadius_px = 32.0;
   /// True when neither the cell nor one of its eight neighbours is covered.
   [[nodiscard]] bool is_empty_around(int column, int row) const;

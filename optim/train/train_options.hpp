@@ -85,8 +85,7 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
         o.environment_variation,
         at_least(0.0),
         "of the mean squared difference of neighbouring texels: those that no picture looks at become like "
-        "those "
-        "around them");
+        "those around them");
   field("loss.grid_variation", o.grid_variation, at_least(0.0), "of that of neighbouring vertices of a grid");
   field("loss.grid_drift",
         o.grid_drift,

@@ -102,7 +102,9 @@ TEST_F(BatchKillCli, AStoppedTrainingGoesOnOnlyAsTheSameJob) {
 }
 
 TEST_F(BatchKillCli, UnderTheRealMpirun) {
-  if (std::system("command -v mpirun >/dev/null 2>&1") != 0) GTEST_SKIP() << "no mpirun";
+  if (std::system("command -v mpirun >/dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "not run: a batch under mpirun, which is not installed";
+  }
   const std::string launch = fmt::format(
       "cd '{}' && OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
       "OMPI_MCA_rmaps_base_oversubscribe=1 mpirun -n 3 '{}' --json batch jobs.json >mpi.txt 2>mpi_err.txt",

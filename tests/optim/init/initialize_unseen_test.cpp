@@ -51,7 +51,7 @@ TEST(UnseenPoints, AreThoseThatAMoveToTheSideOrUpBringsIntoThePicture) {
     EXPECT_GE(look.range_m, 10.0F);
     EXPECT_FLOAT_EQ(look.footprint_m, 0.01F * look.range_m);
   }
-  EXPECT_EQ(unseen_points(some.points, some.looks, {view()}, 0.0).points.size(), 1U);  // the hidden one
+  EXPECT_EQ(unseen_points(some.points, some.looks, {view()}, 0.0).points.size(), 0U);
 }
 
 TEST(UnseenPoints, HaveTheColourOfWhatIsNearAndReflectsAlike) {
