@@ -62,6 +62,7 @@ struct PruneOptions {
   int first = 100;
   int times = 2;
   double last_share = 0.5;
+  bool row_ranges = true;
 };
 template <class F>
 constexpr void visit_fields(PruneOptions& o, F&& field) {
@@ -72,6 +73,9 @@ constexpr void visit_fields(PruneOptions& o, F&& field) {
   field("prune.first", o.first, at_least(0), "iteration before which none is: opacities must settle");
   field("prune.times", o.times, at_least(1), "how often, evenly spread");
   field("prune.last_share", o.last_share, range(0.0, 1.0), "of the iterations: the last time");
+  field("prune.row_ranges",
+        o.row_ranges,
+        "each time the LiDARs' range biases by row take up what rows state beside what the set shows");
 }
 
 /// Learning of where sensors sit on the rig: one offset for all frames of a sensor. Rates fall as the means'

@@ -84,6 +84,24 @@ void add_length(StateList& list, TrainLength& length) {
       });
 }
 
+/// What has been found of the rows' ranges.
+void add_range_biases(StateList& list, const Log& log, TruthCache& truth) {
+  for (const LogLidar& lidar : log.lidars) {
+    const auto* const rows = std::get_if<Lidar>(&lidar.model);
+    if (rows == nullptr) continue;
+    list.add_numbers(
+        "range_biases/" + rows->name,
+        [&truth, name = rows->name] {
+          std::vector<double> out;
+          for (const LidarRow& row : std::get<Lidar>(truth.lidar(name)).rows) out.push_back(row.range_bias);
+          return out;
+        },
+        [&truth, name = rows->name](std::span<const double> numbers) {
+          truth.set_range_biases(name, {numbers.begin(), numbers.end()});
+        });
+  }
+}
+
 /// What has been learned of the actors' tracks.
 void add_tracks(StateList& list, std::vector<Actor>& actors) {
   list.add_numbers(
@@ -246,6 +264,7 @@ StateList Trainer::state(const std::string& settings) {
   }
   look_.add_state(list);
   drop_.add_state(list);
+  add_range_biases(list, log_, truth_);
   for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
   return list;
 }

@@ -14,10 +14,10 @@
 #include "optim/init/moving_space.hpp"
 #include "optim/length/length.hpp"
 #include "optim/poses/sensor_offsets.hpp"
+#include "optim/report/train_report.hpp"
 #include "optim/state/state.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure.hpp"
-#include "optim/report/train_report.hpp"
 #include "optim/train/trained_drop.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
@@ -71,6 +71,8 @@ class Trainer {
   [[nodiscard]] const TrainStatus& status() const { return status_; }
   /// What has been learned of where sensors sit; empty unless train.poses ask for it.
   [[nodiscard]] const SensorOffsets& sensor_offsets() const { return offsets_; }
+  /// A LiDAR of the log, with the range biases of its rows that have been found.
+  [[nodiscard]] const LidarModel& lidar(const std::string& name) const { return truth_.lidar(name); }
   /// The scene as trained so far, without particles that are not finite.
   [[nodiscard]] Scene scene() const;
 
@@ -98,8 +100,8 @@ class Trainer {
   void descend(const Turn& turn);
   void regularize(TrainedSet& set, const ParticleWeights& weights);
   [[nodiscard]] bool prunes(int iteration) const;
-  /// Takes out what no training sweep needs of the LiDAR set.
-  void prune_lidar();
+  /// Takes out what no training sweep needs of the LiDAR set, and corrects the rows' ranges.
+  void look_over_sweeps();
   void step_pose(const Turn& turn);
   /// What the frame says of the actors: their poses, behind the particles' own step.
   void step_actors(const Turn& turn);

@@ -2,9 +2,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include "optim/base/frames.hpp"
+#include "optim/log/row_offsets.hpp"
 #include "optim/train/trainer.hpp"
 
 namespace simuli {
@@ -12,12 +16,19 @@ namespace {
 
 constexpr double kPoseFinalShare = 0.01;  // of the offsets' rates, at the end
 
+void take_step(TrainedSet& set, const Pass& pass, const LearningRates& rates, double progress) {
+  set.adam.run(set.particles,
+               set.grads,
+               pass.buffers().projected.keys,
+               row_rates(rates, set.particles.sh_degree, progress));
+}
+
 }  // namespace
 
 void Trainer::step() {
   const double progress = static_cast<double>(status_.iteration) / std::max(1, options_.iterations);
   const bool prunes_now = prunes(status_.iteration);
-  if (prunes_now) prune_lidar();
+  if (prunes_now) look_over_sweeps();
   structure_.find_anchors(status_.iteration, prunes_now);
   if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
   const bool depth_turn = options_.depth.weight > 0.0 && status_.iteration % options_.depth.every == 0;
@@ -79,10 +90,7 @@ void Trainer::step_depth(double progress) {
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarLoss loss = pass.lidar_loss(truth->truth, {.distance = options_.depth.weight / returned});
   pass.backward(camera_.particles, camera_.grads);
-  camera_.adam.run(camera_.particles,
-                   camera_.grads,
-                   pass.buffers().projected.keys,
-                   row_rates(options_.camera, camera_.particles.sh_degree, progress));
+  take_step(camera_, pass, options_.camera, progress);
   static_cast<void>(is_sound(loss.distance_m));
 }
 
@@ -142,10 +150,7 @@ void Trainer::descend(const Turn& turn) {
   step_pose(turn);
   regularize(set, turn.weights);
   if (turn.number == kCameraSet) structure_.add_anchor_gradient(turn.pass, status_.iteration);
-  set.adam.run(set.particles,
-               set.grads,
-               turn.pass.buffers().projected.keys,
-               row_rates(turn.rates, set.particles.sh_degree, turn.progress));
+  take_step(set, turn.pass, turn.rates, turn.progress);
   structure_.jitter(set, turn.number, turn.rates, turn.pass, status_.iteration, turn.progress);
   step_actors(turn);
 }
@@ -166,14 +171,29 @@ bool Trainer::prunes(int iteration) const {
   return false;
 }
 
-void Trainer::prune_lidar() {
+void Trainer::look_over_sweeps() {
   Buffer<std::uint32_t> largest(device_, "largest weights", lidar_.particles.count);
   largest.fill(0);
+  std::map<std::string, RowOffsets> offsets;
+  if (options_.prune.row_ranges) {
+    for (const LogLidar& lidar : log_.lidars) {
+      const auto* const rows = std::get_if<Lidar>(&lidar.model);
+      if (rows != nullptr) offsets.emplace(rows->name, RowOffsets(rows->rows.size()));
+    }
+  }
   for (const std::size_t index : sweeps_.frames()) {
     const SweepFrame& frame = log_.sweeps[index];
     Pass pass =
         renderer_.render(lidar_.particles, truth_.sweep(index)->truth.rays(), view(frame, frame.lidar));
     pass.raise_largest_weights(largest);
+    const auto row = offsets.find(frame.lidar);
+    if (row != offsets.end()) row->second.add(truth_.stated(index), pass.results());
+  }
+  for (const auto& [name, found] : offsets) {
+    std::vector<double> biases_m = found.offsets();
+    const std::vector<LidarRow>& rows = std::get<Lidar>(truth_.lidar(name)).rows;
+    for (std::size_t row = 0; row < rows.size(); ++row) biases_m[row] += rows[row].range_bias;
+    truth_.set_range_biases(name, biases_m);
   }
   const std::vector<std::uint32_t> bits = largest.download();
   std::vector<Eigen::Index> kept;

@@ -113,6 +113,7 @@ Scene Training::scene() const { return prepared().trainer.scene(); }
 
 SceneFile Training::result() const {
   SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
+  for (LogLidar& lidar : file.lidars) lidar.model = prepared().trainer.lidar(name_of(lidar.model));
   for (const auto& [name, offset] : prepared().trainer.sensor_offsets()) {
     for (LogCamera& camera : file.cameras) {
       if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);

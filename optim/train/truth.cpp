@@ -30,11 +30,24 @@ TruthCache::TruthCache(const Device& device,
       render_(render),
       moving_(options.train.mask_moving ? std::move(moving) : MovingSpace{}),
       training_sweeps_(HeldOutRule(log, options.frames).training(log.sweeps)),
-      images_(options.train.cache_bytes),
-      sweeps_(options.train.cache_bytes) {
+      cache_bytes_(options.train.cache_bytes),
+      images_(cache_bytes_),
+      sweeps_(cache_bytes_) {
   for (const LogCamera& camera : log.cameras) {
     models_[camera.model.name] = scaled_camera(camera.model, options.frames.image_scale);
   }
+  for (const LogLidar& lidar : log.lidars) lidars_[name_of(lidar.model)] = lidar.model;
+}
+
+void TruthCache::set_range_biases(const std::string& name, const std::vector<double>& biases_m) {
+  std::vector<LidarRow>& rows = std::get<Lidar>(lidars_.at(name)).rows;
+  for (std::size_t row = 0; row < rows.size(); ++row) rows[row].range_bias = biases_m.at(row);
+  sweeps_ = LruCache<SweepTruth>(cache_bytes_);
+}
+
+Sweep TruthCache::stated(std::size_t index) const {
+  const SweepFrame& frame = log_.sweeps[index];
+  return read_sweep(log_.folder / frame.file, lidar(frame.lidar));
 }
 
 const SensorRays& TruthCache::camera_rays(const std::string& name) {
@@ -45,11 +58,8 @@ const SensorRays& TruthCache::camera_rays(const std::string& name) {
 
 MovingReturns TruthCache::moving_returns(const SweepFrame& frame, const Sweep& sweep) const {
   const View view = view_of(log_, scene_, frame);
-  return find_moving_returns(moving_,
-                             sweep,
-                             log_.lidar(frame.lidar).model,
-                             view.scene_from_sensor_start,
-                             view.scene_from_sensor_end);
+  return find_moving_returns(
+      moving_, sweep, lidar(frame.lidar), view.scene_from_sensor_start, view.scene_from_sensor_end);
 }
 
 /// By the training sweep nearest in time. Empty when nothing moved or no sweep is near enough to tell.
@@ -66,7 +76,7 @@ std::vector<bool> TruthCache::hidden_pixels(const ImageFrame& frame) const {
     nearest = &sweep;
   }
   if (nearest == nullptr) return {};
-  const Sweep sweep = read_sweep(log_.folder / nearest->file, log_.lidar(nearest->lidar).model);
+  const Sweep sweep = read_sweep(log_.folder / nearest->file, lidar(nearest->lidar));
   const View view = view_of(log_, scene_, frame);
   const ImageView image_view(
       models_.at(frame.camera), view.scene_from_sensor_start, view.scene_from_sensor_end);
@@ -89,8 +99,7 @@ ImageTruth TruthCache::read_image_truth(std::size_t index) {
 
 SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
   const SweepFrame& frame = log_.sweeps[index];
-  const LidarModel& lidar = log_.lidar(frame.lidar).model;
-  const Sweep sweep = read_sweep(log_.folder / frame.file, lidar);
+  const Sweep sweep = stated(index);
   const MovingReturns moving = moving_returns(frame, sweep);
   std::vector<float> values = sweep.range;
   std::size_t known = 0, returned = 0;
@@ -100,7 +109,7 @@ SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
     returned += values[i] > 0.0F ? 1U : 0U;
   }
   values.insert(values.end(), sweep.intensity.begin(), sweep.intensity.end());
-  const SensorRays rays(device_, lidar, sweep.rays, render_);
+  const SensorRays rays(device_, lidar(frame.lidar), sweep.rays, render_);
   return {RayValues(rays, values, 2, "sweep truth"), known, returned};
 }
 

@@ -42,6 +42,13 @@ class TruthCache {
   /// Index into log.images or log.sweeps. Error{kInput} when the file can't be read.
   std::shared_ptr<const ImageTruth> image(std::size_t index);
   std::shared_ptr<const SweepTruth> sweep(std::size_t index);
+  /// A sweep as its file states it, its ranges corrected by the biases of lidar().
+  [[nodiscard]] Sweep stated(std::size_t index) const;
+
+  /// The LiDAR of the log, with the range biases that training has found.
+  [[nodiscard]] const LidarModel& lidar(const std::string& name) const { return lidars_.at(name); }
+  /// From now on sweeps of this LiDAR, one of rows, are corrected by these biases: [rows] m.
+  void set_range_biases(const std::string& name, const std::vector<double>& biases_m);
 
  private:
   [[nodiscard]] MovingReturns moving_returns(const SweepFrame& frame, const Sweep& sweep) const;
@@ -56,7 +63,9 @@ class TruthCache {
   MovingSpace moving_;
   std::vector<std::size_t> training_sweeps_;
   std::map<std::string, Camera> models_;  // scaled, by name
+  std::map<std::string, LidarModel> lidars_;
   std::map<std::string, std::unique_ptr<SensorRays>> camera_rays_;
+  std::size_t cache_bytes_;  // of each
   LruCache<ImageTruth> images_;
   LruCache<SweepTruth> sweeps_;
 };

@@ -51,6 +51,7 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
     EXPECT_EQ(found.camera.params, expected.camera.params) << i;
     EXPECT_EQ(found.lidar.params, expected.lidar.params) << i;
     EXPECT_GT(report.pruned, 0U);
+    EXPECT_EQ(resumed.lidar("top"), whole.lidar("top"));
     EXPECT_EQ(resumed.sensor_offsets().at("front").value, whole.sensor_offsets().at("front").value);
   }
   // Another training's state is refused: other settings, other parts.
