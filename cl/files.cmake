@@ -50,4 +50,5 @@ set(SIMULI_CL_FILES
   kernels/render_window.cl
   kernels/scan.cl
   kernels/sort.cl
+  kernels/support/support.cl
 )

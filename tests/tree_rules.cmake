@@ -67,12 +67,14 @@ allow("host/runtime" "cl$|host/(base|runtime)" "the runtime knows no renderer")
 allow("host/render" "cl$|host/(base|scene|sensors|runtime|render)" "render knows no io, optim or cli")
 allow("host/render/(device|rays)" "cl$|host/(base|scene|sensors|runtime)|host/render/(options|device)"
       "rays know no frame")
-allow("io" "host/(base|scene|sensors)|io" "io knows no device and no optimiser")
-allow("optim" "cl$|host/(base|scene|sensors|runtime|render)|io|optim" "optim knows no program")
+allow("host/support/record" "host/(base|scene|sensors)" "what scenes keep of their frames knows neither device nor files")
+allow("host/support" "host/(base|scene|sensors|runtime|render|support)" "support knows no io, optim or cli")
+allow("io" "host/(base|scene|sensors|support/record)|io" "io knows no device and no optimiser")
+allow("optim" "cl$|host/(base|scene|sensors|runtime|render|support)|io|optim" "optim knows no program")
 allow("bench/(drives|paper|peers|render|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(drives|paper|peers|render|trade)"
       "benches know no program")
 allow("host/serve" "host/(base|scene|sensors|runtime|render|serve)|io" "the server knows no program")
-allow("host/cli" "host/(base|scene|sensors|runtime|render|cli|serve)|io|optim" "the program knows no bench")
+allow("host/cli" "host/(base|scene|sensors|runtime|render|support|cli|serve)|io|optim" "the program knows no bench")
 
 forbid("cl" "\"(host|io|optim|tests|bench)/" "cl includes nothing above it")
 forbid("host/api;host/python" "\"(host/cli|bench|tests)/" "the library knows neither the program nor the benches")

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 #include <numbers>
+#include <optional>
 
+#include "host/base/stopwatch.hpp"
 #include "io/synth/street.hpp"
+#include "optim/base/frames.hpp"
+#include "optim/support/support_reliability.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -58,6 +62,90 @@ Log record(const Street& street, Log log, const Place& place, const std::filesys
   return log;
 }
 
+/// Whether support's constants were fitted to what is seen from there.
+bool is_fitted(const Place& place) { return place.name == "left_0_m"; }
+
+/// Support beside true errors, over all places but those fitted to.
+class SupportBesideErrors {
+ public:
+  SupportBesideErrors(const Device& device, const SceneFile& scene)
+      : device_(device), scene_(device, borrowed(scene.scene)), support_(device, scene.support) {}
+
+  void add(const Place& place, const Log& log, std::vector<Row>& rows) {
+    constexpr std::size_t kEvery = 4, kStep = 5;  // frames; pixels and rays
+    SupportSamples pixels, rays;
+    for (std::size_t i = 0; i < log.images.size() && !place.other_lidar; i += kEvery) {
+      pixels.add_picture(scene_, support_, log, log.images[i], log.camera(log.images[i].camera).model, kStep);
+    }
+    for (std::size_t i = 0; i < log.sweeps.size() && !place.other_camera; i += kEvery) {
+      rays.add_sweep(scene_, support_, log, log.sweeps[i], kStep);
+    }
+    add_rows(place.name + "/support_pixels", reliability(pixels, kSupportColour), rows);
+    add_rows(place.name + "/support_rays", reliability(rays, kSupportRange_m), rows);
+    if (is_fitted(place)) return;
+    pixels_.append(pixels);
+    rays_.append(rays);
+  }
+
+  void finish(const Log& log, std::vector<Row>& rows) {
+    add_curve("support_pixels", reliability(pixels_, kSupportColour), rows);
+    add_curve("support_rays", reliability(rays_, kSupportRange_m), rows);
+    const LogCamera& camera = log.cameras.front();
+    add_cost("support_pixels", Sensor(camera.model), shot_of(log, log.images.front()), rows);
+    add_cost("support_rays", Sensor(log.lidars.front().model), shot_of(log, log.sweeps.front()), rows);
+  }
+
+ private:
+  static void add_rows(const std::string& name, const SupportReliability& found, std::vector<Row>& rows) {
+    if (found.count == 0) return;
+    const auto add = [&](const char* metric, double value) {
+      rows.push_back({fmt::format("shift/{}/{}", name, metric), value, "of 1", 0.0});
+    };
+    add("mean", found.mean_support);
+    add("right", found.right);
+    add("rank_correlation", found.rank_correlation);
+  }
+  static void add_curve(const std::string& name, const SupportReliability& found, std::vector<Row>& rows) {
+    add_rows("all/" + name, found, rows);
+    for (std::size_t k = 0; k < SupportReliability::kBins; ++k) {
+      const SupportReliability::Bin& bin = found.bins[k];
+      const auto add = [&](const char* metric, double value) {
+        rows.push_back({fmt::format("shift/all/{}/{:.1f}/{}", name, 0.1 * static_cast<double>(k), metric),
+                        value,
+                        "of 1",
+                        0.0});
+      };
+      add("share",
+          static_cast<double>(bin.count) / static_cast<double>(std::max<std::size_t>(found.count, 1)));
+      add("support", bin.support);
+      add("right", bin.right);
+    }
+  }
+  /// Of the time of a frame whose results stay on the device.
+  void add_cost(const char* name, const Sensor& sensor, const Shot& shot, std::vector<Row>& rows) {
+    constexpr int kTimes = 15;
+    std::vector<double> frames, supports;
+    for (int i = 0; i < kTimes; ++i) {
+      const Stopwatch frame_watch;
+      const Frame frame = scene_.render(sensor, shot);
+      frame.wait();
+      frames.push_back(frame_watch.seconds());
+      const Stopwatch support_watch;
+      (void)support_.of(frame, scene_.scene());
+      supports.push_back(support_watch.seconds());
+    }
+    rows.push_back({fmt::format("shift/all/{}/cost", name),
+                    median(std::move(supports)) / median(std::move(frames)),
+                    "of a frame",
+                    0.0});
+  }
+
+  Device device_;
+  SceneOnDevice scene_;
+  SupportOnDevice support_;
+  SupportSamples pixels_, rays_;
+};
+
 }  // namespace
 
 ShiftResult run_shift(const std::string& device_request, const ShiftOptions& options, const Note& note) {
@@ -75,6 +163,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
 
   const Street world(street.seed, street.car);
   ShiftResult result;
+  SupportBesideErrors support(device, scene);
   const EvalOptions all{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};
   for (const Place& place : places()) {
     const Log there = record(world, log, place, scratch.path() / place.name);
@@ -92,6 +181,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
       add("raydrop_accuracy", report.lidar.raydrop_accuracy, "of 1");
       add("chamfer_m", report.lidar.chamfer_m, "m");
     }
+    support.add(place, there, result.rows);
     if (place.is_shown) {
       PicturePair pair = evaluation.picture(there.images.size() / 2);
       result.pictures.push_back({place.name, std::move(pair.rendered), std::move(pair.recorded)});
@@ -102,6 +192,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
                      100.0 * report.lidar.distance_median_m,
                      report.lidar.raydrop_accuracy));
   }
+  support.finish(log, result.rows);
   return result;
 }
 

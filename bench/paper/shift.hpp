@@ -28,6 +28,10 @@ struct ShiftResult {
 /// side, 1 m higher, turned by 15 and 30 degrees to either side, and with another camera or LiDAR in its
 /// place.
 ///   shift/<place>/<psnr_db|ssim|distance_median_cm|raydrop_accuracy|chamfer_m>   means over all frames
+///   shift/<place|all>/support_<pixels|rays>/<mean|right|rank_correlation>   support beside true errors; the
+///     latter over all places but the path itself, on which its constants were fitted
+///   shift/all/support_<pixels|rays>/<0.0 ... 0.9>/<share|support|right>   the curve: of those whose support
+///   is there shift/all/support_<pixels|rays>/cost   its time over that of a frame
 /// -3 m leads through parked cars.
 [[nodiscard]] ShiftResult run_shift(const std::string& device_request,
                                     const ShiftOptions& options,

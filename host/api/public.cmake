@@ -31,7 +31,8 @@ set(SIMULI_PUBLIC_render
   "A scene on a device, a sensor and a shot make a frame."
   host/render/scene/shot.hpp host/render/scene/ray_results.hpp host/render/scene/readings.hpp
   host/render/scene/frame.hpp host/render/scene/scene_on_device.hpp host/render/outputs/cloud.hpp
-  host/render/outputs/camera_output.hpp)
+  host/render/outputs/camera_output.hpp
+  host/support/record/support_record.hpp host/support/record/mirror.hpp host/support/support.hpp)
 set(SIMULI_PUBLIC_log
   "Recorded drives."
   io/log/log.hpp io/log/frame_spans.hpp io/log/frame_selection.hpp)

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "host/cli/base/kept.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/report/eval_support.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
 #include "io/scene/scene_folder.hpp"
@@ -26,7 +28,8 @@ struct EvalCommand {
   double scale = 1.0;  // where they are given
   int held_out = 0;
   double held_out_last = 0.0;
-  std::string report;  // file to write; empty: none
+  std::string report;    // file to write; empty: none
+  bool support = false;  // beside errors
 };
 
 void eval(EvalCommand command, const Globals& globals) {
@@ -55,7 +58,9 @@ void eval(EvalCommand command, const Globals& globals) {
                  evaluation,
                  report);
   }
-  print_eval(report, evaluation.scene(), globals.json);
+  std::optional<EvalSupport> support;
+  if (command.support) support = eval_support(evaluation);
+  print_eval(report, evaluation.scene(), globals.json, support ? &*support : nullptr);
 }
 
 }  // namespace
@@ -86,6 +91,7 @@ void add_eval(Command app, const Globals& globals) {
              command->report,
              "HTML file to write: metrics, curves, pictures, points to turn, settings, times")
       .makes();
+  sub.flag("--support", command->support, "also how well support (docs/RENDERS.md) foretells the errors");
   add_edit_options(sub, command->edits);
   sub.run([command, scale, held_out, held_out_last, &globals] {
     if (scale.is_given()) command->options.image_scale = command->scale;

@@ -26,6 +26,7 @@ class PyScene {
   PyScene& operator=(const PyScene&) = delete;
   ~PyScene() {
     const Turn turn(device_.turns);
+    support_.reset();
     on_device_.reset();
   }
 
@@ -155,6 +156,18 @@ class PyScene {
     return on_matrix(found, *found);
   }
 
+  [[nodiscard]] py::object support(const PyFrame& frame, const ActorCopies& copies) {
+    const auto found = [&] {
+      const Turn turn(device_.turns);
+      if (!support_) support_.emplace(device_.device, file_.support);
+      return std::make_shared<const std::vector<float>>(support_->of(frame.frame(), *scene_, copies));
+    }();
+    const Sensor& sensor = frame.frame().sensor();
+    return array_on(found,
+                    found->data(),
+                    {static_cast<py::ssize_t>(sensor.rows()), static_cast<py::ssize_t>(sensor.columns())});
+  }
+
  private:
   /// A column-major matrix as NumPy sees it, without a copy.
   static py::object on_matrix(std::shared_ptr<const void> owner, const Eigen::MatrixXf& matrix) {
@@ -233,6 +246,7 @@ class PyScene {
   SensorRig rig_;
   std::shared_ptr<const Scene> scene_;
   std::optional<SceneOnDevice> on_device_;
+  std::optional<SupportOnDevice> support_;  // when first asked for
 };
 
 py::list actors_of(const Scene& scene) {
@@ -293,7 +307,14 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("feature") = py::none(),
            py::arg("transmittance") = py::none(),
            py::arg("distance_sum_m") = py::none(),
-           "dL/d(particles) [N, 11 + 3 K] from dL/d(a frame's arrays); 0 for particles that no ray sees.");
+           "dL/d(particles) [N, 11 + 3 K] from dL/d(a frame's arrays); 0 for particles that no ray sees.")
+      .def("support",
+           &PyScene::support,
+           py::arg("frame"),
+           py::arg("copies") = ActorCopies{},
+           "float32 [rows, columns] in [0, 1]: how well what a frame of this scene shows is known from the "
+           "frames "
+           "that the scene was made of; 0: not at all. copies: whose copies duplicated actors are, by name.");
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "io/scene/appearance_file.hpp"
 #include "io/scene/scene_output.hpp"
 #include "io/scene/splat_scene.hpp"
+#include "io/scene/support_file.hpp"
 #include "io/scene/training_json.hpp"
 #include "io/splat/ply.hpp"
 
@@ -112,6 +113,7 @@ struct Contents {
   SceneFile scene;  // but for the Gaussians
   SetEntry camera_set;
   SetEntry lidar_set;
+  std::shared_ptr<SupportRecord> support;  // without cells
 };
 
 Contents parse_scene(const std::string& text, const std::string& file) {
@@ -137,6 +139,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
     if (root.has("recorded_frames")) scene.recorded_frames = read_recorded_frames(root, scene);
     if (root.has("training")) scene.training = root.object("training", training_from_json);
+    contents.support = read_support(root);
   });
   return contents;
 }
@@ -156,6 +159,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
   if (!scene.recorded_frames.empty()) root["recorded_frames"] = to_json(scene.recorded_frames);
   if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);
+  add_support(root, scene.support.get());
   try {
     return root.dump(1) + '\n';
   } catch (const Json::exception& error) {
@@ -202,7 +206,8 @@ void check_kinds(const Scene& scene, const fs::path& folder) {
 }
 
 bool is_scene_file(const std::string& name) {
-  return name == kSceneName || name == kCameraName || name == kLidarName || is_appearance_file(name);
+  return name == kSceneName || name == kCameraName || name == kLidarName || is_appearance_file(name) ||
+         is_support_file(name);
 }
 
 }  // namespace
@@ -238,9 +243,11 @@ SceneFile read_scene(const fs::path& folder) {
   scene.camera = read_set_file(own(kCameraName), SetKind::kCamera, contents.camera_set);
   scene.lidar = read_set_file(own(kLidarName), SetKind::kLidar, contents.lidar_set);
   read_appearance_files(folder, scene);
+  if (contents.support) read_support_cells(folder, *contents.support);
   check_actors(scene.camera, scene, folder / kCameraName);
   check_actors(scene.lidar, scene, folder / kLidarName);
   scene = in_coherent_order(std::move(scene));
+  contents.scene.support = std::move(contents.support);
   return std::move(contents.scene);
 }
 
@@ -257,6 +264,7 @@ void write_scene(const fs::path& folder, const SceneFile& scene) {
     write_gaussians_ply(beside / kCameraName, scene.scene.camera);
     write_gaussians_ply(beside / kLidarName, scene.scene.lidar);
     write_appearance(beside, scene.scene);
+    write_support_cells(beside, scene.support.get());
     write_file_atomically(beside / kSceneName, text);
   });
 }

@@ -1,7 +1,9 @@
 #pragma once
 // A scene folder: camera.ply, lidar.ply (io/splat/ply.hpp), what its pictures have beside particles
-// (io/scene/appearance_file.hpp), and scene.json, which names their counts.
+// (io/scene/appearance_file.hpp) and keeps of the frames it was made of (io/scene/support_file.hpp), and
+// scene.json, which names their counts.
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +15,8 @@
 
 namespace simuli {
 
+struct SupportRecord;  // host/support/record/support_record.hpp
+
 /// A scene with the sensors and the trajectory it was trained on, so that it renders without its log.
 struct SceneFile {
   Scene scene;
@@ -23,6 +27,8 @@ struct SceneFile {
   FrameSpans recorded_frames = {};
   /// How the scene was made; nothing of a scene that wasn't trained, or by a version that didn't say.
   std::optional<TrainingRecord> training = {};
+  /// What it keeps of those frames, to tell how well it knows what it shows; null of a scene that doesn't.
+  std::shared_ptr<const SupportRecord> support = {};
 
   /// The sensor of that name; null when there is none.
   [[nodiscard]] const LogCamera* find_camera(const std::string& name) const;

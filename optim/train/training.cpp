@@ -16,6 +16,7 @@
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
 #include "optim/report/judgement.hpp"
+#include "optim/support/record_support.hpp"
 #include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/trainer.hpp"
 
@@ -132,6 +133,12 @@ SceneFile Training::result() const {
                                  .version = version(),
                                  .device = device_.info().label(),
                                  .driver = device_.info().driver_version};
+  try {
+    file.support = record_support(device_, log_, file, options_.frames, options_.train.render);
+  } catch (const Error& error) {
+    // A device that has no room for it beside the training: the scene is there all the same.
+    if (error.kind() != ErrorKind::kDevice) throw;
+  }
   return file;
 }
 

@@ -70,7 +70,8 @@ class Training {
   [[nodiscard]] const TrainingOptions& options() const { return options_; }
   /// The particles as trained so far. Error{kInternal} before prepare().
   [[nodiscard]] Scene scene() const;
-  /// The same with sensors and trajectory, mounted as was learned, and how it was made.
+  /// The same with sensors and trajectory, mounted as was learned, how it was made, and what tells how well
+  /// it knows what it shows (record_support.hpp), for which it renders the training frames.
   [[nodiscard]] SceneFile result() const;
 
  private:

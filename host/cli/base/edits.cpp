@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
+#include <iostream>
 
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
@@ -10,6 +11,7 @@
 #include "host/base/split.hpp"
 #include "host/scene/edit.hpp"
 #include "host/scene/placement.hpp"
+#include "host/support/record/mirror.hpp"
 #include "io/scene/splat_scene.hpp"
 
 namespace simuli::cli {
@@ -75,6 +77,9 @@ void add_edit_options(Command sub, Edits& edits) {
       ".spz: it stands where the path begins; then --resize, --move and --turn it, or give it a --track")
       .reads(part(0));
   add("--duplicate", edits.duplicate, "ACTOR:NAME, a second one of the same");
+  add("--mirror",
+      edits.mirror,
+      "ACTOR, of which one side alone was recorded: the other shows it mirrored; nothing where both were");
   add("--resize", edits.resize, "ACTOR:FACTOR, so many times as large; it stands where it stood");
   add("--track", edits.track, "ACTOR:LOG[:ACTOR], the track of an actor of that log instead of its own")
       .reads(part(1));
@@ -91,6 +96,7 @@ std::vector<std::string> lines_of(const Edits& edits) {
   };
   tell("--add", edits.add);
   tell("--duplicate", edits.duplicate);
+  tell("--mirror", edits.mirror);
   tell("--resize", edits.resize);
   tell("--track", edits.track);
   tell("--retime", edits.retime);
@@ -105,6 +111,16 @@ Pose standing_pose(const Trajectory& world_from_rig) {
   const Eigen::Vector3d ahead = start.rotation * Eigen::Vector3d::UnitX();
   const Eigen::AngleAxisd level(std::atan2(ahead.y(), ahead.x()), Eigen::Vector3d::UnitZ());
   return {Eigen::Quaterniond(level), start.translation};
+}
+
+std::map<std::string, std::string> copies_of(const Edits& edits) {
+  std::map<std::string, std::string> copies;
+  for (const std::string& edit : edits.duplicate) {
+    const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");
+    const auto of_copy = copies.find(parts[0]);
+    copies[parts[1]] = of_copy == copies.end() ? parts[0] : of_copy->second;
+  }
+  return copies;
 }
 
 void apply(const Edits& edits, SceneFile& file) {
@@ -127,6 +143,22 @@ void apply(const Edits& edits, SceneFile& file) {
   for (const std::string& edit : edits.duplicate) {
     const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");
     duplicate_actor(scene, parts[0], parts[1]);
+  }
+  for (const std::string& name : edits.mirror) {
+    if (file.support == nullptr) {
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format("--mirror: found \"{}\" of a scene that does not say which sides of actors were seen, "
+                      "allowed of one trained since there is support: train it anew",
+                      name));
+    }
+    const std::map<std::string, std::string> copies = copies_of(edits);
+    const auto original = copies.find(name);
+    const std::string& recorded = original == copies.end() ? name : original->second;
+    if (!mirror_actor(scene, *file.support, name, recorded)) {
+      std::cerr << fmt::format("simuli: --mirror {}: both of its sides were seen, or none: it is as it was\n",
+                               name);
+    }
   }
   for (const std::string& edit : edits.resize) {
     constexpr const char* kAllowed = "ACTOR:FACTOR, a finite number above 0";

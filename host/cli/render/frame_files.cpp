@@ -38,8 +38,10 @@ std::vector<CameraOutput> parse_outputs(const std::string& text, bool is_camera)
   std::vector<CameraOutput> outputs;
   for (const std::string& name : split(text, ',')) {
     const CameraOutput output = camera_output(name);
-    if (!is_camera && output != CameraOutput::kRgb && output != CameraOutput::kActors) {
-      throw Error(ErrorKind::kUsage, fmt::format("--outputs: found \"{}\" of a LiDAR, allowed actors", name));
+    if (!is_camera && output != CameraOutput::kRgb && output != CameraOutput::kActors &&
+        output != CameraOutput::kSupport) {
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("--outputs: found \"{}\" of a LiDAR, allowed actors, support", name));
     }
     if (!has(outputs, output)) outputs.push_back(output);
   }
@@ -82,7 +84,8 @@ void add_file_options(Command sub, FileOptions& options) {
   sub.option("--outputs",
              options.outputs,
              "of cameras, parted by commas: rgb, depth, mean_depth (along z), distance, mean_distance (along "
-             "the ray), opacity, actors, normals; of LiDARs actors: a column of the clouds")
+             "the ray), opacity, actors, normals, support (how well it is known, 0 to 1); of LiDARs actors, "
+             "support: columns of the clouds")
       .with_default();
   sub.option("--values",
              options.values,
@@ -109,6 +112,7 @@ FrameFiles::FrameFiles(const FileOptions& options,
 void FrameFiles::write_outputs(const Frame& frame,
                                const std::filesystem::path& folder,
                                const std::string& stem,
+                               const SupportSource* support,
                                Names& files) const {
   const auto file = [&](const std::string& ending) {
     files.push_back(stem + ending);
@@ -121,7 +125,9 @@ void FrameFiles::write_outputs(const Frame& frame,
   for (const CameraOutput output : outputs_) {
     if (output == CameraOutput::kRgb) continue;
     ++count;
-    const Image image = image_of(frame, output);
+    const Image image = output == CameraOutput::kSupport && support != nullptr
+                            ? support->on.image_of(frame, support->scene, support->copies)
+                            : image_of(frame, output);
     const bool is_count = output == CameraOutput::kActors;
     if (is_npz) {
       add_array(arrays, name_of(output), image, is_count ? ColumnType::kUint16 : ColumnType::kFloat);
@@ -134,15 +140,21 @@ void FrameFiles::write_outputs(const Frame& frame,
   if (is_npz && count > 0) write_file_atomically(file(".npz"), arrays.finish());
 }
 
+bool FrameFiles::needs_support() const { return has(outputs_, CameraOutput::kSupport); }
+
 FrameFiles::Names FrameFiles::write(const Frame& frame,
                                     const std::filesystem::path& folder,
-                                    const std::string& stem) const {
+                                    const std::string& stem,
+                                    const SupportSource* support) const {
   Names files;
   if (is_camera_) {
-    write_outputs(frame, folder, stem, files);
+    write_outputs(frame, folder, stem, support, files);
   } else {
     files = {stem + "." + options_.clouds, stem + "_range.png"};
-    write_point_cloud(folder / files[0], point_cloud(frame, cloud_));
+    CloudOptions cloud = cloud_;
+    if (needs_support() && support != nullptr)
+      cloud.support = support->on.of(frame, support->scene, support->copies);
+    write_point_cloud(folder / files[0], point_cloud(frame, cloud));
     write_image(folder / files[1], shown(frame, recorded_));
   }
   return files;

@@ -9,6 +9,7 @@
 #include "host/cli/render/plan.hpp"
 #include "host/render/outputs/camera_output.hpp"
 #include "host/render/outputs/cloud.hpp"
+#include "host/support/support.hpp"
 #include "io/scene/frames_file.hpp"
 
 namespace simuli::cli {
@@ -25,6 +26,13 @@ struct FileOptions {
 
 void add_file_options(Command sub, FileOptions& options);
 
+/// What tells support of the frames of a scene: all of them outlive who uses it.
+struct SupportSource {
+  SupportOnDevice& on;
+  const Scene& scene;
+  const ActorCopies& copies;
+};
+
 /// Writes the files of one sensor's frames.
 class FrameFiles {
  public:
@@ -40,10 +48,12 @@ class FrameFiles {
   [[nodiscard]] FrameRequest request() const {
     return request_for(outputs_, {.camera_median = recorded_ != nullptr});
   }
-  /// Files "STEM..." into the folder; returns their names.
+  [[nodiscard]] bool needs_support() const;
+  /// Files "STEM..." into the folder; returns their names. `support`: where needs_support().
   [[nodiscard]] Names write(const Frame& frame,
                             const std::filesystem::path& folder,
-                            const std::string& stem) const;
+                            const std::string& stem,
+                            const SupportSource* support = nullptr) const;
   /// Says in the record what the files hold.
   void describe(FramesRecord& record, const Scene& scene) const;
 
@@ -51,6 +61,7 @@ class FrameFiles {
   void write_outputs(const Frame& frame,
                      const std::filesystem::path& folder,
                      const std::string& stem,
+                     const SupportSource* support,
                      Names& files) const;
 
   FileOptions options_;

@@ -125,13 +125,15 @@ void write_frames(SceneOnDevice& scene,
                   const FrameFiles& files,
                   FramesRecord record,
                   const fs::path& folder,
+                  const SupportSource* support,
                   const OnFrame& on_frame) {
   files.describe(record, scene.scene());
   for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
     const Frame frame = scene.render(view.sensor, view.plan.shot(view.sensor, i), files.request());
     const Shot& shot = frame.shot();
     record.frames.push_back(
-        {files.write(frame, folder, fmt::format("{}_{:06d}", view.sensor.name(), view.plan.first + i)),
+        {files.write(
+             frame, folder, fmt::format("{}_{:06d}", view.sensor.name(), view.plan.first + i), support),
          shot.time_start_s,
          shot.time_end_s,
          shot.world_from_sensor_start,
@@ -279,13 +281,25 @@ void render(RenderCommand command, const Globals& globals) {
     std::vector<FrameFiles> files;
     for (const SensorPlan& view : views)
       files.emplace_back(command.files, view.sensor, view.plan, recorded.get());
+    std::optional<SupportOnDevice> support_on;
+    std::optional<SupportSource> support;
+    const ActorCopies copies = copies_of(command.edits);
+    if (std::any_of(files.begin(), files.end(), [](const FrameFiles& f) { return f.needs_support(); })) {
+      support_on.emplace(scene.device(), file.support);
+      support.emplace(SupportSource{*support_on, scene.scene(), copies});
+    }
     write_folder_atomically(command.output, [&](const fs::path& folder) {
       for (std::size_t k = 0; k < views.size(); ++k) {
         const Sensor& sensor = views[k].sensor;
         const fs::path to = has_folders(command) ? folder / sensor.name() : folder;
         fs::create_directories(to);
-        write_frames(
-            scene, views[k], files[k], record_of(command, globals, options, sensor, scene), to, on_frame);
+        write_frames(scene,
+                     views[k],
+                     files[k],
+                     record_of(command, globals, options, sensor, scene),
+                     to,
+                     support ? &*support : nullptr,
+                     on_frame);
       }
     });
   }

@@ -259,7 +259,7 @@ std::vector<MetricLine> metric_lines(const EvalReport& r) {
   return lines;
 }
 
-void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
+void print_eval(const EvalReport& r, const SceneFile& scene, bool json, const EvalSupport* support) {
   if (json) {
     Json out = {{"frames", to_string(r.frames.kind)},
                 {"held_out_every", r.frames.held_out_every},
@@ -279,6 +279,7 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
                     {"device", r.device},
                     {"seconds", r.seconds},
                     {"training", scene.training ? to_json(*scene.training) : Json()}});
+    if (support != nullptr) out["support"] = json_of(*support);
     std::cout << json_text(out) << '\n';
     return;
   }
@@ -304,6 +305,7 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json) {
         r.sweeps_without_drops,
         r.sweeps_without_predicted_drops);
   }
+  if (support != nullptr) std::cout << text_of(*support);
 }
 
 }  // namespace simuli::cli

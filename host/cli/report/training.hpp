@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/cli/base/commands.hpp"
+#include "host/cli/report/eval_support.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/train/training.hpp"
 
@@ -50,7 +51,11 @@ struct MetricLine {
   std::string unit;
 };
 [[nodiscard]] std::vector<MetricLine> metric_lines(const EvalReport& report);
-/// On stdout, as a table with units or as JSON with units in the key names; `scene` says how it was made.
-void print_eval(const EvalReport& report, const SceneFile& scene, bool json);
+/// On stdout, as a table with units or as JSON with units in the key names; `scene` says how it was made;
+/// `support`: where it was asked for.
+void print_eval(const EvalReport& report,
+                const SceneFile& scene,
+                bool json,
+                const EvalSupport* support = nullptr);
 
 }  // namespace simuli::cli

@@ -46,7 +46,9 @@ std::string command_of(const ViewRequest& request,
     refuse("another place or direction", "the recorded path, and a shift to the left of it");
   }
   const bool is_marked = request.layer == ViewLayer::kUnseen;
-  if (request.layer != ViewLayer::kColour && !is_marked) refuse("a layer", "colour, unseen");
+  const bool is_support = request.layer == ViewLayer::kSupport;
+  if (request.layer != ViewLayer::kColour && !is_marked && !is_support)
+    refuse("a layer", "colour, unseen, support");
   std::string line = "simuli render";
   const auto add = [&line](const std::string& option, const std::string& value) {
     line += ' ' + option + ' ' + shell_word(value);
@@ -61,6 +63,7 @@ std::string command_of(const ViewRequest& request,
   }
   add("--quality", request.quality);
   if (is_marked && sensor.is_camera()) line += " --mark-unseen";
+  if (is_support && sensor.is_camera()) add("--outputs", "rgb,support");
   if (shift.y() != 0.0) add("--lane-shift", fmt::format("{}", shift.y()));
 
   const std::set<std::string> edited_before = actors_of(source.edits);

@@ -16,7 +16,8 @@ ViewLayer layer_named(const std::string& name, const std::string& field) {
   if (name == "depth") return ViewLayer::kDepth;
   if (name == "opacity") return ViewLayer::kOpacity;
   if (name == "unseen") return ViewLayer::kUnseen;
-  throw_input_error("request", field, '"' + name + '"', "colour, depth, opacity, unseen");
+  if (name == "support") return ViewLayer::kSupport;
+  throw_input_error("request", field, '"' + name + '"', "colour, depth, opacity, unseen, support");
 }
 
 }  // namespace

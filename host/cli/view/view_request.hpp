@@ -14,7 +14,7 @@ namespace simuli::cli {
 /// What of a camera's frame is shown: its picture; how far each ray gets (RayResults::expected_distance(),
 /// on a logarithmic scale of colours); how much of each ray the particles take; its picture, hatched where no
 /// recorded camera faced.
-enum class ViewLayer { kColour, kDepth, kOpacity, kUnseen };
+enum class ViewLayer { kColour, kDepth, kOpacity, kUnseen, kSupport };
 
 /// Its layer, lossless, turned_deg and retimed may be missing. All of the viewer's state is here, but for
 /// actors that were added: the session keeps none.

@@ -90,6 +90,7 @@ ViewSession::ViewSession(const Globals& globals, SceneFile file, ViewSource sour
       recorded_(file_),
       rig_(file_),
       scene_(Device::best(globals.device), std::move(file_.scene)),
+      copies_(copies_of(source.edits)),
       source_(std::move(source)),
       asked_s_(-std::numeric_limits<double>::infinity()) {
   rig_.refuse_files();
@@ -189,6 +190,8 @@ std::string ViewSession::duplicate(const std::string& json) {
   std::string copy;
   change([&](Scene& scene) {
     copy = new_name(scene, name);
+    const auto of_copy = copies_.find(name);
+    copies_[copy] = of_copy == copies_.end() ? name : of_copy->second;
     duplicate_actor(scene, name, copy);
     return fmt::format("--duplicate {}:{}", name, copy);
   });
@@ -276,7 +279,10 @@ std::string ViewSession::picture(const ViewRequest& request) {
   const Frame frame = scene_.render(camera, shot, how);
   frame.wait();
   const double render_ms = render.ms();
-  const LayerPicture shown = layer_of(request.layer, frame, recorded_);
+  const bool is_support = request.layer == ViewLayer::kSupport;
+  if (is_support && !support_) support_.emplace(scene_.device(), file_.support);
+  const LayerPicture shown = is_support ? support_layer(frame, scene_.scene(), copies_, *support_)
+                                        : layer_of(request.layer, frame, recorded_);
   lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
   const ImageCode code = request.lossless ? ImageCode::kPng : ImageCode::kJpeg;
@@ -285,7 +291,8 @@ std::string ViewSession::picture(const ViewRequest& request) {
                 {"encode_ms", encode.ms()},
                 {"near_m", shown.near_m},
                 {"far_m", shown.far_m},
-                {"unseen_share", shown.unseen_share}},
+                {"unseen_share", shown.unseen_share},
+                {"support", shown.support}},
                bytes.data(),
                bytes.size());
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "host/cli/view/view_command.hpp"
 #include "host/cli/view/view_request.hpp"
 #include "host/render/scene/scene_on_device.hpp"
+#include "host/support/support.hpp"
 #include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
@@ -70,6 +72,8 @@ class ViewSession {
   RecordedViews recorded_;    // of its cameras
   SensorRig rig_;
   SceneOnDevice scene_;
+  std::optional<SupportOnDevice> support_;  // when first asked for
+  ActorCopies copies_;
   mutable std::mutex progress_mutex_;
   ViewProgress progress_;
   std::uint64_t version_ = 0;

@@ -142,7 +142,7 @@ std::vector<float> values_of(const Frame& frame, CameraOutput output) {
 
 const std::vector<std::string>& camera_output_names() {
   static const std::vector<std::string> names{
-      "rgb", "depth", "mean_depth", "distance", "mean_distance", "opacity", "actors", "normals"};
+      "rgb", "depth", "mean_depth", "distance", "mean_distance", "opacity", "actors", "normals", "support"};
   return names;
 }
 
@@ -163,6 +163,11 @@ Image image_of(const Frame& frame, CameraOutput output) {
   const Camera& camera = frame.sensor().camera();
   if (output == CameraOutput::kRgb) return frame.image();
   if (output == CameraOutput::kNormals) return normals(frame);
+  if (output == CameraOutput::kSupport) {
+    throw Error(
+        ErrorKind::kUsage,
+        "support: found a frame alone, allowed with the record of its scene: SupportOnDevice::image_of()");
+  }
   Image image(camera.width, camera.height, 1);
   image.data = values_of(frame, output);
   return image;

@@ -1,5 +1,7 @@
 #pragma once
 // A LiDAR's frame as a point cloud.
+#include <vector>
+
 #include "host/base/point_cloud.hpp"
 #include "host/render/scene/frame.hpp"
 
@@ -9,6 +11,8 @@ struct CloudOptions {
   PointFrame frame = PointFrame::kWorld;
   ColumnType coordinates = ColumnType::kFloat;  // of x, y and z
   bool actors = false;                          // with a column "actor" (uint16): Frame::actors()
+  std::vector<float> support =
+      {};  // [rays], with a column "support" of them: SupportOnDevice::of(); empty: without
 };
 
 /// A row per ray that returned, in the sensor's order: x y z (m), intensity [0, 1], range (m, from the ray's

@@ -71,6 +71,7 @@ struct FrameAccess {
     return frame.state_->background;
   }
   [[nodiscard]] static const RayGrid& grid(const Frame& frame) { return frame.state_->rays.grid(); }
+  [[nodiscard]] static const SensorRays& rays(const Frame& frame) { return frame.state_->rays; }
 };
 
 }  // namespace simuli

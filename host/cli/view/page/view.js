@@ -38,8 +38,9 @@ const camera = new Live('camera', $('picture'), shownAs('camera', 'layer'), asyn
   canvas.getContext('2d').drawImage(bitmap, 0, 0);
   const scale = info.far_m > 0 ? ` ${distance(info.near_m)} (pale) to ${distance(info.far_m)} (dark)` : '';
   const unseen = body.layer === 'unseen' ? ` (hatched: no recorded camera faced it, ${(100 * info.unseen_share).toFixed(0)} %)` : '';
+  const support = body.layer === 'support' ? ` (red: not known, green: as recorded; mean ${(100 * info.support).toFixed(0)} %)` : '';
   $('camera-time').textContent =
-    `${body.sensor}, ${body.quality}, ${body.layer}${scale}${unseen}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG` +
+    `${body.sensor}, ${body.quality}, ${body.layer}${scale}${unseen}${support}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG` +
     (live.rate ? `, ${live.rate.toFixed(1)} per s` : '');
   canvas.dataset.frames = 1 + (+canvas.dataset.frames || 0);
 });

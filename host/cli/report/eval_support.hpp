@@ -1,0 +1,25 @@
+#pragma once
+// Support beside the errors of an evaluation's frames.
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "optim/eval/evaluation.hpp"
+#include "optim/support/support_reliability.hpp"
+
+namespace simuli::cli {
+
+struct EvalSupport {
+  SupportReliability pixels, rays;
+};
+/// Of every kEvalSupportStep-th pixel and ray of the frames that are compared. Error{kUsage} for a scene
+/// without a record of its training frames.
+[[nodiscard]] EvalSupport eval_support(const Evaluation& evaluation);
+inline constexpr std::size_t kEvalSupportStep = 7;
+
+/// {"pixels": {"count", "mean", "right", "rank_correlation", "calibration_error", "curve": [{"share",
+/// "support", "right"}, ...]}, "rays": ...}
+[[nodiscard]] nlohmann::ordered_json json_of(const EvalSupport& support);
+/// Two lines, and a table of both curves.
+[[nodiscard]] std::string text_of(const EvalSupport& support);
+
+}  // namespace simuli::cli

@@ -1,0 +1,105 @@
+// What trainings keep of their frames, and how it foretells errors.
+#include "optim/support/record_support.hpp"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <set>
+
+#include "optim/support/support_reliability.hpp"
+#include "optim/train/training.hpp"
+#include "tests/optim/small_street.hpp"
+
+namespace simuli {
+namespace {
+
+class RecordSupport : public test::SmallStreet {
+ protected:
+  [[nodiscard]] SceneFile trained() const {
+    TrainingOptions o;
+    o.frames.image_scale = 1.0;
+    o.init.voxel_m = 0.3;
+    o.init.sweep_depth = false;
+    o.train.iterations = 40;
+    o.train.lidar_every = 2;
+    Training training(Device::best(), log_, o);
+    training.run();
+    return training.result();
+  }
+};
+
+TEST_F(RecordSupport, IsOfTheTrainingFramesAlone) {
+  const SceneFile scene = trained();
+  ASSERT_NE(scene.support, nullptr);
+  const SupportRecord& record = *scene.support;
+  const HeldOutRule rule(log_, FrameSelection{});
+  const std::size_t images = rule.training(log_.images).size(), sweeps = rule.training(log_.sweeps).size();
+  EXPECT_LT(images, log_.images.size());
+  EXPECT_EQ(record.views.size(), images + sweeps);
+  EXPECT_EQ(record.sensors.size(), log_.cameras.size() + log_.lidars.size());
+  for (const SupportView& view : record.views) {
+    const Pose& at = view.world_from_view;
+    EXPECT_LT((at.translation - log_.world_from_rig.at(view.time_s).translation).norm(), 4.0);
+  }
+  const auto seen = std::count_if(
+      record.cells.begin(), record.cells.end(), [](const SupportCell& c) { return c.farthest_m > 0.0F; });
+  EXPECT_GT(seen, static_cast<std::ptrdiff_t>(record.cells.size() / 2));
+}
+
+TEST_F(RecordSupport, IsHighOnThePathAndForetellsErrors) {
+  const SceneFile file = trained();
+  const Device device = Device::best();
+  SceneOnDevice scene(device, file.scene);
+  SupportOnDevice support(device, file.support);
+  const ImageFrame& frame = log_.images[log_.images.size() / 2];
+  const LogCamera& camera = log_.camera(frame.camera);
+  const auto mean = [&](const Pose& moved) {
+    const Shot shot = Shot::at(Sensor(camera.model, camera.rig_from_camera),
+                               log_.world_from_rig.at(frame.time_start_s) * moved,
+                               frame.time_start_s);
+    const std::vector<float> known = support.of(scene.render(Sensor(camera.model), shot), scene.scene());
+    double sum = 0.0;
+    for (const float value : known) sum += static_cast<double>(value) / static_cast<double>(known.size());
+    return sum;
+  };
+  const double here = mean({});
+  const Pose aside{Eigen::Quaterniond::Identity(), {0.0, 4.0, 0.0}};
+  const Pose behind{Eigen::Quaterniond(Eigen::AngleAxisd(3.0, Eigen::Vector3d::UnitZ())), {0.0, 0.0, 0.0}};
+  EXPECT_GT(here, mean(aside));
+  EXPECT_LT(mean(behind), 0.3 * here);
+
+  SupportSamples pixels, rays;
+  pixels.add_picture(scene, support, log_, frame, camera.model);
+  rays.add_sweep(scene, support, log_, log_.sweeps.front());
+  for (const auto& [samples, limit] :
+       {std::pair{&pixels, kSupportColour}, std::pair{&rays, kSupportRange_m}}) {
+    const SupportReliability found = reliability(*samples, limit);
+    EXPECT_EQ(found.count, samples->support.size());
+    EXPECT_GT(found.rank_correlation, 0.3);
+    std::size_t in_bins = 0;
+    for (const SupportReliability::Bin& bin : found.bins) in_bins += bin.count;
+    EXPECT_EQ(in_bins, found.count);
+  }
+}
+
+TEST(SupportReliability, RanksAndBinsAreThoseOfTheirDefinition) {
+  SupportSamples samples;
+  for (int i = 0; i < 100; ++i) {
+    samples.support.push_back((static_cast<float>(i) + 0.5F) / 100.0F);
+    samples.error.push_back(static_cast<float>(100 - i));
+  }
+  SupportReliability found = reliability(samples, 50.5);
+  EXPECT_NEAR(found.rank_correlation, 1.0, 1e-12);
+  EXPECT_NEAR(found.right, 0.5, 1e-12);
+  for (const SupportReliability::Bin& bin : found.bins) EXPECT_EQ(bin.count, 10U);
+  EXPECT_NEAR(found.bins[0].support, 0.05, 1e-6);
+  EXPECT_EQ(found.bins[9].right, 1.0);
+  EXPECT_EQ(found.bins[0].right, 0.0);
+  std::reverse(samples.error.begin(), samples.error.end());
+  EXPECT_NEAR(reliability(samples, 50.5).rank_correlation, -1.0, 1e-12);
+  samples.support.assign(100, 0.5F);
+  EXPECT_EQ(reliability(samples, 50.5).rank_correlation, 0.0);
+  EXPECT_EQ(reliability({}, 1.0).count, 0U);
+}
+
+}  // namespace
+}  // namespace simuli
