@@ -319,6 +319,10 @@ void add_train(Command app, const Globals& globals) {
            "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "
            "training that has kept it: the rates of what is left are those of the longer training")
       .goes_on();
+  sub.option("--fixer",
+             command->options.fixer_command,
+             "program, with arguments, that mends pictures from beside the path for the scene to learn from: "
+             "docs/FIXERS.md");
   sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times")
       .makes();
   sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")

@@ -159,7 +159,8 @@ Trainer::Trainer(
           options_.length,
           images_.empty() ? sweeps_.size() * static_cast<std::size_t>(options_.lidar_every) : images_.size(),
           log.images.size(),
-          log.sweeps.size()) {
+          log.sweeps.size()),
+      mended_(device, log, options.frames, options.fixer, options.fixer_command, options_.render) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
@@ -265,6 +266,7 @@ StateList Trainer::state(const std::string& settings) {
   look_.add_state(list);
   drop_.add_state(list);
   add_range_biases(list, log_, truth_);
+  mended_.add_state(list);
   for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
   return list;
 }

@@ -11,6 +11,7 @@
 #include "host/render/train/regularize.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
+#include "optim/fixer/fixed_views.hpp"
 #include "optim/init/moving_space.hpp"
 #include "optim/length/length.hpp"
 #include "optim/poses/sensor_offsets.hpp"
@@ -96,6 +97,9 @@ class Trainer {
   void step_lidar(double progress);
   /// The camera set along a sweep's rays.
   void step_depth(double progress);
+  /// Has pictures from beside the path mended, and the camera set learn from one of them.
+  void mend();
+  void step_mended(const FixedView& mended, double progress);
   /// From the loss of the pass to the set's step: what both sets do, in its order.
   void descend(const Turn& turn);
   void regularize(TrainedSet& set, const ParticleWeights& weights);
@@ -127,6 +131,7 @@ class Trainer {
   FrameOrder images_, sweeps_;
   TrainLength length_;
   SensorOffsets offsets_;  // of the sensors whose poses are learned
+  FixedViews mended_;
   RunningMean square_, distance_, right_;
   TrainStatus status_;
   std::uint32_t unsound_losses_ = 0;

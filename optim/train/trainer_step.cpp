@@ -30,7 +30,9 @@ void Trainer::step() {
   const bool prunes_now = prunes(status_.iteration);
   if (prunes_now) look_over_sweeps();
   structure_.find_anchors(status_.iteration, prunes_now);
+  if (mended_.is_due(status_.iteration, options_.iterations)) mend();
   if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
+  if (const FixedView* const mended = mended_.turn(status_.iteration)) step_mended(*mended, progress);
   const bool depth_turn = options_.depth.weight > 0.0 && status_.iteration % options_.depth.every == 0;
   if (depth_turn && !images_.empty() && !sweeps_.empty() && camera_.particles.count > 0) step_depth(progress);
   const bool lidar_turn = status_.iteration % options_.lidar_every == 0;
@@ -80,6 +82,36 @@ void Trainer::step_camera(double progress) {
   square_.add(loss.squared / values);
   length_.add_image(index, loss.squared / values);
   status_.psnr_db = -10.0 * std::log10(square_.value());
+}
+
+void Trainer::mend() {
+  SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig};
+  for (LogCamera& camera : file.cameras) {
+    const auto offset = offsets_.find(camera.model.name);
+    if (offset != offsets_.end()) camera.rig_from_camera = moved_by(offset->second, camera.rig_from_camera);
+  }
+  mended_.mend(file, status_.iteration);
+}
+
+void Trainer::step_mended(const FixedView& mended, double progress) {
+  if (camera_.particles.count == 0) return;
+  const SensorRays& rays = truth_.camera_rays(mended.camera);
+  Pass pass = renderer_.render(
+      camera_.particles, rays, view_of(scene_, mended.shot, SetKind::kCamera), look_.environment());
+  const double share = mended_.weight() / (3.0 * static_cast<double>(mended.known));
+  const ImageWeights& w = options_.image;
+  const ImageLoss loss = pass.image_loss(RayValues(rays, mended.values, 3, "mended picture"),
+                                         {w.absolute * share, w.squared * share, w.dissimilarity * share});
+  if (look_.environment() != nullptr) {
+    RealBuffer texels(device_, "environment's share of a mended picture", Precision::kFloat);
+    pass.environment_backward(*look_.environment(), 0.0, texels);
+  }
+  pass.backward(camera_.particles, camera_.grads);
+  camera_.adam.run(camera_.particles,
+                   camera_.grads,
+                   pass.buffers().projected.keys,
+                   row_rates(options_.camera, camera_.particles.sh_degree, progress));
+  static_cast<void>(is_sound(loss.absolute + loss.squared + loss.dissimilarity));
 }
 
 void Trainer::step_depth(double progress) {

@@ -57,7 +57,8 @@ std::string Training::identity() const {
   TrainingOptions same = options_;  // these two decide where a training ends
   same.train.iterations = 0;
   same.train.max_seconds = 0.0;
-  return fmt::format("log={} {}\n{}\n", log_.name, log_hash_, fmt::join(lines_of(same), "\n"));
+  const std::string fixer = options_.fixer_command.empty() ? "" : "fixer=" + options_.fixer_command + "\n";
+  return fmt::format("log={} {}\n{}{}\n", log_.name, log_hash_, fixer, fmt::join(lines_of(same), "\n"));
 }
 
 void Training::prepare(const Progress& progress) {

@@ -5,6 +5,7 @@
 
 #include "io/log/frame_selection.hpp"
 #include "optim/actors/finding_options.hpp"
+#include "optim/fixer/fixer_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/path_options.hpp"
@@ -19,6 +20,8 @@ struct TrainingOptions {
   ActorFinding actors = {};
   InitOptions init = {};
   TrainOptions train = {};
+  FixerOptions fixer = {};
+  std::string fixer_command = {};  // that mends pictures from beside the path (docs/FIXERS.md); empty: none
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
@@ -30,6 +33,8 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.part("", o.actors);
   field.part("", o.init);
   field.part("", o.train);
+  field.part("", o.fixer);
+  field.keyless(o.fixer_command);
 }
 
 /// The options themselves. Error{kUsage} naming the field when one is outside its range.

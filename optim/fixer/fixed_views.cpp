@@ -1,0 +1,160 @@
+#include "optim/fixer/fixed_views.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <fmt/format.h>
+#include <utility>
+
+#include "host/render/scene/scene_on_device.hpp"
+#include "host/support/support.hpp"
+#include "optim/base/frames.hpp"
+#include "optim/fixer/run_fixer.hpp"
+#include "optim/support/record_support.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr float kUnknown = -1.0F;
+
+/// In [0, 1), the same for the same numbers everywhere.
+double drawn(std::uint64_t seed, std::uint64_t view, std::uint64_t pixel) {
+  std::uint64_t z = seed * 0x9E3779B97F4A7C15ULL + (view << 40U) + pixel + 0x9E3779B97F4A7C15ULL;
+  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
+  return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1.0p-53;
+}
+
+/// With the rig that far to the left of where it was.
+Shot shifted(Shot shot, const Pose& rig_from_camera, double left_m) {
+  const Pose rig_from_moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, left_m, 0.0)};
+  const Pose camera_from_moved = rig_from_camera.inverse() * rig_from_moved * rig_from_camera;
+  shot.world_from_sensor_start = shot.world_from_sensor_start * camera_from_moved;
+  shot.world_from_sensor_end = shot.world_from_sensor_end * camera_from_moved;
+  return shot;
+}
+
+}  // namespace
+
+FixedViews::FixedViews(const Device& device,
+                       const Log& log,
+                       const FrameSelection& frames,
+                       const FixerOptions& options,
+                       std::string command,
+                       const RenderOptions& render)
+    : device_(device),
+      log_(log),
+      frames_(frames),
+      options_(options),
+      command_(std::move(command)),
+      render_(render) {}
+
+bool FixedViews::is_due(int iteration, int iterations) const {
+  if (command_.empty()) return false;
+  for (int round = 0; round < options_.rounds; ++round) {
+    const double share =
+        options_.first_share + (1.0 - options_.first_share) * static_cast<double>(round) / options_.rounds;
+    if (iteration == static_cast<int>(share * iterations)) return true;
+  }
+  return false;
+}
+
+std::vector<FixedView> FixedViews::planned() const {
+  const std::vector<std::size_t> training = HeldOutRule(log_, frames_).training(log_.images);
+  const std::size_t count = std::min(training.size(), static_cast<std::size_t>(options_.views));
+  std::vector<FixedView> views;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t index = training[(2 * i + 1) * training.size() / (2 * count)];
+    const ImageFrame& frame = log_.images[index];
+    for (const double left_m : {options_.shift_m, -options_.shift_m}) {
+      const Pose& rig_from_camera = log_.camera(frame.camera).rig_from_camera;
+      views.push_back({.camera = frame.camera,
+                       .shot = shifted(shot_of(log_, frame), rig_from_camera, left_m),
+                       .left_m = left_m,
+                       .frame = index,
+                       .values = {},
+                       .known = 0});
+    }
+  }
+  return views;
+}
+
+void FixedViews::mend(const SceneFile& scene, int iteration) {
+  SceneOnDevice on_device(device_, borrowed(scene.scene), render_);
+  SupportOnDevice support(device_, record_support(device_, log_, scene, frames_, render_));
+  std::vector<FixedView> views = planned();
+  std::vector<FixerView> asked;
+  for (const FixedView& view : views) {
+    const Camera camera = scaled_camera(log_.camera(view.camera).model, frames_.image_scale);
+    const Frame frame = on_device.render(Sensor(camera), view.shot, {.graded = false});
+    asked.push_back({.name = fmt::format("{:06d}", asked.size()),
+                     .camera = camera,
+                     .world_from_camera = view.shot.pose_at(0.5),
+                     .time_s = view.shot.middle_s(),
+                     .left_m = view.left_m,
+                     .rendered = frame.image(),
+                     .support = support.image_of(frame, scene.scene),
+                     .recorded = load_image(log_, log_.images[view.frame], camera)});
+  }
+  const std::vector<Image> mended = run_fixer(command_, asked, iteration);
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    FixedView& view = views[k];
+    view.values = planar(mended[k]);
+    const std::vector<float>& known = asked[k].support.data;
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      if (drawn(frames_.seed, k, i) >= static_cast<double>(known[i])) {
+        ++view.known;
+        continue;
+      }
+      for (std::size_t c = 0; c < 3; ++c) view.values[c * known.size() + i] = kUnknown;
+    }
+  }
+  views_ = std::move(views);
+}
+
+const FixedView* FixedViews::turn(int iteration) const {
+  if (views_.empty() || iteration % options_.every != 0) return nullptr;
+  const FixedView& view = views_[static_cast<std::size_t>(iteration / options_.every) % views_.size()];
+  return view.known > 0 ? &view : nullptr;
+}
+
+void FixedViews::add_state(StateList& list) {
+  if (command_.empty()) return;
+  list.add(
+      "fixer/pictures",
+      [this] {
+        std::vector<float> all;
+        for (const FixedView& view : views_) all.insert(all.end(), view.values.begin(), view.values.end());
+        StateList::Bytes bytes(all.size() * sizeof(float));
+        if (!bytes.empty()) std::memcpy(bytes.data(), all.data(), bytes.size());
+        return bytes;
+      },
+      [this](const std::string& file, std::span<const std::byte> saved) {
+        views_.clear();
+        if (saved.empty()) return;
+        std::vector<FixedView> views = planned();
+        std::size_t at = 0;
+        for (FixedView& view : views) {
+          const Camera camera = scaled_camera(log_.camera(view.camera).model, frames_.image_scale);
+          const std::size_t pixels =
+              static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+          view.values.resize(3 * pixels);
+          if (at + view.values.size() * sizeof(float) > saved.size()) break;
+          std::memcpy(view.values.data(), saved.data() + at, view.values.size() * sizeof(float));
+          at += view.values.size() * sizeof(float);
+          view.known = static_cast<std::size_t>(std::count_if(
+              view.values.begin(), view.values.begin() + static_cast<std::ptrdiff_t>(pixels), [](float v) {
+                return v >= 0.0F;
+              }));
+        }
+        if (at != saved.size() || views.back().values.empty()) {
+          throw_input_error(file,
+                            "fixer/pictures",
+                            fmt::format("{} bytes", saved.size()),
+                            "all pictures of the log's views");
+        }
+        views_ = std::move(views);
+      });
+}
+
+}  // namespace simuli

@@ -1,0 +1,142 @@
+#include "optim/fixer/run_fixer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fmt/format.h>
+#include <set>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <system_error>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/base/temporary.hpp"
+#include "io/log/log_json.hpp"
+#include "io/log/sensor_json.hpp"
+#include "io/picture/image.hpp"
+
+extern char** environ;
+
+namespace simuli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "simuli fixer";
+constexpr int kVersion = 1;
+
+[[noreturn]] void refuse(const std::string& command,
+                         const std::string& field,
+                         const std::string& found,
+                         const std::string& allowed) {
+  throw_input_error("fixer " + command, field, found, allowed);
+}
+
+/// A folder of this process alone, that goes with the object.
+class OwnFolder {
+ public:
+  OwnFolder() {
+    std::string name = (fs::temp_directory_path() / "simuli_fixer_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw_errno(name, "folder", "one that can be made");
+    path_ = name;
+    remove_at_end(path_);
+  }
+  OwnFolder(const OwnFolder&) = delete;
+  OwnFolder& operator=(const OwnFolder&) = delete;
+  ~OwnFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+    keep_at_end(path_);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+void write_views(const fs::path& folder, const std::vector<FixerView>& views, int iteration) {
+  Json list = Json::array();
+  for (const FixerView& view : views) {
+    write_image(folder / (view.name + ".png"), view.rendered);
+    write_image(folder / (view.name + "_support.png"), view.support);
+    write_image(folder / (view.name + "_recorded.png"), view.recorded);
+    list.push_back({{"name", view.name},
+                    {"picture", view.name + ".png"},
+                    {"support", view.name + "_support.png"},
+                    {"recorded", view.name + "_recorded.png"},
+                    {"time_s", view.time_s},
+                    {"left_m", view.left_m},
+                    {"world_from_camera", to_json(view.world_from_camera)},
+                    {"camera", to_json(view.camera)}});
+  }
+  const Json root{
+      {"format", kFormat}, {"version", kVersion}, {"iteration", iteration}, {"views", std::move(list)}};
+  write_file_atomically(folder / "views.json", root.dump(1) + '\n');
+}
+
+void run(const std::string& command, const fs::path& in, const fs::path& out) {
+  std::array<std::string, 6> words{"sh", "-c", command + " \"$@\"", "fixer", in.string(), out.string()};
+  std::array<char*, 7> arguments{};
+  std::transform(
+      words.begin(), words.end(), arguments.begin(), [](std::string& word) { return word.data(); });
+  pid_t child = 0;
+  if (posix_spawn(&child, "/bin/sh", nullptr, nullptr, arguments.data(), environ) != 0) {
+    refuse(command, "program", "no shell to run it", "/bin/sh");
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFSIGNALED(status)) refuse(command, "end", fmt::format("signal {}", WTERMSIG(status)), "exit code 0");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    refuse(command, "end", fmt::format("exit code {}", WEXITSTATUS(status)), "exit code 0");
+  }
+}
+
+std::vector<Image> read_views(const std::string& command,
+                              const fs::path& folder,
+                              const std::vector<FixerView>& views) {
+  std::set<std::string> left, missing;
+  for (const auto& entry : fs::directory_iterator(folder)) left.insert(entry.path().filename().string());
+  for (const FixerView& view : views) {
+    if (left.erase(view.name + ".png") == 0) missing.insert(view.name + ".png");
+  }
+  if (!missing.empty()) {
+    refuse(command,
+           "files",
+           fmt::format("no {}", *missing.begin()),
+           fmt::format("{} pictures, named as those it was given", views.size()));
+  }
+  if (!left.empty()) refuse(command, "files", *left.begin(), "pictures named as those it was given alone");
+  std::vector<Image> images;
+  for (const FixerView& view : views) {
+    const std::string name = view.name + ".png";
+    Image image =
+        with_context("reading what fixer " + command + " wrote", [&] { return read_image(folder / name); });
+    if (image.width != view.camera.width || image.height != view.camera.height) {
+      refuse(command,
+             name,
+             fmt::format("{} x {} px", image.width, image.height),
+             fmt::format("{} x {}, as it was given", view.camera.width, view.camera.height));
+    }
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+}  // namespace
+
+std::vector<Image> run_fixer(const std::string& command, const std::vector<FixerView>& views, int iteration) {
+  const OwnFolder scratch;
+  const fs::path in = scratch.path() / "in", out = scratch.path() / "out";
+  fs::create_directory(in);
+  fs::create_directory(out);
+  write_views(in, views, iteration);
+  run(command, in, out);
+  return read_views(command, out, views);
+}
+
+}  // namespace simuli
