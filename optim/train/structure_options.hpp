@@ -58,7 +58,7 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
 
 /// LiDAR particles that no training sweep needs are taken out (METHOD section 11).
 struct PruneOptions {
-  double weight = 0.05;
+  double weight = 0.12;
   int first = 100;
   int times = 2;
   double last_share = 0.5;
