@@ -49,7 +49,7 @@ inline constexpr double kSupportColour = 0.05;
 inline constexpr double kSupportRange_m = 0.02;
 
 /// Recorded views that one frame is compared with, at most.
-inline constexpr std::size_t kMostSupportViews = 10;
+inline constexpr std::size_t kMostSupportViews = 8;
 /// Of the record's views of that kind those nearest to a point (m, world), and as many of the others, evenly
 /// spread by distance.
 [[nodiscard]] std::vector<std::size_t> support_views_around(const SupportRecord& record,
