@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 class NcoreTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!has_zarr()) GTEST_SKIP() << "built without libblosc or liblzma";
+    if (!has_zarr()) GTEST_SKIP() << "not run: NCore, built without libblosc or liblzma";
   }
   [[nodiscard]] Log street() const {
     LongStreetOptions options;

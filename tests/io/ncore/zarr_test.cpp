@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 class ZarrTest : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    if (!has_zarr()) GTEST_SKIP() << "built without libblosc or liblzma";
+    if (!has_zarr()) GTEST_SKIP() << "not run: zarr arrays, built without libblosc or liblzma";
   }
 };
 

@@ -214,7 +214,7 @@ TEST_P(Support, RisesWithLooks) {
   SceneOnDevice scene(Device::best(), wall_and_actor());
   const Frame frame = scene.render(sensor(), at_origin(sensor()));
   double last = 0.0;
-  for (std::size_t looks = 1; looks <= 16; looks *= 2) {
+  for (std::size_t looks = 1; looks <= kMostSupportViews; looks *= 2) {
     const double now = mean(on_device(scene, recorded(scene, sensor(), std::vector<double>(looks, 0.0)))
                                 .of(frame, scene.scene()));
     EXPECT_GT(now, last) << looks;
