@@ -18,12 +18,14 @@ constexpr std::size_t kColumns = 400;
 /// 2 cm of noise to both sides.
 void fill(Sweep& sweep, RayResults& seen) {
   sweep.range.resize(kRows * kColumns);
+  sweep.rays.azimuth.resize(kRows * kColumns);
   seen.rays = sweep.range.size();
   seen.distance.resize(seen.rays);
   seen.transmittance.resize(seen.rays);
   for (std::size_t i = 0; i < seen.rays; ++i) {
     const float noise_m = 0.02F * (static_cast<float>(i % 5) - 2.0F) / 2.0F;
     sweep.range[i] = 10.0F + 0.01F * static_cast<float>(i / kColumns) + noise_m;
+    sweep.rays.azimuth[i] = 2.0F * static_cast<float>(M_PI) * static_cast<float>(i % kColumns) / kColumns;
     seen.transmittance[i] = i % 2 == 0 ? 0.5F : 0.0F;
     seen.distance[i] = 10.0F * (1.0F - seen.transmittance[i]);
   }
@@ -46,6 +48,17 @@ TEST(RowOffsets, AreMediansLessTheirOwnMedian) {
     EXPECT_NEAR(found[row], 0.01 * (static_cast<double>(row) - 2.0), 1e-3) << row;
   }
   EXPECT_EQ(found[2], 0.0);
+}
+
+TEST(RowOffsets, OfOneSideAloneAreTheStreets) {
+  Sweep sweep;
+  RayResults seen;
+  fill(sweep, seen);
+  for (std::size_t c = 0; c < kColumns; ++c) sweep.range[4 * kColumns + c] -= c < 150 ? 0.0F : 0.08F;
+  RowOffsets offsets(kRows);
+  offsets.add(sweep, seen);
+  EXPECT_NEAR(offsets.offsets()[4], -0.02 * (1.0 - 0.0146 * 0.0146 / (0.02 * 0.02)), 1e-3);
+  EXPECT_NEAR(offsets.offsets()[0], -0.01, 1e-3);  // 1 cm below the others' middle
 }
 
 TEST(RowOffsets, AreNothingForRowsThatTellTooLittle) {
