@@ -25,4 +25,9 @@ Pose moved_by(const SensorOffset& offset, const Pose& rig_from_sensor) {
   return moved_by(offset.tangent(), rig_from_sensor, rig_from_sensor).first;
 }
 
+Pose moved_by(const SensorOffsets& offsets, const std::string& sensor, const Pose& rig_from_sensor) {
+  const auto offset = offsets.find(sensor);
+  return offset == offsets.end() ? rig_from_sensor : moved_by(offset->second, rig_from_sensor);
+}
+
 }  // namespace simuli

@@ -23,5 +23,9 @@ struct SensorOffset : SmallAdam<6> {
 
 /// By name of the sensor.
 using SensorOffsets = std::map<std::string, SensorOffset>;
+/// rig_from_sensor of that sensor, with its offset where it has one.
+[[nodiscard]] Pose moved_by(const SensorOffsets& offsets,
+                            const std::string& sensor,
+                            const Pose& rig_from_sensor);
 
 }  // namespace simuli

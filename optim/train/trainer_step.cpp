@@ -87,8 +87,7 @@ void Trainer::step_camera(double progress) {
 void Trainer::mend() {
   SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig};
   for (LogCamera& camera : file.cameras) {
-    const auto offset = offsets_.find(camera.model.name);
-    if (offset != offsets_.end()) camera.rig_from_camera = moved_by(offset->second, camera.rig_from_camera);
+    camera.rig_from_camera = moved_by(offsets_, camera.model.name, camera.rig_from_camera);
   }
   mended_.mend(file, status_.iteration);
 }
@@ -107,10 +106,7 @@ void Trainer::step_mended(const FixedView& mended, double progress) {
     pass.environment_backward(*look_.environment(), 0.0, texels);
   }
   pass.backward(camera_.particles, camera_.grads);
-  camera_.adam.run(camera_.particles,
-                   camera_.grads,
-                   pass.buffers().projected.keys,
-                   row_rates(options_.camera, camera_.particles.sh_degree, progress));
+  take_step(camera_, pass, options_.camera, progress);
   static_cast<void>(is_sound(loss.absolute + loss.squared + loss.dissimilarity));
 }
 
@@ -223,6 +219,8 @@ void Trainer::look_over_sweeps() {
   }
   for (const auto& [name, found] : offsets) {
     std::vector<double> biases_m = found.offsets();
+    // Sweeps are read again for what has changed alone.
+    if (std::all_of(biases_m.begin(), biases_m.end(), [](double b) { return b == 0.0; })) continue;
     const std::vector<LidarRow>& rows = std::get<Lidar>(truth_.lidar(name)).rows;
     for (std::size_t row = 0; row < rows.size(); ++row) biases_m[row] += rows[row].range_bias;
     truth_.set_range_biases(name, biases_m);

@@ -115,14 +115,13 @@ Scene Training::scene() const { return prepared().trainer.scene(); }
 
 SceneFile Training::result() const {
   SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
-  for (LogLidar& lidar : file.lidars) lidar.model = prepared().trainer.lidar(name_of(lidar.model));
-  for (const auto& [name, offset] : prepared().trainer.sensor_offsets()) {
-    for (LogCamera& camera : file.cameras) {
-      if (camera.model.name == name) camera.rig_from_camera = moved_by(offset, camera.rig_from_camera);
-    }
-    for (LogLidar& lidar : file.lidars) {
-      if (name_of(lidar.model) == name) lidar.rig_from_lidar = moved_by(offset, lidar.rig_from_lidar);
-    }
+  const Trainer& trainer = prepared().trainer;
+  for (LogCamera& camera : file.cameras) {
+    camera.rig_from_camera = moved_by(trainer.sensor_offsets(), camera.model.name, camera.rig_from_camera);
+  }
+  for (LogLidar& lidar : file.lidars) {
+    lidar.model = trainer.lidar(name_of(lidar.model));
+    lidar.rig_from_lidar = moved_by(trainer.sensor_offsets(), name_of(lidar.model), lidar.rig_from_lidar);
   }
   file.training = TrainingRecord{.log_name = log_.name,
                                  .log_hash = log_hash_,
