@@ -13,6 +13,7 @@
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/returns_near.hpp"
+#include "optim/eval/scene_sensors.hpp"
 #include "optim/eval/score_sums.hpp"
 #include "optim/eval/sweep_pair.hpp"
 #include "optim/init/initialize_actors.hpp"
@@ -74,30 +75,13 @@ bool same_path(const Trajectory& a, const Trajectory& b) {
                     });
 }
 
-/// The log with its sensors where the scene has them, and the log that the scene was trained on along the
-/// scene's path: training may have learned better.
-Log with_sensors_of(const SceneFile& scene, bool trained_on, Log log) {
+/// The log as the scene knows it: its sensors, and for the log that it was trained on its path. Training may
+/// have learned better.
+Log as_known_by(const SceneFile& scene, bool trained_on, Log log) {
   if (trained_on && !same_path(scene.world_from_rig, log.world_from_rig)) {
     log = on_path(std::move(log), scene.world_from_rig);
   }
-  for (LogCamera& camera : log.cameras) {
-    const LogCamera* const known = scene.find_camera(camera.model.name);
-    if (known != nullptr) camera.rig_from_camera = known->rig_from_camera;
-  }
-  for (LogLidar& lidar : log.lidars) {
-    const LogLidar* const known = scene.find_lidar(name_of(lidar.model));
-    if (known == nullptr) continue;
-    lidar.rig_from_lidar = known->rig_from_lidar;
-    const double farthest_m = range_max(known->model);
-    std::visit([&](auto& model) { model.range_max = farthest_m; }, lidar.model);
-    auto* const model = std::get_if<Lidar>(&lidar.model);
-    if (model == nullptr) continue;
-    const Lidar& trained = known->with_rows();
-    model->blind = trained.blind;
-    const std::size_t rows = std::min(model->rows.size(), trained.rows.size());
-    for (std::size_t row = 0; row < rows; ++row) model->rows[row].range_bias = trained.rows[row].range_bias;
-  }
-  return log;
+  return with_sensors_of(scene, std::move(log));
 }
 
 const EvalOptions& checked(const EvalOptions& options) {
@@ -330,7 +314,7 @@ Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const Eva
     : scene_(std::move(scene)),
       options_(checked(options)),
       frames_(select_eval_frames(log, scene_, options)),
-      log_(with_sensors_of(scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log))),
+      log_(as_known_by(scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log))),
       on_device_(device, borrowed(scene_.scene), options.render) {}
 
 Camera Evaluation::camera(const ImageFrame& frame) const {

@@ -7,6 +7,7 @@
 
 #include "host/render/scene/scene_on_device.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/scene_sensors.hpp"
 #include "optim/eval/sweep_pair.hpp"
 
 namespace simuli {
@@ -120,16 +121,9 @@ class Recorder {
            const SceneFile& scene,
            const FrameSelection& frames,
            const RenderOptions& render)
-      : log_(log), frames_(frames), on_device_(device, borrowed(scene.scene), render) {
-    // Training may have learned where sensors sit.
-    for (LogCamera& camera : log_.cameras) {
-      if (const LogCamera* const known = scene.find_camera(camera.model.name))
-        camera.rig_from_camera = known->rig_from_camera;
-    }
-    for (LogLidar& lidar : log_.lidars) {
-      if (const LogLidar* const known = scene.find_lidar(name_of(lidar.model)))
-        lidar.rig_from_lidar = known->rig_from_lidar;
-    }
+      : log_(with_sensors_of(scene, log)),
+        frames_(frames),
+        on_device_(device, borrowed(scene.scene), render) {
     record_->actors = scene.scene.actors;
   }
 
