@@ -271,7 +271,7 @@ std::vector<DriveRow> run_drives(const std::string& device_request,
                                  const Note& note) {
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   std::vector<Drive> drives;
   for (const std::string& text : options.drives) {
     // Drives of one name are no obstacle to each other's import.

@@ -111,7 +111,7 @@ std::vector<Row> run_actors(const std::string& device_request,
                             const Note& note) {
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   const StreetCar car;
   const Log log = record(options, scratch.path() / "street", &car);
   std::vector<Row> rows;

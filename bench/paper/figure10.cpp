@@ -126,7 +126,7 @@ std::vector<Row> run_figure10(const std::string& device_request,
                               const Note& note) {
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   const Recording recording = record(options, scratch.path());
   note(fmt::format("recorded {} sweeps", recording.log.sweeps.size()));
   struct Variant {

@@ -63,7 +63,7 @@ std::vector<Row> run_figure11(const std::string& device_request,
                               const Note& note) {
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   const Log log = record(options, scratch.path());
   note(fmt::format("recorded {} frames at {} m/s and {} degrees/s",
                    options.frames,

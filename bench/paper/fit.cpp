@@ -1,25 +1,10 @@
 #include "bench/paper/fit.hpp"
 
-#include <stdlib.h>
 #include <utility>
 
-#include "host/base/error.hpp"
 #include "io/picture/image.hpp"
 
 namespace simuli::bench {
-
-ScratchFolder::ScratchFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "simuli-bench-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    throw_input_error(pattern, "temporary folder", "one that can't be made", "a writable place (TMPDIR)");
-  }
-  path_ = pattern;
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;  // a destructor does not throw; what is left lies in the temporary folder
-  std::filesystem::remove_all(path_, ignored);
-}
 
 void write_frames(const Log& log, const Street& street) {
   for (const ImageFrame& f : log.images) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/runtime/device.hpp"
+#include "io/base/scratch_folder.hpp"
 #include "io/log/log.hpp"
 #include "io/synth/street.hpp"
 #include "optim/eval/evaluation.hpp"
@@ -14,21 +15,6 @@ namespace simuli::bench {
 
 /// Says one line to whoever waits.
 using Note = std::function<void(const std::string&)>;
-
-/// A new folder below the temporary one, removed with all that is in it. Error{kInput} when it can't be made.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ScratchFolder(ScratchFolder&&) = delete;
-  ScratchFolder& operator=(ScratchFolder&&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Pictures and sweeps of the street for each frame of `log`, into its folder, each by the sensor of that
 /// name.

@@ -151,7 +151,7 @@ class SupportBesideErrors {
 ShiftResult run_shift(const std::string& device_request, const ShiftOptions& options, const Note& note) {
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   StreetOptions street;
   street.output = scratch.path() / "street.log";
   const Log log = synth_street(street);

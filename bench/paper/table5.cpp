@@ -76,7 +76,7 @@ std::vector<Row> run_table5(const std::string& device_request,
                             const Note& note) {
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   Log log;
   if (options.log.empty()) {
     StreetOptions street;

@@ -181,7 +181,7 @@ std::vector<Row> run_table8(const std::string& device_request,
   // Profiling keeps every event: a device of its own, not the one that trains.
   const Device profiled = Device::best(device_request, {.profiling = true});
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   Log log;
   if (options.log.empty()) {
     StreetOptions street;

@@ -127,7 +127,7 @@ std::vector<Row> run_training(const std::string& device_request,
                               const Note& note) {
   const Device device = Device::best(device_request, {.profiling = true});
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
-  const ScratchFolder scratch;
+  const ScratchFolder scratch("simuli_bench");
   StreetOptions street;
   street.output = scratch.path() / "street.log";
   street.frames = 5;

@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <set>
 #include <spawn.h>
 #include <sys/wait.h>
-#include <system_error>
 #include <utility>
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/base/temporary.hpp"
+#include "io/base/scratch_folder.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/sensor_json.hpp"
 #include "io/picture/image.hpp"
@@ -35,28 +33,6 @@ constexpr int kVersion = 1;
                          const std::string& allowed) {
   throw_input_error("fixer " + command, field, found, allowed);
 }
-
-/// A folder of this process alone, that goes with the object.
-class OwnFolder {
- public:
-  OwnFolder() {
-    std::string name = (fs::temp_directory_path() / "simuli_fixer_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw_errno(name, "folder", "one that can be made");
-    path_ = name;
-    remove_at_end(path_);
-  }
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-  ~OwnFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-    keep_at_end(path_);
-  }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 void write_views(const fs::path& folder, const std::vector<FixerView>& views, int iteration) {
   Json list = Json::array();
@@ -130,7 +106,7 @@ std::vector<Image> read_views(const std::string& command,
 }  // namespace
 
 std::vector<Image> run_fixer(const std::string& command, const std::vector<FixerView>& views, int iteration) {
-  const OwnFolder scratch;
+  const ScratchFolder scratch("simuli_fixer");
   const fs::path in = scratch.path() / "in", out = scratch.path() / "out";
   fs::create_directory(in);
   fs::create_directory(out);
