@@ -10,6 +10,7 @@
 #include "host/support/support.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/fixer/run_fixer.hpp"
+#include "optim/points/splitmix.hpp"
 #include "optim/support/record_support.hpp"
 
 namespace simuli {
@@ -19,10 +20,8 @@ constexpr float kUnknown = -1.0F;
 
 /// In [0, 1), the same for the same numbers everywhere.
 double drawn(std::uint64_t seed, std::uint64_t view, std::uint64_t pixel) {
-  std::uint64_t z = seed * 0x9E3779B97F4A7C15ULL + (view << 40U) + pixel + 0x9E3779B97F4A7C15ULL;
-  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
-  return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1.0p-53;
+  const std::uint64_t bits = splitmix(seed * 0x9E3779B97F4A7C15ULL + (view << 40U) + pixel);
+  return static_cast<double>(bits >> 11U) * 0x1.0p-53;
 }
 
 /// With the rig that far to the left of where it was.

@@ -11,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/base/parallel.hpp"
 #include "optim/points/point_tree.hpp"
+#include "optim/points/splitmix.hpp"
 
 namespace simuli {
 namespace {
@@ -49,13 +50,6 @@ void fit_plane(const PointSet& points, const std::uint32_t* indices, std::size_t
   scene_from_local.col(2) = solver.eigenvectors().col(0);
   scene_from_local.col(1) = scene_from_local.col(2).cross(scene_from_local.col(0));
   shape.scene_from_local = Eigen::Quaterniond(scene_from_local).normalized().cast<float>();
-}
-
-std::uint64_t mix(std::uint64_t x) {  // splitmix64: every bit of the input moves half of the output's
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31U);
 }
 
 }  // namespace
@@ -160,9 +154,9 @@ std::vector<std::uint32_t> thin(std::size_t count, std::size_t limit, std::uint6
   std::iota(indices.begin(), indices.end(), 0U);
   if (count <= limit) return indices;
   // The `limit` smallest hashes: exactly that many, and a lower limit keeps a subset of a higher one.
-  const std::uint64_t salt = mix(seed);
+  const std::uint64_t salt = splitmix(seed);
   const auto by_hash = [salt](std::uint32_t a, std::uint32_t b) {
-    return std::pair{mix(a ^ salt), a} < std::pair{mix(b ^ salt), b};
+    return std::pair{splitmix(a ^ salt), a} < std::pair{splitmix(b ^ salt), b};
   };
   std::nth_element(
       indices.begin(), indices.begin() + static_cast<std::ptrdiff_t>(limit), indices.end(), by_hash);
