@@ -10,6 +10,7 @@
 
 #include "bench/peers/embree_tracer.hpp"
 #include "cl/shared/layout.h"
+#include "cl/shared/sensor_constants.h"
 
 namespace simuli::bench {
 namespace embree {
@@ -66,12 +67,12 @@ struct EmbreeTracer::State {
   State& operator=(const State&) = delete;
 
   [[nodiscard]] const float* row(std::size_t r) const { return values.data() + r * padded; }
-  void prepare_block(std::size_t i, const Constants& constants);
-  void bound_block(std::size_t i, const Constants& constants);
+  void prepare_block(std::size_t i, const embree::Constants& constants);
+  void bound_block(std::size_t i, const embree::Constants& constants);
   void new_scene();
   void trace_packet(const TracedRays& rays,
                     std::size_t first,
-                    const Constants& constants,
+                    const embree::Constants& constants,
                     bool moving,
                     TracedResults& results) const;
 

@@ -15,6 +15,7 @@
 #include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
 #include "host/render/rays/ray_grid.hpp"
+#include "host/render/rays/sensor_in_frame.hpp"
 #include "host/scene/particle_street.hpp"
 #include "host/sensors/lidar_library.hpp"
 

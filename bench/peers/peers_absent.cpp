@@ -8,7 +8,7 @@ namespace {
 [[noreturn]] void throw_absent() {
   throw Error(ErrorKind::kUsage,
               "bench --peers: found a build without Embree, allowed one with: install Embree 3 (Debian 12: "
-              "libembree-dev), configure with cmake -DSIMULI_PEERS=ON, build again");
+              "libembree-dev), configure and build again");
 }
 
 }  // namespace
