@@ -116,6 +116,7 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
                                         {"relocated", r.relocated},
                                         {"grown", r.grown},
                                         {"pruned", r.pruned},
+                                        {"row_ranges_m", r.row_ranges_m},
                                         {"lidar_cells", init.lidar_cells},
                                         {"lidar_thinned", init.lidar_thinned},
                                         {"anchor_m", r.anchor_m},
@@ -130,50 +131,52 @@ void print_report(const TrainingReport& report, const TrainCommand& command, boo
     std::cout << json_text(out) << '\n';
     return;
   }
-  std::cout << fmt::format("scene {}\n  {} iterations on {} images and {} sweeps, {:.1f} s + {:.1f} s\n",
-                           command.output,
-                           r.last.iteration,
-                           r.images,
-                           r.sweeps,
-                           init.seconds,
-                           r.seconds)
-            << stages_text(r.stages) << path_text(path)
-            << (found.sweeps == 0
-                    ? ""
-                    : fmt::format(
-                          "  {} moving things found in {:.1f} s, with {} of {} returns that moved; {} of "
-                          "them have no label, {} labels go on where they had ended\n",
-                          found.actors,
-                          found.seconds,
-                          found.moving_on_actors,
-                          found.moving_returns,
-                          found.added,
-                          found.continued))
-            << fmt::format(
-                   "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
-                   "there), LiDAR set {} particles ({} of them on actors' surfaces that return nothing)\n",
-                   r.camera_particles,
-                   init.shell_particles,
-                   init.filled_particles,
-                   r.lidar_particles,
-                   init.dark_points)
-            << fmt::format(
-                   "  {} relocated, {} new, {} pruned; anchors {:.1f} cm away; share of the time: anchoring "
-                   "{:.1f} %, densification {:.1f} %\n",
-                   r.relocated,
-                   r.grown,
-                   r.pruned,
-                   100.0 * r.anchor_m,
-                   100.0 * r.anchor_seconds / r.seconds,
-                   100.0 * r.densify_seconds / r.seconds)
-            << fmt::format(
-                   "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
-                   "camera set, {} that no image saw, {} that none shows apart from others\n",
-                   init.moving_points,
-                   init.lidar_thinned,
-                   init.camera_thinned,
-                   init.unseen_points,
-                   init.joined_points);
+  std::cout
+      << fmt::format("scene {}\n  {} iterations on {} images and {} sweeps, {:.1f} s + {:.1f} s\n",
+                     command.output,
+                     r.last.iteration,
+                     r.images,
+                     r.sweeps,
+                     init.seconds,
+                     r.seconds)
+      << stages_text(r.stages) << path_text(path)
+      << (found.sweeps == 0
+              ? ""
+              : fmt::format("  {} moving things found in {:.1f} s, with {} of {} returns that moved; {} of "
+                            "them have no label, {} labels go on where they had ended\n",
+                            found.actors,
+                            found.seconds,
+                            found.moving_on_actors,
+                            found.moving_returns,
+                            found.added,
+                            found.continued))
+      << fmt::format(
+             "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
+             "there), LiDAR set {} particles ({} of them on actors' surfaces that return nothing)\n",
+             r.camera_particles,
+             init.shell_particles,
+             init.filled_particles,
+             r.lidar_particles,
+             init.dark_points)
+      << fmt::format(
+             "  {} relocated, {} new, {} pruned; ranges of rows corrected by up to {:.1f} cm; anchors {:.1f} "
+             "cm away; share of the time: anchoring "
+             "{:.1f} %, densification {:.1f} %\n",
+             r.relocated,
+             r.grown,
+             r.pruned,
+             100.0 * r.row_ranges_m,
+             100.0 * r.anchor_m,
+             100.0 * r.anchor_seconds / r.seconds,
+             100.0 * r.densify_seconds / r.seconds)
+      << fmt::format(
+             "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
+             "camera set, {} that no image saw, {} that none shows apart from others\n",
+             init.moving_points,
+             init.lidar_thinned,
+             init.camera_thinned,
+             init.unseen_points,
+             init.joined_points);
 }
 
 /// With what held-out frames say; of all frames when none was held out.

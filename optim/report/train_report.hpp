@@ -33,7 +33,8 @@ struct TrainReport {
   std::uint64_t relocated = 0;  // dead particles of both sets, put where the error is
   std::uint64_t grown = 0;      // particles of both sets that came new
   std::uint64_t pruned = 0;     // LiDAR particles that no training sweep needed
-  double anchor_m = 0.0;        // mean distance of anchored camera particles seen last
+  double row_ranges_m = 0.0;  // largest correction of a row's range that training has found; prune.row_ranges
+  double anchor_m = 0.0;      // mean distance of anchored camera particles seen last
   double anchor_seconds = 0.0;
   double densify_seconds = 0.0;
   std::uint32_t rejected_gradients = 0;  // entries that were not finite and moved nothing; 0 in good order

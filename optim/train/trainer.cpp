@@ -102,6 +102,20 @@ void add_range_biases(StateList& list, const Log& log, TruthCache& truth) {
   }
 }
 
+/// m, largest difference of a row's range bias to the log's.
+double largest_correction_m(const Log& log, const TruthCache& truth) {
+  double largest_m = 0.0;
+  for (const LogLidar& lidar : log.lidars) {
+    const auto* const stated = std::get_if<Lidar>(&lidar.model);
+    if (stated == nullptr) continue;
+    const std::vector<LidarRow>& found = std::get<Lidar>(truth.lidar(stated->name)).rows;
+    for (std::size_t row = 0; row < found.size(); ++row) {
+      largest_m = std::max(largest_m, std::abs(found[row].range_bias - stated->rows[row].range_bias));
+    }
+  }
+  return largest_m;
+}
+
 /// What has been learned of the actors' tracks.
 void add_tracks(StateList& list, std::vector<Actor>& actors) {
   list.add_numbers(
@@ -214,6 +228,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   report.lidar_particles = lidar_.particles.count;
   structure_.report(report);
   report.pruned = pruned_;
+  report.row_ranges_m = largest_correction_m(log_, truth_);
   report.rejected_gradients = camera_.adam.rejected() + lidar_.adam.rejected() + look_.rejected();
   report.unsound_particles = (camera_.particles.count - finite_ones(camera_.particles.download()).size()) +
                              (lidar_.particles.count - finite_ones(lidar_.particles.download()).size());

@@ -97,19 +97,22 @@ void add_training(HtmlReport& html, const TrainedReport& trained) {
   const TrainReport& r = trained.report.train;
   const TrainHistory& h = trained.history;
   html.heading("Training");
-  html.paragraph(
-      fmt::format("{} iterations on {} pictures and {} sweeps: {} for the start, {} for the training. {} "
-                  "camera particles and {} "
-                  "LiDAR particles at the end; {} relocated, {} new.",
-                  r.last.iteration,
-                  r.images,
-                  r.sweeps,
-                  format_duration(trained.report.init.seconds),
-                  format_duration(r.seconds),
-                  count_text(r.camera_particles),
-                  count_text(r.lidar_particles),
-                  r.relocated,
-                  r.grown));
+  html.paragraph(fmt::format(
+      "{} iterations on {} pictures and {} sweeps: {} for the start, {} for the training. {} "
+      "camera particles and {} "
+      "LiDAR particles at the end; {} relocated, {} new, {} pruned. Ranges of LiDARs' rows corrected by up "
+      "to {:.1f} cm.",
+      r.last.iteration,
+      r.images,
+      r.sweeps,
+      format_duration(trained.report.init.seconds),
+      format_duration(r.seconds),
+      count_text(r.camera_particles),
+      count_text(r.lidar_particles),
+      r.relocated,
+      r.grown,
+      r.pruned,
+      100.0 * r.row_ranges_m));
   for (const std::string& line : r.warnings) html.paragraph("Warning: " + line);
   const char* const x = "iteration";
   html.chart("PSNR of training pictures, dB", x, {{"PSNR", h.iteration, h.psnr_db}});

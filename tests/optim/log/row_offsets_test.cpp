@@ -96,13 +96,15 @@ TEST_F(TrainedRanges, WrongOnesOfRowsAreTakenBack) {
   o.train.lidar_every = 1;
   o.train.prune = {.weight = 1e-6, .first = 0, .times = 4, .last_share = 0.8};
   Trainer trainer(Device::best(), log, initial_scene(), o);
-  (void)trainer.run();
+  const TrainReport report = trainer.run();
   EXPECT_LT(spread_m(trainer.lidar(lidar.name)), 0.02);
+  EXPECT_GT(report.row_ranges_m, 0.02);
+  EXPECT_LT(report.row_ranges_m, 0.15);
   EXPECT_NEAR(spread_m(lidar), 0.06, 1e-9);
 
   o.train.prune.row_ranges = false;
   Trainer without(Device::best(), log, initial_scene(), o);
-  (void)without.run();
+  EXPECT_EQ(without.run().row_ranges_m, 0.0);
   EXPECT_NEAR(spread_m(without.lidar(lidar.name)), 0.06, 1e-9);
 }
 
