@@ -127,6 +127,20 @@ simuli_status simuli_frame_points(const simuli_frame* frame, double* xyz, size_t
   });
 }
 
+simuli_status simuli_frame_support(simuli_scene* scene,
+                                   const simuli_frame* frame,
+                                   float* values,
+                                   size_t count) {
+  return guarded([&] {
+    simuli_scene& of = need(scene, "scene");
+    const Frame& asked = need(frame, "frame").frame;
+    need_length("count", count, asked.sensor().ray_count());
+    if (!of.support) of.support.emplace(of.on_device.device(), of.file.support);
+    const std::vector<float> found = of.support->of(asked, of.on_device.scene(), of.copies);
+    std::copy(found.begin(), found.end(), &need(values, "values"));
+  });
+}
+
 simuli_status simuli_frame_gradients(simuli_scene* scene,
                                      const simuli_frame* frame,
                                      const float* feature,

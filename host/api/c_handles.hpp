@@ -4,6 +4,7 @@
 #include <exception>
 #include <fmt/format.h>
 #include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "host/api/simuli.h"
 #include "host/base/error.hpp"
 #include "host/render/scene/scene_on_device.hpp"
+#include "host/support/support.hpp"
 #include "io/scene/sensor_rig.hpp"
 
 struct simuli_device {
@@ -23,6 +25,8 @@ struct simuli_scene {
   simuli::SceneFile file;  // its scene is empty: on_device has it
   simuli::RenderOptions options;
   simuli::SceneOnDevice on_device;
+  simuli::ActorCopies copies;                      // of actors that it was opened with
+  std::optional<simuli::SupportOnDevice> support;  // when first asked for
 };
 
 struct simuli_frame {

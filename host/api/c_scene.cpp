@@ -44,7 +44,8 @@ simuli_status simuli_scene_open(const simuli_device* device, const char* folder,
     SceneFile file = read_scene(&need(folder, "folder"));
     SensorRig rig(file);
     SceneOnDevice on_device(on, std::exchange(file.scene, {}));
-    out = new simuli_scene{std::move(rig), std::move(file), on_device.options(), std::move(on_device)};
+    out = new simuli_scene{
+        std::move(rig), std::move(file), on_device.options(), std::move(on_device), {}, std::nullopt};
   });
 }
 
@@ -195,7 +196,10 @@ simuli_status simuli_scene_edit(simuli_scene* scene, const simuli_edit* edit) {
     const simuli_edit& wanted = need(edit, "edit");
     if (wanted.kind == SIMULI_DUPLICATE) {
       const std::string name = &need(wanted.new_name, "new_name");
-      change(need(scene, "scene"), [&](Scene& s) { duplicate_actor(s, &need(wanted.actor, "actor"), name); });
+      const std::string actor = &need(wanted.actor, "actor");
+      change(need(scene, "scene"), [&](Scene& s) { duplicate_actor(s, actor, name); });
+      const auto original = scene->copies.find(actor);
+      scene->copies[name] = original == scene->copies.end() ? actor : original->second;
       return;
     }
     const ActorEdit one = edit_of(wanted);

@@ -265,6 +265,11 @@ simuli_status simuli_frame_values(const simuli_frame* frame,
 /* [rays][3] in the world, m, of a LiDAR; of rays without a return their origins. */
 simuli_status simuli_frame_points(const simuli_frame* frame, double* xyz, size_t count);
 
+/* [rows][columns]: how well what a frame of the scene shows is known, from 0 (no recorded frame saw it) to 1: the share
+ * of pixels alike that are within 0.05 of the truth, of LiDAR rays alike that return within 2 cm of it or rightly don't.
+ * SIMULI_USAGE when the scene keeps nothing to tell it from: trained before there was support, or not at all. Waits. */
+simuli_status simuli_frame_support(simuli_scene* scene, const simuli_frame* frame, float* values, size_t count);
+
 /* ---- Particles and gradients ---- */
 
 /* values[columns][rows], a column per parameter: mean, log scale, rotation w x y z, opacity logit, SH coefficients.

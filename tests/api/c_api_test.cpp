@@ -344,6 +344,9 @@ TEST_F(CApi, SaysWhatIsWrong) {
   float one = 0.0F;
   expect_error(simuli_frame_values(picture, SIMULI_RGB, &one, 1), SIMULI_USAGE, "found 1, allowed 576");
   expect_error(simuli_frame_values(picture, SIMULI_RANGE, &one, 1), SIMULI_USAGE, "LiDAR");
+  std::vector<float> known(576 / 3);
+  expect_error(simuli_frame_support(scene_, picture, &one, 1), SIMULI_USAGE, "found 1, allowed 192");
+  expect_error(simuli_frame_support(scene_, picture, known.data(), known.size()), SIMULI_USAGE, "support");
   simuli_sensor sensor{};
   expect_error(simuli_scene_sensor(scene_, 2, &sensor), SIMULI_USAGE, "index: found 2");
   simuli_scene_close(nullptr);

@@ -100,10 +100,37 @@ TEST_F(CTraining, GivesTheSameSceneAndTheSameNumbers) {
   EXPECT_EQ(found.drop_precision, report.lidar.drop_precision);
   EXPECT_EQ(found.images, 1U);
   EXPECT_EQ(found.is_held_out, 1);
-  // The settings of a comparison choose its frames: the last quarter of the path, part of which was trained on.
+
+  // How well a frame is known.
+  simuli_scene* opened = nullptr;
+  ASSERT_EQ(simuli_scene_open(device_, scene.c_str(), &opened), SIMULI_OK) << simuli_error();
+  const SceneFile file = read_scene(scene);
+  SceneOnDevice on_device(device, file.scene);
+  SupportOnDevice support(device, file.support);
+  const SensorRig rig(file);
+  for (const char* name : {"front", "velodyne_vlp16"}) {
+    simuli_shot shot{};
+    simuli_frame* frame = nullptr;
+    const Sensor sensor = rig.find(name);
+    ASSERT_EQ(simuli_scene_shot(opened, name, 0.2, 0.2 + sensor.duration_s(), &shot), SIMULI_OK)
+        << simuli_error();
+    ASSERT_EQ(simuli_render(opened, name, &shot, nullptr, &frame), SIMULI_OK) << simuli_error();
+    std::vector<float> values(sensor.ray_count());
+    EXPECT_EQ(simuli_frame_support(opened, frame, values.data(), values.size() - 1), SIMULI_USAGE);
+    ASSERT_EQ(simuli_frame_support(opened, frame, values.data(), values.size()), SIMULI_OK) << simuli_error();
+    const Frame rendered = on_device.render(sensor, Shot::along(file.world_from_rig, sensor, 0.2));
+    EXPECT_EQ(values, support.of(rendered, file.scene)) << name;
+    EXPECT_GT(*std::max_element(values.begin(), values.end()), 0.0F) << name;
+    simuli_frame_close(frame);
+  }
+  simuli_scene_close(opened);
+
+  // The settings of a comparison choose its frames: the last quarter of the path, part of which was trained
+  // on.
   const char* const end[] = {"held_out_last=0.25"};
   const simuli_options of_end{nullptr, end, 1};
-  ASSERT_EQ(simuli_evaluate(device_, scene.c_str(), log_.c_str(), &of_end, &found), SIMULI_OK) << simuli_error();
+  ASSERT_EQ(simuli_evaluate(device_, scene.c_str(), log_.c_str(), &of_end, &found), SIMULI_OK)
+      << simuli_error();
   EXPECT_EQ(found.is_held_out, 0);
   EXPECT_GT(found.images, 0U);
 }
