@@ -49,6 +49,8 @@ void eval(EvalCommand command, const Globals& globals) {
                              evaluation.scene().training->log_hash,
                              frames.label());
   }
+  std::optional<EvalSupport> support;  // first: a scene may have none, and be refused
+  if (command.support) support = eval_support(evaluation);
   const EvalReport report = run_evaluation(evaluation, globals);
   if (!command.report.empty()) {
     write_report(command.report,
@@ -58,8 +60,6 @@ void eval(EvalCommand command, const Globals& globals) {
                  evaluation,
                  report);
   }
-  std::optional<EvalSupport> support;
-  if (command.support) support = eval_support(evaluation);
   print_eval(report, evaluation.scene(), globals.json, support ? &*support : nullptr);
 }
 
