@@ -112,7 +112,7 @@ py::object array_of(const Pose& a_from_b) {
 }
 
 void add_arrays(py::module_& m) {
-  py::class_<View>(m, "View", py::buffer_protocol(), "Memory of the library's, for NumPy.")
+  py::class_<View>(m, "_View", py::buffer_protocol(), "Memory of the library's, for NumPy.")
       .def_buffer([](const View& view) {
         return py::buffer_info(const_cast<void*>(view.data),
                                view.item_bytes,

@@ -128,17 +128,23 @@ void add_frames(py::module_& m) {
       "Frame",
       "What a sensor saw. Arrays are float32 [rows, columns], read-only, the frame's own memory: pixels of a "
       "picture, beams x firings of a sweep. Asking for one waits for the device.");
-  frame.def_property_readonly("sensor", [](const PyFrame& f) { return f.frame().sensor(); })
-      .def_property_readonly("is_ready",
-                             [](const PyFrame& f) {
-                               const Turn turn = f.turn();
-                               return f.frame().is_ready();
-                             })
-      .def("wait",
-           [](const PyFrame& f) {
-             const Turn turn = f.turn();
-             f.frame().wait();
-           })
+  frame
+      .def_property_readonly(
+          "sensor", [](const PyFrame& f) { return f.frame().sensor(); }, "what saw it")
+      .def_property_readonly(
+          "is_ready",
+          [](const PyFrame& f) {
+            const Turn turn = f.turn();
+            return f.frame().is_ready();
+          },
+          "whether its results can be had without waiting")
+      .def(
+          "wait",
+          [](const PyFrame& f) {
+            const Turn turn = f.turn();
+            f.frame().wait();
+          },
+          "Until the device has made it.")
       .def(
           "fetch",
           [](const PyFrame& f) {

@@ -300,7 +300,11 @@ void add_rendering(py::class_<PyScene>& scene) {
            &PyScene::particles,
            py::arg("lidar") = false,
            "float32 [N, 11 + 3 K]: mean, log scale, rotation w x y z, opacity logit, SH coefficients.")
-      .def("set_particles", &PyScene::set_particles, py::arg("params"), py::arg("lidar") = false)
+      .def("set_particles",
+           &PyScene::set_particles,
+           py::arg("params"),
+           py::arg("lidar") = false,
+           "Those of particles() from now on; another number of them only where no actor has any.")
       .def("gradients",
            &PyScene::gradients,
            py::arg("frame"),
@@ -331,13 +335,19 @@ void add_scenes(py::module_& m) {
            py::arg("quality") = "",
            py::arg("settings") = std::vector<std::string>{},
            "quality: draft, balanced, exact or reference; settings: \"render.KEY=VALUE\".")
-      .def_property_readonly("device", [](const PyScene& s) { return s.device().device.info().label(); })
+      .def_property_readonly(
+          "device",
+          [](const PyScene& s) { return s.device().device.info().label(); },
+          "the name of the one that it is on")
       .def_property_readonly(
           "cameras", [](const PyScene& s) { return s.sensors(true); }, "name -> Sensor")
       .def_property_readonly(
           "lidars", [](const PyScene& s) { return s.sensors(false); }, "name -> Sensor")
       .def(
-          "add_sensor", [](PyScene& s, const Sensor& sensor) { s.rig().add(sensor); }, py::arg("sensor"))
+          "add_sensor",
+          [](PyScene& s, const Sensor& sensor) { s.rig().add(sensor); },
+          py::arg("sensor"),
+          "Makes it one of the scene's, to be rendered by its name.")
       .def_property_readonly(
           "span",
           [](const PyScene& s) { return std::pair(s.path().start_s(), s.path().end_s()); },
@@ -375,7 +385,8 @@ void add_scenes(py::module_& m) {
             s.change([&](Scene& scene_) { duplicate_actor(scene_, actor, as); });
           },
           py::arg("actor"),
-          py::arg("new_name"))
+          py::arg("new_name"),
+          "The same once more, at the same place until it is edited.")
       .def(
           "add_actor",
           [](PyScene& s, const PyScene& other, const std::string& actor, const std::string& as) {
@@ -386,7 +397,7 @@ void add_scenes(py::module_& m) {
           py::arg("actor"),
           py::arg("new_name"),
           "An actor of another scene, with its particles and its track.")
-      .def("save", &PyScene::save, py::arg("folder"));
+      .def("save", &PyScene::save, py::arg("folder"), "Writes the scene as it is now.");
   add_rendering(scene);
 }
 

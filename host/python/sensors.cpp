@@ -96,14 +96,18 @@ PyDevice device_of(const py::object& device) {
 }
 
 void add_devices(py::module_& m) {
-  m.def("devices", [] {
-    std::vector<std::string> names;
-    for (const DeviceInfo& info : Device::list()) names.push_back(info.label());
-    return names;
-  });
+  m.def(
+      "devices",
+      [] {
+        std::vector<std::string> names;
+        for (const DeviceInfo& info : Device::list()) names.push_back(info.label());
+        return names;
+      },
+      "The OpenCL devices of this machine, by the names that Device() takes.");
   py::class_<PyDevice>(m, "Device", "An OpenCL device; its calls take turns, without the GIL.")
       .def(py::init([](const std::string& request) { return device_of(py::str(request)); }),
-           py::arg("request") = "")
+           py::arg("request") = "",
+           "The best one, or the one whose name has the request in it.")
       .def_static(
           "adopt",
           [](const py::object& context, const py::object& queue) {
@@ -113,25 +117,41 @@ void add_devices(py::module_& m) {
           py::arg("context"),
           py::arg("queue"),
           "Works on a context and in-order queue of the caller's: pyopencl's, or their int_ptr.")
-      .def_property_readonly("name", [](const PyDevice& d) { return d.device.info().label(); });
+      .def_property_readonly(
+          "name", [](const PyDevice& d) { return d.device.info().label(); }, "platform and device");
 }
 
 void add_sensors(py::module_& m) {
   py::class_<Sensor>(m, "Sensor", "A camera or a LiDAR.")
-      .def_property_readonly("name", &Sensor::name)
-      .def_property_readonly("is_camera", &Sensor::is_camera)
-      .def_property_readonly("shape", [](const Sensor& s) { return py::make_tuple(s.rows(), s.columns()); })
-      .def_property_readonly("duration_s", &Sensor::duration_s)
-      .def_property_readonly("rig_from_sensor", [](const Sensor& s) { return array_of(s.rig_from_sensor()); })
-      .def("named", &Sensor::named, py::arg("name"))
-      .def("resized", &Sensor::resized, py::arg("width"), py::arg("height"))
-      .def("with_duration", &Sensor::with_duration, py::arg("duration_s"))
+      .def_property_readonly("name", &Sensor::name, "what scenes and files call it")
+      .def_property_readonly("is_camera", &Sensor::is_camera, "or a LiDAR")
+      .def_property_readonly(
+          "shape",
+          [](const Sensor& s) { return py::make_tuple(s.rows(), s.columns()); },
+          "(height, width) of pictures, (beams, firings) of sweeps")
+      .def_property_readonly(
+          "duration_s", &Sensor::duration_s, "of a frame, from its first row or column to its last, s")
+      .def_property_readonly(
+          "rig_from_sensor",
+          [](const Sensor& s) { return array_of(s.rig_from_sensor()); },
+          "4 x 4, its mounting")
+      .def("named", &Sensor::named, py::arg("name"), "The same by another name.")
+      .def("resized",
+           &Sensor::resized,
+           py::arg("width"),
+           py::arg("height"),
+           "A camera of the same view with other pixels.")
+      .def("with_duration",
+           &Sensor::with_duration,
+           py::arg("duration_s"),
+           "The same whose frames take so long, s.")
       .def(
           "mounted",
           [](const Sensor& s, const py::object& mount) {
             return s.mounted(pose_of(mount, "rig_from_sensor"));
           },
-          py::arg("rig_from_sensor"));
+          py::arg("rig_from_sensor"),
+          "The same at another place on the rig: 4 x 4 or 3 x 4.");
   m.def("sensor",
         &named_sensor,
         py::arg("name"),
@@ -170,7 +190,8 @@ void add_sensors(py::module_& m) {
       [](const std::string& actor) {
         return ActorEdit{actor, ActorEdit::Remove{}};
       },
-      py::arg("actor"));
+      py::arg("actor"),
+      "It is gone.");
   m.def("move", &move, py::arg("actor"), py::arg("by_m"), "Forward, left, up in its own frame.");
   m.def(
       "turn",
@@ -189,7 +210,12 @@ void add_sensors(py::module_& m) {
       py::arg("rate") = 1.0,
       py::arg("delay_s") = 0.0,
       "Its track rate times as fast, delay_s later.");
-  m.def("retrack", &retrack, py::arg("actor"), py::arg("times_s"), py::arg("world_from_actor"));
+  m.def("retrack",
+        &retrack,
+        py::arg("actor"),
+        py::arg("times_s"),
+        py::arg("world_from_actor"),
+        "Where it is instead: [n] times and [n, 4, 4] poses; between them by interpolation.");
 }
 
 }  // namespace simuli::python

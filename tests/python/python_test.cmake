@@ -13,6 +13,13 @@ set(ENV{PYTHONPATH} ${MODULE})
 if(PRELOAD)
   set(ENV{LD_PRELOAD} "${PRELOAD}")
 endif()
+execute_process(COMMAND ${PYTHON} ${SOURCE}/stub_test.py COMMAND_ERROR_IS_FATAL ANY)
+# The program beside the module.
+execute_process(COMMAND ${PYTHON} -m simuli --version OUTPUT_VARIABLE beside COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${PROGRAM} --version OUTPUT_VARIABLE version COMMAND_ERROR_IS_FATAL ANY)
+if(NOT beside STREQUAL version)
+  message(FATAL_ERROR "python -m simuli is ${beside}, not ${version}")
+endif()
 execute_process(COMMAND ${PYTHON} ${SOURCE}/python_test.py ${WORK}/street.log ${WORK} ${PROGRAM}
   COMMAND_ERROR_IS_FATAL ANY)
 # What the pages show; the README's drive is longer, and its car has another name.

@@ -1,0 +1,17 @@
+"""python -m simuli ARGUMENTS: the program. In a wheel it lies in the package, else it is the one on the path."""
+import os
+import pathlib
+import shutil
+import sys
+
+
+def main():
+    program = pathlib.Path(__file__).parent / "bin" / "simuli"
+    found = str(program) if program.exists() else shutil.which("simuli")
+    if found is None:
+        sys.exit(f"simuli: found no program, allowed {program} or one on the path")
+    os.execv(found, ["simuli", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    main()
