@@ -100,11 +100,9 @@ class PyScene {
   }
   void edit(const ActorEdit& edit) {
     change([&](Scene& s) {
-      if (std::holds_alternative<ActorEdit::Remove>(edit.change)) {
-        remove_actor(s, edit.actor);  // and its particles
-      } else {
-        s.actors = edited(s.actors, {edit});
-      }
+      const bool removes = std::holds_alternative<ActorEdit::Remove>(edit.change);
+      if (removes) remove_actor(s, edit.actor);  // and its particles
+      if (!removes) s.actors = edited(s.actors, {edit});
     });
   }
   void save(const std::string& folder) const {
@@ -317,8 +315,7 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("frame"),
            py::arg("copies") = ActorCopies{},
            "float32 [rows, columns] in [0, 1]: how well what a frame of this scene shows is known from the "
-           "frames "
-           "that the scene was made of; 0: not at all. copies: whose copies duplicated actors are, by name.");
+           "frames that it was made of; 0: not at all. copies: whose copies duplicated actors are, by name.");
 }
 
 }  // namespace
@@ -336,9 +333,7 @@ void add_scenes(py::module_& m) {
            py::arg("settings") = std::vector<std::string>{},
            "quality: draft, balanced, exact or reference; settings: \"render.KEY=VALUE\".")
       .def_property_readonly(
-          "device",
-          [](const PyScene& s) { return s.device().device.info().label(); },
-          "the name of the one that it is on")
+          "device", [](const PyScene& s) { return s.device().device.info().label(); }, "its name")
       .def_property_readonly(
           "cameras", [](const PyScene& s) { return s.sensors(true); }, "name -> Sensor")
       .def_property_readonly(
