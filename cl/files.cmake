@@ -1,11 +1,13 @@
 # Every file of device code, relative to cl/: these are embedded in the library. One line each.
 set(SIMULI_CL_FILES
+  shared/cluster.h
   shared/layout.h
   shared/sensor_constants.h
   math/actor.h
   math/blend_bwd.h
   math/camera.h
   math/carry.h
+  math/cluster.h
   math/color_grid.h
   math/lanes.h
   math/lens_extent.h

@@ -2,23 +2,34 @@
 // Every work-item owns `chunk` consecutive elements: few work-items with long loops suit CPUs, many with
 // short ones, in groups of LS, GPUs. All orders are fixed by the input, none by scheduling.
 #include "math/lanes.h"
+#include "shared/cluster.h"
 #include "shared/layout.h"
 
+/// Where the elements of i's cluster end, of those before `last`.
+FN uint cluster_end(uint i, uint last) { return min((i / SIM_CLUSTER + 1) * SIM_CLUSTER, last); }
+
+/// in  keys[n]; live[clusters]: 0 where all keys of a cluster are those of culled particles
 /// out counts[work-items]: visible particles of each chunk.
 __kernel GROUP void visible_count(__global const uint* keys,
+                            __global const uint* live,
                             const uint n,
                             const uint chunk,
                             __global uint* counts) {
   const uint first = min((uint)get_global_id(0) * chunk, n);
   const uint last = min(first + chunk, n);
   uint count = 0;
-  for (uint i = first; i < last; ++i) count += keys[i] != 0xffffffffu;
+  for (uint i = first; i < last;) {
+    const uint end = cluster_end(i, last);
+    if (live[i / SIM_CLUSTER] == 0) i = end;
+    for (; i < end; ++i) count += keys[i] != 0xffffffffu;
+  }
   counts[get_global_id(0)] = count;
 }
 
 /// in  offsets[work-items]: exclusive prefix sum of counts
 /// out visible_keys, visible[M]: range keys and indices of the visible particles, by index
 __kernel GROUP void visible_write(__global const uint* keys,
+                            __global const uint* live,
                             const uint n,
                             const uint chunk,
                             __global const uint* offsets,
@@ -27,11 +38,15 @@ __kernel GROUP void visible_write(__global const uint* keys,
   const uint first = min((uint)get_global_id(0) * chunk, n);
   const uint last = min(first + chunk, n);
   uint place = offsets[get_global_id(0)];
-  for (uint i = first; i < last; ++i) {
-    if (keys[i] == 0xffffffffu) continue;
-    visible_keys[place] = keys[i];
-    visible[place] = i;
-    ++place;
+  for (uint i = first; i < last;) {
+    const uint end = cluster_end(i, last);
+    if (live[i / SIM_CLUSTER] == 0) i = end;
+    for (; i < end; ++i) {
+      if (keys[i] == 0xffffffffu) continue;
+      visible_keys[place] = keys[i];
+      visible[place] = i;
+      ++place;
+    }
   }
 }
 

@@ -1,4 +1,5 @@
 // project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/frame/project.cpp
+#include "math/cluster.h"
 #include "math/extent.h"
 #include "math/sh.h"
 #include "math/unscented.h"
@@ -257,13 +258,37 @@ FN I features_of(const FrameParams* frame, __global const real* params, uint i, 
   return usable;
 }
 
+/// V clusters per work-item: which of them the frame may see anything of.
+/// in  cluster_bounds[SIM_CLUSTER_ROWS][stride], cluster_actor[stride]; stride 0: nothing is known of them;
+///     actors[1 + A] with ACTORS
+/// out live[clusters]: 0 where no particle of the cluster can be visible
+__kernel void cull_clusters(const FrameParams frame,
+                            __global const real* cluster_bounds,
+                            __global const uint* cluster_actor,
+                            __global const ActorConstants* actors,
+                            __global const SensorConstants* sensor,
+                            const uint cluster_stride,
+                            __global uint* live) {
+  const uint clusters = (frame.particles + SIM_CLUSTER - 1) / SIM_CLUSTER;
+  const uint i = get_global_id(0) * V;
+  if (i >= clusters) return;
+  real kept[V];
+  STV(kept, (F)R(1.0));
+  if (cluster_stride > 0) {
+    const I seen = cluster_may_be_seen(&frame, sensor, cluster_bounds, cluster_actor, actors, cluster_stride, i);
+    STV(kept, SEL(seen, (F)R(1.0), (F)R(0.0)));
+  }
+  for (uint lane = 0; lane < V && i + lane < clusters; ++lane) live[i + lane] = kept[lane] > R(0.5) ? 1 : 0;
+}
+
 /// V particles per work-item: visibility, box, features, record.
-/// in  params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; LiDAR only:
+/// in  live[clusters] of cull_clusters; params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
 ///     column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with PROJECTION_MONTE_CARLO; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
 ///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
+                      __global const uint* live,
                       __global const real* params,
                       __global const uint* actor_of,
                       __global const ActorConstants* actors,
@@ -282,6 +307,10 @@ __kernel void project(const FrameParams frame,
   const uint i = get_global_id(0) * V;
   if (i >= frame.particles) return;
   const uint lanes = min((uint)V, frame.particles - i);
+  if (live[i / SIM_CLUSTER] == 0) {
+    for (uint lane = 0; lane < lanes; ++lane) keys[i + lane] = 0xffffffffu;
+    return;
+  }
 
   Gaussian g;
   load_gaussian(params, actor_of, actors, frame.stride, i, sensor, &g);

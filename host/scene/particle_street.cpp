@@ -31,9 +31,8 @@ struct Patch {
   Eigen::Vector3d normal;
 };
 
-Patch draw(Random& random) {
-  constexpr double kHalfLength = 90.0;
-  const double x = random.uniform(-kHalfLength, kHalfLength);
+Patch draw(Random& random, double length_m) {
+  const double x = random.uniform(-0.5 * length_m, 0.5 * length_m);
   const double kind = random.uniform(0.0, 1.0);
   const double side = random.uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0;
   if (kind < 0.40) return {{x, random.uniform(-10.0, 10.0), 0.0}, Eigen::Vector3d::UnitZ()};
@@ -54,11 +53,11 @@ Patch draw(Random& random) {
 }  // namespace
 
 GaussianSet street_particles(
-    SetKind kind, int sh_degree, Eigen::Index count, std::uint64_t seed, StreetOrder order) {
+    SetKind kind, int sh_degree, Eigen::Index count, std::uint64_t seed, StreetOrder order, double length_m) {
   GaussianSet set(kind, sh_degree, count);
   Random random(seed);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Patch patch = draw(random);
+    const Patch patch = draw(random, length_m);
     const Eigen::Quaterniond turn =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), patch.normal);
     set.mean().row(i) = patch.position.cast<float>();

@@ -12,12 +12,13 @@ namespace simuli {
 enum class StreetOrder { kCoherent, kShuffled };
 
 /// A street of `count` flattened Gaussians: road and pavements, two rows of facades, boxes and poles,
-/// 180 m long, scales of 3 to 15 cm, opacities 0.1 to 0.95. The same bits for the same arguments.
+/// `length_m` long, scales of 3 to 15 cm, opacities 0.1 to 0.95. The same bits for the same arguments.
 [[nodiscard]] GaussianSet street_particles(SetKind kind,
                                            int sh_degree,
                                            Eigen::Index count,
                                            std::uint64_t seed,
-                                           StreetOrder order = StreetOrder::kCoherent);
+                                           StreetOrder order = StreetOrder::kCoherent,
+                                           double length_m = 180.0);
 
 /// Half-way down that street, 1.9 m up: a LiDAR.
 [[nodiscard]] Pose world_from_street_lidar();

@@ -90,6 +90,12 @@ void random_footprints(const shared::FrameParams& frame,
   }
   buffers.projected.footprints.assign(std::span<const shared::Footprint>(footprints));
   buffers.projected.keys.assign(std::span<const std::uint32_t>(keys));
+  // Clusters without a visible particle are left out or not, all the same.
+  std::vector<std::uint32_t> live((keys.size() + SIM_CLUSTER - 1) / SIM_CLUSTER, seed % 2);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (keys[i] != kCulled) live[i / SIM_CLUSTER] = 1;
+  }
+  buffers.projected.live.assign(std::span<const std::uint32_t>(live));
 }
 
 class Bin : public testing::TestWithParam<std::size_t> {};
@@ -181,6 +187,7 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
   RayBuffers rays(device);
   rays.tile_rows.assign(std::vector<std::uint32_t>{0, 16, 32});
   buffers.projected.keys.assign(std::vector<std::uint32_t>(9, 5));
+  buffers.projected.live.assign(std::vector<std::uint32_t>(1, 1));
   bin.run(frame, rays, buffers.projected, 72, buffers.binned);
   EXPECT_EQ(buffers.binned.instances, 72U);
   try {

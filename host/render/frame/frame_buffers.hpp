@@ -1,5 +1,6 @@
 #pragma once
 // The parts of a frame on the device, each made by one stage (host/render/frame/stages.hpp).
+#include "cl/shared/cluster.h"
 #include "cl/shared/layout.h"
 #include "cl/shared/sensor_constants.h"
 #include "host/render/device/buffer_table.hpp"
@@ -56,6 +57,9 @@ struct WorldRays : BufferTable<FrameSizes> {
 /// Particles as the sensor sees them.
 struct Projected : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
+  /// Of each cluster of particles: 0 where none of them is visible, and projection has not looked at any.
+  Words live{
+      *this, "live", [](const FrameSizes& s) { return (s.particles + SIM_CLUSTER - 1) / SIM_CLUSTER; }};
   Reals records{*this, "records", [](const FrameSizes& s) { return SIM_RECORD * s.particles; }};  // [N][16]
   /// [N][4], of particles whose actor moves.
   Reals motions{*this, "motions", [](const FrameSizes& s) { return SIM_MOTION * s.moving_particles; }};

@@ -9,6 +9,7 @@
 
 #include "cl/shared/layout.h"
 #include "host/base/error.hpp"
+#include "host/render/frame/particle_clusters.hpp"
 #include "host/render/options/sh_degree.hpp"
 #include "host/runtime/kernel.hpp"
 
@@ -61,6 +62,7 @@ ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, c
     throw Error(ErrorKind::kUsage, "sh_storage: found half in double precision, allowed full");
   }
   sh_storage = options.sh_storage;
+  stays_ = true;
   kept_sh_ = options.sh_degree;
   sh_error_ = options.sh_error;
   upload(set);
@@ -92,6 +94,11 @@ void ParticleBuffers::upload(const GaussianSet& set) {
   }
   params.assign(padded);
   upload_actors(set.actor);
+  if (!stays_) return;
+  const ParticleClusters clusters = clusters_of(set);
+  cluster_stride = clusters.stride;
+  cluster_bounds.assign(clusters.bounds);
+  cluster_actor.assign(clusters.actor);
 }
 
 void ParticleBuffers::refresh_actors() {

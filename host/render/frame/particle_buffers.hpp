@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cl/shared/cluster.h"
 #include "host/render/device/buffer_table.hpp"
 #include "host/render/options/options.hpp"
 #include "host/scene/gaussians.hpp"
@@ -13,15 +14,18 @@ struct ParticleSizes {
   std::uint64_t rows = 0;    // param_rows
   std::uint64_t stride = 0;  // particles, rounded up
   std::uint64_t actors = 0;
+  std::uint64_t clusters = 0;  // with bounds, rounded up
 
   [[nodiscard]] static ParticleSizes of(std::uint64_t particles, int sh_degree, std::uint64_t actors);
 };
 
-/// Particles of one set on the device, each parameter a row of `stride` reals.
+/// Particles of one set on the device, each parameter a row of `stride` reals. Training changes them there.
 struct ParticleBuffers : BufferTable<ParticleSizes> {
   ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision);
-  /// Only the bands of spherical harmonics that options.sh_degree keeps take memory, as options.sh_storage
-  /// says. Error{kUsage} when halves are asked for in double, or cannot hold a coefficient (beyond 65504).
+  /// Particles that stay as they are: clusters of them that a frame cannot see are left out of it, with the
+  /// same results. Only the bands of spherical harmonics that options.sh_degree keeps take memory, as
+  /// options.sh_storage says. Error{kUsage} when halves are asked for in double, or cannot hold a coefficient
+  /// (beyond 65504).
   ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options);
   void upload(const GaussianSet& set);
   [[nodiscard]] GaussianSet download() const;
@@ -42,6 +46,13 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   Words actor_list{*this, "actor_list", [](const ParticleSizes& s) { return s.actors > 0 ? s.stride : 0; }};
   Words actor_first{
       *this, "actor_first", [](const ParticleSizes& s) { return s.actors > 0 ? s.actors + 1 : 0; }};
+  /// Of particles that stay as they are (particle_clusters.hpp); else empty, and every cluster is looked at.
+  std::uint32_t cluster_stride = 0;  // clusters, rounded up
+  Reals cluster_bounds{*this, "cluster_bounds", [](const ParticleSizes& s) {
+                         return SIM_CLUSTER_ROWS * s.clusters;
+                       }};  // [SIM_CLUSTER_ROWS][cluster_stride]
+  Words cluster_actor{
+      *this, "cluster_actor", [](const ParticleSizes& s) { return s.clusters; }};  // [cluster_stride]
   /// After actor_of changed on the device (particles relocated or added): the other members again. Waits.
   void refresh_actors();
 
@@ -49,6 +60,7 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   std::uint64_t id_;
   ShDegree kept_sh_ = ShDegree::k3;
   double sh_error_ = 0.0;
+  bool stays_ = false;
   void upload_actors(const std::vector<std::uint32_t>& actor);
 };
 

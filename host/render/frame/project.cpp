@@ -7,6 +7,7 @@ ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.frame.shape.lanes),
       actor_motion_(variant.frame.actor_motion),
       samples_(device, variant.options.precision),
+      cull_clusters_(Program(device, "kernels/project.cl", variant.build_options()), "cull_clusters"),
       project_(Program(device, "kernels/project.cl", variant.build_options()), "project") {
   if (variant.options.projection == Projection::kMonteCarlo) samples_.normal_samples.assign(normal_samples());
 }
@@ -17,9 +18,14 @@ void ProjectStage::run(const shared::FrameParams& frame,
                        const FrameConstants& constants,
                        Projected& out) {
   out.reserve({.particles = frame.particles, .moving_particles = actor_motion_ ? frame.particles : 0});
-  const std::size_t items =
-      round_up(frame.particles, static_cast<std::size_t>(lanes_)) / static_cast<std::size_t>(lanes_);
-  project_.run_over(items, {{"frame", frame}, particles, constants, rays, samples_, out});
+  const auto items = [this](std::size_t count) {
+    const auto lanes = static_cast<std::size_t>(lanes_);
+    return round_up(count, lanes) / lanes;
+  };
+  cull_clusters_.run_over(
+      items((frame.particles + SIM_CLUSTER - 1) / SIM_CLUSTER),
+      {{"frame", frame}, particles, {"cluster_stride", particles.cluster_stride}, constants, out});
+  project_.run_over(items(frame.particles), {{"frame", frame}, particles, constants, rays, samples_, out});
 }
 
 }  // namespace simuli

@@ -38,7 +38,8 @@ struct SampleBuffers : BufferTable<SampleSizes> {
   Reals normal_samples{*this, "normal_samples", [](const SampleSizes& s) { return 3 * s.triples; }};
 };
 
-/// 2. Particles on the sensor: which rays they may meet, and what blending needs of them. N -> N.
+/// 2. Particles on the sensor: which rays they may meet, and what blending needs of them. N -> N. Clusters of
+/// them that the sensor cannot see are left out first.
 class ProjectStage {
  public:
   ProjectStage(const Device& device, const Variant& variant);
@@ -52,7 +53,7 @@ class ProjectStage {
   int lanes_;
   bool actor_motion_;
   SampleBuffers samples_;
-  Kernel project_;
+  Kernel cull_clusters_, project_;
 };
 
 /// 3. The visible particles by range, and of each tile those that its rays may meet. N -> M -> K.
