@@ -15,6 +15,7 @@ namespace {
 std::string stage_of(const std::string& kernel) {
   static const std::map<std::string, std::string> kStages{{"rays", "rays"},
                                                           {"project", "project"},
+                                                          {"cull_clusters", "project"},
                                                           {"radix_count", "sort_and_bin"},
                                                           {"radix_scatter", "sort_and_bin"},
                                                           {"scan_exclusive", "sort_and_bin"},

@@ -23,6 +23,7 @@
 #include "bench/program/shift_picture.hpp"
 #include "bench/program/trade_picture.hpp"
 #include "bench/render/agreement.hpp"
+#include "bench/render/long_street.hpp"
 #include "bench/render/sensor_errors.hpp"
 #include "bench/render/stages.hpp"
 #include "bench/render/table6.hpp"
@@ -62,6 +63,7 @@ struct BenchCommand {
   std::string log;                    // of tables; empty: the embedded street
   int iterations = 0;                 // 0: each bench's own number
   StagesOptions stage_options;
+  LongStreetOptions long_street;
   Table5Options table5;
   Table8Options table8;
   Figure10Options figure10;
@@ -120,6 +122,7 @@ void measure(BenchCommand command, const Globals& globals) {
                          command.shift,
                          !command.drives.drives.empty(),
                          !command.agreement.empty(),
+                         command.long_street.length_m > 0.0,
                          command.table != 0,
                          command.figure != 0};
   const auto count = std::count(asked.begin(), asked.end(), true);
@@ -128,7 +131,7 @@ void measure(BenchCommand command, const Globals& globals) {
         ErrorKind::kUsage,
         fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
                     "--drive, --lidar-rates, --actors, --plan, --trade, --peers, --shift, --agreement, "
-                    "--table 5|6|7|8, --figure 10|11",
+                    "--long-street, --table 5|6|7|8, --figure 10|11",
                     count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
@@ -151,6 +154,11 @@ void measure(BenchCommand command, const Globals& globals) {
   std::vector<Row> rows;
   std::vector<std::string> broken;
   if (command.stages) rows = run_stages(globals.device, command.stage_options, note);
+  if (command.long_street.length_m > 0.0) {
+    command.long_street.particles = command.stage_options.particles;
+    command.long_street.frames = command.stage_options.frames;
+    rows = run_long_street(globals.device, command.long_street, note);
+  }
   if (command.training) rows = run_training(globals.device, {}, note);
   if (command.table == 5) rows = run_table5(globals.device, command.table5, note);
   if (command.lidar_rates) rows = run_lidar_rates(globals.device, note);
@@ -254,6 +262,12 @@ void add_bench(const Command& command, const Globals& globals) {
               options->trade_options.folders,
               "--trade: a scene, and the log of its frames; default: the bench street")
       .values(0, 2);
+  command
+      .option(
+          "--long-street",
+          options->long_street.length_m,
+          "frames along a street of so many metres, with particles in clusters that are left out and without")
+      .range(10.0, 10'000.0);
   command.option(
       "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
   command.option("--picture",

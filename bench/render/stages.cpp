@@ -16,6 +16,7 @@ namespace {
 const std::map<std::string, std::string>& stage_of_kernel() {
   static const std::map<std::string, std::string> kStages{
       {"rays", "rays"},
+      {"cull_clusters", "project"},
       {"project", "project"},
       {"radix_count", "sort"},
       {"radix_scatter", "sort"},
@@ -50,7 +51,7 @@ class Case {
         renderer_(device, options_),
         particles_(device,
                    street_particles(kind, options.sh_degree, options.particles, options.seed, order),
-                   Precision::kFloat),
+                   options_),
         rays_(kind == SetKind::kCamera ? SensorRays(device, bench_camera(), options_) : lidar_rays(device)),
         param_grads_(device, "parameter gradients", Precision::kFloat) {
     const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();

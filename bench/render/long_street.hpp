@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+
+#include "bench/render/lidar_frames.hpp"
+
+namespace simuli::bench {
+
+struct LongStreetOptions {
+  double length_m = 0.0;
+  std::int64_t particles = 200'000;  // of 180 m of it
+  int frames = 21;                   // timed at each place
+};
+
+/// A 640 x 360 camera and a 64 x 2650 LiDAR at five places along a long street and half-way down the one of
+/// 180 m, with clusters of particles left out that the sensor cannot see and without, frames of both in
+/// turns:
+///   long_street/<camera|lidar>/<metres>m_at_<place>/...
+///   ... frame, project, bin             ms
+///   ... processor                       ms of this process in a frame: what to read on a busy machine, of
+///   CPUs
+///   ... <each of these>_of_all          its share of that with all clusters looked at
+///   ... live                            % of the clusters
+///   ... visible                         particles
+[[nodiscard]] std::vector<Row> run_long_street(const std::string& device_request,
+                                               const LongStreetOptions& options,
+                                               const Progress& note);
+
+}  // namespace simuli::bench
