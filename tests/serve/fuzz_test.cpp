@@ -17,9 +17,11 @@ namespace {
 using ServedFuzz = test::Served;
 
 constexpr std::chrono::seconds kLong{3};
+constexpr std::uint64_t kFewest =
+    200;  // messages, however long: one may ask for kernels that nobody has compiled yet
 
-/// $SIMULI_SERVE_FUZZ: as many messages of each kind at the handlers instead of kLong, of which one in
-/// kRendered is rendered; the others are read, checked and prepared.
+/// $SIMULI_SERVE_FUZZ: as many messages of each kind at the handlers instead of kLong and kFewest, of which
+/// one in kRendered is rendered; the others are read, checked and prepared.
 std::uint64_t asked_for() {
   const char* const count = std::getenv("SIMULI_SERVE_FUZZ");
   return count == nullptr ? 0 : std::strtoull(count, nullptr, 10);
@@ -92,7 +94,8 @@ Counts fuzz(const std::vector<Message>& seeds, std::uint32_t seed, const Handle&
   Counts counts;
   const auto end = std::chrono::steady_clock::now() + kLong;
   const std::uint64_t wanted = asked_for();
-  while (wanted > 0 ? counts.handled() < wanted : std::chrono::steady_clock::now() < end) {
+  while (wanted > 0 ? counts.handled() < wanted
+                    : std::chrono::steady_clock::now() < end || counts.handled() < kFewest) {
     const std::string bytes = mutated(seeds[random() % seeds.size()].SerializeAsString(), random);
     Message message;
     if (!message.ParseFromString(bytes)) {
