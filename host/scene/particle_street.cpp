@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/scene/particle_order.hpp"
+#include "host/scene/splitmix.hpp"
 
 namespace simuli {
 namespace {
@@ -14,11 +15,8 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
   double uniform(double low, double high) {
-    state_ += 0x9e3779b97f4a7c15U;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    z ^= z >> 31U;
+    const std::uint64_t z = splitmix(state_);
+    state_ += kSplitmixStep;
     return low + (high - low) * static_cast<double>(z >> 11U) * 0x1p-53;
   }
 

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "host/base/error.hpp"
+#include "host/scene/splitmix.hpp"
 
 namespace simuli {
 namespace {
@@ -17,12 +18,7 @@ namespace {
 /// A hash of numbers, one step of splitmix64 each.
 class Hash {
  public:
-  void add(std::uint64_t word) {
-    std::uint64_t z = (state_ ^ word) + 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    state_ = z ^ (z >> 31U);
-  }
+  void add(std::uint64_t word) { state_ = splitmix(state_ ^ word); }
   // 0 and -0 are equal, and so are their hashes.
   void add(double value) { add(std::bit_cast<std::uint64_t>(value == 0.0 ? 0.0 : value)); }
   template <class Values>

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "host/render/scene/scene_on_device.hpp"
+#include "host/scene/splitmix.hpp"
 #include "host/support/support.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/fixer/run_fixer.hpp"
-#include "optim/points/splitmix.hpp"
 #include "optim/support/record_support.hpp"
 
 namespace simuli {
@@ -20,7 +20,7 @@ constexpr float kUnknown = -1.0F;
 
 /// In [0, 1), the same for the same numbers everywhere.
 double drawn(std::uint64_t seed, std::uint64_t view, std::uint64_t pixel) {
-  const std::uint64_t bits = splitmix(seed * 0x9E3779B97F4A7C15ULL + (view << 40U) + pixel);
+  const std::uint64_t bits = splitmix(seed * kSplitmixStep + (view << 40U) + pixel);
   return static_cast<double>(bits >> 11U) * 0x1.0p-53;
 }
 

@@ -10,8 +10,8 @@
 
 #include "host/base/error.hpp"
 #include "host/base/parallel.hpp"
+#include "host/scene/splitmix.hpp"
 #include "optim/points/point_tree.hpp"
-#include "optim/points/splitmix.hpp"
 
 namespace simuli {
 namespace {

@@ -4,20 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "host/scene/splitmix.hpp"
+
 namespace simuli {
-namespace {
-
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15U;
-  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31U);
-}
-
-}  // namespace
 
 std::uint64_t counter_hash(std::uint64_t seed, std::uint64_t stream, std::uint64_t counter) {
-  return mix(mix(mix(seed) ^ stream) ^ counter);
+  return splitmix(splitmix(splitmix(seed) ^ stream) ^ counter);
 }
 
 FrameOrder::FrameOrder(std::vector<std::size_t> frames, std::uint64_t seed, std::uint64_t stream)

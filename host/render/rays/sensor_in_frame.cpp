@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/base/angles.hpp"
+#include "host/scene/splitmix.hpp"
 
 namespace simuli {
 namespace {
@@ -65,11 +66,8 @@ std::vector<double> normal_samples() {
   std::vector<double> values;
   std::uint64_t state = 0;
   const auto uniform = [&state] {
-    state += 0x9e3779b97f4a7c15U;
-    std::uint64_t z = state;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    z ^= z >> 31U;
+    const std::uint64_t z = splitmix(state);
+    state += kSplitmixStep;
     return (static_cast<double>(z >> 11U) + 0.5) * 0x1p-53;
   };
   for (int pair = 0; pair < SIM_MONTE_CARLO / 2; ++pair) {

@@ -4,9 +4,12 @@
 
 namespace simuli {
 
-/// splitmix64: every bit of the input moves half of the output's.
+/// By which the state of a generator grows from one number to the next.
+inline constexpr std::uint64_t kSplitmixStep = 0x9E3779B97F4A7C15ULL;
+
+/// splitmix64, of the state before its step: every bit of the input moves half of the output's.
 [[nodiscard]] constexpr std::uint64_t splitmix(std::uint64_t x) {
-  x += 0x9E3779B97F4A7C15ULL;
+  x += kSplitmixStep;
   x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
   x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
   return x ^ (x >> 31U);
