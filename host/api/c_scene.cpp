@@ -203,13 +203,7 @@ simuli_status simuli_scene_edit(simuli_scene* scene, const simuli_edit* edit) {
       return;
     }
     const ActorEdit one = edit_of(wanted);
-    change(need(scene, "scene"), [&](Scene& s) {
-      if (std::holds_alternative<ActorEdit::Remove>(one.change)) {
-        remove_actor(s, one.actor);  // and its particles
-      } else {
-        s.actors = edited(s.actors, {one});
-      }
-    });
+    change(need(scene, "scene"), [&](Scene& s) { edit_actor(s, one); });
   });
 }
 

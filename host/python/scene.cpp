@@ -99,11 +99,7 @@ class PyScene {
     on_device_->set_scene(scene_);
   }
   void edit(const ActorEdit& edit) {
-    change([&](Scene& s) {
-      const bool removes = std::holds_alternative<ActorEdit::Remove>(edit.change);
-      if (removes) remove_actor(s, edit.actor);  // and its particles
-      if (!removes) s.actors = edited(s.actors, {edit});
-    });
+    change([&](Scene& s) { edit_actor(s, edit); });
   }
   void save(const std::string& folder) const {
     SceneFile file = file_;

@@ -125,6 +125,14 @@ void remove_actor(Scene& scene, const std::string& name) {
   scene.actors.erase(scene.actors.begin() + (number - 1));
 }
 
+void edit_actor(Scene& scene, const ActorEdit& edit) {
+  if (std::holds_alternative<ActorEdit::Remove>(edit.change)) {
+    remove_actor(scene, edit.actor);
+  } else {
+    scene.actors = edited(scene.actors, {edit});
+  }
+}
+
 void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m) {
   change_track(scene.actors, name, ActorEdit::Move{by_m});
 }

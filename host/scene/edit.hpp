@@ -41,6 +41,9 @@ struct ActorEdit {
 /// Takes an actor and its particles away.
 void remove_actor(Scene& scene, const std::string& name);
 
+/// The edit for good: a removal takes the particles, too.
+void edit_actor(Scene& scene, const ActorEdit& edit);
+
 /// ActorEdit::Move for good.
 void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m);
 
