@@ -138,7 +138,7 @@ class Ours {
        const RenderOptions& options)
       : particles_(particles),
         renderer_(device, options),
-        rays_(rays_of(device, kind, options)),
+        rays_(bench_rays(device, kind, options)),
         view_(view) {}
   /// One frame, from call to result on the device.
   double frame_ms() {
@@ -154,12 +154,6 @@ class Ours {
   [[nodiscard]] const SensorRays& rays() const { return rays_; }
 
  private:
-  static SensorRays rays_of(const Device& device, SetKind kind, const RenderOptions& options) {
-    if (kind == SetKind::kCamera) return {device, bench_camera(), options};
-    const Lidar lidar = builtin_lidar("generic64");
-    return {device, lidar, nominal_rays(lidar), options};
-  }
-
   const ParticleBuffers& particles_;
   Renderer renderer_;
   std::optional<Pass> pass_;
@@ -181,7 +175,7 @@ PeerCase compare(const Device& device, SetKind kind, std::int64_t count, int fra
   const bool is_camera = kind == SetKind::kCamera;
   const GaussianSet set = street_particles(kind, kShDegree, count, kSeed);
   const ParticleBuffers particles(device, set, Precision::kFloat);
-  const Pose pose = is_camera ? world_from_bench_camera() : world_from_street_lidar();
+  const Pose pose = world_from_bench_sensor(kind);
   const View view{pose, pose, {0.0F, 0.0F, 0.0F}};
   RenderOptions alike_options;
   alike_options.extent = Extent::kExact;

@@ -50,7 +50,7 @@ Picture render(const Device& device, SetKind kind, Precision precision) {
   const Sensor sensor =
       kind == SetKind::kCamera ? Sensor(camera, {}, 0.02) : Sensor(builtin_lidar("generic64"));
   const double seconds = sensor.duration_s();
-  const Pose start = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
+  const Pose start = world_from_bench_sensor(kind);
   const Eigen::AngleAxisd turn(0.5236 * seconds, Eigen::Vector3d::UnitZ());
   Pose end = start;
   end.translation.x() += 15.0 * seconds;

@@ -41,7 +41,7 @@ class Place {
  public:
   Place(Renderer& renderer, const SensorRays& rays, const Street& street, double share)
       : renderer_(renderer), rays_(rays), street_(street), x_m_((share - 0.5) * street.length_m) {
-    Pose pose = street.kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
+    Pose pose = world_from_bench_sensor(street.kind);
     pose.translation.x() = x_m_;
     view_ = {pose, pose};
   }
@@ -106,10 +106,7 @@ std::vector<Row> run_long_street(const std::string& device_request,
   std::vector<Row> rows;
   Renderer renderer(device, {});
   for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
-    const Lidar lidar = builtin_lidar("generic64");
-    const SensorRays rays = kind == SetKind::kCamera
-                                ? SensorRays(device, bench_camera(), renderer.options())
-                                : SensorRays(device, lidar, nominal_rays(lidar), renderer.options());
+    const SensorRays rays = bench_rays(device, kind, renderer.options());
     const Street usual(device, kind, options, kShort_m);
     Place(renderer, rays, usual, 0.5).add_rows(options.frames, rows);
     const Street street(device, kind, options, options.length_m);

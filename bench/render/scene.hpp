@@ -1,4 +1,6 @@
 #pragma once
+#include "host/render/scene/sensor_rays.hpp"
+#include "host/scene/gaussians.hpp"
 #include "host/scene/pose.hpp"
 #include "host/sensors/camera.hpp"
 
@@ -7,7 +9,13 @@ namespace simuli::bench {
 /// Half-way down the street of host/scene/particle_street.hpp, 1.6 m up, looking along it.
 [[nodiscard]] Pose world_from_bench_camera();
 
+/// That, or where the street's LiDAR is.
+[[nodiscard]] Pose world_from_bench_sensor(SetKind kind);
+
 /// 640 x 360 pixels, 80 degrees across.
 [[nodiscard]] Camera bench_camera();
+
+/// Rays of that camera, or of a generic64.
+[[nodiscard]] SensorRays bench_rays(const Device& device, SetKind kind, const RenderOptions& options);
 
 }  // namespace simuli::bench

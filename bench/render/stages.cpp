@@ -52,9 +52,9 @@ class Case {
         particles_(device,
                    street_particles(kind, options.sh_degree, options.particles, options.seed, order),
                    options_),
-        rays_(kind == SetKind::kCamera ? SensorRays(device, bench_camera(), options_) : lidar_rays(device)),
+        rays_(bench_rays(device, kind, options_)),
         param_grads_(device, "parameter gradients", Precision::kFloat) {
-    const Pose pose = kind == SetKind::kCamera ? world_from_bench_camera() : world_from_street_lidar();
+    const Pose pose = world_from_bench_sensor(kind);
     view_ = {pose, pose, {0.0F, 0.0F, 0.0F}};
   }
 
@@ -97,11 +97,6 @@ class Case {
   [[nodiscard]] std::size_t rays() const { return rays_.grid().rays; }
 
  private:
-  SensorRays lidar_rays(const Device& device) const {
-    const Lidar lidar = builtin_lidar("generic64");
-    return {device, lidar, nominal_rays(lidar), options_};
-  }
-
   RenderOptions options_ = paper_options();
   Renderer renderer_;
   std::optional<Pass> pass_;
