@@ -1,4 +1,4 @@
-"""python -m simuli ARGUMENTS: the program. In a wheel it lies in the package, else it is the one on the path."""
+"""python -m simuli ARGUMENTS: the program. The one beside the package where it was built, else the one on the path."""
 import os
 import pathlib
 import shutil
