@@ -15,6 +15,21 @@ typedef struct {
   F ball;  // m, radius of a ball that contains it
 } Ellipsoid;
 
+/// How far particle g, `distance` away at the middle of [first, last], is shifted at most as rays of these times see
+/// it beside where it is at the middle, m.
+FN F shift_within(
+    __global const SensorConstants* sensor, const Gaussian* g, F radius, F distance, F first, F last) {
+  F shift = (F)sensor->model.lever;
+#if MOVING
+  // A turn by d moves a point by at most d times its distance.
+  const real step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
+                         sensor->centre_step[1] * sensor->centre_step[1] +
+                         sensor->centre_step[2] * sensor->centre_step[2]);
+  shift += R(0.5) * (last - first) * (step + carried(g, radius) + sensor->turn_angle * (distance + radius));
+#endif
+  return shift;
+}
+
 /// The ellipsoid as seen by every ray whose time is in [first, last].
 /// Minkowski sum with a ball: (1 + 1/c) B + (1 + c) m^2 I for any c > 0, here c = sqrt(tr B / 3) / m.
 FN void seen_ellipsoid(
@@ -50,16 +65,8 @@ FN void seen_ellipsoid(
     trace += length * length;
   }
   sensor_from_particle_point(sensor, g, g->offset, t, e->p);
-  F shift = (F)sensor->model.lever;
-#if MOVING
-  // A turn by d moves a point by at most d times its distance.
-  const F dt = R(0.5) * (last - first);
   const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
-  const real step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
-                         sensor->centre_step[1] * sensor->centre_step[1] +
-                         sensor->centre_step[2] * sensor->centre_step[2]);
-  shift += dt * (step + carried(g, radius) + sensor->turn_angle * (distance + radius));
-#endif
+  const F shift = shift_within(sensor, g, radius, distance, first, last);
   e->p[2] -= sensor->model.height;
   const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; c may be any
   e->stretch = R(1.0) + shift / mean;
@@ -99,17 +106,31 @@ FN I shadow_slopes(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* 
       far2, fma(e->stretch, along, e->more), e->stretch * mixed, fma(e->stretch, across, e->more), low, high);
 }
 
-/// Bounds of v / u over the part of the shadow where u > 0; +-NO_BOUND where there is none.
-FN void shadow_ratios(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* low, F* high) {
-  F slope[2];
-  const I outside = shadow_slopes(e, pu, pv, au, av, &slope[0], &slope[1]);
+/// The slope of tangents to a ball off the line to its centre, NO_BOUND where they run off.
+FN F ball_slope(F distance2, F ball) {
+  const F room = fma(ball, -ball, distance2);
+  const I outside = room > R(1e-4) * distance2;
+  return SEL(outside, ball / sqrt(SEL(outside, room, (F)R(1.0))), (F)NO_BOUND);
+}
+
+/// Bounds of v / u between the lines through the origin of slopes [right, left] off the direction (pu, pv), where
+/// u > 0; +-NO_BOUND where there is none.
+FN void slope_ratios(F pu, F pv, I bounded, F right, F left, F* low, F* high) {
   for (int end = 0; end < 2; ++end) {
-    const F ahead = fma(-pv, slope[end], pu);
-    const I bounded = AND(outside, ahead > R(1e-4) * (fabs(pu) + fabs(pv * slope[end])));
-    const F ratio = fma(pu, slope[end], pv) / SEL(bounded, ahead, (F)R(1.0));
-    if (end == 0) *low = SEL(bounded, ratio, (F)-NO_BOUND);
-    if (end == 1) *high = SEL(bounded, ratio, (F)NO_BOUND);
+    const F slope = end == 0 ? right : left;
+    const F ahead = fma(-pv, slope, pu);
+    const I in_front = AND(bounded, ahead > R(1e-4) * (fabs(pu) + fabs(pv * slope)));
+    const F ratio = fma(pu, slope, pv) / SEL(in_front, ahead, (F)R(1.0));
+    if (end == 0) *low = SEL(in_front, ratio, (F)-NO_BOUND);
+    if (end == 1) *high = SEL(in_front, ratio, (F)NO_BOUND);
   }
+}
+
+/// The same over the shadow.
+FN void shadow_ratios(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* low, F* high) {
+  F right, left;
+  const I outside = shadow_slopes(e, pu, pv, au, av, &right, &left);
+  slope_ratios(pu, pv, outside, right, left, low, high);
 }
 
 /// Azimuth atan2(b, a) and elevation atan2(c, hypot(a, b)) of the coordinates a, b, c: the interval

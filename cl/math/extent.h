@@ -10,8 +10,6 @@
 #define EXTENT EXTENT_UNSCENTED
 #endif
 
-// How often the time that a particle is seen in is narrowed down, the first look at the whole frame included.
-#define EXACT_ROUNDS 3
 // Rounding of floats: the bounds are this much wider than the mathematics (share of the half width, px, rad).
 #define PAD_SHARE R(1e-3)
 #define PAD_PX R(0.02)
@@ -21,6 +19,20 @@
 typedef struct {
   F mean_x, half_x, low, high;
 } Extent;
+
+#if SENSOR == SENSOR_CAMERA
+/// What is left of these pixels in and just around the picture: else a far end would round the near one away.
+FN void picture_extent(__global const SensorConstants* sensor, F x0, F x1, F y0, F y1, Extent* out) {
+  const real width = sensor->model.picture_width + R(1.0), height = sensor->model.picture_height + R(1.0);
+  const F pad_x = fma((F)PAD_SHARE, x1 - x0, (F)PAD_PX), pad_y = fma((F)PAD_SHARE, y1 - y0, (F)PAD_PX);
+  x0 = VMIN(VMAX(x0 - pad_x, (F)R(-1.0)), (F)width);
+  x1 = VMIN(VMAX(x1 + pad_x, (F)R(-1.0)), (F)width);
+  out->mean_x = R(0.5) * (x0 + x1);
+  out->half_x = R(0.5) * (x1 - x0);
+  out->low = VMIN(VMAX(y0 - pad_y, (F)R(-1.0)), (F)height);
+  out->high = VMIN(VMAX(y1 + pad_y, (F)R(-1.0)), (F)height);
+}
+#endif
 
 /// The places that all rays with times in [first, last] see the particle at; x near `anchor` where it wraps.
 FN void extent_during(__global const SensorConstants* sensor,
@@ -64,17 +76,59 @@ FN void extent_during(__global const SensorConstants* sensor,
 #else
   lens_extent(sensor, &e, &x0, &x1, &y0, &y1);
 #endif
-  // What is left of it in and just around the picture: else a far end would round the near one away.
-  const real width = sensor->model.picture_width + R(1.0), height = sensor->model.picture_height + R(1.0);
-  const F pad_x = fma((F)PAD_SHARE, x1 - x0, (F)PAD_PX), pad_y = fma((F)PAD_SHARE, y1 - y0, (F)PAD_PX);
-  x0 = VMIN(VMAX(x0 - pad_x, (F)R(-1.0)), (F)width);
-  x1 = VMIN(VMAX(x1 + pad_x, (F)R(-1.0)), (F)width);
-  out->mean_x = R(0.5) * (x0 + x1);
-  out->half_x = R(0.5) * (x1 - x0);
-  out->low = VMIN(VMAX(y0 - pad_y, (F)R(-1.0)), (F)height);
-  out->high = VMIN(VMAX(y1 + pad_y, (F)R(-1.0)), (F)height);
+  picture_extent(sensor, x0, x1, y0, y1, out);
 #endif
 }
+
+#if MOVING
+/// The places that rays with times in [first, last] see a ball around the particle at: wider than extent_during() and
+/// a fraction of its work, enough to narrow times down. Of a LiDAR x alone, of pictures what times depend on.
+FN void ball_during(__global const SensorConstants* sensor,
+                    const Gaussian* g,
+                    F radius,
+                    F first,
+                    F last,
+                    F anchor,
+                    Extent* out) {
+  F p[3];
+  sensor_from_particle_point(sensor, g, g->offset, R(0.5) * (first + last), p);
+  const F distance2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+  const F ball = radius + shift_within(sensor, g, radius, sqrt(distance2), first, last);
+  p[2] -= sensor->model.height;
+#if SENSOR == SENSOR_LIDAR
+  const F x = (atan2_lanes(p[1], p[0]) - sensor->model.azimuth_cut) * sensor->model.spin;
+  out->mean_x = unrolled(sensor, x, anchor);
+  out->half_x = fma(ball_slope(fma(p[0], p[0], p[1] * p[1]), ball), (F)(R(1.0) + PAD_SHARE), (F)PAD_RAD);
+  out->low = out->high = (F)R(0.0);
+#else
+  F x0 = (F)R(0.0), x1 = x0, y0, y1;
+#if WRAPS
+  // x tells no times; where the picture goes round is that of the anchor.
+  const F slope = ball_slope(distance2, ball);
+  const F elevation = atan2_lanes(p[1], sqrt(fma(p[0], p[0], p[2] * p[2])));
+  y0 = fma(elevation - slope, (F)sensor->model.fy, (F)sensor->model.cy);
+  y1 = fma(elevation + slope, (F)sensor->model.fy, (F)sensor->model.cy);
+#elif LENS == SIM_LENS_PINHOLE
+  if (sensor->model.time_x != R(0.0)) {
+    const F slope = ball_slope(fma(p[2], p[2], p[0] * p[0]), ball);
+    slope_ratios(p[2], p[0], slope < (F)NO_BOUND, -slope, slope, &x0, &x1);
+    x0 = fma(x0, (F)sensor->model.fx, (F)sensor->model.cx);
+    x1 = fma(x1, (F)sensor->model.fx, (F)sensor->model.cx);
+  }
+  const F slope = ball_slope(fma(p[2], p[2], p[1] * p[1]), ball);
+  slope_ratios(p[2], p[1], slope < (F)NO_BOUND, -slope, slope, &y0, &y1);
+  y0 = fma(y0, (F)sensor->model.fy, (F)sensor->model.cy);
+  y1 = fma(y1, (F)sensor->model.fy, (F)sensor->model.cy);
+#else
+  ball_image(sensor, p, ball, &x0, &x1, &y0, &y1);
+#endif
+  picture_extent(sensor, x0, x1, y0, y1, out);
+#if WRAPS
+  out->mean_x = anchor;
+#endif
+#endif
+}
+#endif
 
 /// Times of all rays whose place is within the extent, and with `whole` those of all rays.
 FN void times_within(const FrameParams* frame,
@@ -118,9 +172,17 @@ FN F origin_reach(const FrameParams* frame, __global const SensorConstants* sens
   return reach;
 }
 
+#if SENSOR == SENSOR_LIDAR
+/// Whether the sweep comes over any of it.
+FN I swept(__global const SensorConstants* sensor, const Extent* extent) {
+  return AND(extent->mean_x + extent->half_x >= sensor->model.tile_first,
+             extent->mean_x - extent->half_x <= sensor->model.tile_last);
+}
+#endif
+
 /// Bounds outside of which no ray gets alpha >= alpha_cut. Time is narrowed down from above: all rays that can
 /// see the particle are in the extent of the whole frame, hence within its times; as seen in these times alone
-/// they are in a smaller extent, and so forth.
+/// they are in a smaller extent, and so forth. A ball is enough for all looks but the last.
 FN void exact_bounds(const FrameParams* frame,
                      __global const SensorConstants* sensor,
                      const Gaussian* g,
@@ -128,19 +190,20 @@ FN void exact_bounds(const FrameParams* frame,
                      F radius,
                      Bounds* out) {
   const Extent none = {(F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
-  Extent whole, one, other;  // the same at its two places, no array: GPUs index those in memory
+  Extent one, other;  // the same at its two places, no array: GPUs index those in memory
   F first, last;
   times_within(frame, sensor, &none, 1, &first, &last);
   const real period = sensor->model.period;
-  extent_during(sensor, g, reach, radius, first, last, (F)(R(0.5) * period), &whole);
-  one = other = whole;
+#if MOVING
+  ball_during(sensor, g, radius, first, last, (F)(R(0.5) * period), &one);
+#else
+  extent_during(sensor, g, reach, radius, first, last, (F)(R(0.5) * period), &one);
+#endif
+  other = one;
 #if SENSOR == SENSOR_LIDAR
   // In [0, period] there is at most this second place, half a turn being the widest that is no full one.
-  other.mean_x += SEL(whole.mean_x < R(0.5) * period, (F)period, (F)-period);
-  const F swept_first = (F)sensor->model.tile_first;
-  const F swept_last = (F)sensor->model.tile_last;
-  const I both =
-      AND(other.mean_x + other.half_x >= swept_first, other.mean_x - other.half_x <= swept_last);
+  other.mean_x += SEL(one.mean_x < R(0.5) * period, (F)period, (F)-period);
+  I both = swept(sensor, &other);
 #endif
 #if MOVING
 #if SENSOR == SENSOR_LIDAR
@@ -150,16 +213,19 @@ FN void exact_bounds(const FrameParams* frame,
 #endif
   for (int k = 0; k < places; ++k) {
     Extent here = k == 0 ? one : other;
-    for (int round = 1; round < EXACT_ROUNDS; ++round) {
-      times_within(frame, sensor, &here, 0, &first, &last);
-      extent_during(sensor, g, reach, radius, first, last, here.mean_x, &here);
-    }
+    times_within(frame, sensor, &here, 0, &first, &last);
+    ball_during(sensor, g, radius, first, last, here.mean_x, &here);
+    times_within(frame, sensor, &here, 0, &first, &last);
+    extent_during(sensor, g, reach, radius, first, last, here.mean_x, &here);
     if (k == 0) {
       one = here;
     } else {
       other = here;
     }
   }
+#if SENSOR == SENSOR_LIDAR
+  both = AND(both, swept(sensor, &other));
+#endif
 #endif
 #if SENSOR == SENSOR_CAMERA
   // Exposed at the same time: the same once more.

@@ -86,10 +86,56 @@ FN void image_beside(__global const SensorConstants* sensor, const F* n, const F
   project_point(sensor, q, x, y, &shown);
 }
 
-/// The ellipsoid's image through the lens. No image moves faster over the picture than the largest px per rad
-/// in the cone in which the host looked for it. A cone of at most 90 degrees is convex: rays inside are nearer
-/// to the cone's nearest direction than to the centre. A wider one must hold the cap, or the bound is the
-/// picture. Small caps within the cone are bounded by the lens's derivative and bend as well.
+/// The image of what is within `cap` rad of the unit vector n, which is moved to the nearest direction in the cone; not
+/// of lanes that are not `bounded`. No image moves faster over the picture than the largest px per rad in the cone in
+/// which the host looked for it. A cone of at most 90 degrees is convex: rays inside are nearer to the cone's nearest
+/// direction than to the centre. A wider one must hold the cap, or the bound is the picture.
+FN void cap_extent(__global const SensorConstants* sensor,
+                   F cap,
+                   I bounded,
+                   F off_axis,
+                   F* n,
+                   F* x,
+                   F* y,
+                   F* x0,
+                   F* x1,
+                   F* y0,
+                   F* y1) {
+  const real cone = sensor->model.lens_cone;
+  if (cone > HALF_PI_R) {
+    bounded = AND(bounded, off_axis + cap <= cone);
+  } else {
+    const F flat = sqrt(fma(n[0], n[0], n[1] * n[1]));
+    const I beyond = off_axis > cone;
+    const F scale = sin(cone) / SEL(flat > R(0.0), flat, (F)R(1.0));
+    n[0] = SEL(beyond, n[0] * scale, n[0]);
+    n[1] = SEL(beyond, n[1] * scale, n[1]);
+    n[2] = SEL(beyond, (F)cos(cone), n[2]);
+  }
+  // The formula over the cone bounds the rays' pixels whether it shows this direction or is past a fold.
+  I shown = bounded;
+  project_point(sensor, n, x, y, &shown);
+  const F half_x = cap * sensor->model.lens_slope[0];
+  const F half_y = cap * sensor->model.lens_slope[1];
+  *x0 = SEL(bounded, *x - half_x, (F)-NO_BOUND);
+  *x1 = SEL(bounded, *x + half_x, (F)NO_BOUND);
+  *y0 = SEL(bounded, *y - half_y, (F)-NO_BOUND);
+  *y1 = SEL(bounded, *y + half_y, (F)NO_BOUND);
+}
+
+/// The image of a ball about p through the lens.
+FN void ball_image(__global const SensorConstants* sensor, const F* p, F ball, F* x0, F* x1, F* y0, F* y1) {
+  const F distance2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+  const F inv = R(1.0) / VMAX(sqrt(distance2), (F)R(1e-18));
+  F n[3] = {p[0] * inv, p[1] * inv, p[2] * inv};
+  const F slope = ball_slope(distance2, ball);
+  const F off_axis = atan2_lanes(sqrt(fma(n[0], n[0], n[1] * n[1])), n[2]);
+  F x, y;
+  cap_extent(sensor, slope, slope < R(1.0), off_axis, n, &x, &y, x0, x1, y0, y1);
+}
+
+/// The ellipsoid's image through the lens; small caps within the cone are bounded by the lens's derivative and bend as
+/// well.
 FN void lens_extent(__global const SensorConstants* sensor, const Ellipsoid* e, F* x0, F* x1, F* y0, F* y1) {
   const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
   const F inv = R(1.0) / VMAX(distance, (F)R(1e-18));
@@ -101,30 +147,12 @@ FN void lens_extent(__global const SensorConstants* sensor, const Ellipsoid* e, 
     a1[k] = e1[0] * e->a[0][k] + e1[1] * e->a[1][k] + e1[2] * e->a[2][k];
     a2[k] = e2[0] * e->a[0][k] + e2[1] * e->a[1][k] + e2[2] * e->a[2][k];
   }
-  I bounded = cap_angle(e, distance, l, a1, a2, &cap);
-  const F flat = sqrt(fma(n[0], n[0], n[1] * n[1]));
-  const F off_axis = atan2_lanes(flat, n[2]);
-  const real cone = sensor->model.lens_cone;
-  I tame = AND(bounded, AND(off_axis + cap + R(2.0) * LENS_STEP <= cone, cap < LENS_CAP_MAX));
-  if (cone > HALF_PI_R) {
-    bounded = AND(bounded, off_axis + cap <= cone);
-  } else {
-    const I beyond = off_axis > cone;
-    const F scale = sin(cone) / SEL(flat > R(0.0), flat, (F)R(1.0));
-    n[0] = SEL(beyond, n[0] * scale, n[0]);
-    n[1] = SEL(beyond, n[1] * scale, n[1]);
-    n[2] = SEL(beyond, (F)cos(cone), n[2]);
-  }
-  // The formula over the cone bounds the rays' pixels whether it shows this direction or is past a fold.
+  const I bounded = cap_angle(e, distance, l, a1, a2, &cap);
+  const F off_axis = atan2_lanes(sqrt(fma(n[0], n[0], n[1] * n[1])), n[2]);
+  const I tame =
+      AND(bounded, AND(off_axis + cap + R(2.0) * LENS_STEP <= sensor->model.lens_cone, cap < LENS_CAP_MAX));
   F x, y;
-  I shown = bounded;
-  project_point(sensor, n, &x, &y, &shown);
-  const F half_x = cap * sensor->model.lens_slope[0];
-  const F half_y = cap * sensor->model.lens_slope[1];
-  *x0 = SEL(bounded, x - half_x, (F)-NO_BOUND);
-  *x1 = SEL(bounded, x + half_x, (F)NO_BOUND);
-  *y0 = SEL(bounded, y - half_y, (F)-NO_BOUND);
-  *y1 = SEL(bounded, y + half_y, (F)NO_BOUND);
+  cap_extent(sensor, cap, bounded, off_axis, n, &x, &y, x0, x1, y0, y1);
   if (!ANY(tame)) return;
   F xa, ya, xb, yb, xc, yc, xd, yd;
   image_beside(sensor, n, e1, LENS_STEP, &xa, &ya);
