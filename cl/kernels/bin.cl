@@ -60,7 +60,10 @@ __kernel GROUP void instance_count(__global const uint* order,
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   ulong count = 0;
-  for (uint i = first; i < last; ++i) count += SIM_TILES(footprints[order[i]]);
+  for (uint i = first; i < last; ++i) {
+    if (i + AHEAD < last) PREFETCH(footprints + order[i + AHEAD]);
+    count += SIM_TILES(footprints[order[i]]);
+  }
   counts[get_global_id(0)] = (uint)min(count, (ulong)0xffffffffu);
 }
 
@@ -80,6 +83,7 @@ __kernel GROUP void instance_emit(const FrameParams frame,
   const uint last = min(first + chunk, m);
   uint place = offsets[get_global_id(0)];
   for (uint i = first; i < last; ++i) {
+    if (i + AHEAD < last) PREFETCH(footprints + order[i + AHEAD]);
     const uint particle = order[i];
     const Footprint f = footprints[particle];
     const uint row_first = SIM_LOW(f.rows), row_last = SIM_HIGH(f.rows);

@@ -312,6 +312,7 @@ __kernel void project(const FrameParams frame,
     return;
   }
 
+  call_for_rows(params, frame.stride, SIM_SH, i + V);
   Gaussian g;
   load_gaussian(params, actor_of, actors, frame.stride, i, sensor, &g);
   const F logit = LDV(params + SIM_OPACITY * frame.stride + i);
@@ -328,6 +329,7 @@ __kernel void project(const FrameParams frame,
     return;
   }
 
+  call_for_sh(params, frame.stride, i);
   Bounds box;
   bounds_of(&frame, sensor, normal_samples, &g, centre, reach, radius, visible, &box);
 

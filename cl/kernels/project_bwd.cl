@@ -2,6 +2,26 @@
 #include "math/gaussian.h"
 #include "math/sh.h"
 
+/// Has fetched what the particles from `next` on will need, the next of the same work-group.
+FN void call_for_next(const FrameParams* frame,
+                      __global const real* params,
+                      __global const uint* keys,
+                      __global const uint* slot_first,
+                      __global const real* records,
+                      __global const real* grads,
+                      uint next) {
+  uint any_seen = 0;
+  for (uint i = next; i < next + V && i < frame->particles; ++i) {
+    if (keys[i] == 0xffffffffu) continue;
+    PREFETCH(grads + (ulong)slot_first[i] * SIM_GRAD);
+    PREFETCH(records + (ulong)i * SIM_RECORD);
+    any_seen = 1;
+  }
+  if (!any_seen) return;
+  call_for_rows(params, frame->stride, SIM_SH, next);
+  call_for_sh(params, frame->stride, next);
+}
+
 /// V particles per work-item. Sums each particle's slots in their order, then applies the chain rule of
 /// project's record. The box and the order carry no gradient (METHOD section 4).
 /// in  params[rows][stride]; keys[N], footprints[N], records[N][16] of project;
@@ -25,9 +45,13 @@ __kernel void project_bwd(const FrameParams frame,
   const uint stride = frame.stride;
   if (i >= frame.particles) return;
   const uint lanes = min((uint)V, frame.particles - i);
+  call_for_next(&frame, params, keys, slot_first, records, grads, i + V);
 
   // Slots are rows of 16 reals: add rows, then turn the V sums over.
   real summed[SIM_GRAD * V];
+#if V == 16
+  F rows[V];
+#endif
   real feature[3 * V];
   real seen[V];
   uint any_seen = 0;
@@ -45,10 +69,17 @@ __kernel void project_bwd(const FrameParams frame,
       seen[lane] = R(1.0);
       any_seen = 1;
     }
+#if V == 16
+    rows[lane] = sum;
+#else
     real row[SIM_GRAD];
     vstore16(sum, 0, row);
     for (int k = 0; k < SIM_GRAD; ++k) summed[k * V + lane] = row[k];
+#endif
   }
+#if V == 16
+  transpose16(rows, summed);
+#endif
   if (!any_seen) {
     for (uint row = 0; row < SIM_SH + 3 * SH_COEFFICIENTS; ++row) STV(param_grads + row * stride + i, (F)R(0.0));
     return;

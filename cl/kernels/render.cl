@@ -77,7 +77,7 @@ __kernel GROUP void render(const FrameParams frame,
     {
       const uint packed = payload[i];
       if (!(alive & VECTORS_OF(packed))) continue;  // its record is not even read
-      if (i + 2 < end) PREFETCH(records + (ulong)(payload[i + 2] & SIM_PARTICLE_MASK) * SIM_RECORD);
+      if (i + AHEAD < end) PREFETCH(records + (ulong)(payload[i + AHEAD] & SIM_PARTICLE_MASK) * SIM_RECORD);
       real record[SIM_RECORD];
       load_record(records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, record);
 #endif

@@ -102,6 +102,37 @@ FN real hmax8(REAL_VECTOR(8) v) { return hmax4(fmax(v.lo, v.hi)); }
 FN real hsum16(F v) { return hsum8(v.lo + v.hi); }
 FN real hmax16(F v) { return hmax8(fmax(v.lo, v.hi)); }
 
+/// Rows of 16 to columns, out[16][16]: in every step the halves of two rows that lie 8, 4, 2 and 1 apart change places.
+FN void transpose16(const F* rows, real* out) {
+  F a[16], b[16];
+  for (int k = 0; k < 8; ++k) {
+    const F p = rows[k], q = rows[k + 8];
+    a[k] = (F)(p.lo, q.lo);
+    a[k + 8] = (F)(p.hi, q.hi);
+  }
+  for (int k = 0; k < 16; k += 8) {
+    for (int j = k; j < k + 4; ++j) {
+      const F p = a[j], q = a[j + 4];
+      b[j] = (F)(p.s0123, q.s0123, p.s89ab, q.s89ab);
+      b[j + 4] = (F)(p.s4567, q.s4567, p.scdef, q.scdef);
+    }
+  }
+  for (int k = 0; k < 16; k += 4) {
+    for (int j = k; j < k + 2; ++j) {
+      const F p = b[j], q = b[j + 2];
+      a[j] = (F)(p.s01, q.s01, p.s45, q.s45, p.s89, q.s89, p.scd, q.scd);
+      a[j + 2] = (F)(p.s23, q.s23, p.s67, q.s67, p.sab, q.sab, p.sef, q.sef);
+    }
+  }
+  for (int k = 0; k < 16; k += 2) {
+    const F p = a[k], q = a[k + 1];
+    STV(out + k * 16,
+        (F)(p.s0, q.s0, p.s2, q.s2, p.s4, q.s4, p.s6, q.s6, p.s8, q.s8, p.sa, q.sa, p.sc, q.sc, p.se, q.se));
+    STV(out + k * 16 + 16,
+        (F)(p.s1, q.s1, p.s3, q.s3, p.s5, q.s5, p.s7, q.s7, p.s9, q.s9, p.sb, q.sb, p.sd, q.sd, p.sf, q.sf));
+  }
+}
+
 /// hsum16() of each of 16 vectors, the same bits: 15 additions for 64, as two vectors' halves are added at a time.
 FN F hsum16_each(const F* v) {
   F a[8], b[4], c[2];
@@ -127,13 +158,17 @@ FN F hsum16_each(const F* v) {
 #define VMAX(a, b) SEL((a) > (b), (a), (b))
 
 // CPUs alone: Intel's compiler for GPUs has the builtin, and then can't translate it.
-#if V > 1 && defined(__has_builtin)
+#if defined(__x86_64__) || defined(__aarch64__) || defined(__powerpc64__) || defined(__riscv)
+#if defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)
 #define PREFETCH(p) __builtin_prefetch(p)
+#endif
 #endif
 #endif
 #ifndef PREFETCH
 #define PREFETCH(p)
 #endif
+// How many places of a list before its use something scattered is fetched: as long as memory is waited for.
+#define AHEAD 12
 
 #endif

@@ -32,6 +32,19 @@
 #define SH_LANES(params, stride, k, channel, i) LDV(SH_ROW(params, stride, k, channel) + (i))
 #endif
 
+#ifndef __cplusplus
+/// Has the first `rows` parameters of particles i .. i+V-1 fetched ahead of use, or their coefficients: of so many
+/// streams side by side hardware foresees none, and each would be waited for.
+FN void call_for_rows(__global const real* params, uint stride, uint rows, uint i) {
+  for (uint row = 0; row < rows; ++row) PREFETCH(params + (ulong)row * stride + i);
+}
+FN void call_for_sh(__global const real* params, uint stride, uint i) {
+  for (int k = 0; k < SH_COEFFICIENTS; ++k) {
+    for (int channel = 0; channel < 3; ++channel) PREFETCH(SH_ROW(params, stride, k, channel) + i);
+  }
+}
+#endif
+
 /// Basis values at the unit direction (x, y, z).
 FN void sh_basis(F x, F y, F z, F* basis) {
   basis[0] = (F)R(0.28209479177387814);
