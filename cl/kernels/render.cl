@@ -107,7 +107,9 @@ __kernel GROUP void render(const FrameParams frame,
 #endif
         Response response;
         respond(record, box_mean, seen, t_min, t_max, &response);
-        if (!ANY(response.inside)) continue;
+#if V == 1 || RAY_SH
+        if (!ANY(response.inside)) continue;  // of vectors most are touched: guessing wrong costs more than no light
+#endif
         const F raw = raw_alpha(record, response.q, log_cut);
         const F alpha = SEL(response.inside, VMIN(raw, (F)ALPHA_MAX), (F)R(0.0));
         const F weight = alpha * transmittance[j];
