@@ -30,6 +30,12 @@ def libraries(program):
             yield words[0], pathlib.Path(words[2])
 
 
+def pack_libraries(program, folder):
+    for library, path in libraries(program):
+        if not (folder / library).exists():
+            shutil.copy(path, folder / library)
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
@@ -46,9 +52,10 @@ def main():
         launcher = folder / "bin" / name
         launcher.write_text(LAUNCHER.replace("NAME", name))
         launcher.chmod(0o755)
-        for library, path in libraries(programs / name):
-            if not (folder / "lib" / library).exists():
-                shutil.copy(path, folder / "lib" / library)
+        pack_libraries(programs / name, folder / "lib")
+    for late in (programs.parent / "lib").glob("libsimuli_*.so.*"):  # loaded by the programs when they need it
+        shutil.copy(late, folder / "lib")
+        pack_libraries(late, folder / "lib")
     here = pathlib.Path(__file__).resolve().parent.parent
     for script in SCRIPTS:
         shutil.copy(here / script, folder / "bench" / script)

@@ -1,5 +1,4 @@
 // Sweep files: one OpenEXR picture per sweep, rows x columns, one float channel per quantity.
-#include <OpenImageIO/imageio.h>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/log/log.hpp"
+#include "io/picture/codec/picture_codec.hpp"
 #include "io/picture/exr_header.hpp"
 
 namespace simuli {
@@ -84,33 +84,34 @@ Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
   const std::size_t rows = row_count(lidar), count = ray_count(lidar), columns = count / rows;
   require_sound_exr_header(file);
   // By format, not by name: for a file that isn't OpenEXR the library would try every other decoder it has.
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create("exr");
-  if (!input) refuse(file, OIIO::geterror());
-  OIIO::ImageSpec spec;
-  if (!input->open(file.string(), spec)) refuse(file, input->geterror());
-  if (spec.height != static_cast<int>(rows) || spec.width != static_cast<int>(columns) || spec.depth > 1) {
+  std::string failure;
+  const std::unique_ptr<PictureInput> input = picture_codec().open("exr", file, failure);
+  if (!input) refuse(file, failure);
+  const PictureLayout layout = input->layout();
+  if (layout.height != static_cast<int>(rows) || layout.width != static_cast<int>(columns) ||
+      layout.depth > 1) {
     throw_input_error(file.string(),
                       "rows x columns",
-                      fmt::format("{} x {}", spec.height, spec.width),
+                      fmt::format("{} x {}", layout.height, layout.width),
                       fmt::format("{} x {} of lidar {}", rows, columns, name_of(lidar)));
   }
+  const std::vector<std::string>& names = layout.channel_names;
   std::array<std::size_t, kChannels.size()> place{};  // of our channels in the file, which sorts by name
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
-    const int index = spec.channelindex(kChannels[c].name);
-    if (index < 0 || spec.nchannels != static_cast<int>(kChannels.size())) {
+    const auto found = std::find(names.begin(), names.end(), kChannels[c].name);
+    if (found == names.end() || names.size() != kChannels.size()) {
       throw_input_error(file.string(),
                         fmt::format("channel {}", kChannels[c].name),
-                        fmt::format("channels {}", fmt::join(spec.channelnames, ", ")),
+                        fmt::format("channels {}", fmt::join(names, ", ")),
                         "range_m, intensity, azimuth_rad, elevation_rad, time_fraction");
     }
-    place[c] = static_cast<std::size_t>(index);
+    place[c] = static_cast<std::size_t>(found - names.begin());
   }
   Sweep sweep;
-  sweep.rays.rows = spec.height;
-  sweep.rays.columns = spec.width;
+  sweep.rays.rows = layout.height;
+  sweep.rays.columns = layout.width;
   std::vector<float> pixels(count * kChannels.size());
-  const bool complete = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data());
-  if (!complete || !input->close() || input->has_error()) refuse(file, input->geterror());
+  if (const PictureFailure incomplete = input->read(pixels.data())) refuse(file, *incomplete);
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
     std::vector<float>& values = kChannels[c].values(sweep);
     values.resize(count);
@@ -124,7 +125,7 @@ Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
       refuse_value(file,
                    "range_m",
                    i,
-                   spec.width,
+                   layout.width,
                    sweep.range[i],
                    fmt::format("more than the row's bias of {} m", sweep.range[i] - distance_m));
     }
@@ -145,9 +146,7 @@ void write_sweep(const fs::path& file, const Sweep& sweep) {
         file.string(), "rows x columns", fmt::format("{} x {}", rows, columns), "at least 1 x 1");
   }
   const std::size_t count = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-  OIIO::ImageSpec spec(columns, rows, static_cast<int>(kChannels.size()), OIIO::TypeDesc::FLOAT);
-  spec["compression"] = "zip";               // lossless
-  spec["DateTime"] = "1970:01:01 00:00:00";  // else the day's, and the same sweep has other bits
+  PictureLayout layout{columns, rows, 1, static_cast<int>(kChannels.size())};
   std::vector<float> pixels(count * kChannels.size());
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
     const std::vector<float>& values = kChannels[c].values(checked);
@@ -157,16 +156,13 @@ void write_sweep(const fs::path& file, const Sweep& sweep) {
                         fmt::format("{} values", values.size()),
                         fmt::format("{} ({} rows x {} columns)", count, rows, columns));
     }
-    spec.channelnames[c] = kChannels[c].name;
+    layout.channel_names.emplace_back(kChannels[c].name);
     for (std::size_t i = 0; i < count; ++i) pixels[i * kChannels.size() + c] = values[i];
   }
   validate(file, checked);
   write_atomically(file, [&](const fs::path& temporary) {
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
-    if (!output) refuse(file, OIIO::geterror());
-    const bool written = output->open(temporary.string(), spec) &&
-                         output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) && output->close();
-    if (!written) refuse(file, output->geterror());
+    const PictureSamples picture{layout, SampleType::kFloat, pixels.data(), reproducible_exr()};
+    if (const PictureFailure failure = picture_codec().write(temporary, picture)) refuse(file, *failure);
   });
 }
 

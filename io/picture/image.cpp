@@ -1,7 +1,5 @@
 #include "io/picture/image.hpp"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
+#include "io/picture/codec/picture_codec.hpp"
 #include "io/picture/exr_header.hpp"
 
 namespace simuli {
@@ -80,7 +79,8 @@ constexpr std::array<Format, 9> kFormats{{{"\x89PNG", "png"},
                                           {"P5", "pnm"},
                                           {"P6", "pnm"}}};
 
-std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& file, const OIIO::ImageSpec& config) {
+/// The picture, and its format's name.
+std::pair<std::unique_ptr<PictureInput>, std::string_view> open_picture(const fs::path& file) {
   constexpr std::size_t kStart = 4;
   std::string start(kStart, '\0');
   std::ifstream(file, std::ios::binary).read(start.data(), kStart);
@@ -94,27 +94,26 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& file, const OIIO:
     refuse(fs::exists(file, ignored) ? "neither PNG, JPEG, EXR, TIFF, WebP, BMP nor PNM" : "no such file");
   }
   if (format->name == std::string_view("exr")) require_sound_exr_header(file);
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(format->name);
-  if (!input) refuse(OIIO::geterror());
-  OIIO::ImageSpec spec;
-  if (!input->open(file.string(), spec, config)) refuse(input->geterror());
-  return input;
+  std::string failure;
+  std::unique_ptr<PictureInput> input = picture_codec().open(format->name, file, failure);
+  if (!input) refuse(failure);
+  return {std::move(input), format->name};
 }
 
-void require_size(const fs::path& file, const OIIO::ImageSpec& spec) {
-  for (const auto& [field, side] : {std::pair{"width_px", spec.width}, {"height_px", spec.height}}) {
+void require_size(const fs::path& file, const PictureLayout& layout) {
+  for (const auto& [field, side] : {std::pair{"width_px", layout.width}, {"height_px", layout.height}}) {
     if (side < 1 || side > kLargestSide_px) {
       throw_input_error(file.string(), field, std::to_string(side), fmt::format("1 to {}", kLargestSide_px));
     }
   }
-  if (spec.depth > 1 || std::int64_t{spec.width} * spec.height > kMostPixels) {
+  if (layout.depth > 1 || std::int64_t{layout.width} * layout.height > kMostPixels) {
     throw_input_error(file.string(),
                       "size_px",
-                      fmt::format("{} x {} x {}", spec.width, spec.height, spec.depth),
+                      fmt::format("{} x {} x {}", layout.width, layout.height, layout.depth),
                       fmt::format("at most {} pixels in one layer", kMostPixels));
   }
-  if (spec.nchannels < 1 || spec.nchannels > 4) {
-    throw_input_error(file.string(), "channels", std::to_string(spec.nchannels), "1 to 4");
+  if (layout.channels < 1 || layout.channels > 4) {
+    throw_input_error(file.string(), "channels", std::to_string(layout.channels), "1 to 4");
   }
 }
 
@@ -147,20 +146,12 @@ void require_writable(const fs::path& file, const Image& image) {
   }
 }
 
-void write_pixels(const fs::path& file,
-                  const OIIO::ImageSpec& spec,
-                  OIIO::TypeDesc type,
-                  const void* pixels) {
+void write_pixels(const fs::path& file, const PictureSamples& picture) {
   write_atomically(file, [&](const fs::path& temporary) {
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
-    const auto refuse = [&](const std::string& cause) {
+    if (const PictureFailure failure = picture_codec().write(temporary, picture)) {
       throw_input_error(
-          file.string(), "picture", one_line(cause), "a writable path ending in png, jpg or exr");
-    };
-    if (!output) refuse(OIIO::geterror());
-    if (!output->open(temporary.string(), spec)) refuse(output->geterror());
-    if (!output->write_image(type, pixels)) refuse(output->geterror());
-    if (!output->close()) refuse(output->geterror());
+          file.string(), "picture", one_line(*failure), "a writable path ending in png, jpg or exr");
+    }
   });
 }
 
@@ -190,19 +181,13 @@ std::vector<Footprint> footprints(int old_size, int new_size) {
 Image read_stored(const fs::path& file) {
   need_regular_file(file);
   require_whole_png(file);
-  OIIO::ImageSpec config;
-  config["oiio:UnassociatedAlpha"] = 1;  // colours as stored: alpha is dropped, not multiplied in
-  const std::unique_ptr<OIIO::ImageInput> input = open_picture(file, config);
-  const OIIO::ImageSpec spec = input->spec();
-  require_size(file, spec);
-  Image stored(spec.width, spec.height, spec.nchannels);
-  const bool complete = input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, stored.data.data());
-  // A decoder may hand over part of the pixels and only leave a message.
-  const bool clean = input->close() && !input->has_error();
-  if (!complete || !clean) {
-    throw_input_error(file.string(), "pixels", one_line(input->geterror()), "a whole picture");
-  }
-  if (input->format_name() == std::string("jpeg")) require_jpeg_end(file);
+  const auto [input, format] = open_picture(file);
+  const PictureLayout layout = input->layout();
+  require_size(file, layout);
+  Image stored(layout.width, layout.height, layout.channels);
+  if (const PictureFailure failure = input->read(stored.data.data()))
+    throw_input_error(file.string(), "pixels", one_line(*failure), "a whole picture");
+  if (format == "jpeg") require_jpeg_end(file);
   return stored;
 }
 
@@ -234,20 +219,12 @@ std::string encode_bytes(
                       fmt::format("{} x {} px", width, height),
                       fmt::format("{} a side and more of JPEG 2000", kLeastOfJpeg2000));
   }
-  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
-  if (code == ImageCode::kJpeg) spec["Compression"] = fmt::format("jpeg:{}", quality);
-  const auto refuse = [&](const std::string& cause) {
-    throw_input_error(name.string(), "picture", one_line(cause), "one that can be encoded");
-  };
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name.string());
-  if (!output) refuse(OIIO::geterror());
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput sink(bytes);
-  output->set_ioproxy(&sink);
-  if (!output->open(name.string(), spec)) refuse(output->geterror());
-  if (!output->write_image(OIIO::TypeDesc::UINT8, pixels.data())) refuse(output->geterror());
-  if (!output->close()) refuse(output->geterror());
-  return {bytes.begin(), bytes.end()};
+  PictureSamples picture{{width, height, 1, channels}, SampleType::kUint8, pixels.data()};
+  if (code == ImageCode::kJpeg) picture.attributes = {{"Compression", fmt::format("jpeg:{}", quality)}};
+  std::string bytes;
+  if (const PictureFailure failure = picture_codec().encode(name.string(), picture, bytes))
+    throw_input_error(name.string(), "picture", one_line(*failure), "one that can be encoded");
+  return bytes;
 }
 
 /// Colours, grey three times, and behind them alpha where four channels are wanted.
@@ -274,16 +251,11 @@ Image read_image_with_alpha(const fs::path& file) { return as_colors(read_stored
 
 void write_image(const fs::path& file, const Image& image) {
   require_writable(file, image);
-  const OIIO::TypeDesc type = has_float_pixels(file) ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
-  OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+  const PictureLayout layout{image.width, image.height, 1, image.channels};
   if (has_float_pixels(file)) {
-    spec["compression"] = "zip";               // lossless
-    spec["DateTime"] = "1970:01:01 00:00:00";  // else the day's, and the same picture has other bits
-  }
-  if (has_float_pixels(file)) {
-    write_pixels(file, spec, OIIO::TypeDesc::FLOAT, image.data.data());
+    write_pixels(file, {layout, SampleType::kFloat, image.data.data(), reproducible_exr()});
   } else {
-    write_pixels(file, spec, OIIO::TypeDesc::UINT8, bytes_of(image).data());
+    write_pixels(file, {layout, SampleType::kUint8, bytes_of(image).data()});
   }
 }
 
@@ -300,8 +272,7 @@ void write_counts(const fs::path& file, const Image& image) {
     }
     counts.push_back(static_cast<std::uint16_t>(value));
   }
-  const OIIO::ImageSpec spec(image.width, image.height, 1, OIIO::TypeDesc::UINT16);
-  write_pixels(file, spec, OIIO::TypeDesc::UINT16, counts.data());
+  write_pixels(file, {{image.width, image.height, 1, 1}, SampleType::kUint16, counts.data()});
 }
 
 std::string encode_image(const Image& image, ImageCode code, int quality) {
