@@ -60,11 +60,31 @@ TEST_F(Cli, HelpAndVersionGoToStdout) {
   EXPECT_NE(help.out.find("--quality"), std::string::npos);
   EXPECT_EQ(help.err, "");
   EXPECT_EQ(run("synth street --help").exit_code, 0);
-  // "simuli 0.1.0", with the commit behind it where that is known.
-  EXPECT_TRUE(
-      std::regex_match(run("--version").out, std::regex("simuli [0-9.]+( \\([0-9a-f]{12,}(-dirty)?\\))?\n")))
-      << run("--version").out;
+  // "simuli 0.1.0", with the commit behind it where that is known; the build, and the device that commands
+  // take.
+  const std::string version = run("--version").out;
+  const std::regex lines(
+      "simuli [0-9.]+( \\([0-9a-f]{12,}(-dirty)?\\))?\nbuild: .+, .+ [0-9.]+, .+\ndevice: (.+) / .+, driver "
+      ".+\n");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_match(version, found, lines)) << version;
+  EXPECT_NE(run("devices").out.find(found[3].str()), std::string::npos) << version;
+  const Outcome without = run("--version >first.txt; SIMULI_DEVICE=none '" + program_ + "' --version");
+  EXPECT_EQ(without.exit_code, 0);
+  EXPECT_NE(without.out.find("\ndevice: none ("), std::string::npos) << without.out;
 }
+
+#ifdef SIMULI_TEST_PICTURES
+TEST_F(Cli, WithoutItsPictureLibraryOnlyWhatNeedsItEnds) {
+  std::ofstream(folder_ / SIMULI_TEST_PICTURES) << "no library";
+  ::setenv("LD_LIBRARY_PATH", folder_.c_str(), 1);
+  expect_failure("synth street -o s.log --frames 1", 70, SIMULI_TEST_PICTURES ": found ");
+  EXPECT_EQ(run("--version").exit_code, 0);
+  EXPECT_EQ(run("info generic64").exit_code, 0);
+  ::unsetenv("LD_LIBRARY_PATH");
+  EXPECT_FALSE(fs::exists(folder_ / "s.log"));
+}
+#endif
 
 TEST_F(Cli, InputErrorsNameWhatWasFoundAndExitWith3) {
   expect_failure("info nowhere.log", kInput, "nowhere.log: folder: found nothing of that name");

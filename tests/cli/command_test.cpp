@@ -64,7 +64,7 @@ class CommandTest : public testing::Test {
     return testing::internal::GetCapturedStdout();
   }
 
-  CommandLine line_{"program", "does things", "program 1.2"};
+  CommandLine line_{"program", "does things", [] { return std::string("program 1.2"); }};
   Values values_;
   bool json_ = false;
   std::string device_;
@@ -177,7 +177,7 @@ TEST(CommandLineWork, TellsWhatTheGivenOptionsNameAndRunsNothing) {
   std::string output, other, input;
   std::vector<std::string> parts;
   const auto work_of = [&](std::vector<const char*> arguments) {
-    CommandLine line("program", "", "1");
+    CommandLine line("program", "", [] { return std::string("1"); });
     line.root().require_command();
     const Command sub = line.root().command("make", "makes something");
     sub.option("INPUT", input, "what is read").required().reads();

@@ -346,9 +346,9 @@ struct CommandLine::Impl {
   }
 };
 
-CommandLine::CommandLine(const std::string& name, const std::string& about, const std::string& version)
+CommandLine::CommandLine(const std::string& name, const std::string& about, std::function<std::string()> ask)
     : impl_(std::make_unique<Impl>(name, about)) {
-  impl_->app.set_version_flag("--version", version);
+  impl_->app.set_version_flag("--version", std::move(ask));
   impl_->app.fallthrough();  // global options may stand behind the command's name
 }
 

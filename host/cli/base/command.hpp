@@ -150,8 +150,8 @@ class Command {
 /// The arguments of a program: its own options, before or behind a command's name, and its commands.
 class CommandLine {
  public:
-  /// `version` is what --version prints; `name` stands in the help and in errors.
-  CommandLine(const std::string& name, const std::string& about, const std::string& version);
+  /// `version` makes what --version prints, when it is asked for; `name` stands in the help and in errors.
+  CommandLine(const std::string& name, const std::string& about, std::function<std::string()> version);
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;

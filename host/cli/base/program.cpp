@@ -14,8 +14,25 @@
 #include "host/cli/base/crash.hpp"
 #include "host/cli/base/interrupt.hpp"
 #include "host/runtime/cache/disk_cache.hpp"
+#include "host/runtime/device.hpp"
 
 namespace simuli::cli {
+namespace {
+
+/// The first line is for programs; below it the build, and the device that would be taken.
+std::string version_text(const std::string& built_from) {
+  std::string device;
+  try {
+    const DeviceInfo info = Device::best().info();
+    device = fmt::format("{}, driver {}", info.label(), info.driver_version);
+  } catch (const Error& error) {
+    device = fmt::format("none ({})", on_one_line(error.what()));
+  }
+  return fmt::format("simuli {}{}\nbuild: {}\ndevice: {}", version(), built_from, SIMULI_BUILD, device);
+}
+
+}  // namespace
+
 void add_globals(Command root, Globals& globals) {
   root.option("--device", globals.device, "part of the OpenCL device's name; default: the best one");
   const std::string names = fmt::format("{}", fmt::join(quality_names(), ", "));
@@ -60,7 +77,7 @@ void run_arguments(const std::string& name,
                    const AddCommands& add,
                    const std::string& commit) {
   const std::string built_from = commit.empty() ? "" : fmt::format(" ({})", commit);
-  CommandLine line(name, about, fmt::format("simuli {}{}", version(), built_from));
+  CommandLine line(name, about, [&built_from] { return version_text(built_from); });
   Globals globals;
   globals.commit = commit;
   add_globals(line.root(), globals);

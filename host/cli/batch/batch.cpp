@@ -75,7 +75,7 @@ class ProgramInside {
   struct Line {
     Globals globals;
     CommandLine line;
-    explicit Line(ProgramInside& of) : line("simuli", "", of.name()) {
+    explicit Line(ProgramInside& of) : line("simuli", "", [&of] { return of.name(); }) {
       globals.commit = of.commit_;
       globals.kept = &of.kept_;
       add_globals(line.root(), globals);
