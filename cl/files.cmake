@@ -35,7 +35,6 @@ set(SIMULI_CL_FILES
   kernels/densify.cl
   kernels/environment.cl
   kernels/environment_bwd.cl
-  kernels/largest_weight.cl
   kernels/lidar_tiling.cl
   kernels/loss/loss_image.cl
   kernels/loss/loss_lidar.cl
@@ -53,4 +52,6 @@ set(SIMULI_CL_FILES
   kernels/scan.cl
   kernels/sort.cl
   kernels/support/support.cl
+  kernels/train/largest_weight.cl
+  kernels/train/shard_sum.cl
 )

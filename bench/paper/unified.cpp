@@ -118,7 +118,8 @@ class UnifiedTrainer {
     const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
     const ImageWeights& w = options_.image;
     (void)pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
-    look_.step(pass, index, iteration, progress);
+    look_.backward(pass, index);
+    look_.step(index, iteration, progress);
     pass.backward(camera_.particles, camera_.grads);
     return pass;
   }

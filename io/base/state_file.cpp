@@ -21,7 +21,9 @@ struct Header {
   std::uint64_t name_bytes = 0, bytes = 0, checksum = 0;
 };
 
-/// Tells accidents from content: FNV-1a by words of eight bytes, mixed downwards.
+}  // namespace
+
+// Tells accidents from content: FNV-1a by words of eight bytes, mixed downwards.
 std::uint64_t checksum_of(std::span<const std::byte> bytes) {
   std::uint64_t hash = 0xcbf29ce484222325U ^ bytes.size();
   for (std::size_t i = 0; i < bytes.size(); i += 8) {
@@ -32,8 +34,6 @@ std::uint64_t checksum_of(std::span<const std::byte> bytes) {
   }
   return hash;
 }
-
-}  // namespace
 
 void StateWriter::add(const std::string& name, std::span<const std::byte> bytes) {
   const Header header{name.size(), bytes.size(), checksum_of(bytes)};

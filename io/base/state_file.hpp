@@ -11,6 +11,9 @@
 
 namespace simuli {
 
+/// What a block's bytes are known by again: tells accidents from content.
+[[nodiscard]] std::uint64_t checksum_of(std::span<const std::byte> bytes);
+
 /// Writes blocks one after the other, so that only one is in memory at a time.
 class StateWriter {
  public:

@@ -43,6 +43,8 @@ struct TrainReport {
   bool stopped_early = false;            // max_seconds ran out first
   std::vector<LengthStage> stages;       // of a training that decides how long it goes on
   double seconds = 0.0;
+  std::size_t ranks = 1;             // that have shared it
+  std::uint64_t gathered_bytes = 0;  // that they have told each other of their shards, each counted once
   std::vector<std::string> warnings;  // a line each: what nobody should overlook (judge())
 };
 

@@ -101,6 +101,12 @@ void StateList::need_text(const std::string& file,
   }
 }
 
+std::vector<std::pair<std::string, std::uint64_t>> StateList::hashes() const {
+  std::vector<std::pair<std::string, std::uint64_t>> out;
+  for (const Entry& entry : entries_) out.emplace_back(entry.name, checksum_of(entry.save()));
+  return out;
+}
+
 void StateList::write(const std::filesystem::path& file) const {
   write_state_file(file, [&](StateWriter& writer) {
     for (const Entry& entry : entries_) writer.add(entry.name, entry.save());

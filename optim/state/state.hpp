@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -46,6 +47,9 @@ class StateList {
                    const std::function<void(std::span<const double>)>& set);
   /// Text that must be the same when loading (need_text).
   void add_fixed(const std::string& name, const std::string& text);
+
+  /// A hash of each state's bytes, by name: of two lists that are alike, the same.
+  [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> hashes() const;
 
   /// Atomic (io/base/state_file.hpp).
   void write(const std::filesystem::path& file) const;

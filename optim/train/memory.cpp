@@ -13,6 +13,7 @@
 #include "host/render/train/anchor.hpp"
 #include "host/render/train/densify.hpp"
 #include "host/render/train/loss_stages.hpp"
+#include "host/render/train/shard_sum.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
@@ -250,6 +251,19 @@ void add_structure(const Device& device, Tally& tally, const Counts& counts, con
   }
 }
 
+/// The sum over the shards of a step, of the larger set.
+void add_shards(const Device& device, Tally& tally, const Counts& counts, const Scene& scene) {
+  const auto matrix = [](std::uint64_t particles, const GaussianSet& set) {
+    const ParticleSizes sizes = ParticleSizes::of(particles, set.sh_degree, 0);
+    return sizes.rows * sizes.stride;
+  };
+  tally.add("shards",
+            ShardBuffers(device),
+            {.particles = counts.most(),
+             .parameters = std::max(matrix(counts.camera, scene.camera), matrix(counts.lidar, scene.lidar)),
+             .packs = true});
+}
+
 }  // namespace
 
 MemoryNeed training_memory(const Device& device,
@@ -272,6 +286,7 @@ MemoryNeed training_memory(const Device& device,
   if (options.look.color_grids && counts.images.frames > 0) add_color_grids(device, tally, counts);
   add_rays(device, tally, counts, log, options.cache_bytes);
   add_structure(device, tally, counts, options);
+  if (options.shards.count > 1) add_shards(device, tally, counts, scene);
   std::sort(need.items.begin(), need.items.end(), [](const MemoryItem& a, const MemoryItem& b) {
     return a.bytes > b.bytes;
   });

@@ -51,13 +51,22 @@ void Structure::find_anchors(int iteration, bool lidar_pruned) {
 }
 
 void Structure::add_anchor_gradient(const Pass& pass, int iteration) {
-  if (!anchor_) return;
   // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
+  anchor(pass.buffers().projected.keys, options_.anchor.weight / camera_.particles.count, iteration);
+}
+
+void Structure::settle_anchors(const Buffer<std::uint32_t>& keys, int iteration) {
+  // The gradients have been taken: nothing is added to what nobody reads any more.
+  anchor(keys, 0.0, iteration);
+}
+
+void Structure::anchor(const Buffer<std::uint32_t>& keys, double weight, int iteration) {
+  if (!anchor_) return;
   add_time(device_, anchor_seconds_, [&] {
     anchor_->add_gradient(camera_.particles,
                           lidar_.particles,
-                          pass.buffers().projected.keys,
-                          options_.anchor.weight / camera_.particles.count,
+                          keys,
+                          weight,
                           iteration % options_.anchor.choose_every == 0,
                           camera_.grads);
   });
@@ -66,13 +75,13 @@ void Structure::add_anchor_gradient(const Pass& pass, int iteration) {
 void Structure::jitter(TrainedSet& set,
                        SetNumber number,
                        const LearningRates& rates,
-                       const Pass& pass,
+                       const Buffer<std::uint32_t>& keys,
                        int iteration,
                        double progress) {
   if (!collects_errors(number, iteration) || !(options_.densify.noise > 0.0)) return;
   const double rate_m = row_rates(rates, 0, progress)[kMeanRow];
   densify_->jitter(set.particles,
-                   pass.buffers().projected.keys,
+                   keys,
                    options_.densify.noise * rate_m,
                    {seed_, static_cast<std::uint32_t>(iteration), number});
 }

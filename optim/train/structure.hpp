@@ -6,9 +6,9 @@
 #include "host/render/scene/renderer.hpp"
 #include "host/render/train/anchor.hpp"
 #include "host/render/train/densify.hpp"
+#include "optim/report/train_report.hpp"
 #include "optim/state/state.hpp"
 #include "optim/train/train_options.hpp"
-#include "optim/report/train_report.hpp"
 #include "optim/train/trained_set.hpp"
 
 namespace simuli {
@@ -31,11 +31,14 @@ class Structure {
   void find_anchors(int iteration, bool lidar_pruned);
   /// To the camera set's gradients of the particles that the pass shows.
   void add_anchor_gradient(const Pass& pass, int iteration);
-  /// Moves its particles at random.
+  /// Behind those of all shards' passes, with the keys of what any of them shows: what one of them chose for
+  /// a particle holds for all ranks.
+  void settle_anchors(const Buffer<std::uint32_t>& keys, int iteration);
+  /// Moves the particles of the frame of `keys` at random.
   void jitter(TrainedSet& set,
               SetNumber number,
               const LearningRates& rates,
-              const Pass& pass,
+              const Buffer<std::uint32_t>& keys,
               int iteration,
               double progress);
   /// Behind the steps of an iteration, when it is its turn; `iteration`: done.
@@ -45,6 +48,7 @@ class Structure {
   void add_state(StateList& list);
 
  private:
+  void anchor(const Buffer<std::uint32_t>& keys, double weight, int iteration);
   [[nodiscard]] std::uint32_t growth(SetNumber number) const;
   void relocate(int iteration);
 

@@ -28,6 +28,11 @@ TrainingOptions checked(const TrainingOptions& options) {
   check_fields(options.frames);
   check(options.init);
   static_cast<void>(checked(options.train));
+  if (options.train.shards.count > 1 && !options.fixer_command.empty()) {
+    throw Error(ErrorKind::kUsage,
+                "shards: found " + std::to_string(options.train.shards.count) +
+                    " beside a fixer, allowed 1: mended pictures are no shard's");
+  }
   return options;
 }
 

@@ -120,9 +120,29 @@ constexpr void visit_fields(DepthOptions& o, F&& field) {
   field("depth.every", o.every, at_least(1), "iterations per sweep that the camera set is compared with");
 }
 
+/// Several frames for one step, and devices that share them (METHOD section 10).
+struct ShardOptions {
+  int count = 1;
+  double rate_power = 0.5;
+};
+template <class F>
+constexpr void visit_fields(ShardOptions& o, F&& field) {
+  field(
+      "shards",
+      o.count,
+      range(1, 1024),
+      "frames of which a step takes the mean, a picture and a sweep each; as many ranks and devices at most "
+      "can share them");
+  field("shards.rate_power",
+        o.rate_power,
+        range(0.0, 1.0),
+        "rates of what all frames share are those of one shard times their number to this power");
+}
+
 struct TrainOptions {
   int iterations = 1500;
   LengthOptions length;
+  ShardOptions shards;
   int lidar_every = 2;  // returns start where they belong, colours do not
   double max_seconds = 0.0;
   ImageWeights image;
@@ -154,8 +174,9 @@ struct TrainOptions {
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(TrainOptions& o, F&& field) {
-  field("iterations", o.iterations, at_least(0), "one picture each");
+  field("iterations", o.iterations, at_least(0), "one picture each, or one of each shard");
   field.part("", o.length);
+  field.part("", o.shards);
   field("max_seconds",
         o.max_seconds,
         at_least(0.0),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "optim/base/frames.hpp"
 
@@ -62,6 +63,38 @@ LidarLoss TrainedDrop::learn(Pass& pass,
     pass.set_drop(of(lidar));
   }
   return pass.lidar_loss(truth, own);
+}
+
+TrainedDrop::Lesson TrainedDrop::learn_apart(Pass& pass,
+                                             const RayValues& truth,
+                                             std::size_t sweep,
+                                             const std::string& lidar,
+                                             const LidarLossScale& scale,
+                                             double progress) {
+  if (share(sweep, scale).function_entropy == 0.0) {
+    return {learn(pass, truth, sweep, lidar, scale, progress), {}};
+  }
+  Function& function = functions_.at(lidar);
+  const Function before = function;
+  Lesson lesson;
+  lesson.loss = learn(pass, truth, sweep, lidar, scale, progress);
+  lesson.function.push_back(std::exchange(function, before));
+  return lesson;
+}
+
+void TrainedDrop::take(const std::string& lidar, const std::vector<Function>& functions) {
+  if (functions.empty()) return;
+  Function mean;
+  const double share = 1.0 / static_cast<double>(functions.size());
+  for (const Function& function : functions) {
+    for (std::size_t i = 0; i < mean.value.size(); ++i) {
+      mean.value[i] += share * function.value[i];
+      mean.first[i] += share * function.first[i];
+      mean.second[i] += share * function.second[i];
+    }
+    mean.steps = std::max(mean.steps, function.steps);
+  }
+  functions_.at(lidar) = mean;
 }
 
 void TrainedDrop::store(Scene& scene) const {

@@ -32,13 +32,28 @@ class TrainedDrop {
                   const std::string& lidar,
                   const LidarLossScale& scale,
                   double progress);
+
+  using Function = SmallAdam<RayDrop::kParameters>;
+  /// What a sweep teaches, and nothing else is changed: the function as learn() would leave it, where it
+  /// would be changed, beside the losses.
+  struct Lesson {
+    LidarLoss loss;
+    std::vector<Function> function;  // one, or none
+  };
+  Lesson learn_apart(Pass& pass,
+                     const RayValues& truth,
+                     std::size_t sweep,
+                     const std::string& lidar,
+                     const LidarLossScale& scale,
+                     double progress);
+  /// Takes over the mean of what sweeps of one step have taught of a LiDAR's function, added in their order.
+  void take(const std::string& lidar, const std::vector<Function>& functions);
   void store(Scene& scene) const;
   /// What a checkpoint holds of it.
   void add_state(StateList& list);
 
  private:
   void step(const std::string& lidar, const LidarLoss& loss, double progress);
-  using Function = SmallAdam<RayDrop::kParameters>;
   RayDropOptions options_;
   std::vector<bool> teaches_function_, teaches_particles_;  // [log.sweeps]
   std::map<std::string, Function> functions_;               // by name of the LiDAR

@@ -56,26 +56,68 @@ void TrainedLook::grade(Pass& pass, std::size_t image) {
   if (grids_) pass.grade(grids_->buffers, grids_->of_image[image]);
 }
 
-void TrainedLook::step(Pass& pass, std::size_t image, std::uint64_t iteration, double progress) {
-  const double share = std::pow(options_.final_share, progress);
+void TrainedLook::backward(Pass& pass, std::size_t image) {
   if (grids_) {
     Grids& g = *grids_;
-    const std::size_t grid = g.of_image[image];
     const auto values = static_cast<double>(g.frames.values_per_frame());
-    pass.grade_backward(
-        g.buffers, grid, {options_.grid_variation / values, options_.grid_drift / values}, g.grads);
-    // A grid's own steps are the epochs.
-    g.adam.run_dense(g.buffers.grid,
-                     g.grads,
-                     grid * g.buffers.reals(),
-                     share * options_.grid_rate,
-                     iteration / g.frames.frames.size() + 1);
+    pass.grade_backward(g.buffers,
+                        g.of_image[image],
+                        {options_.grid_variation / values, options_.grid_drift / values},
+                        g.grads);
   }
   if (environment_) {
     Environment& e = *environment_;
     const double values = 3.0 * e.buffers.width * e.buffers.height;
     pass.environment_backward(e.buffers, options_.environment_variation / values, e.grads);
-    e.adam.run_dense(e.buffers.texture, e.grads, 0, share * options_.environment_rate, iteration + 1);
+  }
+}
+
+void TrainedLook::step(std::size_t image, std::uint64_t iteration, double progress) {
+  step_grid(image, iteration, progress);
+  step_environment(iteration, progress);
+}
+
+/// `picture`: how many pictures there were before.
+void TrainedLook::step_grid(std::size_t image, std::uint64_t picture, double progress) {
+  if (!grids_) return;
+  Grids& g = *grids_;
+  // A grid's own steps are the epochs.
+  g.adam.run_dense(g.buffers.grid,
+                   g.grads,
+                   g.of_image[image] * g.buffers.reals(),
+                   std::pow(options_.final_share, progress) * options_.grid_rate,
+                   picture / g.frames.frames.size() + 1);
+}
+
+void TrainedLook::step_environment(std::uint64_t iteration, double progress) {
+  if (!environment_) return;
+  Environment& e = *environment_;
+  const double rate = std::pow(options_.final_share, progress) * options_.environment_rate;
+  e.adam.run_dense(e.buffers.texture, e.grads, 0, rate, iteration + 1);
+}
+
+TrainedLook::Gradients TrainedLook::gradients() const {
+  Gradients out;
+  if (grids_) out.grid = grids_->grads.download_float();
+  if (environment_) out.environment = environment_->grads.download_float();
+  return out;
+}
+
+void TrainedLook::step(const std::vector<Shard>& shards,
+                       std::uint64_t iteration,
+                       double progress,
+                       ShardSum& sum) {
+  if (environment_) {
+    RealBuffer& grads = environment_->grads;
+    grads.fill(0.0);
+    for (const Shard& shard : shards) {
+      sum.add_all(shard.gradients.environment, 1.0 / static_cast<double>(shards.size()), grads);
+    }
+    step_environment(iteration, progress);
+  }
+  for (std::size_t i = 0; grids_ && i < shards.size(); ++i) {
+    grids_->grads.assign(std::span<const float>(shards[i].gradients.grid));
+    step_grid(shards[i].image, iteration * shards.size() + i, progress);
   }
 }
 

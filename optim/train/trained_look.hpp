@@ -7,6 +7,7 @@
 
 #include "host/render/scene/renderer.hpp"
 #include "host/render/train/adam.hpp"
+#include "host/render/train/shard_sum.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/state/state.hpp"
@@ -26,8 +27,24 @@ class TrainedLook {
   [[nodiscard]] const EnvironmentBuffers* environment() const;
   /// The pass through the grid of picture `image` (an index into log.images).
   void grade(Pass& pass, std::size_t image);
-  /// Takes dL/d(graded picture) back to dL/d(outputs) and moves grid and environment; `iteration` from 0.
-  void step(Pass& pass, std::size_t image, std::uint64_t iteration, double progress);
+  /// Takes dL/d(graded picture) back to dL/d(outputs), and leaves the gradients of grid and environment.
+  void backward(Pass& pass, std::size_t image);
+  /// Moves the picture's grid and the environment by them; `iteration` from 0.
+  void step(std::size_t image, std::uint64_t iteration, double progress);
+
+  /// What backward() has left, for a step of several pictures; empty where there is none. Waits.
+  struct Gradients {
+    std::vector<float> grid, environment;
+  };
+  [[nodiscard]] Gradients gradients() const;
+  /// By those of a step's pictures: the environment by their mean, added in their order by `sum`; each grid
+  /// by its own, in turn. `iteration`: of the step, from 0.
+  struct Shard {
+    std::size_t image = 0;
+    Gradients gradients;
+  };
+  void step(const std::vector<Shard>& shards, std::uint64_t iteration, double progress, ShardSum& sum);
+
   /// Gradient entries that were not finite. Waits.
   [[nodiscard]] std::uint32_t rejected() const;
   void store(Scene& scene) const;
@@ -35,6 +52,8 @@ class TrainedLook {
   void add_state(StateList& list);
 
  private:
+  void step_grid(std::size_t image, std::uint64_t picture, double progress);
+  void step_environment(std::uint64_t iteration, double progress);
   struct Environment {
     EnvironmentBuffers buffers;
     RealBuffer grads;

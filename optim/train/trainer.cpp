@@ -31,13 +31,38 @@ RenderOptions training_options(RenderOptions options) {
   return options;
 }
 
-const TrainOptions& fitting(const Device& device,
-                            const Log& log,
-                            const Scene& scene,
-                            const TrainingOptions& options) {
+/// The rates of what all frames of a step share.
+TrainOptions with_rates_of_shards(TrainOptions o) {
+  const double factor = std::pow(o.shards.count, o.shards.rate_power);
+  for (LearningRates* const rates : {&o.camera, &o.lidar}) {
+    for (double* const rate : {&rates->mean_m,
+                               &rates->mean_final_m,
+                               &rates->log_scale,
+                               &rates->rotation,
+                               &rates->opacity,
+                               &rates->sh,
+                               &rates->sh_rest}) {
+      *rate *= factor;
+    }
+  }
+  o.look.environment_rate *= factor;
+  return o;
+}
+
+TrainOptions fitting(const Device& device,
+                     const Log& log,
+                     const Scene& scene,
+                     const TrainingOptions& options) {
   static_cast<void>(checked(options));
   need_memory(device, log, scene, options);
-  return options.train;
+  return with_rates_of_shards(options.train);
+}
+
+/// Iterations in which each training frame is looked at once.
+std::size_t epoch_of(const TrainOptions& o, std::size_t images, std::size_t sweeps) {
+  const std::size_t frames = images > 0 ? images : sweeps * static_cast<std::size_t>(o.lidar_every);
+  const auto shards = static_cast<std::size_t>(o.shards.count);
+  return (frames + shards - 1) / shards;
 }
 
 /// The particles all of whose parameters are finite, in their order.
@@ -153,9 +178,14 @@ double RunningMean::value() const {
   return weight > 0.0 ? sum / weight : std::numeric_limits<double>::quiet_NaN();
 }
 
-Trainer::Trainer(
-    const Device& device, const Log& log, Scene scene, const TrainingOptions& options, MovingSpace moving)
+Trainer::Trainer(const Device& device,
+                 const Log& log,
+                 Scene scene,
+                 const TrainingOptions& options,
+                 MovingSpace moving,
+                 Ranks& ranks)
     : log_(log),
+      ranks_(ranks),
       scene_(in_coherent_order(std::move(scene))),
       options_(fitting(device, log, scene_, options)),
       device_(device),
@@ -169,15 +199,15 @@ Trainer::Trainer(
       regularize_(device, Precision::kFloat),
       images_(HeldOutRule(log, options.frames).training(log.images), options.frames.seed, kImageStream),
       sweeps_(HeldOutRule(log, options.frames).training(log.sweeps), options.frames.seed, kSweepStream),
-      length_(
-          options_.length,
-          images_.empty() ? sweeps_.size() * static_cast<std::size_t>(options_.lidar_every) : images_.size(),
-          log.images.size(),
-          log.sweeps.size()),
+      length_(options_.length,
+              epoch_of(options_, images_.size(), sweeps_.size()),
+              log.images.size(),
+              log.sweeps.size()),
       mended_(device, log, options.frames, options.fixer, options.fixer_command, options_.render) {
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
+  if (has_shards()) sum_.emplace(device, Precision::kFloat);
   if (options_.length.automatic) options_.iterations = length_.first();
   status_.planned = options_.iterations;
   status_.camera_particles = camera_.particles.count;
@@ -207,7 +237,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   report.begin = status_;
   constexpr int kStart = 5;  // iterations: what runs away does so soon
   while (status_.iteration < options_.iterations) {
-    if (options_.max_seconds > 0.0 && elapsed_s() >= options_.max_seconds) {
+    if (options_.max_seconds > 0.0 && ranks_.any(elapsed_s() >= options_.max_seconds)) {
       report.stopped_early = true;
       break;
     }
@@ -234,6 +264,8 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
                              (lidar_.particles.count - finite_ones(lidar_.particles.download()).size());
   report.unsound_losses = unsound_losses_;
   report.stages = length_.stages();
+  report.ranks = ranks_.size();
+  report.gathered_bytes = gathered_bytes_;
   report.seconds = elapsed_s();
   return report;
 }
@@ -288,6 +320,14 @@ StateList Trainer::state(const std::string& settings) {
 
 void Trainer::save(const std::filesystem::path& file, const std::string& settings) {
   state(settings).write(file);
+}
+
+void Trainer::need_one_state(const std::string& settings) {
+  if (ranks_.size() == 1) return;
+  std::vector<RankField> fields;
+  for (const auto& [name, hash] : state(settings).hashes())
+    fields.push_back({name, fmt::format("{:016x}", hash)});
+  need_same(ranks_, fields);
 }
 
 void Trainer::need_settings(const std::filesystem::path& file,

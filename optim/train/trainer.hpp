@@ -5,16 +5,21 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "host/render/scene/renderer.hpp"
 #include "host/render/train/regularize.hpp"
+#include "host/render/train/shard_sum.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/fixer/fixed_views.hpp"
 #include "optim/init/moving_space.hpp"
 #include "optim/length/length.hpp"
 #include "optim/poses/sensor_offsets.hpp"
+#include "optim/ranks/ranks.hpp"
 #include "optim/report/train_report.hpp"
 #include "optim/state/state.hpp"
 #include "optim/train/schedule.hpp"
@@ -37,17 +42,19 @@ struct RunningMean {
 };
 
 /// One training. The same device, build, log, scene and options give the same bits, unless max_seconds
-/// stops it.
+/// stops it, however many ranks share it.
 class Trainer {
  public:
   /// Error{kUsage} for options outside their range, Error{kInput} when the log has no frame to train on.
   /// `log` must outlive the trainer.
   /// `moving` (of the initialisation) is used when train.mask_moving.
+  /// `ranks` must outlive it, too: all of them have a trainer of the same arguments, and call it alike.
   Trainer(const Device& device,
           const Log& log,
           Scene scene,
           const TrainingOptions& options,
-          MovingSpace moving = {});
+          MovingSpace moving = {},
+          Ranks& ranks = one_rank());
 
   /// One iteration: a step on the camera set, and on the LiDAR set when it is its turn; each only when it has
   /// frames and particles. Error{kInput} when a frame can't be read. What is not a finite number moves
@@ -69,6 +76,9 @@ class Trainer {
                             const std::string& settings,
                             const TrainOptions& options);
 
+  /// RanksDiffer when a rank's state has other bits than rank 0's.
+  void need_one_state(const std::string& settings);
+
   [[nodiscard]] const TrainStatus& status() const { return status_; }
   /// What has been learned of where sensors sit; empty unless train.poses ask for it.
   [[nodiscard]] const SensorOffsets& sensor_offsets() const { return offsets_; }
@@ -81,34 +91,78 @@ class Trainer {
   Trainer& operator=(const Trainer&) = delete;
 
  private:
-  /// What a step on a set has of its frame, and of its own.
+  /// What a step on a set has of its own, whatever the frame.
   struct Turn {
-    Pass& pass;
     TrainedSet& set;
     SetNumber number;
     const LearningRates& rates;
     const ParticleWeights& weights;
-    const std::string& sensor;
-    double time_start_s, time_end_s;
     double progress;
     bool errors;  // are collected
   };
+  /// Of a frame: whose it is, and when.
+  struct FrameTimes {
+    std::string sensor;
+    double start_s = 0.0, end_s = 0.0;
+  };
+  /// A frame that was rendered, with its losses' gradients, and what they came to.
+  struct Shown {
+    Pass pass;
+    std::vector<double> losses;
+  };
+  [[nodiscard]] Turn camera_turn(double progress);
+  [[nodiscard]] Turn lidar_turn(double progress);
+  [[nodiscard]] Shown show_picture(const Turn& turn, std::size_t index);
+  [[nodiscard]] Shown show_depth(std::size_t index);
+  /// `taught`: where the drop function goes that the sweep teaches, when it is not to change; null: it does.
+  [[nodiscard]] Shown show_sweep(const Turn& turn,
+                                 std::size_t index,
+                                 std::vector<TrainedDrop::Function>* taught);
+  void note_picture(std::size_t index, std::span<const double> losses);
+  void note_sweep(std::size_t index, std::span<const double> losses);
   void step_camera(double progress);
   void step_lidar(double progress);
   /// The camera set along a sweep's rays.
   void step_depth(double progress);
+
+  // The same with several frames a step (trainer_shards.cpp).
+  struct ShardPart;
+  [[nodiscard]] bool has_shards() const { return options_.shards.count > 1; }
+  void step_camera_shards(double progress);
+  void step_lidar_shards(double progress);
+  void step_depth_shards(double progress);
+  /// The frames of turn `turn`, from 0, of a set, in the order of shards.
+  [[nodiscard]] std::vector<std::size_t> shard_frames(FrameOrder& order, int turn) const;
+  /// What `frame` says of each shard, all of which this rank has in the end; sum_ has their gradients' mean.
+  /// `frame` leaves a shard's gradients with the set, and its errors where it is told.
+  using ShardFrame = std::function<ShardPart(std::size_t shard, RealBuffer& error)>;
+  [[nodiscard]] std::vector<ShardPart> run_shards(TrainedSet& set, bool errors, const ShardFrame& frame);
+  /// What differentiate() and the losses make of a shard.
+  [[nodiscard]] ShardPart part_of(const Turn& turn, Shown& shown, const FrameTimes& times, RealBuffer& error);
+  /// The step of a set by the parts of all shards.
+  void descend_shards(const Turn& turn,
+                      const std::vector<ShardPart>& parts,
+                      const std::vector<FrameTimes>& frames);
   /// Has pictures from beside the path mended, and the camera set learn from one of them.
   void mend();
   void step_mended(const FixedView& mended, double progress);
+  /// From the loss of the pass to the gradients of the set, what the frame says of its sensor's pose, which
+  /// is returned where it is learned, and errors, added to `error`.
+  std::optional<PoseGradient> differentiate(const Turn& turn,
+                                            Pass& pass,
+                                            const std::string& sensor,
+                                            RealBuffer& error);
   /// From the loss of the pass to the set's step: what both sets do, in its order.
-  void descend(const Turn& turn);
+  void descend(const Turn& turn, Pass& pass, const FrameTimes& frame);
+  /// One step on the particles of the frame of `keys`.
+  static void take_step(const Turn& turn, const RealBuffer& grads, const Buffer<std::uint32_t>& keys);
   void regularize(TrainedSet& set, const ParticleWeights& weights);
   [[nodiscard]] bool prunes(int iteration) const;
   /// Takes out what no training sweep needs of the LiDAR set, and corrects the rows' ranges.
   void look_over_sweeps();
-  void step_pose(const Turn& turn);
+  void step_pose(const std::string& sensor, const PoseGradient& gradient, double progress);
   /// What the frame says of the actors: their poses, behind the particles' own step.
-  void step_actors(const Turn& turn);
+  void step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame);
   template <class Frame>
   [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
   /// Whether the loss of a frame is a finite number; counts it when it is not.
@@ -118,6 +172,7 @@ class Trainer {
   void end_stage();
 
   const Log& log_;
+  Ranks& ranks_;
   Scene scene_;
   TrainOptions options_;
   Device device_;
@@ -128,6 +183,7 @@ class Trainer {
   TrainedDrop drop_;
   Structure structure_;
   RegularizeStage regularize_;
+  std::optional<ShardSum> sum_;  // of the shards of a step, where there are several
   FrameOrder images_, sweeps_;
   TrainLength length_;
   SensorOffsets offsets_;  // of the sensors whose poses are learned
@@ -136,6 +192,7 @@ class Trainer {
   TrainStatus status_;
   std::uint32_t unsound_losses_ = 0;
   std::uint64_t pruned_ = 0;
+  std::uint64_t gathered_bytes_ = 0;
 };
 
 }  // namespace simuli

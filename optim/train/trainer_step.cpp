@@ -3,7 +3,9 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -16,13 +18,6 @@ namespace {
 
 constexpr double kPoseFinalShare = 0.01;  // of the offsets' rates, at the end
 
-void take_step(TrainedSet& set, const Pass& pass, const LearningRates& rates, double progress) {
-  set.adam.run(set.particles,
-               set.grads,
-               pass.buffers().projected.keys,
-               row_rates(rates, set.particles.sh_degree, progress));
-}
-
 }  // namespace
 
 void Trainer::step() {
@@ -33,10 +28,11 @@ void Trainer::step() {
   if (mended_.is_due(status_.iteration, options_.iterations)) mend();
   if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
   if (const FixedView* const mended = mended_.turn(status_.iteration)) step_mended(*mended, progress);
-  const bool depth_turn = options_.depth.weight > 0.0 && status_.iteration % options_.depth.every == 0;
-  if (depth_turn && !images_.empty() && !sweeps_.empty() && camera_.particles.count > 0) step_depth(progress);
-  const bool lidar_turn = status_.iteration % options_.lidar_every == 0;
-  if (lidar_turn && !sweeps_.empty() && lidar_.particles.count > 0) step_lidar(progress);
+  const bool is_depth_turn = options_.depth.weight > 0.0 && status_.iteration % options_.depth.every == 0;
+  if (is_depth_turn && !images_.empty() && !sweeps_.empty() && camera_.particles.count > 0)
+    step_depth(progress);
+  const bool is_lidar_turn = status_.iteration % options_.lidar_every == 0;
+  if (is_lidar_turn && !sweeps_.empty() && lidar_.particles.count > 0) step_lidar(progress);
   ++status_.iteration;
   structure_.densify(status_.iteration);
   if (options_.length.automatic && status_.iteration == options_.iterations) end_stage();
@@ -51,8 +47,28 @@ void Trainer::end_stage() {
   status_.planned = next;
 }
 
+Trainer::Turn Trainer::camera_turn(double progress) {
+  const bool errors = structure_.collects_errors(kCameraSet, status_.iteration);
+  return {camera_, kCameraSet, options_.camera, options_.camera_particles, progress, errors};
+}
+
+Trainer::Turn Trainer::lidar_turn(double progress) {
+  const bool errors = structure_.collects_errors(kLidarSet, status_.iteration);
+  return {lidar_, kLidarSet, options_.lidar, options_.lidar_particles, progress, errors};
+}
+
 void Trainer::step_camera(double progress) {
+  if (has_shards()) return step_camera_shards(progress);
   const std::size_t index = images_.at(static_cast<std::uint64_t>(status_.iteration));
+  const ImageFrame& frame = log_.images[index];
+  const Turn turn = camera_turn(progress);
+  Shown shown = show_picture(turn, index);
+  look_.step(index, static_cast<std::uint64_t>(status_.iteration), progress);
+  descend(turn, shown.pass, {frame.camera, frame.time_start_s, frame.time_end_s});
+  note_picture(index, shown.losses);
+}
+
+Trainer::Shown Trainer::show_picture(const Turn& turn, std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const auto truth = truth_.image(index);
   Pass pass = renderer_.render(
@@ -62,25 +78,18 @@ void Trainer::step_camera(double progress) {
   const ImageWeights& w = options_.image;
   const ImageLoss loss =
       pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
-  const bool errors = structure_.collects_errors(kCameraSet, status_.iteration);
-  if (errors) {
+  if (turn.errors) {
     structure_.errors().pixel_error(
         pass.frame(), pass.buffers().rays, pass.picture(), truth->truth.slots(), pass.ray_error());
   }
-  look_.step(pass, index, static_cast<std::uint64_t>(status_.iteration), progress);
-  descend({pass,
-           camera_,
-           kCameraSet,
-           options_.camera,
-           options_.camera_particles,
-           frame.camera,
-           frame.time_start_s,
-           frame.time_end_s,
-           progress,
-           errors});
-  if (!is_sound(loss.absolute + loss.squared + loss.dissimilarity)) return;
-  square_.add(loss.squared / values);
-  length_.add_image(index, loss.squared / values);
+  look_.backward(pass, index);
+  return {std::move(pass), {loss.absolute + loss.squared + loss.dissimilarity, loss.squared / values}};
+}
+
+void Trainer::note_picture(std::size_t index, std::span<const double> losses) {
+  if (!is_sound(losses[0])) return;
+  square_.add(losses[1]);
+  length_.add_image(index, losses[1]);
   status_.psnr_db = -10.0 * std::log10(square_.value());
 }
 
@@ -106,24 +115,40 @@ void Trainer::step_mended(const FixedView& mended, double progress) {
     pass.environment_backward(*look_.environment(), 0.0, texels);
   }
   pass.backward(camera_.particles, camera_.grads);
-  take_step(camera_, pass, options_.camera, progress);
+  take_step(camera_turn(progress), camera_.grads, pass.buffers().projected.keys);
   static_cast<void>(is_sound(loss.absolute + loss.squared + loss.dissimilarity));
 }
 
 void Trainer::step_depth(double progress) {
-  const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.depth.every));
+  if (has_shards()) return step_depth_shards(progress);
+  Shown shown = show_depth(sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.depth.every)));
+  take_step(camera_turn(progress), camera_.grads, shown.pass.buffers().projected.keys);
+  static_cast<void>(is_sound(shown.losses[0]));
+}
+
+Trainer::Shown Trainer::show_depth(std::size_t index) {
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = truth_.sweep(index);
   Pass pass = renderer_.render(camera_.particles, truth->truth.rays(), view(frame, frame.lidar));
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarLoss loss = pass.lidar_loss(truth->truth, {.distance = options_.depth.weight / returned});
   pass.backward(camera_.particles, camera_.grads);
-  take_step(camera_, pass, options_.camera, progress);
-  static_cast<void>(is_sound(loss.distance_m));
+  return {std::move(pass), {loss.distance_m}};
 }
 
 void Trainer::step_lidar(double progress) {
+  if (has_shards()) return step_lidar_shards(progress);
   const std::size_t index = sweeps_.at(static_cast<std::uint64_t>(status_.iteration / options_.lidar_every));
+  const SweepFrame& frame = log_.sweeps[index];
+  const Turn turn = lidar_turn(progress);
+  Shown shown = show_sweep(turn, index, nullptr);
+  descend(turn, shown.pass, {frame.lidar, frame.time_start_s, frame.time_end_s});
+  note_sweep(index, shown.losses);
+}
+
+Trainer::Shown Trainer::show_sweep(const Turn& turn,
+                                   std::size_t index,
+                                   std::vector<TrainedDrop::Function>* taught) {
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = truth_.sweep(index);
   View seen = view(frame, frame.lidar);
@@ -133,14 +158,17 @@ void Trainer::step_lidar(double progress) {
   // A sweep without a return has no distance loss to weigh: its sums are zero.
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarWeights& w = options_.weights;
-  const LidarLoss loss = drop_.learn(pass,
-                                     truth->truth,
-                                     index,
-                                     frame.lidar,
-                                     {w.distance / returned, w.intensity / returned, w.drop / rays},
-                                     progress);
-  const bool errors = structure_.collects_errors(kLidarSet, status_.iteration);
-  if (errors) {
+  const LidarLossScale scale{w.distance / returned, w.intensity / returned, w.drop / rays};
+  LidarLoss loss;
+  if (taught == nullptr) {
+    loss = drop_.learn(pass, truth->truth, index, frame.lidar, scale, turn.progress);
+  } else {
+    TrainedDrop::Lesson lesson =
+        drop_.learn_apart(pass, truth->truth, index, frame.lidar, scale, turn.progress);
+    loss = lesson.loss;
+    *taught = std::move(lesson.function);
+  }
+  if (turn.errors) {
     structure_.errors().beam_error(pass.frame(),
                                    pass.buffers().rays,
                                    pass.buffers().blended,
@@ -148,39 +176,52 @@ void Trainer::step_lidar(double progress) {
                                    {w.distance, w.intensity, w.drop},
                                    pass.ray_error());
   }
-  descend({pass,
-           lidar_,
-           kLidarSet,
-           options_.lidar,
-           options_.lidar_particles,
-           frame.lidar,
-           frame.time_start_s,
-           frame.time_end_s,
-           progress,
-           errors});
-  if (!is_sound(loss.distance_m + loss.intensity + loss.entropy)) return;
-  distance_.add(loss.distance_m / returned);
-  length_.add_sweep(index,
-                    (w.distance * loss.distance_m + w.intensity * loss.intensity) / returned +
-                        w.drop * loss.entropy / rays);
-  right_.add(1.0 - loss.wrong / rays);
+  return {std::move(pass),
+          {loss.distance_m + loss.intensity + loss.entropy,
+           loss.distance_m / returned,
+           (w.distance * loss.distance_m + w.intensity * loss.intensity) / returned +
+               w.drop * loss.entropy / rays,
+           1.0 - loss.wrong / rays}};
+}
+
+void Trainer::note_sweep(std::size_t index, std::span<const double> losses) {
+  if (!is_sound(losses[0])) return;
+  distance_.add(losses[1]);
+  length_.add_sweep(index, losses[2]);
+  right_.add(losses[3]);
   status_.distance_m = distance_.value();
   status_.drop_accuracy = right_.value();
 }
 
-void Trainer::descend(const Turn& turn) {
+std::optional<PoseGradient> Trainer::differentiate(const Turn& turn,
+                                                   Pass& pass,
+                                                   const std::string& sensor,
+                                                   RealBuffer& error) {
   TrainedSet& set = turn.set;
-  turn.pass.backward(
-      set.particles, set.grads, {.errors = turn.errors, .ray_gradients = offsets_.contains(turn.sensor)});
+  const bool learns_pose = offsets_.contains(sensor);
+  pass.backward(set.particles, set.grads, {.errors = turn.errors, .ray_gradients = learns_pose});
   if (turn.errors) {
-    structure_.errors().accumulate(turn.pass.frame(), turn.pass.buffers(), turn.pass.gradients(), set.error);
+    structure_.errors().accumulate(pass.frame(), pass.buffers(), pass.gradients(), error);
   }
-  step_pose(turn);
+  std::optional<PoseGradient> pose;
+  if (learns_pose) pose = pass.pose_gradient(set.grads);
   regularize(set, turn.weights);
-  if (turn.number == kCameraSet) structure_.add_anchor_gradient(turn.pass, status_.iteration);
-  take_step(set, turn.pass, turn.rates, turn.progress);
-  structure_.jitter(set, turn.number, turn.rates, turn.pass, status_.iteration, turn.progress);
-  step_actors(turn);
+  if (turn.number == kCameraSet) structure_.add_anchor_gradient(pass, status_.iteration);
+  return pose;
+}
+
+void Trainer::take_step(const Turn& turn, const RealBuffer& grads, const Buffer<std::uint32_t>& keys) {
+  TrainedSet& set = turn.set;
+  set.adam.run(set.particles, grads, keys, row_rates(turn.rates, set.particles.sh_degree, turn.progress));
+}
+
+void Trainer::descend(const Turn& turn, Pass& pass, const FrameTimes& frame) {
+  const auto pose = differentiate(turn, pass, frame.sensor, turn.set.error);
+  if (pose) step_pose(frame.sensor, *pose, turn.progress);
+  const Buffer<std::uint32_t>& keys = pass.buffers().projected.keys;
+  take_step(turn, turn.set.grads, keys);
+  structure_.jitter(turn.set, turn.number, turn.rates, keys, status_.iteration, turn.progress);
+  step_actors(turn, pass, frame);
 }
 
 void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
@@ -235,25 +276,19 @@ void Trainer::look_over_sweeps() {
   lidar_.keep(kept);
 }
 
-void Trainer::step_pose(const Turn& turn) {
-  const auto offset = offsets_.find(turn.sensor);
-  if (offset == offsets_.end()) return;
-  const double share = std::pow(kPoseFinalShare, turn.progress);
-  offset->second.step(turn.pass.pose_gradient(turn.set.grads),
-                      share * options_.poses.translation_m,
-                      share * options_.poses.rotation_rad);
+void Trainer::step_pose(const std::string& sensor, const PoseGradient& gradient, double progress) {
+  const double share = std::pow(kPoseFinalShare, progress);
+  offsets_.at(sensor).step(
+      gradient, share * options_.poses.translation_m, share * options_.poses.rotation_rad);
 }
 
-void Trainer::step_actors(const Turn& turn) {
+void Trainer::step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame) {
   TrainedSet& set = turn.set;
   if (set.particles.actors == 0) return;
   renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
   if (!set.poses.learns()) return;
-  set.poses.step(scene_.actors,
-                 turn.pass.pose_gradients(set.particles),
-                 turn.time_start_s,
-                 turn.time_end_s,
-                 turn.progress);
+  set.poses.step(
+      scene_.actors, pass.pose_gradients(set.particles), frame.start_s, frame.end_s, turn.progress);
 }
 
 template <class Frame>

@@ -10,6 +10,7 @@
 #include "host/base/fields.hpp"
 #include "host/base/version.hpp"
 #include "host/render/options/quality.hpp"
+#include "host/runtime/cache/tuning.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 #include "optim/init/initialize.hpp"
@@ -37,13 +38,27 @@ std::string quality_of(const RenderOptions& options) {
 }  // namespace
 
 struct Training::State {
-  State(const Device& device, const Log& log, SceneInit start, const TrainingOptions& options)
-      : trainer(device, log, std::move(start.scene), options, std::move(start.moving)) {}
+  State(const Device& device, const Log& log, SceneInit start, const TrainingOptions& options, Ranks& ranks)
+      : trainer(device, log, std::move(start.scene), options, std::move(start.moving), ranks) {}
   Trainer trainer;
 };
 
-Training::Training(const Device& device, Log log, const TrainingOptions& options)
-    : device_(device), log_(std::move(log)), log_hash_(simuli::log_hash(log_)), options_(checked(options)) {}
+Training::Training(const Device& device, Log log, const TrainingOptions& options, Ranks& ranks)
+    : ranks_(ranks),
+      device_(device),
+      log_(std::move(log)),
+      log_hash_(simuli::log_hash(log_)),
+      options_(checked(options)) {
+  need_shards(ranks, options_);
+}
+
+void Training::need_shards(const Ranks& ranks, const TrainingOptions& options) {
+  const auto shards = static_cast<std::size_t>(options.train.shards.count);
+  if (ranks.size() <= shards) return;
+  throw Error(
+      ErrorKind::kUsage,
+      fmt::format("ranks: found {}, allowed up to {}, the frames of a step (shards)", ranks.size(), shards));
+}
 
 Training::~Training() = default;
 
@@ -61,8 +76,28 @@ std::string Training::identity() const {
   return fmt::format("log={} {}\n{}{}\n", log_.name, log_hash_, fixer, fmt::join(lines_of(same), "\n"));
 }
 
+/// What ranks must have alike to come to the same bits.
+std::vector<RankField> Training::rank_fields() const {
+  const DeviceInfo& device = device_.info();
+  const DeviceTuning& tuning = tuning_of(device_);
+  std::vector<RankField> fields = {
+      {"device", device.label()},
+      {"device version", device.device_version},
+      {"driver", device.driver_version},
+      {"compute units", fmt::format("{}", device.compute_units)},
+      {"tuning", fmt::format("{} {} {} {}", tuning.lanes, tuning.vectors, tuning.work_items, tuning.group)},
+      {"log", fmt::format("{} {}", log_.name, log_hash_)},
+      {"fixer", options_.fixer_command}};
+  for (const std::string& line : lines_of(options_)) {
+    const std::size_t equals = line.find('=');
+    fields.push_back({line.substr(0, equals), line.substr(equals + 1)});
+  }
+  return fields;
+}
+
 void Training::prepare(const Progress& progress) {
   if (state_) return;
+  need_same(ranks_, rank_fields());
   RefinedLog refined = with_refined_path(std::move(log_), options_.path, progress);
   log_ = std::move(refined.log);
   report_.path = std::move(refined.report);
@@ -79,18 +114,21 @@ void Training::prepare(const Progress& progress) {
   start.report.dark_points = add_dark_surfaces(log_, options_.frames, options_.init, start.scene);
   start.report.lidar_particles += start.report.dark_points;
   report_.init = start.report;
-  state_ = std::make_unique<State>(device_, log_, std::move(start), options_);
+  state_ = std::make_unique<State>(device_, log_, std::move(start), options_, ranks_);
+  state_->trainer.need_one_state(identity());
 }
 
 void Training::resume(const std::filesystem::path& checkpoint, const Progress& progress) {
   Trainer::need_settings(checkpoint, identity(), options_.train);
   prepare(progress);
   state_->trainer.resume(checkpoint, identity());
+  state_->trainer.need_one_state(identity());
 }
 
 void Training::save(const std::filesystem::path& checkpoint) {
   static_cast<void>(prepared());
-  state_->trainer.save(checkpoint, identity());
+  state_->trainer.need_one_state(identity());
+  if (ranks_.is_first()) state_->trainer.save(checkpoint, identity());
 }
 
 const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& checkpoints) {
@@ -103,6 +141,7 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
     saved = status.iteration;
   });
   if (checkpoints.every > 0 && saved != status().iteration) save(checkpoints.file);
+  if (checkpoints.every <= 0) state_->trainer.need_one_state(identity());
   Judgement judgement = judge(report_.train);
   report_.train.warnings = std::move(judgement.warnings);
   if (!judgement.failure.empty()) throw Error(ErrorKind::kNumeric, judgement.failure);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "host/runtime/device.hpp"
 #include "io/log/log.hpp"
@@ -12,6 +13,7 @@
 #include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/path/path_options.hpp"
+#include "optim/ranks/ranks.hpp"
 #include "optim/report/train_report.hpp"
 #include "optim/train/training_options.hpp"
 
@@ -39,8 +41,12 @@ class Training {
   using Progress = std::function<void(std::size_t done, std::size_t total)>;
   using Observer = std::function<void(const TrainStatus&)>;
 
-  /// `log` as it was read. Error{kUsage} for options outside their range.
-  Training(const Device& device, Log log, const TrainingOptions& options = {});
+  /// `log` as it was read. Error{kUsage} for options outside their range, or more ranks than shards.
+  /// `ranks` share the training's shards and must outlive it; every one has a training of the same device,
+  /// log and options, and calls it alike. All come to the same scene.
+  Training(const Device& device, Log log, const TrainingOptions& options = {}, Ranks& ranks = one_rank());
+  /// Error{kUsage} when they are more than the options have shards.
+  static void need_shards(const Ranks& ranks, const TrainingOptions& options);
   ~Training();
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
@@ -49,14 +55,15 @@ class Training {
   /// and has no label (find_actors.hpp, complete_actors.hpp) and places the first particles, unless that is
   /// done; `progress` is called after each file of the latter, and after each sweep of the first.
   /// Error{kInput} when no frame is left to train on or a file can't be read, Error{kDevice} when the device
-  /// has no room for the training.
+  /// has no room for the training, RanksDiffer when a rank has another device, other settings or another log.
   void prepare(const Progress& progress = {});
   /// prepare(), and then goes on where a training of the same log and settings was saved. The number of
   /// iterations may be larger than it was: the rates of those that are left are the longer training's, so
   /// the result is well defined, but not that of a training which was longer from its first iteration on.
   /// Error{kInput}, before anything is prepared, when the file is no checkpoint or of another training.
   void resume(const std::filesystem::path& checkpoint, const Progress& progress = {});
-  /// Stores all that decides how the training goes on. Atomic.
+  /// Stores all that decides how the training goes on, by rank 0 for all. Atomic. RanksDiffer, and nothing is
+  /// stored, when the ranks have come to different bits.
   void save(const std::filesystem::path& checkpoint);
   /// prepare(), and then all iterations that are left, or as many as the training frames ask for
   /// (train.length.automatic). `on_step` is called after each; checkpoints are saved
@@ -78,7 +85,9 @@ class Training {
   struct State;
   [[nodiscard]] const State& prepared() const;
   [[nodiscard]] std::string identity() const;
+  [[nodiscard]] std::vector<RankField> rank_fields() const;
 
+  Ranks& ranks_;
   Device device_;
   Log log_;  // from prepare() on on its refined path, with what was learned of its LiDARs, and with found
              // actors

@@ -109,7 +109,7 @@ class List {
     // Those that have a backward pass.
     if (variant.options.sh_direction == ShDirection::kRay || variant.frame.sh_storage == ShStorage::kHalf)
       return;
-    for (const char* path : {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/largest_weight.cl"})
+    for (const char* path : {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/train/largest_weight.cl"})
       add(frame.name, path, options);
     if (!in_order) {
       BuildOptions replay = options;

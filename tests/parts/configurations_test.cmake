@@ -50,6 +50,9 @@ configure(no_serve all ${least} -DSIMULI_SERVE=OFF)
 need(serve/absent.cpp no_serve)
 forbid(no_serve grpc protoc render_session cli/serve/serve.cpp)
 
+configure(no_mpi all ${least} -DSIMULI_MPI=OFF)
+forbid(no_mpi openmpi mpi_module SIMULI_MPI_MODULE)
+
 configure(no_calibration all ${least} -DSIMULI_CALIBRATION=OFF)
 need(calibration/absent.cpp no_calibration)
 forbid(no_calibration ceres glog ${SOURCE}/optim/calibration calibration/fit.cpp)

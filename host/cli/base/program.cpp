@@ -130,7 +130,7 @@ int run_program(const std::string& name,
     return 0;
   } catch (const std::exception& thrown) {
     const Failure failure = failure_of(thrown);
-    std::cerr << "simuli: " << failure.line << std::endl;
+    if (!failure.line.empty()) std::cerr << "simuli: " << failure.line << std::endl;
     return failure.exit_code;
   }
 }

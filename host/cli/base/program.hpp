@@ -24,7 +24,7 @@ void run_arguments(const std::string& name,
                    const AddCommands& add,
                    const std::string& commit = "");
 
-/// Leaves a command that has told all but how it ended: what() is the line on stderr.
+/// Leaves a command that has told all but how it ended: what() is the line on stderr, empty for none.
 class Ended : public std::runtime_error {
  public:
   Ended(int exit_code, const std::string& line) : std::runtime_error(line), exit_code_(exit_code) {}

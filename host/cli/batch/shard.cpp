@@ -39,28 +39,6 @@ std::size_t needed(const Environment& environment, const char* name, const char*
   return *value;
 }
 
-Shard rank_in(const Environment& environment) {
-  struct Launcher {
-    const char* rank;
-    const char* size;
-  };
-  // PMIX_RANK last: launchers that set it and another pair say the size there.
-  for (const Launcher& launcher : {Launcher{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
-                                   Launcher{"PMI_RANK", "PMI_SIZE"},
-                                   Launcher{"PMIX_RANK", "SLURM_NTASKS"}}) {
-    const std::optional<std::size_t> rank = number_in(environment, launcher.rank);
-    if (!rank) continue;
-    const std::size_t size = needed(environment, launcher.size, launcher.rank);
-    if (*rank >= size) {
-      refuse_shard(launcher.rank,
-                   fmt::format("{}", *rank),
-                   fmt::format("less than {}, {}", launcher.size, size).c_str());
-    }
-    return {*rank, size};
-  }
-  return {};
-}
-
 Shard task_in(const Environment& environment) {
   constexpr const char* kId = "SLURM_ARRAY_TASK_ID";
   const std::optional<std::size_t> id = number_in(environment, kId);
@@ -82,6 +60,28 @@ Shard task_in(const Environment& environment) {
 }
 
 }  // namespace
+
+Shard rank_in(const Environment& environment) {
+  struct Launcher {
+    const char* rank;
+    const char* size;
+  };
+  // PMIX_RANK last: launchers that set it and another pair say the size there.
+  for (const Launcher& launcher : {Launcher{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                                   Launcher{"PMI_RANK", "PMI_SIZE"},
+                                   Launcher{"PMIX_RANK", "SLURM_NTASKS"}}) {
+    const std::optional<std::size_t> rank = number_in(environment, launcher.rank);
+    if (!rank) continue;
+    const std::size_t size = needed(environment, launcher.size, launcher.rank);
+    if (*rank >= size) {
+      refuse_shard(launcher.rank,
+                   fmt::format("{}", *rank),
+                   fmt::format("less than {}, {}", launcher.size, size).c_str());
+    }
+    return {*rank, size};
+  }
+  return {};
+}
 
 Shard parse_shard(const std::string& text) {
   const std::size_t at = text.find('/');

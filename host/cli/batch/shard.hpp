@@ -16,9 +16,12 @@ struct Shard {
 
 /// The value of an environment variable; null where there is none.
 using Environment = std::function<const char*(const char* name)>;
-/// As the launcher says: a rank of mpirun or srun (OMPI_COMM_WORLD_RANK and _SIZE; PMI_RANK and PMI_SIZE;
-/// PMIX_RANK, with SLURM_NTASKS), a task of a Slurm array (SLURM_ARRAY_TASK_ID, _COUNT, _MIN, _STEP), or a
-/// rank within such a task; everything without a launcher. Error{kUsage} for what does not fit together.
+/// The rank of mpirun or srun that this is (OMPI_COMM_WORLD_RANK and _SIZE; PMI_RANK and PMI_SIZE; PMIX_RANK,
+/// with SLURM_NTASKS); everything without them. Error{kUsage} for what does not fit together.
+[[nodiscard]] Shard rank_in(const Environment& environment);
+/// As the launcher says: a rank (rank_in()), a task of a Slurm array (SLURM_ARRAY_TASK_ID, _COUNT, _MIN,
+/// _STEP), or a rank within such a task; everything without a launcher. Error{kUsage} for what does not fit
+/// together.
 [[nodiscard]] Shard shard_in(const Environment& environment);
 
 }  // namespace simuli::cli

@@ -162,12 +162,15 @@ const char* share_of(const char* unit, double value) {
 
 TrainHistory run_training(Training& training,
                           const Device& device,
-                          const Globals& globals,
+                          const Globals& all_globals,
                           const TrainOutputs& outputs) {
   const Checkpoints& checkpoints = outputs.checkpoints;
+  Ranks& ranks = *outputs.ranks;
+  Globals globals = all_globals;
+  if (!ranks.is_first()) globals.json = true, globals.json_progress = false;  // no progress
   std::error_code absent;
-  const bool resumes = outputs.resume && std::filesystem::exists(checkpoints.file, absent);
-  if (outputs.resume && !resumes) {
+  const bool resumes = ranks.first(outputs.resume && std::filesystem::exists(checkpoints.file, absent));
+  if (outputs.resume && !resumes && ranks.is_first()) {
     std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
   }
   FileProgress reading("initialise", globals);
@@ -207,13 +210,15 @@ TrainHistory run_training(Training& training,
                                 outlook.on(status_note(status, device.memory()), status));
                 recorder.add(status, device.memory());
                 live.update(status);
-                if (interruption && interruption->is_asked_for()) end_interrupted(training, checkpoints);
+                if (interruption && ranks.any(interruption->is_asked_for())) {
+                  end_interrupted(training, checkpoints);
+                }
               },
               checkpoints)
           .train;
   progress.finish(status_note(report.last, device.memory()));
   live.update(report.last, true);
-  warn(report);
+  if (ranks.is_first()) warn(report);
   return history;
 }
 

@@ -31,11 +31,12 @@ struct TrainOutputs {
   bool resume = false;                 // from checkpoints.file, if it is there
   std::filesystem::path event_folder;  // TensorBoard's; empty: none
   LivePage* view = nullptr;            // who shows it; may be nobody
+  Ranks* ranks = &one_rank();          // the training's; only the first one shows and warns
 };
 
 /// Prepares and runs a training, with progress on stderr. A warning line tells of rejected
 /// gradients, of an early stop and of what judge() says; Error{kNumeric} for what it calls a failure. With
-/// checkpoints a signal leaves it as Interrupted, its state stored.
+/// checkpoints a signal to any rank leaves it as Interrupted in all of them, its state stored.
 TrainHistory run_training(Training& training,
                           const Device& device,
                           const Globals& globals,

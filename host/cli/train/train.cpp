@@ -1,23 +1,31 @@
+#include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
 #include <iostream>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
-#include "host/cli/base/json_text.hpp"
+#include "host/cli/base/interrupt.hpp"
+#include "host/cli/base/program.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
+#include "host/cli/train/launched_ranks.hpp"
+#include "host/cli/train/print_report.hpp"
+#include "host/cli/train/program_build.hpp"
 #include "host/cli/view/live_page.hpp"
 #include "io/base/output.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/scene_output.hpp"
+#include "optim/ranks/rank_threads.hpp"
 #include "optim/train/training.hpp"
 
 namespace simuli::cli {
@@ -34,32 +42,6 @@ struct TrainCommand {
   int view_port = -1;  // of the viewer; below 0: none
 };
 
-nlohmann::ordered_json json_of(const std::vector<LengthStage>& stages) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  for (const LengthStage& s : stages) {
-    out.push_back({{"iterations", s.iterations},
-                   {"square", s.square},
-                   {"lidar_loss", s.lidar_loss},
-                   {"gain_db", s.gain_db},
-                   {"gain_share", s.gain_share}});
-  }
-  return out;
-}
-
-std::string stages_text(const std::vector<LengthStage>& stages) {
-  std::string text;
-  for (const LengthStage& s : stages) {
-    text += fmt::format("  {} iterations", s.iterations);
-    if (&s != &stages.front()) {
-      text += fmt::format(": per doubling {:+.2f} dB of training pictures, LiDAR loss {:+.1f} %",
-                          s.gain_db,
-                          -100.0 * s.gain_share);
-    }
-    text += '\n';
-  }
-  return text;
-}
-
 void take_iterations(const std::string& text, TrainOptions& options) {
   options.length.automatic = text == "auto";
   if (options.length.automatic) return;
@@ -68,115 +50,6 @@ void take_iterations(const std::string& text, TrainOptions& options) {
   if (iterations.set(text)) return;
   throw Error(ErrorKind::kUsage,
               fmt::format("--iterations: found {}, allowed auto, or {}", text, iterations.allowed()));
-}
-
-/// A line, or none where nothing was asked for.
-std::string path_text(const PathReport& path) {
-  if (path.sweeps == 0)
-    return path.reason.empty() ? "" : fmt::format("  path as recorded: {}\n", path.reason);
-  const std::string fit = fmt::format("surfaces {:.2f} cm thick, {:.2f} cm on the refined path",
-                                      100.0 * path.recorded_m,
-                                      100.0 * path.refined_m);
-  if (!path.used)
-    return fmt::format("  path as recorded: {} ({}; {:.1f} s)\n", path.reason, fit, path.seconds);
-  return fmt::format(
-      "  path refined by up to {:.1f} cm: {}; {:.1f} s\n", 100.0 * path.largest_change_m, fit, path.seconds);
-}
-
-void print_report(const TrainingReport& report, const TrainCommand& command, bool json) {
-  const TrainReport& r = report.train;
-  const InitReport& init = report.init;
-  const FindReport& found = report.found;
-  const PathReport& path = report.path;
-  if (json) {
-    const nlohmann::ordered_json out = {{"scene", command.output},
-                                        {"iterations", r.last.iteration},
-                                        {"stopped_early", r.stopped_early},
-                                        {"stages", json_of(r.stages)},
-                                        {"images", r.images},
-                                        {"sweeps", r.sweeps},
-                                        {"camera_particles", r.camera_particles},
-                                        {"lidar_particles", r.lidar_particles},
-                                        {"path_refined", path.used},
-                                        {"path_recorded_m", path.recorded_m},
-                                        {"path_refined_m", path.refined_m},
-                                        {"path_largest_change_m", path.largest_change_m},
-                                        {"path_seconds", path.seconds},
-                                        {"found_actors", found.actors},
-                                        {"added_actors", found.added},
-                                        {"continued_labels", found.continued},
-                                        {"moving_returns", found.moving_returns},
-                                        {"moving_returns_on_actors", found.moving_on_actors},
-                                        {"find_seconds", found.seconds},
-                                        {"depth_points", init.depth_points},
-                                        {"moving_points", init.moving_points},
-                                        {"train_psnr_db", r.last.psnr_db},
-                                        {"train_distance_m", r.last.distance_m},
-                                        {"train_drop_accuracy", r.last.drop_accuracy},
-                                        {"relocated", r.relocated},
-                                        {"grown", r.grown},
-                                        {"pruned", r.pruned},
-                                        {"row_ranges_m", r.row_ranges_m},
-                                        {"lidar_cells", init.lidar_cells},
-                                        {"lidar_thinned", init.lidar_thinned},
-                                        {"anchor_m", r.anchor_m},
-                                        {"anchor_seconds", r.anchor_seconds},
-                                        {"densify_seconds", r.densify_seconds},
-                                        {"rejected_gradients", r.rejected_gradients},
-                                        {"unsound_particles", r.unsound_particles},
-                                        {"unsound_losses", r.unsound_losses},
-                                        {"warnings", r.warnings},
-                                        {"init_seconds", init.seconds},
-                                        {"seconds", r.seconds}};
-    std::cout << json_text(out) << '\n';
-    return;
-  }
-  std::cout
-      << fmt::format("scene {}\n  {} iterations on {} images and {} sweeps, {:.1f} s + {:.1f} s\n",
-                     command.output,
-                     r.last.iteration,
-                     r.images,
-                     r.sweeps,
-                     init.seconds,
-                     r.seconds)
-      << stages_text(r.stages) << path_text(path)
-      << (found.sweeps == 0
-              ? ""
-              : fmt::format("  {} moving things found in {:.1f} s, with {} of {} returns that moved; {} of "
-                            "them have no label, {} labels go on where they had ended\n",
-                            found.actors,
-                            found.seconds,
-                            found.moving_on_actors,
-                            found.moving_returns,
-                            found.added,
-                            found.continued))
-      << fmt::format(
-             "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
-             "there), LiDAR set {} particles ({} of them on actors' surfaces that return nothing)\n",
-             r.camera_particles,
-             init.shell_particles,
-             init.filled_particles,
-             r.lidar_particles,
-             init.dark_points)
-      << fmt::format(
-             "  {} relocated, {} new, {} pruned; ranges of rows corrected by up to {:.1f} cm; anchors {:.1f} "
-             "cm away; share of the time: anchoring "
-             "{:.1f} %, densification {:.1f} %\n",
-             r.relocated,
-             r.grown,
-             r.pruned,
-             100.0 * r.row_ranges_m,
-             100.0 * r.anchor_m,
-             100.0 * r.anchor_seconds / r.seconds,
-             100.0 * r.densify_seconds / r.seconds)
-      << fmt::format(
-             "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
-             "camera set, {} that no image saw, {} that none shows apart from others\n",
-             init.moving_points,
-             init.lidar_thinned,
-             init.camera_thinned,
-             init.unseen_points,
-             init.joined_points);
 }
 
 /// With what held-out frames say; of all frames when none was held out.
@@ -253,16 +126,26 @@ SceneFile without_particles(const Log& log) {
   return file;
 }
 
-void train(TrainCommand command, const Globals& globals) {
+using OpenDevice = std::function<Device()>;
+
+/// What a rank without an output does.
+void share(TrainCommand command, const OpenDevice& open, const Globals& globals, Ranks& ranks) {
+  ranks.wait_for_all();  // the first one has taken the output, and the log is there
+  const Log log = read_log(command.log);
+  const Device device = open();
+  command.outputs.event_folder.clear();
+  command.outputs.ranks = &ranks;
+  Training training(device, log, command.options, ranks);
+  static_cast<void>(run_training(training, device, globals, command.outputs));
+}
+
+void train(TrainCommand command, const OpenDevice& open, const Globals& globals, Ranks& ranks) {
+  if (!ranks.is_first()) return share(std::move(command), open, globals, ranks);
   TrainingOptions& options = command.options;
-  options.train.render = training_options_of(globals.quality);
-  fields_of(options).apply(command.settings);
-  static_cast<void>(checked(options));
-  Checkpoints& checkpoints = command.outputs.checkpoints;
-  checkpoints.file = checkpoint_beside(command.output);
   const Log log = read_log(command.log);
   const std::unique_ptr<OutputLock> lock = take_output(command);
-  const Device device = Device::best(globals.device);
+  ranks.wait_for_all();
+  const Device device = open();
   if (globals.verbose) {
     std::cerr << fmt::format(
         "simuli: {}; {}\n", device.info().label(), fmt::join(fields_of(options).lines(), " "));
@@ -273,20 +156,84 @@ void train(TrainCommand command, const Globals& globals) {
     std::cerr << fmt::format("simuli: the training in the browser: {}\n", page->url());
     command.outputs.view = page.get();
   }
-  Training training(device, log, options);
+  command.outputs.ranks = &ranks;
+  Training training(device, log, options, ranks);
   TrainedReport trained;
   trained.history = run_training(training, device, globals, command.outputs);
   trained.report = training.report();
   SceneFile scene = training.result();
   write_scene(command.output, scene);
-  if (checkpoints.every == 0) {
+  if (command.outputs.checkpoints.every == 0) {
     std::error_code ignored;  // nobody needs it any more, and the scene is there
-    std::filesystem::remove(checkpoints.file, ignored);
+    std::filesystem::remove(command.outputs.checkpoints.file, ignored);
   }
   if (!command.report.empty()) {
     write_train_report(command, device, std::move(scene), log, trained, globals);
   }
-  print_report(trained.report, command, globals.json);
+  print_report(trained.report, command.output, globals.json);
+}
+
+/// A rank of a launcher. What all of them know is told by the first one alone.
+void train_launched(const TrainCommand& command,
+                    const OpenDevice& open,
+                    const Globals& globals,
+                    LaunchedRanks& ranks) {
+  const auto end = [&ranks](int exit_code, const std::string& line) {
+    ranks.finish();
+    throw Ended(exit_code, ranks.is_first() ? line : "");
+  };
+  try {
+    need_same(ranks,
+              {{"build", program_build(globals.commit)},
+               {"shards", fmt::format("{}", command.options.train.shards.count)}});
+    try {
+      Training::need_shards(ranks, command.options);
+    } catch (const Error& error) {  // all of them find the same
+      end(error.exit_code(), error.what());
+    }
+    train(command, open, globals, ranks);
+    ranks.finish();
+  } catch (const RanksDiffer& differ) {
+    end(kRanksDifferExit, differ.what());
+  } catch (const Interrupted& interrupted) {
+    end(kInterruptedExit, interrupted.what());
+  } catch (const Error& error) {
+    if (ranks.is_first()) throw;
+    throw Error(error.kind(), fmt::format("rank {}: {}", ranks.rank(), error.what()));
+  }
+}
+
+void train_on_ranks(TrainCommand command, const Globals& globals) {
+  TrainingOptions& options = command.options;
+  options.train.render = training_options_of(globals.quality);
+  fields_of(options).apply(command.settings);
+  static_cast<void>(checked(options));
+  command.outputs.checkpoints.file = checkpoint_beside(command.output);
+  const std::vector<std::string> devices = devices_of(globals.device);
+  const Environment environment = [](const char* name) { return std::getenv(name); };
+  // A job of a batch is its process's own.
+  const std::unique_ptr<LaunchedRanks> launched =
+      globals.kept == nullptr ? launched_ranks(environment) : nullptr;
+  if (launched != nullptr) {
+    const std::string own = device_of_rank(devices, environment);
+    return train_launched(
+        command, [own] { return Device::best(own); }, globals, *launched);
+  }
+  if (devices.size() == 1) {
+    return train(
+        std::move(command), [&] { return Device::best(devices.front()); }, globals, one_rank());
+  }
+  // One after the other: drivers are not all ready to be looked for by several threads.
+  std::vector<Device> opened;
+  for (const std::string& device : devices) opened.push_back(Device::best(device));
+  try {
+    run_rank_threads(opened.size(), [&](Ranks& ranks) {
+      train(
+          command, [&] { return opened[ranks.rank()]; }, globals, ranks);
+    });
+  } catch (const RanksDiffer& differ) {
+    throw Ended(kRanksDifferExit, differ.what());
+  }
 }
 
 }  // namespace
@@ -336,7 +283,7 @@ void add_train(Command app, const Globals& globals) {
     return fields_of(command->options);
   };
   add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
-  sub.run([command, &globals] { train(*command, globals); });
+  sub.run([command, &globals] { train_on_ranks(*command, globals); });
 }
 
 }  // namespace simuli::cli

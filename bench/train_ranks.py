@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Is a training the same however many ranks share it, and whoever is killed meanwhile? What does sharing gain?
+
+  bench/train_ranks.py PROGRAM [hashes] [speed] [kills] [rates] [--kills 20] [--runs 5] [--seed N] [--work FOLDER]
+
+On the embedded street, by mpirun (oversubscribed), each rank with one thread of PoCL. All parts unless some are named:
+  hashes  the scenes of 1, 2 and 4 ranks with 4 shards, and of one process with two devices: SHA-256 of all files
+  speed   1 and 2 ranks in turns: least seconds of several runs, and what ranks tell each other a step
+  kills   a rank is killed by SIGKILL at a random moment, and others, as many as chance says, go on; again and again
+          until it is done: the files of the undisturbed run
+  rates   the same number of frames in steps of 1, 2 and 4, with rates as they are, times the root, times the number
+Exit code 1 where bits differ.
+"""
+import argparse
+import hashlib
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+LAUNCHERS = ("OMPI_", "PMI_", "PMIX_", "SLURM_")
+ENVIRONMENT = {**{k: v for k, v in os.environ.items() if not k.startswith(LAUNCHERS)},
+               "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+               "POCL_MAX_PTHREAD_COUNT": "1"}
+
+
+def launched(ranks, command):
+    return ["mpirun", "-n", str(ranks), *command] if ranks > 1 else command
+
+
+def run(command, folder, **more):
+    environment = {**ENVIRONMENT, **more}
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}: {done.stderr.strip()}")
+    return done.stdout
+
+
+def scene_hash(scene):
+    total = hashlib.sha256()
+    for file in sorted(scene.rglob("*")):
+        if file.is_file():
+            total.update(str(file.relative_to(scene)).encode() + b"\0" + file.read_bytes())
+    return total.hexdigest()[:16]
+
+
+def train(args, ranks, name, *options, **environment):
+    """JSON of the training and its scene's hash."""
+    command = [args.program, "--json", "train", "s.log", "-o", name, "--overwrite", "--set", "init.voxel_m=0.2", *options]
+    told = json.loads(run(launched(ranks, command), args.work, **environment))
+    return told, scene_hash(args.work / name)
+
+
+def hashes(args):
+    options = ["--iterations", "60", "--set", "shards=4", "--set", "densify.first=10", "--set", "densify.every=10",
+               "--set", "color_grids=true", "--set", "poses.camera=true", "--set", "actors.rate.shift_m=0.01"]
+    found = {}
+    for ranks in (1, 2, 4):
+        told, found[f"{ranks} ranks"] = train(args, ranks, f"h{ranks}.scene", *options)
+        print(f"{ranks} ranks: {found[f'{ranks} ranks']}, {told['train_psnr_db']:.3f} dB", flush=True)
+    # Two devices of one process are alike where the driver says so of its own copies.
+    _, found["2 devices"] = train(args, 1, "hd.scene", "--device", "0,1", *options, POCL_DEVICES="pthread pthread")
+    print(f"2 devices of one process: {found['2 devices']}", flush=True)
+    return len(set(found.values())) == 1
+
+
+def speed(args):
+    options = ["--iterations", "40", "--set", "shards=4"]
+    seconds = {1: [], 2: []}
+    for _ in range(args.runs):
+        for ranks in seconds:
+            told, _ = train(args, ranks, "t.scene", *options)
+            seconds[ranks].append(told["seconds"])
+    gathered = told["gathered_bytes"] / told["iterations"]
+    least = {ranks: min(times) for ranks, times in seconds.items()}
+    print(f"training alone, least of {args.runs}: 1 rank {least[1]:.2f} s, 2 ranks {least[2]:.2f} s: "
+          f"{least[1] / least[2]:.2f} times as fast; {gathered / 1e6:.2f} MB gathered a step "
+          f"({told['camera_particles']} + {told['lidar_particles']} particles)", flush=True)
+    print("  all: " + "; ".join(f"{r} ranks " + ", ".join(f"{s:.2f}" for s in t) for r, t in seconds.items()))
+    return True
+
+
+def ranks_below(pid):
+    """The processes that mpirun has started."""
+    found = []
+    for status in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = status.read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid:
+            found.append(int(status.parent.name))
+    return found
+
+
+def kills(args):
+    options = ["--iterations", "60", "--set", "shards=4", "--checkpoint-every", "5", "--set", "densify.first=10",
+               "--set", "densify.every=10"]
+    start = time.monotonic()
+    _, wanted = train(args, 1, "whole.scene", *options)
+    duration = time.monotonic() - start
+    print(f"undisturbed: {wanted}, {duration:.1f} s", flush=True)
+    killed, scenes, is_same, started, last = 0, 0, True, [], None
+    while killed < args.kills:
+        for path in args.work.glob("killed.scene*"):
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+        while True:
+            ranks = random.choice([r for r in (1, 2, 4) if r != last])  # never as many as before
+            last = ranks
+            started.append(ranks)
+            command = launched(ranks, [args.program, "train", "s.log", "-o", "killed.scene", "--resume", "--set",
+                                       "init.voxel_m=0.2", *options])
+            process = subprocess.Popen(command, cwd=args.work, env=ENVIRONMENT, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+            if killed < args.kills:
+                try:
+                    process.wait(random.uniform(0.2, 0.9) * duration)
+                except subprocess.TimeoutExpired:
+                    victims = ranks_below(process.pid) if ranks > 1 else [process.pid]
+                    if victims:
+                        os.kill(random.choice(victims), signal.SIGKILL)
+                        killed += 1
+            if process.wait() == 0:
+                break
+        scenes += 1
+        found = scene_hash(args.work / "killed.scene")
+        is_same = is_same and found == wanted
+        print(f"{killed} killed, {scenes} scenes: {found}", flush=True)
+    print(f"{killed} killed, {len(started)} starts by {' '.join(map(str, started))} ranks, {scenes} scenes: "
+          f"{'all the same' if is_same else 'DIFFERENT'}")
+    return is_same
+
+
+def rates(args):
+    frames = 400
+    for shards in (1, 2, 4):
+        for power in ((0.0,) if shards == 1 else (0.0, 0.5, 1.0)):
+            scores = []
+            for seed in (1, 2):
+                every = max(1, 50 // shards)
+                train(args, 1, "r.scene", "--iterations", str(frames // shards), "--seed", str(seed), "--set",
+                      f"shards={shards}", "--set", f"shards.rate_power={power}", "--set", f"densify.every={every}",
+                      "--set", f"densify.first={2 * every}", "--set", f"anchor.every={1000 // shards}",
+                      POCL_MAX_PTHREAD_COUNT="2")
+                told = json.loads(run([args.program, "--json", "eval", "r.scene", "s.log"], args.work,
+                                      POCL_MAX_PTHREAD_COUNT="2"))
+                scores.append((told["psnr_db"], told["ssim"], 100 * told["distance_median_m"], told["raydrop_accuracy"]))
+            mean = [sum(values) / len(scores) for values in zip(*scores)]
+            print(f"| {shards} | {power} | {frames // shards} | {mean[0]:.2f} | {mean[1]:.4f} | {mean[2]:.2f} | "
+                  f"{100 * mean[3]:.2f} | {abs(scores[0][0] - scores[1][0]):.2f} dB |", flush=True)
+    return True
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=lambda text: str(pathlib.Path(text).resolve()))
+    parts = {"hashes": hashes, "speed": speed, "kills": kills, "rates": rates}
+    parser.add_argument("parts", nargs="*", choices=[[], *parts], default=[])
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--work", type=pathlib.Path, help="folder to make; default: a temporary one, removed again")
+    args = parser.parse_args()
+    if shutil.which("mpirun") is None:
+        sys.exit("train_ranks.py: mpirun: found none, allowed one that is installed (openmpi-bin)")
+    random.seed(args.seed)
+    is_kept = args.work is not None
+    args.work = args.work or pathlib.Path(tempfile.mkdtemp(prefix="simuli_ranks_"))
+    args.work.mkdir(exist_ok=True)
+    if not (args.work / "s.log").exists():
+        run([args.program, "synth", "street", "-o", "s.log", "--frames", "20", "--image-width", "160", "--image-height",
+             "90", "--lidar-columns", "360"], args.work)
+    is_same = all([parts[part](args) for part in args.parts or parts])
+    if not is_kept:
+        shutil.rmtree(args.work)
+    return 0 if is_same else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

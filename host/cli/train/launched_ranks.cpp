@@ -1,0 +1,110 @@
+#include "host/cli/train/launched_ranks.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <filesystem>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+#include "host/cli/base/commands.hpp"
+#include "host/cli/train/mpi_calls.h"
+
+namespace simuli::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::kInternal, "MPI: " + what); }
+
+class MpiRanks final : public LaunchedRanks {
+ public:
+  MpiRanks(const MpiCalls& calls, Shard expected) : calls_(calls) {
+    int rank = 0, size = 0;
+    need(calls_.start(&rank, &size));
+    rank_ = static_cast<std::size_t>(rank);
+    size_ = static_cast<std::size_t>(size);
+    if (rank_ == expected.index && size_ == expected.count) return;
+    refuse(
+        fmt::format("found rank {} of {}, expected {} of {} by the launcher's environment: of another MPI?",
+                    rank_,
+                    size_,
+                    expected.index,
+                    expected.count));
+  }
+  [[nodiscard]] std::size_t rank() const override { return rank_; }
+  [[nodiscard]] std::size_t size() const override { return size_; }
+
+  [[nodiscard]] std::vector<Bytes> all_gather(std::span<const std::byte> own) override {
+    const std::uint64_t count = own.size();
+    std::vector<std::uint64_t> counts(size_);
+    need(calls_.gather(&count, sizeof count, counts.data()));
+    std::vector<Bytes> all(size_);
+    for (std::size_t from = 0; from < size_; ++from) {
+      if (from == rank_) {
+        all[from].assign(own.begin(), own.end());
+      } else {
+        all[from].resize(counts[from]);
+      }
+      need(calls_.broadcast(all[from].data(), counts[from], static_cast<int>(from)));
+    }
+    return all;
+  }
+  void finish() override { calls_.finish(); }
+
+ private:
+  static void need(int failed) {
+    if (failed != 0) refuse(fmt::format("found its error {}, expected none", failed));
+  }
+  const MpiCalls& calls_;
+  std::size_t rank_ = 0, size_ = 1;
+};
+
+#ifdef SIMULI_MPI_MODULE
+const MpiCalls& mpi() {
+  const fs::path module = fs::read_symlink("/proc/self/exe").parent_path() / SIMULI_MPI_MODULE;
+  // What MPI loads by itself looks for MPI's symbols among everybody's.
+  void* const handle = dlopen(module.c_str(), RTLD_NOW | RTLD_GLOBAL);
+  if (handle == nullptr) refuse(dlerror());
+  auto* const calls = reinterpret_cast<SimuliMpiCalls*>(dlsym(handle, "simuli_mpi_calls"));
+  if (calls == nullptr) refuse(dlerror());
+  return *calls();
+}
+#else
+const MpiCalls& mpi() { refuse_absent("train under a launcher of MPI", "SIMULI_MPI"); }
+#endif
+
+}  // namespace
+
+std::unique_ptr<LaunchedRanks> launched_ranks(const Environment& environment) {
+  const Shard own = rank_in(environment);
+  if (own.count <= 1) return nullptr;
+  return std::make_unique<MpiRanks>(mpi(), own);
+}
+
+std::vector<std::string> devices_of(const std::string& request) {
+  std::vector<std::string> devices;
+  for (std::size_t begin = 0; begin <= request.size();) {
+    const std::size_t end = std::min(request.find(',', begin), request.size());
+    devices.push_back(request.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  const bool are_numbers = std::all_of(devices.begin(), devices.end(), [](const std::string& device) {
+    return !device.empty() &&
+           std::all_of(device.begin(), device.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  });
+  return are_numbers ? devices : std::vector<std::string>{request};
+}
+
+std::string device_of_rank(const std::vector<std::string>& devices, const Environment& environment) {
+  for (const char* const name : {"OMPI_COMM_WORLD_LOCAL_RANK", "MPI_LOCALRANKID", "SLURM_LOCALID"}) {
+    const char* const text = environment(name);
+    if (text != nullptr && *text != '\0') {
+      return devices[std::strtoul(text, nullptr, 10) % devices.size()];
+    }
+  }
+  return devices[rank_in(environment).index % devices.size()];
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,232 @@
+// One iteration with several frames: each is a shard, computed as a whole by one rank. What all frames share
+// (particles, environment) takes one step by the mean of their gradients, added in the order of shards; what
+// belongs to one of them (grids, poses of its sensor and at its time) a step for each, in that order.
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "optim/train/trainer.hpp"
+
+namespace simuli {
+
+/// What a shard's frame says of all that training moves.
+struct Trainer::ShardPart {
+  std::vector<std::uint32_t> columns;  // the particles that it shows, in their order
+  std::vector<double> losses;          // as Trainer's note_*() take them
+  std::vector<double> pose;            // of the sensor, where it is learned: translation, rotation
+  std::vector<double> actors;          // 12 for each, where their poses are learned
+  std::vector<float> grid, environment;
+  std::vector<TrainedDrop::Function> drop;  // what a sweep teaches; one, or none
+  // Empty at home, where they stand on the device.
+  std::vector<float> grads;   // [rows][columns]
+  std::vector<float> errors;  // [columns], when they are collected
+
+  [[nodiscard]] Ranks::Bytes bytes() const {
+    RankWriter writer;
+    visit(*this, [&writer](const auto& values) { writer.put(values); });
+    return writer.take();
+  }
+  [[nodiscard]] static ShardPart of(std::span<const std::byte> bytes) {
+    ShardPart part;
+    RankReader reader(bytes);
+    visit(part, [&reader](auto& values) { reader.get(values); });
+    return part;
+  }
+
+ private:
+  template <class Part, class F>
+  static void visit(Part& p, F&& f) {
+    f(p.columns), f(p.losses), f(p.pose), f(p.actors), f(p.grid), f(p.environment), f(p.drop);
+    f(p.grads), f(p.errors);
+  }
+};
+
+namespace {
+
+std::vector<double> numbers_of(const PoseGradient& g) {
+  std::vector<double> out(g.translation.begin(), g.translation.end());
+  out.insert(out.end(), g.rotation.begin(), g.rotation.end());
+  return out;
+}
+
+PoseGradient pose_of(const std::vector<double>& numbers) {
+  return {Eigen::Vector3d(numbers.data()), Eigen::Vector3d(numbers.data() + 3)};
+}
+
+constexpr std::size_t kActorNumbers = 12;
+
+std::vector<double> numbers_of(const std::vector<ActorPoseGradient>& actors) {
+  std::vector<double> out;
+  for (const ActorPoseGradient& actor : actors) {
+    for (const auto* part : {&actor.shift_start, &actor.turn_start, &actor.shift_end, &actor.turn_end}) {
+      out.insert(out.end(), part->begin(), part->end());
+    }
+  }
+  return out;
+}
+
+std::vector<ActorPoseGradient> actors_of(const std::vector<double>& numbers) {
+  std::vector<ActorPoseGradient> out(numbers.size() / kActorNumbers);
+  const double* from = numbers.data();
+  for (ActorPoseGradient& actor : out) {
+    for (auto* part : {&actor.shift_start, &actor.turn_start, &actor.shift_end, &actor.turn_end}) {
+      *part = Eigen::Vector3d(from);
+      from += 3;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::size_t> Trainer::shard_frames(FrameOrder& order, int turn) const {
+  const auto count = static_cast<std::uint64_t>(options_.shards.count);
+  std::vector<std::size_t> frames;
+  for (std::uint64_t s = 0; s < count; ++s) {
+    frames.push_back(order.at(static_cast<std::uint64_t>(turn) * count + s));
+  }
+  return frames;
+}
+
+std::vector<Trainer::ShardPart> Trainer::run_shards(TrainedSet& set, bool errors, const ShardFrame& frame) {
+  const auto count = static_cast<std::size_t>(options_.shards.count);
+  const double share = 1.0 / static_cast<double>(count);
+  ShardSum& sum = *sum_;
+  sum.start(set.particles);
+  const std::size_t rows = set.particles.params.count() / set.particles.stride;
+  std::vector<ShardPart> parts;
+  // A shard of each rank at a time.
+  for (std::size_t first = 0; first < count; first += ranks_.size()) {
+    const std::size_t shard = first + ranks_.rank();
+    ShardPart own;
+    if (shard < count) {
+      RealBuffer& error = errors ? sum.fresh_errors() : set.error;
+      own = frame(shard, error);
+      if (ranks_.size() == 1) {
+        sum.set_columns(own.columns);
+        sum.add(set.grads, share);
+        if (errors) sum.add_errors(error, set.error);
+        parts.push_back(std::move(own));
+        continue;
+      }
+      sum.set_columns(own.columns);
+      own.grads = sum.pack(set.grads, rows);
+      if (errors) own.errors = sum.pack(error, 1);
+    }
+    const Ranks::Bytes bytes = shard < count ? own.bytes() : Ranks::Bytes();
+    for (const Ranks::Bytes& told : ranks_.all_gather(bytes)) {
+      gathered_bytes_ += told.size();
+      if (parts.size() == count) break;  // of ranks without a shard in the last round
+      ShardPart part = ShardPart::of(told);
+      sum.set_columns(part.columns);
+      sum.add_packed(part.grads, share);
+      if (errors) sum.add_packed_errors(part.errors, set.error);
+      part.grads = {};
+      part.errors = {};
+      parts.push_back(std::move(part));
+    }
+  }
+  return parts;
+}
+
+Trainer::ShardPart Trainer::part_of(const Turn& turn,
+                                    Shown& shown,
+                                    const FrameTimes& times,
+                                    RealBuffer& error) {
+  ShardPart part;
+  part.losses = std::move(shown.losses);
+  if (const auto pose = differentiate(turn, shown.pass, times.sensor, error)) part.pose = numbers_of(*pose);
+  if (turn.set.particles.actors > 0 && turn.set.poses.learns()) {
+    part.actors = numbers_of(shown.pass.pose_gradients(turn.set.particles));
+  }
+  part.columns = ShardSum::columns_of(shown.pass.buffers().projected.keys);
+  return part;
+}
+
+void Trainer::descend_shards(const Turn& turn,
+                             const std::vector<ShardPart>& parts,
+                             const std::vector<FrameTimes>& frames) {
+  TrainedSet& set = turn.set;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!parts[i].pose.empty()) step_pose(frames[i].sensor, pose_of(parts[i].pose), turn.progress);
+  }
+  if (turn.number == kCameraSet) structure_.settle_anchors(sum_->keys(), status_.iteration);
+  take_step(turn, sum_->sums(), sum_->keys());
+  structure_.jitter(set, turn.number, turn.rates, sum_->keys(), status_.iteration, turn.progress);
+  if (set.particles.actors == 0) return;
+  renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
+  for (std::size_t i = 0; i < parts.size() && set.poses.learns(); ++i) {
+    set.poses.step(
+        scene_.actors, actors_of(parts[i].actors), frames[i].start_s, frames[i].end_s, turn.progress);
+  }
+}
+
+void Trainer::step_camera_shards(double progress) {
+  const std::vector<std::size_t> indices = shard_frames(images_, status_.iteration);
+  std::vector<FrameTimes> frames;
+  for (const std::size_t index : indices) {
+    const ImageFrame& frame = log_.images[index];
+    frames.push_back({frame.camera, frame.time_start_s, frame.time_end_s});
+  }
+  const Turn turn = camera_turn(progress);
+  const auto parts = run_shards(camera_, turn.errors, [&](std::size_t shard, RealBuffer& error) {
+    Shown shown = show_picture(turn, indices[shard]);
+    TrainedLook::Gradients look = look_.gradients();
+    ShardPart part = part_of(turn, shown, frames[shard], error);
+    part.grid = std::move(look.grid);
+    part.environment = std::move(look.environment);
+    return part;
+  });
+  std::vector<TrainedLook::Shard> looks;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    looks.push_back({indices[i], {parts[i].grid, parts[i].environment}});
+  }
+  look_.step(looks, static_cast<std::uint64_t>(status_.iteration), progress, *sum_);
+  descend_shards(turn, parts, frames);
+  for (std::size_t i = 0; i < parts.size(); ++i) note_picture(indices[i], parts[i].losses);
+}
+
+void Trainer::step_depth_shards(double progress) {
+  const auto indices = shard_frames(sweeps_, status_.iteration / options_.depth.every);
+  const Turn turn = camera_turn(progress);
+  const auto parts = run_shards(camera_, false, [&](std::size_t shard, RealBuffer&) {
+    Shown shown = show_depth(indices[shard]);
+    ShardPart part;
+    part.columns = ShardSum::columns_of(shown.pass.buffers().projected.keys);
+    part.losses = std::move(shown.losses);
+    return part;
+  });
+  take_step(turn, sum_->sums(), sum_->keys());
+  for (const ShardPart& part : parts) static_cast<void>(is_sound(part.losses[0]));
+}
+
+void Trainer::step_lidar_shards(double progress) {
+  const auto indices = shard_frames(sweeps_, status_.iteration / options_.lidar_every);
+  std::vector<FrameTimes> frames;
+  for (const std::size_t index : indices) {
+    const SweepFrame& frame = log_.sweeps[index];
+    frames.push_back({frame.lidar, frame.time_start_s, frame.time_end_s});
+  }
+  const Turn turn = lidar_turn(progress);
+  const auto parts = run_shards(lidar_, turn.errors, [&](std::size_t shard, RealBuffer& error) {
+    std::vector<TrainedDrop::Function> taught;
+    Shown shown = show_sweep(turn, indices[shard], &taught);
+    ShardPart part = part_of(turn, shown, frames[shard], error);
+    part.drop = std::move(taught);
+    return part;
+  });
+  std::map<std::string, std::vector<TrainedDrop::Function>> taught;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    auto& functions = taught[frames[i].sensor];
+    functions.insert(functions.end(), parts[i].drop.begin(), parts[i].drop.end());
+  }
+  for (const auto& [lidar, functions] : taught) drop_.take(lidar, functions);
+  descend_shards(turn, parts, frames);
+  for (std::size_t i = 0; i < parts.size(); ++i) note_sweep(indices[i], parts[i].losses);
+}
+
+}  // namespace simuli
