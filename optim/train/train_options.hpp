@@ -136,7 +136,7 @@ constexpr void visit_fields(ShardOptions& o, F&& field) {
   field("shards.rate_power",
         o.rate_power,
         range(0.0, 1.0),
-        "rates of what all frames share are those of one shard times their number to this power");
+        "the particles' rates are those of one shard times the shards' number to this power");
 }
 
 struct TrainOptions {

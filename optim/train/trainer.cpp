@@ -31,7 +31,7 @@ RenderOptions training_options(RenderOptions options) {
   return options;
 }
 
-/// The rates of what all frames of a step share.
+/// The particles' rates in steps of several frames.
 TrainOptions with_rates_of_shards(TrainOptions o) {
   const double factor = std::pow(o.shards.count, o.shards.rate_power);
   for (LearningRates* const rates : {&o.camera, &o.lidar}) {
@@ -45,7 +45,6 @@ TrainOptions with_rates_of_shards(TrainOptions o) {
       *rate *= factor;
     }
   }
-  o.look.environment_rate *= factor;
   return o;
 }
 

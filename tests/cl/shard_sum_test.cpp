@@ -25,7 +25,7 @@ Shard shard_of(std::size_t particles, std::size_t count, unsigned seed) {
   Shard shard;
   for (std::uint32_t i = 0; i < particles; ++i) {
     const bool is_shown = random() % 3 != 0;
-    shard.keys.push_back(is_shown ? random() % 1000 : kCulled);
+    shard.keys.push_back(is_shown ? static_cast<std::uint32_t>(random() % 1000) : kCulled);
     if (is_shown) shard.columns.push_back(i);
   }
   // Of many sizes, so that the order of a sum shows.
@@ -103,7 +103,8 @@ TEST_F(ShardSumTest, ErrorsAndWholeMatricesAreAddedToo) {
   ShardSum stage(device, Precision::kFloat);
   stage.start(particles);
   const Shard& shard = shards[1];
-  std::vector<float> errors(shard.grads.begin(), shard.grads.begin() + particles.count);
+  std::vector<float> errors(shard.grads.begin(),
+                            shard.grads.begin() + static_cast<std::ptrdiff_t>(particles.count));
   stage.set_columns(shard.columns);
   RealBuffer one = buffer(std::vector<float>(particles.count, 1.0F)), other = buffer(one.download_float());
   stage.add_errors(buffer(errors), one);
