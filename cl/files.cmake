@@ -22,6 +22,7 @@ set(SIMULI_CL_FILES
   math/ray_drop.h
   math/ray_feature.h
   math/response.h
+  math/response_bwd.h
   math/sensor.h
   math/sh.h
   math/shutter.h

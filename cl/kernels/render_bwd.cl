@@ -1,5 +1,5 @@
 // render_bwd.cl - gradients of blending, one 16-real slot per instance. Launcher: host/render/backward/render_bwd.cpp
-#include "math/blend_bwd.h"
+#include "math/response_bwd.h"
 
 /// out slot_first[n]: how many slots a particle has, one per tile instance; its prefix sum tells where they begin.
 ///     By index, not in the order of the frame: neighbours in memory have neighbouring slots, so that what a tile
@@ -51,13 +51,6 @@ FN void fetch_ahead(__global const uint* payload,
 }
 #endif
 
-/// sum += A^T v, A the record's matrix, whose first row ends in 0.
-FN void add_transposed(const real* record, const F* v, F* sum) {
-  sum[0] = fma(v[0], (F)record[0], fma(v[1], (F)record[2], fma(v[2], (F)record[5], sum[0])));
-  sum[1] = fma(v[0], (F)record[1], fma(v[1], (F)record[3], fma(v[2], (F)record[6], sum[1])));
-  sum[2] = fma(v[1], (F)record[4], fma(v[2], (F)record[7], sum[2]));
-}
-
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
 /// what has been summed so far. No atomics: an instance's sums go to its own slot (by particle, tile row by tile row).
 /// Build: ERRORS = 1 to blend the rays' errors as well, RAY_GRADIENTS = 1 for those of the rays; RAY_ORDER = 1 where
@@ -102,8 +95,7 @@ __kernel GROUP void render_bwd(const FrameParams frame,
   const real log_cut = log(sensor->alpha_cut);
 #endif
 
-  const uint begin = first[tile];
-  RayLanes ray[NR];
+  const uint begin = first[tile], end = first[tile + 1];
 #if RAY_ORDER
   uint to[NR];  // places of the list that vectors look at
   uint all_to = 0;
@@ -111,6 +103,8 @@ __kernel GROUP void render_bwd(const FrameParams frame,
   F transmittance[NR];
   F behind[NR];  // g . (what is still to come): features, distance and the last transmittance
 #endif
+#if LS == 1
+  RayLanes ray[NR];
   F g0[NR], g1[NR], g2[NR], gd[NR];
 #if ERRORS
   F error[NR];
@@ -119,9 +113,18 @@ __kernel GROUP void render_bwd(const FrameParams frame,
   F ray_gradient[NR][3 + 3 * ORIGINS];
 #endif
   uint alive = 0;  // a bit per vector that still has a ray
+#endif
   EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     const uint slot = base + VECTOR_SLOT(j, lid);
+#if RAY_ORDER
+    to[j] = replayed_to[(tile * LS + lid) * NR + j];
+    all_to = max(all_to, to[j]);
+#else
+    transmittance[j] = (F)R(1.0);
+    behind[j] = behind_of(out + slot, grad_out + slot, frame.slots);
+#endif
+#if LS == 1
     load_ray(world_ray, ray_u, frame.slots, slot, &ray[j]);
 #if ERRORS
     error[j] = LDV(ray_error + slot);
@@ -134,31 +137,163 @@ __kernel GROUP void render_bwd(const FrameParams frame,
     g2[j] = LDV(grad_out + 2 * frame.slots + slot);
     gd[j] = LDV(grad_out + SIM_O_DISTANCE * frame.slots + slot);
 #if RAY_ORDER
-    to[j] = replayed_to[(tile * LS + lid) * NR + j];
-    all_to = max(all_to, to[j]);
     alive |= (to[j] > 0 ? 1u : 0u) << j;
 #else
-    transmittance[j] = (F)R(1.0);
-    behind[j] = behind_of(out + slot, grad_out + slot, frame.slots);
     alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
+#endif
+#elif RAY_GRADIENTS
+    for (int k = 0; k < 3 + 3 * ORIGINS; ++k) STV(ray_grads + k * frame.slots + slot, (F)R(0.0));
 #endif
   }
 
-  const uint end = first[tile + 1];
   uint i = begin;
 #if LS > 1
-  __local real reduced[LS * (SIM_GRAD + 1)];
+  __local REAL_VECTOR(4) staged[BATCH * SIM_RECORD / 4];
+  __local uint staged_payload[BATCH];
+  __local ulong staged_slot[BATCH];
+  __local uint met[BATCH * WORDS];
+  __local uint row_first[BATCH + 1];  // of each instance
+  __local real rows[ROWS * ROW];
   __local int group_alive;
-  for (; i < end; ++i) {
-    barrier(CLK_LOCAL_MEM_FENCE);
+  for (; i < end; i += BATCH) {
+    const uint count = min((uint)BATCH, end - i);
+    for (uint k = lid; k < count; k += LS) {
+      const uint particle = payload[i + k] & SIM_PARTICLE_MASK;
+      staged_payload[k] = payload[i + k];
+      staged_slot[k] = gradient_slot(footprints, slot_first, particle, tx, ty);
+      stage_record(records + (ulong)particle * SIM_RECORD, staged, k);
+    }
+    for (uint k = lid; k < BATCH * WORDS; k += LS) met[k] = 0;
     if (lid == 0) group_alive = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
+
+    // Which vectors meet which instances, a bit each; rays that end in this batch still count. A vector at a time, and
+    // its rays fetched anew: registers hold those of one.
+    uint meets[NR];
+    EACH_VECTOR
+    for (int j = 0; j < NR; ++j) {
+      meets[j] = 0;
+      RayLanes ray;
+      load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray);
 #if RAY_ORDER
-    if (i - begin >= all_to) alive = 0;
+      const uint last = min(count, max(to[j], i - begin) - (i - begin));
+#else
+      end_rays(transmittance[j] < t_cut, &ray);
+      const uint last = ANY(is_ray(ray.d[0], ray.d[1], ray.d[2])) ? count : 0;
 #endif
-    if (alive) group_alive = 1;
+      if (last > 0) group_alive = 1;
+      ONE_BY_ONE
+      for (uint k = 0; k < last; ++k) {
+        const uint packed = staged_payload[k];
+        if (J_OUTSIDE(j, lid, packed)) continue;
+        real record[SIM_RECORD];
+        staged_record(staged, k, record);
+        RayLanes seen = ray;
+#if ACTOR_MOTION
+        real motion[SIM_MOTION];
+        if (take_motion(record, motions, packed & SIM_PARTICLE_MASK, motion)) seen = follow(&ray, motion);
+#endif
+        Response response;
+        respond(record, nearest_box_mean(record, tile_u), &seen, t_min, t_max, &response);
+        if (!ANY(response.inside)) continue;
+        meets[j] |= 1u << k;
+        atomic_or(&met[k * WORDS + lid / 32], 1u << lid % 32);
+      }
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (!group_alive) break;
+    for (uint k = lid; k <= count; k += LS) {
+      uint before = 0;
+      ONE_BY_ONE
+      for (uint w = 0; w < k * WORDS; ++w) before += popcount(met[w]);
+      row_first[k] = before;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+
+    const uint all_rows = row_first[count];
+    uint begun = BATCH;  // the instance whose row this work-item has begun
+    for (uint done_rows = 0; done_rows == 0 || done_rows < all_rows; done_rows += ROWS) {
+      ONE_BY_ONE
+      for (;;) {
+        // What this work-item has next, by instance, then by vector. Others are elsewhere: one text for all.
+        uint left_to_do = 0;
+        EACH_VECTOR
+        for (int j = 0; j < NR; ++j) left_to_do |= meets[j];
+        if (left_to_do == 0) break;
+        const uint k = 31u - clz(left_to_do & -left_to_do);
+        const uint row = row_first[k] + rows_before(met + k * WORDS, lid) - done_rows;
+        if (row >= ROWS) break;
+        int j = NR - 1;
+        EACH_VECTOR
+        for (int v = NR - 2; v >= 0; --v) j = meets[v] >> k & 1u ? v : j;
+        EACH_VECTOR
+        for (int v = 0; v < NR; ++v) meets[v] &= ~(v == j ? 1u << k : 0u);
+        __local real* own = rows + row * ROW;
+        const int again = k == begun;
+        begun = k;
+        const uint slot = base + VECTOR_SLOT(j, lid);
+        real record[SIM_RECORD];
+        staged_record(staged, k, record);
+        RayLanes seen;
+        load_ray(world_ray, ray_u, frame.slots, slot, &seen);
+#if !RAY_ORDER
+        F left = pick(transmittance, j), to_come = pick(behind, j), d_log;
+        end_rays(left < t_cut, &seen);
+#endif
+#if ACTOR_MOTION
+        real motion[SIM_MOTION];
+        if (read_motion(record, motions, staged_payload[k] & SIM_PARTICLE_MASK, motion)) seen = follow(&seen, motion);
+#endif
+        Response response;
+        respond(record, nearest_box_mean(record, tile_u), &seen, t_min, t_max, &response);
+        if (!ANY(response.inside)) {  // ended meanwhile
+          for (int c = 0; !again && c < ROW; ++c) own[c] = R(0.0);
+          continue;
+        }
+        const F h0 = LDV(grad_out + slot), h1 = LDV(grad_out + frame.slots + slot);
+        const F h2 = LDV(grad_out + 2 * frame.slots + slot);
+        const F hd = LDV(grad_out + SIM_O_DISTANCE * frame.slots + slot);
+#if RAY_ORDER
+        const __global real* weights =
+            replayed + (ulong)(i + k - first[tile_first]) * REPLAYED + VECTOR_SLOT(j, lid);
+        const F weight = LDV(weights);
+        const F d_log = LDV(weights + TILE_RAYS);
+#else
+        const F weight = blend_back(record, &response, log_cut, h0, h1, h2, hd, &left, &to_come, &d_log);
+        put_back(transmittance, j, left);
+        put_back(behind, j, to_come);
+#endif
+        F sum[SIM_GRAD], da[3], origin[3];
+        for (int c = 0; c < SIM_GRAD; ++c) sum[c] = (F)R(0.0);
+        add_gradients(record, &seen, &response, weight, d_log, h0, h1, h2, hd, sum, da, origin);
+        for (int c = 0; c < SIM_GRAD; ++c) own[c] = again ? own[c] + HSUM(sum[c]) : HSUM(sum[c]);
+#if ERRORS
+        const real blended_error = HSUM(weight * LDV(ray_error + slot));
+        own[SIM_GRAD] = again ? own[SIM_GRAD] + blended_error : blended_error;
+#endif
+#if RAY_GRADIENTS
+        add_transposed_to(record, da, ray_grads + slot, frame.slots);
+#if ORIGINS
+        add_transposed_to(record, origin, ray_grads + 3 * frame.slots + slot, frame.slots);
+#endif
+#endif
+      }
+      barrier(CLK_LOCAL_MEM_FENCE);
+      // A work-item has the same columns of the same instances each time: what it has stored it may add to.
+      ONE_BY_ONE
+      for (uint place = lid; place < count * (SIM_GRAD + ERRORS); place += LS) {
+        const uint k = place / (SIM_GRAD + ERRORS), column = place % (SIM_GRAD + ERRORS);
+        const uint row = row_first[k], row_end = row_first[k + 1];
+        const uint from = max(row, done_rows), to_row = min(row_end, done_rows + ROWS);
+        if (from >= to_row && (row < row_end || done_rows > 0)) continue;  // of no row: a sum of nothing, once
+        __global real* target = column < SIM_GRAD ? grads + SIM_GRAD * staged_slot[k] + column
+                                                  : instance_error + staged_slot[k];
+        const real total = column_sum(rows, column, from - done_rows, to_row - done_rows);
+        *target = from > row ? *target + total : total;
+      }
+      barrier(CLK_LOCAL_MEM_FENCE);
+    }
+  }
 #else
 #if RAY_ORDER
   for (; i - begin < all_to; ++i) {
@@ -166,7 +301,6 @@ __kernel GROUP void render_bwd(const FrameParams frame,
   for (; i < end && alive; ++i) {
 #endif
     fetch_ahead(payload, i, end, records, footprints, slot_first, grads, tx, ty);
-#endif
     const uint packed = payload[i];
     const uint particle = packed & SIM_PARTICLE_MASK;
     real record[SIM_RECORD];
@@ -181,19 +315,11 @@ __kernel GROUP void render_bwd(const FrameParams frame,
     F blended_error = (F)R(0.0);
 
     const int j_last = J_LAST(packed);
-    EACH_VECTOR
     for (int j = J_FIRST(packed); j <= j_last; ++j) {
-      if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
-#if LS > 1
-      RayLanes followed = ray[j];  // a value: in registers
-      const RayLanes* seen = &followed;
-#else
+      if (!(alive >> j & 1u)) continue;
       const RayLanes* seen = &ray[j];  // copies make a CPU's backward pass 1.4 times as slow
 #if ACTOR_MOTION
       RayLanes followed;
-#endif
-#endif
-#if ACTOR_MOTION
       if (moves) {
         followed = follow(&ray[j], motion);
         seen = &followed;
@@ -210,70 +336,15 @@ __kernel GROUP void render_bwd(const FrameParams frame,
       const F weight = LDV(weights);
       const F d_log = LDV(weights + TILE_RAYS);
 #else
-      const F alpha = SEL(inside, VMIN(raw_alpha(record, response.q, log_cut), (F)ALPHA_MAX), (F)R(0.0));
-      const F weight = alpha * transmittance[j];
-      const F left = transmittance[j] - weight;
+      F d_log;
+      const F weight = blend_back(
+          record, &response, log_cut, g0[j], g1[j], g2[j], gd[j], &transmittance[j], &behind[j], &d_log);
 #endif
-      const F tau = SEL(inside, response.tau, (F)R(0.0));
-      const F inv_n = SEL(inside, response.inv_n, (F)R(0.0));
-      const F q = SEL(inside, response.q, (F)R(0.0));
 #if ERRORS
       blended_error = fma(weight, error[j], blended_error);
 #endif
-      sum[SIM_G_FEATURE] = fma(weight, g0[j], sum[SIM_G_FEATURE]);
-      sum[SIM_G_FEATURE + 1] = fma(weight, g1[j], sum[SIM_G_FEATURE + 1]);
-      sum[SIM_G_FEATURE + 2] = fma(weight, g2[j], sum[SIM_G_FEATURE + 2]);
-
-#if !RAY_ORDER
-      F value = g0[j] * record[SIM_R_FEATURE];
-      value = fma(g1[j], (F)record[SIM_R_FEATURE + 1], value);
-      value = fma(g2[j], (F)record[SIM_R_FEATURE + 2], value);
-      value = fma(gd[j], tau, value);
-      // None through the clamp, but tau keeps its own.
-      const F d_log = log_alpha_gradient(inside, alpha, weight, transmittance[j], value, &behind[j]);
-#endif
-      sum[SIM_G_OPACITY] += d_log;
-      const F dq = d_log * R(-0.5);
-      const F dtau = weight * gd[j];
-
-      // q = r^2 |o x a|^2 / |a|^2, tau = -(o . a) / |a|^2 with o = (0, 0, -1) + A delta.
-      const F two_q = R(2.0) * dq;
-      const F radial = two_q * record[SIM_R_RADIUS2];
-      const F scale_q = radial * inv_n;
-      const F along_a = (two_q * q + R(2.0) * dtau * tau) * inv_n;
       F da[3], origin[3];
-#if ORIGINS
-      const F o2 = fma(response.o[0], response.o[0],
-                       fma(response.o[1], response.o[1], response.o[2] * response.o[2]));
-      for (int k = 0; k < 3; ++k) {
-        const F a = SEL(inside, response.a[k], (F)R(0.0));
-        const F o = response.o[k];
-        // d|o x a|^2/da = 2 (o^2 a - (o.a) o), d|o x a|^2/do = 2 (n o - (o.a) a), and -(o.a) = n tau.
-        da[k] = fma(fma(scale_q, o2, -along_a), a, (radial * tau - dtau * inv_n) * o);
-        origin[k] = fma(radial, fma(tau, a, o), -(dtau * inv_n * a));
-      }
-#else
-      const F a0 = SEL(inside, response.a[0], (F)R(0.0));
-      const F a1 = SEL(inside, response.a[1], (F)R(0.0));
-      const F a2 = SEL(inside, response.a[2], (F)R(0.0));
-      da[0] = fma(scale_q, a0, -(along_a * a0));
-      da[1] = fma(scale_q, a1, -(along_a * a1));
-      da[2] = fma(dtau, inv_n, -(along_a * a2));
-      // do: 2 r^2 (a2 a0, a2 a1, -(a0^2 + a1^2)) / n - a dtau / n.
-      const F s2 = scale_q * a2 - dtau * inv_n;
-      origin[0] = s2 * a0;
-      origin[1] = s2 * a1;
-      origin[2] = -(scale_q * fma(a0, a0, a1 * a1)) - dtau * inv_n * a2;
-#endif
-      for (int k = 0; k < 3; ++k) {
-        for (int c = 0; c < 3; ++c) {
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen->d[c], sum[SIM_G_MATRIX + 3 * k + c]);
-#if ORIGINS
-          sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen->o[c], sum[SIM_G_MATRIX + 3 * k + c]);
-#endif
-        }
-        sum[SIM_G_ORIGIN + k] += origin[k];
-      }
+      add_gradients(record, seen, &response, weight, d_log, g0[j], g1[j], g2[j], gd[j], sum, da, origin);
 
 #if RAY_GRADIENTS
       add_transposed(record, da, ray_gradient[j]);
@@ -283,8 +354,7 @@ __kernel GROUP void render_bwd(const FrameParams frame,
 #endif
 
 #if !RAY_ORDER
-      transmittance[j] = left;
-      const I done = AND(left < t_cut, inside);
+      const I done = AND(transmittance[j] < t_cut, inside);
       if (ANY(done)) {
         for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);
         const I going = is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2]);
@@ -295,27 +365,15 @@ __kernel GROUP void render_bwd(const FrameParams frame,
 
     const ulong slot = gradient_slot(footprints, slot_first, particle, tx, ty);
     __global real* target = grads + SIM_GRAD * slot;
-#if LS > 1
-    for (int k = 0; k < SIM_GRAD; ++k) reduced[lid * (SIM_GRAD + 1) + k] = HSUM(sum[k]);
-    reduced[lid * (SIM_GRAD + 1) + SIM_GRAD] = HSUM(blended_error);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int k = (int)lid; k < SIM_GRAD + ERRORS; k += LS) {
-      real total = R(0.0);
-      for (int w = 0; w < LS; ++w) total += reduced[w * (SIM_GRAD + 1) + k];
-      if (k < SIM_GRAD) target[k] = total;
-      else instance_error[slot] = total;
-    }
-#else
 #if V == 16
     vstore16(hsum16_each(sum), 0, target);
 #else
     for (int k = 0; k < SIM_GRAD; ++k) target[k] = HSUM(sum[k]);
 #endif
     if (ERRORS) instance_error[slot] = HSUM(blended_error);
-#endif
   }
-#if RAY_GRADIENTS
-  EACH_VECTOR
+#endif
+#if RAY_GRADIENTS && LS == 1
   for (int j = 0; j < NR; ++j) {
     for (int k = 0; k < 3 + 3 * ORIGINS; ++k) {
       STV(ray_grads + k * frame.slots + base + VECTOR_SLOT(j, lid), ray_gradient[j][k]);

@@ -1,0 +1,176 @@
+// response_bwd.h - gradients of what particles do to rays, and batches of them for groups of several work-items:
+// the parts of render_bwd.cl.
+// Build: ORIGINS as response.h.
+#ifndef SIMULI_CL_MATH_RESPONSE_BWD_H
+#define SIMULI_CL_MATH_RESPONSE_BWD_H
+#include "math/blend_bwd.h"
+
+/// Blends rays with `transmittance` left with what they meet, as render() does. g0, g1, g2, gd: dL/d(features,
+/// distance).
+/// out the weight; d_log: dL/d ln alpha. None through the clamp, but tau keeps its own.
+/// io  transmittance; behind: g . (what is still to come)
+FN F blend_back(const real* record,
+                const Response* response,
+                real log_cut,
+                F g0,
+                F g1,
+                F g2,
+                F gd,
+                F* transmittance,
+                F* behind,
+                F* d_log) {
+  const I inside = response->inside;
+  const F alpha = SEL(inside, VMIN(raw_alpha(record, response->q, log_cut), (F)ALPHA_MAX), (F)R(0.0));
+  const F weight = alpha * *transmittance;
+  F value = g0 * record[SIM_R_FEATURE];
+  value = fma(g1, (F)record[SIM_R_FEATURE + 1], value);
+  value = fma(g2, (F)record[SIM_R_FEATURE + 2], value);
+  value = fma(gd, SEL(inside, response->tau, (F)R(0.0)), value);
+  *d_log = log_alpha_gradient(inside, alpha, weight, *transmittance, value, behind);
+  *transmittance = *transmittance - weight;
+  return weight;
+}
+
+/// Adds what rays that blend the particle with `weight` take back from its record.
+/// out da, origin: dL/d(direction, origin in the particle's frame)
+/// io  sum[SIM_GRAD]
+FN void add_gradients(const real* record,
+                      const RayLanes* seen,
+                      const Response* response,
+                      F weight,
+                      F d_log,
+                      F g0,
+                      F g1,
+                      F g2,
+                      F gd,
+                      F* sum,
+                      F* da,
+                      F* origin) {
+  const I inside = response->inside;
+  const F tau = SEL(inside, response->tau, (F)R(0.0));
+  const F inv_n = SEL(inside, response->inv_n, (F)R(0.0));
+  const F q = SEL(inside, response->q, (F)R(0.0));
+  sum[SIM_G_FEATURE] = fma(weight, g0, sum[SIM_G_FEATURE]);
+  sum[SIM_G_FEATURE + 1] = fma(weight, g1, sum[SIM_G_FEATURE + 1]);
+  sum[SIM_G_FEATURE + 2] = fma(weight, g2, sum[SIM_G_FEATURE + 2]);
+  sum[SIM_G_OPACITY] += d_log;
+  const F dq = d_log * R(-0.5);
+  const F dtau = weight * gd;
+
+  // q = r^2 |o x a|^2 / |a|^2, tau = -(o . a) / |a|^2 with o = (0, 0, -1) + A delta.
+  const F two_q = R(2.0) * dq;
+  const F radial = two_q * record[SIM_R_RADIUS2];
+  const F scale_q = radial * inv_n;
+  const F along_a = (two_q * q + R(2.0) * dtau * tau) * inv_n;
+#if ORIGINS
+  const F o2 = fma(response->o[0], response->o[0],
+                   fma(response->o[1], response->o[1], response->o[2] * response->o[2]));
+  for (int k = 0; k < 3; ++k) {
+    const F a = SEL(inside, response->a[k], (F)R(0.0));
+    const F o = response->o[k];
+    // d|o x a|^2/da = 2 (o^2 a - (o.a) o), d|o x a|^2/do = 2 (n o - (o.a) a), and -(o.a) = n tau.
+    da[k] = fma(fma(scale_q, o2, -along_a), a, (radial * tau - dtau * inv_n) * o);
+    origin[k] = fma(radial, fma(tau, a, o), -(dtau * inv_n * a));
+  }
+#else
+  const F a0 = SEL(inside, response->a[0], (F)R(0.0));
+  const F a1 = SEL(inside, response->a[1], (F)R(0.0));
+  const F a2 = SEL(inside, response->a[2], (F)R(0.0));
+  da[0] = fma(scale_q, a0, -(along_a * a0));
+  da[1] = fma(scale_q, a1, -(along_a * a1));
+  da[2] = fma(dtau, inv_n, -(along_a * a2));
+  // do: 2 r^2 (a2 a0, a2 a1, -(a0^2 + a1^2)) / n - a dtau / n.
+  const F s2 = scale_q * a2 - dtau * inv_n;
+  origin[0] = s2 * a0;
+  origin[1] = s2 * a1;
+  origin[2] = -(scale_q * fma(a0, a0, a1 * a1)) - dtau * inv_n * a2;
+#endif
+  for (int k = 0; k < 3; ++k) {
+    for (int c = 0; c < 3; ++c) {
+      sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen->d[c], sum[SIM_G_MATRIX + 3 * k + c]);
+#if ORIGINS
+      sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen->o[c], sum[SIM_G_MATRIX + 3 * k + c]);
+#endif
+    }
+    sum[SIM_G_ORIGIN + k] += origin[k];
+  }
+}
+
+/// sum += A^T v, A the record's matrix, whose first row ends in 0.
+FN void add_transposed(const real* record, const F* v, F* sum) {
+  sum[0] = fma(v[0], (F)record[0], fma(v[1], (F)record[2], fma(v[2], (F)record[5], sum[0])));
+  sum[1] = fma(v[0], (F)record[1], fma(v[1], (F)record[3], fma(v[2], (F)record[6], sum[1])));
+  sum[2] = fma(v[1], (F)record[4], fma(v[2], (F)record[7], sum[2]));
+}
+
+#if LS > 1
+// A group goes through its tile's list in batches: first which work-items have a ray that meets which instance, then
+// what these add up to. Most meet few: only those that do have a row of sums, numbered by instance, then by work-item.
+#define BATCH 32              // instances: a bit each
+#define ROWS 64               // that local memory holds; a batch of more goes on when these have been added up
+#define ROW (SIM_GRAD + 1)    // the last for the blended error; odd, so that columns lie in different banks
+#define WORDS ((LS + 31) / 32)
+// Compilers unroll loops over local memory, and take registers for each copy.
+#define ONE_BY_ONE _Pragma("unroll 1")
+
+/// of[j], chosen among registers.
+FN F pick(const F* of, int j) {
+  F one = of[0];
+#pragma unroll
+  for (int k = 1; k < NR; ++k) one = k == j ? of[k] : one;
+  return one;
+}
+FN void put_back(F* of, int j, F value) {
+#pragma unroll
+  for (int k = 0; k < NR; ++k) of[k] = k == j ? value : of[k];
+}
+/// Rays that are done.
+FN void end_rays(I done, RayLanes* ray) {
+#pragma unroll
+  for (int k = 0; k < 3; ++k) ray->d[k] = SEL(done, (F)R(0.0), ray->d[k]);
+}
+
+/// add_transposed() to rows of global memory, `stride` apart, that are this work-item's own.
+FN void add_transposed_to(const real* record, const F* v, __global real* sum, uint stride) {
+  F three[3];
+#pragma unroll
+  for (int k = 0; k < 3; ++k) three[k] = LDV(sum + k * stride);
+  add_transposed(record, v, three);
+#pragma unroll
+  for (int k = 0; k < 3; ++k) STV(sum + k * stride, three[k]);
+}
+
+#if ACTOR_MOTION
+/// take_motion(), but fetched in any case: what is fetched in some alone takes registers for both.
+FN int read_motion(real* record, __global const real* motions, uint particle, real* motion) {
+  const int moves = record[SIM_R_BOX_HALF] < R(0.0);
+  record[SIM_R_BOX_HALF] = fabs(record[SIM_R_BOX_HALF]);
+#pragma unroll
+  for (int k = 0; k < SIM_MOTION; ++k) motion[k] = motions[(ulong)particle * SIM_MOTION + k];
+  return moves;
+}
+#endif
+
+/// met[instances][WORDS]: a bit per work-item. Rows before this work-item's of the instance's.
+FN uint rows_before(const __local uint* met, uint lid) {
+  uint rows = 0;
+  for (uint w = 0; w < lid / 32; ++w) rows += popcount(met[w]);
+  return rows + popcount(met[lid / 32] & ((1u << lid % 32) - 1u));
+}
+
+/// Sum of one column of rows [begin, end), by fours.
+FN real column_sum(const __local real* rows, uint column, uint begin, uint end) {
+  real part[4] = {R(0.0), R(0.0), R(0.0), R(0.0)};
+  uint r = begin;
+  ONE_BY_ONE
+  for (; r + 4 <= end; r += 4) {
+#pragma unroll
+    for (int k = 0; k < 4; ++k) part[k] += rows[(r + k) * ROW + column];
+  }
+  ONE_BY_ONE
+  for (; r < end; ++r) part[0] += rows[r * ROW + column];
+  return (part[0] + part[1]) + (part[2] + part[3]);
+}
+#endif
+
+#endif
