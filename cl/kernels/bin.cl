@@ -9,21 +9,30 @@
 FN uint cluster_end(uint i, uint last) { return min((i / SIM_CLUSTER + 1) * SIM_CLUSTER, last); }
 
 /// in  keys[n]; live[clusters]: 0 where all keys of a cluster are those of culled particles
-/// out counts[work-items]: visible particles of each chunk.
+///     footprints[n]
+/// out counts[2][work-items]: visible particles of each chunk, and their tile instances, 0xffffffff if these don't fit
+///     32 bits: both sums are known before anything is sorted.
 __kernel GROUP void visible_count(__global const uint* keys,
                             __global const uint* live,
+                            __global const Footprint* footprints,
                             const uint n,
                             const uint chunk,
                             __global uint* counts) {
   const uint first = min((uint)get_global_id(0) * chunk, n);
   const uint last = min(first + chunk, n);
   uint count = 0;
+  ulong instances = 0;
   for (uint i = first; i < last;) {
     const uint end = cluster_end(i, last);
     if (live[i / SIM_CLUSTER] == 0) i = end;
-    for (; i < end; ++i) count += keys[i] != 0xffffffffu;
+    for (; i < end; ++i) {
+      if (keys[i] == 0xffffffffu) continue;
+      ++count;
+      instances += SIM_TILES(footprints[i]);
+    }
   }
   counts[get_global_id(0)] = count;
+  counts[get_global_size(0) + get_global_id(0)] = (uint)min(instances, (ulong)0xffffffffu);
 }
 
 /// in  offsets[work-items]: exclusive prefix sum of counts
@@ -51,7 +60,7 @@ __kernel GROUP void visible_write(__global const uint* keys,
 }
 
 /// in  order[M]: visible particles by range
-/// out counts[work-items]: tile instances of each chunk, 0xffffffff if they don't fit 32 bits
+/// out counts[work-items]: tile instances of each chunk; the sum of all fits 32 bits
 __kernel GROUP void instance_count(__global const uint* order,
                              const uint m,
                              const uint chunk,
@@ -59,12 +68,12 @@ __kernel GROUP void instance_count(__global const uint* order,
                              __global uint* counts) {
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
-  ulong count = 0;
+  uint count = 0;
   for (uint i = first; i < last; ++i) {
     if (i + AHEAD < last) PREFETCH(footprints + order[i + AHEAD]);
     count += SIM_TILES(footprints[order[i]]);
   }
-  counts[get_global_id(0)] = (uint)min(count, (ulong)0xffffffffu);
+  counts[get_global_id(0)] = count;
 }
 
 /// Writes the instances of each particle, nearest particle first.

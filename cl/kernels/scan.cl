@@ -28,10 +28,12 @@ __kernel GROUP void scan_sums(__global const uint* data,
 
 /// data[n] becomes its exclusive prefix sum.
 /// in  sums[groups]: scan_sums(); of one group alone they are not read
-/// out total[0]: the sum of all, in 64 bits
+///     middle: an element, or n for none
+/// out total[2]: the sum of all, in 64 bits, and that of all before `middle`
 __kernel GROUP void scan_exclusive(__global uint* data,
                                    const uint n,
                                    const uint block,
+                                   const uint middle,
                                    __global const ulong* sums,
                                    __global ulong* total) {
   __local ulong parts[LS];
@@ -49,4 +51,5 @@ __kernel GROUP void scan_exclusive(__global uint* data,
     data[i] = (uint)before;
     before += value;
   }
+  if (first <= middle && middle < last) total[1] = data[middle];
 }

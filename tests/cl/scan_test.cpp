@@ -54,6 +54,24 @@ TEST_P(Scan, TotalsExceed32Bits) {
   EXPECT_EQ(scan_.run(data, 5, true), std::uint64_t{5} * 0xffffffffU);
 }
 
+TEST_P(Scan, TellsTwoTotalsAtOnce) {
+  for (const std::size_t n : kSizes) {
+    const Words values = random_words(2 * n, 1000.0, n);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(n);
+    Words expected(n);
+    std::exclusive_scan(values.begin(), middle, expected.begin(), 0U);
+    Buffer<std::uint32_t> data(device_, "data", values);
+    const auto [first, second] = scan_.run_two(data, static_cast<std::uint32_t>(n));
+    EXPECT_EQ(first, std::accumulate(values.begin(), middle, 0U)) << n;
+    EXPECT_EQ(second, std::accumulate(middle, values.end(), std::uint64_t{0})) << n;
+    Words found = data.download();
+    found.resize(n);
+    EXPECT_EQ(found, expected) << n;
+  }
+  Buffer<std::uint32_t> data(device_, "data", Words{3, 4, 0xffffffffU, 0xffffffffU});
+  EXPECT_EQ(scan_.run_two(data, 2), std::pair(7U, std::uint64_t{2} * 0xffffffffU));
+}
+
 INSTANTIATE_TEST_SUITE_P(WorkItems,
                          Scan,
                          testing::Values(std::size_t{1}, std::size_t{64}),

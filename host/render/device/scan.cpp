@@ -2,6 +2,7 @@
 #include "host/render/device/scan.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "host/render/device/group_size.hpp"
 
@@ -35,7 +36,7 @@ ScanStage::ScanStage(const Device& device, std::size_t work_items)
       scan_(program_of(device, work_items_), "scan_exclusive"),
       buffers_(device) {}
 
-std::uint64_t ScanStage::run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted) {
+void ScanStage::launch(Buffer<std::uint32_t>& data, std::uint32_t n, std::uint32_t middle) {
   const std::size_t block = work_items_ == 1 ? n : kOwn * work_items_;
   const std::size_t groups = std::max<std::size_t>(1, block == 0 ? 0 : (n + block - 1) / block);
   buffers_.reserve({groups});
@@ -44,8 +45,24 @@ std::uint64_t ScanStage::run(Buffer<std::uint32_t>& data, std::uint32_t n, bool 
   if (groups > 1) sums_.run(all, work_items_, {{"data", data}, {"n", n}, blocks, {"sums", buffers_.sums}});
   scan_.run(all,
             work_items_,
-            {{"data", data}, {"n", n}, blocks, {"sums", buffers_.sums}, {"total", buffers_.total}});
-  return wanted ? buffers_.total.read_back() : 0;
+            {{"data", data},
+             {"n", n},
+             blocks,
+             {"middle", middle},
+             {"sums", buffers_.sums},
+             {"total", buffers_.total}});
+}
+
+std::uint64_t ScanStage::run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted) {
+  launch(data, n, n);
+  return wanted ? buffers_.total.download().front() : 0;
+}
+
+std::pair<std::uint32_t, std::uint64_t> ScanStage::run_two(Buffer<std::uint32_t>& data, std::uint32_t n) {
+  launch(data, 2 * n, n);
+  const std::vector<std::uint64_t> totals = buffers_.total.download();
+  const std::uint64_t first = n == 0 ? 0 : totals[1];
+  return {static_cast<std::uint32_t>(first), totals[0] - first};
 }
 
 }  // namespace simuli

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "host/render/device/buffer_table.hpp"
 #include "host/runtime/kernel.hpp"
@@ -23,7 +24,7 @@ struct ScanSizes {
 struct ScanBuffers : BufferTable<ScanSizes> {
   using BufferTable::BufferTable;
   Array<std::uint64_t> sums{*this, "scan_sums", [](const ScanSizes& s) { return s.groups; }};
-  Array<std::uint64_t> total{*this, "scan_total", [](const ScanSizes&) { return std::uint64_t{1}; }};
+  Array<std::uint64_t> total{*this, "scan_total", [](const ScanSizes&) { return std::uint64_t{2}; }};
 };
 
 class ScanStage {
@@ -32,8 +33,12 @@ class ScanStage {
   explicit ScanStage(const Device& device, std::size_t work_items = 0);
   /// Exclusive prefix sum of data[0, n) in place; returns the 64-bit total when `wanted` (waits).
   std::uint64_t run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted);
+  /// Of two lists that follow each other in data[0, 2 n): the first becomes its exclusive prefix sum, the
+  /// second is lost; returns the totals of both, the first within 32 bits (waits, once).
+  std::pair<std::uint32_t, std::uint64_t> run_two(Buffer<std::uint32_t>& data, std::uint32_t n);
 
  private:
+  void launch(Buffer<std::uint32_t>& data, std::uint32_t n, std::uint32_t middle);
   std::size_t work_items_;
   Kernel sums_;
   Kernel scan_;

@@ -36,25 +36,38 @@ void BinStage::run(const shared::FrameParams& frame,
   FrameSizes sizes{.particles = frame.particles, .tiles = tiles};
   out.visible = 0;
   out.instances = 0;
-  if (frame.particles > 0) list_visible(projected, sizes, out);
+  if (frame.particles > 0) list_visible(projected, max_instances, sizes, out);
   out.reserve(sizes);
-  if (out.visible > 0) list_instances(frame, rays, projected, max_instances, sizes, out);
+  if (out.visible > 0) list_instances(frame, rays, projected, sizes, out);
   const Chunks instances = chunks_of(device_, out.instances, group_);
   tile_ranges_.run(std::max(instances.work_items, group_),
                    group_,
                    {out, {"k", out.instances}, {"chunk", instances.chunk}, {"tiles", tiles}});
 }
 
-void BinStage::list_visible(const Projected& projected, FrameSizes& sizes, Binned& out) {
+void BinStage::list_visible(const Projected& projected,
+                            std::size_t max_instances,
+                            FrameSizes& sizes,
+                            Binned& out) {
   const auto n = static_cast<std::uint32_t>(sizes.particles);
   const Chunks particles = chunks_of(device_, n, group_);
   sizes.work_items = particles.work_items;
   scratch_.reserve(sizes);
   visible_count_.run(
       particles.work_items, group_, {projected, {"n", n}, {"chunk", particles.chunk}, scratch_});
-  out.visible = static_cast<std::uint32_t>(
-      scan_.run(scratch_.counts, static_cast<std::uint32_t>(particles.work_items), true));
-  sizes.visible = out.visible;
+  const auto [visible, total] =
+      scan_.run_two(scratch_.counts, static_cast<std::uint32_t>(particles.work_items));
+  if (total > max_instances) {
+    throw Error(ErrorKind::kDevice,
+                fmt::format("binning {} visible particles: found {} tile instances, allowed {}",
+                            visible,
+                            total,
+                            max_instances));
+  }
+  out.visible = visible;
+  out.instances = static_cast<std::uint32_t>(total);
+  sizes.visible = visible;
+  sizes.instances = total;
   scratch_.reserve(sizes);
   out.reserve(sizes);
   visible_write_.run(particles.work_items,
@@ -72,7 +85,6 @@ void BinStage::list_visible(const Projected& projected, FrameSizes& sizes, Binne
 void BinStage::list_instances(const shared::FrameParams& frame,
                               const RayBuffers& rays,
                               const Projected& projected,
-                              std::size_t max_instances,
                               FrameSizes& sizes,
                               Binned& out) {
   const Chunks visible = chunks_of(device_, out.visible, group_);
@@ -80,18 +92,7 @@ void BinStage::list_instances(const shared::FrameParams& frame,
   scratch_.reserve(sizes);
   instance_count_.run(
       visible.work_items, group_, {out, {"m", out.visible}, {"chunk", visible.chunk}, projected, scratch_});
-  const std::uint64_t total =
-      scan_.run(scratch_.counts, static_cast<std::uint32_t>(visible.work_items), true);
-  if (total > max_instances) {
-    throw Error(ErrorKind::kDevice,
-                fmt::format("binning {} visible particles: found {} tile instances, allowed {}",
-                            out.visible,
-                            total,
-                            max_instances));
-  }
-  out.instances = static_cast<std::uint32_t>(total);
-  sizes.instances = total;
-  out.reserve(sizes);
+  scan_.run(scratch_.counts, static_cast<std::uint32_t>(visible.work_items), false);
   instance_emit_.run(visible.work_items,
                      group_,
                      {{"frame", frame},

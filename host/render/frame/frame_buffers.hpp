@@ -83,7 +83,8 @@ struct Binned : BufferTable<FrameSizes> {
 struct BinScratch : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Words visible_keys{*this, "visible_keys", [](const FrameSizes& s) { return s.visible; }};
-  Words counts{*this, "counts", [](const FrameSizes& s) { return s.work_items; }};
+  /// Visible particles of each chunk, then their tile instances.
+  Words counts{*this, "counts", [](const FrameSizes& s) { return 2 * s.work_items; }};
 };
 
 /// What rays have met.

@@ -61,7 +61,7 @@ class BinStage {
  public:
   /// `work_items` as SortStage.
   explicit BinStage(const Device& device, std::size_t work_items = 0);
-  /// Error{kDevice} with numbers when the frame needs more than max_instances. Waits for M and K.
+  /// Error{kDevice} with numbers when the frame needs more than max_instances. Waits once, for M and K.
   void run(const shared::FrameParams& frame,
            const RayBuffers& rays,
            const Projected& projected,
@@ -69,11 +69,10 @@ class BinStage {
            Binned& out);
 
  private:
-  void list_visible(const Projected& projected, FrameSizes& sizes, Binned& out);
+  void list_visible(const Projected& projected, std::size_t max_instances, FrameSizes& sizes, Binned& out);
   void list_instances(const shared::FrameParams& frame,
                       const RayBuffers& rays,
                       const Projected& projected,
-                      std::size_t max_instances,
                       FrameSizes& sizes,
                       Binned& out);
   Device device_;
