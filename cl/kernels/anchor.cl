@@ -3,7 +3,8 @@
 // node: a tree of boxes without pointers, as good for clusters, lines and outliers as for an even cloud.
 // Node i of a level has the children 16 i .. 16 i + 15 of the level below, leaves below level 0.
 // Particles of actors are in their actor's frame: only those of one frame are neighbours.
-// Build: NEIGHBOURS, the K.
+// Build: NEIGHBOURS, the K; LS: work-items of a query, 1 with vectors of 16 or, on GPUs, 16 that share the heap and
+// what is yet to be seen, in local memory.
 #include "math/lanes.h"
 #include "shared/layout.h"
 
@@ -12,6 +13,21 @@
 #define NONE 0xffffffffu
 #define FAR ((real)INFINITY)
 typedef REAL_VECTOR(16) R16;
+
+// The part of 16 that a work-item has: all of them, or one.
+#if LS > 1
+#define SHARED __local
+#define SYNC barrier(CLK_LOCAL_MEM_FENCE)
+typedef real Part;
+#define PART(k, p) ((p)[(k)*WIDTH + get_local_id(0)])
+#define KEEP(v, k, p) ((p)[(k)*WIDTH + get_local_id(0)] = (v))
+#else
+#define SHARED
+#define SYNC
+typedef R16 Part;
+#define PART(k, p) vload16(k, p)
+#define KEEP(v, k, p) vstore16(v, k, p)
+#endif
 
 FN real min16(R16 v) {
   const REAL_VECTOR(8) a = VMIN(v.lo, v.hi);
@@ -138,24 +154,27 @@ __kernel void anchor_nodes(__global real* boxes,
 
 /// Squared distances from p to 16 boxes; boxes of nothing (least above greatest, or NaN) are infinitely far.
 /// Rounds as the distance to a point does, and monotonically: never above that to a point inside.
-FN R16 box_distances(__global const real* box, const real* p) {
-  R16 sum = (R16)R(0.0);
-  R16 empty_low = vload16(0, box);
+FN Part box_distances(__global const real* box, const real* p) {
+  Part sum = (Part)R(0.0);
+  Part empty_low = PART(0, box);
   for (int k = 0; k < 3; ++k) {
-    const R16 below = vload16(k, box) - p[k];
-    const R16 above = p[k] - vload16(3 + k, box);
-    R16 outside = SEL(below > above, below, above);
-    outside = SEL(outside > R(0.0), outside, (R16)R(0.0));
+    const Part below = PART(k, box) - p[k];
+    const Part above = p[k] - PART(3 + k, box);
+    Part outside = SEL(below > above, below, above);
+    outside = SEL(outside > R(0.0), outside, (Part)R(0.0));
     sum = sum + outside * outside;
   }
-  return SEL(empty_low < FAR, sum, (R16)FAR);
+  return SEL(empty_low < FAR, sum, (Part)FAR);
 }
+
+/// Nodes of a level of the tree over n points.
+FN uint nodes_of(uint n, int level) { return (n + (1u << (4 * level + 8)) - 1u) >> (4 * level + 8); }
 
 /// Whether neighbour (d, id) comes after (e, other): by distance, ties by number.
 FN int comes_after(real d, uint id, real e, uint other) { return d > e || (d == e && id > other); }
 
 /// Puts (d, id) at the root of the first `count` entries of a heap whose root is the last neighbour.
-FN void sift_down(real* distance, uint* neighbour, uint count, real d, uint id) {
+FN void sift_down(SHARED real* distance, SHARED uint* neighbour, uint count, real d, uint id) {
   uint at = 0;
   while (2 * at + 1 < count) {
     uint child = 2 * at + 1;
@@ -172,13 +191,13 @@ FN void sift_down(real* distance, uint* neighbour, uint count, real d, uint id) 
   neighbour[at] = id;
 }
 
-/// One query per work-item: depth first, nearest child first, skipping boxes behind the K-th neighbour.
+/// One query per group of LS work-items: depth first, nearest child first, skipping boxes behind the K-th neighbour.
 /// in  queries: parameter rows, of which the means are used; boxes, points, ids of the tree over n points;
 ///     query_actor_of[N], actor_of[n] with query_actors, actors > 0
 /// out candidates[N][K]: neighbours in the query's frame nearer than reach, nearest first, ties by number;
 ///     NONE: there are no more
 ///     nearest[N]: the first of them
-__kernel void anchor_search(__global const real* queries,
+__kernel GROUP void anchor_search(__global const real* queries,
                             const uint query_stride,
                             const uint query_count,
                             const uint query_actors,
@@ -192,51 +211,49 @@ __kernel void anchor_search(__global const real* queries,
                             __global const uint* ids,
                             __global uint* candidates,
                             __global uint* nearest) {
-  const uint query = get_global_id(0);
+  SHARED real distance[NEIGHBOURS];
+  SHARED uint neighbour[NEIGHBOURS];
+  SHARED real pending[LEVELS * WIDTH];  // of the nodes on the way down: squared distances of children yet to be seen
+  SHARED real found[WIDTH];
+  const uint query = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   if (query >= query_count) return;
   real p[3];
   for (int k = 0; k < 3; ++k) p[k] = queries[(SIM_MEAN + k) * query_stride + query];
   const uint own_frame = frame_of(query_actors, query_actor_of, query);
-  real distance[NEIGHBOURS];
-  uint neighbour[NEIGHBOURS];
-  for (int k = 0; k < NEIGHBOURS; ++k) distance[k] = reach2, neighbour[k] = NONE;
+  for (uint k = lid; k < NEIGHBOURS; k += LS) distance[k] = reach2, neighbour[k] = NONE;
 
-  uint first[LEVELS];
   int top = 0;
-  uint nodes = ((n + WIDTH - 1) / WIDTH + WIDTH - 1) / WIDTH;
-  first[0] = 0;
-  while (nodes > 1 && top + 1 < LEVELS) {
-    first[top + 1] = first[top] + nodes;
-    nodes = (nodes + WIDTH - 1) / WIDTH;
-    ++top;
-  }
-  real pending[LEVELS * WIDTH];  // squared distances of the children of node[level] yet to be seen
-  uint node[LEVELS];
+  uint first = 0;  // of the level's nodes
+  while (nodes_of(n, top) > 1 && top + 1 < LEVELS) first += nodes_of(n, top++);
   int level = top;
-  node[level] = 0;
-  if (n > 0) vstore16(box_distances(boxes + (ulong)first[top] * 6 * WIDTH, p), level, pending);
+  uint node = 0;  // of its level
+  if (n > 0) KEEP(box_distances(boxes + (ulong)first * 6 * WIDTH, p), level, pending);
   else level = top + 1;
+  SYNC;
   while (level <= top) {
     const real least = min16(vload16(level, pending));
     if (!(least <= distance[0] && least < FAR)) {
-      ++level;
+      first += nodes_of(n, level++);
+      node /= WIDTH;
       continue;
     }
     uint lane = 0;
     while (lane < WIDTH - 1 && pending[level * WIDTH + lane] != least) ++lane;
-    pending[level * WIDTH + lane] = FAR;
-    const uint child = node[level] * WIDTH + lane;
+    SYNC;
+    if (lid == 0) pending[level * WIDTH + lane] = FAR;
+    const uint child = node * WIDTH + lane;
     if (level > 0) {
-      --level;
-      node[level] = child;
-      vstore16(box_distances(boxes + (ulong)(first[level] + child) * 6 * WIDTH, p), level, pending);
+      first -= nodes_of(n, --level);
+      node = child;
+      KEEP(box_distances(boxes + (ulong)(first + child) * 6 * WIDTH, p), level, pending);
+      SYNC;
       continue;
     }
     const __global real* leaf = points + (ulong)child * 3 * WIDTH;
-    const R16 dx = vload16(0, leaf) - p[0], dy = vload16(1, leaf) - p[1], dz = vload16(2, leaf) - p[2];
-    real found[WIDTH];
-    vstore16(dx * dx + dy * dy + dz * dz, 0, found);
-    for (uint k = 0; k < WIDTH; ++k) {
+    const Part dx = PART(0, leaf) - p[0], dy = PART(1, leaf) - p[1], dz = PART(2, leaf) - p[2];
+    KEEP(dx * dx + dy * dy + dz * dz, 0, found);
+    SYNC;
+    for (uint k = 0; lid == 0 && k < WIDTH; ++k) {
       if (found[k] > distance[0]) continue;
       const uint id = ids[child * WIDTH + k];
       if (id == NONE || frame_of(actors, actor_of, id) != own_frame) continue;
@@ -244,7 +261,9 @@ __kernel void anchor_search(__global const real* queries,
         sift_down(distance, neighbour, NEIGHBOURS, found[k], id);
       }
     }
+    SYNC;
   }
+  if (lid > 0) return;
   // The heap's root is the last: from the back.
   __global uint* out = candidates + (ulong)query * NEIGHBOURS;
   for (uint left = NEIGHBOURS; left > 0; --left) {

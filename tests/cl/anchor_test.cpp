@@ -125,15 +125,24 @@ class Anchor : public testing::TestWithParam<Precision> {
   Device device_ = Device::best();
 };
 
-TEST_P(Anchor, NeighboursAreThoseOfBruteForce) {
-  AnchorStage anchor(device_, GetParam(), kNeighbours);
+class AnchorSearch : public testing::TestWithParam<std::pair<Precision, std::size_t>> {
+ protected:
+  void SetUp() override {
+    if (GetParam().first == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
+  }
+  Device device_ = Device::best();
+};
+
+TEST_P(AnchorSearch, NeighboursAreThoseOfBruteForce) {
+  const auto& [precision, work_items] = GetParam();
+  AnchorStage anchor(device_, precision, kNeighbours, work_items);
   for (const NeighbourCase& c : neighbour_cases()) {
-    const ParticleBuffers queries(device_, set_at(SetKind::kCamera, c.queries), GetParam());
-    const ParticleBuffers points(device_, set_at(SetKind::kLidar, c.points), GetParam());
+    const ParticleBuffers queries(device_, set_at(SetKind::kCamera, c.queries), precision);
+    const ParticleBuffers points(device_, set_at(SetKind::kLidar, c.points), precision);
     anchor.candidates().reserve(c.queries.size() * kNeighbours);
     anchor.candidates().fill(0xabababab);
     anchor.assign(queries, points, c.reach_m);
-    const std::vector<std::uint32_t> expected = GetParam() == Precision::kFloat
+    const std::vector<std::uint32_t> expected = precision == Precision::kFloat
                                                     ? brute_force<float>(c.queries, c.points, c.reach_m)
                                                     : brute_force<double>(c.queries, c.points, c.reach_m);
     const std::vector<std::uint32_t> found = anchor.candidates().download();
@@ -336,6 +345,16 @@ TEST_P(Anchor, AParticleOnItsAnchorHasNoGradient) {
   EXPECT_EQ(anchor.loss().particles, 40.0);
 }
 
+INSTANTIATE_TEST_SUITE_P(All,
+                         AnchorSearch,
+                         testing::Values(std::pair{Precision::kFloat, std::size_t{1}},
+                                         std::pair{Precision::kDouble, std::size_t{1}},
+                                         std::pair{Precision::kFloat, std::size_t{16}},
+                                         std::pair{Precision::kDouble, std::size_t{16}}),
+                         [](const auto& instance) {
+                           return std::string(instance.param.second == 1 ? "cpu" : "gpu") +
+                                  (instance.param.first == Precision::kFloat ? "_in_float" : "_in_double");
+                         });
 INSTANTIATE_TEST_SUITE_P(All,
                          Anchor,
                          testing::Values(Precision::kFloat, Precision::kDouble),

@@ -163,9 +163,11 @@ std::vector<GpuProgram> gpu_programs() {
           .define("SENSOR", SensorType::kLidar)
           .define("V", kShape.lanes)
           .define("LS",
-                  path == "kernels/scan.cl"   ? 256
-                  : path == "kernels/sort.cl" ? 128
-                                              : 64)
+                  path == "kernels/scan.cl"             ? 256
+                  : path == "kernels/sort.cl"           ? 128
+                  : path == "kernels/anchor.cl"         ? 16
+                  : path.rfind("kernels/loss/", 0) == 0 ? 32
+                                                        : 64)
           .define("RADIX_BITS", 8)
           .define("NEIGHBOURS", kNeighbours)
           .define("GRID_X", 16)

@@ -12,9 +12,15 @@ namespace {
 constexpr std::uint64_t kWidth = AnchorSizes::kWidth;
 constexpr double kCells = 2097152.0;  // per axis: 21 bits
 
-Program program(const Device& device, Precision precision, std::uint32_t neighbours) {
+Program program(const Device& device, Precision precision, std::uint32_t neighbours, std::size_t work_items) {
   BuildOptions options;
-  return {device, "kernels/anchor.cl", options.real(precision).define("NEIGHBOURS", neighbours)};
+  options.real(precision).define("NEIGHBOURS", neighbours).define("LS", work_items);
+  return {device, "kernels/anchor.cl", options};
+}
+
+std::size_t work_items_of(const Device& device, std::size_t asked) {
+  if (asked != 0) return asked;
+  return device.info().is_cpu ? 1 : std::size_t{kWidth};
 }
 
 }  // namespace
@@ -33,17 +39,21 @@ std::uint64_t AnchorSizes::nodes() const {
   return std::accumulate(all.begin(), all.end(), std::uint64_t{0});
 }
 
-AnchorStage::AnchorStage(const Device& device, Precision precision, std::uint32_t neighbours)
+AnchorStage::AnchorStage(const Device& device,
+                         Precision precision,
+                         std::uint32_t neighbours,
+                         std::size_t work_items)
     : device_(device),
+      work_items_(work_items_of(device, work_items)),
       neighbours_(neighbours),
       sort_(device),
       buffers_(device, precision),
-      bounds_(program(device, precision, neighbours), "anchor_bounds"),
-      keys_(program(device, precision, neighbours), "anchor_keys"),
-      leaves_(program(device, precision, neighbours), "anchor_leaves"),
-      nodes_(program(device, precision, neighbours), "anchor_nodes"),
-      search_(program(device, precision, neighbours), "anchor_search"),
-      loss_(program(device, precision, neighbours), "anchor_loss") {}
+      bounds_(program(device, precision, neighbours, work_items_), "anchor_bounds"),
+      keys_(program(device, precision, neighbours, work_items_), "anchor_keys"),
+      leaves_(program(device, precision, neighbours, work_items_), "anchor_leaves"),
+      nodes_(program(device, precision, neighbours, work_items_), "anchor_nodes"),
+      search_(program(device, precision, neighbours, work_items_), "anchor_search"),
+      loss_(program(device, precision, neighbours, work_items_), "anchor_loss") {}
 
 AnchorSizes AnchorStage::sizes() const {
   return {particles_,
@@ -58,17 +68,20 @@ void AnchorStage::assign(const ParticleBuffers& set, const ParticleBuffers& targ
   targets_ = targets.count;
   buffers_.reserve(sizes());
   if (targets_ > 0) build_tree(targets);
-  search_.run_over(set.count,
-                   {{"queries", set.params},
-                    {"query_stride", set.stride},
-                    {"query_count", set.count},
-                    {"query_actors", set.actors},
-                    {"query_actor_of", set.actor_of},
-                    {"n", targets_},
-                    {"actors", targets.actors},
-                    {"actor_of", targets.actor_of},
-                    {"reach2", reach_m * reach_m},
-                    buffers_});
+  const std::initializer_list<Binding> bindings{{"queries", set.params},
+                                                {"query_stride", set.stride},
+                                                {"query_count", set.count},
+                                                {"query_actors", set.actors},
+                                                {"query_actor_of", set.actor_of},
+                                                {"n", targets_},
+                                                {"actors", targets.actors},
+                                                {"actor_of", targets.actor_of},
+                                                {"reach2", reach_m * reach_m},
+                                                buffers_};
+  if (work_items_ == 1)
+    search_.run_over(set.count, bindings);
+  else
+    search_.run(set.count * work_items_, work_items_, bindings);
 }
 
 void AnchorStage::build_tree(const ParticleBuffers& targets) {

@@ -49,8 +49,12 @@ struct AnchorBuffers : BufferTable<AnchorSizes> {
 /// and are nobody's. Neighbours are in one frame: both of the background, or both of one actor.
 class AnchorStage {
  public:
-  /// `neighbours`: K, at least 1.
-  AnchorStage(const Device& device, Precision precision, std::uint32_t neighbours);
+  /// `neighbours`: K, at least 1. `work_items` search for each particle: 1, or 16 with local memory; 0: as
+  /// suits the device. Tests run the GPU's way on CPUs.
+  AnchorStage(const Device& device,
+              Precision precision,
+              std::uint32_t neighbours,
+              std::size_t work_items = 0);
 
   /// Finds the neighbours of all particles of `set` among `targets`, nearer than reach_m (infinity: any).
   void assign(const ParticleBuffers& set, const ParticleBuffers& targets, double reach_m);
@@ -87,6 +91,7 @@ class AnchorStage {
   [[nodiscard]] AnchorSizes sizes() const;
 
   Device device_;
+  std::size_t work_items_;
   std::uint32_t neighbours_;
   std::uint32_t particles_ = 0, targets_ = 0;  // when last assigned
   SortStage sort_;
