@@ -35,4 +35,19 @@
 GROUP_SUM(uint)
 GROUP_SUM(ulong)
 
+#if LS > 1
+/// out[columns]: sums over the group of each of its work-items' own[columns], one after the other. parts[LS][columns].
+FN void group_columns(const real* own, const uint columns, __local real* parts, __global real* out) {
+  const uint lid = get_local_id(0);
+#pragma unroll
+  for (uint k = 0; k < columns; ++k) parts[lid * columns + k] = own[k];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  for (uint k = lid; k < columns; k += LS) {
+    real sum = R(0.0);
+    for (uint w = 0; w < LS; ++w) sum += parts[w * columns + k];
+    out[k] = sum;
+  }
+}
+#endif
+
 #endif

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "host/render/train/loss_stages.hpp"
@@ -74,20 +76,21 @@ std::vector<double> random_truth(std::size_t channels, double low, double high, 
   return truth;
 }
 
-class Loss : public testing::TestWithParam<Precision> {
+class Loss : public testing::TestWithParam<std::pair<Precision, std::size_t>> {
  protected:
+  [[nodiscard]] static Precision precision() { return GetParam().first; }
   [[nodiscard]] double sum_tolerance() const {
-    return GetParam() == Precision::kDouble ? 1e-12 : kFloatSumTolerance;
+    return precision() == Precision::kDouble ? 1e-12 : kFloatSumTolerance;
   }
   Device device_ = Device::best();
 };
 
 TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
-  if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
-  Rendered rendered(device_, GetParam());
-  ImageLossStage stage(device_, GetParam());
+  if (precision() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
+  Rendered rendered(device_, precision());
+  ImageLossStage stage(device_, precision(), GetParam().second);
   const std::vector<double> truth_values = random_truth(3, 0.0, 1.0, 5);
-  RealBuffer truth(device_, "truth", GetParam());
+  RealBuffer truth(device_, "truth", precision());
   truth.assign(std::span<const double>(truth_values));
   constexpr double kScale = 0.37, kSquaredScale = 1.9;
   const ImageLoss loss = rendered.image_loss(stage, truth, {kScale, kSquaredScale, 0.0});
@@ -111,7 +114,7 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
   EXPECT_NEAR(loss.squared, squared, sum_tolerance() * squared);
   for (std::size_t i = 3 * kSlots; i < 5 * kSlots; ++i) ASSERT_EQ(grad[i], 0.0);
 
-  if (GetParam() == Precision::kFloat) return;
+  if (precision() == Precision::kFloat) return;
   for (const std::size_t i : {1UL, 300UL, 700UL, kSlots + 5, 2 * kSlots + 500}) {
     const double before = rendered.out[i];
     const auto at = [&](double step) {
@@ -167,13 +170,13 @@ double slope_by_transmittance(const Rendered& rendered, const std::vector<double
 }
 
 TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
-  if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
-  Rendered rendered(device_, GetParam());
-  LidarLossStage stage(device_, GetParam());
+  if (precision() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
+  Rendered rendered(device_, precision());
+  LidarLossStage stage(device_, precision(), GetParam().second);
   std::vector<double> truth_values = random_truth(2, 0.0, 1.0, 6);
   // A third has no return; the second channel stays an intensity.
   for (std::size_t i = 0; i < kSlots; ++i) truth_values[i] = i % 3 == 0 ? 0.0 : 1.0 + 49.0 * truth_values[i];
-  RealBuffer truth(device_, "truth", GetParam());
+  RealBuffer truth(device_, "truth", precision());
   truth.assign(std::span<const double>(truth_values));
   constexpr LidarLossScale kScale{0.11, 0.7, 0.3, 0.45};
   const LidarLoss loss = rendered.lidar_loss(stage, truth, kScale);
@@ -196,7 +199,7 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
   EXPECT_NEAR(loss.entropy, sum.entropy, sum_tolerance() * sum.entropy);
   EXPECT_EQ(loss.wrong, sum.wrong);
 
-  if (GetParam() == Precision::kFloat) return;
+  if (precision() == Precision::kFloat) return;
   const auto total = [&](const LidarLossScale& scale) {
     rendered.upload();
     const LidarLoss l = rendered.lidar_loss(stage, truth, scale);
@@ -237,9 +240,13 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
 
 INSTANTIATE_TEST_SUITE_P(All,
                          Loss,
-                         testing::Values(Precision::kFloat, Precision::kDouble),
+                         testing::Values(std::pair{Precision::kFloat, std::size_t{1}},
+                                         std::pair{Precision::kDouble, std::size_t{1}},
+                                         std::pair{Precision::kFloat, std::size_t{32}},
+                                         std::pair{Precision::kDouble, std::size_t{32}}),
                          [](const auto& instance) {
-                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                           return std::string(instance.param.second == 1 ? "cpu" : "gpu") +
+                                  (instance.param.first == Precision::kFloat ? "_in_float" : "_in_double");
                          });
 
 }  // namespace

@@ -1,14 +1,15 @@
 // loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/train/loss_image.cpp
 #include "math/elementary.h"
+#include "math/group.h"
 #include "shared/layout.h"
 
-/// One work-item per tile. With d = rendered - truth, L = sum over pixels and channels of
+/// LS work-items per tile. With d = rendered - truth, L = sum over pixels and channels of
 /// absolute_scale |d| + squared_scale d^2: of what a static scene can't foretell (leaves, cars that pass) the
 /// first learns the median, the second the mean.
 /// A pixel whose truth is negative is not known and has no part in it.
 /// in  picture[3][slots]; truth[3][slots]; world_ray[3][slots]: a zero direction marks slots without a pixel
 /// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
-__kernel void loss_image(const FrameParams frame,
+__kernel GROUP void loss_image(const FrameParams frame,
                          const real absolute_scale,
                          const real squared_scale,
                          __global const real* world_ray,
@@ -16,10 +17,10 @@ __kernel void loss_image(const FrameParams frame,
                          __global const real* truth,
                          __global real* grad_out,
                          __global real* sums) {
-  const uint tile = get_global_id(0);
+  const uint tile = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   const uint s = frame.slots;
   F absolute = (F)R(0.0), squared = (F)R(0.0);
-  for (uint j = 0; j < frame.tile_rays; j += V) {
+  for (uint j = lid * V; j < frame.tile_rays; j += LS * V) {
     const uint i = tile * frame.tile_rays + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
     const I real_pixel = AND(is_ray(x, y, z), LDV(truth + i) >= R(0.0));
@@ -34,6 +35,12 @@ __kernel void loss_image(const FrameParams frame,
     STV(grad_out + SIM_O_TRANSMITTANCE * s + i, (F)R(0.0));
     STV(grad_out + SIM_O_DISTANCE * s + i, (F)R(0.0));
   }
+#if LS > 1
+  __local real parts[LS * 2];
+  const real own[2] = {HSUM(absolute), HSUM(squared)};
+  group_columns(own, 2, parts, sums + 2 * tile);
+#else
   sums[2 * tile] = HSUM(absolute);
   sums[2 * tile + 1] = HSUM(squared);
+#endif
 }

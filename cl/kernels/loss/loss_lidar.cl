@@ -1,9 +1,17 @@
 // loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/render/train/loss_lidar.cpp
+#include "math/group.h"
 #include "math/ray_drop.h"
 #include "shared/layout.h"
 
 #define MIN_OPACITY R(1e-3)
 #define DROP_PARAMETERS (sizeof(DropConstants) / sizeof(real))
+
+// GPUs keep a ray's sums in registers, which have no index.
+#if LS > 1
+#define EACH_SUM _Pragma("unroll")
+#else
+#define EACH_SUM
+#endif
 
 /// What a tile's rays say of the drop function: sums of dL/d(its parameters), in their order.
 typedef struct {
@@ -24,6 +32,7 @@ FN void drop_backward(__global const DropConstants* f,
   F d0 = (F)f->skip[0], d1 = (F)f->skip[1];
   for (int j = 0; j < SIM_DROP_INPUTS; ++j) sums->skip[j] = fma(slope, x[j], sums->skip[j]);
   sums->bias += slope;
+  EACH_SUM
   for (int k = 0; k < SIM_DROP_HIDDEN; ++k) {
     F bend;
     sums->out[k] = fma(slope, drop_hidden(f, k, x, &bend), sums->out[k]);
@@ -39,7 +48,7 @@ FN void drop_backward(__global const DropConstants* f,
   *by_transmittance = DROP_SCALE * d1;
 }
 
-/// One work-item per tile. With O = 1 - T, d^ = (sum of w tau) / O and p of the drop function:
+/// LS work-items per tile. With O = 1 - T, d^ = (sum of w tau) / O and p of the drop function:
 ///   distance:  mean over returned rays of |d^ - d|, where O > 0.001 (elsewhere nothing has a distance)
 ///   intensity: mean over returned rays of |feature0 - intensity|
 ///   drop:      mean over all rays of the cross entropy of p
@@ -49,7 +58,7 @@ FN void drop_backward(__global const DropConstants* f,
 ///     world_ray: zero marks no ray
 /// out grad_out[5][slots]; sums[tiles][4 + DROP_PARAMETERS]: |d^ - d|, |intensity error|, cross entropy, wrong
 ///     decisions, dL/d(parameters of the drop function)
-__kernel void loss_lidar(const FrameParams frame,
+__kernel GROUP void loss_lidar(const FrameParams frame,
                          __global const SensorConstants* sensor,
                          __global const real* scale,
                          __global const real* world_ray,
@@ -57,12 +66,13 @@ __kernel void loss_lidar(const FrameParams frame,
                          __global const real* truth,
                          __global real* grad_out,
                          __global real* sums) {
-  const uint tile = get_global_id(0);
+  const uint tile = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   const uint s = frame.slots;
   DropSums drops;
+  EACH_SUM
   for (uint k = 0; k < DROP_PARAMETERS; ++k) ((F*)&drops)[k] = (F)R(0.0);
   F sum_distance = (F)R(0.0), sum_intensity = (F)R(0.0), sum_entropy = (F)R(0.0), sum_wrong = (F)R(0.0);
-  for (uint j = 0; j < frame.tile_rays; j += V) {
+  for (uint j = lid * V; j < frame.tile_rays; j += LS * V) {
     const uint i = tile * frame.tile_rays + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
     const F range = LDV(truth + i);
@@ -110,10 +120,18 @@ __kernel void loss_lidar(const FrameParams frame,
     sum_distance += fabs(error);
   }
   __global real* of_tile = sums + tile * (4 + DROP_PARAMETERS);
+  const F* all = (const F*)&drops;
+#if LS > 1
+  __local real parts[LS * (4 + DROP_PARAMETERS)];
+  real own[4 + DROP_PARAMETERS] = {HSUM(sum_distance), HSUM(sum_intensity), HSUM(sum_entropy), HSUM(sum_wrong)};
+  EACH_SUM
+  for (uint k = 0; k < DROP_PARAMETERS; ++k) own[4 + k] = HSUM(all[k]);
+  group_columns(own, 4 + DROP_PARAMETERS, parts, of_tile);
+#else
   of_tile[0] = HSUM(sum_distance);
   of_tile[1] = HSUM(sum_intensity);
   of_tile[2] = HSUM(sum_entropy);
   of_tile[3] = HSUM(sum_wrong);
-  const F* all = (const F*)&drops;
   for (uint k = 0; k < DROP_PARAMETERS; ++k) of_tile[4 + k] = HSUM(all[k]);
+#endif
 }

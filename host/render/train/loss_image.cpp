@@ -11,10 +11,18 @@ std::vector<double> column_sums(const RealBuffer& parts, std::size_t columns) {
   return total;
 }
 
-ImageLossStage::ImageLossStage(const Device& device, Precision precision)
+std::size_t loss_work_items(const Device& device, std::size_t asked) {
+  if (asked != 0) return asked;
+  return device.info().is_cpu ? 1 : 32;
+}
+
+ImageLossStage::ImageLossStage(const Device& device, Precision precision, std::size_t work_items)
     : device_(device),
       buffers_(device, precision),
-      loss_image_(Program(device, "kernels/loss/loss_image.cl", lane_options(device, precision)),
+      work_items_(loss_work_items(device, work_items)),
+      loss_image_(Program(device,
+                          "kernels/loss/loss_image.cl",
+                          lane_options(device, precision).define("LS", work_items_)),
                   "loss_image") {}
 
 ImageLoss ImageLossStage::run(const shared::FrameParams& frame,
@@ -26,8 +34,8 @@ ImageLoss ImageLossStage::run(const shared::FrameParams& frame,
   const std::size_t tiles = std::size_t{frame.tiles_x} * frame.tiles_y;
   out.grad_out.reserve(std::size_t{5} * frame.slots);
   buffers_.reserve({tiles});
-  loss_image_.run(tiles,
-                  1,
+  loss_image_.run(tiles * work_items_,
+                  work_items_,
                   {{"frame", frame},
                    {"absolute_scale", scale.absolute},
                    {"squared_scale", scale.squared},

@@ -6,9 +6,12 @@
 
 namespace simuli {
 
-LidarLossStage::LidarLossStage(const Device& device, Precision precision)
+LidarLossStage::LidarLossStage(const Device& device, Precision precision, std::size_t work_items)
     : buffers_(device, precision),
-      loss_lidar_(Program(device, "kernels/loss/loss_lidar.cl", lane_options(device, precision)),
+      work_items_(loss_work_items(device, work_items)),
+      loss_lidar_(Program(device,
+                          "kernels/loss/loss_lidar.cl",
+                          lane_options(device, precision).define("LS", work_items_)),
                   "loss_lidar") {}
 
 LidarLoss LidarLossStage::run(const shared::FrameParams& frame,
@@ -23,8 +26,8 @@ LidarLoss LidarLossStage::run(const shared::FrameParams& frame,
   buffers_.reserve({tiles});
   buffers_.scale.assign(
       std::vector<double>{scale.distance, scale.intensity, scale.entropy, scale.function_entropy});
-  loss_lidar_.run(tiles,
-                  1,
+  loss_lidar_.run(tiles * work_items_,
+                  work_items_,
                   {{"frame", frame},
                    constants,
                    {"scale", buffers_.scale},

@@ -70,9 +70,13 @@ struct LidarLossBuffers : BufferTable<LossSizes> {
   static constexpr std::uint64_t kSums = 4 + RayDrop::kParameters;
 };
 
+/// Work-items that share a tile: `asked`, or, when 0, as suits the device. Tests run the GPU's way on CPUs.
+[[nodiscard]] std::size_t loss_work_items(const Device& device, std::size_t asked);
+
 class ImageLossStage {
  public:
-  ImageLossStage(const Device& device, Precision precision);
+  /// `work_items` as loss_work_items().
+  ImageLossStage(const Device& device, Precision precision, std::size_t work_items = 0);
   /// picture[3][S] (out itself, or what was made of it) -> grad_out. truth[3][S]. Waits.
   ImageLoss run(const shared::FrameParams& frame,
                 const WorldRays& world_rays,
@@ -85,12 +89,14 @@ class ImageLossStage {
   Device device_;
   ImageLossBuffers buffers_;
   std::optional<SsimStage> ssim_;  // once asked for
+  std::size_t work_items_;
   Kernel loss_image_;
 };
 
 class LidarLossStage {
  public:
-  LidarLossStage(const Device& device, Precision precision);
+  /// `work_items` as loss_work_items().
+  LidarLossStage(const Device& device, Precision precision, std::size_t work_items = 0);
   /// out -> grad_out. truth[2][S]: range, intensity. Waits.
   LidarLoss run(const shared::FrameParams& frame,
                 const FrameConstants& constants,
@@ -102,6 +108,7 @@ class LidarLossStage {
 
  private:
   LidarLossBuffers buffers_;
+  std::size_t work_items_;
   Kernel loss_lidar_;
 };
 
