@@ -194,7 +194,7 @@ FN void exact_bounds(const FrameParams* frame,
   F first, last;
   times_within(frame, sensor, &none, 1, &first, &last);
   const real period = sensor->model.period;
-#if MOVING
+#if MOVING && !ACTOR_MOTION  // of actors too: a third place to look from is more than Intel's GPUs have registers for
   ball_during(sensor, g, radius, first, last, (F)(R(0.5) * period), &one);
 #else
   extent_during(sensor, g, reach, radius, first, last, (F)(R(0.5) * period), &one);
