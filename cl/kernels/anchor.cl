@@ -263,6 +263,7 @@ __kernel GROUP void anchor_search(__global const real* queries,
     }
     SYNC;
   }
+  SYNC;  // the others may still compare with the root that is taken now
   if (lid > 0) return;
   // The heap's root is the last: from the back.
   __global uint* out = candidates + (ulong)query * NEIGHBOURS;
