@@ -24,11 +24,11 @@ import sys
 import tempfile
 import time
 
-LAUNCHERS = ("OMPI_", "PMI_", "PMIX_", "SLURM_")
-ENVIRONMENT = {**{k: v for k, v in os.environ.items() if not k.startswith(LAUNCHERS)},
-               "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
-               "POCL_MAX_PTHREAD_COUNT": "1"}
+import batch_kills
+
+ENVIRONMENT = batch_kills.clean_environment(
+    OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
+    OMPI_MCA_btl_vader_single_copy_mechanism="none", POCL_MAX_PTHREAD_COUNT="1")
 
 
 def launched(ranks, command):
@@ -36,11 +36,7 @@ def launched(ranks, command):
 
 
 def run(command, folder, **more):
-    environment = {**ENVIRONMENT, **more}
-    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
-    if done.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}: {done.stderr.strip()}")
-    return done.stdout
+    return batch_kills.run(command, folder, env={**ENVIRONMENT, **more})
 
 
 def scene_hash(scene):
@@ -87,19 +83,6 @@ def speed(args):
     return True
 
 
-def ranks_below(pid):
-    """The processes that mpirun has started."""
-    found = []
-    for status in pathlib.Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = status.read_text().rsplit(")", 1)[1].split()
-        except OSError:
-            continue
-        if int(fields[1]) == pid:
-            found.append(int(status.parent.name))
-    return found
-
-
 def kills(args):
     options = ["--iterations", "60", "--set", "shards=4", "--checkpoint-every", "5", "--set", "densify.first=10",
                "--set", "densify.every=10"]
@@ -123,7 +106,7 @@ def kills(args):
                 try:
                     process.wait(random.uniform(0.2, 0.9) * duration)
                 except subprocess.TimeoutExpired:
-                    victims = ranks_below(process.pid) if ranks > 1 else [process.pid]
+                    victims = batch_kills.children(process.pid) if ranks > 1 else [process.pid]
                     if victims:
                         os.kill(random.choice(victims), signal.SIGKILL)
                         killed += 1

@@ -115,9 +115,7 @@ FN I may_be_seen(const FrameParams* frame,
 #if SENSOR == SENSOR_CAMERA
   // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
   // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
-  const F step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
-                      sensor->centre_step[1] * sensor->centre_step[1] +
-                      sensor->centre_step[2] * sensor->centre_step[2]);
+  const F step = centre_path(sensor);
   const F ball = radius + R(0.5) * (step + travel);
   const F tangent2 = fma(g->range, g->range, -(ball * ball));
   const F tangent = sqrt(VMAX(tangent2, (F)R(0.0)));

@@ -53,9 +53,7 @@ FN I cluster_may_be_seen(const FrameParams* frame,
 #if SENSOR == SENSOR_CAMERA
   F centre[3];
   sensor_from_world_point(sensor, offset, (F)R(0.5), centre);
-  ball += R(0.5) * sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
-                        sensor->centre_step[1] * sensor->centre_step[1] +
-                        sensor->centre_step[2] * sensor->centre_step[2]);
+  ball += R(0.5) * centre_path(sensor);
   const F tangent2 = fma(distance, distance, -(ball * ball));
   const F tangent = sqrt(VMAX(tangent2, (F)R(0.0)));
   const F limit = fma(tangent, (F)sensor->cos_view, ball * -sensor->sin_view);

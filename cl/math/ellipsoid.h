@@ -22,9 +22,7 @@ FN F shift_within(
   F shift = (F)sensor->model.lever;
 #if MOVING
   // A turn by d moves a point by at most d times its distance.
-  const real step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
-                         sensor->centre_step[1] * sensor->centre_step[1] +
-                         sensor->centre_step[2] * sensor->centre_step[2]);
+  const real step = centre_path(sensor);
   shift += R(0.5) * (last - first) * (step + carried(g, radius) + sensor->turn_angle * (distance + radius));
 #endif
   return shift;

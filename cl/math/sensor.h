@@ -47,6 +47,12 @@ FN void rotate_back(__global const real* m, const F* v, F* out) {
   out[2] = m[2] * v[0] + m[5] * v[1] + m[8] * v[2];
 }
 
+/// How far the sensor's centre moves during the frame (m).
+FN real centre_path(__global const SensorConstants* sensor) {
+  return sqrt(sensor->centre_step[0] * sensor->centre_step[0] + sensor->centre_step[1] * sensor->centre_step[1] +
+              sensor->centre_step[2] * sensor->centre_step[2]);
+}
+
 /// World direction of a sensor-frame vector at time t in [0, 1] of the frame.
 FN void world_from_sensor_vector(__global const SensorConstants* sensor, const F* v, F t, F* out) {
 #if MOVING

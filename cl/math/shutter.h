@@ -72,9 +72,7 @@ FN void project_at_own_time(__global const SensorConstants* sensor,
 /// are known.
 FN F shutter_rate(__global const SensorConstants* sensor, const Gaussian* g, const F* centre, F range, F radius) {
   const real angle = sensor->turn_angle;
-  const F step = sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
-                      sensor->centre_step[1] * sensor->centre_step[1] +
-                      sensor->centre_step[2] * sensor->centre_step[2]) +
+  const F step = centre_path(sensor) +
                  carried(g, radius);
   const F ball = radius + R(0.5) * step;  // where the points may be, as seen from the centre half-way
 #if SENSOR == SENSOR_CAMERA

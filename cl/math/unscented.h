@@ -206,9 +206,7 @@ FN I unscented_bounds(const FrameParams* frame,
   const F swept_last = (F)sensor->model.tile_last;
   const F other_x = middle_x + around_back;
   // Of what the sensor passes over or below, the azimuth changes too fast for a box.
-  const real passed = R(0.5) * sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
-                                    sensor->centre_step[1] * sensor->centre_step[1] +
-                                    sensor->centre_step[2] * sensor->centre_step[2]);
+  const real passed = R(0.5) * centre_path(sensor);
   const F travel = carried(g, radius);
   I known = AND(distance > radius + R(0.5) * travel, flat > fma(fabs(level[2]), (F)POLE_MARGIN, radius) + passed + R(0.5) * travel);
   F drift_x = (F)R(0.0), drift_y = (F)R(0.0);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
+#include <map>
 #include <stdlib.h>
 #include <string>
 #include <sys/wait.h>
@@ -32,10 +33,22 @@ class Cli : public testing::Test {
 
   /// Runs "simuli ARGUMENTS" through the shell, in the test's folder.
   Outcome run(const std::string& arguments) const {
-    const std::string command = fmt::format(
-        "cd '{}' && '{}' {} >out.txt 2>err.txt </dev/null", folder_.string(), program_, arguments);
+    return run_line(fmt::format("'{}' {}", program_, arguments));
+  }
+  /// Runs a line of the shell, in the test's folder.
+  Outcome run_line(const std::string& line) const {
+    const std::string command =
+        fmt::format("cd '{}' && {} >out.txt 2>err.txt </dev/null", folder_.string(), line);
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
+  }
+  /// The files of a scene, by name.
+  std::map<std::string, std::string> content(const std::string& scene) const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(folder_ / scene)) {
+      files[entry.path().filename()] = read(entry.path());
+    }
+    return files;
   }
   /// The run fails with `exit_code` and one line "simuli: ..." on stderr that holds `part`.
   void expect_failure(const std::string& arguments, int exit_code, const std::string& part) const {
@@ -52,8 +65,8 @@ class Cli : public testing::Test {
   std::string program_ = SIMULI_PROGRAM;
 
  private:
-  std::string read(const char* name) const {
-    std::ifstream file(folder_ / name);
+  std::string read(const fs::path& name) const {
+    std::ifstream file(folder_ / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
 };

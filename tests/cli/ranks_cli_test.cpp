@@ -1,6 +1,5 @@
 // Trainings that several ranks share: by mpirun, and by one process with several devices.
 #include <gtest/gtest.h>
-#include <map>
 
 #include "tests/cli/cli_fixture.hpp"
 
@@ -19,29 +18,12 @@ class RanksCli : public Cli {
                   .exit_code,
               0);
   }
-  /// The files of a scene, by name.
-  std::map<std::string, std::string> content(const std::string& scene) const {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : fs::directory_iterator(folder_ / scene)) {
-      std::ifstream in(entry.path(), std::ios::binary);
-      files[entry.path().filename()] = {std::istreambuf_iterator<char>(in), {}};
-    }
-    return files;
-  }
   /// Runs a command through the shell; `{}` is the program.
   Outcome shell(const std::string& command) const {
-    const std::string line = fmt::format(
-        "cd '{}' && export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-        "POCL_MAX_PTHREAD_COUNT=1 "
-        "&& {} >out.txt 2>err.txt </dev/null",
-        folder_.string(),
+    return run_line(
+        "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+        "POCL_MAX_PTHREAD_COUNT=1 && " +
         fmt::format(fmt::runtime(command), SIMULI_PROGRAM));
-    const int status = std::system(line.c_str());
-    const auto text = [&](const char* name) {
-      std::ifstream file(folder_ / name);
-      return std::string{std::istreambuf_iterator<char>(file), {}};
-    };
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text("out.txt"), text("err.txt")};
   }
 };
 

@@ -3,7 +3,6 @@
 #include <csignal>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <map>
 #include <random>
 #include <sys/wait.h>
 #include <thread>
@@ -23,15 +22,6 @@ class ResumeCli : public Cli {
                   "--no-moving-car")
                   .exit_code,
               0);
-  }
-  /// The files of a scene, by name.
-  std::map<std::string, std::string> content(const std::string& scene) const {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : fs::directory_iterator(folder_ / scene)) {
-      std::ifstream in(entry.path(), std::ios::binary);
-      files[entry.path().filename()] = {std::istreambuf_iterator<char>(in), {}};
-    }
-    return files;
   }
   /// Runs "simuli ARGUMENTS" and kills it after a while; true when it was still running.
   bool run_and_kill(const std::string& arguments, std::chrono::milliseconds after) const {
