@@ -2,51 +2,78 @@
 #include "math/color_grid.h"
 #include "shared/layout.h"
 
-/// A work-item takes the pixels of one row y in one column cx of cells, and sums what its two columns of
-/// vertices get, x weights applied, y weights not yet.
-/// in  as color_grid; grad_out[3][slots]: dL/d(picture)
-/// out grad_out[3][slots]: dL/d(colours before the grid), in place
-///     partial[height][GRID_X - 1][2][GRID_Z][16]
+/// What a pixel gives the vertices about it, before their weights.
+FN Vertex pixel_vertex(const real* rgb, const real* g) {
+  const REAL_VECTOR(4) colour = (REAL_VECTOR(4))(rgb[0], rgb[1], rgb[2], R(1.0));
+  return (Vertex)(g[0] * colour, g[1] * colour, g[2] * colour, (REAL_VECTOR(4))(R(0.0)));
+}
+
+/// First slot of the picture's row y.
+FN uint row_slot(uint y, uint tiles_x) {
+  return y / SIM_SLOT_ROWS * tiles_x * SIM_TILE_RAYS + y % SIM_SLOT_ROWS * SIM_SLOT_ROW;
+}
+
+/// A work-item takes the pixels of one row y in one column cx of cells, and sums what the two vertices of level z get
+/// there, x weights applied, y weights not yet: all levels at once would not fit into a GPU's registers.
+/// in  out[6][slots]; grad_out[3][slots]: dL/d(picture)
+/// out partial[height][GRID_X - 1][2][GRID_Z][16]
 __kernel void color_grid_rows(const FrameParams frame,
                               const uint width,
                               const uint height,
-                              const uint first,
-                              __global const real* grid,
                               __global const real* out,
-                              __global real* grad_out,
+                              __global const real* grad_out,
                               __global real* partial) {
-  const uint cx = get_global_id(0), y = get_global_id(1);
+  const uint z = get_global_id(0) % GRID_Z, column = get_global_id(0) / GRID_Z;
+  const uint cx = column % (GRID_X - 1), y = column / (GRID_X - 1);
   const uint s = frame.slots;
-  Vertex sum[2 * GRID_Z];
-  for (int k = 0; k < 2 * GRID_Z; ++k) sum[k] = (Vertex)(R(0.0));
-  real fx, fy;
-  const uint cy = grid_cell(y, height, GRID_Y, &fy);
-  const uint row = y / SIM_SLOT_ROWS * frame.tiles_x * SIM_TILE_RAYS + y % SIM_SLOT_ROWS * SIM_SLOT_ROW;
-  const uint end = grid_cell_begin(cx + 1, width, GRID_X);
+  if (y >= height) return;
+  Vertex left = (Vertex)(R(0.0)), right = (Vertex)(R(0.0));
+  const uint row = row_slot(y, frame.tiles_x), end = grid_cell_begin(cx + 1, width, GRID_X);
   for (uint x = grid_cell_begin(cx, width, GRID_X); x < end; ++x) {
     const uint i = row + x / SIM_SLOT_ROW * SIM_TILE_RAYS + x % SIM_SLOT_ROW;
     const real rgb[3] = {out[i], out[s + i], out[2 * s + i]};
-    const real g[3] = {grad_out[i], grad_out[s + i], grad_out[2 * s + i]};
+    real fz, z_slope;
+    const uint low = grid_level(rgb, &fz, &z_slope);
+    if (z != low && z != low + 1) continue;
+    real fx;
     (void)grid_cell(x, width, GRID_X, &fx);
-    GridSlice slice;
-    grid_slice(grid + first, cx, cy, fx, fy, rgb, &slice);
-    const Vertex m = slice.transform;
-    real slope[3];
-    grid_apply(slice.along_z, rgb, slope);
-    const real by_luminance = slice.z_slope * (g[0] * slope[0] + g[1] * slope[1] + g[2] * slope[2]);
-    grad_out[i] = m.s0 * g[0] + m.s4 * g[1] + m.s8 * g[2] + LUMINANCE_R * by_luminance;
-    grad_out[s + i] = m.s1 * g[0] + m.s5 * g[1] + m.s9 * g[2] + LUMINANCE_G * by_luminance;
-    grad_out[2 * s + i] = m.s2 * g[0] + m.s6 * g[1] + m.sa * g[2] + LUMINANCE_B * by_luminance;
-    const REAL_VECTOR(4) colour = (REAL_VECTOR(4))(rgb[0], rgb[1], rgb[2], R(1.0));
-    const Vertex outer = (Vertex)(g[0] * colour, g[1] * colour, g[2] * colour, (REAL_VECTOR(4))(R(0.0)));
-    const Vertex low = outer * (R(1.0) - slice.fz), high = outer * slice.fz;
-    sum[slice.z] += (R(1.0) - fx) * low;
-    sum[slice.z + 1] += (R(1.0) - fx) * high;
-    sum[GRID_Z + slice.z] += fx * low;
-    sum[GRID_Z + slice.z + 1] += fx * high;
+    const real g[3] = {grad_out[i], grad_out[s + i], grad_out[2 * s + i]};
+    const Vertex part = pixel_vertex(rgb, g) * (z == low ? R(1.0) - fz : fz);
+    left += (R(1.0) - fx) * part;
+    right += fx * part;
   }
-  __global real* target = partial + (ulong)(y * (GRID_X - 1) + cx) * (2 * GRID_Z * GRID_VERTEX);
-  for (int k = 0; k < 2 * GRID_Z; ++k) vstore16(sum[k], k, target);
+  __global real* target = partial + (ulong)column * (2 * GRID_Z * GRID_VERTEX);
+  vstore16(left, z, target);
+  vstore16(right, GRID_Z + z, target);
+}
+
+/// One pixel per work-item, once color_grid_rows() is done.
+/// in  as color_grid
+/// out grad_out[3][slots]: dL/d(colours before the grid), in place
+__kernel void color_grid_pixels(const FrameParams frame,
+                                const uint width,
+                                const uint height,
+                                const uint first,
+                                __global const real* grid,
+                                __global const real* out,
+                                __global real* grad_out) {
+  const uint x = get_global_id(0) % width, y = get_global_id(0) / width;
+  const uint s = frame.slots;
+  if (y >= height) return;
+  const uint i = row_slot(y, frame.tiles_x) + x / SIM_SLOT_ROW * SIM_TILE_RAYS + x % SIM_SLOT_ROW;
+  const real rgb[3] = {out[i], out[s + i], out[2 * s + i]};
+  const real g[3] = {grad_out[i], grad_out[s + i], grad_out[2 * s + i]};
+  real fx, fy;
+  const uint cx = grid_cell(x, width, GRID_X, &fx), cy = grid_cell(y, height, GRID_Y, &fy);
+  GridSlice slice;
+  grid_slice(grid + first, cx, cy, fx, fy, rgb, &slice);
+  const Vertex m = slice.transform;
+  real slope[3];
+  grid_apply(slice.along_z, rgb, slope);
+  const real by_luminance = slice.z_slope * (g[0] * slope[0] + g[1] * slope[1] + g[2] * slope[2]);
+  grad_out[i] = m.s0 * g[0] + m.s4 * g[1] + m.s8 * g[2] + LUMINANCE_R * by_luminance;
+  grad_out[s + i] = m.s1 * g[0] + m.s5 * g[1] + m.s9 * g[2] + LUMINANCE_G * by_luminance;
+  grad_out[2 * s + i] = m.s2 * g[0] + m.s6 * g[1] + m.sa * g[2] + LUMINANCE_B * by_luminance;
 }
 
 /// One vertex per work-item: sums its rows, then adds the gradients of tv_scale x the squared differences of

@@ -44,14 +44,20 @@ typedef struct {
 #define LUMINANCE_G R(0.587)
 #define LUMINANCE_B R(0.114)
 
-FN void grid_slice(
-    __global const real* grid, uint cx, uint cy, real fx, real fy, const real* rgb, GridSlice* s) {
+/// The lower level of a pixel's cell; fz: weight of the next one; z_slope as GridSlice.
+FN uint grid_level(const real* rgb, real* fz, real* z_slope) {
   const real luminance = fma(LUMINANCE_R, rgb[0], fma(LUMINANCE_G, rgb[1], LUMINANCE_B * rgb[2]));
   const int inside = luminance > R(0.0) && luminance < R(1.0);
   const real place = (inside ? luminance : (luminance > R(0.5) ? R(1.0) : R(0.0))) * (real)(GRID_Z - 1);
-  s->z_slope = inside ? (real)(GRID_Z - 1) : R(0.0);
-  s->z = min((uint)place, (uint)(GRID_Z - 2));
-  s->fz = place - (real)s->z;
+  *z_slope = inside ? (real)(GRID_Z - 1) : R(0.0);
+  const uint z = min((uint)place, (uint)(GRID_Z - 2));
+  *fz = place - (real)z;
+  return z;
+}
+
+FN void grid_slice(
+    __global const real* grid, uint cx, uint cy, real fx, real fy, const real* rgb, GridSlice* s) {
+  s->z = grid_level(rgb, &s->fz, &s->z_slope);
   s->corner[0] = GRID_AT(cx, cy, s->z);
   s->corner[1] = GRID_AT(cx + 1, cy, s->z);
   s->corner[2] = GRID_AT(cx, cy + 1, s->z);

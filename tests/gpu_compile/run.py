@@ -10,7 +10,7 @@ folder, or, where there is pip, from NVIDIA's wheel. A target without its compil
 
 Without --all: of frames those at rest, moving and with actors, alone and with each order; all kernels.
 Exit code 1: something does not compile, or is outside of the limits: in float programs no scratch memory and no spilled
-registers, but for rays in orders of their own, whose windows and lists are scratch (OWN_ORDER), and colour grids; none in double programs
+registers, but for rays in orders of their own, whose windows and lists are scratch (OWN_ORDER); none in double programs
 either of the backward pass of blending; at most 16 KiB of local memory, no double in float programs.
 77: every target was skipped.
 """
@@ -36,7 +36,6 @@ NVIDIA, AMD, INTEL = ("sm_75", "sm_90"), ("gfx90a", "gfx1030"), ("dg2", "tgllp")
 HOT = {"render", "render_bwd", "project", "project_bwd", "radix_count", "radix_scatter", "anchor_search",
        "loss_lidar"}  # those that had, or whose time a frame's is
 OWN_ORDER = {"render_window", "replay_window", "render_per_ray", "replay_per_ray"}
-VERTICES = {"color_grid_rows"}  # keeps a column of vertices in scratch
 MOST_LOCAL = 16384
 
 
@@ -192,7 +191,7 @@ def compiled(tools, target, folder, program, done):
 
 def complaints(target, program, kernel, numbers):
     out = []
-    if kernel not in OWN_ORDER | VERTICES and (not program["double"] or kernel == "render_bwd"):
+    if kernel not in OWN_ORDER and (not program["double"] or kernel == "render_bwd"):
         if numbers["scratch"]:
             out.append(f"{numbers['scratch']} bytes of scratch")
         if numbers["spills"]:

@@ -35,9 +35,10 @@ class ColorGridBackwardStage {
            RealBuffer& grads);
 
  private:
-  std::size_t columns_, vertices_, partial_reals_;  // cells along x; of one grid; of one row of pixels
+  std::size_t columns_, levels_;          // cells along x; vertices along z
+  std::size_t vertices_, partial_reals_;  // of one grid; of one row of pixels
   ColorGridScratch scratch_;
-  Kernel rows_, gather_;
+  Kernel rows_, pixels_, gather_;
 };
 
 struct EnvironmentGradientSizes {
