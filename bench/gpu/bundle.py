@@ -16,7 +16,14 @@ SCRIPTS = ("drivers.py", "gpu/run.py", "gpu/icd.py", "gpu/model.py", "gpu/gsplat
 LEFT = ("linux-vdso.so", "ld-linux", "libc.so", "libm.so", "libpthread.so", "libdl.so", "librt.so", "libresolv.so")
 LAUNCHER = """#!/bin/sh
 here=$(dirname "$(readlink -f "$0")")
-LD_LIBRARY_PATH="$here/../lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" exec "$here/../programs/NAME" "$@"
+folders="$here/../lib"
+# Drivers of a newer system ask for newer libraries than those packed: its own go first where its C++ library is as new.
+theirs=$(PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null | sed -n 's|.*x86-64.*=> \\(/.*\\)/libstdc++.so.6$|\\1|p' | head -n 1)
+if [ -n "$theirs" ]; then
+  oldest=$(printf '%s\\n' CPP "$(basename "$(readlink -f "$theirs/libstdc++.so.6")")" | sort -V | head -n 1)
+  [ "$oldest" != CPP ] || folders="$theirs:$folders"
+fi
+LD_LIBRARY_PATH="$folders${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" exec "$here/../programs/NAME" "$@"
 """
 
 
@@ -49,10 +56,11 @@ def main():
             sys.exit(f"bundle.py: BIN: found no {programs / name}, allowed a folder of built programs")
         packed = folder / "programs" / name
         subprocess.run(["strip", "-o", packed, programs / name], check=True)
-        launcher = folder / "bin" / name
-        launcher.write_text(LAUNCHER.replace("NAME", name))
-        launcher.chmod(0o755)
         pack_libraries(programs / name, folder / "lib")
+        cpp = next(path for library, path in libraries(programs / name) if library == "libstdc++.so.6")
+        launcher = folder / "bin" / name
+        launcher.write_text(LAUNCHER.replace("NAME", name).replace("CPP", cpp.resolve().name))
+        launcher.chmod(0o755)
     for late in (programs.parent / "lib").glob("libsimuli_*.so.*"):  # loaded by the programs when they need it
         shutil.copy(late, folder / "lib")
         pack_libraries(late, folder / "lib")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Everything there is to know of simuli on a machine with a GPU, in one command and on one page.
 
-  bench/gpu/run.py BIN [-o FOLDER] [--device NAME] [--parts PART ...] [--frames N] [--limit SECONDS]
+  bench/gpu/run.py BIN [-o FOLDER] [--device NAME] [--as-gpu] [--parts PART ...] [--frames N] [--limit SECONDS]
 
 BIN     folder of the built programs (build/release/bin, build/dev/bin, or a folder that bench/gpu/bundle.py made)
 FOLDER  page.md, page.json and each program's output; default: gpu_page
@@ -18,6 +18,7 @@ each, so that a run that is cut off leaves what it has:
   trade      simuli bench --trade: speed against accuracy
   peers      gsplat's rasterisation of the same particles in turns with ours, where PyTorch and gsplat are installed
 
+--as-gpu takes the device for a GPU though it is none: all that is done on GPUs alone, for a rehearsal.
 Drivers that no .icd file names are looked for in the folders where vendors put them. Exit code 1 when anything failed.
 """
 import argparse
@@ -67,7 +68,7 @@ class Page:
         device = self.data.get("device", {})
         lines = [f"# simuli on {device.get('name', 'an unknown device')}", ""]
         lines += [f"{device.get('platform', '')}, driver {device.get('driver_version', '')}, "
-                  f"{device.get('compute_units', '?')} compute units; {self.data.get('version', '')}; "
+                  f"{device.get('compute_units', '?')} compute units{', taken for a GPU' if self.data.get('as_gpu') else ''}; {self.data.get('version', '')}; "
                   f"processor {self.data.get('processor', '')}", ""]
         for part, text in self.texts.items():
             lines += [f"## {part} ({self.data['parts'][part]['seconds']:.0f} s)", text, ""]
@@ -107,6 +108,8 @@ class Bench:
         if not chosen:
             raise RuntimeError(f"found no usable device named \"{self.arguments.device}\" among "
                                f"{', '.join(d['name'] for d in found) or 'none'}")
+        if self.arguments.as_gpu:
+            self.driver.env["SIMULI_DEVICE_TYPE"] = "gpu"
         return found, chosen[0]
 
     def check(self):
@@ -162,17 +165,17 @@ class Bench:
 
     def pictures(self):
         processors = [d for d in self.page.data["devices"] if d["kind"] == "cpu" and d["usable"]]
-        if not processors or processors[0]["name"] == self.page.data["device"]["name"]:
+        is_same = processors and processors[0]["name"] == self.page.data["device"]["name"]
+        if not processors or (is_same and not self.arguments.as_gpu):
             return {}, "No other driver on the processor to compare with."
         reference = self.driver.work / "pictures.reference"
-        chosen = self.driver.env.get("SIMULI_DEVICE")
+        chosen = {name: self.driver.env.pop(name) for name in ("SIMULI_DEVICE", "SIMULI_DEVICE_TYPE") if name in self.driver.env}
         self.driver.env["SIMULI_DEVICE"] = str(processors[0]["index"])
         try:
             self.rows("--agreement", str(reference))
         finally:
             self.driver.env.pop("SIMULI_DEVICE")
-            if chosen:
-                self.driver.env["SIMULI_DEVICE"] = chosen
+            self.driver.env.update(chosen)
         rows = self.rows("--agreement", str(reference))
         return rows, f"Against {processors[0]['name']}.\n\n" + self.row_table(rows)
 
@@ -208,6 +211,7 @@ def main():
     parser.add_argument("bin", type=pathlib.Path)
     parser.add_argument("-o", "--output", type=pathlib.Path, default=pathlib.Path("gpu_page"))
     parser.add_argument("--device", default="", help="part of its name; default: the best one")
+    parser.add_argument("--as-gpu", action="store_true", help="take the device for a GPU though it is none")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS)
     parser.add_argument("--frames", type=int, default=21)
     parser.add_argument("--limit", type=int, default=3600, help="seconds that a program may take")
@@ -216,6 +220,7 @@ def main():
         sys.exit(f"run.py: BIN: found no {arguments.bin / 'simuli'}, allowed a folder of built programs")
     arguments.output.mkdir(parents=True, exist_ok=True)
     page = Page(arguments.output.resolve())
+    page.data["as_gpu"] = arguments.as_gpu
     bench = Bench(arguments, page)
     try:
         page.data["devices"], page.data["device"] = bench.devices()

@@ -57,9 +57,20 @@ bool at_least_1_2(const std::string& device_version) {
   return std::pair(major, minor) >= std::pair(1, 2);
 }
 
+/// SIMULI_DEVICE_TYPE (cpu, gpu): what devices are taken for whatever they say, so that what is done on GPUs
+/// alone can be run where there is none.
+std::optional<cl_device_type> wanted_type() {
+  const char* const variable = std::getenv("SIMULI_DEVICE_TYPE");
+  if (variable == nullptr || *variable == '\0') return std::nullopt;
+  const std::string_view text = variable;
+  if (text == "gpu") return CL_DEVICE_TYPE_GPU;
+  if (text == "cpu") return CL_DEVICE_TYPE_CPU;
+  throw Error(ErrorKind::kUsage, fmt::format("SIMULI_DEVICE_TYPE: found '{}', allowed cpu, gpu", text));
+}
+
 DeviceInfo describe(const cl::Device& device) {
   const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>(), true);
-  const cl_device_type type = device.getInfo<CL_DEVICE_TYPE>();
+  const cl_device_type type = wanted_type().value_or(device.getInfo<CL_DEVICE_TYPE>());
   DeviceInfo info;
   info.platform = trimmed(platform.getInfo<CL_PLATFORM_NAME>());
   info.platform_version = trimmed(platform.getInfo<CL_PLATFORM_VERSION>());

@@ -69,6 +69,18 @@ TEST(Device, VariableIsARequestAndTheArgumentOverridesIt) {
   EXPECT_NO_THROW((void)Device::best("0"));
 }
 
+TEST(Device, IsTakenForTheTypeThatTheVariableNames) {
+  for (const char* const type : {"gpu", "cpu"}) {
+    const ScopedEnvironment set("SIMULI_DEVICE_TYPE", type);
+    const DeviceInfo info = Device::best().info();
+    EXPECT_EQ(info.is_gpu, type == std::string("gpu"));
+    EXPECT_EQ(info.is_cpu, type == std::string("cpu"));
+  }
+  const ScopedEnvironment set("SIMULI_DEVICE_TYPE", "tpu");
+  EXPECT_TRUE(
+      contains(error_of(ErrorKind::kUsage, [] { (void)Device::best(); }), {"'tpu'", "allowed cpu, gpu"}));
+}
+
 TEST(Device, AdoptsACallersContextAndQueue) {
   const Device own = test::open_device();
   const Device adopted = Device::adopt(opencl::context(own), opencl::queue(own));
