@@ -172,6 +172,30 @@ class RangePicture {
   std::vector<double> nearest_;
 };
 
+/// Whether what lies in a ball can stand before a point, seen from an eye: few operations, and never a wrong
+/// no.
+class BallBefore {
+ public:
+  BallBefore(const Eigen::Vector3d& centre, double radius_m, const Eigen::Vector3d& eye)
+      : eye_(eye.cast<float>()),
+        centre_((centre - eye).cast<float>()),
+        centre2_(centre_.squaredNorm()),
+        radius_(static_cast<float>(radius_m) + kSlack_m + kSlack * centre_.norm() + kSlack * eye_.norm()) {}
+  [[nodiscard]] bool may_hide(const Eigen::Vector3f& point) const {
+    const Eigen::Vector3f way = point - eye_;
+    const float along = way.dot(centre_), way2 = way.squaredNorm();
+    // The distance of the centre from the way, at its nearest: at one of the ends, or between them.
+    if (along <= 0.0F) return !(centre2_ > radius_ * radius_);
+    if (along >= way2) return !((way - centre_).squaredNorm() > radius_ * radius_);
+    return !((centre2_ - radius_ * radius_) * way2 > along * along * (1.0F + kSlack));
+  }
+
+ private:
+  static constexpr float kSlack_m = 0.05F, kSlack = 1e-4F;  // far above what floats lose
+  Eigen::Vector3f eye_, centre_;
+  float centre2_, radius_;
+};
+
 }  // namespace
 
 std::vector<Actor> moving_actors(const std::vector<Actor>& all, double min_travel_m) {
@@ -316,7 +340,9 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s, const Ei
     const Eigen::Vector3d half = 0.5 * actors_[i].size_m + Eigen::Vector3d::Constant(options_.margin_m);
     const Pose actor_from_scene = scene_from_actor(i, time_s).inverse();
     const Eigen::Vector3d from = actor_from_scene * eye;
+    const BallBefore ball(scene_from_actor(i, time_s).translation, half.norm(), eye);
     for (Eigen::Index k = 0; k < out.position.cols(); ++k) {
+      if (!ball.may_hide(background.position.col(k))) continue;
       const Eigen::Vector3d way = actor_from_scene * out.position.col(k).cast<double>() - from;
       const Eigen::Array3d a = (-half - from).array() / way.array(), b = (half - from).array() / way.array();
       const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
