@@ -18,6 +18,7 @@ struct InitOptions {
   int environment_width = 64;
   double shell_spacing_deg = 0.5;
   double shell_open_share = 0.5;
+  double shell_distance_m = 0.0;
   double camera_scale = 0.5;
   double lidar_scale = 0.5;
   double lidar_voxel_rad = 0.01;
@@ -73,6 +74,10 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         range(0.0, 1.0),
         "of the pictures of a direction, at least: that many must show something there that no laser reached "
         "for shell particles to stand there");
+  field("init.shell_distance_m",
+        o.shell_distance_m,
+        zero_or(at_least(1.0)),
+        "m of the far shell from the scene's origin; 0: three times the farthest point's, 200 at least");
   field("init.off_path_m",
         o.off_path_m,
         range(0.0, 100.0),
@@ -159,6 +164,9 @@ struct InitReport {
   std::size_t shell_particles = 0;
   double shell_distance_m = 0.0;
   double seconds = 0.0;
+
+  /// Of two parts of a drive together; what both read counts twice.
+  InitReport& operator+=(const InitReport& other);
 };
 
 }  // namespace simuli

@@ -26,9 +26,7 @@
 namespace simuli {
 namespace {
 
-constexpr double kShellExtents = 3.0;      // the shell stands at three times the farthest point ...
-constexpr double kShellNearest_m = 200.0;  // ... but never nearer than this
-constexpr double kInfinitelyFar_m = 1e9;   // a drive moves no direction there
+constexpr double kInfinitelyFar_m = 1e9;  // a drive moves no direction there
 
 /// Returns in an actor's box go to the actor, all others to the grid.
 void add_points(
@@ -265,7 +263,8 @@ void Initialisation::add_points_of_pictures() {
 /// What pictures show of the points, and beside them.
 void Initialisation::take_colours() {
   const double extent_m = farthest_m(points_, log_.world_from_rig, scene_.origin);
-  shell_.emplace(options_.shell_spacing_deg, std::max(kShellNearest_m, kShellExtents * extent_m));
+  shell_.emplace(options_.shell_spacing_deg,
+                 options_.shell_distance_m > 0.0 ? options_.shell_distance_m : shell_distance_m(extent_m));
   const bool has_environment = options_.environment_width > 0;
   sky_.emplace(has_environment ? 360.0 / options_.environment_width : options_.shell_spacing_deg,
                kInfinitelyFar_m);
@@ -322,6 +321,11 @@ void Initialisation::place_camera_set() {
 
 }  // namespace
 
+double shell_distance_m(double farthest_m) {
+  constexpr double kExtents = 3.0, kNearest_m = 200.0;
+  return std::max(kNearest_m, kExtents * farthest_m);
+}
+
 void check(const InitOptions& o) {
   check_fields(o);
   if (o.max_scale_m >= o.min_scale_m) return;
@@ -329,6 +333,29 @@ void check(const InitOptions& o) {
       ErrorKind::kUsage,
       fmt::format(
           "init.max_scale_m: found {}, allowed init.min_scale_m ({}) or more", o.max_scale_m, o.min_scale_m));
+}
+
+InitReport& InitReport::operator+=(const InitReport& other) {
+  sweeps += other.sweeps;
+  images += other.images;
+  points += other.points;
+  voxels += other.voxels;
+  actor_points += other.actor_points;
+  dark_points += other.dark_points;
+  moving_points += other.moving_points;
+  unseen_points += other.unseen_points;
+  joined_points += other.joined_points;
+  depth_points += other.depth_points;
+  lidar_cells += other.lidar_cells;
+  lidar_thinned += other.lidar_thinned;
+  camera_thinned += other.camera_thinned;
+  lidar_particles += other.lidar_particles;
+  camera_particles += other.camera_particles;
+  filled_particles += other.filled_particles;
+  shell_particles += other.shell_particles;
+  shell_distance_m = std::max(shell_distance_m, other.shell_distance_m);
+  seconds += other.seconds;
+  return *this;
 }
 
 SceneInit initialize_scene(const Log& log,

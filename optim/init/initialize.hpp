@@ -18,6 +18,9 @@ struct SceneInit {
   InitReport report;
 };
 
+/// m, of the far shell of what lies so far from the scene's origin: three times as much, 200 at least.
+[[nodiscard]] double shell_distance_m(double farthest_m);
+
 /// Reads the training sweeps and images of `log` that `frames` selects, one at a time, and builds both
 /// particle sets of the static background and of the actors (sweeps are read twice to drop what moved). The
 /// camera set is made for pictures of that size. The same log and options give the same bits. The scene's

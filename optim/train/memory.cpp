@@ -301,7 +301,8 @@ void need_memory(const Device& device, const Log& log, const Scene& scene, const
   if (need.total > allowed) {
     throw Error(ErrorKind::kDevice,
                 fmt::format("train: device memory: found a need of {}; allowed {:.3f} GB{} (fewer particles: "
-                            "init.max_camera, init.max_lidar, densify.cap; fewer frames kept: cache_bytes)",
+                            "init.max_camera, init.max_lidar, densify.cap; fewer frames kept: cache_bytes; a "
+                            "part of the drive at a time: stretch.length_m)",
                             need.text(),
                             giga(allowed),
                             limit > 0 ? " by memory_bytes" : " of " + info.label()));

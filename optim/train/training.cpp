@@ -1,7 +1,10 @@
 #include "optim/train/training.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,12 +14,16 @@
 #include "host/base/version.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/runtime/cache/tuning.hpp"
+#include "io/base/state_file.hpp"
+#include "io/base/temporary.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 #include "optim/init/initialize.hpp"
+#include "optim/init/initialize_actors.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
 #include "optim/report/judgement.hpp"
+#include "optim/stretch/stretch_scene.hpp"
 #include "optim/support/record_support.hpp"
 #include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/trainer.hpp"
@@ -35,12 +42,49 @@ std::string quality_of(const RenderOptions& options) {
   return "custom";
 }
 
+constexpr double kSight_m = 100.0;  // that LiDARs and pictures tell the distance of, about
+
+/// What cannot be told of one stretch and be true of the next.
+void need_uncut(const TrainingOptions& o) {
+  if (o.stretches.length_m == 0.0) return;
+  const auto refuse = [](const char* key, const char* allowed) {
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("{}: found true, allowed {} where stretch.length_m cuts the drive", key, allowed));
+  };
+  if (o.train.length.automatic) refuse("auto.on", "a number of iterations");
+  if (o.train.look.color_grids) refuse("color_grids", "false");
+  if (o.train.poses.camera) refuse("poses.camera", "false");
+  if (o.train.poses.lidar) refuse("poses.lidar", "false");
+}
+
 }  // namespace
 
+/// What a training has made. Of a drive that is cut: the stretch that is being trained, and those that have
+/// been.
 struct Training::State {
-  State(const Device& device, const Log& log, SceneInit start, const TrainingOptions& options, Ranks& ranks)
-      : trainer(device, log, std::move(start.scene), options, std::move(start.moving), ranks) {}
-  Trainer trainer;
+  std::optional<DrivenPath> path;
+  std::vector<Stretch> stretches{1};
+  std::vector<int> ends;  // iterations of all stretches together behind each
+  StretchParting parting(const TrainingOptions& options) const {
+    return {*path, stretches, options.stretches.overlap_m, shell_m, options.init.shell_spacing_deg};
+  }
+  double shell_m = 0.0;
+
+  std::size_t current = 0;
+  Log log;  // of the current stretch
+  std::unique_ptr<Trainer> trainer;
+  std::vector<StretchScene> done;
+  std::optional<Scene> merged;
+  TrainStatus status;  // of all stretches together
+
+  [[nodiscard]] bool is_cut() const { return stretches.size() > 1; }
+  [[nodiscard]] int begun() const { return current == 0 ? 0 : ends[current - 1]; }
+  [[nodiscard]] TrainStatus of_all(TrainStatus own) const {
+    own.iteration += begun();
+    own.planned = ends.back();
+    return own;
+  }
 };
 
 Training::Training(const Device& device, Log log, const TrainingOptions& options, Ranks& ranks)
@@ -50,6 +94,7 @@ Training::Training(const Device& device, Log log, const TrainingOptions& options
       log_hash_(simuli::log_hash(log_)),
       options_(checked(options)) {
   need_shards(ranks, options_);
+  need_uncut(options_);
 }
 
 void Training::need_shards(const Ranks& ranks, const TrainingOptions& options) {
@@ -63,7 +108,7 @@ void Training::need_shards(const Ranks& ranks, const TrainingOptions& options) {
 Training::~Training() = default;
 
 const Training::State& Training::prepared() const {
-  if (state_) return *state_;
+  if (state_ && (state_->trainer || state_->merged)) return *state_;
   throw Error(ErrorKind::kInternal, "training: found no start, allowed prepare() first");
 }
 
@@ -74,6 +119,11 @@ std::string Training::identity() const {
   same.train.max_seconds = 0.0;
   const std::string fixer = options_.fixer_command.empty() ? "" : "fixer=" + options_.fixer_command + "\n";
   return fmt::format("log={} {}\n{}{}\n", log_.name, log_hash_, fixer, fmt::join(lines_of(same), "\n"));
+}
+
+std::string Training::own_identity() const {
+  if (!state_->is_cut()) return identity();
+  return identity() + stretch_lines(options_.train.iterations, state_->current, state_->stretches.size());
 }
 
 /// What ranks must have alike to come to the same bits.
@@ -97,10 +147,25 @@ std::vector<RankField> Training::rank_fields() const {
 
 void Training::prepare(const Progress& progress) {
   if (state_) return;
+  prepare_log(progress);
+  start(progress);
+}
+
+void Training::prepare_log(const Progress& progress) {
   need_same(ranks_, rank_fields());
+  auto state = std::make_unique<State>();
   RefinedLog refined = with_refined_path(std::move(log_), options_.path, progress);
   log_ = std::move(refined.log);
   report_.path = std::move(refined.report);
+  if (options_.stretches.length_m > 0.0) {
+    state->path.emplace(log_);
+    state->stretches = cut(*state->path, options_.stretches);
+  }
+  if (state->is_cut()) {
+    state_ = std::move(state);
+    prepare_stretches();
+    return;
+  }
   log_ = with_learned_sensors(std::move(log_), options_.frames, options_.sensors);
   if (options_.actors.find && options_.init.actors) {
     const FoundActors found = find_actors(log_, options_.frames, options_.actors);
@@ -110,57 +175,206 @@ void Training::prepare(const Progress& progress) {
     report_.found.added = completed.added;
     report_.found.continued = completed.continued;
   }
-  SceneInit start = initialize_scene(log_, options_.frames, options_.init, progress);
-  start.report.dark_points = add_dark_surfaces(log_, options_.frames, options_.init, start.scene);
-  start.report.lidar_particles += start.report.dark_points;
-  report_.init = start.report;
-  state_ = std::make_unique<State>(device_, log_, std::move(start), options_, ranks_);
-  state_->trainer.need_one_state(identity());
+  state_ = std::move(state);
+}
+
+/// What all stretches must know alike, from one stretch at a time: LiDARs as the first shows them, and what
+/// moves, each found thing going on where the stretch before has lost it.
+void Training::prepare_stretches() {
+  State& state = *state_;
+  const auto part = [&](const Stretch& stretch) {
+    return log_of(log_, options_.frames, *state.path, stretch, options_.stretches.overlap_m);
+  };
+  const FrameSelection all = all_of(options_.frames);
+  log_.lidars = with_learned_sensors(part(state.stretches.front()), all, options_.sensors).lidars;
+  std::vector<std::size_t> frames;
+  for (const Stretch& stretch : state.stretches) {
+    const Log own = part(stretch);
+    frames.push_back(own.images.empty() ? own.sweeps.size() : own.images.size());
+    if (!options_.actors.find || !options_.init.actors) continue;
+    const FoundActors found = find_actors(own, all, options_.actors);
+    CompletedActors completed = complete_actors(std::move(log_.actors), found.actors);
+    log_.actors = std::move(completed.actors);
+    FindReport& sum = report_.found;
+    sum.sweeps += found.report.sweeps;
+    sum.actors += completed.added;
+    sum.moving_returns += found.report.moving_returns;
+    sum.moving_on_actors += found.report.moving_on_actors;
+    sum.returns_on_actors += found.report.returns_on_actors;
+    sum.seconds += found.report.seconds;
+    sum.added += completed.added;
+    sum.continued += completed.continued;
+  }
+  if (options_.init.actors) log_.actors = moving_actors(log_.actors, options_.init.actor_min_travel_m);
+  state.shell_m = options_.init.shell_distance_m;
+  if (state.shell_m == 0.0) state.shell_m = shell_distance_m(state.path->farthest_m() + kSight_m);
+  state.ends = ends_of(options_.train.iterations, frames);
+}
+
+/// Of the current stretch: none of its frames is held out, and what sensors are is known from the first.
+TrainingOptions Training::own_options() const {
+  TrainingOptions own = options_;
+  const State& state = *state_;
+  if (!state.is_cut()) return own;
+  const int iterations = state.ends[state.current] - state.begun();
+  own.frames = all_of(options_.frames);
+  own.init.actor_min_travel_m = 0.0;
+  own.init.shell_distance_m = state.shell_m;
+  own.train.max_seconds *= static_cast<double>(iterations) / std::max(state.ends.back(), 1);
+  own.train.iterations = iterations;
+  if (state.current > 0) {
+    own.train.ray_drop.rate = 0.0;
+    own.train.prune.row_ranges = false;
+  }
+  return own;
+}
+
+void Training::start(const Progress& progress) {
+  State& state = *state_;
+  const TrainingOptions own = own_options();
+  if (state.is_cut()) {
+    const Stretch& stretch = state.stretches[state.current];
+    state.log = log_of(log_, options_.frames, *state.path, stretch, options_.stretches.overlap_m);
+  }
+  const Log& log = state.is_cut() ? state.log : log_;
+  SceneInit begin = initialize_scene(log, own.frames, own.init, progress);
+  begin.report.dark_points = add_dark_surfaces(log, own.frames, own.init, begin.scene);
+  begin.report.lidar_particles += begin.report.dark_points;
+  report_.init += begin.report;
+  if (state.current > 0) begin.scene.ray_drop = state.done.front().scene.ray_drop;
+  state.trainer =
+      std::make_unique<Trainer>(device_, log, std::move(begin.scene), own, std::move(begin.moving), ranks_);
+  state.trainer->need_one_state(own_identity());
+  if (state.is_cut()) state.status = state.of_all(state.trainer->status());
 }
 
 void Training::resume(const std::filesystem::path& checkpoint, const Progress& progress) {
-  Trainer::need_settings(checkpoint, identity(), options_.train);
-  prepare(progress);
-  state_->trainer.resume(checkpoint, identity());
-  state_->trainer.need_one_state(identity());
+  const std::string tail = stretch_lines(checkpoint);
+  Trainer::need_settings(checkpoint, identity() + tail, options_.train);
+  if (!state_) prepare_log(progress);
+  State& state = *state_;
+  bool goes_on = true;
+  if (state.is_cut() || !tail.empty()) {
+    while (state.current < state.stretches.size() && own_identity() != identity() + tail) {
+      StretchScene part = read_stretch(stretch_file(checkpoint, state.current), own_identity(), log_);
+      end_stretch(std::move(part));
+    }
+    goes_on = state.current < state.stretches.size();
+    if (!goes_on) {
+      throw_input_error(
+          checkpoint.string(), "stretch", tail, fmt::format("one of {}", state.stretches.size()));
+    }
+    if (std::filesystem::exists(stretch_file(checkpoint, state.current))) {
+      end_stretch(read_stretch(stretch_file(checkpoint, state.current), own_identity(), log_));
+      goes_on = false;
+    }
+  }
+  if (!state.merged) start(progress);
+  if (goes_on) state.trainer->resume(checkpoint, own_identity());
+  if (state.trainer) {
+    state.trainer->need_one_state(own_identity());
+    if (state.is_cut()) state.status = state.of_all(state.trainer->status());
+  }
 }
 
 void Training::save(const std::filesystem::path& checkpoint) {
-  static_cast<void>(prepared());
-  state_->trainer.need_one_state(identity());
-  if (ranks_.is_first()) state_->trainer.save(checkpoint, identity());
+  if (!prepared().trainer) return;
+  state_->trainer->need_one_state(own_identity());
+  if (ranks_.is_first()) state_->trainer->save(checkpoint, own_identity());
 }
 
-const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& checkpoints) {
-  prepare();
+TrainReport Training::run_one(const Observer& on_step, const Checkpoints& checkpoints) {
+  State& state = *state_;
   int saved = -1;  // iteration
-  report_.train = state_->trainer.run([&](const TrainStatus& status) {
-    if (on_step) on_step(status);
+  TrainReport report = state.trainer->run([&](const TrainStatus& status) {
+    if (state.is_cut()) state.status = state.of_all(status);
+    if (on_step) on_step(this->status());
     if (checkpoints.every <= 0 || status.iteration % checkpoints.every != 0) return;
     save(checkpoints.file);
     saved = status.iteration;
   });
-  if (checkpoints.every > 0 && saved != status().iteration) save(checkpoints.file);
-  if (checkpoints.every <= 0) state_->trainer.need_one_state(identity());
-  Judgement judgement = judge(report_.train);
-  report_.train.warnings = std::move(judgement.warnings);
-  if (!judgement.failure.empty()) throw Error(ErrorKind::kNumeric, judgement.failure);
+  if (checkpoints.every > 0 && saved != state.trainer->status().iteration) save(checkpoints.file);
+  if (checkpoints.every <= 0) state.trainer->need_one_state(own_identity());
+  Judgement judgement = judge(report);
+  const std::string where =
+      state.is_cut() ? fmt::format("stretch {} of {}: ", state.current + 1, state.stretches.size()) : "";
+  for (const std::string& warning : judgement.warnings) report.warnings.push_back(where + warning);
+  if (!judgement.failure.empty()) throw Error(ErrorKind::kNumeric, where + judgement.failure);
+  return report;
+}
+
+const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& checkpoints) {
+  prepare();
+  State& state = *state_;
+  if (!state.is_cut()) {
+    report_.train = run_one(on_step, checkpoints);
+    return report_;
+  }
+  while (!state.merged) {
+    if (!state.trainer) start({});
+    const std::filesystem::path own_file = stretch_file(checkpoints.file, state.current);
+    if (checkpoints.every > 0 && ranks_.is_first()) {  // of another training, or half-written
+      remove_stale_temporaries(own_file);
+      std::error_code absent;
+      std::filesystem::remove(own_file, absent);
+    }
+    TrainReport report = run_one(on_step, checkpoints);
+    StretchScene part{owned(state.trainer->scene(), state.parting(options_), state.current), {}, report};
+    part.lidars = log_.lidars;
+    for (LogLidar& lidar : part.lidars) lidar.model = state.trainer->lidar(name_of(lidar.model));
+    if (checkpoints.every > 0 && ranks_.is_first()) {
+      write_stretch(own_file, own_identity(), part);
+    }
+    end_stretch(std::move(part));
+  }
   return report_;
 }
 
-const TrainStatus& Training::status() const { return prepared().trainer.status(); }
+void Training::end_stretch(StretchScene part) {
+  State& state = *state_;
+  state.trainer.reset();
+  state.log = {};
+  if (state.current == 0) log_.lidars = part.lidars;
+  const double share =
+      static_cast<double>(state.ends[state.current] - state.begun()) / std::max(state.ends.back(), 1);
+  add_stretch(report_.train, part.report, share);
+  state.done.push_back(std::move(part));
+  ++state.current;
+  if (state.current < state.stretches.size()) return;
+  state.merged = merged(std::move(state.done), log_.actors, state.parting(options_));
+  TrainReport& all = report_.train;
+  const HeldOutRule rule(log_, options_.frames);
+  all.images = rule.training(log_.images).size();
+  all.sweeps = rule.training(log_.sweeps).size();
+  all.camera_particles = state.merged->camera.size();
+  all.lidar_particles = state.merged->lidar.size();
+  all.last.iteration = all.last.planned = state.ends.back();
+  all.last.camera_particles = static_cast<std::uint32_t>(all.camera_particles);
+  all.last.lidar_particles = static_cast<std::uint32_t>(all.lidar_particles);
+  state.status = all.last;
+}
 
-Scene Training::scene() const { return prepared().trainer.scene(); }
+const TrainStatus& Training::status() const {
+  const State& state = prepared();
+  return state.is_cut() ? state.status : state.trainer->status();
+}
+
+Scene Training::scene() const {
+  const State& state = prepared();
+  return state.merged ? *state.merged : state.trainer->scene();
+}
 
 SceneFile Training::result() const {
   SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
-  const Trainer& trainer = prepared().trainer;
-  for (LogCamera& camera : file.cameras) {
-    camera.rig_from_camera = moved_by(trainer.sensor_offsets(), camera.model.name, camera.rig_from_camera);
-  }
-  for (LogLidar& lidar : file.lidars) {
-    lidar.model = trainer.lidar(name_of(lidar.model));
-    lidar.rig_from_lidar = moved_by(trainer.sensor_offsets(), name_of(lidar.model), lidar.rig_from_lidar);
+  if (const Trainer* const trainer = prepared().trainer.get()) {
+    const SensorOffsets& offsets = trainer->sensor_offsets();
+    for (LogCamera& camera : file.cameras) {
+      camera.rig_from_camera = moved_by(offsets, camera.model.name, camera.rig_from_camera);
+    }
+    for (LogLidar& lidar : file.lidars) {
+      lidar.model = trainer->lidar(name_of(lidar.model));
+      lidar.rig_from_lidar = moved_by(offsets, name_of(lidar.model), lidar.rig_from_lidar);
+    }
   }
   file.training = TrainingRecord{.log_name = log_.name,
                                  .log_hash = log_hash_,

@@ -19,6 +19,8 @@
 
 namespace simuli {
 
+struct StretchScene;
+
 /// How a training went: its start, and what followed.
 struct TrainingReport {
   PathReport path;
@@ -72,10 +74,12 @@ class Training {
   const TrainingReport& run(const Observer& on_step = {}, const Checkpoints& checkpoints = {});
 
   // What there is from prepare() on.
+  /// Of all stretches together, where the drive is cut into some; particles are those of the current one.
   [[nodiscard]] const TrainStatus& status() const;
   [[nodiscard]] const TrainingReport& report() const { return report_; }
   [[nodiscard]] const TrainingOptions& options() const { return options_; }
-  /// The particles as trained so far. Error{kInternal} before prepare().
+  /// The particles as trained so far; of a drive that is cut into stretches those of the current one, and of
+  /// all in the end. Error{kInternal} before prepare().
   [[nodiscard]] Scene scene() const;
   /// The same with sensors and trajectory, mounted as was learned, how it was made, and what tells how well
   /// it knows what it shows (record_support.hpp), for which it renders the training frames.
@@ -85,6 +89,16 @@ class Training {
   struct State;
   [[nodiscard]] const State& prepared() const;
   [[nodiscard]] std::string identity() const;
+  /// The same of the stretch that is being trained.
+  [[nodiscard]] std::string own_identity() const;
+  /// What comes before the first particles: of the whole drive.
+  void prepare_log(const Progress& progress);
+  void prepare_stretches();
+  /// The current stretch, or the drive in one piece, from its first particles on.
+  void start(const Progress& progress);
+  [[nodiscard]] TrainingOptions own_options() const;
+  TrainReport run_one(const Observer& on_step, const Checkpoints& checkpoints);
+  void end_stretch(StretchScene part);
   [[nodiscard]] std::vector<RankField> rank_fields() const;
 
   Ranks& ranks_;

@@ -9,6 +9,7 @@
 #include "optim/init/init_options.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/path_options.hpp"
+#include "optim/stretch/stretch_options.hpp"
 #include "optim/train/train_options.hpp"
 
 namespace simuli {
@@ -21,6 +22,7 @@ struct TrainingOptions {
   InitOptions init = {};
   TrainOptions train = {};
   FixerOptions fixer = {};
+  StretchOptions stretches = {};
   std::string fixer_command = {};  // that mends pictures from beside the path (docs/FIXERS.md); empty: none
 };
 
@@ -34,6 +36,7 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.part("", o.init);
   field.part("", o.train);
   field.part("", o.fixer);
+  field.part("", o.stretches);
   field.keyless(o.fixer_command);
 }
 

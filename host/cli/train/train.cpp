@@ -26,6 +26,7 @@
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/scene_output.hpp"
 #include "optim/ranks/rank_threads.hpp"
+#include "optim/stretch/stretch_scene.hpp"
 #include "optim/train/training.hpp"
 
 namespace simuli::cli {
@@ -165,7 +166,10 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
   write_scene(command.output, scene);
   if (command.outputs.checkpoints.every == 0) {
     std::error_code ignored;  // nobody needs it any more, and the scene is there
-    std::filesystem::remove(command.outputs.checkpoints.file, ignored);
+    const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
+    std::filesystem::remove(checkpoint, ignored);
+    for (std::size_t i = 0; std::filesystem::remove(stretch_file(checkpoint, i), ignored); ++i) {
+    }
   }
   if (!command.report.empty()) {
     write_train_report(command, device, std::move(scene), log, trained, globals);

@@ -1,0 +1,256 @@
+#include "optim/stretch/stretch_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "host/scene/particle_order.hpp"
+#include "optim/init/initialize_views.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr float kShellShare = 0.9F;  // of its distance: particles that far are the shell's
+
+std::uint32_t actor_of(const GaussianSet& set, Eigen::Index i) {
+  return set.actor.empty() ? 0U : set.actor[static_cast<std::size_t>(i)];
+}
+
+bool is_shell(const Eigen::Vector3f& mean, const StretchParting& parting) {
+  return mean.norm() > kShellShare * static_cast<float>(parting.shell_distance_m);
+}
+
+void append(GaussianSet& to, const GaussianSet& set) {
+  if (set.size() == 0) return;
+  if (to.params.cols() == 0 || to.size() == 0) {
+    to = set;
+    return;
+  }
+  to.params.conservativeResize(to.size() + set.size(), Eigen::NoChange);
+  to.params.bottomRows(set.size()) = set.params;
+  to.actor.insert(to.actor.end(), set.actor.begin(), set.actor.end());
+}
+
+/// Of every particle, told in so many words.
+void say_actors(GaussianSet& set) {
+  if (set.actor.empty()) set.actor.assign(static_cast<std::size_t>(set.size()), 0U);
+}
+
+Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
+  const Eigen::AngleAxisd turn(rotation.w() < 0.0 ? Eigen::Quaterniond(-rotation.coeffs()) : rotation);
+  return turn.angle() * turn.axis();
+}
+
+/// Where one stretch has an actor's frame in another's: the mean over the key poses of the times that both
+/// saw. What all key poses of a stretch have in common it could not know.
+Pose common(const Actor& of, const Actor& in, const DrivenPath& path, const Stretch& both) {
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (std::size_t k = 0; k < of.track.size(); ++k) {
+    const double place_m = path.place_at(of.track[k].time_s);
+    if (place_m < both.from_m || place_m > both.to_m) continue;
+    const Pose apart = in.track[k].corrected().inverse() * of.track[k].corrected();
+    shift += apart.translation;
+    turn += rotation_vector(apart.rotation);
+    ++count;
+  }
+  if (count == 0.0) return {};
+  const double angle = turn.norm() / count;
+  const Eigen::Vector3d axis = angle > 0.0 ? Eigen::Vector3d(turn.normalized()) : Eigen::Vector3d::UnitZ();
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)), shift / count};
+}
+
+/// The key pose at which the actor is at that place.
+void correct(KeyPose& key, const Pose& world_from_actor) {
+  key.shift_m = world_from_actor.translation - key.world_from_actor.translation;
+  const Eigen::Quaterniond turn = world_from_actor.rotation * key.world_from_actor.rotation.conjugate();
+  key.turn_rad = rotation_vector(turn);
+}
+
+/// One actor as the stretches have it.
+class ActorParts {
+ public:
+  ActorParts(const std::vector<StretchScene>& parts, const std::string& name) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const std::vector<Actor>& actors = parts[i].scene.actors;
+      const auto found =
+          std::find_if(actors.begin(), actors.end(), [&](const Actor& a) { return a.name == name; });
+      if (found == actors.end()) continue;
+      const auto number = static_cast<std::uint32_t>(found - actors.begin() + 1);
+      const auto count = [number](const GaussianSet& set) {
+        return std::count(set.actor.begin(), set.actor.end(), number);
+      };
+      const auto particles = count(parts[i].scene.camera) + count(parts[i].scene.lidar);
+      seen_[i] = {&*found, number};
+      if (particles <= most_) continue;
+      most_ = particles;
+      owner_ = i;
+    }
+  }
+  [[nodiscard]] bool has_particles() const { return most_ > 0; }
+  [[nodiscard]] std::size_t owner() const { return owner_; }
+  [[nodiscard]] std::uint32_t number() const { return seen_.at(owner_).number; }
+
+  /// The owner's track, and beyond its part of the path the others', in the owner's frame.
+  [[nodiscard]] std::vector<KeyPose> track(const StretchParting& parting) const {
+    const Actor& own = *seen_.at(owner_).actor;
+    std::map<std::size_t, Pose> theirs_from_own;
+    theirs_from_own[owner_] = {};
+    const auto chain = [&](std::size_t from, std::size_t to) {
+      if (!seen_.contains(to)) return;
+      const double border_m = parting.stretches[std::max(from, to)].from_m;
+      const Stretch shared{border_m - parting.overlap_m, border_m + parting.overlap_m};
+      const auto known = theirs_from_own.find(from);
+      const Pose so_far = known == theirs_from_own.end() ? Pose{} : known->second;
+      const bool both = seen_.contains(from);
+      theirs_from_own[to] =
+          both ? common(*seen_.at(from).actor, *seen_.at(to).actor, parting.path, shared) * so_far : Pose{};
+    };
+    for (std::size_t i = owner_ + 1; i < parting.stretches.size(); ++i) chain(i - 1, i);
+    for (std::size_t i = owner_; i > 0; --i) chain(i, i - 1);
+    std::vector<KeyPose> track = own.track;
+    for (std::size_t k = 0; k < track.size(); ++k) {
+      const std::size_t at = stretch_at(parting.stretches, parting.path.place_at(track[k].time_s));
+      const auto seen = seen_.find(at);
+      if (at == owner_ || seen == seen_.end()) continue;
+      correct(track[k], seen->second.actor->track[k].corrected() * theirs_from_own.at(at));
+    }
+    return track;
+  }
+
+ private:
+  struct Seen {
+    const Actor* actor = nullptr;
+    std::uint32_t number = 0;  // of its particles
+  };
+  std::map<std::size_t, Seen> seen_;  // by stretch
+  std::size_t owner_ = 0;
+  std::ptrdiff_t most_ = 0;
+};
+
+/// The particles of actors that stay, under their new numbers.
+GaussianSet actors_of(const GaussianSet& set, const std::map<std::uint32_t, std::uint32_t>& numbers) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < set.size(); ++i) {
+    if (numbers.contains(actor_of(set, i))) kept.push_back(i);
+  }
+  GaussianSet out = subset(set, kept);
+  for (std::uint32_t& actor : out.actor) actor = numbers.at(actor);
+  return out;
+}
+
+/// The background's, of the far shell those whose cells nobody has yet.
+GaussianSet background_of(const GaussianSet& set,
+                          const StretchParting& parting,
+                          const FarShell& shell,
+                          std::set<std::uint64_t>& taken) {
+  std::vector<Eigen::Index> kept;
+  std::set<std::uint64_t> own;
+  for (Eigen::Index i = 0; i < set.size(); ++i) {
+    if (actor_of(set, i) != 0) continue;
+    const Eigen::Vector3f mean = set.mean().row(i);
+    if (is_shell(mean, parting)) {
+      const std::uint64_t cell = shell.cell_of(mean.cast<double>());
+      if (taken.contains(cell)) continue;
+      own.insert(cell);
+    }
+    kept.push_back(i);
+  }
+  taken.merge(own);
+  GaussianSet out = subset(set, kept);
+  say_actors(out);
+  return out;
+}
+
+void add_mean(std::vector<double>& sum, const std::vector<float>& values) {
+  sum.resize(values.size(), 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i) sum[i] += static_cast<double>(values[i]);
+}
+
+}  // namespace
+
+void add_stretch(TrainReport& all, const TrainReport& own, double share) {
+  all.last.psnr_db += share * own.last.psnr_db;
+  all.last.distance_m += share * own.last.distance_m;
+  all.last.drop_accuracy += share * own.last.drop_accuracy;
+  all.relocated += own.relocated;
+  all.grown += own.grown;
+  all.pruned += own.pruned;
+  all.row_ranges_m = std::max(all.row_ranges_m, own.row_ranges_m);
+  all.anchor_m += share * own.anchor_m;
+  all.anchor_seconds += own.anchor_seconds;
+  all.densify_seconds += own.densify_seconds;
+  all.rejected_gradients += own.rejected_gradients;
+  all.unsound_particles += own.unsound_particles;
+  all.unsound_losses += own.unsound_losses;
+  all.stopped_early = all.stopped_early || own.stopped_early;
+  all.seconds += own.seconds;
+  all.ranks = own.ranks;
+  all.gathered_bytes += own.gathered_bytes;
+  all.warnings.insert(all.warnings.end(), own.warnings.begin(), own.warnings.end());
+}
+
+Scene owned(Scene scene, const StretchParting& parting, std::size_t index) {
+  for (GaussianSet* const set : {&scene.camera, &scene.lidar}) {
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index i = 0; i < set->size(); ++i) {
+      const Eigen::Vector3f mean = set->mean().row(i);
+      const bool stays = actor_of(*set, i) != 0 || is_shell(mean, parting) ||
+                         stretch_at(parting.stretches, parting.path.place_nearest(mean)) == index;
+      if (stays) kept.push_back(i);
+    }
+    *set = subset(*set, kept);
+  }
+  return scene;
+}
+
+Scene merged(std::vector<StretchScene> parts,
+             const std::vector<Actor>& actors,
+             const StretchParting& parting) {
+  Scene out;
+  const Scene& first = parts.front().scene;
+  out.name = first.name;
+  out.origin = first.origin;
+  out.ray_drop = first.ray_drop;
+  out.lidar_background = first.lidar_background;
+  out.camera = GaussianSet(SetKind::kCamera, first.camera.sh_degree, 0);
+  out.lidar = GaussianSet(SetKind::kLidar, first.lidar.sh_degree, 0);
+
+  std::vector<std::map<std::uint32_t, std::uint32_t>> numbers(parts.size());  // by stretch, new by old
+  for (const Actor& actor : actors) {
+    const ActorParts of_actor(parts, actor.name);
+    Actor& merged_actor = out.actors.emplace_back(actor);
+    if (!of_actor.has_particles()) continue;
+    merged_actor.track = of_actor.track(parting);
+    numbers[of_actor.owner()][of_actor.number()] = static_cast<std::uint32_t>(out.actors.size());
+  }
+
+  const FarShell shell(parting.shell_spacing_deg, parting.shell_distance_m);
+  std::set<std::uint64_t> taken;
+  std::vector<double> texels, background;
+  const auto count = static_cast<double>(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Scene& part = parts[i].scene;
+    append(out.camera, background_of(part.camera, parting, shell, taken));
+    append(out.camera, actors_of(part.camera, numbers[i]));
+    std::set<std::uint64_t> none;
+    append(out.lidar, background_of(part.lidar, parting, shell, none));
+    append(out.lidar, actors_of(part.lidar, numbers[i]));
+    add_mean(texels, part.environment.texels);
+    add_mean(background, {part.camera_background.begin(), part.camera_background.end()});
+    part.camera = part.lidar = {};
+  }
+  out.environment = first.environment;
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    out.environment.texels[i] = static_cast<float>(texels[i] / count);
+  }
+  for (std::size_t c = 0; c < background.size(); ++c) {
+    out.camera_background[c] = static_cast<float>(background[c] / count);
+  }
+  if (out.actors.empty()) out.camera.actor.clear(), out.lidar.actor.clear();
+  return in_coherent_order(std::move(out));
+}
+
+}  // namespace simuli
