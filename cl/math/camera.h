@@ -1,5 +1,5 @@
 // camera.h - the image of a point under every camera model: one text for the device (float or double, any
-// number of lanes) and for the host (double; host/sensors/lens_forward.hpp gives F, I, SEL, ... there).
+// number of lanes) and for the host (double; host/sensors/lens/lens_forward.hpp gives F, I, SEL, ... there).
 // A point (x, y, z) in m in the camera frame (x right, y down, z forward) has the image (u, v) in focal
 // lengths from the principal point. `valid` is cleared where it has none: outside the domain in which the
 // map is one to one (LensConstants, found on the host), or nearer than 1 cm. Nothing is
@@ -16,6 +16,7 @@
 #define CAMERA_NEAR R(0.01)         // m
 #define PINHOLE_COS2_MIN R(0.01)    // z >= 0.1 of the distance: about 84 degrees off axis
 #define FTHETA_MAX_ITERATIONS 32
+#define BEND_STEPS 4  // from a degree off to the last bit of a double
 
 /// Distorted coordinates, their Jacobian, and whether the map keeps its orientation there.
 typedef struct {
@@ -49,6 +50,70 @@ FN void distort(REALS k, F x, F y, Distorted* out) {
   out->v_x = cross + prism_v * x;
   out->v_y = scale + slope * y * y + R(6.0) * p1 * y + R(2.0) * p2 * x + prism_v * y;
   out->regular = AND(finite, out->u_x * out->v_y > out->u_y * out->v_x);
+}
+
+/// A polynomial of two angles (SIM_BEND_TERMS coefficients) and its slopes.
+FN void bend_polynomial(REALS c, F a, F b, F* value, F* by_a, F* by_b) {
+  F sum = (F)R(0.0), slope_a = sum, slope_b = sum;
+  for (int j = 5; j >= 0; --j) {
+    REALS row = c + j * (13 - j) / 2;
+    F of_row = (F)row[5 - j], slope = (F)R(0.0);
+    for (int i = 4 - j; i >= 0; --i) {
+      slope = fma(slope, a, of_row);
+      of_row = fma(of_row, a, (F)row[i]);
+    }
+    slope_b = fma(slope_b, b, sum);
+    slope_a = fma(slope_a, b, slope);
+    sum = fma(sum, b, of_row);
+  }
+  *value = sum;
+  *by_a = slope_a;
+  *by_b = slope_b;
+}
+
+/// A step of Newton's from (*at_a, *at_b) to where the polynomials h and v are a and b; whether they keep the
+/// orientation there.
+FN I bend_step(REALS h, REALS v, F a, F b, F* at_a, F* at_b) {
+  F miss_a, h_a, h_b, miss_b, v_a, v_b;
+  bend_polynomial(h, *at_a, *at_b, &miss_a, &h_a, &h_b);
+  bend_polynomial(v, *at_a, *at_b, &miss_b, &v_a, &v_b);
+  miss_a -= a;
+  miss_b -= b;
+  const F determinant = h_a * v_b - h_b * v_a;
+  const I regular = determinant > R(0.0);
+  const F inv = R(1.0) / SEL(regular, determinant, (F)R(1.0));
+  *at_a -= (v_b * miss_a - h_b * miss_b) * inv;
+  *at_b -= (h_a * miss_b - v_a * miss_a) * inv;
+  return regular;
+}
+
+/// A point before a windshield is moved to where rays come from behind it, as far away: a = asin(x / r) and
+/// b = asin(y / r) become polynomials of both (NCore's bivariate windshield). Polynomials of the way back are solved by
+/// Newton's steps from those of about the way there.
+FN void bend_point(LENS_CONSTANTS lens, int is_backward, F* x, F* y, F* z, I* valid) {
+  const F r = sqrt(*x * *x + *y * *y + *z * *z);
+  const I ok = AND(r > CAMERA_NEAR, *z > lens->bend_cos_min * r);
+  const F a = atan2_lanes(*x, sqrt(fma(*y, *y, SEL(ok, *z * *z, (F)R(1.0)))));
+  const F b = atan2_lanes(*y, sqrt(fma(*x, *x, SEL(ok, *z * *z, (F)R(1.0)))));
+  F bent_a, bent_b, unused_a, unused_b;
+  if (is_backward) {
+    bend_polynomial(lens->bend_back_horizontal, a, b, &bent_a, &unused_a, &unused_b);
+    bend_polynomial(lens->bend_back_vertical, a, b, &bent_b, &unused_a, &unused_b);
+    for (int k = 0; k < BEND_STEPS; ++k)
+      (void)bend_step(lens->bend_horizontal, lens->bend_vertical, a, b, &bent_a, &bent_b);
+  } else {
+    bend_polynomial(lens->bend_horizontal, a, b, &bent_a, &unused_a, &unused_b);
+    bend_polynomial(lens->bend_vertical, a, b, &bent_b, &unused_a, &unused_b);
+  }
+  F sine_a, sine_b, cosine;
+  sincos_lanes(bent_a, &sine_a, &cosine);
+  sincos_lanes(bent_b, &sine_b, &cosine);
+  const F left = R(1.0) - sine_a * sine_a - sine_b * sine_b;
+  const I shown = AND(ok, left > R(0.0));
+  *x = r * sine_a;
+  *y = r * sine_b;
+  *z = r * sqrt(SEL(shown, left, (F)R(1.0)));
+  *valid = AND(*valid, shown);
 }
 
 FN void pinhole_image(F x, F y, F z, F* u, F* v, I* valid) {

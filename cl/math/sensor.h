@@ -16,6 +16,11 @@
 #define LENS SIM_LENS_PINHOLE
 #endif
 
+// SIM_BEND_.. of a windshield before it.
+#ifndef WINDSHIELD
+#define WINDSHIELD SIM_BEND_NONE
+#endif
+
 // Whether x comes round again after sensor->model.period.
 #if SENSOR == SENSOR_LIDAR || LENS == SIM_LENS_EQUIRECTANGULAR
 #define WRAPS 1
@@ -89,24 +94,30 @@ FN void sensor_from_world_point(__global const SensorConstants* sensor, const F*
 FN void project_point(__global const SensorConstants* sensor, const F* p, F* x, F* y, I* valid) {
 #if SENSOR == SENSOR_CAMERA
   F u, v;
+#if WINDSHIELD == SIM_BEND_NONE
+  const F px = p[0], py = p[1], pz = p[2];
+#else
+  F px = p[0], py = p[1], pz = p[2];
+  bend_point(&sensor->model.lens, WINDSHIELD == SIM_BEND_BACKWARD, &px, &py, &pz, valid);
+#endif
 #if LENS == SIM_LENS_PINHOLE
-  pinhole_image(p[0], p[1], p[2], &u, &v, valid);
+  pinhole_image(px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_OPENCV_PINHOLE
-  opencv_pinhole_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
+  opencv_pinhole_image(&sensor->model.lens, px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_OPENCV_FISHEYE
-  opencv_fisheye_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
+  opencv_fisheye_image(&sensor->model.lens, px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_FTHETA
-  ftheta_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
+  ftheta_image(&sensor->model.lens, px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_FTHETA_INVERSE
-  ftheta_inverse_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
+  ftheta_inverse_image(&sensor->model.lens, px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_MEI
-  mei_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
+  mei_image(&sensor->model.lens, px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_EQUIRECTANGULAR
-  equirectangular_image(p[0], p[1], p[2], &u, &v, valid);
+  equirectangular_image(px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_DOUBLE_SPHERE
-  double_sphere_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
+  double_sphere_image(&sensor->model.lens, px, py, pz, &u, &v, valid);
 #elif LENS == SIM_LENS_EUCM
-  eucm_image(&sensor->model.lens, p[0], p[1], p[2], &u, &v, valid);
+  eucm_image(&sensor->model.lens, px, py, pz, &u, &v, valid);
 #endif
   *x = fma(u, (F)sensor->model.fx, (F)sensor->model.cx);
   *y = fma(v, (F)sensor->model.fy, (F)sensor->model.cy);

@@ -28,6 +28,11 @@ namespace simuli::shared {
 #define SIM_LENS_EQUIRECTANGULAR 6
 #define SIM_LENS_DOUBLE_SPHERE 7
 #define SIM_LENS_EUCM 8
+// A polynomial of degree 5 in two variables a, b: rows of powers of a, 6 of b^0, 5 of b^1, ..., 1 of b^5.
+#define SIM_BEND_TERMS 21
+#define SIM_BEND_NONE 0
+#define SIM_BEND_FORWARD 1   // the polynomials take rays from the world to the lens
+#define SIM_BEND_BACKWARD 2  // from the lens to the world
 // ... and constants. Angles are those off the optical axis; radii are in focal lengths.
 SIM_REALS(LensConstants) {
   real cos_min;         // MEI, double sphere, EUCM: points at smaller cosines have no image
@@ -40,6 +45,12 @@ SIM_REALS(LensConstants) {
   real xi;              // MEI, double sphere
   real alpha;           // double sphere, EUCM
   real beta;            // EUCM
+  // A windshield before the lens: SIM_BEND_.., the polynomials of both angles, those of about the way back, and the
+  // cosine off the axis above which rays get through.
+  real bend;
+  real bend_cos_min;
+  real bend_horizontal[SIM_BEND_TERMS], bend_vertical[SIM_BEND_TERMS];
+  real bend_back_horizontal[SIM_BEND_TERMS], bend_back_vertical[SIM_BEND_TERMS];
 } SIM_REALS_END(LensConstants);
 
 // Of a sensor's model, the same in every frame. What the other kind of sensor has is 0.

@@ -8,7 +8,7 @@
 #include "cl/shared/sensor_constants.h"
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
-#include "host/sensors/lens_forward.hpp"
+#include "host/sensors/lens/lens_forward.hpp"
 
 namespace simuli {
 namespace {
@@ -153,11 +153,26 @@ void Lens::fill_constants() {
   }
 }
 
+bool Lens::bend(const Eigen::Vector3d& p_camera, Eigen::Vector3d& bent) const {
+  bent = p_camera;
+  if (!windshield_) return true;
+  int valid = 1;
+  lens_forward::bend_point(constants_.get(),
+                           windshield_->reference == Windshield::Reference::kBackward,
+                           &bent.x(),
+                           &bent.y(),
+                           &bent.z(),
+                           &valid);
+  return valid != 0;
+}
+
 bool Lens::forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
-  const double x = p_camera.x(), y = p_camera.y(), z = p_camera.z();
+  Eigen::Vector3d bent;
+  const bool gets_through = bend(p_camera, bent);
+  const double x = bent.x(), y = bent.y(), z = bent.z();
   const auto* const lens = constants_.get();
   double u = 0.0, v = 0.0;
-  int valid = 1;
+  int valid = gets_through ? 1 : 0;
   namespace forward = lens_forward;
   switch (kind_) {
     case LensKind::kPinhole:
@@ -200,7 +215,9 @@ bool Lens::project(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) cons
 }
 
 bool Lens::continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const {
-  const double x = p_camera.x(), y = p_camera.y(), z = p_camera.z();
+  Eigen::Vector3d bent;
+  if (!bend(p_camera, bent)) return false;
+  const double x = bent.x(), y = bent.y(), z = bent.z();
   const bool has_image = forward(p_camera, image);
   switch (kind_) {
     case LensKind::kOpencvPinhole: {
@@ -214,14 +231,14 @@ bool Lens::continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) co
     case LensKind::kOpencvFisheye:
     case LensKind::kFtheta:
       // Straight behind, one direction fills a circle.
-      return std::hypot(x, y) > 1e-5 * p_camera.norm() || z > 0.0;
+      return std::hypot(x, y) > 1e-5 * bent.norm() || z > 0.0;
     default:
       return has_image;
   }
 }
 
 Eigen::Vector3d Lens::unproject(const Eigen::Vector2d& image) const {
-  const Eigen::Vector3d direction = inverse(image).normalized();
+  const Eigen::Vector3d direction = unbend(inverse(image).normalized());
   // Every image of the ideal pinhole has a ray; its 84 degrees bound what is projected, not what is seen.
   if (kind_ == LensKind::kPinhole) return image.allFinite() ? direction : Eigen::Vector3d::Zero();
   Eigen::Vector2d again;
@@ -233,17 +250,28 @@ Eigen::Vector3d Lens::unproject(const Eigen::Vector2d& image) const {
 }
 
 double Lens::centre_slope() const {
-  switch (kind_) {
-    case LensKind::kFtheta:
-      return constants_->polynomial[0];
-    case LensKind::kFthetaInverse:
-      return 1.0 / constants_->polynomial[0];
-    case LensKind::kMei:
-    case LensKind::kDoubleSphere:
-      return 1.0 / (1.0 + constants_->xi);
-    default:
-      return 1.0;
-  }
+  const double slope = [&] {
+    switch (kind_) {
+      case LensKind::kFtheta:
+        return constants_->polynomial[0];
+      case LensKind::kFthetaInverse:
+        return 1.0 / constants_->polynomial[0];
+      case LensKind::kMei:
+      case LensKind::kDoubleSphere:
+        return 1.0 / (1.0 + constants_->xi);
+      default:
+        return 1.0;
+    }
+  }();
+  if (!windshield_) return slope;
+  // How much the glass widens a narrow cone about the axis.
+  constexpr double kStep = 1e-4;
+  Eigen::Vector3d right, left, below, above;
+  bend({kStep, 0.0, 1.0}, right);
+  bend({-kStep, 0.0, 1.0}, left);
+  bend({0.0, kStep, 1.0}, below);
+  bend({0.0, -kStep, 1.0}, above);
+  return slope * std::sqrt((right - left).cross(below - above).norm()) / (2.0 * kStep);
 }
 
 }  // namespace simuli

@@ -3,6 +3,7 @@
 // (x right, y down, z forward). Image coordinates (u, v) are in focal lengths from the principal point.
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,19 @@ enum class LensKind : int {
 /// Names of a kind's parameters with their units, in order: "k1", ..., "max_angle_rad".
 [[nodiscard]] const std::vector<std::string>& lens_parameter_names(LensKind kind);
 
+/// Glass before a lens that bends rays (NCore's bivariate windshield): of a ray's direction (x, y, z), of
+/// length 1, asin(x) and asin(y) become polynomials of both. P(a, b) = sum_j (sum_i c_ij a^i) b^j with i + j
+/// up to the degree, coefficients ordered by j, then by i: 1, 3, 6, 10, 15 or 21 of them for the degrees 0
+/// to 5.
+struct Windshield {
+  /// Which polynomials are exact; those of the other way are about their inverse, where a search begins.
+  enum class Reference { kForward, kBackward };
+  Reference reference = Reference::kForward;
+  std::vector<double> horizontal, vertical;                  // from the world to the lens
+  std::vector<double> horizontal_inverse, vertical_inverse;  // from the lens to the world
+  bool operator==(const Windshield&) const = default;
+};
+
 /// A lens, whole after construction: its parameters and the domain in which its map is one to one. The
 /// domain ends at max_angle_rad (pi: the polynomials alone decide) or at the first fold of the distortion,
 /// whichever comes first; points and pixels beyond it have no image and no ray.
@@ -49,7 +63,15 @@ class Lens {
   /// for a wrong count or a value that no lens has.
   Lens(LensKind kind, const std::vector<double>& parameters, const std::string& file = "lens");
 
+  /// This lens behind `glass` instead of whatever it stands behind; an ideal pinhole becomes an OpenCV
+  /// pinhole without distortion. Throws Error{kInput} naming `file` and the polynomial for other numbers of
+  /// coefficients, values that are not finite, a map that is not one to one about the axis, and an
+  /// equirectangular lens.
+  [[nodiscard]] Lens behind(const Windshield& glass, const std::string& file = "lens") const;
+
   [[nodiscard]] LensKind kind() const { return kind_; }
+  /// Rays further off the axis than a windshield's polynomials are one to one have no image.
+  [[nodiscard]] const std::optional<Windshield>& windshield() const { return windshield_; }
   [[nodiscard]] const std::vector<double>& parameters() const { return parameters_; }
   /// What the device needs: cl/shared/sensor_constants.h.
   [[nodiscard]] const shared::LensConstants<double>& constants() const { return *constants_; }
@@ -64,19 +86,24 @@ class Lens {
   /// Focal lengths per rad at the axis.
   [[nodiscard]] double centre_slope() const;
 
-  /// Everything else follows from these two.
+  /// Everything else follows from these three.
   bool operator==(const Lens& other) const {
-    return kind_ == other.kind_ && parameters_ == other.parameters_;
+    return kind_ == other.kind_ && parameters_ == other.parameters_ && windshield_ == other.windshield_;
   }
 
  private:
   bool forward(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) const;  // whether it has an image
+  /// Behind the windshield, if there is one: what the lens itself sees; false where no ray gets through.
+  bool bend(const Eigen::Vector3d& p_camera, Eigen::Vector3d& bent) const;
   void fill_constants();
-  void find_domain(double max_angle_rad);                                     // lens_domain.cpp
-  [[nodiscard]] Eigen::Vector3d inverse(const Eigen::Vector2d& image) const;  // lens_inverse.cpp
+  void find_domain(double max_angle_rad);
+  void find_bent_domain(const std::string& file);  // lens/windshield.cpp, as unbend() and behind()
+  [[nodiscard]] Eigen::Vector3d inverse(const Eigen::Vector2d& image) const;  // of the lens itself
+  [[nodiscard]] Eigen::Vector3d unbend(const Eigen::Vector3d& bent) const;
 
   LensKind kind_ = LensKind::kPinhole;
   std::vector<double> parameters_;
+  std::optional<Windshield> windshield_;
   std::shared_ptr<shared::LensConstants<double>>
       constants_;  // of this and its copies; whole once constructed
 };

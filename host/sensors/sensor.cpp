@@ -38,6 +38,12 @@ void add(Hash& hash, const Camera& c) {
     hash.add(static_cast<double>(value));
   }
   hash.add_all(c.lens.parameters());
+  if (const std::optional<Windshield>& glass = c.lens.windshield()) {
+    hash.add(static_cast<double>(glass->reference));
+    for (const auto* const all :
+         {&glass->horizontal, &glass->vertical, &glass->horizontal_inverse, &glass->vertical_inverse})
+      hash.add_all(*all);
+  }
 }
 
 void add(Hash& hash, const Lidar& l) {

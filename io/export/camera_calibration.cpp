@@ -30,12 +30,22 @@ Json picked(const std::vector<double>& all, std::initializer_list<std::size_t> p
   return out;
 }
 
+Json windshield_json(const std::optional<Windshield>& glass) {
+  if (!glass) return nullptr;
+  return {{"external_distortion_type", "bivariate-windshield"},
+          {"reference_poly", glass->reference == Windshield::Reference::kForward ? "FORWARD" : "BACKWARD"},
+          {"horizontal_poly", glass->horizontal},
+          {"vertical_poly", glass->vertical},
+          {"horizontal_poly_inverse", glass->horizontal_inverse},
+          {"vertical_poly_inverse", glass->vertical_inverse}};
+}
+
 }  // namespace
 
 Json camera_model_of(const Camera& camera) {
   Json p{{"resolution", {camera.width, camera.height}},
          {"shutter_type", shutter_name(camera.shutter)},
-         {"external_distortion_parameters", nullptr},
+         {"external_distortion_parameters", windshield_json(camera.lens.windshield())},
          {"principal_point", {camera.cx, camera.cy}},
          {"focal_length", {camera.fx, camera.fy}}};
   std::vector<double> all = camera.lens.parameters();

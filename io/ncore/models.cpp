@@ -17,6 +17,9 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kFirstCentre = 0.5;
 constexpr const char* kCameraType = "camera_model_type";
 constexpr const char* kCameraParameters = "camera_model_parameters";
+constexpr const char* kOutside = "external_distortion_parameters";
+constexpr const char* kOutsideType = "external_distortion_type";
+constexpr const char* kWindshield = "bivariate-windshield";
 constexpr const char* kLidarType = "lidar_model_type";
 constexpr const char* kLidarParameters = "lidar_model_parameters";
 constexpr const char* kSpinning = "row-offset-spinning";
@@ -84,6 +87,23 @@ void set_ftheta_lens(JsonObject& p, Camera& camera) {
              angle_of(p));
 }
 
+Windshield windshield_of(JsonObject& p, const std::string& type_beside) {
+  const std::string type = p.has(kOutsideType) ? p.text(kOutsideType) : type_beside;
+  if (type != kWindshield) {
+    throw_input_error(p.file(), p.field(kOutsideType), '"' + type.substr(0, 60) + '"', kWindshield);
+  }
+  const std::string reference = p.text("reference_poly");
+  if (reference != "FORWARD" && reference != "BACKWARD") {
+    throw_input_error(
+        p.file(), p.field("reference_poly"), '"' + reference.substr(0, 60) + '"', "FORWARD or BACKWARD");
+  }
+  return {reference == "FORWARD" ? Windshield::Reference::kForward : Windshield::Reference::kBackward,
+          p.numbers("horizontal_poly"),
+          p.numbers("vertical_poly"),
+          p.numbers("horizontal_poly_inverse"),
+          p.numbers("vertical_poly_inverse")};
+}
+
 void set_lens(JsonObject& p, const std::string& type, Camera& camera) {
   if (type == "ftheta") return set_ftheta_lens(p, camera);
   set_focal(p, camera);
@@ -107,7 +127,9 @@ void set_lens(JsonObject& p, const std::string& type, Camera& camera) {
 Json intrinsics_of(const Camera& camera) {
   Json model = camera_model_of(camera);
   if (model.is_null()) return nullptr;
-  return {{kCameraType, model["type"]}, {kCameraParameters, std::move(model["parameters"])}};
+  Json out{{kCameraType, model["type"]}, {kCameraParameters, std::move(model["parameters"])}};
+  if (camera.lens.windshield()) out[kOutsideType] = kWindshield;  // for readers that look beside the model
+  return out;
 }
 
 Json intrinsics_of(const LidarModel& model) {
@@ -137,7 +159,7 @@ Json intrinsics_of(const LidarModel& model) {
             {"row_azimuth_offsets_rad", std::move(offsets)}}}};
 }
 
-Camera camera_from_intrinsics(JsonObject& intrinsics, const std::string& name, bool ignore_windshield) {
+Camera camera_from_intrinsics(JsonObject& intrinsics, const std::string& name) {
   intrinsics.ignore_other_keys();
   const std::string type = intrinsics.text(kCameraType);
   constexpr std::array<const char*, 4> kKnown{"ftheta", "opencv-pinhole", "opencv-fisheye", "ideal-pinhole"};
@@ -149,13 +171,6 @@ Camera camera_from_intrinsics(JsonObject& intrinsics, const std::string& name, b
   }
   return intrinsics.object(kCameraParameters, [&](JsonObject& p) {
     p.ignore_other_keys();
-    const char* const outside = "external_distortion_parameters";
-    if (!ignore_windshield && p.has(outside) && !p.get(outside).is_null()) {
-      throw_input_error(p.file(),
-                        p.field(outside),
-                        "a windshield, which no lens here has",
-                        "none, or --ignore-windshield to leave it out");
-    }
     Camera camera;
     camera.name = name;
     const Eigen::Vector2d size = p.vector<2>("resolution"), centre = p.vector<2>("principal_point");
@@ -170,6 +185,14 @@ Camera camera_from_intrinsics(JsonObject& intrinsics, const std::string& name, b
     camera.cy = centre.y();
     camera.shutter = shutter_of(p);
     set_lens(p, type, camera);
+    if (p.has(kOutside) && !p.get(kOutside).is_null()) {
+      // Recordings from before there were other kinds have the polynomials alone, or the kind beside the
+      // model.
+      const std::string beside = intrinsics.has(kOutsideType) ? intrinsics.text(kOutsideType) : kWindshield;
+      camera.lens = p.object(kOutside, [&](JsonObject& glass) {
+        return camera.lens.behind(windshield_of(glass, beside), p.file());
+      });
+    }
     validate(camera, p.file());
     return camera;
   });

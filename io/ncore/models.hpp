@@ -14,11 +14,8 @@ namespace simuli::ncore {
 /// and rows of one elevation.
 [[nodiscard]] Json intrinsics_of(const LidarModel& lidar);
 
-/// Error{kInput} naming file and field for a model that is not known or that no camera has, and for a
-/// windshield, unless it is to be ignored.
-[[nodiscard]] Camera camera_from_intrinsics(JsonObject& intrinsics,
-                                            const std::string& name,
-                                            bool ignore_windshield);
+/// Error{kInput} naming file and field for a model that is not known or that no camera has.
+[[nodiscard]] Camera camera_from_intrinsics(JsonObject& intrinsics, const std::string& name);
 /// Ranges are left 0: NCore has none. Columns are evenly spread from the first to the last; Error{kInput}
 /// where they are farther than half a column from that.
 [[nodiscard]] Lidar lidar_from_intrinsics(JsonObject& intrinsics, const std::string& name);

@@ -1,8 +1,11 @@
 #include "io/ros2/camera_info.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <numbers>
+#include <optional>
+#include <string_view>
 
 #include "host/base/error.hpp"
 #include "host/base/image.hpp"
@@ -16,6 +19,44 @@ constexpr char kPlumbBob[] = "plumb_bob", kRational[] = "rational_polynomial", k
 /// Our k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 max_angle has OpenCV's order.
 constexpr std::size_t kPlumbBobCount = 5, kRationalCount = 8, kEquidistantCount = 4;
 
+/// ROS has no name for a windshield: our lens's with this behind it. d: the lens's own parameters, 0 or 1
+/// (forward or backward polynomials are exact), and the four polynomials, each behind its number of
+/// coefficients.
+constexpr std::string_view kBehindWindshield = "_behind_windshield";
+
+template <class Glass>
+auto polynomials_of(Glass& glass) {
+  return std::array{&glass.horizontal, &glass.vertical, &glass.horizontal_inverse, &glass.vertical_inverse};
+}
+
+void put_windshield(const Lens& lens, CameraInfoMessage& info) {
+  const Windshield& glass = *lens.windshield();
+  info.distortion_model = std::string(to_string(lens.kind())) + std::string(kBehindWindshield);
+  info.d = lens.parameters();
+  info.d.push_back(glass.reference == Windshield::Reference::kBackward ? 1.0 : 0.0);
+  for (const auto* const polynomial : polynomials_of(glass)) {
+    info.d.push_back(static_cast<double>(polynomial->size()));
+    info.d.insert(info.d.end(), polynomial->begin(), polynomial->end());
+  }
+}
+
+/// The same back, and off the end of `d`; false where `d`, behind `lens_count` parameters, is none.
+bool take_windshield(std::vector<double>& d, std::size_t lens_count, Windshield& glass) {
+  std::size_t at = lens_count;
+  if (at >= d.size() || (d[at] != 0.0 && d[at] != 1.0)) return false;
+  glass.reference = d[at++] == 1.0 ? Windshield::Reference::kBackward : Windshield::Reference::kForward;
+  for (std::vector<double>* const polynomial : polynomials_of(glass)) {
+    if (at >= d.size() || !(d[at] >= 1.0 && d[at] <= static_cast<double>(d.size() - at - 1))) return false;
+    const auto count = static_cast<std::ptrdiff_t>(d[at++]);
+    const auto first = d.begin() + static_cast<std::ptrdiff_t>(at);
+    polynomial->assign(first, first + count);
+    at += static_cast<std::size_t>(count);
+  }
+  if (at != d.size()) return false;
+  d.resize(lens_count);
+  return true;
+}
+
 void put_distortion(const Lens& lens, CameraInfoMessage& info) {
   const std::vector<double>& p = lens.parameters();
   const auto are_zero = [&](std::size_t first, std::size_t end) {
@@ -26,7 +67,9 @@ void put_distortion(const Lens& lens, CameraInfoMessage& info) {
   const auto first = [&](std::size_t count) {
     info.d.assign(p.begin(), p.begin() + static_cast<std::ptrdiff_t>(count));
   };
-  if (lens.kind() == LensKind::kPinhole) {
+  if (lens.windshield()) {
+    put_windshield(lens, info);
+  } else if (lens.kind() == LensKind::kPinhole) {
     info.distortion_model = kPlumbBob;
     info.d.assign(kPlumbBobCount, 0.0);
   } else if (lens.kind() == LensKind::kOpencvPinhole && are_zero(kRationalCount, p.size() - 1)) {
@@ -84,8 +127,15 @@ Camera camera_of(const CameraInfoMessage& info,
   camera.cx = info.k[2] + 0.5;
   camera.cy = info.k[5] + 0.5;
   if (info.k[0] == 0.0) refuse("k", "no focal length", "that of a calibrated camera");
-  const std::string& model = info.distortion_model;
+  std::string model = info.distortion_model;
   std::vector<double> d = info.d;
+  std::optional<Windshield> glass;
+  if (model.ends_with(kBehindWindshield)) {
+    model.resize(model.size() - kBehindWindshield.size());
+    const std::size_t count = lens_parameter_names(lens_from_string(model, file, where)).size();
+    if (!take_windshield(d, count, glass.emplace()))
+      refuse("d", fmt::format("{} values", d.size()), "those of a lens and of a windshield");
+  }
   const bool is_undistorted = std::all_of(d.begin(), d.end(), [](double v) { return v == 0.0; });
   const auto need = [&](std::size_t count) {
     if (d.size() != count)
@@ -115,6 +165,7 @@ Camera camera_of(const CameraInfoMessage& info,
            "plumb_bob, rational_polynomial, equidistant, or a lens of simuli's");
   }
   camera.lens = kind == LensKind::kPinhole ? Lens() : Lens(kind, d, file + ": " + where);
+  if (glass) camera.lens = camera.lens.behind(*glass, file + ": " + where);
   validate(camera, file + ": " + where);
   return camera;
 }

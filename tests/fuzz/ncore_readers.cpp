@@ -72,7 +72,7 @@ void read_sensors_of(const Sequence& sequence) {
     JsonObject intrinsics(at->file(), "", attributes);
     if (known.size() > kMostLenses) known.clear();
     if (known.insert(attributes.dump(-1, ' ', false, Json::error_handler_t::replace)).second)
-      (void)intrinsics_of(camera_from_intrinsics(intrinsics, name, true));
+      (void)intrinsics_of(camera_from_intrinsics(intrinsics, name));
     (void)Sequence::frames(place);
   }
   for (const auto& [name, place] : sequence.instances("lidars")) {

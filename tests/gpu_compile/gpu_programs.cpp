@@ -88,6 +88,11 @@ std::vector<NamedVariant> changed(const NamedVariant& from) {
                                 LensKind::kDoubleSphere,
                                 LensKind::kEucm})
       add("lens " + std::to_string(static_cast<int>(lens)), [=](Variant& v) { v.frame.lens = lens; });
+    for (const int windshield : {1, 2})
+      add("windshield " + std::to_string(windshield), [=](Variant& v) {
+        v.frame.lens = LensKind::kOpencvPinhole;
+        v.frame.windshield = windshield;
+      });
   } else {
     add("no culling", [](Variant& v) { v.frame.culling = false; });
   }
@@ -109,7 +114,8 @@ class List {
     // Those that have a backward pass.
     if (variant.options.sh_direction == ShDirection::kRay || variant.frame.sh_storage == ShStorage::kHalf)
       return;
-    for (const char* path : {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/train/largest_weight.cl"})
+    for (const char* path :
+         {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/train/largest_weight.cl"})
       add(frame.name, path, options);
     if (!in_order) {
       BuildOptions replay = options;

@@ -5,6 +5,7 @@
 #include "cl/shared/sensor_constants.h"
 #include "host/base/error.hpp"
 #include "io/log/log_json.hpp"
+#include "tests/host/windshields.hpp"
 
 namespace simuli {
 namespace {
@@ -58,6 +59,30 @@ TEST(CameraJson, EveryLensComesBackBitForBit) {
     EXPECT_EQ(back.model.fx, camera.model.fx);
     EXPECT_EQ(to_json(back), json) << name;
   }
+}
+
+TEST(CameraJson, WindshieldsComeBackBitForBit) {
+  for (const Windshield& glass : {test::glass_before_the_lens(), test::glass_by_its_way_back()}) {
+    for (const LensKind kind : {LensKind::kPinhole, LensKind::kOpencvFisheye}) {
+      LogCamera camera = camera_of(kind);
+      camera.model.lens = camera.model.lens.behind(glass);
+      const LogCamera back = read(to_json(camera));
+      EXPECT_EQ(back.model, camera.model);
+      EXPECT_EQ(shared::reals_of(back.model.lens.constants()),
+                shared::reals_of(camera.model.lens.constants()));
+    }
+  }
+  LogCamera camera = camera_of(LensKind::kOpencvFisheye);
+  camera.model.lens = camera.model.lens.behind(test::glass_before_the_lens());
+  Json json = to_json(camera);
+  json["windshield"]["reference"] = "sideways";
+  EXPECT_NE(error_of(json).find("windshield.reference: found \"sideways\", allowed forward or backward"),
+            std::string::npos)
+      << error_of(json);
+  json = to_json(camera);
+  json["windshield"]["vertical"] = {0.0, 1.0};
+  EXPECT_NE(error_of(json).find("windshield.vertical: found 2 coefficients"), std::string::npos)
+      << error_of(json);
 }
 
 TEST(CameraJson, WithoutAModelItIsAPinhole) {

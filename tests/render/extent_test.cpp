@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/host/windshields.hpp"
 
 namespace simuli {
 namespace {
@@ -105,6 +106,11 @@ Shot fisheye_shot(double scale, bool moving) {
   return shot;
 }
 
+Shot windshield_shot(const Windshield& glass, Shot shot) {
+  shot.camera.lens = shot.camera.lens.behind(glass);
+  return shot;
+}
+
 Shot panorama_shot() {
   Shot shot = camera_shot(false);
   shot.camera = test::small_camera(96, 48);
@@ -136,6 +142,12 @@ TEST(ExactExtent, LosesNothingInDouble) {
   expect_nothing_lost("pinhole, rolling shutter", camera_shot(true), Precision::kDouble);
   expect_nothing_lost("fisheye, rolling shutter", fisheye_shot(0.9, true), Precision::kDouble);
   expect_nothing_lost("wide fisheye, rolling shutter", fisheye_shot(0.4, true), Precision::kDouble);
+  expect_nothing_lost("pinhole behind glass",
+                      windshield_shot(test::glass_before_the_lens(), camera_shot(false)),
+                      Precision::kDouble);
+  expect_nothing_lost("fisheye behind glass, rolling shutter",
+                      windshield_shot(test::glass_by_its_way_back(), fisheye_shot(0.9, true)),
+                      Precision::kDouble);
   expect_nothing_lost("panorama", panorama_shot(), Precision::kDouble);
   expect_nothing_lost("lidar", lidar_shot(false, false, SpinDirection::kClockwise), Precision::kDouble);
   expect_nothing_lost(

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/serve/messages/render_message.hpp"
+#include "tests/host/windshields.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {
@@ -139,9 +140,23 @@ TEST(CameraMessage, RefusesWhatNoCameraHas) {
   refused("a1", [](auto& s) { s.mutable_ftheta_param()->set_angle_to_pixeldist_poly(1, -500.0); });
   refused("max_angle", [](auto& s) { s.mutable_ftheta_param()->set_max_angle(-1.0); });
   proto::CameraSpec behind_glass = ftheta_spec();
-  behind_glass.mutable_bivariate_windshield_model_param()->add_horizontal_poly(1.0);
+  behind_glass.mutable_bivariate_windshield_model_param()->set_reference_poly(
+      static_cast<proto::BivariateWindshieldModelParameters::ReferencePolynomial>(7));
   expect_refusal(
-      RefusalKind::kUnimplemented, "windshield", [&] { static_cast<void>(camera_of(behind_glass)); });
+      RefusalKind::kInvalid, "reference_poly", [&] { static_cast<void>(camera_of(behind_glass)); });
+  behind_glass.mutable_bivariate_windshield_model_param()->clear_reference_poly();
+  EXPECT_THROW(static_cast<void>(camera_of(behind_glass)), Error);  // without polynomials
+}
+
+TEST(CameraMessage, WindshieldsComeBackAsTheyAre) {
+  for (const Windshield& glass : {test::glass_before_the_lens(), test::glass_by_its_way_back()}) {
+    Camera camera = camera_of(ftheta_spec());
+    camera.lens = camera.lens.behind(glass);
+    const Camera back = camera_of(spec_of(camera));
+    ASSERT_TRUE(back.lens.windshield());
+    EXPECT_EQ(*back.lens.windshield(), glass);
+    EXPECT_LT((pixel_of(back, {0.3, -0.2, 1.0}) - pixel_of(camera, {0.3, -0.2, 1.0})).norm(), 1e-9);
+  }
 }
 
 using ServedCameras = test::Served;

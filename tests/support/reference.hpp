@@ -156,6 +156,8 @@ template <class ProjectPoint>
                                 const Eigen::Vector3d& p_camera,
                                 Eigen::Vector2d& pixel);
 /// Direction through a pixel, not normalised; zero where there is none.
+/// Squared pixels per solid angle about the axis.
+[[nodiscard]] double px2_per_sr(const Camera& camera);
 [[nodiscard]] Eigen::Vector3d camera_direction(const Camera& camera, const Eigen::Vector2d& pixel);
 
 /// `angle` in [-pi, pi).

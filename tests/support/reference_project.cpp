@@ -153,7 +153,7 @@ SigmaResult sigma_at(const Sensor& sensor,
 
 double filter_variance_m2(const Sensor& sensor, double range_m, const Options& options) {
   if (sensor.kind == SetKind::kCamera) {
-    return options.filter_variance_px2 / (sensor.camera.fx * sensor.camera.fy) * range_m * range_m;
+    return options.filter_variance_px2 / px2_per_sr(sensor.camera) * range_m * range_m;
   }
   const double tangent = std::tan(0.5 * sensor.lidar.beam_divergence);
   return sensor.lidar.divergence_variance * tangent * tangent * range_m * range_m;

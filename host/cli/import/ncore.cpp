@@ -60,9 +60,6 @@ void add_import_ncore(Command import, const Globals& globals) {
       .one_at_a_time();
   sub.option("--rig-frame", options.rig_frame, "the vehicle's frame").with_default();
   sub.option("--world-frame", options.world_frame, "that the path is in").with_default();
-  sub.flag("--ignore-windshield",
-           options.ignore_windshield,
-           "read cameras behind a windshield that bends rays as if there were none");
   sub.run([command, &globals] {
     NcoreOptions asked = command->options;
     for (const std::string& text : command->tables) {

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iostream>
 #include <numbers>
 
@@ -50,6 +51,14 @@ void print_sensor(const CameraFile& file, bool json) {
   const auto& names = lens_parameter_names(camera.lens.kind());
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::cout << fmt::format("  {} {}\n", names[i], camera.lens.parameters()[i]);
+  }
+  if (const std::optional<Windshield>& glass = camera.lens.windshield()) {
+    std::cout << fmt::format("  behind a windshield, {} polynomials exact\n",
+                             glass->reference == Windshield::Reference::kForward ? "forward" : "backward")
+              << fmt::format("  horizontal {}\n", fmt::join(glass->horizontal, " "))
+              << fmt::format("  vertical {}\n", fmt::join(glass->vertical, " "))
+              << fmt::format("  horizontal, back {}\n", fmt::join(glass->horizontal_inverse, " "))
+              << fmt::format("  vertical, back {}\n", fmt::join(glass->vertical_inverse, " "));
   }
   const double pixels = static_cast<double>(camera.width) * camera.height;
   const std::size_t missing = pixels_without_ray(camera);

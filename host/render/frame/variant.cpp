@@ -10,6 +10,7 @@ BuildOptions Variant::build_options() const {
   out.real(options.precision)
       .define("SENSOR", frame.sensor)
       .define("LENS", frame.lens)
+      .define("WINDSHIELD", frame.windshield)
       .define("DROP", !is_camera)
       .define("MOVING", frame.moving)
       .define("ORIGINS", frame.origins)

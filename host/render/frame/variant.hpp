@@ -11,6 +11,7 @@ namespace simuli {
 struct FrameKind {
   SensorType sensor = SensorType::kCamera;
   LensKind lens = LensKind::kPinhole;  // of a camera
+  int windshield = 0;                  // as in RayGrid
   bool moving = false;                 // the pose changes during the frame
   bool origins = false;                // rays have origins of their own: moving, or lever arms
   bool actors = false;                 // particles belong to actors

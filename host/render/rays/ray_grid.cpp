@@ -139,6 +139,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   }
   auto& m = grid.model;
   m.lens = camera.lens.constants();
+  grid.windshield = static_cast<int>(m.lens.bend);
   m.fx = camera.fx;
   m.fy = camera.fy;
   m.cx = camera.cx;

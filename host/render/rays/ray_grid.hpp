@@ -21,6 +21,7 @@ struct RayGrid {
   SensorType type = SensorType::kCamera;
   shared::FrameParams frame{};            // particles and stride are filled in per particle set
   LensKind lens = LensKind::kPinhole;     // of a camera
+  int windshield = 0;                     // before it: SIM_BEND_.. of cl/shared/sensor_constants.h
   int width = 0, height = 0;              // of a camera's picture, px
   bool lever_arms = false;                // rays start away from the sensor's origin
   std::size_t rays = 0;                   // pixels row-major, or LiDAR rays row-major

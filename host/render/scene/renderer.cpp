@@ -41,6 +41,7 @@ FrameKind kind_of(const RenderOptions& options,
   kind.actor_motion = actor_motion;
   kind.sensor = grid.type;
   kind.lens = grid.lens;
+  kind.windshield = grid.windshield;
   kind.moving = moving;
   kind.origins = moving || grid.lever_arms;
   kind.sh_degree = options.sh_degree == ShDegree::kAuto

@@ -112,6 +112,31 @@ void set_polynomial(Camera& camera, const proto::FthetaCameraParam& p) {
   camera.cy = p.principal_point_y() + kFirstCentre;
 }
 
+Windshield windshield_of(const proto::BivariateWindshieldModelParameters& p) {
+  using Param = proto::BivariateWindshieldModelParameters;
+  if (p.reference_poly() != Param::FORWARD && p.reference_poly() != Param::BACKWARD) {
+    refuse("bivariate_windshield_model_param.reference_poly",
+           fmt::format("{}", static_cast<int>(p.reference_poly())),
+           "0 (forward) or 1 (backward)");
+  }
+  const auto all = [](const auto& values) { return std::vector<double>(values.begin(), values.end()); };
+  return {p.reference_poly() == Param::FORWARD ? Windshield::Reference::kForward
+                                               : Windshield::Reference::kBackward,
+          all(p.horizontal_poly()),
+          all(p.vertical_poly()),
+          all(p.horizontal_poly_inverse()),
+          all(p.vertical_poly_inverse())};
+}
+
+void tell_windshield(const Windshield& glass, proto::BivariateWindshieldModelParameters& p) {
+  using Param = proto::BivariateWindshieldModelParameters;
+  p.set_reference_poly(glass.reference == Windshield::Reference::kForward ? Param::FORWARD : Param::BACKWARD);
+  p.mutable_horizontal_poly()->Add(glass.horizontal.begin(), glass.horizontal.end());
+  p.mutable_vertical_poly()->Add(glass.vertical.begin(), glass.vertical.end());
+  p.mutable_horizontal_poly_inverse()->Add(glass.horizontal_inverse.begin(), glass.horizontal_inverse.end());
+  p.mutable_vertical_poly_inverse()->Add(glass.vertical_inverse.begin(), glass.vertical_inverse.end());
+}
+
 template <class Parameters>
 void tell_focal(const Camera& camera, Parameters& p) {
   p.set_focal_length_x(camera.fx);
@@ -181,14 +206,13 @@ proto::CameraSpec spec_of(const Camera& camera) {
     case LensKind::kEucm:
       break;
   }
+  if (camera.lens.windshield()) {
+    tell_windshield(*camera.lens.windshield(), *spec.mutable_bivariate_windshield_model_param());
+  }
   return spec;
 }
 
 Camera camera_of(const proto::CameraSpec& spec) {
-  if (spec.has_bivariate_windshield_model_param()) {
-    throw Refusal(RefusalKind::kUnimplemented,
-                  "external_distortion: found a windshield, allowed none: that model is not there yet");
-  }
   for (const auto& [field, side] :
        {std::pair{"resolution_h", spec.resolution_h()}, {"resolution_w", spec.resolution_w()}}) {
     if (side < 1 || side > static_cast<std::uint32_t>(kLargestSide_px)) {
@@ -216,6 +240,9 @@ Camera camera_of(const proto::CameraSpec& spec) {
       refuse("camera_intrinsics.camera_param",
              "none",
              "one of ftheta, opencv_pinhole, opencv_fisheye, or the logical_id of a camera of the scene");
+  }
+  if (spec.has_bivariate_windshield_model_param()) {
+    camera.lens = camera.lens.behind(windshield_of(spec.bivariate_windshield_model_param()), kWhere);
   }
   validate(camera, kWhere);
   return camera;

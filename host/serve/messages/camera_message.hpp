@@ -12,7 +12,7 @@ namespace proto_common = ::nre::grpc::protos::common;
 /// requests may then name the scene's camera by its logical_id alone.
 [[nodiscard]] proto::CameraSpec spec_of(const Camera& camera);
 
-/// Of one with a lens. Refusal{kInvalid} naming the field, Refusal{kUnimplemented} for a windshield,
+/// Of one with a lens. Refusal{kInvalid} naming the field,
 /// Error{kInput} for numbers that no camera has.
 [[nodiscard]] Camera camera_of(const proto::CameraSpec& spec);
 

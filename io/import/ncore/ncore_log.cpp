@@ -128,7 +128,7 @@ class Importer {
     const Json attributes = at->attributes();
     JsonObject intrinsics(at->file(), "", attributes);
     LogCamera camera;
-    camera.model = camera_from_intrinsics(intrinsics, name, options_.ignore_windshield);
+    camera.model = camera_from_intrinsics(intrinsics, name);
     const auto exact = left_sensor(place("cameras", name), camera_from_json);
     const bool is_exact =
         exact && exact->model.name == name && is_same(intrinsics_of(exact->model), attributes);

@@ -21,7 +21,6 @@ struct NcoreOptions {
   std::vector<std::string> cameras, lidars;  // of all these; empty: all
   std::map<std::string, Lidar> tables;       // of LiDARs by name, instead of the file's
   std::string rig_frame = "rig", world_frame = "world";
-  bool ignore_windshield = false;
 };
 
 struct NcoreReport {
@@ -33,9 +32,8 @@ struct NcoreReport {
   std::vector<std::string> notes;      // what was taken for what, and what was left out
 };
 
-/// Error{kInput} naming store, group and field for what is damaged or can't be read, for a sequence without a
-/// path of the rig, and for windshields unless they are to be ignored. Error{kUsage} for options of sensors
-/// that it has not.
+/// Error{kInput} naming store, group and field for what is damaged or can't be read, and for a sequence
+/// without a path of the rig. Error{kUsage} for options of sensors that it has not.
 Log import_ncore(const NcoreOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress,
                  NcoreReport& report);

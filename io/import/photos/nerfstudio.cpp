@@ -80,7 +80,7 @@ Camera camera_of(Intrinsics& of, const std::string& file) {
 
 bool same(const Camera& a, const Camera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
-         a.cy == b.cy && a.lens.kind() == b.lens.kind() && a.lens.parameters() == b.lens.parameters();
+         a.cy == b.cy && a.lens == b.lens;
 }
 
 /// Index of that camera in the set, added when it is a new one.

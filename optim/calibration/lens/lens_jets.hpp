@@ -1,7 +1,7 @@
 #pragma once
 // cl/math/camera.h compiled for automatic derivatives: the text that the device and the host run is the one
 // that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this,
-// and none that includes host/sensors/lens_forward.hpp.
+// and none that includes host/sensors/lens/lens_forward.hpp.
 #include <Eigen/Core>
 #include <algorithm>
 #include <ceres/jet.h>
@@ -16,8 +16,12 @@ using F = ceres::Jet<double, kDerivatives>;
 using real = F;
 using I = int;
 inline F atan2_lanes(const F& y, const F& x) { return ceres::atan2(y, x); }
+inline void sincos_lanes(const F& x, F* sine, F* cosine) {
+  *sine = ceres::sin(x);
+  *cosine = ceres::cos(x);
+}
 
-#include "host/sensors/lens_text.hpp"
+#include "host/sensors/lens/lens_text.hpp"
 
 using Constants = shared::LensConstants<F>;
 
@@ -38,13 +42,20 @@ inline Constants constants_of(const Lens& lens) {
   to.xi = F(from.xi);
   to.alpha = F(from.alpha);
   to.beta = F(from.beta);
+  to.bend = F(from.bend);
+  to.bend_cos_min = F(from.bend_cos_min);
+  copy(from.bend_horizontal, to.bend_horizontal);
+  copy(from.bend_vertical, to.bend_vertical);
+  copy(from.bend_back_horizontal, to.bend_back_horizontal);
+  copy(from.bend_back_vertical, to.bend_back_vertical);
   return to;
 }
 
 /// Image of a point in front of a lens of `kind`; false where it has none.
-inline bool project(LensKind kind, const Constants& lens, const F& x, const F& y, const F& z, F& u, F& v) {
+inline bool project(LensKind kind, const Constants& lens, F x, F y, F z, F& u, F& v) {
   const Constants* const k = &lens;
   int valid = 1;
+  if (k->bend != F(SIM_BEND_NONE)) bend_point(k, k->bend == F(SIM_BEND_BACKWARD), &x, &y, &z, &valid);
   switch (kind) {
     case LensKind::kPinhole:
       pinhole_image(x, y, z, &u, &v, &valid);

@@ -2,6 +2,7 @@
 // and one line about what is damaged or can't be read.
 #include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
@@ -19,6 +20,7 @@
 #include "io/picture/image.hpp"
 #include "io/synth/long_street.hpp"
 #include "io/zarr/zarr_store.hpp"
+#include "tests/host/windshields.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli::test {
@@ -197,7 +199,7 @@ TEST_F(NcoreTest, HasEveryLensWithACounterpart) {
     if (json.is_null()) continue;
     ++known;
     JsonObject object("file", "", json);
-    const Camera again = ncore::camera_from_intrinsics(object, name, false);
+    const Camera again = ncore::camera_from_intrinsics(object, name);
     EXPECT_EQ(again.shutter, camera.shutter) << name;
     EXPECT_TRUE(ncore::is_same(ncore::intrinsics_of(again), json)) << name;
     for (const double x : {0.2, 0.5, 0.8}) {
@@ -209,6 +211,30 @@ TEST_F(NcoreTest, HasEveryLensWithACounterpart) {
   Camera other = builtin_camera(builtin_camera_names().front());
   other.lens = Lens(LensKind::kEquirectangular, {});
   EXPECT_TRUE(ncore::intrinsics_of(other).is_null());
+}
+
+TEST_F(NcoreTest, KeepsWindshields) {
+  Log log = street();
+  const fs::path folder = scratch_ / "glass.log";
+  fs::copy(log.folder, folder, fs::copy_options::recursive);
+  log.folder = folder;
+  for (const Windshield& glass : {test::glass_before_the_lens(), test::glass_by_its_way_back()}) {
+    Camera& camera = log.cameras.front().model;
+    camera.lens = camera.lens.behind(glass);
+    write_log(log);
+    const Log glazed = read_log(folder);
+    EXPECT_EQ(glazed.cameras.front().model, camera);
+    const std::string name = fmt::format("glass{}.zarr", static_cast<int>(glass.reference));
+    expect_same_files(glazed, there_and_back(glazed, name));
+    // Without what is ours, and with the kind beside the model alone, as older files have it.
+    Json json = ncore::intrinsics_of(camera);
+    EXPECT_EQ(json["external_distortion_type"], "bivariate-windshield");
+    Json& inside = json["camera_model_parameters"]["external_distortion_parameters"];
+    EXPECT_EQ(inside["external_distortion_type"], "bivariate-windshield");
+    inside.erase("external_distortion_type");
+    JsonObject object("file", "", json);
+    EXPECT_EQ(ncore::camera_from_intrinsics(object, camera.name).lens, camera.lens);
+  }
 }
 
 TEST_F(NcoreTest, KeepsMasks) {
@@ -234,11 +260,22 @@ TEST_F(NcoreTest, RefusesWhatItCannotRead) {
     expect_input_error([&] { (void)back("a.zarr"); }, words);
     std::ofstream(scratch_ / ("a.zarr/" + key)) << before;
   };
-  const auto windshield = [](Json& json) {
-    json["camera_model_parameters"]["external_distortion_parameters"] = {
-        {"external_distortion_type", "bivariate-windshield"}};
+  const auto outside = [](Json parameters) {
+    return [parameters](Json& json) {
+      json["camera_model_parameters"]["external_distortion_parameters"] = parameters;
+    };
   };
-  refused(intrinsics, windshield, {"cameras/front", "windshield", "--ignore-windshield"});
+  refused(intrinsics,
+          outside({{"external_distortion_type", "prism"}}),
+          {"cameras/front", "external_distortion_type", "\"prism\"", "bivariate-windshield"});
+  refused(intrinsics, outside({{"reference_poly", "SIDEWAYS"}}), {"reference_poly", "FORWARD or BACKWARD"});
+  refused(intrinsics,
+          outside({{"reference_poly", "FORWARD"},
+                   {"horizontal_poly", {0, 1}},
+                   {"vertical_poly", {0, 0, 1}},
+                   {"horizontal_poly_inverse", {0, 1, 0}},
+                   {"vertical_poly_inverse", {0, 0, 1}}}),
+          {"windshield.horizontal", "2 coefficients"});
   refused(intrinsics,
           [](Json& json) { json["camera_model_type"] = "mei"; },
           {"camera_model_type", "\"mei\"", "ftheta"});
@@ -257,11 +294,9 @@ TEST_F(NcoreTest, RefusesWhatItCannotRead) {
           [](Json& json) { json["frames_timestamps_us"][0][1] = 0; },
           {"frames_timestamps_us[0]"});
 
-  edit(intrinsics, windshield);
   NcoreOptions options;
   options.sequence = scratch_ / "a.zarr";
   options.output = scratch_ / "through.log";
-  options.ignore_windshield = true;
   options.lidars = {"top"};
   EXPECT_EQ(import_ncore(options, {}, report_).lidars.size(), 1U);
   options.cameras = {"nose"};

@@ -6,6 +6,7 @@
 
 #include "io/ros2/camera_info.hpp"
 #include "io/ros2/messages.hpp"
+#include "tests/host/windshields.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli::ros2 {
@@ -154,10 +155,23 @@ TEST(Cdr, LensesComeBack) {
   EXPECT_EQ(there_and_back(Lens(LensKind::kOpencvPinhole, {0.1, 0, 0, 0, 0, 0, 0, 0, 1e-3, 0, 0, 0, pi})),
             "opencv_pinhole");
   EXPECT_EQ(there_and_back(Lens(LensKind::kDoubleSphere, {0.1, 0.5, 1.0})), "double_sphere");
+  EXPECT_EQ(there_and_back(Lens().behind(test::glass_before_the_lens())), "opencv_pinhole_behind_windshield");
+  EXPECT_EQ(
+      there_and_back(Lens(LensKind::kDoubleSphere, {0.1, 0.5, 1.0}).behind(test::glass_by_its_way_back())),
+      "double_sphere_behind_windshield");
   CameraInfoMessage info = camera_info_of(camera);
   const auto refused = [&](const std::vector<std::string>& words) {
     expect_input_error([&] { (void)camera_of(info, "c", "drive.mcap", "/info"); }, words);
   };
+  camera.lens = Lens().behind(test::glass_before_the_lens());
+  const CameraInfoMessage behind = camera_info_of(camera);
+  for (const std::size_t count : {std::size_t{3}, std::size_t{14}, behind.d.size() - 1}) {
+    info = behind;
+    info.d.resize(count);
+    refused({"/info", "d", "those of a lens and of a windshield"});
+  }
+  info.distortion_model = "cylindrical_behind_windshield";
+  refused({"cylindrical"});
   info.distortion_model = "cylindrical";
   refused({"/info", "distortion_model", "cylindrical", "plumb_bob"});
   info.distortion_model = "equidistant";

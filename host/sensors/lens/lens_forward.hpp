@@ -13,7 +13,11 @@ using I = int;
 using std::fma;
 using std::sqrt;
 inline F atan2_lanes(F y, F x) { return std::atan2(y, x); }
+inline void sincos_lanes(F x, F* sine, F* cosine) {
+  *sine = std::sin(x);
+  *cosine = std::cos(x);
+}
 
-#include "host/sensors/lens_text.hpp"
+#include "host/sensors/lens/lens_text.hpp"
 
 }  // namespace simuli::lens_forward

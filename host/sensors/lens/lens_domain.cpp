@@ -7,7 +7,7 @@
 #include "cl/shared/sensor_constants.h"
 #include "host/base/angles.hpp"
 #include "host/sensors/lens.hpp"
-#include "host/sensors/lens_forward.hpp"
+#include "host/sensors/lens/lens_forward.hpp"
 
 namespace simuli {
 namespace {
