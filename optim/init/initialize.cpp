@@ -269,6 +269,7 @@ void Initialisation::take_colours() {
   sky_.emplace(has_environment ? 360.0 / options_.environment_width : options_.shell_spacing_deg,
                kInfinitelyFar_m);
   looks_.resize(points_.size() + actors_->camera_count());
+  const PointBlocks blocks(points_);
   for (const ImageFrame* frame : images_) {
     const auto [image, view] = load_view(log_, *frame, scene_.origin, frames_.image_scale);
     views_.push_back(view);
@@ -276,8 +277,16 @@ void Initialisation::take_colours() {
     const double finest_rad = std::min(shell_->spacing_rad(), sky_->spacing_rad());
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
-    const PointSet placed = actors_->placed(points_, middle_s(*frame), view.origin());
-    Coverage coverage = look_at_points(view, image, placed, options_.voxel_m, cell_px, looks_);
+    const std::vector<std::uint32_t> near = blocks.seen_from(view);
+    const PointSet placed = actors_->placed(points_.subset(near), middle_s(*frame), view.origin());
+    std::vector<PointLook> own;
+    for (const std::uint32_t i : near) own.push_back(looks_[i]);
+    own.insert(own.end(), looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()), looks_.end());
+    Coverage coverage = look_at_points(view, image, placed, options_.voxel_m, cell_px, own);
+    for (std::size_t i = 0; i < near.size(); ++i) looks_[near[i]] = own[i];
+    std::copy(own.begin() + static_cast<std::ptrdiff_t>(near.size()),
+              own.end(),
+              looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
     actors_->cover(view, middle_s(*frame), coverage);
     if (options_.max_shell > 0) shell_->add(view, image, coverage);
     if (has_environment) sky_->add(view, image, coverage);

@@ -192,6 +192,7 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
     Coverage coverage;
   };
   VoxelGrid grid(2.0 * voxel_m);
+  const PointBlocks blocks(points);
   for (const LogCamera& camera : log.cameras) {
     std::vector<const ImageFrame*> frames;
     for (const ImageFrame* frame : images) {
@@ -202,7 +203,8 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
     for (std::size_t k = 0; k < frames.size(); ++k) {
       for (; next < frames.size() && next <= k + kReach; ++next) {
         const auto [image, view] = load_view(log, *frames[next], origin, image_scale);
-        const PointSet placed = actors.placed(points, middle_s(*frames[next]), view.origin());
+        const PointSet placed =
+            actors.placed(points.subset(blocks.seen_from(view)), middle_s(*frames[next]), view.origin());
         std::vector<PointLook> unused(placed.size());
         Coverage coverage = look_at_points(view, image, placed, voxel_m, cell_px, unused);
         actors.cover(view, middle_s(*frames[next]), coverage);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -21,6 +22,48 @@ constexpr double kHidden_m = 0.3;
 bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin) {
   return pixel.x() >= -margin * camera.width && pixel.x() < (1.0 + margin) * camera.width &&
          pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
+}
+
+/// All that a picture shows lies within an angle of an axis, seen from a ball that the camera stays in.
+struct ViewCone {
+  Eigen::Vector3d origin, axis;
+  double moved_m = 0.0, half_rad = 0.0;
+
+  [[nodiscard]] bool may_meet(const Eigen::Vector3d& centre, double radius_m) const {
+    const Eigen::Vector3d way = centre - origin;
+    const double away_m = way.norm(), reach_m = radius_m + moved_m + 1e-4 * away_m + 1e-3;
+    if (!(away_m > reach_m)) return true;
+    const double angle = std::acos(std::clamp(way.dot(axis) / away_m, -1.0, 1.0));
+    return !(angle - std::asin(reach_m / away_m) > half_rad);
+  }
+};
+
+/// None where some of the picture's border has no ray, or the cone would be all there is.
+std::optional<ViewCone> cone_of(const ImageView& view) {
+  constexpr double kMargin_rad = 0.02, kMost_rad = 1.5;
+  const Camera& camera = view.camera();
+  ViewCone cone;
+  view.unproject({0.5 * camera.width, 0.5 * camera.height}, cone.origin, cone.axis);
+  if (cone.axis.isZero(0.0)) return std::nullopt;
+  cone.axis.normalize();
+  const auto add = [&](double x, double y) {
+    Eigen::Vector3d origin, direction;
+    view.unproject({x, y}, origin, direction);
+    if (direction.isZero(0.0)) return false;
+    const double cosine = std::clamp(direction.normalized().dot(cone.axis), -1.0, 1.0);
+    cone.half_rad = std::max(cone.half_rad, std::acos(cosine));
+    cone.moved_m = std::max(cone.moved_m, (origin - cone.origin).norm());
+    return true;
+  };
+  for (int x = 0; x <= camera.width; ++x) {
+    if (!add(x, 0.0) || !add(x, camera.height)) return std::nullopt;
+  }
+  for (int y = 0; y <= camera.height; ++y) {
+    if (!add(0.0, y) || !add(camera.width, y)) return std::nullopt;
+  }
+  cone.half_rad += kMargin_rad;
+  if (!(cone.half_rad < kMost_rad)) return std::nullopt;
+  return cone;
 }
 
 struct Seen {
@@ -108,6 +151,29 @@ Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel
     colour(c) = (1.0F - v) * top + v * bottom;
   }
   return colour;
+}
+
+PointBlocks::PointBlocks(const PointSet& points) : count_(points.size()) {
+  for (std::size_t first = 0; first < count_; first += kPoints) {
+    const auto size = static_cast<Eigen::Index>(std::min(kPoints, count_ - first));
+    const auto block = points.position.middleCols(static_cast<Eigen::Index>(first), size);
+    const Eigen::Vector3f centre = 0.5F * (block.rowwise().minCoeff() + block.rowwise().maxCoeff());
+    blocks_.push_back({centre, std::sqrt((block.colwise() - centre).colwise().squaredNorm().maxCoeff())});
+  }
+}
+
+std::vector<std::uint32_t> PointBlocks::seen_from(const ImageView& view) const {
+  const std::optional<ViewCone> cone = cone_of(view);
+  std::vector<std::uint32_t> seen;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (cone && !cone->may_meet(blocks_[i].centre.cast<double>(), static_cast<double>(blocks_[i].radius_m))) {
+      continue;
+    }
+    for (std::size_t k = i * kPoints; k < std::min(count_, (i + 1) * kPoints); ++k) {
+      seen.push_back(static_cast<std::uint32_t>(k));
+    }
+  }
+  return seen;
 }
 
 Coverage look_at_points(const ImageView& view,

@@ -86,6 +86,23 @@ std::size_t join_by_footprint(PointSet& points,
 /// Bilinear colour at a pixel position; the border is continued outwards.
 [[nodiscard]] Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel);
 
+/// Points that lie side by side in memory, as balls: what of them a picture may show.
+class PointBlocks {
+ public:
+  explicit PointBlocks(const PointSet& points);
+  /// Indices of the points that ImageView::project() can say yes to, in their order, and of some others.
+  [[nodiscard]] std::vector<std::uint32_t> seen_from(const ImageView& view) const;
+
+ private:
+  struct Block {
+    Eigen::Vector3f centre;
+    float radius_m = 0.0F;
+  };
+  static constexpr std::size_t kPoints = 64;  // of a block
+  std::size_t count_;
+  std::vector<Block> blocks_;
+};
+
 /// Directions in which images see something that no point explains: one averaged colour per cell of an equal
 /// angle grid around the scene origin, at one distance.
 class FarShell {

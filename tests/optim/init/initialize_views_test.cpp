@@ -278,5 +278,47 @@ TEST(FarShell, RefusesSizesThatAreNone) {
   EXPECT_THROW(shell.add({501, 0, 0}, {1, 0, 0}, {0, 0, 0}), Error);
 }
 
+TEST(PointBlocks, LeaveOutNothingThatAPictureShows) {
+  // Runs of points all over the place, and pictures that turn and move while they are taken.
+  PointSet points;
+  points.position.resize(3, 6400);
+  std::uint64_t state = 1;
+  const auto random = [&state] {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    return static_cast<float>(state >> 40U) / static_cast<float>(1U << 24U) - 0.5F;
+  };
+  for (Eigen::Index k = 0; k < 6400; k += 64) {
+    const Eigen::Vector3f from(100.0F * random(), 100.0F * random(), 100.0F * random());
+    for (Eigen::Index i = k; i < k + 64; ++i) {
+      points.position.col(i) = from + 0.3F * Eigen::Vector3f(static_cast<float>(i - k), random(), random());
+      points.intensity.push_back(0.0F);
+    }
+  }
+  const PointBlocks blocks(points);
+  for (const ShutterKind shutter : {ShutterKind::kGlobal, ShutterKind::kTopToBottom}) {
+    std::size_t shown = 0, looked_at = 0;
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::Vector3d axis = Eigen::Vector3d(random(), random(), random()).normalized();
+      const Pose start{Eigen::Quaterniond(Eigen::AngleAxisd(6.0 * random(), axis)),
+                       {20.0 * random(), 20.0 * random(), 0.0}};
+      const Pose end{start.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY())),
+                     start.translation + Eigen::Vector3d(1.0, 0.0, 0.5)};
+      const ImageView view(camera(shutter), start, end);
+      const std::vector<std::uint32_t> seen = blocks.seen_from(view);
+      ASSERT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+      for (std::uint32_t k = 0; k < 6400; ++k) {
+        Eigen::Vector2d pixel;
+        double range_m = 0.0;
+        if (!view.project(points.position.col(k).cast<double>(), pixel, range_m)) continue;
+        ++shown;
+        EXPECT_TRUE(std::binary_search(seen.begin(), seen.end(), k)) << k;
+      }
+      looked_at += seen.size();
+    }
+    EXPECT_GT(shown, 0U);
+    EXPECT_LT(looked_at, 20U * 6400U / 2);  // most are never looked at
+  }
+}
+
 }  // namespace
 }  // namespace simuli
