@@ -9,6 +9,7 @@ set(SIMULI_CL_FILES
   math/carry.h
   math/cluster.h
   math/color_grid.h
+  math/deform.h
   math/lanes.h
   math/lens_extent.h
   math/light.h
@@ -27,12 +28,13 @@ set(SIMULI_CL_FILES
   math/sh.h
   math/shutter.h
   math/unscented.h
-  kernels/actor.cl
   kernels/adam.cl
   kernels/anchor.cl
   kernels/bin.cl
   kernels/color_grid.cl
   kernels/color_grid_bwd.cl
+  kernels/deform/deform.cl
+  kernels/deform/deform_bwd.cl
   kernels/densify.cl
   kernels/environment.cl
   kernels/environment_bwd.cl
@@ -53,6 +55,7 @@ set(SIMULI_CL_FILES
   kernels/scan.cl
   kernels/sort.cl
   kernels/support/support.cl
+  kernels/train/actor.cl
   kernels/train/largest_weight.cl
   kernels/train/shard_sum.cl
 )

@@ -280,7 +280,7 @@ __kernel void cull_clusters(const FrameParams frame,
 }
 
 /// V particles per work-item: visibility, box, features, record.
-/// in  live[clusters] of cull_clusters; params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; LiDAR only:
+/// in  live[clusters] of cull_clusters; params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; deform_offset[3][stride] with DEFORM; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
 ///     column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with PROJECTION_MONTE_CARLO; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
@@ -290,6 +290,7 @@ __kernel void project(const FrameParams frame,
                       __global const real* params,
                       __global const uint* actor_of,
                       __global const ActorConstants* actors,
+                      __global const real* deform_offset,
                       __global const SensorConstants* sensor,
                       __global const int* row_lut,
                       __global const real* row_elevation,
@@ -312,7 +313,7 @@ __kernel void project(const FrameParams frame,
 
   call_for_rows(params, frame.stride, SIM_SH, i + V);
   Gaussian g;
-  load_gaussian(params, actor_of, actors, frame.stride, i, sensor, &g);
+  load_gaussian(params, actor_of, actors, deform_offset, frame.stride, i, sensor, &g);
   const F logit = LDV(params + SIM_OPACITY * frame.stride + i);
   const F qmax = largest_q(sensor, &g, logit);
   const F reach = sqrt(VMAX(qmax, (F)R(0.0)));

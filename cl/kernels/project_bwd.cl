@@ -32,6 +32,7 @@ __kernel void project_bwd(const FrameParams frame,
                           __global const real* params,
                           __global const uint* actor_of,
                           __global const ActorConstants* actors,
+                          __global const real* deform_offset,
                           __global const SensorConstants* sensor,
                           __global const uint* keys,
                           __global const Footprint* footprints,
@@ -86,7 +87,7 @@ __kernel void project_bwd(const FrameParams frame,
   }
 
   Gaussian g;
-  load_gaussian(params, actor_of, actors, stride, i, sensor, &g);
+  load_gaussian(params, actor_of, actors, deform_offset, stride, i, sensor, &g);
 #if ACTOR_MOTION
   const Gaussian half_way = g;
   real time[V];

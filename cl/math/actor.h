@@ -1,5 +1,6 @@
 // actor.h - where the actors are that V particles belong to (METHOD section 2).
-// Build: ACTORS = 1 when particles may belong to actors, ACTOR_MOTION = 1 when actors move during the frame.
+// Build: ACTORS = 1 when particles may belong to actors, ACTOR_MOTION = 1 when actors move during the frame, DEFORM = 1
+// when some actor is not rigid.
 #ifndef SIMULI_CL_MATH_ACTOR_H
 #define SIMULI_CL_MATH_ACTOR_H
 #include "math/elementary.h"
@@ -12,6 +13,9 @@
 #ifndef ACTOR_MOTION
 #define ACTOR_MOTION 0
 #endif
+#ifndef DEFORM
+#define DEFORM 0
+#endif
 
 #if ACTORS
 /// scene_from_actor at one time of the frame. Lanes of the background have rotation 1 and don't move.
@@ -21,6 +25,9 @@ typedef struct {
   I there;        // lanes whose actor is in the frame, and those of the background
   F centre[3];    // of the actor, minus o_ref, m
   F rotation[9];  // row-major
+#if DEFORM
+  F reach;        // the farthest that particles are from where they belong, m
+#endif
 #if ACTOR_MOTION
   F step[3];      // centre at the end minus centre at the start
   F axis[3];      // of the turn from start to end, scene axes
@@ -36,6 +43,9 @@ FN void load_actors(__global const uint* actor_of, __global const ActorConstants
   a->any = ids != 0;
   if (!a->any) return;
   real on[V], there[V], centre[3 * V], rotation[9 * V];
+#if DEFORM
+  real reach[V];
+#endif
 #if ACTOR_MOTION
   real step[3 * V], axis[3 * V], angle[V];
 #endif
@@ -46,6 +56,9 @@ FN void load_actors(__global const uint* actor_of, __global const ActorConstants
     there[lane] = actor->there;
     for (int k = 0; k < 3; ++k) centre[k * V + lane] = actor->centre[k];
     for (int k = 0; k < 9; ++k) rotation[k * V + lane] = actor->rotation[k];
+#if DEFORM
+    reach[lane] = actor->reach;
+#endif
 #if ACTOR_MOTION
     for (int k = 0; k < 3; ++k) step[k * V + lane] = actor->step[k];
     for (int k = 0; k < 3; ++k) axis[k * V + lane] = actor->turn_axis[k];
@@ -56,6 +69,9 @@ FN void load_actors(__global const uint* actor_of, __global const ActorConstants
   a->there = LDV(there) > R(0.5);
   for (int k = 0; k < 3; ++k) a->centre[k] = LDV(centre + k * V);
   for (int k = 0; k < 9; ++k) a->rotation[k] = LDV(rotation + k * V);
+#if DEFORM
+  a->reach = LDV(reach);
+#endif
 #if ACTOR_MOTION
   for (int k = 0; k < 3; ++k) a->step[k] = LDV(step + k * V);
   for (int k = 0; k < 3; ++k) a->axis[k] = LDV(axis + k * V);

@@ -21,7 +21,7 @@ FN I cluster_may_be_seen(const FrameParams* frame,
   bounds += i;
   F offset[3];
   for (int k = 0; k < 3; ++k) offset[k] = LDV(bounds + (SIM_C_CENTRE + k) * stride) - sensor->centre_ref[k];
-  const F means = LDV(bounds + SIM_C_RADIUS * stride);
+  F means = LDV(bounds + SIM_C_RADIUS * stride);
   I away = (F)R(0.0) != (F)R(0.0);
 #if ACTORS
   ActorLanes actor;
@@ -34,6 +34,9 @@ FN I cluster_may_be_seen(const FrameParams* frame,
     rotate_lanes(actor.rotation, centre, turned);
     for (int k = 0; k < 3; ++k) offset[k] = SEL(actor.on, actor.centre[k] + turned[k], offset[k]);
     away = NOT(actor.there);
+#if DEFORM
+    means += SEL(actor.on, actor.reach, (F)R(0.0));
+#endif
   }
 #endif
   const F distance = sqrt(offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]);

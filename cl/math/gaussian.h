@@ -25,10 +25,11 @@ typedef struct {
 } Gaussian;
 
 /// Loads particles i .. i+V-1 (METHOD section 8: the footprint filter widens all axes alike), those of actors
-/// where they are half-way through the frame.
+/// where they are half-way through the frame. deform_offset[3][stride] with DEFORM, of deform.cl.
 FN void load_gaussian(__global const real* params,
                           __global const uint* actor_of,
                           __global const ActorConstants* actors,
+                          __global const real* deform_offset,
                           uint stride,
                           uint i,
                           __global const SensorConstants* sensor,
@@ -42,6 +43,9 @@ FN void load_gaussian(__global const real* params,
   if (g->actor.any) {
     F mean[3], turned[3];
     for (int k = 0; k < 3; ++k) mean[k] = LDV(row + (SIM_MEAN + k) * stride);
+#if DEFORM
+    for (int k = 0; k < 3; ++k) mean[k] += LDV(deform_offset + k * stride + i);
+#endif
     rotate_lanes(g->actor.rotation, mean, turned);
     for (int k = 0; k < 3; ++k) {
       g->offset[k] = SEL(g->actor.on, g->actor.centre[k] + turned[k], g->offset[k]);

@@ -75,6 +75,11 @@ typedef int sim_i32;
 #define SIM_P_TURN 3   // rotation vector about the actor's origin, scene axes
 #define SIM_POSE_GRAD 6
 
+// What an actor's shape begins with, before the offsets of its nodes.
+#define SIM_D_HALF 0   // half sides of its box, m
+#define SIM_D_NODES 3  // along them
+#define SIM_D_HEADER 6
+
 // Integers of one frame, passed by value.
 typedef struct {
   sim_u32 particles;      // N

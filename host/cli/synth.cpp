@@ -77,6 +77,8 @@ void add_synth(Command app, const Globals& globals) {
   add("--lidar-columns", options->lidar_columns, "firings per turn");
   add("--seed", options->seed, "of textures and furniture");
   street.flag("--moving-car,!--no-moving-car", options->moving_car, "something drives; default: yes");
+  street.flag("--walker", options->walking_person, "somebody walks across the street; not with --length");
+  length.excludes("--walker");
   street.flag("--rolling-shutter", options->rolling_shutter, "20 ms top to bottom instead of global");
   street.run([all, length, cameras, lidars, &globals] {
     const bool is_long = length.is_given();

@@ -97,12 +97,18 @@ void change(Actor& actor, const ActorEdit::Retime& retime) {
   for (KeyPose& key : actor.track) {
     key.time_s = start_s + retime.delay_s + (key.time_s - start_s) / retime.rate;
   }
+  Deformation& shape = actor.deformation;
+  shape.start_s = start_s + retime.delay_s + (shape.start_s - start_s) / retime.rate;
+  shape.interval_s /= retime.rate;
 }
 
 void change(Actor& actor, const ActorEdit::Retrack& retrack) {
   Actor moved = actor;
   moved.track = retrack.track;
   validate(moved, "track");
+  // It begins to move as it did.
+  if (!actor.track.empty())
+    moved.deformation.start_s += moved.track.front().time_s - actor.track.front().time_s;
   actor = std::move(moved);
 }
 
@@ -157,6 +163,7 @@ void resize_actor(Scene& scene, const std::string& name, double factor) {
   Actor& actor = scene.actors[number - 1];
   change(actor, ActorEdit::Move{{0.0, 0.0, 0.5 * (factor - 1.0) * actor.size_m.z()}});
   actor.size_m *= factor;
+  for (double& offset_m : actor.deformation.offsets_m) offset_m *= factor;
 }
 
 void retime_actor(Scene& scene, const std::string& name, double rate, double delay_s) {

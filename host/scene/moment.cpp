@@ -18,6 +18,15 @@ GaussianSet of_actor(const GaussianSet& set, std::uint32_t actor) {
   return out;
 }
 
+void deform(GaussianSet& set, const DeformationView& shape) {
+  if (shape.empty()) return;
+  for (Eigen::Index i = 0; i < set.size(); ++i) {
+    const Eigen::Vector3d mean = set.mean().row(i).transpose().cast<double>();
+    const Eigen::Vector3d offset = deformation_at(shape.nodes, shape.half_m, shape.start_m, mean);
+    set.mean().row(i) = (mean + offset).cast<float>().transpose();
+  }
+}
+
 }  // namespace
 
 GaussianSet background_of(const GaussianSet& set) { return set.actor.empty() ? set : of_actor(set, 0); }
@@ -30,6 +39,7 @@ GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i].is_there) continue;
     parts.push_back(of_actor(set, static_cast<std::uint32_t>(i + 1)));
+    deform(parts.back(), views[i].deformation);
     transform(parts.back(), views[i].scene_from_actor_start);
     count += parts.back().size();
   }

@@ -1,8 +1,14 @@
 #include "io/log/log_json.hpp"
 
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <set>
+#include <string>
+#include <system_error>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
@@ -117,6 +123,68 @@ Trajectory trajectory_from_json(JsonObject& parent, const std::string& key, std:
                       [&] { return Trajectory(std::move(poses)); });
 }
 
+namespace {
+
+constexpr double kMicrometre = 1e-6;
+
+/// Knots are rows of whole micrometres: a number per line would be ten times the track.
+Json to_json(const Deformation& shape, std::int64_t start_ns, const std::string& name) {
+  const std::size_t row = 3 * shape.node_count();
+  Json knots = Json::array();
+  for (std::size_t knot = 0; knot < shape.knots(); ++knot) {
+    std::vector<std::int64_t> rounded;
+    for (std::size_t i = 0; i < row; ++i)
+      rounded.push_back(std::llround(shape.offsets_m[knot * row + i] / kMicrometre));
+    knots.push_back(fmt::format("{}", fmt::join(rounded, " ")));
+  }
+  return {{"nodes", shape.nodes},
+          {"time_ns", to_ns(shape.start_s, start_ns, name)},
+          {"interval_s", shape.interval_s},
+          {"knots_um", std::move(knots)}};
+}
+
+Deformation read_deformation(JsonObject& object, std::int64_t start_ns) {
+  Deformation shape;
+  const auto nodes = object.vector<3>("nodes");
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (!(nodes(k) >= 2.0 && nodes(k) <= kMostDeformationNodes && nodes(k) == std::floor(nodes(k)))) {
+      throw_input_error(object.file(),
+                        object.field("nodes"),
+                        fmt::format("{}", nodes(k)),
+                        fmt::format("whole numbers from 2 to {}", kMostDeformationNodes));
+    }
+    shape.nodes[static_cast<std::size_t>(k)] = static_cast<int>(nodes(k));
+  }
+  shape.start_s = read_time_s(object, "time_ns", start_ns);
+  shape.interval_s = object.number("interval_s");
+  const Json& knots = object.get("knots_um");
+  const std::size_t row = 3 * shape.node_count();
+  const auto refuse = [&](const std::string& found) {
+    throw_input_error(
+        object.file(), object.field("knots_um"), found, fmt::format("rows of {} whole numbers", row));
+  };
+  if (!knots.is_array() || knots.empty()) refuse("none");
+  for (const Json& knot : knots) {
+    if (!knot.is_string()) refuse("no text");
+    const auto& text = knot.get_ref<const std::string&>();
+    const std::size_t before = shape.offsets_m.size();
+    const char* const end = text.data() + text.size();
+    for (const char* at = text.data(); at != end && shape.offsets_m.size() < before + row;) {
+      std::int32_t value = 0;
+      const auto [next, error] = std::from_chars(at, end, value);
+      const bool parted = next == end || (*next == ' ' && next + 1 != end);
+      if (error != std::errc() || !parted) refuse('"' + text.substr(0, 40) + '"');
+      shape.offsets_m.push_back(kMicrometre * value);
+      at = next == end ? end : next + 1;
+      if (shape.offsets_m.size() == before + row && at != end) refuse("more");
+    }
+    if (shape.offsets_m.size() != before + row) refuse(fmt::format("{}", shape.offsets_m.size() - before));
+  }
+  return shape;
+}
+
+}  // namespace
+
 Json to_json(const std::vector<Actor>& actors, std::int64_t start_ns) {
   Json out = Json::array();
   for (const Actor& actor : actors) {
@@ -137,6 +205,8 @@ Json to_json(const std::vector<Actor>& actors, std::int64_t start_ns) {
                    {"width_m", actor.size_m.y()},
                    {"height_m", actor.size_m.z()},
                    {"track", std::move(track)}});
+    if (!actor.deformation.empty())
+      out.back()["deformation"] = to_json(actor.deformation, start_ns, actor.name);
   }
   return out;
 }
@@ -157,6 +227,10 @@ std::vector<Actor> actors_from_json(JsonObject& parent, const std::string& key, 
       if (entry.has("turn_rad")) pose.turn_rad = entry.vector<3>("turn_rad");
       return pose;
     });
+    if (object.has("deformation")) {
+      actor.deformation =
+          object.object("deformation", [&](JsonObject& shape) { return read_deformation(shape, start_ns); });
+    }
     validate(actor, object.file());
     if (!names.insert(actor.name).second) {
       throw_input_error(

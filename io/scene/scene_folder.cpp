@@ -29,6 +29,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSceneFormat = "simuli scene";
 constexpr int kSceneVersion = 1;
+constexpr int kSceneVersionOfShapes = 2;  // has actors that are not rigid
 constexpr const char* kSceneName = "scene.json";
 constexpr const char* kCameraName = "camera.ply";
 constexpr const char* kLidarName = "lidar.ply";
@@ -123,7 +124,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     if (format != kSceneFormat) {
       throw_input_error(file, "format", '"' + format + '"', fmt::format("\"{}\"", kSceneFormat));
     }
-    (void)root.integer("version", kSceneVersion, kSceneVersion);
+    (void)root.integer("version", kSceneVersion, kSceneVersionOfShapes);
     SceneFile& scene = contents.scene;
     scene.scene.name = root.text("name");
     if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
@@ -144,10 +145,18 @@ Contents parse_scene(const std::string& text, const std::string& file) {
   return contents;
 }
 
+/// The oldest program that can read it knows this one.
+int version_of(const Scene& scene) {
+  const bool shapes = std::any_of(scene.actors.begin(), scene.actors.end(), [](const Actor& actor) {
+    return !actor.deformation.empty();
+  });
+  return shapes ? kSceneVersionOfShapes : kSceneVersion;
+}
+
 std::string to_text(const SceneFile& scene, const std::string& file) {
   const Eigen::Vector3d& origin = scene.scene.origin;
   Json root{{"format", kSceneFormat},
-            {"version", kSceneVersion},
+            {"version", version_of(scene.scene)},
             {"name", scene.scene.name},
             {"origin_m", {origin.x(), origin.y(), origin.z()}},
             {"camera_set", set_to_json(scene.scene.camera, scene.scene.camera_background)},

@@ -46,6 +46,19 @@ struct StreetCar {
   [[nodiscard]] Actor actor(double start_s, double end_s) const;
 };
 
+/// How the street's person walks: straight across the road before the rig, swinging arms and legs.
+struct StreetWalker {
+  Eigen::Vector2d start_m{15.0, -3.0};  // of the middle of the feet at time 0, world
+  double heading_rad = 1.9;             // where to, left of the world's x
+  double speed_m_per_s = 1.3;
+  double strides_per_s = 0.9;  // two steps each
+
+  /// Where the middle of the feet is, x forward.
+  [[nodiscard]] Pose world_from_walker(double time_s) const;
+  /// The person as an actor, "pedestrian", with a key pose every 0.1 s. The box holds the whole stride.
+  [[nodiscard]] Actor actor(double start_s, double end_s) const;
+};
+
 /// What rays are traced through.
 class TracedWorld {
  public:
@@ -73,10 +86,11 @@ class TracedWorld {
 class Street : public TracedWorld {
  public:
   /// The street as embedded; seed varies textures and furniture. At most one car moves. With thin_poles,
-  /// poles of 1.6 to 4 cm across line both pavements; all else stays where it is.
+  /// poles of 1.6 to 4 cm across line both pavements; all else stays where it is. At most one person walks.
   explicit Street(std::uint64_t seed = 1,
                   const std::optional<StreetCar>& car = StreetCar{},
-                  bool thin_poles = false);
+                  bool thin_poles = false,
+                  const std::optional<StreetWalker>& walker = std::nullopt);
   [[nodiscard]] StreetHit trace(const Eigen::Vector3d& origin,
                                 const Eigen::Vector3d& direction,
                                 double time_s,
@@ -86,6 +100,7 @@ class Street : public TracedWorld {
  private:
   std::shared_ptr<const StreetWorld> world_;
   std::optional<StreetCar> car_;
+  std::optional<StreetWalker> walker_;
 };
 
 struct StreetOptions {
@@ -97,16 +112,18 @@ struct StreetOptions {
   int image_height = 180;
   int lidar_columns = 900;
   bool moving_car = true;
-  StreetCar car{};               // how it drives
+  StreetCar car{};  // how it drives
+  bool walking_person = false;
+  StreetWalker walker{};         // how it walks
   bool rolling_shutter = false;  // 20 ms top to bottom instead of a global shutter
   std::uint64_t seed = 1;
   int threads = 0;  // 0: one per core; the result is the same for any number
 };
 
 /// Renders the street into a log folder (complete or not at all): camera "front", lidar "top", both at
-/// 10 Hz, trajectory at 100 Hz, the moving car an actor with its true track. Sweep i spans [0.1 i, 0.1 (i +
-/// 1)] s and image i is exposed about its middle. `progress(done, total)` is called after every frame.
-/// Error{kInput} names an option outside its range, or an output folder that already exists.
+/// 10 Hz, trajectory at 100 Hz, the moving car and the person actors with their true tracks. Sweep i spans
+/// [0.1 i, 0.1 (i + 1)] s and image i is exposed about its middle. `progress(done, total)` is called after
+/// every frame. Error{kInput} names an option outside its range, or an output folder that already exists.
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress = {});
 

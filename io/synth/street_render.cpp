@@ -147,7 +147,9 @@ Log street_log(const StreetOptions& options) {
     log.sweeps.push_back(
         {"top", fmt::format("sweeps/top_{:06d}.exr", i), start_s, (i + 1) * kStreetFramePeriod_s});
   }
-  if (options.moving_car) log.actors.push_back(options.car.actor(0.0, options.frames * kStreetFramePeriod_s));
+  const double end_s = options.frames * kStreetFramePeriod_s;
+  if (options.moving_car) log.actors.push_back(options.car.actor(0.0, end_s));
+  if (options.walking_person) log.actors.push_back(options.walker.actor(0.0, end_s));
   return log;
 }
 
@@ -219,7 +221,10 @@ Sweep scan_street(const TracedWorld& street,
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress) {
   Log log = street_log(options);
-  const Street street(options.seed, options.moving_car ? std::optional(options.car) : std::nullopt);
+  const Street street(options.seed,
+                      options.moving_car ? std::optional(options.car) : std::nullopt,
+                      false,
+                      options.walking_person ? std::optional(options.walker) : std::nullopt);
   const LogCamera& camera = log.cameras.front();
   const LogLidar& lidar = log.lidars.front();
   const Trajectory& path = log.world_from_rig;

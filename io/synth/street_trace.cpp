@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "io/synth/street.hpp"
+#include "io/synth/street_walker.hpp"
 #include "io/synth/street_world.hpp"
 
 namespace simuli {
@@ -156,9 +157,13 @@ Actor StreetCar::actor(double start_s, double end_s) const {
   return car;
 }
 
-Street::Street(std::uint64_t seed, const std::optional<StreetCar>& car, bool thin_poles)
+Street::Street(std::uint64_t seed,
+               const std::optional<StreetCar>& car,
+               bool thin_poles,
+               const std::optional<StreetWalker>& walker)
     : world_(std::make_shared<const StreetWorld>(build_street_world(seed, car.has_value(), thin_poles))),
-      car_(car) {}
+      car_(car),
+      walker_(walker) {}
 
 StreetHit Street::trace(const Vector3d& origin,
                         const Vector3d& direction,
@@ -186,6 +191,18 @@ StreetHit Street::trace(const Vector3d& origin,
     met = nearer;
     solid_from_world.setZero();
     hit.on_car = false;
+  }
+  if (walker_) {
+    const WalkerHit person = meet_walker(*walker_, origin, direction, time_s, nearest.range);
+    if (person.hit) {
+      hit.hit = true;
+      hit.on_car = false;
+      hit.range = person.range;
+      hit.normal = person.normal;
+      hit.colour = (person.albedo * street_light(person.normal)).cwiseMax(0.0).cwiseMin(1.0);
+      hit.reflectance = person.reflectance;
+      return hit;
+    }
   }
   if (met == nullptr) {
     hit.colour = street_sky(direction);

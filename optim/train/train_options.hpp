@@ -6,6 +6,7 @@
 #include "host/render/options/options.hpp"
 #include "optim/length/length_options.hpp"
 #include "optim/poses/pose_rates.hpp"
+#include "optim/poses/shape_rates.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure_options.hpp"
 
@@ -160,6 +161,7 @@ struct TrainOptions {
   DensifyOptions densify;
   PruneOptions prune;
   PoseRates actor_poses;
+  ShapeRates actor_shapes;
   double actor_margin_m = 0.1;
   /// The background gets clean; unmasked, it takes on a smear of what moved, which is closer to the recorded
   /// pictures than nothing.
@@ -196,6 +198,7 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part("", o.prune);
   field.part("", o.poses);
   field.part("", o.actor_poses);
+  field.part("", o.actor_shapes);
   field(
       "actors.margin_m", o.actor_margin_m, at_least(0.0), "m by which particles may leave their actor's box");
   field("mask_moving", o.mask_moving, "leave what moved out of the losses");

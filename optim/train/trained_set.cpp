@@ -24,12 +24,16 @@ void keep_columns(RealBuffer& rows,
 
 }  // namespace
 
-TrainedSet::TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates)
+TrainedSet::TrainedSet(const Device& device,
+                       const GaussianSet& set,
+                       const PoseRates& pose_rates,
+                       const ShapeRates& shape_rates)
     : particles(device, set, Precision::kFloat),
       grads(device, "gradients", Precision::kFloat, particles.params.count()),
       error(device, "reconstruction errors", Precision::kFloat, particles.count),
       adam(device, particles),
-      poses(pose_rates) {
+      poses(pose_rates),
+      shapes(shape_rates) {
   grads.fill(0.0);
   error.fill(0.0);
 }

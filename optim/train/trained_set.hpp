@@ -4,6 +4,7 @@
 
 #include "host/render/train/adam.hpp"
 #include "optim/poses/actor_poses.hpp"
+#include "optim/poses/actor_shapes.hpp"
 #include "optim/state/state.hpp"
 
 namespace simuli {
@@ -13,20 +14,24 @@ enum SetNumber : std::uint32_t { kCameraSet = 0, kLidarSet = 1 };
 
 /// A particle set in training: parameters, their gradients, and the optimiser's state.
 struct TrainedSet {
-  TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates);
+  TrainedSet(const Device& device,
+             const GaussianSet& set,
+             const PoseRates& pose_rates,
+             const ShapeRates& shape_rates);
   /// Makes the gradients fit the particles after those have grown.
   void fit_gradients();
   /// Leaves the particles at `kept`, in that order, each with its optimiser's state. Waits.
   void keep(const std::vector<Eigen::Index>& kept);
   /// Puts them in coherent_order(), which it returns. Waits.
   std::vector<Eigen::Index> put_in_order();
-  /// What a checkpoint holds of it, but for the actors' poses.
+  /// What a checkpoint holds of it, but for the actors' poses and shapes.
   void add_state(StateList& list, const std::string& name);
   ParticleBuffers particles;
   RealBuffer grads;  // [param_rows][stride]
   RealBuffer error;  // [N] reconstruction error since the last relocation
   AdamStage adam;
   ActorPoses poses;
+  ActorShapes shapes;
 
  private:
   /// keep() of the particles, which are `set`.

@@ -165,6 +165,27 @@ void add_tracks(StateList& list, std::vector<Actor>& actors) {
       });
 }
 
+/// What has been learned of their shapes.
+void add_shapes(StateList& list, std::vector<Actor>& actors) {
+  list.add_numbers(
+      "actors/shapes",
+      [&actors] {
+        std::vector<double> out;
+        for (const Actor& actor : actors) {
+          const std::vector<double>& offsets = actor.deformation.offsets_m;
+          out.insert(out.end(), offsets.begin(), offsets.end());
+        }
+        return out;
+      },
+      [&actors](std::span<const double> numbers) {
+        for (Actor& actor : actors) {
+          std::vector<double>& offsets = actor.deformation.offsets_m;
+          std::copy_n(numbers.begin(), offsets.size(), offsets.begin());
+          numbers = numbers.subspan(offsets.size());
+        }
+      });
+}
+
 }  // namespace
 
 void RunningMean::add(double value) {
@@ -190,8 +211,8 @@ Trainer::Trainer(const Device& device,
       device_(device),
       renderer_(device, training_options(options_.render)),
       truth_(device, log, scene_, options, renderer_.options(), std::move(moving)),
-      camera_(device, scene_.camera, options_.actor_poses),
-      lidar_(device, scene_.lidar, options_.actor_poses),
+      camera_(device, scene_.camera, options_.actor_poses, options_.actor_shapes),
+      lidar_(device, scene_.lidar, options_.actor_poses, options_.actor_shapes),
       look_(device, log, scene_, options),
       drop_(log, scene_, options),
       structure_(device, options_, options.frames.seed, camera_, lidar_),
@@ -206,6 +227,7 @@ Trainer::Trainer(const Device& device,
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
+  prepare_shapes(scene_.actors, options_.actor_shapes);
   if (has_shards()) sum_.emplace(device, Precision::kFloat);
   if (options_.length.automatic) options_.iterations = length_.first();
   status_.planned = options_.iterations;
@@ -303,11 +325,16 @@ StateList Trainer::state(const std::string& settings) {
   structure_.add_state(list);
   if (options_.length.automatic) add_length(list, length_);
   add_tracks(list, scene_.actors);
+  add_shapes(list, scene_.actors);
   for (TrainedSet* set : {&camera_, &lidar_}) {
     list.add_numbers(
         set == &camera_ ? "camera/poses" : "lidar/poses",
         [this, set] { return set->poses.numbers(scene_.actors); },
         [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene_.actors, numbers); });
+    list.add_numbers(
+        set == &camera_ ? "camera/shapes" : "lidar/shapes",
+        [this, set] { return set->shapes.numbers(scene_.actors); },
+        [this, set](std::span<const double> numbers) { set->shapes.set_numbers(scene_.actors, numbers); });
   }
   look_.add_state(list);
   drop_.add_state(list);

@@ -161,7 +161,7 @@ class Trainer {
   /// Takes out what no training sweep needs of the LiDAR set, and corrects the rows' ranges.
   void look_over_sweeps();
   void step_pose(const std::string& sensor, const PoseGradient& gradient, double progress);
-  /// What the frame says of the actors: their poses, behind the particles' own step.
+  /// What the frame says of the actors: their poses and shapes, behind the particles' own step.
   void step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame);
   template <class Frame>
   [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;

@@ -19,6 +19,7 @@ struct Trainer::ShardPart {
   std::vector<double> losses;          // as Trainer's note_*() take them
   std::vector<double> pose;            // of the sensor, where it is learned: translation, rotation
   std::vector<double> actors;          // 12 for each, where their poses are learned
+  std::vector<double> shapes;          // of those that have one, as numbers_of() has them
   std::vector<float> grid, environment;
   std::vector<TrainedDrop::Function> drop;  // what a sweep teaches; one, or none
   // Empty at home, where they stand on the device.
@@ -40,7 +41,7 @@ struct Trainer::ShardPart {
  private:
   template <class Part, class F>
   static void visit(Part& p, F&& f) {
-    f(p.columns), f(p.losses), f(p.pose), f(p.actors), f(p.grid), f(p.environment), f(p.drop);
+    f(p.columns), f(p.losses), f(p.pose), f(p.actors), f(p.shapes), f(p.grid), f(p.environment), f(p.drop);
     f(p.grads), f(p.errors);
   }
 };
@@ -77,6 +78,27 @@ std::vector<ActorPoseGradient> actors_of(const std::vector<double>& numbers) {
       *part = Eigen::Vector3d(from);
       from += 3;
     }
+  }
+  return out;
+}
+
+/// Of each actor how many numbers its shape has, then these at the frame's start and end.
+std::vector<double> numbers_of(const std::vector<DeformationGradient>& actors) {
+  std::vector<double> out;
+  for (const DeformationGradient& actor : actors) {
+    out.push_back(static_cast<double>(actor.start.size()));
+    out.insert(out.end(), actor.start.begin(), actor.start.end());
+    out.insert(out.end(), actor.end.begin(), actor.end.end());
+  }
+  return out;
+}
+
+std::vector<DeformationGradient> shapes_of(const std::vector<double>& numbers) {
+  std::vector<DeformationGradient> out;
+  for (auto from = numbers.begin(); from != numbers.end();) {
+    const auto count = static_cast<std::ptrdiff_t>(*from++);
+    out.push_back({{from, from + count}, {from + count, from + 2 * count}});
+    from += 2 * count;
   }
   return out;
 }
@@ -143,6 +165,8 @@ Trainer::ShardPart Trainer::part_of(const Turn& turn,
   if (turn.set.particles.actors > 0 && turn.set.poses.learns()) {
     part.actors = numbers_of(shown.pass.pose_gradients(turn.set.particles));
   }
+  if (turn.set.particles.actors > 0 && turn.set.shapes.learns())
+    part.shapes = numbers_of(shown.pass.deformation_gradients());
   part.columns = ShardSum::columns_of(shown.pass.buffers().projected.keys);
   return part;
 }
@@ -162,6 +186,10 @@ void Trainer::descend_shards(const Turn& turn,
   for (std::size_t i = 0; i < parts.size() && set.poses.learns(); ++i) {
     set.poses.step(
         scene_.actors, actors_of(parts[i].actors), frames[i].start_s, frames[i].end_s, turn.progress);
+  }
+  for (std::size_t i = 0; i < parts.size() && set.shapes.learns(); ++i) {
+    set.shapes.step(
+        scene_.actors, shapes_of(parts[i].shapes), frames[i].start_s, frames[i].end_s, turn.progress);
   }
 }
 

@@ -286,9 +286,13 @@ void Trainer::step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame)
   TrainedSet& set = turn.set;
   if (set.particles.actors == 0) return;
   renderer_.confine(set.particles, scene_.actors, options_.actor_margin_m);
-  if (!set.poses.learns()) return;
-  set.poses.step(
-      scene_.actors, pass.pose_gradients(set.particles), frame.start_s, frame.end_s, turn.progress);
+  if (set.poses.learns()) {
+    set.poses.step(
+        scene_.actors, pass.pose_gradients(set.particles), frame.start_s, frame.end_s, turn.progress);
+  }
+  if (set.shapes.learns()) {
+    set.shapes.step(scene_.actors, pass.deformation_gradients(), frame.start_s, frame.end_s, turn.progress);
+  }
 }
 
 template <class Frame>

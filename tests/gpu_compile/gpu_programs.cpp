@@ -69,6 +69,7 @@ std::vector<NamedVariant> changed(const NamedVariant& from) {
   if (!from.variant.frame.moving) add("origins", [](Variant& v) { v.frame.origins = true; });
   if (!from.variant.frame.actors) add("actors at rest", [](Variant& v) { v.frame.actors = true; });
   if (from.variant.frame.actors) {
+    add("not rigid", [](Variant& v) { v.frame.deform = true; });
     for (const Order order : {Order::kRange, Order::kWindow, Order::kPerRay}) {
       const char* name = order == Order::kRange ? "" : order == Order::kWindow ? ", window" : ", per ray";
       add(std::string("actors' numbers") + name, [=](Variant& v) {

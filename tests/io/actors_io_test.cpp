@@ -123,6 +123,60 @@ TEST(ActorsInAScene, AreReadAsWritten) {
   EXPECT_NE(read_file(scratch / "scene" / "camera.ply").find("property uint actor\n"), std::string::npos);
 }
 
+SceneFile scene_with_a_walker() {
+  SceneFile file = scene_with_actors();
+  Deformation& shape = file.scene.actors[1].deformation;
+  shape.nodes = {2, 3, 2};
+  shape.start_s = 0.05;
+  shape.interval_s = 0.1;
+  for (int i = 0; i < 3 * 36; ++i) shape.offsets_m.push_back(0.4 * std::sin(3.1 * i));
+  return file;
+}
+
+TEST(ActorsInAScene, KeepTheirShapes) {
+  const Scratch scratch;
+  const SceneFile written = scene_with_a_walker();
+  write_scene(scratch / "scene", written);
+  const SceneFile read = read_scene(scratch / "scene");
+  const Deformation& before = written.scene.actors[1].deformation;
+  const Deformation& after = read.scene.actors[1].deformation;
+  EXPECT_TRUE(read.scene.actors[0].deformation.empty());
+  EXPECT_EQ(after.nodes, before.nodes);
+  EXPECT_NEAR(after.start_s, before.start_s, kTime_s);
+  EXPECT_EQ(after.interval_s, before.interval_s);
+  ASSERT_EQ(after.offsets_m.size(), before.offsets_m.size());
+  for (std::size_t i = 0; i < after.offsets_m.size(); ++i)
+    EXPECT_NEAR(after.offsets_m[i], before.offsets_m[i], 0.5e-6);
+  // Once rounded to micrometres it stays as it is.
+  write_scene(scratch / "again", read);
+  EXPECT_EQ(read_scene(scratch / "again").scene.actors[1].deformation.offsets_m, after.offsets_m);
+  // Scenes without it are those that older programs read.
+  EXPECT_NE(read_file(scratch / "scene" / "scene.json").find("\"version\": 2"), std::string::npos);
+  write_scene(scratch / "rigid", scene_with_actors());
+  EXPECT_NE(read_file(scratch / "rigid" / "scene.json").find("\"version\": 1"), std::string::npos);
+}
+
+TEST(ActorsInAScene, AreRefusedWithShapesThatAreNone) {
+  const auto refuse =
+      [](const std::string& from, const std::string& to, const std::vector<std::string>& words) {
+        const Scratch scratch;
+        write_scene(scratch / "scene", scene_with_a_walker());
+        std::string text = read_file(scratch / "scene" / "scene.json");
+        const std::size_t at = text.find(from);
+        ASSERT_NE(at, std::string::npos) << from;
+        write_file_atomically(scratch / "scene" / "scene.json", text.replace(at, from.size(), to));
+        expect_input_error([&] { (void)read_scene(scratch / "scene"); }, words);
+      };
+  const std::string field = "actors[1].deformation.knots_um";
+  refuse("\"0 ", "\"0 1 ", {field, "more", "rows of 36 whole numbers"});
+  refuse("\"0 ", "\"", {field, "35"});
+  refuse("\"0 ", "\"0.5 ", {field, "0.5"});
+  refuse("\"0 ", "\"99999999999 ", {field, "99999999999"});
+  refuse("\"0 ", "\" ", {field});
+  refuse("\"interval_s\": 0.1", "\"interval_s\": 0.0", {"interval_s", "above 0"});
+  refuse("\"interval_s\"", "\"interval\"", {"deformation.interval"});
+}
+
 TEST(ActorsInAScene, MustBeThoseOfTheParticles) {
   const Scratch scratch;
   SceneFile file = scene_with_actors();

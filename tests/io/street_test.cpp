@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <set>
 
 #include "host/base/error.hpp"
 #include "tests/io/scratch.hpp"
@@ -228,6 +229,43 @@ TEST(Street, PictureShowsTheMovingCarWhereItIs) {
   const Image without = render_street(Street(1, std::nullopt), camera, log.world_from_rig, time_s, time_s);
   EXPECT_GT(with.at(x, y, 0), with.at(x, y, 2) + 0.3F);        // yellow paint
   EXPECT_LT(without.at(x, y, 0), without.at(x, y, 2) + 0.1F);  // grey road
+}
+
+TEST(Street, PersonWalksInTheirBox) {
+  const StreetWalker walker;
+  const Street with(1, std::nullopt, false, walker), without(1, std::nullopt);
+  const Actor actor = walker.actor(0.0, 2.0);
+  std::set<int> seen_cm;  // of the foremost place of the feet
+  for (double time_s = 0.0; time_s <= 2.0; time_s += 0.05) {
+    const Pose world_from_actor = actor.at(time_s);
+    const Vector3d half = 0.5 * actor.size_m;
+    int met = 0;
+    double foremost = -1.0;
+    for (double y = -1.0; y <= 1.0; y += 0.04) {
+      for (double z = -0.9; z <= 1.0; z += 0.04) {
+        // From before the person, against the walk, and from beside.
+        for (const bool beside : {false, true}) {
+          const Vector3d from = beside ? Vector3d(y, 3.0, z) : Vector3d(3.0, y, z);
+          const Vector3d to = world_from_actor.rotation * (beside ? -Vector3d::UnitY() : -Vector3d::UnitX());
+          const Vector3d origin = world_from_actor * from;
+          const StreetHit hit = with.trace(origin, to, time_s, 5.0);
+          const StreetHit behind = without.trace(origin, to, time_s, 5.0);
+          if (hit.range == behind.range && hit.hit == behind.hit) continue;
+          ++met;
+          const Vector3d p = world_from_actor.inverse() * Vector3d(origin + hit.range * to);
+          EXPECT_LE(std::abs(p.x()), half.x());
+          EXPECT_LE(std::abs(p.y()), half.y());
+          EXPECT_LE(std::abs(p.z()), half.z());
+          EXPECT_NEAR(hit.normal.norm(), 1.0, 1e-9);
+          EXPECT_LT(hit.normal.dot(to), 0.0);
+          if (p.z() < -0.5) foremost = std::max(foremost, p.x());
+        }
+      }
+    }
+    EXPECT_GT(met, 100);
+    seen_cm.insert(static_cast<int>(100.0 * foremost));
+  }
+  EXPECT_GT(*seen_cm.rbegin() - *seen_cm.begin(), 15);  // legs swing
 }
 
 TEST(Street, RollingShutterReadsTopToBottom) {

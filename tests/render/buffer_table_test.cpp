@@ -5,6 +5,7 @@
 #include <string>
 
 #include "host/render/backward/backward_stages.hpp"
+#include "host/render/backward/deform_bwd.hpp"
 #include "host/render/backward/pose_bwd.hpp"
 #include "host/render/frame/stages.hpp"
 #include "host/render/rays/ray_mask.hpp"
@@ -77,6 +78,7 @@ TEST(BufferTable, NamesAreUnique) {
   add(Binned(device));
   add(Blended(device));
   add(ColorGridScratch(device));
+  add(DeformBuffers(device));
   add(DensifyBuffers(device));
   add(EnvironmentScratch(device));
   add(FrameConstants(device));

@@ -213,6 +213,15 @@ TEST_F(Clusters, ChangeNoBitWithActors) {
     shot.view.actors.push_back(shot.view.actors.front());
     shot.view.actors.back().is_there = false;
     expect_same(scene, shot);
+    // One whose shape reaches out by metres.
+    DeformationView& shape = shot.view.actors[1].deformation;
+    shape.nodes = {2, 3, 2};
+    shape.half_m = {2.0, 1.0, 0.8};
+    test::Random random(4);
+    for (std::vector<double>* const offsets : {&shape.start_m, &shape.end_m}) {
+      for (int i = 0; i < 36; ++i) offsets->push_back(random.uniform(-3.0, 3.0));
+    }
+    expect_same(scene, shot);
   }
 }
 

@@ -107,6 +107,7 @@ Json actors_json(const std::vector<Actor>& actors, const Trajectory& path, const
                 {"end_s", actor.track.back().time_s},
                 {"poses", actor.track.size()},
                 {"travel_m", actor.travel_m()},
+                {"rigid", actor.deformation.empty()},
                 {"nearest_m", nearest.is_met ? Json(nearest.distance_m) : Json()},
                 {"nearest_s", nearest.is_met ? Json(nearest.time_s) : Json()}};
     if (log != nullptr) {
@@ -135,6 +136,7 @@ std::string actors_text(const std::vector<Actor>& actors, const Trajectory& path
       text += fmt::format(" ({} images, {} sweeps)", frames.images, frames.sweeps);
     }
     text += fmt::format(", gets {:.1f} m far", actor.travel_m());
+    if (!actor.deformation.empty()) text += ", not rigid";
     const Approach nearest = nearest_approach(actor, path);
     if (nearest.is_met) {
       text += fmt::format(", nearest {:.1f} m at {:.2f} s", nearest.distance_m, nearest.time_s);

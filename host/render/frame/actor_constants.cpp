@@ -6,6 +6,19 @@
 #include "cl/shared/sensor_constants.h"
 
 namespace simuli {
+namespace {
+
+/// m, the farthest that a shape moves a point at any time of the frame; a little more, for floats.
+double reach_of(const DeformationView& shape) {
+  double squared = 0.0;
+  for (const std::vector<double>* const offsets : {&shape.start_m, &shape.end_m}) {
+    for (std::size_t i = 0; i + 2 < offsets->size(); i += 3)
+      squared = std::max(squared, Eigen::Vector3d(offsets->data() + i).squaredNorm());
+  }
+  return 1.00001 * std::sqrt(squared);
+}
+
+}  // namespace
 
 std::vector<double> actor_constants(const std::vector<ActorView>& actors,
                                     const Eigen::Vector3d& centre_ref,
@@ -33,6 +46,7 @@ std::vector<double> actor_constants(const std::vector<ActorView>& actors,
       if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
       const double sine = turn.vec().norm();
       if (sine > 0.0) put(turn.vec() / sine, row.turn_axis);
+      row.reach = reach_of(actors[i - 1].deformation);
       row.turn_angle = 2.0 * std::atan2(sine, turn.w());
       motion = motion || row.turn_angle > 1e-9 || (b.translation - a.translation).norm() > 1e-9;
     }

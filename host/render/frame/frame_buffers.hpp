@@ -25,6 +25,8 @@ struct FrameSizes {
   std::uint64_t particles = 0;         // N
   std::uint64_t stride = 0;            // of parameter rows: N rounded up
   std::uint64_t actors = 0;            // with a pose of their own
+  std::uint64_t deformed_stride = 0;   // `stride` where an actor is not rigid, else 0
+  std::uint64_t shape_reals = 0;       // of the actors that are not
   std::uint64_t moving_particles = 0;  // N where actors move during the frame, else 0
   std::uint64_t visible = 0;           // M
   std::uint64_t instances = 0;         // K
@@ -35,7 +37,7 @@ struct FrameSizes {
   std::uint64_t work_items = 0;         // of counting passes, or of blending
 };
 
-/// Constants of sensor and actors, from the host.
+/// Constants of sensor and actors, from the host; and what follows from them before anything is projected.
 struct FrameConstants : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Structs<shared::SensorConstants> sensor{*this, "sensor", [](const FrameSizes&) {
@@ -45,6 +47,13 @@ struct FrameConstants : BufferTable<FrameSizes> {
   Structs<shared::ActorConstants> actors{*this, "actors", [](const FrameSizes& s) {
                                            return shared::kReals<shared::ActorConstants> * (1 + s.actors);
                                          }};
+  /// Where an actor that is not rigid is in deform_shapes: [1 + A], all ones for others; empty without such.
+  Words deform_at{
+      *this, "deform_at", [](const FrameSizes& s) { return s.deformed_stride > 0 ? 1 + s.actors : 0; }};
+  /// Their boxes and nodes in this frame (cl/math/deform.h).
+  Reals deform_shapes{*this, "deform_shapes", [](const FrameSizes& s) { return s.shape_reals; }};
+  /// [3][stride], of particles of actors: how far they are from where they belong.
+  Reals deform_offset{*this, "deform_offset", [](const FrameSizes& s) { return 3 * s.deformed_stride; }};
 };
 
 /// Rays in the scene frame.

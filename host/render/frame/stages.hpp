@@ -29,6 +29,17 @@ class RaysStage {
   Kernel rays_;
 };
 
+/// 1b. Where an actor is not rigid: how far its particles are from where they belong. N -> N.
+class DeformStage {
+ public:
+  DeformStage(const Device& device, Precision precision);
+  /// deform_at and deform_shapes of `constants` -> their deform_offset.
+  void run(const ParticleBuffers& particles, FrameConstants& constants);
+
+ private:
+  Kernel deform_;
+};
+
 /// What the Monte Carlo projection draws with, the same in every frame; empty for the others.
 struct SampleSizes {
   std::uint64_t triples = 0;

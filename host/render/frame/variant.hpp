@@ -16,6 +16,7 @@ struct FrameKind {
   bool origins = false;                // rays have origins of their own: moving, or lever arms
   bool actors = false;                 // particles belong to actors
   bool actor_motion = false;           // actors move during the frame: then `moving` and `origins`, too
+  bool deform = false;                 // some actor is not rigid; needs actors
   int sh_degree = 0;
   ShStorage sh_storage = ShStorage::kFull;
   bool median = false;

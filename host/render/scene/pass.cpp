@@ -204,6 +204,10 @@ void Pass::backward(const ParticleBuffers& particles, RealBuffer& param_grads, c
   if (!stages.project_back) stages.project_back.emplace(s.device, own);
   stages.render_back->run(s.frame.params, particles, s.frame.rays->buffers(), s.buffers, extras, s.gradients);
   stages.project_back->run(s.frame.params, particles, s.buffers, s.gradients, param_grads);
+  if (!s.frame.shapes.empty()) {
+    if (!s.deform_back) s.deform_back.emplace(s.device, s.options.precision);
+    s.deform_back->run(s.frame.shapes, particles, s.buffers, param_grads);
+  }
   s.frame.went_back = true;
   s.frame.has_ray_gradients = extras.ray_gradients;
 }
@@ -233,6 +237,13 @@ std::vector<ActorPoseGradient> Pass::pose_gradients(const ParticleBuffers& parti
   s.need_particles("pose_gradients", particles);
   return s.actors.pose_gradients(
       particles, s.buffers.projected, s.gradients, s.frame.stages->own.frame.actor_motion);
+}
+
+std::vector<DeformationGradient> Pass::deformation_gradients() {
+  State& s = last("deformation_gradients");
+  need(s.frame.went_back, "deformation_gradients", "no gradients", "backward() before");
+  if (s.frame.shapes.empty()) return {};
+  return s.deform_back->gradients(s.frame.shapes);
 }
 
 void Pass::raise_largest_weights(Buffer<std::uint32_t>& largest) {

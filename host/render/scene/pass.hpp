@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/render/backward/backward_options.hpp"
+#include "host/render/backward/deform_bwd.hpp"
 #include "host/render/backward/gradient_buffers.hpp"
 #include "host/render/backward/pose_gradient.hpp"
 #include "host/render/frame/frame_buffers.hpp"
@@ -63,6 +64,10 @@ class Pass {
   [[nodiscard]] PoseGradient pose_gradient(const RealBuffer& param_grads);
   /// dL/d(poses of the actors) of the last backward(), in the order of View::actors. Waits.
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles);
+
+  /// dL/d(shapes of the actors) of the last backward(), in the order of View::actors; empty where all that
+  /// are there are rigid. Waits.
+  [[nodiscard]] std::vector<DeformationGradient> deformation_gradients();
 
   /// Raises largest[N] of the particles rendered to the largest weight that each has in a ray of this pass:
   /// bits of floats, which rise as these do. In order of range, also where rays have orders of their own.

@@ -6,7 +6,9 @@
 #include <optional>
 
 #include "host/render/backward/backward_stages.hpp"
+#include "host/render/backward/deform_bwd.hpp"
 #include "host/render/backward/pose_bwd.hpp"
+#include "host/render/frame/shapes_in_frame.hpp"
 #include "host/render/frame/stages.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/render/train/largest_weight.hpp"
@@ -46,6 +48,7 @@ struct Pass::State {
     const EnvironmentBuffers* environment = nullptr;  // only compared
     bool graded = false;
     Gradient gradient = Gradient::kNone;
+    ShapesInFrame shapes{};
     bool has_ray_error = false, went_back = false, has_ray_gradients = false;
   };
 
@@ -70,6 +73,8 @@ struct Pass::State {
   ImageLossStage image_loss;
   LidarLossStage lidar_loss;
   // These when asked for.
+  std::optional<DeformStage> deform;
+  std::optional<DeformBackwardStage> deform_back;
   std::optional<EnvironmentStage> environment;
   std::optional<EnvironmentBackwardStage> environment_back;
   std::map<std::array<int, 3>, ColorGrid> grids;

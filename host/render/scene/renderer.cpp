@@ -34,11 +34,13 @@ FrameKind kind_of(const RenderOptions& options,
                   const SensorRays& rays,
                   const View& view,
                   bool moving,
-                  bool actor_motion) {
+                  bool actor_motion,
+                  bool deform) {
   const RayGrid& grid = rays.grid();
   FrameKind kind;
   kind.actors = particles.actors > 0;
   kind.actor_motion = actor_motion;
+  kind.deform = deform;
   kind.sensor = grid.type;
   kind.lens = grid.lens;
   kind.windshield = grid.windshield;
@@ -85,6 +87,9 @@ std::vector<ActorView> at_rest(std::vector<ActorView> actors) {
   for (ActorView& actor : actors) {
     actor.scene_from_actor_start = interpolate(actor.scene_from_actor_start, actor.scene_from_actor_end, 0.5);
     actor.scene_from_actor_end = actor.scene_from_actor_start;
+    DeformationView& shape = actor.deformation;
+    shape.start_m = shape.at(0.5);
+    shape.end_m = shape.start_m;
   }
   return actors;
 }
@@ -142,13 +147,17 @@ Pass Renderer::render(const ParticleBuffers& particles,
                       view.drop);
   bool actor_motion = false;
   std::vector<double> actors;
+  ShapesInFrame shapes;
   if (particles.actors > 0) {
-    actors = actor_constants(still ? at_rest(view.actors) : view.actors,
-                             Eigen::Vector3d(sensor.constants.centre_ref),
-                             actor_motion);
+    const std::vector<ActorView> views = still ? at_rest(view.actors) : view.actors;
+    actors = actor_constants(views, Eigen::Vector3d(sensor.constants.centre_ref), actor_motion);
+    shapes = shapes_in_frame(views,
+                             rays.grid(),
+                             still ? middle : view.scene_from_sensor_start,
+                             still ? middle : view.scene_from_sensor_end);
   }
-  Pass::State::Stages& stages =
-      s.stages(kind_of(s.options, particles, rays, view, sensor.moving || actor_motion, actor_motion));
+  Pass::State::Stages& stages = s.stages(kind_of(
+      s.options, particles, rays, view, sensor.moving || actor_motion, actor_motion, !shapes.empty()));
 
   // From here on the last frame's buffers are taken.
   const std::uint64_t number = ++s.frames;
@@ -160,6 +169,13 @@ Pass Renderer::render(const ParticleBuffers& particles,
   FrameBuffers& b = s.buffers;
   if (particles.actors > 0) b.constants.actors.assign(actors);
   b.constants.sensor.assign(shared::reals_of(sensor.constants));
+  if (!shapes.empty()) {
+    b.constants.deform_at.assign(shapes.at);
+    b.constants.deform_shapes.assign(shapes.reals);
+    if (!s.deform) s.deform.emplace(s.device, s.options.precision);
+    s.deform->run(particles, b.constants);
+  }
+  s.frame.shapes = std::move(shapes);
   stages.rays.run(frame, rays.buffers(), b.constants, b.rays);
   stages.project.run(frame, particles, rays.buffers(), b.constants, b.projected);
   s.bin.run(frame, rays.buffers(), b.projected, s.options.max_instances, b.binned);

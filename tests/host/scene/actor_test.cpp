@@ -115,5 +115,102 @@ TEST(Actor, RefusesWhatNoActorIs) {
   expect_error(ErrorKind::kUsage, "found \"bus\", allowed car_1", [] { (void)find_actor({car()}, "bus"); });
 }
 
+Deformation swinging() {
+  Deformation shape;
+  shape.nodes = {2, 3, 2};
+  shape.start_s = 2.0;
+  shape.interval_s = 0.5;
+  shape.offsets_m.resize(5 * 3 * shape.node_count());
+  for (std::size_t i = 0; i < shape.offsets_m.size(); ++i)
+    shape.offsets_m[i] = 0.3 * std::sin(1.7 * static_cast<double>(i));
+  return shape;
+}
+
+TEST(Deformation, IsAMeanOfKnotsAtAllTimes) {
+  const Deformation shape = swinging();
+  ASSERT_EQ(shape.knots(), 5U);
+  for (double time_s = -3.0; time_s < 9.0; time_s += 0.037) {
+    const Deformation::KnotShares at = shape.shares(time_s);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_LT(at.knot[k], 5U);
+      EXPECT_GE(at.share[k], 0.0);
+      sum += at.share[k];
+    }
+    EXPECT_NEAR(sum, 1.0, kExact);
+  }
+  // At a knot: a sixth of each neighbour, two thirds of its own.
+  const std::vector<double> at = shape.at(3.0);
+  const std::size_t row = 3 * shape.node_count();
+  for (std::size_t i = 0; i < row; ++i) {
+    const double* const o = shape.offsets_m.data() + i;
+    EXPECT_NEAR(at[i], (o[row] + 4.0 * o[2 * row] + o[3 * row]) / 6.0, kExact);
+  }
+}
+
+TEST(Deformation, GoesBackTheWayItCame) {
+  const Deformation shape = swinging();  // from 2 s to 4 s
+  for (const double beyond_s : {0.1, 0.7, 1.9}) {
+    const auto expect_same = [&](double one_s, double other_s) {
+      const std::vector<double> a = shape.at(one_s), b = shape.at(other_s);
+      for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], kExact);
+    };
+    expect_same(4.0 + beyond_s, 4.0 - beyond_s);
+    expect_same(2.0 - beyond_s, 2.0 + beyond_s);
+  }
+  // Without a jump anywhere.
+  for (double time_s = 1.0; time_s < 7.0; time_s += 0.001) {
+    const std::vector<double> a = shape.at(time_s), b = shape.at(time_s + 0.001);
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 0.005);
+  }
+}
+
+TEST(Deformation, IsLinearBetweenItsNodes) {
+  // Offsets that are linear in place are met exactly everywhere in the box, and held beyond it.
+  const std::array<int, 3> nodes{3, 4, 6};
+  const Vector3d half(0.5, 0.3, 0.9);
+  const auto linear = [](const Vector3d& p) {
+    return Vector3d(0.1 + p.x() - 2.0 * p.z(), 0.3 * p.y(), p.x() + p.y() + p.z());
+  };
+  std::vector<double> offsets;
+  for (int z = 0; z < 6; ++z) {
+    for (int y = 0; y < 4; ++y) {
+      for (int x = 0; x < 3; ++x) {
+        const Vector3d o =
+            linear({half.x() * (x - 1.0), half.y() * (2.0 * y / 3.0 - 1.0), half.z() * (0.4 * z - 1.0)});
+        offsets.insert(offsets.end(), o.begin(), o.end());
+      }
+    }
+  }
+  for (const Vector3d& p : {Vector3d(0.1, -0.29, 0.5), Vector3d(-0.5, 0.3, -0.9), Vector3d(0, 0, 0)}) {
+    EXPECT_LT((deformation_at(nodes, half, offsets, p) - linear(p)).norm(), kExact);
+  }
+  EXPECT_LT((deformation_at(nodes, half, offsets, {3.0, 0.1, -5.0}) - linear({0.5, 0.1, -0.9})).norm(),
+            kExact);
+}
+
+TEST(Deformation, IsRefusedWhenItIsNone) {
+  const auto refuse = [](const auto& change, const std::string& word) {
+    Actor actor = car();
+    actor.deformation = swinging();
+    change(actor.deformation);
+    expect_error(ErrorKind::kInput, word, [&] { validate(actor, "here"); });
+  };
+  refuse([](Deformation& d) { d.nodes[1] = 1; }, "2 to 32");
+  refuse([](Deformation& d) { d.offsets_m.pop_back(); }, "179 numbers");
+  refuse([](Deformation& d) { d.interval_s = 0.0; }, "above 0");
+  refuse([](Deformation& d) { d.offsets_m[3] = std::numeric_limits<double>::quiet_NaN(); }, "NaN");
+}
+
+TEST(Actor, ShowsItsShapeDuringAFrame) {
+  Actor actor = car();
+  actor.deformation = swinging();
+  const auto views = actors_during({actor, car()}, 1.05, 1.15, Vector3d::Zero());
+  EXPECT_EQ(views[0].deformation.start_m, actor.deformation.at(1.05));
+  EXPECT_EQ(views[0].deformation.end_m, actor.deformation.at(1.15));
+  EXPECT_EQ(views[0].deformation.half_m, Vector3d(2.0, 0.9, 0.75));
+  EXPECT_TRUE(views[1].deformation.empty());
+}
+
 }  // namespace
 }  // namespace simuli

@@ -144,5 +144,43 @@ TEST(Edit, AddsAnActorOfAnotherScene) {
   EXPECT_TRUE((scene.lidar.params.rightCols(9).array() == 0.0F).all());
 }
 
+Scene with_a_walker() {
+  Scene scene = two_cars();
+  Deformation& shape = scene.actors[1].deformation;
+  shape.nodes = {2, 2, 2};
+  shape.start_s = 1.0;
+  shape.interval_s = 0.25;
+  for (int i = 0; i < 5 * 24; ++i) shape.offsets_m.push_back(0.01 * (i * i % 37));
+  return scene;
+}
+
+TEST(Edit, TakesShapesAlong) {
+  const Scene before = with_a_walker();
+  const Deformation& recorded = before.actors[1].deformation;
+  Scene scene = before;
+  // Twice as fast and half a second later: what was at 1.6 s is at 1.5 + 0.3 s.
+  retime_actor(scene, "second", 2.0, 0.5);
+  const std::vector<double> at = scene.actors[1].deformation.at(1.8), was = recorded.at(1.6);
+  for (std::size_t i = 0; i < at.size(); ++i) EXPECT_NEAR(at[i], was[i], kExact);
+  move_actor(scene, "second", {1.0, 0.0, 0.0});
+  turn_actor(scene, "second", 0.3);
+  EXPECT_EQ(scene.actors[1].deformation.offsets_m, recorded.offsets_m);
+  duplicate_actor(scene, "second", "third");
+  EXPECT_EQ(scene.actors[2].deformation.offsets_m, recorded.offsets_m);
+  resize_actor(scene, "third", 2.0);
+  EXPECT_NEAR(scene.actors[2].deformation.offsets_m[5], 2.0 * recorded.offsets_m[5], kExact);
+  EXPECT_EQ(scene.actors[1].deformation.offsets_m[5], recorded.offsets_m[5]);
+  remove_actor(scene, "second");
+  EXPECT_EQ(scene.actors[1].name, "third");
+  EXPECT_EQ(scene.actors[1].deformation.offsets_m.size(), recorded.offsets_m.size());
+  // A new track begins with the shape that the old one began with.
+  Scene again = before;
+  std::vector<KeyPose> track = before.actors[1].track;
+  for (KeyPose& key : track) key.time_s += 7.0;
+  retrack_actor(again, "second", track);
+  const std::vector<double> later = again.actors[1].deformation.at(8.3), first = recorded.at(1.3);
+  for (std::size_t i = 0; i < later.size(); ++i) EXPECT_NEAR(later[i], first[i], kExact);
+}
+
 }  // namespace
 }  // namespace simuli

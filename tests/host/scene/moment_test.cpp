@@ -42,5 +42,19 @@ TEST(Moment, PutsActorsWhereTheyAre) {
   EXPECT_EQ(moment_of(scene, SetKind::kCamera, 11.0).size(), 2);
 }
 
+TEST(Moment, HasTheShapesOfThen) {
+  Scene scene = two_cars();
+  Deformation& shape = scene.actors[0].deformation;
+  shape.nodes = {2, 2, 2};
+  shape.interval_s = 1.0;
+  for (int knot = 0; knot < 5; ++knot) {
+    for (int node = 0; node < 8; ++node)
+      shape.offsets_m.insert(shape.offsets_m.end(), {0.1 * knot, 0.0, -0.2});
+  }
+  // A metre ahead and 0.1 m more: the car looks along +y.
+  const GaussianSet set = moment_of(scene, SetKind::kCamera, 1.0);
+  EXPECT_TRUE(Eigen::RowVector3f(set.mean().row(1)).isApprox(Eigen::RowVector3f(0.0F, 11.1F, 0.3F), 1e-6F));
+}
+
 }  // namespace
 }  // namespace simuli
