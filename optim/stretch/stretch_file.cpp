@@ -110,6 +110,27 @@ TrainReport report_of(const std::vector<double>& n) {
 
 std::string block_of(const Actor& actor) { return "actor/" + actor.name; }
 
+/// Nodes, begin and interval of its knots, offsets; none of a rigid actor.
+std::vector<double> shape_numbers(const Deformation& shape) {
+  if (shape.empty()) return {};
+  std::vector<double> out(shape.nodes.begin(), shape.nodes.end());
+  out.push_back(shape.start_s);
+  out.push_back(shape.interval_s);
+  out.insert(out.end(), shape.offsets_m.begin(), shape.offsets_m.end());
+  return out;
+}
+
+Deformation shape_of(const std::vector<double>& numbers) {
+  constexpr std::size_t kHeader = 5;
+  Deformation shape;
+  if (numbers.size() <= kHeader) return shape;
+  for (std::size_t k = 0; k < 3; ++k) shape.nodes[k] = static_cast<int>(numbers[k]);
+  shape.start_s = numbers[3];
+  shape.interval_s = numbers[4];
+  shape.offsets_m.assign(numbers.begin() + kHeader, numbers.end());
+  return shape;
+}
+
 }  // namespace
 
 std::string stretch_lines(int iterations, std::size_t index, std::size_t count) {
@@ -148,6 +169,8 @@ void write_stretch(const std::filesystem::path& file, const std::string& setting
         offsets.insert(offsets.end(), key.turn_rad.begin(), key.turn_rad.end());
       }
       out.add(block_of(actor), bytes_of(offsets.data(), offsets.size()));
+      const std::vector<double> shape = shape_numbers(actor.deformation);
+      out.add(block_of(actor) + "/shape", bytes_of(shape.data(), shape.size()));
     }
     out.add("actors", bytes_of(names.data(), names.size()));
     for (const RayDrop& drop : scene.ray_drop) {
@@ -188,6 +211,8 @@ StretchScene read_stretch(const std::filesystem::path& path, const std::string& 
       actor.track[k].shift_m = Eigen::Vector3d(&offsets[6 * k]);
       actor.track[k].turn_rad = Eigen::Vector3d(&offsets[6 * k + 3]);
     }
+    actor.deformation = shape_of(values_in<double>(file, block_of(actor) + "/shape"));
+    validate(actor, path.string());
     scene.actors.push_back(std::move(actor));
     begin = end == names.end() ? end : end + 1;
   }

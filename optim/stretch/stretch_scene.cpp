@@ -92,6 +92,8 @@ class ActorParts {
   [[nodiscard]] bool has_particles() const { return most_ > 0; }
   [[nodiscard]] std::size_t owner() const { return owner_; }
   [[nodiscard]] std::uint32_t number() const { return seen_.at(owner_).number; }
+  /// The owner's, whose particles it moves; beyond its part of the path these stand as they are.
+  [[nodiscard]] const Deformation& deformation() const { return seen_.at(owner_).actor->deformation; }
 
   /// The owner's track, and beyond its part of the path the others', in the owner's frame.
   [[nodiscard]] std::vector<KeyPose> track(const StretchParting& parting) const {
@@ -224,6 +226,7 @@ Scene merged(std::vector<StretchScene> parts,
     Actor& merged_actor = out.actors.emplace_back(actor);
     if (!of_actor.has_particles()) continue;
     merged_actor.track = of_actor.track(parting);
+    merged_actor.deformation = of_actor.deformation();
     numbers[of_actor.owner()][of_actor.number()] = static_cast<std::uint32_t>(out.actors.size());
   }
 

@@ -119,7 +119,7 @@ void read_ncore_parts(const std::filesystem::path& file) {
                                                "generic_data/simuli_values/0.0"};
   const std::vector<std::string> parts = parts_of(file);
   std::map<std::string, std::string> entries;
-  // The harness's own: the strict reader, which is what is tried, takes four times as long.
+  // The harness's own: the strict reader comes to each entry below.
   using Quick = nlohmann::json;
   const Quick keys = Quick::parse(parts[0], nullptr, false);
   if (!keys.is_object()) throw_input_error(file.string(), "root", "no object", "an object");

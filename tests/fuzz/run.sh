@@ -46,7 +46,7 @@ while read -r target pattern; do
   mkdir -p "$corpus" "$found"
   seeds=("$PWD/tests/fuzz/seeds/$target")
   if [[ -d tests/fuzz/found/$target ]]; then seeds+=("$PWD/tests/fuzz/found/$target"); fi
-  # Weighing inputs by how rare their features are took two thirds of the time of readers with many.
+  # Weighing inputs by how rare their features are takes two thirds of the time of readers with many (ncore).
   limits=(-timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 -entropic=0)
   build/fuzz/bin/fuzz_"$target" "$corpus" "${seeds[@]}" "${limits[@]}" -runs="$executions" \
     -max_total_time="$seconds" -artifact_prefix="$found/" -print_final_stats=1 -print_funcs=0 > "$log" 2>&1 || true
