@@ -122,7 +122,7 @@ TEST(SceneFolder, BadSceneFilesAreRefused) {
   refused("\"sh_degree\": 2", "\"sh_degree\": 2, \"degrees\": 2", {"camera_set", "degrees"});
   refused("\"origin_m\"", "\"origin_cm\"", {"origin"});
   refused("simuli scene", "other scene", {"format", "other scene"});
-  refused("\"version\": 1", "\"version\": 2", {"version", "2"});
+  refused("\"version\": 1", "\"version\": 3", {"version", "3", "1 to 2"});
   refused("\"gaussians\": 3", "\"gaussians\": 4", {"camera.ply", "3 Gaussians", "4"});
   refused("\"gaussians\": 3", "\"gaussians\": \"3\"", {"camera_set.gaussians"});
   refused("\"sh_degree\": 2", "\"sh_degree\": 1", {"camera.ply", "SH degree", "found 2"});
