@@ -32,13 +32,22 @@ std::string blosc(const std::string& bytes, std::size_t item_bytes) {
 }
 
 std::string unblosc(const std::string& bytes, std::size_t size, const std::string& file) {
+  constexpr int kNoSuchCompressor = -5;
   std::size_t stated = 0;
   // The decoder trusts the header's sizes: they are compared with what is there first.
   const bool is_whole = bytes.size() >= BLOSC_MIN_HEADER_LENGTH &&
                         blosc_cbuffer_validate(bytes.data(), bytes.size(), &stated) == 0 && stated == size;
   std::string out(is_whole ? size : 0, '\0');
-  if (!is_whole ||
-      (size > 0 && blosc_decompress_ctx(bytes.data(), out.data(), size, 1) != static_cast<int>(size))) {
+  const int got = is_whole && size > 0 ? blosc_decompress_ctx(bytes.data(), out.data(), size, 1) : 0;
+  if (got == kNoSuchCompressor) {
+    const char* const name = blosc_cbuffer_complib(bytes.data());
+    throw_input_error(file,
+                      "Blosc data",
+                      name == nullptr ? "of an unknown compressor"
+                                      : fmt::format("compressed by {}, which libblosc is without here", name),
+                      blosc_list_compressors());
+  }
+  if (!is_whole || got != static_cast<int>(size)) {
     throw_input_error(
         file, "Blosc data", "damaged, cut short or of another size", fmt::format("{} bytes", size));
   }

@@ -120,6 +120,20 @@ void read_all(const ZarrStore& store, const std::string& group) {
   }
 }
 
+TEST_F(ZarrTest, NamesTheCompressorThatBloscIsWithout) {
+  const Scratch scratch;
+  write_zarr(scratch / "a.zarr", [](ZarrWriter& writer) {
+    writer.array("many", {4096}, "<f4", std::span<const float>(numbers(4096)));
+  });
+  std::string chunk = read_file(scratch / "a.zarr/many/0");
+  constexpr unsigned kFlags = 2,
+                     kCompressor = 0xe0;  // of its header: all of these bits name none that there is
+  chunk[kFlags] = static_cast<char>(static_cast<unsigned char>(chunk[kFlags]) | kCompressor);
+  std::ofstream(scratch / "a.zarr/many/0") << chunk;
+  expect_input_error([&] { (void)read_zarr_array(*open_zarr(scratch / "a.zarr"), "many"); },
+                     {"many", "unknown compressor", "lz4"});
+}
+
 TEST_F(ZarrTest, RefusesEveryTruncationInOneLine) {
   const Scratch scratch;
   write_zarr(scratch / "a.itar", fill);
