@@ -32,7 +32,7 @@ Judgement judge(const TrainReport& r) {
     return out;
   }
   if (r.sweeps > 0 && r.lidar_particles == 0) {
-    out.warnings.push_back("no sweep has a return to start from: the LiDAR set is empty");
+    out.warnings.emplace_back("no sweep has a return to start from: the LiDAR set is empty");
   }
   if (done < kFewest) return out;
   const double gain_db = r.last.psnr_db - r.begin.psnr_db;

@@ -41,7 +41,8 @@ std::string bash_completion(const CommandText& program) {
       std::string pattern;
       for (const std::string& name : option.names) {
         // The program's own options stand behind every command.
-        const std::string at = path == program.name ? "*" + quoted(' ' + name) : quoted(path + ' ' + name);
+        const std::string at =
+            path == program.name ? fmt::format("*{}", quoted(' ' + name)) : quoted(path + ' ' + name);
         pattern += (pattern.empty() ? "" : " | ") + at;
       }
       values += words_case(pattern, fmt::format("{}", fmt::join(option.completions, " ")));

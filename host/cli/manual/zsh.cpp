@@ -30,7 +30,7 @@ std::string values(const OptionText& option) {
   std::string words;
   for (const std::string& word : option.completions)
     words += (words.empty() ? "" : " ") + field(word, "=:()");
-  return "(" + words + ")";
+  return fmt::format("({})", words);
 }
 
 std::string specification(const OptionText& option) {

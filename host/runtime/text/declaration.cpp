@@ -74,7 +74,8 @@ ArgumentDeclaration argument_of(std::string_view text) {
     } else if (std::find(kNotOfTheType.begin(), kNotOfTheType.end(), token) != kNotOfTheType.end()) {
       is_unsigned = is_unsigned || token == "unsigned";
     } else if (argument.type.empty()) {
-      argument.type = (is_unsigned ? "u" : "") + std::string(token);
+      argument.type = is_unsigned ? "u" : "";
+      argument.type += token;
     } else {
       argument.name = token;
     }
