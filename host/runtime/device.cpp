@@ -69,7 +69,8 @@ std::optional<cl_device_type> wanted_type() {
 }
 
 DeviceInfo describe(const cl::Device& device) {
-  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>(), true);
+  // Its id or, by newer headers, the platform itself.
+  const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
   const cl_device_type type = wanted_type().value_or(device.getInfo<CL_DEVICE_TYPE>());
   DeviceInfo info;
   info.platform = trimmed(platform.getInfo<CL_PLATFORM_NAME>());

@@ -29,8 +29,8 @@ std::string values(const OptionText& option) {
   if (option.completions.empty()) return "_files";
   std::string words;
   for (const std::string& word : option.completions)
-    words += (words.empty() ? "" : " ") + field(word, "=:()");
-  return fmt::format("({})", words);
+    words += fmt::format("{}{}", words.empty() ? "" : " ", field(word, "=:()"));
+  return "(" + words + ")";
 }
 
 std::string specification(const OptionText& option) {

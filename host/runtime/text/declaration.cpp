@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <fmt/format.h>
 
 #include "host/base/error.hpp"
 
@@ -74,8 +75,7 @@ ArgumentDeclaration argument_of(std::string_view text) {
     } else if (std::find(kNotOfTheType.begin(), kNotOfTheType.end(), token) != kNotOfTheType.end()) {
       is_unsigned = is_unsigned || token == "unsigned";
     } else if (argument.type.empty()) {
-      argument.type = is_unsigned ? "u" : "";
-      argument.type += token;
+      argument.type = fmt::format("{}{}", is_unsigned ? "u" : "", token);
     } else {
       argument.name = token;
     }
