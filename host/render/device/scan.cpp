@@ -37,10 +37,11 @@ ScanStage::ScanStage(const Device& device, std::size_t work_items)
       buffers_(device) {}
 
 void ScanStage::launch(Buffer<std::uint32_t>& data, std::uint32_t n, std::uint32_t middle) {
-  const std::size_t block = work_items_ == 1 ? n : kOwn * work_items_;
+  // Bindings refer to values: this one has to outlive the launches.
+  const auto block = static_cast<std::uint32_t>(work_items_ == 1 ? n : kOwn * work_items_);
   const std::size_t groups = std::max<std::size_t>(1, block == 0 ? 0 : (n + block - 1) / block);
   buffers_.reserve({groups});
-  const Binding blocks{"block", static_cast<std::uint32_t>(block)};
+  const Binding blocks{"block", block};
   const std::size_t all = groups * work_items_;
   if (groups > 1) sums_.run(all, work_items_, {{"data", data}, {"n", n}, blocks, {"sums", buffers_.sums}});
   scan_.run(all,
