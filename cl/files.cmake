@@ -7,7 +7,6 @@ set(SIMULI_CL_FILES
   math/blend_bwd.h
   math/camera.h
   math/carry.h
-  math/cluster.h
   math/color_grid.h
   math/deform.h
   math/lanes.h
@@ -19,6 +18,9 @@ set(SIMULI_CL_FILES
   math/extent.h
   math/gaussian.h
   math/group.h
+  math/project/cluster.h
+  math/project/detail.h
+  math/project/footprint.h
   math/random.h
   math/ray_drop.h
   math/ray_feature.h

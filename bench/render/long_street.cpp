@@ -1,5 +1,7 @@
 #include "bench/render/long_street.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <fmt/format.h>
 
@@ -13,11 +15,18 @@ namespace {
 
 constexpr double kShort_m = 180.0;
 
+RenderOptions with_detail(double detail) {
+  RenderOptions options;
+  options.detail = detail;
+  return options;
+}
+
 /// A street on the device, once as particles that stay as they are and once as some that may change.
 struct Street {
   Street(const Device& device, SetKind of, const LongStreetOptions& options, double length)
       : Street(device,
                of,
+               options,
                length,
                street_particles(
                    of,
@@ -26,21 +35,38 @@ struct Street {
                    1,
                    StreetOrder::kCoherent,
                    length)) {}
-  Street(const Device& device, SetKind of, double length, const GaussianSet& set)
+  Street(const Device& device,
+         SetKind of,
+         const LongStreetOptions& options,
+         double length,
+         const GaussianSet& set)
       : kind(of),
         length_m(length),
         clustered(device, set, RenderOptions{}),
-        all(device, set, Precision::kFloat) {}
+        all(device, set, Precision::kFloat),
+        levels(device, set, with_detail(options.detail)) {}
 
   SetKind kind;
   double length_m;
-  ParticleBuffers clustered, all;
+  ParticleBuffers clustered, all, levels;
+};
+
+struct Renderers {
+  Renderer usual, detail;
 };
 
 class Place {
  public:
-  Place(Renderer& renderer, const SensorRays& rays, const Street& street, double share)
-      : renderer_(renderer), rays_(rays), street_(street), x_m_((share - 0.5) * street.length_m) {
+  Place(Renderers& renderers,
+        const SensorRays& rays,
+        const SensorRays& detail_rays,
+        const Street& street,
+        double share)
+      : renderers_(renderers),
+        rays_(rays),
+        detail_rays_(detail_rays),
+        street_(street),
+        x_m_((share - 0.5) * street.length_m) {
     Pose pose = world_from_bench_sensor(street.kind);
     pose.translation.x() = x_m_;
     view_ = {pose, pose};
@@ -49,11 +75,14 @@ class Place {
   void add_rows(int frames, std::vector<Row>& rows) {
     std::map<std::string, std::vector<double>> samples;
     for (int i = -2; i < frames; ++i) {
-      const auto with = times(street_.clustered), without = times(street_.all);
+      const auto with = times(renderers_.usual, rays_, street_.clustered),
+                 without = times(renderers_.usual, rays_, street_.all),
+                 levels = times(renderers_.detail, detail_rays_, street_.levels);
       if (i < 0) continue;  // the first launches compile
       for (const char* what : {"frame", "project", "bin", "processor"}) {
         samples[what].push_back(with.at(what));
         samples[std::string(what) + "_of_all"].push_back(with.at(what) / without.at(what));
+        samples[std::string(what) + "_detail"].push_back(levels.at(what) / with.at(what));
       }
     }
     const std::string base = fmt::format("long_street/{}/{:.0f}m_at_{:+.0f}",
@@ -62,9 +91,17 @@ class Place {
                                          x_m_);
     for (const auto& [what, values] : samples) {
       const Spread s = spread_of(values);
-      rows.push_back({base + "/" + what, s.median, what.ends_with("_of_all") ? "x" : "ms", s.half_iqr});
+      rows.push_back({base + "/" + what,
+                      s.median,
+                      what.ends_with("_of_all") || what.ends_with("_detail") ? "x" : "ms",
+                      s.half_iqr});
     }
-    const Pass pass = renderer_.render(street_.clustered, rays_, view_);
+    const Pass levels = renderers_.detail.render(street_.levels, detail_rays_, view_);
+    rows.push_back(
+        {base + "/visible_detail", static_cast<double>(levels.buffers().binned.visible), "1", 0.0});
+    const RayResults reduced = levels.results();
+    const Pass pass = renderers_.usual.render(street_.clustered, rays_, view_);
+    add_errors(base, pass.results(), reduced, rows);
     const std::vector<std::uint32_t> live = pass.buffers().projected.live.download();
     const std::size_t clusters = (street_.clustered.count + SIM_CLUSTER - 1) / SIM_CLUSTER;
     std::size_t kept = 0;
@@ -76,13 +113,15 @@ class Place {
 
  private:
   /// ms of a frame, and of its stages.
-  std::map<std::string, double> times(const ParticleBuffers& particles) {
-    Profile& profile = renderer_.device().profile();
+  std::map<std::string, double> times(Renderer& renderer,
+                                      const SensorRays& rays,
+                                      const ParticleBuffers& particles) {
+    Profile& profile = renderer.device().profile();
     profile.reset();
     const std::clock_t start = std::clock();
     const double frame_ms = time_ms([&] {
-      const Pass pass = renderer_.render(particles, rays_, view_);
-      renderer_.device().finish();
+      const Pass pass = renderer.render(particles, rays, view_);
+      renderer.device().finish();
     });
     auto all = stage_times(profile);
     all["frame"] = frame_ms;
@@ -90,8 +129,36 @@ class Place {
     return all;
   }
 
-  Renderer& renderer_;
+  void add_errors(const std::string& base,
+                  const RayResults& all,
+                  const RayResults& reduced,
+                  std::vector<Row>& rows) {
+    double squares = 0.0;
+    std::vector<double> off;
+    for (std::size_t ray = 0; ray < all.rays; ++ray) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double error = std::clamp(static_cast<double>(all.feature[k][ray]), 0.0, 1.0) -
+                             std::clamp(static_cast<double>(reduced.feature[k][ray]), 0.0, 1.0);
+        squares += error * error;
+      }
+      if (all.transmittance[ray] < 0.5F && reduced.transmittance[ray] < 0.5F) {
+        off.push_back(
+            std::abs(static_cast<double>(all.expected_distance(ray) - reduced.expected_distance(ray))));
+      }
+    }
+    rows.push_back({base + "/psnr_detail",
+                    -10.0 * std::log10(squares / (3.0 * static_cast<double>(all.rays))),
+                    "dB",
+                    0.0});
+    if (off.empty()) return;
+    const auto p99 = off.begin() + static_cast<std::ptrdiff_t>(off.size() * 99 / 100);
+    std::nth_element(off.begin(), p99, off.end());
+    rows.push_back({base + "/p99_detail", 1e3 * *p99, "mm", 0.0});
+  }
+
+  Renderers& renderers_;
   const SensorRays& rays_;
+  const SensorRays& detail_rays_;
   const Street& street_;
   double x_m_;
   View view_;
@@ -104,14 +171,15 @@ std::vector<Row> run_long_street(const std::string& device_request,
                                  const Progress& note) {
   const Device device = profiled_device(device_request, note);
   std::vector<Row> rows;
-  Renderer renderer(device, {});
+  Renderers renderers{Renderer(device, {}), Renderer(device, with_detail(options.detail))};
   for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
-    const SensorRays rays = bench_rays(device, kind, renderer.options());
+    const SensorRays rays = bench_rays(device, kind, renderers.usual.options());
+    const SensorRays detail_rays = bench_rays(device, kind, renderers.detail.options());
     const Street usual(device, kind, options, kShort_m);
-    Place(renderer, rays, usual, 0.5).add_rows(options.frames, rows);
+    Place(renderers, rays, detail_rays, usual, 0.5).add_rows(options.frames, rows);
     const Street street(device, kind, options, options.length_m);
     for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-      Place(renderer, rays, street, share).add_rows(options.frames, rows);
+      Place(renderers, rays, detail_rays, street, share).add_rows(options.frames, rows);
     }
   }
   return rows;

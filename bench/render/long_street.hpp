@@ -9,6 +9,7 @@ struct LongStreetOptions {
   double length_m = 0.0;
   std::int64_t particles = 200'000;  // of 180 m of it
   int frames = 21;                   // timed at each place
+  double detail = 0.5;               // RenderOptions::detail
 };
 
 /// A 640 x 360 camera and a 64 x 2650 LiDAR at five places along a long street and half-way down the one of
@@ -19,6 +20,9 @@ struct LongStreetOptions {
 ///   ... processor                       ms of this process in a frame: what to read on a busy machine, of
 ///   CPUs
 ///   ... <each of these>_of_all          its share of that with all clusters looked at
+///   ... <each of these>_detail          its share of that without, with levels of detail; clusters left out
+///   ... visible_detail                  particles
+///   ... psnr_detail, p99_detail         dB, and mm of rays that return in both
 ///   ... live                            % of the clusters
 ///   ... visible                         particles
 [[nodiscard]] std::vector<Row> run_long_street(const std::string& device_request,

@@ -44,6 +44,7 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
   add("alpha_cut", {"0.1", "0.05", "0.02", "0.001", "0.0001"});
   add("transmittance_cut", {"0.1", "0.03", "0.01", "0.001", "1e-06"});
   if (moves) add("shutter_iterations", {"0", "1", "2", "8"});
+  add("detail", {"0.25", "0.5", "1", "2"});
   add("math", {"precise"});
   add("precision", {"double"});
   if (is_camera) return all;

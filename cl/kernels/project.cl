@@ -1,90 +1,25 @@
 // project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/frame/project.cpp
-#include "math/cluster.h"
 #include "math/extent.h"
+#include "math/project/cluster.h"
+#include "math/project/detail.h"
+#include "math/project/footprint.h"
 #include "math/sh.h"
 #include "math/unscented.h"
 
-/// Rows (elevation not rising with the index) above `elevation`; with `inclusive` those at it as well.
-FN int beams_above(__global const int* row_lut,
-                       __global const real* row_elevation,
-                       __global const SensorConstants* sensor,
-                       int rows,
-                       real elevation,
-                       int inclusive) {
-  // The table, made of the rows' lowest rays, starts the search early; rows of one bin are walked.
-  real bin = (elevation - sensor->model.lut_first) * sensor->model.lut_scale;
-  bin = bin > R(0.0) ? (bin < R(4095.0) ? bin : R(4095.0)) : R(0.0);
-  int row = row_lut[(int)bin];
-  while (row < rows && (inclusive ? row_elevation[row] >= elevation : row_elevation[row] > elevation)) ++row;
-  return row;
-}
-
-// What rounding in float may move a place x by, at most: the box itself decides per ray.
-#define BIN_MARGIN R(5e-6)
-
-/// Tile columns that [mean - half, mean + half] touches: first | count << 16, 0 for none. For cameras those of
-/// pixels whose centres lie inside.
-FN uint tile_columns(__global const SensorConstants* sensor, __global const uint* column_of_bin, real mean, real half_width) {
-#if SENSOR == SENSOR_CAMERA
-  const real low = max(ceil(mean - half_width - R(0.5)), R(0.0));
-  const real high = min(floor(mean + half_width - R(0.5)), sensor->model.picture_width - R(1.0));
-  if (!(low <= high)) return 0;
-  const uint first = (uint)low / SIM_SLOT_ROW;
-  return first | ((uint)high / SIM_SLOT_ROW - first + 1) << 16;
-#else
-  const real low = max(mean - half_width - BIN_MARGIN, sensor->model.tile_first);
-  const real high = min(mean + half_width + BIN_MARGIN, sensor->model.tile_last);
-  if (!(low <= high)) return 0;
-  const real x0 = sensor->model.tile_first, scale = sensor->model.tile_scale, bins = sensor->model.tile_bins;
-  const uint first = column_of_bin[cell_of(low, x0, scale, bins)];
-  return first | (column_of_bin[cell_of(high, x0, scale, bins)] - first + 1) << 16;
-#endif
-}
-
-#if CULLING
-/// Occupied cells of the ray mask among its rows [top, bottom] that [mean - half, mean + half] touches.
-FN uint occupied_cells(__global const SensorConstants* sensor,
-                       __global const uint* areas,
-                       real mean,
-                       real half_width,
-                       uint top,
-                       uint bottom) {
-  const real x0 = sensor->model.tile_first, scale = sensor->model.mask_scale, columns = sensor->model.mask_columns;
-  const real low = max(mean - half_width - BIN_MARGIN, x0);
-  const real high = min(mean + half_width + BIN_MARGIN, sensor->model.tile_last);
-  if (!(low <= high)) return 0;
-  const uint stride = (uint)columns + 1;
-  const uint left = cell_of(low, x0, scale, columns), right = cell_of(high, x0, scale, columns) + 1;
-  __global const uint* above = areas + top * stride;
-  __global const uint* below = areas + (bottom + 1) * stride;
-  return (below[right] - above[right]) - (below[left] - above[left]);
-}
-#endif
-
-/// Makes two intervals that touch or overlap one, so that no tile is counted twice.
-FN void join_columns(Footprint* f) {
-  if (f->others == 0) return;
-  const uint a = SIM_LOW(f->columns), b = a + SIM_HIGH(f->columns);
-  const uint c = SIM_LOW(f->others), d = c + SIM_HIGH(f->others);
-  if (f->columns == 0) {
-    f->columns = f->others;
-    f->others = 0;
-  } else if (c <= b && a <= d) {
-    f->columns = min(a, c) | (max(b, d) - min(a, c)) << 16;
-    f->others = 0;
-  }
-}
-
 /// 2 ln(opacity / least alpha): up to which squared distance in standard deviations a particle counts.
-FN F largest_q(__global const SensorConstants* sensor, const Gaussian* g, F logit) {
+FN F largest_q(__global const SensorConstants* sensor, const Gaussian* g, F logit, F share) {
   // ln(sigma / cut), where a logit of -80 is as good as -infinity.
   const F bounded = VMAX(VMIN(logit, (F)R(80.0)), (F)R(-80.0));
+  F opaque = log(R(1.0) + exp_lanes(-bounded));
+#if DETAIL
+  opaque = shared_out(share, bounded, opaque);
+#endif
 #if COMPENSATION
   Compensation kept;
   compensation(g, &kept);
-  return R(2.0) * (kept.log_share - log(R(1.0) + exp_lanes(-bounded)) - log(sensor->alpha_cut));
+  return R(2.0) * (kept.log_share - opaque - log(sensor->alpha_cut));
 #else
-  return R(-2.0) * (log(R(1.0) + exp_lanes(-bounded)) + log(sensor->alpha_cut));
+  return R(-2.0) * (opaque + log(sensor->alpha_cut));
 #endif
 }
 
@@ -151,61 +86,6 @@ FN void bounds_of(const FrameParams* frame,
     box->high = SEL(known, box->high, all.high);
   }
 #endif
-}
-
-/// What footprints are looked up in (the kernel's contract says what each is).
-typedef struct {
-  __global const int* row_lut;
-  __global const real* row_elevation;
-  __global const uint* tile_row_of_row;
-  __global const uint* column_of_bin;
-  __global const uint* mask_row_of_row;
-  __global const uint* areas;
-} Tables;
-
-/// Rows and tiles that one particle's box touches; no tiles: nothing sees it. record: its lane of [SIM_RECORD][V].
-FN Footprint footprint_of(const FrameParams* frame,
-                          __global const SensorConstants* sensor,
-                          const Tables* tables,
-                          real low_y,
-                          real high_y,
-                          const real* record) {
-  Footprint f = {0, 0, 0, 0};
-#if SENSOR == SENSOR_CAMERA
-  // Pixel rows whose centres lie in the box; comparing before converting keeps huge values defined.
-  const real row0 = max(ceil(low_y - R(0.5)), R(0.0));
-  const real row1 = min(floor(high_y - R(0.5)), sensor->model.picture_height - R(1.0));
-  const int row_first = row0 <= row1 ? (int)row0 : 1;
-  const int row_last = row0 <= row1 ? (int)row1 : 0;
-#else
-  const int rows = (int)frame->rows;
-  const int row_first = beams_above(tables->row_lut, tables->row_elevation, sensor, rows, high_y, 0);
-  const int row_last = beams_above(tables->row_lut, tables->row_elevation + rows, sensor, rows, low_y, 1) - 1;
-#endif
-  if (row_first <= row_last) {
-    const real half_width = fabs(record[SIM_R_BOX_HALF * V]);
-    f.columns = tile_columns(sensor, tables->column_of_bin, record[SIM_R_BOX_MEAN * V], half_width);
-#if WRAPS
-    f.others = tile_columns(sensor, tables->column_of_bin, record[SIM_R_BOX_OTHER * V], half_width);
-    join_columns(&f);
-#endif
-    f.rows = (uint)row_first | (uint)row_last << 16;
-#if SENSOR == SENSOR_CAMERA
-    const uint ty0 = (uint)row_first / SIM_SLOT_ROWS, ty1 = (uint)row_last / SIM_SLOT_ROWS;
-#else
-    const uint ty0 = tables->tile_row_of_row[row_first], ty1 = tables->tile_row_of_row[row_last];
-#endif
-    f.tile_rows = ty0 | (ty1 - ty0 + 1) << 16;
-#if CULLING
-    // Both intervals may hold the same cells: only whether there are any counts.
-    const uint top = tables->mask_row_of_row[row_first], bottom = tables->mask_row_of_row[row_last];
-    if (occupied_cells(sensor, tables->areas, record[SIM_R_BOX_MEAN * V], half_width, top, bottom) == 0 &&
-        occupied_cells(sensor, tables->areas, record[SIM_R_BOX_OTHER * V], half_width, top, bottom) == 0) {
-      f.tile_rows = 0;
-    }
-#endif
-  }
-  return f;
 }
 
 /// All of a record [SIM_RECORD][V] but its features.
@@ -280,7 +160,8 @@ __kernel void cull_clusters(const FrameParams frame,
 }
 
 /// V particles per work-item: visibility, box, features, record.
-/// in  live[clusters] of cull_clusters; params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; deform_offset[3][stride] with DEFORM; LiDAR only:
+/// in  live[clusters] of cull_clusters; params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; deform_offset[3][stride] with DEFORM;
+///     detail[SIM_DETAIL][stride] with DETAIL; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
 ///     column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with PROJECTION_MONTE_CARLO; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
@@ -291,6 +172,7 @@ __kernel void project(const FrameParams frame,
                       __global const uint* actor_of,
                       __global const ActorConstants* actors,
                       __global const real* deform_offset,
+                      __global const real* detail,
                       __global const SensorConstants* sensor,
                       __global const int* row_lut,
                       __global const real* row_elevation,
@@ -312,10 +194,22 @@ __kernel void project(const FrameParams frame,
   }
 
   call_for_rows(params, frame.stride, SIM_SH, i + V);
+#if DETAIL
+  call_for_rows(detail, frame.stride, SIM_DETAIL, i + V);
+#endif
   Gaussian g;
-  load_gaussian(params, actor_of, actors, deform_offset, frame.stride, i, sensor, &g);
+  load_place(params, actor_of, actors, deform_offset, frame.stride, i, sensor, &g);
+  F share = (F)R(1.0);
+#if DETAIL
+  share = share_of(sensor, detail + i, frame.stride, g.range);
+  if (!ANY(share > R(0.0))) {
+    for (uint lane = 0; lane < lanes; ++lane) keys[i + lane] = 0xffffffffu;
+    return;
+  }
+#endif
+  load_shape(params, frame.stride, i, sensor, &g);
   const F logit = LDV(params + SIM_OPACITY * frame.stride + i);
-  const F qmax = largest_q(sensor, &g, logit);
+  const F qmax = largest_q(sensor, &g, logit, share);
   const F reach = sqrt(VMAX(qmax, (F)R(0.0)));
   const F radius = reach * VMAX(g.filtered[0], VMAX(g.filtered[1], g.filtered[2]));
   F centre[3];

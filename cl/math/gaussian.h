@@ -24,16 +24,16 @@ typedef struct {
 #endif
 } Gaussian;
 
-/// Loads particles i .. i+V-1 (METHOD section 8: the footprint filter widens all axes alike), those of actors
-/// where they are half-way through the frame. deform_offset[3][stride] with DEFORM, of deform.cl.
-FN void load_gaussian(__global const real* params,
-                          __global const uint* actor_of,
-                          __global const ActorConstants* actors,
-                          __global const real* deform_offset,
-                          uint stride,
-                          uint i,
-                          __global const SensorConstants* sensor,
-                          Gaussian* g) {
+/// Where particles i .. i+V-1 are, those of actors half-way through the frame: offset, range, actor.
+/// deform_offset[3][stride] with DEFORM, of deform.cl.
+FN void load_place(__global const real* params,
+                   __global const uint* actor_of,
+                   __global const ActorConstants* actors,
+                   __global const real* deform_offset,
+                   uint stride,
+                   uint i,
+                   __global const SensorConstants* sensor,
+                   Gaussian* g) {
   const __global real* row = params + i;
   for (int k = 0; k < 3; ++k) {
     g->offset[k] = LDV(row + (SIM_MEAN + k) * stride) - sensor->centre_ref[k];
@@ -54,6 +54,12 @@ FN void load_gaussian(__global const real* params,
 #endif
   const F range2 = g->offset[0] * g->offset[0] + g->offset[1] * g->offset[1] + g->offset[2] * g->offset[2];
   g->range = sqrt(range2);
+}
+
+/// What else there is of them (METHOD section 8: the footprint filter widens all axes alike).
+FN void load_shape(__global const real* params, uint stride, uint i, __global const SensorConstants* sensor, Gaussian* g) {
+  const __global real* row = params + i;
+  const F range2 = g->offset[0] * g->offset[0] + g->offset[1] * g->offset[1] + g->offset[2] * g->offset[2];
   const F widen = range2 * sensor->model.kappa;
   for (int k = 0; k < 3; ++k) {
     g->scale[k] = exp_lanes(LDV(row + (SIM_LOG_SCALE + k) * stride));
@@ -80,6 +86,19 @@ FN void load_gaussian(__global const real* params,
     multiply_lanes(g->actor.rotation, own, g->rotation);
   }
 #endif
+}
+
+/// Both.
+FN void load_gaussian(__global const real* params,
+                      __global const uint* actor_of,
+                      __global const ActorConstants* actors,
+                      __global const real* deform_offset,
+                      uint stride,
+                      uint i,
+                      __global const SensorConstants* sensor,
+                      Gaussian* g) {
+  load_place(params, actor_of, actors, deform_offset, stride, i, sensor, g);
+  load_shape(params, stride, i, sensor, g);
 }
 
 /// Unit vector to the particle from o_ref half-way through the frame, in its actor's axes: what SH see. At the

@@ -10,6 +10,8 @@
 #define SIM_C_RADIUS 3
 #define SIM_C_LOG_SCALE 4  // the largest
 #define SIM_C_OPACITY 5    // the largest logit
-#define SIM_CLUSTER_ROWS 6
+#define SIM_C_FROM 6       // the least and the largest of their levels of detail (SIM_DETAIL_.. of layout.h)
+#define SIM_C_UNTIL 7
+#define SIM_CLUSTER_ROWS 8
 
 #endif

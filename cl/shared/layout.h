@@ -75,6 +75,12 @@ typedef int sim_i32;
 #define SIM_P_TURN 3   // rotation vector about the actor's origin, scene axes
 #define SIM_POSE_GRAD 6
 
+// Rows of what levels of detail are told by (host/render/detail/levels.hpp), m.
+#define SIM_DETAIL_FROM 0
+#define SIM_DETAIL_UNTIL 1
+#define SIM_DETAIL 2
+#define SIM_DETAIL_FADE 1.125  // all there, or all gone, at this many times the distance where it begins to be
+
 // What an actor's shape begins with, before the offsets of its nodes.
 #define SIM_D_HALF 0   // half sides of its box, m
 #define SIM_D_NODES 3  // along them

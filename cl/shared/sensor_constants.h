@@ -62,6 +62,7 @@ SIM_REALS(ModelConstants) {
   real time_step;  // from one row or column to the next that is later
   real height;     // mean vertical offset of the beams
   real lever;      // reach of the beams' origins about that height
+  real rays_per_rad;  // square root of rays per sr: at a lens's axis, in the mean of a LiDAR's
 
   // Cameras, in px.
   real fx, fy;
@@ -108,6 +109,7 @@ SIM_REALS(SensorConstants) {
   real alpha_cut;
   real transmittance_cut;
   real background[3];  // features
+  real detail_reach;  // m away for each m of a particle that is drawn in others' place (DETAIL)
   SIM_REALS_OF(DropConstants) drop;
   SIM_REALS_OF(ModelConstants) model;
 } SIM_REALS_END(SensorConstants);

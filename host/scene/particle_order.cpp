@@ -9,7 +9,6 @@
 namespace simuli {
 namespace {
 
-constexpr float kCellsPerMetre = 16.0F;
 constexpr int kAxisBits = 21;  // three of them in a word
 
 /// The lowest 21 bits of x, two zeros between one and the next.
@@ -23,7 +22,7 @@ std::uint64_t spread(std::uint64_t x) {
 
 std::uint64_t cell_of(float place_m) {
   constexpr float kHalf = 1U << (kAxisBits - 1);
-  const float cell = std::floor(place_m * kCellsPerMetre) + kHalf;
+  const float cell = std::floor(place_m * kCoherentCellsPerMetre) + kHalf;
   // What is not a number is not above 0.
   if (!(cell > 0.0F)) return 0;
   return static_cast<std::uint64_t>(std::min(cell, 2.0F * kHalf - 1.0F));
@@ -40,6 +39,10 @@ GaussianSet subset(const GaussianSet& set, const std::vector<Eigen::Index>& kept
   return out;
 }
 
+std::uint64_t coherent_code(const Eigen::RowVector3f& mean) {
+  return spread(cell_of(mean.x())) | spread(cell_of(mean.y())) << 1U | spread(cell_of(mean.z())) << 2U;
+}
+
 std::vector<Eigen::Index> coherent_order(const GaussianSet& set) {
   struct Place {
     std::uint32_t actor;
@@ -48,10 +51,8 @@ std::vector<Eigen::Index> coherent_order(const GaussianSet& set) {
   };
   std::vector<Place> places(static_cast<std::size_t>(set.size()));
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const Eigen::RowVector3f mean = set.mean().row(static_cast<Eigen::Index>(i));
-    places[i] = {
-        set.actor.empty() ? 0U : set.actor[i],
-        spread(cell_of(mean.x())) | spread(cell_of(mean.y())) << 1U | spread(cell_of(mean.z())) << 2U};
+    places[i] = {set.actor.empty() ? 0U : set.actor[i],
+                 coherent_code(set.mean().row(static_cast<Eigen::Index>(i)))};
   }
   std::vector<Eigen::Index> order(places.size());
   std::iota(order.begin(), order.end(), Eigen::Index{0});

@@ -65,6 +65,7 @@ std::vector<NamedVariant> changed(const NamedVariant& from) {
   add("per ray", [](Variant& v) { v.options.order = Order::kPerRay; });
   add("sh by ray", [](Variant& v) { v.options.sh_direction = ShDirection::kRay; });
   add("precise", [](Variant& v) { v.options.math = Math::kPrecise; });
+  add("detail", [](Variant& v) { v.options.detail = 0.5; });
   add("compensated", [](Variant& v) { v.options.camera_compensation = v.options.lidar_compensation = true; });
   if (!from.variant.frame.moving) add("origins", [](Variant& v) { v.frame.origins = true; });
   if (!from.variant.frame.actors) add("actors at rest", [](Variant& v) { v.frame.actors = true; });
@@ -113,7 +114,8 @@ class List {
     const bool in_order = variant.options.order == Order::kRange;
     add(frame.name, in_order ? "kernels/render.cl" : "kernels/render_window.cl", options);
     // Those that have a backward pass.
-    if (variant.options.sh_direction == ShDirection::kRay || variant.frame.sh_storage == ShStorage::kHalf)
+    if (variant.options.sh_direction == ShDirection::kRay || variant.frame.sh_storage == ShStorage::kHalf ||
+        variant.options.detail > 0.0)
       return;
     for (const char* path :
          {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/train/largest_weight.cl"})

@@ -16,6 +16,7 @@
 namespace simuli {
 namespace {
 
+static_assert(static_cast<double>(kDetailFade) == SIM_DETAIL_FADE);
 static_assert(kMeanRow == SIM_MEAN && kLogScaleRow == SIM_LOG_SCALE && kRotationRow == SIM_ROTATION &&
               kOpacityRow == SIM_OPACITY && kShRow == SIM_SH);
 
@@ -65,10 +66,17 @@ ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, c
   stays_ = true;
   kept_sh_ = options.sh_degree;
   sh_error_ = options.sh_error;
-  upload(set);
+  if (options.detail > 0.0) {
+    const DetailLevels levels = detail_levels(set);
+    upload(levels.set, &levels);
+  } else {
+    upload(set);
+  }
 }
 
-void ParticleBuffers::upload(const GaussianSet& set) {
+void ParticleBuffers::upload(const GaussianSet& set) { upload(set, nullptr); }
+
+void ParticleBuffers::upload(const GaussianSet& set, const DetailLevels* levels) {
   if (set.size() > SIM_PARTICLE_MASK) {
     throw Error(ErrorKind::kDevice,
                 fmt::format("particles: found {}, allowed {} in one set", set.size(), SIM_PARTICLE_MASK));
@@ -95,7 +103,13 @@ void ParticleBuffers::upload(const GaussianSet& set) {
   params.assign(padded);
   upload_actors(set.actor);
   if (!stays_) return;
-  const ParticleClusters clusters = clusters_of(set);
+  if (levels != nullptr) {
+    std::vector<float> told(std::size_t{SIM_DETAIL} * stride, 0.0F);
+    std::copy(levels->from_m.begin(), levels->from_m.end(), told.begin() + SIM_DETAIL_FROM * stride);
+    std::copy(levels->until_m.begin(), levels->until_m.end(), told.begin() + SIM_DETAIL_UNTIL * stride);
+    detail.assign(told);
+  }
+  const ParticleClusters clusters = clusters_of(set, levels);
   cluster_stride = clusters.stride;
   cluster_bounds.assign(clusters.bounds);
   cluster_actor.assign(clusters.actor);

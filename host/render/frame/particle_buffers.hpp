@@ -3,8 +3,10 @@
 #include <vector>
 
 #include "cl/shared/cluster.h"
+#include "cl/shared/layout.h"
 #include "host/render/device/buffer_table.hpp"
 #include "host/render/options/options.hpp"
+#include "host/render/detail/levels.hpp"
 #include "host/scene/gaussians.hpp"
 
 namespace simuli {
@@ -14,6 +16,7 @@ struct ParticleSizes {
   std::uint64_t rows = 0;    // param_rows
   std::uint64_t stride = 0;  // particles, rounded up
   std::uint64_t actors = 0;
+  bool levels = false;
   std::uint64_t clusters = 0;  // with bounds, rounded up
 
   [[nodiscard]] static ParticleSizes of(std::uint64_t particles, int sh_degree, std::uint64_t actors);
@@ -24,8 +27,8 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision);
   /// Particles that stay as they are: clusters of them that a frame cannot see are left out of it, with the
   /// same results. Only the bands of spherical harmonics that options.sh_degree keeps take memory, as
-  /// options.sh_storage says. Error{kUsage} when halves are asked for in double, or cannot hold a coefficient
-  /// (beyond 65504).
+  /// options.sh_storage says. With options.detail its levels are with the set: more particles than it has.
+  /// Error{kUsage} when halves are asked for in double, or cannot hold a coefficient (beyond 65504).
   ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options);
   void upload(const GaussianSet& set);
   [[nodiscard]] GaussianSet download() const;
@@ -46,6 +49,8 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   Words actor_list{*this, "actor_list", [](const ParticleSizes& s) { return s.actors > 0 ? s.stride : 0; }};
   Words actor_first{
       *this, "actor_first", [](const ParticleSizes& s) { return s.actors > 0 ? s.actors + 1 : 0; }};
+  /// Of levels of detail, where there are any; else empty.
+  Reals detail{*this, "detail", [](const ParticleSizes& s) { return s.levels ? SIM_DETAIL * s.stride : 0; }};
   /// Of particles that stay as they are (particle_clusters.hpp); else empty, and every cluster is looked at.
   std::uint32_t cluster_stride = 0;  // clusters, rounded up
   Reals cluster_bounds{*this, "cluster_bounds", [](const ParticleSizes& s) {
@@ -61,6 +66,7 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   ShDegree kept_sh_ = ShDegree::k3;
   double sh_error_ = 0.0;
   bool stays_ = false;
+  void upload(const GaussianSet& set, const DetailLevels* levels);
   void upload_actors(const std::vector<std::uint32_t>& actor);
 };
 

@@ -25,7 +25,7 @@ bool is_bounded(const GaussianSet& set, Eigen::Index i) {
 
 /// A row of each bound.
 using Bounds = std::array<float, SIM_CLUSTER_ROWS>;
-constexpr Bounds kAround{0.0F, 0.0F, 0.0F, 1e30F, 0.0F, 80.0F};
+constexpr Bounds kAround{0.0F, 0.0F, 0.0F, 1e30F, 0.0F, 80.0F, 0.0F, kNeverMerged};
 
 /// Those of particles [first, last), which all belong to one actor, or to none.
 Bounds bounds_of(const GaussianSet& set, Eigen::Index first, Eigen::Index last) {
@@ -43,12 +43,14 @@ Bounds bounds_of(const GaussianSet& set, Eigen::Index first, Eigen::Index last) 
           centre.z(),
           static_cast<float>((radius + rounding) * (1.0 + 1e-6)),
           set.log_scale().middleRows(first, last - first).maxCoeff(),
-          set.opacity_logit().segment(first, last - first).maxCoeff()};
+          set.opacity_logit().segment(first, last - first).maxCoeff(),
+          0.0F,
+          kNeverMerged};
 }
 
 }  // namespace
 
-ParticleClusters clusters_of(const GaussianSet& set) {
+ParticleClusters clusters_of(const GaussianSet& set, const DetailLevels* levels) {
   const Eigen::Index count = (set.size() + SIM_CLUSTER - 1) / SIM_CLUSTER;
   ParticleClusters out;
   out.stride = static_cast<std::uint32_t>(round_up(static_cast<std::size_t>(count), 16));
@@ -65,6 +67,11 @@ ParticleClusters clusters_of(const GaussianSet& set) {
         bounds = bounds_of(set, first, last);
         out.actor[static_cast<std::size_t>(c)] = *begin;
       }
+    }
+    if (levels != nullptr) {
+      bounds[SIM_C_FROM] = *std::min_element(levels->from_m.begin() + first, levels->from_m.begin() + last);
+      bounds[SIM_C_UNTIL] =
+          *std::max_element(levels->until_m.begin() + first, levels->until_m.begin() + last);
     }
     for (std::size_t row = 0; row < bounds.size(); ++row) {
       out.bounds[row * out.stride + static_cast<std::size_t>(c)] = bounds[row];

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/render/detail/levels.hpp"
 #include "host/scene/gaussians.hpp"
 
 namespace simuli {
@@ -15,7 +16,7 @@ struct ParticleClusters {
 
 /// Clusters of which nothing is to be known are bounded by a ball that every sensor is in: such with
 /// particles of several actors, or of some and the background, and such with a parameter that is not finite
-/// or beyond all use.
-[[nodiscard]] ParticleClusters clusters_of(const GaussianSet& set);
+/// or beyond all use. levels: those of the set, if it has any.
+[[nodiscard]] ParticleClusters clusters_of(const GaussianSet& set, const DetailLevels* levels = nullptr);
 
 }  // namespace simuli

@@ -17,6 +17,7 @@ BuildOptions Variant::build_options() const {
       .define("ACTORS", frame.actors)
       .define("ACTOR_MOTION", frame.actor_motion)
       .define("DEFORM", frame.deform)
+      .define("DETAIL", options.detail > 0.0)
       .define("SH_DEGREE", frame.sh_degree)
       .define("SH_HALF", frame.sh_storage == ShStorage::kHalf)
       .define("MEDIAN", frame.median)

@@ -125,6 +125,7 @@ struct RenderOptions {
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
   double camera_filter_px2 = 0.3;
+  double detail = 0.0;
   double camera_near_m = 0.01;
   bool camera_compensation = false;
   bool lidar_compensation = false;  // blends thin things with what is behind
@@ -194,6 +195,12 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         o.camera_filter_px2,
         range(0.0, 100.0),
         "px^2, variance of a pixel's footprint");
+  field(
+      "render.detail",
+      o.detail,
+      range(0.0, 100.0),
+      "rays side by side: particles smaller than this (standard deviation) are drawn as fewer, larger ones; "
+      "0: all as they are. Has no gradients");
   field("render.camera_near_m",
         o.camera_near_m,
         range(0.01, 1000.0),

@@ -53,12 +53,13 @@ RenderOptions training_options_of(Quality quality) {
   o.sh_direction = kDefault.sh_direction;
   o.sh_degree = kDefault.sh_degree;
   o.sh_storage = kDefault.sh_storage;
+  o.detail = 0.0;
   return o;
 }
 
 bool has_gradients(const RenderOptions& options) {
   return options.sh_direction == ShDirection::kParticle && options.sh_degree == ShDegree::k3 &&
-         options.sh_storage == ShStorage::kFull;
+         options.sh_storage == ShStorage::kFull && options.detail == 0.0;
 }
 
 }  // namespace simuli

@@ -22,7 +22,7 @@ enum class Quality { kDraft, kBalanced, kExact, kReference };
 /// The same for trainings: without what has no gradients, and in float; order = window for per_ray.
 [[nodiscard]] RenderOptions training_options_of(Quality quality);
 
-/// Whether the backward pass knows these options: order, direction of colours and bands as by default.
+/// Whether the backward pass knows these options: direction of colours, bands and level of detail as by default.
 [[nodiscard]] bool has_gradients(const RenderOptions& options);
 
 }  // namespace simuli

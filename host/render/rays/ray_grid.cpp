@@ -159,6 +159,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   m.time_x = camera.exposure_fraction({1.0, 0.0}) - m.time_c;
   m.time_y = camera.exposure_fraction({0.0, 1.0}) - m.time_c;
   m.time_step = std::abs(m.time_x) + std::abs(m.time_y);
+  m.rays_per_rad = camera.focal_px();
   m.kappa = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
   m.t_min = options.camera_near_m;
   m.t_max = 1e6;
@@ -281,6 +282,8 @@ RayGrid make_ray_grid(const Device& device,
   m.time_step = 1.0 / lidar.columns;
   m.time_spread = time_spread(lidar, rays, angles);
   m.row_spread = row_spread(lidar, rays);
+  const auto [lowest, highest] = std::minmax_element(elevations.begin(), elevations.end());
+  m.rays_per_rad = ray_slots::rays_per_rad(count, *lowest, *highest, lidar.azimuth_span);
   m.kappa = ray_slots::beam_variance(lidar.beam_divergence, lidar.divergence_variance);
   m.t_min = lidar.range_min;
   m.t_max = lidar.range_max;

@@ -32,8 +32,12 @@ double widest_gap(const RayList& list) {
   return std::remainder(middle, kTurn);
 }
 
-void set_constants(RayGrid& grid, const RayList& list, double cut) {
+void set_constants(RayGrid& grid, const RayList& list, double cut, const std::vector<float>& angles) {
   auto& m = grid.model;
+  const auto [lowest, highest] = std::minmax_element(list.elevation.begin(), list.elevation.end());
+  const auto [first, last] = std::minmax_element(angles.begin(), angles.end());
+  const double span = std::max(static_cast<double>(*last) - static_cast<double>(*first), 1e-3);
+  m.rays_per_rad = ray_slots::rays_per_rad(list.ray_count(), *lowest, *highest, span);
   m.azimuth_cut = cut;
   m.spin = 1.0;
   // Time does not follow the azimuth: the middle of all times, give or take half of their span.
@@ -99,7 +103,7 @@ RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOpt
   for (std::size_t row = rows - 1; row > 0; --row)
     highest[row - 1] = std::max(highest[row - 1], highest[row]);
   ray_slots::fill_elevation_table(grid, lowest, highest);
-  set_constants(grid, list, cut);
+  set_constants(grid, list, cut, angles);
   return grid;
 }
 

@@ -89,4 +89,11 @@ double beam_variance(double beam_divergence, double divergence_variance) {
   return divergence_variance * half_divergence * half_divergence;
 }
 
+double rays_per_rad(std::size_t rays, double lowest, double highest, double span) {
+  const auto count = static_cast<double>(rays);
+  // One row has no height: as far apart as they are along it.
+  const double height = std::max(std::sin(highest) - std::sin(lowest), span / count);
+  return std::sqrt(count / (span * height));
+}
+
 }  // namespace simuli::ray_slots

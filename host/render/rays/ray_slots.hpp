@@ -32,4 +32,7 @@ void fill_elevation_table(RayGrid& grid,
 /// The footprint's variance per squared metre of range, from a full angle and k of METHOD section 8.
 [[nodiscard]] double beam_variance(double beam_divergence, double divergence_variance);
 
+/// Square root of rays per sr: of so many between two elevations, over a span of azimuths, rad.
+[[nodiscard]] double rays_per_rad(std::size_t rays, double lowest, double highest, double span);
+
 }  // namespace simuli::ray_slots

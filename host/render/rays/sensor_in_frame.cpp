@@ -52,6 +52,7 @@ SensorInFrame sensor_in_frame(const RayGrid& grid,
   c.alpha_cut = options.alpha_cut;
   c.transmittance_cut = options.transmittance_cut;
   for (std::size_t k = 0; k < 3; ++k) c.background[k] = static_cast<double>(background[k]);
+  if (options.detail > 0.0) c.detail_reach = grid.model.rays_per_rad / options.detail;
   c.drop = shared::from_reals<shared::DropConstants>(drop);
   if (grid.type == SensorType::kCamera) {
     const double cone = std::min(grid.view_angle + c.turn_angle / 2.0 + 1e-4, kPi);

@@ -26,7 +26,7 @@ struct Upload {
 
   [[nodiscard]] bool suits(SetKind of, const RenderOptions& o) const {
     return of == kind && o.precision == options.precision && o.sh_degree == options.sh_degree &&
-           o.sh_storage == options.sh_storage &&
+           o.sh_storage == options.sh_storage && (o.detail > 0.0) == (options.detail > 0.0) &&
            (o.sh_degree != ShDegree::kAuto || o.sh_error == options.sh_error);
   }
 };
@@ -244,8 +244,8 @@ Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients&
   if (!has_gradients(f.request.options ? *f.request.options : s.options)) {
     throw Error(
         ErrorKind::kUsage,
-        "gradients: found render.sh_direction=ray, render.sh_storage=half or render.sh_degree below 3, "
-        "allowed particle, full and 3");
+        "gradients: found render.sh_direction=ray, render.sh_storage=half, render.sh_degree below 3 or "
+        "render.detail above 0, allowed particle, full, 3 and 0");
   }
   const std::vector<double> by_ray = output_gradients(f.rays.grid().rays, of_rays);
   Drawn drawn = s.draw(f.sensor, f.shot, f.request);

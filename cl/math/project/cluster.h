@@ -53,6 +53,13 @@ FN I cluster_may_be_seen(const FrameParams* frame,
 #endif
   F ball = means + radius + R(0.5) * travel + CLUSTER_MARGIN * farthest;
   away = OR(away, OR(qmax <= R(0.0), distance - ball >= sensor->model.t_max + origin_reach(frame, sensor)));
+#if DETAIL
+  // None of them yet, or all of them gone.
+  const F slack = means + CLUSTER_MARGIN * farthest;
+  away = OR(away, distance + slack <= sensor->detail_reach * LDV(bounds + SIM_C_FROM * stride));
+  const F gone = (R(SIM_DETAIL_FADE) * sensor->detail_reach) * LDV(bounds + SIM_C_UNTIL * stride);
+  away = OR(away, distance - slack >= gone);
+#endif
 #if SENSOR == SENSOR_CAMERA
   F centre[3];
   sensor_from_world_point(sensor, offset, (F)R(0.5), centre);
