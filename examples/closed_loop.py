@@ -199,6 +199,8 @@ def main():
     parser.add_argument("--rate", type=float, default=10.0, help="pictures per second of the drive")
     parser.add_argument("--protos", default=PROTOS, type=pathlib.Path, help="folder of sensorsim.proto")
     args = parser.parse_args()
+    if not (args.protos / "sensorsim.proto").is_file():
+        parser.error(f"--protos: found no sensorsim.proto in {args.protos}, allowed host/serve/proto of simuli")
 
     client = Client(args.address, args.protos)
     client.open(args.scene)
