@@ -219,7 +219,7 @@ void Kernel::bind(const Binding& binding) {
     // OpenCL refuses an empty local argument.
     set(index, std::max<std::size_t>(binding.bytes_, 1), nullptr);
   } else if (binding.type_ != &detail::kPassedReal) {
-    set(index, binding.bytes_, binding.value_);
+    set(index, binding.bytes_, binding.value_.data());
   } else if (program_.precision() == Precision::kDouble) {
     set(index, sizeof(binding.real_), &binding.real_);
   } else {

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <initializer_list>
 #include <memory>
 #include <string>
@@ -55,7 +56,7 @@ concept ArgumentGroup = requires(T& group, Kernel& kernel) {
   group.offer_to(kernel);
 };
 
-/// One argument, or a group of them, for one launch: refers to what it is made of.
+/// One argument, or a group of them, for one launch: refers to buffers and groups, and has values by itself.
 class Binding {
  public:
   /// __global T*, of a const Buffer const __global T*.
@@ -83,7 +84,10 @@ class Binding {
   template <class T>
   requires(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && !std::is_same_v<T, bool> &&
            !std::is_same_v<T, double>) Binding(ArgumentName name, const T& value)
-      : name_(name.text()), type_(&detail::kPassedValue<T>), value_(&value), bytes_(sizeof(T)) {}
+      : name_(name.text()), type_(&detail::kPassedValue<T>), bytes_(sizeof(T)) {
+    static_assert(sizeof(T) <= kMostBytes);
+    std::memcpy(value_.data(), &value, sizeof(T));
+  }
   Binding(ArgumentName name, const Local& local)
       : name_(name.text()), type_(&detail::kPassedLocal), bytes_(local.bytes) {}
   /// Those of the group's members that the kernel has an argument for; of a const group they are const.
@@ -110,11 +114,12 @@ class Binding {
 
  private:
   friend class Kernel;
+  static constexpr std::size_t kMostBytes = 64;
   const char* name_ = nullptr;
   const detail::PassedType* type_ = nullptr;
   const detail::Memory* memory_ = nullptr;
-  const void* value_ = nullptr;
   std::size_t bytes_ = 0;
+  alignas(16) std::array<std::byte, kMostBytes> value_{};
   double real_ = 0.0;
   const void* group_ = nullptr;
   void (*offer_)(const void*, Kernel&) = nullptr;

@@ -91,6 +91,16 @@ TEST_F(KernelTest, RunsWithBuffersScalarsAndStructs) {
   EXPECT_GT(columns.max_local_size(), 0U);
 }
 
+TEST_F(KernelTest, BindingsHaveTheirValuesByThemselves) {
+  const Buffer<std::uint32_t> in(device_, "in", std::vector<std::uint32_t>{1, 2, 3});
+  Buffer<float> range(device_, "range", 3);
+  Step step{0.5F, 1};
+  const Binding bound{"step", step};
+  step = {100.0F, 7};
+  Kernel(build(), "columns").run(4, 4, {{"n", 3U}, bound, {"in", in}, {"range", range}});
+  EXPECT_EQ(range.download(), (std::vector<float>{1.0F, 1.5F, 2.0F}));
+}
+
 TEST_F(KernelTest, BuffersOfSharedStructs) {
   const Buffer<Step> steps(device_, "steps", std::vector<Step>{{1, 4}, {2, 5}});
   Buffer<std::uint32_t> out(device_, "out", 2);

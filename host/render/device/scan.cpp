@@ -37,7 +37,6 @@ ScanStage::ScanStage(const Device& device, std::size_t work_items)
       buffers_(device) {}
 
 void ScanStage::launch(Buffer<std::uint32_t>& data, std::uint32_t n, std::uint32_t middle) {
-  // Bindings refer to values: this one has to outlive the launches.
   const auto block = static_cast<std::uint32_t>(work_items_ == 1 ? n : kOwn * work_items_);
   const std::size_t groups = std::max<std::size_t>(1, block == 0 ? 0 : (n + block - 1) / block);
   buffers_.reserve({groups});
