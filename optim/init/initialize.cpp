@@ -248,9 +248,10 @@ void Initialisation::place_lidar_set() {
 /// depth only pictures tell.
 void Initialisation::add_points_of_pictures() {
   if (!log_.points.empty()) report_.points += add_log_points(log_, scene_.origin, options_.voxel_m, points_);
+  const PointBlocks blocks(points_);
   for (const ImageFrame* frame : images_) {
     const ImageView view = image_view(log_, *frame, scene_.origin, frames_.image_scale);
-    actors_->add_holes(view, middle_s(*frame), points_);
+    actors_->add_holes(view, middle_s(*frame), points_, blocks);
   }
   actors_->finish_holes();
   static_points_ = points_.size();

@@ -20,11 +20,6 @@ constexpr double kRoad_m = 0.1;
 constexpr double kGround_m = 0.05;   // ground is what lies this near to that around ...
 constexpr double kLow_m = 0.3;       // ... and below this part of a box
 constexpr double kHoleVoxels = 2.0;  // side of a voxel of holes over that of points
-/// A box that is this much higher than all of its points was cut by the laser's highest row: its walls go on
-/// above those of the points that lie this near to the highest.
-constexpr double kCut_m = 0.5, kRim_m = 0.7;
-constexpr double kSteep = 0.1;      // cosine of the steepest look at a wall
-constexpr double kHoleCells = 3.0;  // of a cell over a point's voxel, at the actor's distance
 /// Kinds whose left and right are alike.
 constexpr std::array<std::string_view, 4> kVehicles{"car", "van", "truck", "bus"};
 
@@ -97,79 +92,6 @@ class Ground {
     return {static_cast<int>(std::floor(p.x() / kCell_m)), static_cast<int>(std::floor(p.y() / kCell_m))};
   }
   std::map<Cell, std::vector<float>> heights_m_;
-};
-
-/// The nearest point in each cell of a picture.
-class RangePicture {
- public:
-  RangePicture(const Camera& camera, double cell_px)
-      : cell_px_(cell_px),
-        columns_(static_cast<int>(std::ceil(camera.width / cell_px))),
-        rows_(static_cast<int>(std::ceil(camera.height / cell_px))),
-        nearest_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), kNothing) {}
-  void add(const ImageView& view, const Eigen::Vector3d& p_scene) {
-    Eigen::Vector2d pixel;
-    double range_m = 0.0;
-    if (!view.project(p_scene, pixel, range_m)) return;
-    double& nearest =
-        nearest_[index(static_cast<int>(pixel.x() / cell_px_), static_cast<int>(pixel.y() / cell_px_))];
-    nearest = std::min(nearest, range_m);
-  }
-  [[nodiscard]] double range_m(int column, int row) const { return nearest_[index(column, row)]; }
-  [[nodiscard]] Eigen::Vector2d middle_px(int column, int row) const {
-    return (Eigen::Vector2d(column, row).array() + 0.5) * cell_px_;
-  }
-  /// Empty cells with points on at least three of their four sides, at the mean range of those, near ones
-  /// first.
-  struct Hole {
-    int column = 0, row = 0;
-    double range_m = 0.0;
-    int row_of_range = 0;
-  };
-  [[nodiscard]] std::vector<Hole> holes() const {
-    std::vector<Hole> out;
-    for (int row = 0; row < rows_; ++row) {
-      for (int column = 0; column < columns_; ++column) {
-        if (range_m(column, row) < kNothing) continue;
-        constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-        double sum = 0.0, weight = 0.0;
-        int sides = 0;
-        for (const auto& [dx, dy] : kSides) {
-          int x = column + dx, y = row + dy, steps = 1;
-          while (x >= 0 && y >= 0 && x < columns_ && y < rows_ && range_m(x, y) == kNothing)
-            x += dx, y += dy, ++steps;
-          if (x < 0 || y < 0 || x >= columns_ || y >= rows_) continue;
-          ++sides;
-          sum += range_m(x, y) / steps;
-          weight += 1.0 / steps;
-        }
-        if (sides >= 3) out.push_back({column, row, sum / weight, row});
-      }
-    }
-    return out;
-  }
-
-  /// Empty cells above the highest point of their column, with the range of that.
-  [[nodiscard]] std::vector<Hole> above() const {
-    std::vector<Hole> out;
-    for (int column = 0; column < columns_; ++column) {
-      int top = 0;
-      while (top < rows_ && range_m(column, top) == kNothing) ++top;
-      if (top == rows_) continue;
-      for (int row = 0; row < top; ++row) out.push_back({column, row, range_m(column, top), top});
-    }
-    return out;
-  }
-
- private:
-  static constexpr double kNothing = std::numeric_limits<double>::infinity();
-  [[nodiscard]] std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
-           static_cast<std::size_t>(column);
-  }
-  double cell_px_;
-  int columns_, rows_;
-  std::vector<double> nearest_;
 };
 
 /// Whether what lies in a ball can stand before a point, seen from an eye: few operations, and never a wrong
@@ -271,53 +193,6 @@ void ActorPoints::finish(VoxelGrid& background) {
   points_.clear();
   for (VoxelGrid& grid : grids) points_.push_back(grid.averages());
   camera_points_ = points_;
-}
-
-void ActorPoints::add_holes(const ImageView& view, double time_s, const PointSet& background) {
-  for (std::size_t i = 0; i < actors_.size(); ++i) {
-    if (!actors_[i].is_there(time_s) || points_[i].size() == 0) continue;
-    const Pose pose = scene_from_actor(i, time_s);
-    // The actor's points in cells wide enough that its surface leaves none empty, and what stands before it.
-    const double away_m = (pose.translation - view.origin()).norm();
-    const double cell_px =
-        std::max(2.0, kHoleCells * options_.voxel_m / (view.pixel_size_at_1m() * std::max(away_m, 1.0)));
-    RangePicture own(view.camera(), cell_px), others(view.camera(), cell_px);
-    for (std::size_t k = 0; k < points_[i].size(); ++k) {
-      own.add(view, pose * points_[i].position.col(static_cast<Eigen::Index>(k)).cast<double>());
-    }
-    const double reach_m = away_m + 0.5 * actors_[i].size_m.norm();
-    for (std::size_t k = 0; k < background.size(); ++k) {
-      const Eigen::Vector3d p = background.position.col(static_cast<Eigen::Index>(k)).cast<double>();
-      if ((p - view.origin()).norm() < reach_m) others.add(view, p);
-    }
-    const Eigen::Vector3d half = 0.5 * actors_[i].size_m;
-    std::vector<RangePicture::Hole> holes = own.holes();
-    const double highest_m = static_cast<double>(points_[i].position.row(2).maxCoeff());
-    if (half.z() - highest_m > kCut_m) {
-      RangePicture high(view.camera(), cell_px);
-      for (std::size_t k = 0; k < points_[i].size(); ++k) {
-        const Eigen::Vector3d p = points_[i].position.col(static_cast<Eigen::Index>(k)).cast<double>();
-        if (p.z() > highest_m - kRim_m) high.add(view, pose * p);
-      }
-      const std::vector<RangePicture::Hole> above = high.above();
-      holes.insert(holes.end(), above.begin(), above.end());
-    }
-    for (const RangePicture::Hole& hole : holes) {
-      if (others.range_m(hole.column, hole.row) < hole.range_m) continue;
-      Eigen::Vector3d origin, direction, measured;
-      view.unproject(own.middle_px(hole.column, hole.row_of_range), origin, measured);
-      view.unproject(own.middle_px(hole.column, hole.row), origin, direction);
-      // Walls are upright: as far away over ground as where the range was measured.
-      const double longer = measured.head<2>().norm() / std::max(direction.head<2>().norm(), kSteep);
-      const double along_m = hole.row == hole.row_of_range ? hole.range_m : hole.range_m * longer;
-      const Eigen::Vector3d p = pose.inverse() * Eigen::Vector3d(origin + along_m * direction);
-      if ((p.array().abs() <= half.array()).all()) holes_[i].add(p, 0.0);
-    }
-  }
-}
-
-void ActorPoints::finish_holes() {
-  for (std::size_t i = 0; i < actors_.size(); ++i) camera_points_[i].append(holes_[i].averages());
 }
 
 std::size_t ActorPoints::count() const {

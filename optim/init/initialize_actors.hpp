@@ -34,8 +34,9 @@ class ActorPoints {
   /// around tell it, goes to `background` instead: a wheel stands on the road.
   void finish(VoxelGrid& background);
   /// Closes the holes that no laser fills (glass) in what a picture shows of the actors: points as far away
-  /// as those around, for the camera set alone. finish_holes() after the last picture.
-  void add_holes(const ImageView& view, double time_s, const PointSet& background);
+  /// as those around, for the camera set alone. `blocks`: of the background. finish_holes() after the last
+  /// picture.
+  void add_holes(const ImageView& view, double time_s, const PointSet& background, const PointBlocks& blocks);
   void finish_holes();
 
   /// With the offsets of register_tracks.

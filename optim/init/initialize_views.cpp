@@ -162,13 +162,16 @@ PointBlocks::PointBlocks(const PointSet& points) : count_(points.size()) {
   }
 }
 
-std::vector<std::uint32_t> PointBlocks::seen_from(const ImageView& view) const {
+std::vector<std::uint32_t> PointBlocks::seen_from(const ImageView& view, double farthest_m) const {
+  constexpr double kSlack_m = 0.01;  // far above what floats lose
   const std::optional<ViewCone> cone = cone_of(view);
+  const Eigen::Vector3d eye = view.origin();
   std::vector<std::uint32_t> seen;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    if (cone && !cone->may_meet(blocks_[i].centre.cast<double>(), static_cast<double>(blocks_[i].radius_m))) {
-      continue;
-    }
+    const Eigen::Vector3d centre = blocks_[i].centre.cast<double>();
+    const auto radius_m = static_cast<double>(blocks_[i].radius_m);
+    if ((centre - eye).norm() - radius_m - kSlack_m > farthest_m) continue;
+    if (cone && !cone->may_meet(centre, radius_m)) continue;
     for (std::size_t k = i * kPoints; k < std::min(count_, (i + 1) * kPoints); ++k) {
       seen.push_back(static_cast<std::uint32_t>(k));
     }

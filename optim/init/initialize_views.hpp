@@ -90,8 +90,10 @@ std::size_t join_by_footprint(PointSet& points,
 class PointBlocks {
  public:
   explicit PointBlocks(const PointSet& points);
-  /// Indices of the points that ImageView::project() can say yes to, in their order, and of some others.
-  [[nodiscard]] std::vector<std::uint32_t> seen_from(const ImageView& view) const;
+  /// Indices of the points up to farthest_m from the view's origin that ImageView::project() can say yes to,
+  /// in their order, and of some others.
+  [[nodiscard]] std::vector<std::uint32_t> seen_from(
+      const ImageView& view, double farthest_m = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Block {
