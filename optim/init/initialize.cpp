@@ -210,11 +210,13 @@ void Initialisation::read_returns() {
 
 void Initialisation::drop_moving() {
   std::vector<PointVotes> votes(points_.size());
+  const PointBlocks blocks(points_);
   for (const SweepFrame* frame : sweeps_) {
     const PosedSweep s = load_sweep(log_, *frame, scene_.origin);
     // A list has no neighbouring rays to look through: it has no word on what moved.
     if (const auto* const lidar = std::get_if<Lidar>(&s.lidar)) {
-      vote_on_points(s.sweep, *lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points_, votes);
+      vote_on_points(
+          s.sweep, *lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points_, votes, &blocks);
     }
     step();
   }
@@ -279,7 +281,7 @@ void Initialisation::take_colours() {
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
     const std::vector<std::uint32_t> near = blocks.seen_from(view);
-    const PointSet placed = actors_->placed(points_.subset(near), middle_s(*frame), view.origin());
+    const PointSet placed = actors_->placed(points_.subset(near), middle_s(*frame), view);
     std::vector<PointLook> own;
     for (const std::uint32_t i : near) own.push_back(looks_[i]);
     own.insert(own.end(), looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()), looks_.end());

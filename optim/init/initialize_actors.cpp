@@ -207,15 +207,20 @@ std::size_t ActorPoints::camera_count() const {
   return sum;
 }
 
-PointSet ActorPoints::placed(const PointSet& background, double time_s, const Eigen::Vector3d& eye) const {
+PointSet ActorPoints::placed(const PointSet& background, double time_s, const ImageView& view) const {
   constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
   PointSet out = background;
+  const ViewCone cone(view);
+  const Eigen::Vector3d eye = view.origin();
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (!actors_[i].is_there(time_s)) continue;
     const Eigen::Vector3d half = 0.5 * actors_[i].size_m + Eigen::Vector3d::Constant(options_.margin_m);
-    const Pose actor_from_scene = scene_from_actor(i, time_s).inverse();
+    const Pose scene_from_actor_then = scene_from_actor(i, time_s);
+    // The way to what the picture shows stays in its cone.
+    if (!cone.may_meet(scene_from_actor_then.translation, half.norm())) continue;
+    const Pose actor_from_scene = scene_from_actor_then.inverse();
     const Eigen::Vector3d from = actor_from_scene * eye;
-    const BallBefore ball(scene_from_actor(i, time_s).translation, half.norm(), eye);
+    const BallBefore ball(scene_from_actor_then.translation, half.norm(), eye);
     for (Eigen::Index k = 0; k < out.position.cols(); ++k) {
       if (!ball.may_hide(background.position.col(k))) continue;
       const Eigen::Vector3d way = actor_from_scene * out.position.col(k).cast<double>() - from;

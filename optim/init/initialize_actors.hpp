@@ -46,9 +46,9 @@ class ActorPoints {
   [[nodiscard]] std::size_t count() const;         // of points()
   [[nodiscard]] std::size_t camera_count() const;  // of camera_points()
   /// `background` and behind it all actors' camera points (those of actors[0] first) as they stand in the
-  /// scene at time_s. What is behind a box, seen from `eye`, is where no picture sees it, and so are points
-  /// of actors that are not there.
-  [[nodiscard]] PointSet placed(const PointSet& background, double time_s, const Eigen::Vector3d& eye) const;
+  /// scene at time_s. What the view would show behind a box is where no picture sees it, and so are points of
+  /// actors that are not there.
+  [[nodiscard]] PointSet placed(const PointSet& background, double time_s, const ImageView& view) const;
   /// Marks the cells that look at a box: what they show is no background.
   void cover(const ImageView& view, double time_s, Coverage& coverage) const;
   /// Looks behind those of `background_count` points, parted by actor. With `mirror`, a point of a vehicle

@@ -204,7 +204,7 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
       for (; next < frames.size() && next <= k + kReach; ++next) {
         const auto [image, view] = load_view(log, *frames[next], origin, image_scale);
         const PointSet placed =
-            actors.placed(points.subset(blocks.seen_from(view)), middle_s(*frames[next]), view.origin());
+            actors.placed(points.subset(blocks.seen_from(view)), middle_s(*frames[next]), view);
         std::vector<PointLook> unused(placed.size());
         Coverage coverage = look_at_points(view, image, placed, voxel_m, cell_px, unused);
         actors.cover(view, middle_s(*frames[next]), coverage);

@@ -8,6 +8,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/parallel.hpp"
+#include "optim/init/initialize_views.hpp"
 
 namespace simuli {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 constexpr int kMinThrough = 3;
 constexpr float kFarthest_m = 40.0F;  // further out the rays are too far apart to tell
 constexpr float kNearest_m = 1.0F;
+constexpr double kSlack_m = 0.1;  // above what floats lose there
 /// A ray ends at the point when their ranges differ by no more than this, or this share of the range.
 constexpr float kMargin_m = 0.5F;
 constexpr float kMarginShare = 0.03F;
@@ -123,7 +125,8 @@ void vote_on_points(const Sweep& sweep,
                     const Pose& scene_from_lidar_start,
                     const Pose& scene_from_lidar_end,
                     const PointSet& points,
-                    std::vector<PointVotes>& votes) {
+                    std::vector<PointVotes>& votes,
+                    const PointBlocks* blocks) {
   if (sweep.range.size() != lidar.ray_count() || votes.size() != points.size()) {
     throw Error(ErrorKind::kInternal, "vote_on_points: sweep, model, points and votes do not fit together");
   }
@@ -138,8 +141,15 @@ void vote_on_points(const Sweep& sweep,
             .topRows<3>()
             .cast<float>();
   }
-  parallel_ranges(points.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
+  std::vector<std::uint32_t> near;
+  if (blocks != nullptr) {
+    const Pose middle =
+        interpolate(scene_from_lidar_start, scene_from_lidar_end, (kPoses / 2 + 0.5) / kPoses);
+    near = blocks->within(middle.translation, static_cast<double>(kFarthest_m) + kSlack_m);
+  }
+  parallel_ranges(blocks != nullptr ? near.size() : points.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t i = blocks != nullptr ? near[k] : k;
       const Eigen::Vector3f p_scene = points.position.col(static_cast<Eigen::Index>(i));
       Eigen::Vector3f p_lidar = apply(lidar_from_scene[kPoses / 2], p_scene);
       const float range_m = p_lidar.norm();

@@ -1,11 +1,12 @@
 #include "optim/init/initialize_views.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
-#include <optional>
+#include <numeric>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -22,48 +23,6 @@ constexpr double kHidden_m = 0.3;
 bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin) {
   return pixel.x() >= -margin * camera.width && pixel.x() < (1.0 + margin) * camera.width &&
          pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
-}
-
-/// All that a picture shows lies within an angle of an axis, seen from a ball that the camera stays in.
-struct ViewCone {
-  Eigen::Vector3d origin, axis;
-  double moved_m = 0.0, half_rad = 0.0;
-
-  [[nodiscard]] bool may_meet(const Eigen::Vector3d& centre, double radius_m) const {
-    const Eigen::Vector3d way = centre - origin;
-    const double away_m = way.norm(), reach_m = radius_m + moved_m + 1e-4 * away_m + 1e-3;
-    if (!(away_m > reach_m)) return true;
-    const double angle = std::acos(std::clamp(way.dot(axis) / away_m, -1.0, 1.0));
-    return !(angle - std::asin(reach_m / away_m) > half_rad);
-  }
-};
-
-/// None where some of the picture's border has no ray, or the cone would be all there is.
-std::optional<ViewCone> cone_of(const ImageView& view) {
-  constexpr double kMargin_rad = 0.02, kMost_rad = 1.5;
-  const Camera& camera = view.camera();
-  ViewCone cone;
-  view.unproject({0.5 * camera.width, 0.5 * camera.height}, cone.origin, cone.axis);
-  if (cone.axis.isZero(0.0)) return std::nullopt;
-  cone.axis.normalize();
-  const auto add = [&](double x, double y) {
-    Eigen::Vector3d origin, direction;
-    view.unproject({x, y}, origin, direction);
-    if (direction.isZero(0.0)) return false;
-    const double cosine = std::clamp(direction.normalized().dot(cone.axis), -1.0, 1.0);
-    cone.half_rad = std::max(cone.half_rad, std::acos(cosine));
-    cone.moved_m = std::max(cone.moved_m, (origin - cone.origin).norm());
-    return true;
-  };
-  for (int x = 0; x <= camera.width; ++x) {
-    if (!add(x, 0.0) || !add(x, camera.height)) return std::nullopt;
-  }
-  for (int y = 0; y <= camera.height; ++y) {
-    if (!add(0.0, y) || !add(camera.width, y)) return std::nullopt;
-  }
-  cone.half_rad += kMargin_rad;
-  if (!(cone.half_rad < kMost_rad)) return std::nullopt;
-  return cone;
 }
 
 struct Seen {
@@ -153,30 +112,92 @@ Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel
   return colour;
 }
 
-PointBlocks::PointBlocks(const PointSet& points) : count_(points.size()) {
-  for (std::size_t first = 0; first < count_; first += kPoints) {
-    const auto size = static_cast<Eigen::Index>(std::min(kPoints, count_ - first));
-    const auto block = points.position.middleCols(static_cast<Eigen::Index>(first), size);
-    const Eigen::Vector3f centre = 0.5F * (block.rowwise().minCoeff() + block.rowwise().maxCoeff());
-    blocks_.push_back({centre, std::sqrt((block.colwise() - centre).colwise().squaredNorm().maxCoeff())});
+ViewCone::ViewCone(const ImageView& view) {
+  constexpr double kMargin_rad = 0.02, kMost_rad = 1.5;
+  const Camera& camera = view.camera();
+  view.unproject({0.5 * camera.width, 0.5 * camera.height}, origin_, axis_);
+  if (axis_.isZero(0.0)) return;
+  axis_.normalize();
+  const auto add = [&](double x, double y) {
+    Eigen::Vector3d origin, direction;
+    view.unproject({x, y}, origin, direction);
+    if (direction.isZero(0.0)) return false;
+    const double cosine = std::clamp(direction.normalized().dot(axis_), -1.0, 1.0);
+    half_rad_ = std::max(half_rad_, std::acos(cosine));
+    moved_m_ = std::max(moved_m_, (origin - origin_).norm());
+    return true;
+  };
+  for (int x = 0; x <= camera.width; ++x) {
+    if (!add(x, 0.0) || !add(x, camera.height)) return;
+  }
+  for (int y = 0; y <= camera.height; ++y) {
+    if (!add(0.0, y) || !add(camera.width, y)) return;
+  }
+  half_rad_ += kMargin_rad;
+  bounded_ = half_rad_ < kMost_rad;
+}
+
+bool ViewCone::may_meet(const Eigen::Vector3d& centre, double radius_m) const {
+  if (!bounded_) return true;
+  const Eigen::Vector3d way = centre - origin_;
+  const double away_m = way.norm(), reach_m = radius_m + moved_m_ + 1e-4 * away_m + 1e-3;
+  if (!(away_m > reach_m)) return true;
+  const double angle = std::acos(std::clamp(way.dot(axis_) / away_m, -1.0, 1.0));
+  return !(angle - std::asin(reach_m / away_m) > half_rad_);
+}
+
+PointBlocks::PointBlocks(const PointSet& points) : order_(points.size()) {
+  std::vector<std::array<int, 3>> cells(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = points.position.col(static_cast<Eigen::Index>(i)) / kSide_m;
+    const Eigen::Vector3i cell = p.array().floor().cast<int>();
+    cells[i] = {cell.x(), cell.y(), cell.z()};
+  }
+  std::iota(order_.begin(), order_.end(), 0U);
+  std::stable_sort(order_.begin(), order_.end(), [&cells](std::uint32_t a, std::uint32_t b) {
+    return cells[a] < cells[b];
+  });
+  for (std::size_t first = 0, end = 0; first < order_.size(); first = end) {
+    Eigen::AlignedBox3f box;
+    for (end = first; end < order_.size() && cells[order_[end]] == cells[order_[first]]; ++end) {
+      box.extend(points.position.col(order_[end]));
+    }
+    blocks_.push_back({box.center(), 0.5F * box.diagonal().norm(), first});
   }
 }
 
-std::vector<std::uint32_t> PointBlocks::seen_from(const ImageView& view, double farthest_m) const {
+template <class F>
+std::vector<std::uint32_t> PointBlocks::points_of(F&& is_taken) const {
   constexpr double kSlack_m = 0.01;  // far above what floats lose
-  const std::optional<ViewCone> cone = cone_of(view);
-  const Eigen::Vector3d eye = view.origin();
-  std::vector<std::uint32_t> seen;
+  std::vector<std::uint8_t> taken(order_.size(), 0);
+  std::size_t count = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const Eigen::Vector3d centre = blocks_[i].centre.cast<double>();
-    const auto radius_m = static_cast<double>(blocks_[i].radius_m);
-    if ((centre - eye).norm() - radius_m - kSlack_m > farthest_m) continue;
-    if (cone && !cone->may_meet(centre, radius_m)) continue;
-    for (std::size_t k = i * kPoints; k < std::min(count_, (i + 1) * kPoints); ++k) {
-      seen.push_back(static_cast<std::uint32_t>(k));
-    }
+    const Block& block = blocks_[i];
+    if (!is_taken(block.centre.cast<double>(), static_cast<double>(block.radius_m) + kSlack_m)) continue;
+    const std::size_t end = i + 1 < blocks_.size() ? blocks_[i + 1].first : order_.size();
+    for (std::size_t k = block.first; k < end; ++k) taken[order_[k]] = 1;
+    count += end - block.first;
   }
-  return seen;
+  std::vector<std::uint32_t> out;
+  out.reserve(count);
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    if (taken[i] != 0) out.push_back(static_cast<std::uint32_t>(i));
+  }
+  return out;
+}
+
+std::vector<std::uint32_t> PointBlocks::seen_from(const ImageView& view, double farthest_m) const {
+  const ViewCone cone(view);
+  const Eigen::Vector3d eye = view.origin();
+  return points_of([&](const Eigen::Vector3d& centre, double radius_m) {
+    return (centre - eye).norm() - radius_m <= farthest_m && cone.may_meet(centre, radius_m);
+  });
+}
+
+std::vector<std::uint32_t> PointBlocks::within(const Eigen::Vector3d& from, double farthest_m) const {
+  return points_of([&](const Eigen::Vector3d& centre, double radius_m) {
+    return (centre - from).norm() - radius_m <= farthest_m;
+  });
 }
 
 Coverage look_at_points(const ImageView& view,

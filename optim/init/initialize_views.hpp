@@ -86,7 +86,20 @@ std::size_t join_by_footprint(PointSet& points,
 /// Bilinear colour at a pixel position; the border is continued outwards.
 [[nodiscard]] Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel);
 
-/// Points that lie side by side in memory, as balls: what of them a picture may show.
+/// All that a picture shows lies within an angle of an axis, seen from a ball that the camera stays in.
+class ViewCone {
+ public:
+  explicit ViewCone(const ImageView& view);
+  /// Whether the picture can show anything of a ball: never a wrong no.
+  [[nodiscard]] bool may_meet(const Eigen::Vector3d& centre, double radius_m) const;
+
+ private:
+  bool bounded_ = false;  // not: some of the picture's border has no ray, or the cone would be all there is
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(), axis_ = Eigen::Vector3d::Zero();
+  double moved_m_ = 0.0, half_rad_ = 0.0;
+};
+
+/// Points as balls around those that lie side by side: what of them a picture may show.
 class PointBlocks {
  public:
   explicit PointBlocks(const PointSet& points);
@@ -94,14 +107,19 @@ class PointBlocks {
   /// in their order, and of some others.
   [[nodiscard]] std::vector<std::uint32_t> seen_from(
       const ImageView& view, double farthest_m = std::numeric_limits<double>::infinity()) const;
+  /// Indices of the points up to farthest_m from a place, in their order, and of some others.
+  [[nodiscard]] std::vector<std::uint32_t> within(const Eigen::Vector3d& from, double farthest_m) const;
 
  private:
+  template <class F>
+  [[nodiscard]] std::vector<std::uint32_t> points_of(F&& is_taken) const;
   struct Block {
     Eigen::Vector3f centre;
     float radius_m = 0.0F;
+    std::size_t first = 0;  // of its points in order_, which the next block's follow
   };
-  static constexpr std::size_t kPoints = 64;  // of a block
-  std::size_t count_;
+  static constexpr float kSide_m = 2.0F;  // of the cube whose points are a block
+  std::vector<std::uint32_t> order_;      // of the points, block by block
   std::vector<Block> blocks_;
 };
 

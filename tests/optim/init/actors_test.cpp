@@ -96,9 +96,18 @@ TEST(ActorPoints, HideWhatIsBehindTheirBoxes) {
   // Before it, behind it, above, beside, behind the eye; and inside, where the ground below may be.
   background.position << 8, 15, 15, 15, -15, 10, 0, 0, 0, 6, 0, 0, 0, 0, 4, 0, 0, 0;
   background.intensity.assign(6, 0.0F);
-  const PointSet seen = points.placed(background, 0.0, Vector3d::Zero());
+  // A picture to the front, and one to the side that sees the car as little as what is behind it.
+  const Camera camera{"", 64, 64, 32.0, 32.0, 32.0, 32.0};
+  const auto view = [&camera](const Vector3d& forward) {
+    Eigen::Matrix3d axes;
+    axes << forward.cross(Vector3d::UnitZ()), -Vector3d::UnitZ(), forward;
+    const Pose at{Eigen::Quaterniond(axes), Vector3d::Zero()};
+    return ImageView(camera, at, at);
+  };
+  const PointSet seen = points.placed(background, 0.0, view(Vector3d::UnitX()));
   for (Eigen::Index i = 0; i < 6; ++i) EXPECT_EQ(std::isnan(seen.position(0, i)), i == 1) << i;
-  EXPECT_TRUE(points.placed(background, 1.0, Vector3d::Zero()).position.allFinite());
+  EXPECT_TRUE(points.placed(background, 1.0, view(Vector3d::UnitX())).position.allFinite());
+  EXPECT_TRUE(points.placed(background, 0.0, view(Vector3d::UnitY())).position.allFinite());
 }
 
 TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {

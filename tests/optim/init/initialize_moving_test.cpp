@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.hpp"
+#include "optim/init/initialize_views.hpp"
 
 namespace simuli {
 namespace {
@@ -109,6 +110,28 @@ TEST(Moving, TheSensorsOwnMotionIsUndone) {
   std::vector<PointVotes> standing(1);  // from where the sweep began, the pole is 13 m away
   vote_on_points(sweep(true), lidar(), start, start, points, standing);
   EXPECT_EQ(standing[0].there, 0);
+}
+
+TEST(Moving, BlocksChangeNoVote) {
+  std::vector<Eigen::Vector3f> places;
+  for (int i = 0; i < 3000; ++i) {  // a spiral out to 60 m, of which 40 m are voted on
+    const float azimuth = 0.37F * static_cast<float>(i), away_m = 0.02F * static_cast<float>(i);
+    places.emplace_back(away_m * std::cos(azimuth), away_m * std::sin(azimuth), -0.5F);
+  }
+  const PointSet points = point_set(places);
+  const PointBlocks blocks(points);
+  const Pose start{Eigen::Quaterniond::Identity(), {-3.0, 0.0, 0.0}};
+  const Pose end{Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0}};
+  std::vector<PointVotes> all(points.size()), some(points.size());
+  vote_on_points(sweep(true), lidar(), start, end, points, all);
+  vote_on_points(sweep(true), lidar(), start, end, points, some, &blocks);
+  std::size_t voted = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].through, some[i].through) << i;
+    EXPECT_EQ(all[i].there, some[i].there) << i;
+    voted += all[i].through + all[i].there > 0 ? 1U : 0U;
+  }
+  EXPECT_GT(voted, 500U);
 }
 
 TEST(Moving, NeedsThreeSweepsAndTheMajority) {

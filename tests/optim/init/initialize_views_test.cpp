@@ -314,6 +314,21 @@ TEST(PointBlocks, LeaveOutNothingThatAPictureShows) {
         EXPECT_TRUE(std::binary_search(seen.begin(), seen.end(), k)) << k;
       }
       looked_at += seen.size();
+      // The same with a farthest distance, and around a place.
+      constexpr double kFarthest_m = 30.0;
+      const std::vector<std::uint32_t> near = blocks.seen_from(view, kFarthest_m);
+      const std::vector<std::uint32_t> around = blocks.within(view.origin(), kFarthest_m);
+      EXPECT_TRUE(std::includes(seen.begin(), seen.end(), near.begin(), near.end()));
+      EXPECT_TRUE(std::includes(around.begin(), around.end(), near.begin(), near.end()));
+      EXPECT_LT(around.size(), 6400U);
+      for (std::uint32_t k = 0; k < 6400; ++k) {
+        const double away_m = (points.position.col(k).cast<double>() - view.origin()).norm();
+        if (away_m > kFarthest_m) continue;
+        EXPECT_TRUE(std::binary_search(around.begin(), around.end(), k)) << k;
+        EXPECT_EQ(std::binary_search(near.begin(), near.end(), k),
+                  std::binary_search(seen.begin(), seen.end(), k))
+            << k;
+      }
     }
     EXPECT_GT(shown, 0U);
     EXPECT_LT(looked_at, 20U * 6400U / 2);  // most are never looked at
