@@ -5,7 +5,7 @@
 
 #include "host/scene/particle_street.hpp"
 #include "io/synth/street.hpp"
-#include "optim/train/memory.hpp"
+#include "optim/train/memory/memory.hpp"
 #include "optim/train/trainer.hpp"
 
 namespace simuli::bench {

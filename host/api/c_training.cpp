@@ -1,4 +1,6 @@
 // Training and evaluation in C.
+#include <utility>
+
 #include "host/api/c_handles.hpp"
 #include "optim/eval/eval_settings.hpp"
 #include "optim/eval/evaluation.hpp"
@@ -28,7 +30,7 @@ simuli_status simuli_train(const simuli_device* device,
                                       throw Error(ErrorKind::kUsage, "training: ended by its observer");
                                     })
                                     .train;
-    write_scene(folder, training.result());
+    write_scene(folder, std::move(training).result());
     if (result == nullptr) return;
     *result = {report.last.iteration,
                report.last.psnr_db,

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <pybind11/functional.h>
+#include <utility>
 
 #include "host/python/bindings.hpp"
 
@@ -25,7 +26,7 @@ py::dict train(const std::string& log,
                                     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
                                   })
                                   .train;
-    write_scene(scene, training.result());
+    write_scene(scene, std::move(training).result());
     return done;
   }();
   py::dict out;

@@ -66,7 +66,17 @@ std::vector<Eigen::Index> coherent_order(const GaussianSet& set) {
 GaussianSet in_coherent_order(GaussianSet set) {
   const std::vector<Eigen::Index> order = coherent_order(set);
   if (std::is_sorted(order.begin(), order.end())) return set;
-  return subset(set, order);
+  // A parameter at a time, so that a set of millions never stands in memory twice.
+  for (Eigen::Index row = 0; row < set.params.cols(); ++row) {
+    set.params.col(row) = set.params.col(row)(order).eval();
+  }
+  if (!set.actor.empty()) {
+    std::vector<std::uint32_t> actor;
+    actor.reserve(order.size());
+    for (const Eigen::Index i : order) actor.push_back(set.actor[static_cast<std::size_t>(i)]);
+    set.actor = std::move(actor);
+  }
+  return set;
 }
 
 Scene in_coherent_order(Scene scene) {

@@ -10,7 +10,7 @@
 #include "io/base/state_file.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/state/state.hpp"
-#include "optim/stretch/stretch_scene.hpp"
+#include "optim/stretch/stretch_parts.hpp"
 
 namespace simuli {
 namespace {
@@ -234,6 +234,14 @@ StretchScene read_stretch(const std::filesystem::path& path, const std::string& 
     return a.lidar < b.lidar;
   });
   return part;
+}
+
+const StretchScene& StretchParts::part(std::size_t index, const Log& log) {
+  const Kept& kept = kept_.at(index);
+  if (kept.file.empty()) return kept.part;
+  read_ = {};
+  read_ = read_stretch(kept.file, kept.settings, log);
+  return read_;
 }
 
 }  // namespace simuli

@@ -1,5 +1,8 @@
 #pragma once
 // What a training by stretches of the drive is told.
+#include <cstddef>
+#include <cstdint>
+
 #include "host/base/allowed.hpp"
 
 namespace simuli {
@@ -9,6 +12,7 @@ namespace simuli {
 struct StretchOptions {
   double length_m = 0.0;
   double overlap_m = 100.0;
+  std::size_t host_memory_bytes = 0;
 };
 template <class F>
 constexpr void visit_fields(StretchOptions& o, F&& field) {
@@ -23,6 +27,18 @@ constexpr void visit_fields(StretchOptions& o, F&& field) {
       above(0.0),
       "m of path before and behind a stretch, some of whose frames it is trained on, too: all near it, every "
       "eleventh at the end");
+  field("host_memory_bytes",
+        o.host_memory_bytes,
+        at_least(0),
+        "of the host, that the training may need: a long drive is cut into stretches that fit, and into "
+        "memory_bytes of the device, too; 0: not limited");
 }
+
+/// Into how many stretches a training was cut to fit in memory, and what one of them needs, as foretold.
+struct StretchPlan {
+  std::size_t count = 0;  // 0: nothing was asked to fit
+  double length_m = 0.0;
+  std::uint64_t host_bytes = 0, device_bytes = 0;
+};
 
 }  // namespace simuli

@@ -22,22 +22,6 @@ bool is_shell(const Eigen::Vector3f& mean, const StretchParting& parting) {
   return mean.norm() > kShellShare * static_cast<float>(parting.shell_distance_m);
 }
 
-void append(GaussianSet& to, const GaussianSet& set) {
-  if (set.size() == 0) return;
-  if (to.params.cols() == 0 || to.size() == 0) {
-    to = set;
-    return;
-  }
-  to.params.conservativeResize(to.size() + set.size(), Eigen::NoChange);
-  to.params.bottomRows(set.size()) = set.params;
-  to.actor.insert(to.actor.end(), set.actor.begin(), set.actor.end());
-}
-
-/// Of every particle, told in so many words.
-void say_actors(GaussianSet& set) {
-  if (set.actor.empty()) set.actor.assign(static_cast<std::size_t>(set.size()), 0U);
-}
-
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
   const Eigen::AngleAxisd turn(rotation.w() < 0.0 ? Eigen::Quaterniond(-rotation.coeffs()) : rotation);
   return turn.angle() * turn.axis();
@@ -69,20 +53,23 @@ void correct(KeyPose& key, const Pose& world_from_actor) {
   key.turn_rad = rotation_vector(turn);
 }
 
+/// What of a stretch decides which of its particles stay: how many they are, by actor, 0 the background.
+struct PartCounts {
+  std::vector<Actor> actors;
+  std::vector<Eigen::Index> camera, lidar;
+};
+
 /// One actor as the stretches have it.
 class ActorParts {
  public:
-  ActorParts(const std::vector<StretchScene>& parts, const std::string& name) {
+  ActorParts(const std::vector<PartCounts>& parts, const std::string& name) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const std::vector<Actor>& actors = parts[i].scene.actors;
+      const std::vector<Actor>& actors = parts[i].actors;
       const auto found =
           std::find_if(actors.begin(), actors.end(), [&](const Actor& a) { return a.name == name; });
       if (found == actors.end()) continue;
       const auto number = static_cast<std::uint32_t>(found - actors.begin() + 1);
-      const auto count = [number](const GaussianSet& set) {
-        return std::count(set.actor.begin(), set.actor.end(), number);
-      };
-      const auto particles = count(parts[i].scene.camera) + count(parts[i].scene.lidar);
+      const Eigen::Index particles = parts[i].camera[number] + parts[i].lidar[number];
       seen_[i] = {&*found, number};
       if (particles <= most_) continue;
       most_ = particles;
@@ -129,25 +116,14 @@ class ActorParts {
   };
   std::map<std::size_t, Seen> seen_;  // by stretch
   std::size_t owner_ = 0;
-  std::ptrdiff_t most_ = 0;
+  Eigen::Index most_ = 0;
 };
 
-/// The particles of actors that stay, under their new numbers.
-GaussianSet actors_of(const GaussianSet& set, const std::map<std::uint32_t, std::uint32_t>& numbers) {
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < set.size(); ++i) {
-    if (numbers.contains(actor_of(set, i))) kept.push_back(i);
-  }
-  GaussianSet out = subset(set, kept);
-  for (std::uint32_t& actor : out.actor) actor = numbers.at(actor);
-  return out;
-}
-
-/// The background's, of the far shell those whose cells nobody has yet.
-GaussianSet background_of(const GaussianSet& set,
-                          const StretchParting& parting,
-                          const FarShell& shell,
-                          std::set<std::uint64_t>& taken) {
+/// Which particles of the background stay: of the far shell those whose cells nobody has yet.
+std::vector<Eigen::Index> background_of(const GaussianSet& set,
+                                        const StretchParting& parting,
+                                        const FarShell& shell,
+                                        std::set<std::uint64_t>& taken) {
   std::vector<Eigen::Index> kept;
   std::set<std::uint64_t> own;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
@@ -161,9 +137,45 @@ GaussianSet background_of(const GaussianSet& set,
     kept.push_back(i);
   }
   taken.merge(own);
-  GaussianSet out = subset(set, kept);
-  say_actors(out);
-  return out;
+  return kept;
+}
+
+std::vector<Eigen::Index> counts_of(const GaussianSet& set, std::size_t actors, std::size_t background) {
+  std::vector<Eigen::Index> counts(actors + 1, 0);
+  for (const std::uint32_t actor : set.actor) ++counts[actor];
+  counts[0] = static_cast<Eigen::Index>(background);
+  return counts;
+}
+
+/// A set of known size that is filled from its beginning on.
+class FilledSet {
+ public:
+  FilledSet(GaussianSet& set, Eigen::Index count) : set_(set) {
+    set.params.resize(count, param_rows(set.sh_degree));
+    set.actor.reserve(static_cast<std::size_t>(count));
+  }
+  /// The particles at `kept`, under their actors' new numbers.
+  void add(const GaussianSet& from,
+           const std::vector<Eigen::Index>& kept,
+           const std::map<std::uint32_t, std::uint32_t>& numbers) {
+    set_.params.middleRows(end_, static_cast<Eigen::Index>(kept.size())) = from.params(kept, Eigen::all);
+    end_ += static_cast<Eigen::Index>(kept.size());
+    for (const Eigen::Index i : kept) set_.actor.push_back(numbers.at(actor_of(from, i)));
+  }
+
+ private:
+  GaussianSet& set_;
+  Eigen::Index end_ = 0;
+};
+
+/// The particles of actors that stay.
+std::vector<Eigen::Index> actors_of(const GaussianSet& set,
+                                    const std::map<std::uint32_t, std::uint32_t>& numbers) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < set.size(); ++i) {
+    if (actor_of(set, i) != 0 && numbers.contains(actor_of(set, i))) kept.push_back(i);
+  }
+  return kept;
 }
 
 void add_mean(std::vector<double>& sum, const std::vector<float>& values) {
@@ -208,19 +220,71 @@ Scene owned(Scene scene, const StretchParting& parting, std::size_t index) {
   return scene;
 }
 
-Scene merged(std::vector<StretchScene> parts,
+void MeanRayDrop::add(const StretchScene& part) {
+  const double weight = std::max(static_cast<double>(part.report.sweeps), 1.0);
+  for (const RayDrop& drop : part.scene.ray_drop) {
+    Sum& sum = sums_[drop.lidar];
+    for (std::size_t k = 0; k < drop.parameters.size(); ++k) {
+      sum.parameters[k] += weight * drop.parameters[k];
+    }
+    sum.weight += weight;
+  }
+}
+
+std::vector<RayDrop> MeanRayDrop::mean() const {
+  std::vector<RayDrop> out;
+  for (const auto& [lidar, sum] : sums_) {
+    RayDrop& drop = out.emplace_back(RayDrop{lidar, sum.parameters});
+    for (double& value : drop.parameters) value /= sum.weight;
+  }
+  return out;
+}
+
+Scene merged(std::size_t count,
+             const StretchReader& part,
              const std::vector<Actor>& actors,
              const StretchParting& parting) {
   Scene out;
-  const Scene& first = parts.front().scene;
-  out.name = first.name;
-  out.origin = first.origin;
-  out.ray_drop = first.ray_drop;
-  out.lidar_background = first.lidar_background;
-  out.camera = GaussianSet(SetKind::kCamera, first.camera.sh_degree, 0);
-  out.lidar = GaussianSet(SetKind::kLidar, first.lidar.sh_degree, 0);
+  std::vector<PartCounts> parts;
+  std::vector<double> texels, background;
+  MeanRayDrop ray_drop;
+  const FarShell shell(parting.shell_spacing_deg, parting.shell_distance_m);
+  std::set<std::uint64_t> taken, none;
+  for (std::size_t i = 0; i < count; ++i) {
+    const StretchScene& stretch = part(i);
+    const Scene& own = stretch.scene;
+    if (i == 0) {
+      out.name = own.name;
+      out.origin = own.origin;
+      out.lidar_background = own.lidar_background;
+      out.environment = own.environment;
+      out.camera = GaussianSet(SetKind::kCamera, own.camera.sh_degree, 0);
+      out.lidar = GaussianSet(SetKind::kLidar, own.lidar.sh_degree, 0);
+    }
+    const std::size_t numbers = own.actors.size();
+    parts.push_back({own.actors,
+                     counts_of(own.camera, numbers, background_of(own.camera, parting, shell, taken).size()),
+                     counts_of(own.lidar, numbers, background_of(own.lidar, parting, shell, none).size())});
+    none.clear();
+    ray_drop.add(stretch);
+    add_mean(texels, own.environment.texels);
+    add_mean(background, {own.camera_background.begin(), own.camera_background.end()});
+  }
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    out.environment.texels[i] = static_cast<float>(texels[i] / static_cast<double>(count));
+  }
+  for (std::size_t c = 0; c < background.size(); ++c) {
+    out.camera_background[c] = static_cast<float>(background[c] / static_cast<double>(count));
+  }
+  out.ray_drop = ray_drop.mean();
 
-  std::vector<std::map<std::uint32_t, std::uint32_t>> numbers(parts.size());  // by stretch, new by old
+  std::vector<std::map<std::uint32_t, std::uint32_t>> numbers(count, {{0U, 0U}});  // by stretch, new by old
+  Eigen::Index camera_count = 0, lidar_count = 0;
+  const auto keep = [&](std::size_t stretch, std::uint32_t number) {
+    camera_count += parts[stretch].camera[number];
+    lidar_count += parts[stretch].lidar[number];
+  };
+  for (std::size_t i = 0; i < count; ++i) keep(i, 0);
   for (const Actor& actor : actors) {
     const ActorParts of_actor(parts, actor.name);
     Actor& merged_actor = out.actors.emplace_back(actor);
@@ -228,29 +292,18 @@ Scene merged(std::vector<StretchScene> parts,
     merged_actor.track = of_actor.track(parting);
     merged_actor.deformation = of_actor.deformation();
     numbers[of_actor.owner()][of_actor.number()] = static_cast<std::uint32_t>(out.actors.size());
+    keep(of_actor.owner(), of_actor.number());
   }
 
-  const FarShell shell(parting.shell_spacing_deg, parting.shell_distance_m);
-  std::set<std::uint64_t> taken;
-  std::vector<double> texels, background;
-  const auto count = static_cast<double>(parts.size());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    Scene& part = parts[i].scene;
-    append(out.camera, background_of(part.camera, parting, shell, taken));
-    append(out.camera, actors_of(part.camera, numbers[i]));
-    std::set<std::uint64_t> none;
-    append(out.lidar, background_of(part.lidar, parting, shell, none));
-    append(out.lidar, actors_of(part.lidar, numbers[i]));
-    add_mean(texels, part.environment.texels);
-    add_mean(background, {part.camera_background.begin(), part.camera_background.end()});
-    part.camera = part.lidar = {};
-  }
-  out.environment = first.environment;
-  for (std::size_t i = 0; i < texels.size(); ++i) {
-    out.environment.texels[i] = static_cast<float>(texels[i] / count);
-  }
-  for (std::size_t c = 0; c < background.size(); ++c) {
-    out.camera_background[c] = static_cast<float>(background[c] / count);
+  FilledSet camera(out.camera, camera_count), lidar(out.lidar, lidar_count);
+  taken.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Scene& own = part(i).scene;
+    camera.add(own.camera, background_of(own.camera, parting, shell, taken), numbers[i]);
+    camera.add(own.camera, actors_of(own.camera, numbers[i]), numbers[i]);
+    lidar.add(own.lidar, background_of(own.lidar, parting, shell, none), numbers[i]);
+    lidar.add(own.lidar, actors_of(own.lidar, numbers[i]), numbers[i]);
+    none.clear();
   }
   if (out.actors.empty()) out.camera.actor.clear(), out.lidar.actor.clear();
   return in_coherent_order(std::move(out));

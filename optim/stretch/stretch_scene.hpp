@@ -2,7 +2,8 @@
 // What the stretches of a drive come to: each its own part of one scene.
 #include <cstddef>
 #include <filesystem>
-#include <optional>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,30 +35,36 @@ struct StretchParting {
 /// the actors' stay.
 [[nodiscard]] Scene owned(Scene scene, const StretchParting& parting, std::size_t index);
 
-/// One scene of all of them, in their order. Of each cell of the far shell the first stretch's particles that
-/// has any; of an actor the particles of the stretch that has most of it, each key pose as the stretch found
-/// it in which it lies, moved by what both have in common; the environment's mean; the LiDARs' drop functions
-/// of the first. `actors`: all that may have particles, their names those of the stretches' actors.
-[[nodiscard]] Scene merged(std::vector<StretchScene> parts,
+/// A stretch by its number, whole: good until the next one is asked for.
+using StretchReader = std::function<const StretchScene&(std::size_t)>;
+
+/// The mean of the LiDARs' drop functions, each stretch's by the sweeps that taught it.
+class MeanRayDrop {
+ public:
+  void add(const StretchScene& part);
+  /// By the LiDARs' names.
+  [[nodiscard]] std::vector<RayDrop> mean() const;
+
+ private:
+  struct Sum {
+    RayDrop::Parameters parameters{};
+    double weight = 0.0;
+  };
+  std::map<std::string, Sum> sums_;
+};
+
+/// One scene of all `count` of them, in their order, each of which is read twice; nothing but the scene and
+/// one of them is in memory at a time. Of each cell of the far shell the first stretch's particles that has
+/// any; of an actor the particles of the stretch that has most of it, each key pose as the stretch found it
+/// in which it lies, moved by what both have in common; the environment's mean, and that of the LiDARs' drop
+/// functions. `actors`: all that may have particles, their names those of the stretches' actors.
+[[nodiscard]] Scene merged(std::size_t count,
+                           const StretchReader& part,
                            const std::vector<Actor>& actors,
                            const StretchParting& parting);
 
 /// Adds what a stretch says of itself to what is told of all; `share` of its iterations in theirs weighs its
 /// means.
 void add_stretch(TrainReport& all, const TrainReport& own, double share);
-
-/// What the settings of a training say of a stretch, behind those of a training in one piece; and of the one
-/// whose state a checkpoint holds, empty where that is no stretch's. Error{kInput} for what is no checkpoint.
-[[nodiscard]] std::string stretch_lines(int iterations, std::size_t index, std::size_t count);
-[[nodiscard]] std::string stretch_lines(const std::filesystem::path& checkpoint);
-/// Where a training that is stored in `checkpoint` keeps its stretch number `index` when that is done.
-[[nodiscard]] std::filesystem::path stretch_file(const std::filesystem::path& checkpoint, std::size_t index);
-/// Keeps a part in a file, by the text that tells which training's it is. Atomic.
-void write_stretch(const std::filesystem::path& file, const std::string& settings, const StretchScene& part);
-/// The part again, the same bits; `log` has the actors and LiDARs that it was trained on. Error{kInput} for
-/// what is no such file, or of another training.
-[[nodiscard]] StretchScene read_stretch(const std::filesystem::path& file,
-                                        const std::string& settings,
-                                        const Log& log);
 
 }  // namespace simuli

@@ -1,7 +1,9 @@
 #include <string>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
+#include "host/render/options/quality.hpp"
 #include "host/render/options/render_settings.hpp"
 #include "host/render/options/validate.hpp"
 #include "optim/train/training_options.hpp"
@@ -41,6 +43,16 @@ TrainingOptions training_options(const std::string& quality, const std::vector<s
   options.train.render = training_options_of(quality_of_name(quality));
   fields_of(options).apply(settings, "settings");
   return checked(options);
+}
+
+std::string quality_of(const RenderOptions& options) {
+  const std::vector<std::string> lines = lines_of(options);
+  for (const Quality quality : {Quality::kBalanced, Quality::kDraft, Quality::kExact, Quality::kReference}) {
+    if (lines_of(training_options_of(quality)) == lines) {
+      return quality_names()[static_cast<std::size_t>(quality)];
+    }
+  }
+  return "custom";
 }
 
 }  // namespace simuli

@@ -1,6 +1,7 @@
 #pragma once
 // What a training is told.
 #include <cstddef>
+#include <string>
 
 #include "host/base/allowed.hpp"
 #include "host/render/options/options.hpp"
@@ -212,5 +213,9 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
 
 /// The options themselves. Error{kUsage} naming the key when one is outside its range.
 [[nodiscard]] TrainOptions checked(const TrainOptions& options);
+
+/// The name of the bundle (host/render/options/quality.hpp) that these options of a training are, or
+/// "custom".
+[[nodiscard]] std::string quality_of(const RenderOptions& options);
 
 }  // namespace simuli

@@ -15,7 +15,7 @@
 #include "host/scene/particle_order.hpp"
 #include "io/base/state_file.hpp"
 #include "optim/base/frames.hpp"
-#include "optim/train/memory.hpp"
+#include "optim/train/memory/memory.hpp"
 
 namespace simuli {
 namespace {

@@ -12,7 +12,6 @@
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "host/base/version.hpp"
-#include "host/render/options/quality.hpp"
 #include "host/runtime/cache/tuning.hpp"
 #include "io/base/state_file.hpp"
 #include "io/base/temporary.hpp"
@@ -23,40 +22,16 @@
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
 #include "optim/report/judgement.hpp"
-#include "optim/stretch/stretch_scene.hpp"
+#include "optim/stretch/stretch_parts.hpp"
 #include "optim/support/record_support.hpp"
 #include "optim/surfaces/dark_surfaces.hpp"
+#include "optim/train/memory/stretch_plan.hpp"
 #include "optim/train/trainer.hpp"
 
 namespace simuli {
 namespace {
 
-/// The bundle that these options of a training are.
-std::string quality_of(const RenderOptions& options) {
-  const std::vector<std::string> lines = lines_of(options);
-  for (const Quality quality : {Quality::kBalanced, Quality::kDraft, Quality::kExact, Quality::kReference}) {
-    if (lines_of(training_options_of(quality)) == lines) {
-      return quality_names()[static_cast<std::size_t>(quality)];
-    }
-  }
-  return "custom";
-}
-
 constexpr double kSight_m = 100.0;  // that LiDARs and pictures tell the distance of, about
-
-/// What cannot be told of one stretch and be true of the next.
-void need_uncut(const TrainingOptions& o) {
-  if (o.stretches.length_m == 0.0) return;
-  const auto refuse = [](const char* key, const char* allowed) {
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format("{}: found true, allowed {} where stretch.length_m cuts the drive", key, allowed));
-  };
-  if (o.train.length.automatic) refuse("auto.on", "a number of iterations");
-  if (o.train.look.color_grids) refuse("color_grids", "false");
-  if (o.train.poses.camera) refuse("poses.camera", "false");
-  if (o.train.poses.lidar) refuse("poses.lidar", "false");
-}
 
 }  // namespace
 
@@ -74,7 +49,8 @@ struct Training::State {
   std::size_t current = 0;
   Log log;  // of the current stretch
   std::unique_ptr<Trainer> trainer;
-  std::vector<StretchScene> done;
+  StretchParts done;
+  MeanRayDrop ray_drop;  // of those
   std::optional<Scene> merged;
   TrainStatus status;  // of all stretches together
 
@@ -157,10 +133,13 @@ void Training::prepare_log(const Progress& progress) {
   RefinedLog refined = with_refined_path(std::move(log_), options_.path, progress);
   log_ = std::move(refined.log);
   report_.path = std::move(refined.report);
-  if (options_.stretches.length_m > 0.0) {
-    state->path.emplace(log_);
-    state->stretches = cut(*state->path, options_.stretches);
+  StretchOptions stretches = options_.stretches;
+  if (stretches.length_m > 0.0 || plans_stretches(options_)) state->path.emplace(log_);
+  if (plans_stretches(options_)) {
+    report_.stretches = plan_stretches(device_, log_, options_, *state->path);
+    if (report_.stretches.count > 1) stretches.length_m = report_.stretches.length_m;
   }
+  if (stretches.length_m > 0.0) state->stretches = cut(*state->path, stretches);
   if (state->is_cut()) {
     state_ = std::move(state);
     prepare_stretches();
@@ -222,10 +201,9 @@ TrainingOptions Training::own_options() const {
   own.init.shell_distance_m = state.shell_m;
   own.train.max_seconds *= static_cast<double>(iterations) / std::max(state.ends.back(), 1);
   own.train.iterations = iterations;
-  if (state.current > 0) {
-    own.train.ray_drop.rate = 0.0;
-    own.train.prune.row_ranges = false;
-  }
+  // Each stretch moves what all before it have come to, the less the more these are.
+  own.train.ray_drop.rate /= static_cast<double>(state.current + 1);
+  if (state.current > 0) own.train.prune.row_ranges = false;
   return own;
 }
 
@@ -241,7 +219,7 @@ void Training::start(const Progress& progress) {
   begin.report.dark_points = add_dark_surfaces(log, own.frames, own.init, begin.scene);
   begin.report.lidar_particles += begin.report.dark_points;
   report_.init += begin.report;
-  if (state.current > 0) begin.scene.ray_drop = state.done.front().scene.ray_drop;
+  if (state.current > 0) begin.scene.ray_drop = state.ray_drop.mean();
   state.trainer =
       std::make_unique<Trainer>(device_, log, std::move(begin.scene), own, std::move(begin.moving), ranks_);
   state.trainer->need_one_state(own_identity());
@@ -256,16 +234,17 @@ void Training::resume(const std::filesystem::path& checkpoint, const Progress& p
   bool goes_on = true;
   if (state.is_cut() || !tail.empty()) {
     while (state.current < state.stretches.size() && own_identity() != identity() + tail) {
-      StretchScene part = read_stretch(stretch_file(checkpoint, state.current), own_identity(), log_);
-      end_stretch(std::move(part));
+      const std::filesystem::path file = stretch_file(checkpoint, state.current);
+      end_stretch(read_stretch(file, own_identity(), log_), file);
     }
     goes_on = state.current < state.stretches.size();
     if (!goes_on) {
       throw_input_error(
           checkpoint.string(), "stretch", tail, fmt::format("one of {}", state.stretches.size()));
     }
-    if (std::filesystem::exists(stretch_file(checkpoint, state.current))) {
-      end_stretch(read_stretch(stretch_file(checkpoint, state.current), own_identity(), log_));
+    if (const std::filesystem::path file = stretch_file(checkpoint, state.current);
+        std::filesystem::exists(file)) {
+      end_stretch(read_stretch(file, own_identity(), log_), file);
       goes_on = false;
     }
   }
@@ -312,8 +291,9 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
   }
   while (!state.merged) {
     if (!state.trainer) start({});
-    const std::filesystem::path own_file = stretch_file(checkpoints.file, state.current);
-    if (checkpoints.every > 0 && ranks_.is_first()) {  // of another training, or half-written
+    std::filesystem::path own_file;
+    if (!checkpoints.file.empty() && ranks_.is_first()) {  // what may be there is of another training
+      own_file = stretch_file(checkpoints.file, state.current);
       remove_stale_temporaries(own_file);
       std::error_code absent;
       std::filesystem::remove(own_file, absent);
@@ -322,15 +302,14 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
     StretchScene part{owned(state.trainer->scene(), state.parting(options_), state.current), {}, report};
     part.lidars = log_.lidars;
     for (LogLidar& lidar : part.lidars) lidar.model = state.trainer->lidar(name_of(lidar.model));
-    if (checkpoints.every > 0 && ranks_.is_first()) {
-      write_stretch(own_file, own_identity(), part);
-    }
-    end_stretch(std::move(part));
+    state.trainer.reset();
+    if (!own_file.empty()) write_stretch(own_file, own_identity(), part);
+    end_stretch(std::move(part), own_file);
   }
   return report_;
 }
 
-void Training::end_stretch(StretchScene part) {
+void Training::end_stretch(StretchScene part, const std::filesystem::path& file) {
   State& state = *state_;
   state.trainer.reset();
   state.log = {};
@@ -338,10 +317,18 @@ void Training::end_stretch(StretchScene part) {
   const double share =
       static_cast<double>(state.ends[state.current] - state.begun()) / std::max(state.ends.back(), 1);
   add_stretch(report_.train, part.report, share);
-  state.done.push_back(std::move(part));
+  state.ray_drop.add(part);
+  if (file.empty()) {
+    state.done.keep(std::move(part));
+  } else {
+    part = {};
+    state.done.keep(file, own_identity());
+  }
   ++state.current;
   if (state.current < state.stretches.size()) return;
-  state.merged = merged(std::move(state.done), log_.actors, state.parting(options_));
+  const auto read = [&](std::size_t i) -> const StretchScene& { return state.done.part(i, log_); };
+  state.merged = merged(state.done.count(), read, log_.actors, state.parting(options_));
+  state.done = {};
   TrainReport& all = report_.train;
   const HeldOutRule rule(log_, options_.frames);
   all.images = rule.training(log_.images).size();
@@ -356,7 +343,7 @@ void Training::end_stretch(StretchScene part) {
 
 const TrainStatus& Training::status() const {
   const State& state = prepared();
-  return state.is_cut() ? state.status : state.trainer->status();
+  return state.trainer && !state.is_cut() ? state.trainer->status() : state.status;
 }
 
 Scene Training::scene() const {
@@ -364,8 +351,19 @@ Scene Training::scene() const {
   return state.merged ? *state.merged : state.trainer->scene();
 }
 
-SceneFile Training::result() const {
-  SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
+SceneFile Training::result() const& { return completed(with_sensors(scene())); }
+
+SceneFile Training::result() && {
+  static_cast<void>(prepared());
+  SceneFile file = with_sensors(state_->merged ? std::move(*state_->merged) : state_->trainer->scene());
+  state_->status = status();
+  state_->trainer.reset();  // the device has room for what comes
+  state_->merged.emplace();
+  return completed(std::move(file));
+}
+
+SceneFile Training::with_sensors(Scene scene) const {
+  SceneFile file{std::move(scene), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
   if (const Trainer* const trainer = prepared().trainer.get()) {
     const SensorOffsets& offsets = trainer->sensor_offsets();
     for (LogCamera& camera : file.cameras) {
@@ -376,6 +374,10 @@ SceneFile Training::result() const {
       lidar.rig_from_lidar = moved_by(offsets, name_of(lidar.model), lidar.rig_from_lidar);
     }
   }
+  return file;
+}
+
+SceneFile Training::completed(SceneFile file) const {
   file.training = TrainingRecord{.log_name = log_.name,
                                  .log_hash = log_hash_,
                                  .frames = options_.frames,

@@ -23,6 +23,7 @@ struct StretchScene;
 
 /// How a training went: its start, and what followed.
 struct TrainingReport {
+  StretchPlan stretches;
   PathReport path;
   FindReport found;  // zeros: not searched
   InitReport init;
@@ -83,7 +84,9 @@ class Training {
   [[nodiscard]] Scene scene() const;
   /// The same with sensors and trajectory, mounted as was learned, how it was made, and what tells how well
   /// it knows what it shows (record_support.hpp), for which it renders the training frames.
-  [[nodiscard]] SceneFile result() const;
+  [[nodiscard]] SceneFile result() const&;
+  /// The same without a second scene in memory, on host and device: what there was to train is gone then.
+  [[nodiscard]] SceneFile result() &&;
 
  private:
   struct State;
@@ -98,7 +101,10 @@ class Training {
   void start(const Progress& progress);
   [[nodiscard]] TrainingOptions own_options() const;
   TrainReport run_one(const Observer& on_step, const Checkpoints& checkpoints);
-  void end_stretch(StretchScene part);
+  /// `file`: that it is kept in; empty: memory.
+  void end_stretch(StretchScene part, const std::filesystem::path& file);
+  [[nodiscard]] SceneFile with_sensors(Scene scene) const;
+  [[nodiscard]] SceneFile completed(SceneFile file) const;
   [[nodiscard]] std::vector<RankField> rank_fields() const;
 
   Ranks& ranks_;

@@ -127,6 +127,12 @@ TEST_F(ResumeCli, TrainingsThatDoNotFitAreRefusedWithNumbers) {
   expect_failure("--json train s.log -o a.scene --iterations 2 --set memory_bytes=1000000",
                  kDevice,
                  "allowed 0.001 GB by memory_bytes");
+  const std::string train = "--json train s.log -o a.scene --iterations 2 --set init.voxel_m=0.3 ";
+  expect_failure(train + "--device-memory 1MB", kDevice, "allowed 0.001 GB by memory_bytes");
+  expect_failure(train + "--host-memory 2MiB", kUsage, "allowed 0.002 GB by host_memory_bytes");
+  for (const char* size : {"6XB", "0", "-1GB", "GB", "1e3", "inf"}) {
+    expect_failure(train + "--host-memory=" + size, kUsage, std::string("--host-memory: found ") + size);
+  }
   EXPECT_FALSE(fs::exists(folder_ / "a.scene"));
 }
 

@@ -120,6 +120,16 @@ void warn(const TrainReport& report) {
   }
 }
 
+std::string plan_text(const StretchPlan& plan) {
+  const std::string cut = plan.count > 1 ? fmt::format("{} stretches of {:.0f} m", plan.count, plan.length_m)
+                                         : fmt::format("one piece of {:.0f} m", plan.length_m);
+  return fmt::format(
+      "simuli: the drive in {}: about {:.2f} GB of the host's memory, {:.2f} GB of the device's",
+      cut,
+      static_cast<double>(plan.host_bytes) * 1e-9,
+      static_cast<double>(plan.device_bytes) * 1e-9);
+}
+
 /// Hands the training's newest scene to the viewer, as long as somebody looks.
 class LiveScene {
  public:
@@ -180,6 +190,9 @@ TrainHistory run_training(Training& training,
     training.prepare(reading.callback());
   }
   reading.finish();
+  if (const StretchPlan& plan = training.report().stretches; plan.count > 0 && ranks.is_first()) {
+    std::cerr << plan_text(plan) << '\n';
+  }
   TrainHistory history;
   const auto planned = [&training] { return static_cast<std::uint64_t>(training.status().planned); };
   // The first iteration compiles what is not in a cache: its time tells nothing of the others'.

@@ -69,6 +69,10 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
   if (json) {
     const nlohmann::ordered_json out = {{"scene", scene},
                                         {"iterations", r.last.iteration},
+                                        {"stretches", report.stretches.count},
+                                        {"stretch_m", report.stretches.length_m},
+                                        {"foretold_host_bytes", report.stretches.host_bytes},
+                                        {"foretold_device_bytes", report.stretches.device_bytes},
                                         {"stopped_early", r.stopped_early},
                                         {"stages", json_of(r.stages)},
                                         {"images", r.images},

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -26,7 +29,7 @@
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/scene_output.hpp"
 #include "optim/ranks/rank_threads.hpp"
-#include "optim/stretch/stretch_scene.hpp"
+#include "optim/stretch/stretch_parts.hpp"
 #include "optim/train/training.hpp"
 
 namespace simuli::cli {
@@ -51,6 +54,31 @@ void take_iterations(const std::string& text, TrainOptions& options) {
   if (iterations.set(text)) return;
   throw Error(ErrorKind::kUsage,
               fmt::format("--iterations: found {}, allowed auto, or {}", text, iterations.allowed()));
+}
+
+/// "6GB", "512MiB" or a number of bytes.
+std::size_t memory_size(const char* option, const std::string& text) {
+  constexpr std::array<std::pair<const char*, double>, 8> kUnits{{{"", 1.0},
+                                                                  {"B", 1.0},
+                                                                  {"MB", 1e6},
+                                                                  {"GB", 1e9},
+                                                                  {"TB", 1e12},
+                                                                  {"MiB", 1048576.0},
+                                                                  {"GiB", 1073741824.0},
+                                                                  {"TiB", 1099511627776.0}}};
+  constexpr double kMost = 1e18;
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, failed] = std::from_chars(text.data(), end, number, std::chars_format::fixed);
+  const std::string unit(rest, end);
+  const auto found =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const auto& known) { return known.first == unit; });
+  const bool is_size = failed == std::errc() && found != kUnits.end();
+  if (const double bytes = is_size ? number * found->second : 0.0; bytes >= 1.0 && bytes <= kMost) {
+    return static_cast<std::size_t>(bytes);
+  }
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: found {}, allowed a size above 0: 6GB, 512MiB, or bytes", option, text));
 }
 
 /// With what held-out frames say; of all frames when none was held out.
@@ -162,7 +190,7 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
   TrainedReport trained;
   trained.history = run_training(training, device, globals, command.outputs);
   trained.report = training.report();
-  SceneFile scene = training.result();
+  SceneFile scene = std::move(training).result();
   write_scene(command.output, scene);
   if (command.outputs.checkpoints.every == 0) {
     std::error_code ignored;  // nobody needs it any more, and the scene is there
@@ -262,6 +290,19 @@ void add_train(Command app, const Globals& globals) {
       command->options.frames.held_out_last,
       "keep the frames of that share of the path, at its end, for evaluation, too");
   add("--seed", command->options.frames.seed, "of the frames' order and of thinning");
+  const auto add_memory = [&](const char* name, auto set, const char* text) {
+    sub.option(
+           name, [name, set](const std::string& size) { set(memory_size(name, size)); }, text)
+        .shown_as("SIZE", "not limited");
+  };
+  add_memory(
+      "--host-memory",
+      [command](std::size_t bytes) { command->options.stretches.host_memory_bytes = bytes; },
+      "that the training may need, as 6GB: a long drive is cut into stretches that fit (host_memory_bytes)");
+  add_memory(
+      "--device-memory",
+      [command](std::size_t bytes) { command->options.train.memory_bytes = bytes; },
+      "of the device, in the same way (memory_bytes)");
   sub.option("--checkpoint-every",
              command->outputs.checkpoints.every,
              "iterations between states in OUTPUT.checkpoint, the last of which is kept; 0: none")

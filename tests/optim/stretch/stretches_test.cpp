@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <utility>
 
+#include "host/support/record/support_record.hpp"
 #include "io/synth/long_street.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/init/posed_frames.hpp"
-#include "optim/stretch/stretch_scene.hpp"
+#include "optim/stretch/stretch_parts.hpp"
+#include "optim/train/memory/memory.hpp"
+#include "optim/train/memory/stretch_plan.hpp"
 #include "optim/train/training.hpp"
 #include "tests/host/expect_error.hpp"
 
@@ -254,7 +258,13 @@ TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
       key.shift_m = key.world_from_actor.rotation * shift;
     }
   }
-  const Scene one = merged(std::move(parts), {actor}, parting);
+  std::vector<std::size_t> read;
+  const auto part = [&](std::size_t i) -> const StretchScene& {
+    read.push_back(i);
+    return parts[i];
+  };
+  const Scene one = merged(parts.size(), part, {actor}, parting);
+  EXPECT_EQ(read, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));  // one after the other, twice
   ASSERT_EQ(one.actors.size(), 1U);
   EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), 1U), 7);
   EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), 0U), 4);
@@ -269,6 +279,101 @@ TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
     EXPECT_NEAR((shift - Eigen::Vector3d(0.1, -0.05, 0.0)).norm(), 0.0, 1e-3) << key.time_s;
     EXPECT_NEAR(key.turn_rad.norm(), 0.0, 1e-6);
   }
+}
+
+TEST(MeanRayDrop, WeighsStretchesByTheirSweeps) {
+  MeanRayDrop sum;
+  EXPECT_TRUE(sum.mean().empty());
+  const auto add = [&sum](std::size_t sweeps, const char* lidar, double value) {
+    StretchScene part;
+    part.report.sweeps = sweeps;
+    RayDrop& drop = part.scene.ray_drop.emplace_back(RayDrop{lidar, {}});
+    drop.parameters.fill(value);
+    sum.add(part);
+  };
+  add(30, "top", 1.0);
+  add(10, "top", 5.0);
+  add(10, "low", 7.0);
+  const std::vector<RayDrop> mean = sum.mean();
+  ASSERT_EQ(mean.size(), 2U);
+  EXPECT_EQ(mean[0].lidar, "low");
+  EXPECT_EQ(mean[0].parameters.front(), 7.0);
+  EXPECT_EQ(mean[1].lidar, "top");
+  EXPECT_EQ(mean[1].parameters.back(), 2.0);
+}
+
+TEST_F(StretchesTest, FilesHoldWhatMemoryWould) {
+  Training remembered(Device::best(), log_, options(20.0));
+  remembered.run();
+  const fs::path file = folder_ / "files.checkpoint";
+  Training written(Device::best(), log_, options(20.0));
+  written.run({}, {file, 0});
+  EXPECT_TRUE(fs::exists(stretch_file(file, 2)));
+  expect_same(written.scene(), remembered.scene());
+  // Taken out of the training, it is the same once more.
+  const std::size_t views = written.result().support->views.size();
+  const SceneFile taken = std::move(written).result();
+  expect_same(taken.scene, remembered.scene());
+  EXPECT_EQ(taken.training->iterations, 60);
+  EXPECT_EQ(taken.support->views.size(), views);
+}
+
+TEST_F(StretchesTest, AreAsFewAsFitInMemory) {
+  const DrivenPath path(log_);
+  const auto plan = [&](std::size_t host, std::size_t device, bool grids = false) {
+    TrainingOptions o = options(0.0);
+    o.stretches.host_memory_bytes = host;
+    o.train.memory_bytes = device;
+    o.train.look.color_grids = grids;
+    return plan_stretches(Device::best(), log_, o, path);
+  };
+  EXPECT_FALSE(plans_stretches(options(0.0)));
+  const StretchPlan whole = plan(std::size_t{1} << 40U, std::size_t{1} << 40U);
+  EXPECT_EQ(whole.count, 1U);
+  EXPECT_EQ(whole.length_m, path.length_m());
+  // The need of a piece is the more the longer it is, so a byte less than the whole's need cuts the drive.
+  const StretchPlan by_host = plan(whole.host_bytes - 1, 0), by_device = plan(0, whole.device_bytes - 1);
+  EXPECT_GT(by_host.count, 1U);
+  EXPECT_LE(by_host.host_bytes, whole.host_bytes);
+  EXPECT_GT(by_device.count, 1U);
+  EXPECT_LT(by_device.device_bytes, whole.device_bytes);
+  EXPECT_NEAR(by_device.length_m * static_cast<double>(by_device.count), path.length_m(), 1e-6);
+  // What is foretold is what a training of such a stretch then asks of the device, or more.
+  TrainingOptions o = options(by_device.length_m);
+  Training training(Device::best(), log_, o);
+  training.prepare();
+  const MemoryNeed need = training_memory(Device::best(), log_, training.scene(), o);
+  EXPECT_GT(static_cast<double>(by_device.device_bytes), 0.8 * static_cast<double>(need.total));
+  EXPECT_LT(static_cast<double>(by_device.device_bytes), 3.0 * static_cast<double>(need.total));
+  // What cannot fit says so, with what was found, allowed, and by what.
+  expect_error(ErrorKind::kUsage, "allowed 0.000 GB by host_memory_bytes", [&] { plan(1000, 0); });
+  expect_error(ErrorKind::kUsage, "20 m of the drive at a time", [&] { plan(1000, 0); });
+  expect_error(ErrorKind::kDevice, "allowed 0.000 GB by memory_bytes", [&] { plan(0, 1000); });
+  expect_error(ErrorKind::kDevice, "which color_grids keeps in one piece", [&] { plan(0, 1000, true); });
+}
+
+TEST_F(StretchesTest, PlannedTheyAreThoseOfTheirLength) {
+  TrainingOptions planned = options(0.0);
+  const DrivenPath path(log_);
+  planned.train.memory_bytes = std::size_t{1} << 40U;
+  planned.train.memory_bytes = plan_stretches(Device::best(), log_, planned, path).device_bytes - 1;
+  Training training(Device::best(), log_, planned);
+  const fs::path file = folder_ / "planned.checkpoint";
+  struct Killed {};
+  EXPECT_THROW(training.run(
+                   [](const TrainStatus& status) {
+                     if (status.iteration > 40) throw Killed();
+                   },
+                   {file, 10}),
+               Killed);
+  const StretchPlan plan = training.report().stretches;
+  ASSERT_GT(plan.count, 1U);
+  Training resumed(Device::best(), log_, planned);
+  resumed.resume(file);
+  resumed.run();
+  Training told(Device::best(), log_, options(plan.length_m));
+  told.run();
+  expect_same(resumed.scene(), told.scene());
 }
 
 TEST_F(StretchesTest, RefuseWhatOneWouldTellOtherThanTheNext) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.hpp"
-#include "optim/train/memory.hpp"
+#include "optim/train/memory/memory.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 

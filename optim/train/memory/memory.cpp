@@ -1,4 +1,4 @@
-#include "optim/train/memory.hpp"
+#include "optim/train/memory/memory.hpp"
 
 #include <algorithm>
 #include <cmath>
