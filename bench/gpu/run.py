@@ -218,6 +218,8 @@ def main():
     arguments = parser.parse_args()
     if not (arguments.bin / "simuli").is_file():
         sys.exit(f"run.py: BIN: found no {arguments.bin / 'simuli'}, allowed a folder of built programs")
+    if arguments.frames < 5:  # simuli bench's own limit
+        sys.exit(f"run.py: --frames: found {arguments.frames}, allowed at least 5")
     arguments.output.mkdir(parents=True, exist_ok=True)
     page = Page(arguments.output.resolve())
     page.data["as_gpu"] = arguments.as_gpu
