@@ -87,7 +87,6 @@ void write_atomically(const fs::path& file, const std::function<void(const fs::p
   need_regular_file(file);  // a device would be gone, with a file in its place
   Temporary temporary(file);
   temporary.fill(write);
-  sync_to_disk(temporary.path());
   temporary.become_target();
 }
 
@@ -106,8 +105,6 @@ void write_folder_atomically(const fs::path& folder, const std::function<void(co
                       "a path that can be written");
   }
   temporary.fill(write);
-  for (const auto& entry : fs::recursive_directory_iterator(temporary.path())) sync_to_disk(entry.path());
-  sync_to_disk(temporary.path());
   temporary.become_target();
 }
 

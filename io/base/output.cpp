@@ -155,8 +155,6 @@ void replace_folder_atomically(const fs::path& folder,
   }
   fs::permissions(temporary.path(), fs::status(target).permissions(), failed);
   temporary.fill(write);
-  for (const auto& entry : fs::recursive_directory_iterator(temporary.path())) sync_to_disk(entry.path());
-  sync_to_disk(temporary.path());
   temporary.take_targets_place();
 }
 

@@ -97,6 +97,30 @@ std::optional<pid_t> process_in(std::string_view name, std::string_view stem, st
   return process;
 }
 
+/// Whether it lies in a folder that is not to last as it is: one that is synced as a whole before it gets its
+/// name, or is removed in the end. Thousands of pictures synced one by one take minutes.
+bool is_in_a_temporary(const fs::path& path) {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  for (fs::path at = fs::absolute(path).parent_path(); at != at.root_path(); at = at.parent_path()) {
+    if (all.paths.contains(at)) return true;
+  }
+  return false;
+}
+
+void sync_to_disk(const fs::path& path) {
+  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (descriptor.get() < 0) throw_errno(path, "sync", "a file that was just written");
+  // EINVAL: a file system that cannot sync folders; the rename is still atomic there.
+  if (::fsync(descriptor.get()) != 0 && errno != EINVAL) throw_errno(path, "sync", "a working disk");
+}
+
+/// Lets the disk begin, so that syncing file after file waits for all of them together.
+void begin_to_write_out(const fs::path& file) {
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  (void)::sync_file_range(descriptor.get(), 0, 0, SYNC_FILE_RANGE_WRITE);  // a hint: some cannot
+}
+
 bool is_dead(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
 
 }  // namespace
@@ -111,13 +135,6 @@ int Descriptor::close() { return ::close(release()); }
 
 void throw_errno(const fs::path& file, const char* field, const char* allowed) {
   throw_input_error(file.string(), field, std::strerror(errno), allowed);
-}
-
-void sync_to_disk(const fs::path& path) {
-  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (descriptor.get() < 0) throw_errno(path, "sync", "a file that was just written");
-  // EINVAL: a file system that cannot sync folders; the rename is still atomic there.
-  if (::fsync(descriptor.get()) != 0 && errno != EINVAL) throw_errno(path, "sync", "a working disk");
 }
 
 fs::path parent_of(const fs::path& path) {
@@ -162,17 +179,31 @@ void Temporary::fill(const std::function<void(const fs::path&)>& write) const {
   }
 }
 
+void Temporary::sync() const {
+  std::error_code ignored;  // a file: syncing it finds what is wrong with it
+  if (fs::is_directory(path_, ignored)) {
+    std::vector<fs::path> entries;
+    for (const auto& entry : fs::recursive_directory_iterator(path_)) entries.push_back(entry.path());
+    for (const fs::path& entry : entries) begin_to_write_out(entry);
+    for (const fs::path& entry : entries) sync_to_disk(entry);
+  }
+  sync_to_disk(path_);
+}
+
 void Temporary::become_target() {
+  const bool is_to_last = !is_in_a_temporary(target_);
+  if (is_to_last) sync();
   if (::rename(path_.c_str(), target_.c_str()) != 0) {
     throw_errno(target_, "rename", "a path that can be written");
   }
   --registry().written;
   keep_at_end(path_);
   path_.clear();
-  sync_to_disk(parent_of(target_));
+  if (is_to_last) sync_to_disk(parent_of(target_));
 }
 
 void Temporary::take_targets_place() {
+  sync();
   const auto refuse = [&] { throw_errno(target_, "rename", "a folder that can be replaced"); };
   if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) != 0) {
     // Not every file system can. Then there is a moment with the old one under another name.

@@ -17,13 +17,16 @@ class Temporary {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// Calls write(path()); errors that name it name the target instead: the other is gone when they are read.
   void fill(const std::function<void(const std::filesystem::path&)>& write) const;
-  /// Renames it to the target and makes that last. Error{kInput} when it can't be renamed.
+  /// Flushes it to the disk, renames it to the target and makes that last; without either where the target is
+  /// in another temporary one. Error{kInput} when it can't be renamed.
   void become_target();
   /// The same where the target is a folder that is there: the two change places in one step, and the old one
   /// is removed.
   void take_targets_place();
 
  private:
+  void sync() const;
+
   std::filesystem::path target_, path_;
 };
 
@@ -39,8 +42,6 @@ void remove_stale_temporaries(const std::filesystem::path& target);
 /// Whether a file of that name is somebody's temporary.
 [[nodiscard]] bool is_temporary(const std::filesystem::path& file);
 
-/// Flushes a file's content or a folder's entries to the disk. Error{kInput} when that fails.
-void sync_to_disk(const std::filesystem::path& path);
 /// The folder that `path` is in; "." for a bare name.
 [[nodiscard]] std::filesystem::path parent_of(const std::filesystem::path& path);
 /// "x/" names the same folder as "x", but has no file name of its own.
