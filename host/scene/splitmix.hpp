@@ -15,4 +15,10 @@ inline constexpr std::uint64_t kSplitmixStep = 0x9E3779B97F4A7C15ULL;
   return x ^ (x >> 31U);
 }
 
+/// In [0, 1), for a number of a stream of a seed.
+[[nodiscard]] constexpr double drawn(std::uint64_t seed, std::uint64_t stream, std::uint64_t number) {
+  const std::uint64_t bits = splitmix(seed * kSplitmixStep + (stream << 40U) + number);
+  return static_cast<double>(bits >> 11U) * 0x1.0p-53;
+}
+
 }  // namespace simuli

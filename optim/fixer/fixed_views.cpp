@@ -18,21 +18,6 @@ namespace {
 
 constexpr float kUnknown = -1.0F;
 
-/// In [0, 1), the same for the same numbers everywhere.
-double drawn(std::uint64_t seed, std::uint64_t view, std::uint64_t pixel) {
-  const std::uint64_t bits = splitmix(seed * kSplitmixStep + (view << 40U) + pixel);
-  return static_cast<double>(bits >> 11U) * 0x1.0p-53;
-}
-
-/// With the rig that far to the left of where it was.
-Shot shifted(Shot shot, const Pose& rig_from_camera, double left_m) {
-  const Pose rig_from_moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, left_m, 0.0)};
-  const Pose camera_from_moved = rig_from_camera.inverse() * rig_from_moved * rig_from_camera;
-  shot.world_from_sensor_start = shot.world_from_sensor_start * camera_from_moved;
-  shot.world_from_sensor_end = shot.world_from_sensor_end * camera_from_moved;
-  return shot;
-}
-
 }  // namespace
 
 FixedViews::FixedViews(const Device& device,
@@ -68,7 +53,7 @@ std::vector<FixedView> FixedViews::planned() const {
     for (const double left_m : {options_.shift_m, -options_.shift_m}) {
       const Pose& rig_from_camera = log_.camera(frame.camera).rig_from_camera;
       views.push_back({.camera = frame.camera,
-                       .shot = shifted(shot_of(log_, frame), rig_from_camera, left_m),
+                       .shot = shot_of(log_, frame).beside(rig_from_camera, left_m),
                        .left_m = left_m,
                        .frame = index,
                        .values = {},

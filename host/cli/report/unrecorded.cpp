@@ -51,17 +51,6 @@ std::vector<const ImageFrame*> frames_of_first_camera(const Evaluation& evaluati
   return {};
 }
 
-/// With the rig that far to the left of where it was.
-Shot shifted(const Shot& shot, const Sensor& sensor, double left_m) {
-  const Pose rig_from_moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, left_m, 0.0)};
-  const Pose sensor_from_moved =
-      sensor.rig_from_sensor().inverse() * rig_from_moved * sensor.rig_from_sensor();
-  Shot out = shot;
-  out.world_from_sensor_start = shot.world_from_sensor_start * sensor_from_moved;
-  out.world_from_sensor_end = shot.world_from_sensor_end * sensor_from_moved;
-  return out;
-}
-
 /// Adds a picture, with what no recorded camera faced marked.
 class Album {
  public:
@@ -130,7 +119,7 @@ std::string name_of_frame(const ImageFrame& frame) {
 void add_lanes(Album& album, const Take& take, const std::string& name) {
   for (const double left_m : kLaneShifts_m) {
     album.add(take.camera,
-              shifted(take.shot, take.camera, left_m),
+              take.shot.beside(take.camera.rig_from_sensor(), left_m),
               fmt::format("{}, the rig {:g} m to the {} of where it drove",
                           name,
                           std::abs(left_m),

@@ -30,6 +30,15 @@ Pose Shot::pose_at(double share) const {
   return interpolate(world_from_sensor_start, world_from_sensor_end, share);
 }
 
+Shot Shot::beside(const Pose& rig_from_sensor, double left_m) const {
+  const Pose rig_from_moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, left_m, 0.0)};
+  const Pose sensor_from_moved = rig_from_sensor.inverse() * rig_from_moved * rig_from_sensor;
+  Shot out = *this;
+  out.world_from_sensor_start = world_from_sensor_start * sensor_from_moved;
+  out.world_from_sensor_end = world_from_sensor_end * sensor_from_moved;
+  return out;
+}
+
 Shot Shot::relative_to(const Eigen::Vector3d& origin) const {
   Shot moved = *this;
   moved.world_from_sensor_start.translation -= origin;
