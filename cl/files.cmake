@@ -58,6 +58,7 @@ set(SIMULI_CL_FILES
   kernels/sort.cl
   kernels/support/support.cl
   kernels/train/actor.cl
+  kernels/train/beside.cl
   kernels/train/largest_weight.cl
   kernels/train/shard_sum.cl
 )

@@ -122,6 +122,24 @@ constexpr void visit_fields(DepthOptions& o, F&& field) {
   field("depth.every", o.every, at_least(1), "iterations per sweep that the camera set is compared with");
 }
 
+/// The camera set from beside the path (METHOD section 10): pictures alone leave open what it looks like from
+/// where none was taken.
+struct BesideOptions {
+  double weight = 0.5;
+  int every = 2;
+  double reach_m = 2.5;
+};
+template <class F>
+constexpr void visit_fields(BesideOptions& o, F&& field) {
+  field("beside.weight",
+        o.weight,
+        at_least(0.0),
+        "of a picture's loss from beside the path, where it shows the surfaces that the LiDARs met in the "
+        "colours that the picture on the path has of them; 0: none");
+  field("beside.every", o.every, at_least(1), "iterations per such a picture");
+  field("beside.reach_m", o.reach_m, range(0.0, 10.0), "m, how far to either side of the path, evenly drawn");
+}
+
 /// Several frames for one step, and devices that share them (METHOD section 10).
 struct ShardOptions {
   int count = 1;
@@ -157,6 +175,7 @@ struct TrainOptions {
   LearningRates lidar{.mean_m = 2e-3, .mean_final_m = 2e-5, .opacity = 5e-2, .sh = 5e-3, .sh_rest = 2.5e-4};
   LidarWeights weights;
   DepthOptions depth;
+  BesideOptions beside;
   RayDropOptions ray_drop;
   AnchorOptions anchor;
   DensifyOptions densify;
@@ -193,6 +212,7 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part("lidar.", o.lidar);
   field.part("", o.weights);
   field.part("", o.depth);
+  field.part("", o.beside);
   field.part("", o.ray_drop);
   field.part("", o.anchor);
   field.part("", o.densify);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -114,6 +115,8 @@ class Trainer {
   [[nodiscard]] Turn lidar_turn(double progress);
   [[nodiscard]] Shown show_picture(const Turn& turn, std::size_t index);
   [[nodiscard]] Shown show_depth(std::size_t index);
+  /// `number`: of all such pictures, for what is drawn.
+  [[nodiscard]] Shown show_beside(std::size_t index, std::uint64_t number);
   /// `taught`: where the drop function goes that the sweep teaches, when it is not to change; null: it does.
   [[nodiscard]] Shown show_sweep(const Turn& turn,
                                  std::size_t index,
@@ -124,6 +127,9 @@ class Trainer {
   void step_lidar(double progress);
   /// The camera set along a sweep's rays.
   void step_depth(double progress);
+  /// The camera set as it is seen from beside a picture: what the picture shows there of the LiDAR set's
+  /// surfaces.
+  void step_beside(double progress);
 
   // The same with several frames a step (trainer_shards.cpp).
   struct ShardPart;
@@ -131,6 +137,9 @@ class Trainer {
   void step_camera_shards(double progress);
   void step_lidar_shards(double progress);
   void step_depth_shards(double progress);
+  void step_beside_shards(double progress);
+  /// A step of the camera set on frames that show nothing but their losses, one of each shard.
+  void descend_shards(double progress, const std::function<Shown(std::size_t shard)>& show);
   /// The frames of turn `turn`, from 0, of a set, in the order of shards.
   [[nodiscard]] std::vector<std::size_t> shard_frames(FrameOrder& order, int turn) const;
   /// What `frame` says of each shard, all of which this rank has in the end; sum_ has their gradients' mean.
@@ -165,6 +174,8 @@ class Trainer {
   void step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame);
   template <class Frame>
   [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
+  /// A view that the log states, from where the sensor's learned offset says it was.
+  [[nodiscard]] View corrected(const View& from_log, const std::string& sensor) const;
   /// Whether the loss of a frame is a finite number; counts it when it is not.
   bool is_sound(double loss);
   StateList state(const std::string& settings);
@@ -183,6 +194,10 @@ class Trainer {
   TrainedDrop drop_;
   Structure structure_;
   RegularizeStage regularize_;
+  std::uint64_t seed_;
+  // Of step_beside(): the picture's surfaces, and by camera what it shows of those beside.
+  SeenSurfaces surfaces_;
+  std::map<std::string, RayValues> beside_;
   std::optional<ShardSum> sum_;  // of the shards of a step, where there are several
   FrameOrder images_, sweeps_;
   TrainLength length_;

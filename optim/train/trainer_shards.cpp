@@ -220,15 +220,24 @@ void Trainer::step_camera_shards(double progress) {
 
 void Trainer::step_depth_shards(double progress) {
   const auto indices = shard_frames(sweeps_, status_.iteration / options_.depth.every);
-  const Turn turn = camera_turn(progress);
+  descend_shards(progress, [&](std::size_t shard) { return show_depth(indices[shard]); });
+}
+
+void Trainer::step_beside_shards(double progress) {
+  const std::vector<std::size_t> indices = shard_frames(images_, status_.iteration);
+  const std::uint64_t first = static_cast<std::uint64_t>(status_.iteration) * indices.size();
+  descend_shards(progress, [&](std::size_t shard) { return show_beside(indices[shard], first + shard); });
+}
+
+void Trainer::descend_shards(double progress, const std::function<Shown(std::size_t)>& show) {
   const auto parts = run_shards(camera_, false, [&](std::size_t shard, RealBuffer&) {
-    Shown shown = show_depth(indices[shard]);
+    Shown shown = show(shard);
     ShardPart part;
     part.columns = ShardSum::columns_of(shown.pass.buffers().projected.keys);
     part.losses = std::move(shown.losses);
     return part;
   });
-  take_step(turn, sum_->sums(), sum_->keys());
+  take_step(camera_turn(progress), sum_->sums(), sum_->keys());
   for (const ShardPart& part : parts) static_cast<void>(is_sound(part.losses[0]));
 }
 

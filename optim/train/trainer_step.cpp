@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/scene/splitmix.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/log/row_offsets.hpp"
 #include "optim/train/trainer.hpp"
@@ -16,7 +17,8 @@
 namespace simuli {
 namespace {
 
-constexpr double kPoseFinalShare = 0.01;  // of the offsets' rates, at the end
+constexpr double kPoseFinalShare = 0.01;    // of the offsets' rates, at the end
+constexpr std::uint64_t kBesideStream = 3;  // of numbers drawn
 
 }  // namespace
 
@@ -28,6 +30,9 @@ void Trainer::step() {
   if (mended_.is_due(status_.iteration, options_.iterations)) mend();
   if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
   if (const FixedView* const mended = mended_.turn(status_.iteration)) step_mended(*mended, progress);
+  const bool is_beside_turn = options_.beside.weight > 0.0 && status_.iteration % options_.beside.every == 0;
+  if (is_beside_turn && !images_.empty() && camera_.particles.count > 0 && lidar_.particles.count > 0)
+    step_beside(progress);
   const bool is_depth_turn = options_.depth.weight > 0.0 && status_.iteration % options_.depth.every == 0;
   if (is_depth_turn && !images_.empty() && !sweeps_.empty() && camera_.particles.count > 0)
     step_depth(progress);
@@ -117,6 +122,36 @@ void Trainer::step_mended(const FixedView& mended, double progress) {
   pass.backward(camera_.particles, camera_.grads);
   take_step(camera_turn(progress), camera_.grads, pass.buffers().projected.keys);
   static_cast<void>(is_sound(loss.absolute + loss.squared + loss.dissimilarity));
+}
+
+void Trainer::step_beside(double progress) {
+  if (has_shards()) return step_beside_shards(progress);
+  const auto number = static_cast<std::uint64_t>(status_.iteration);
+  Shown shown = show_beside(images_.at(number), number);
+  take_step(camera_turn(progress), camera_.grads, shown.pass.buffers().projected.keys);
+  static_cast<void>(is_sound(shown.losses[0]));
+}
+
+Trainer::Shown Trainer::show_beside(std::size_t index, std::uint64_t number) {
+  const ImageFrame& frame = log_.images[index];
+  const SensorRays& rays = truth_.camera_rays(frame.camera);
+  const double left_m = options_.beside.reach_m * (2.0 * drawn(seed_, kBesideStream, number) - 1.0);
+  const Shot shot = shot_of(log_, frame).beside(log_.camera(frame.camera).rig_from_camera, left_m);
+  const View there = corrected(view_of(scene_, shot, SetKind::kCamera), frame.camera);
+  RayValues& shown = beside_.try_emplace(frame.camera, rays, 3, "picture from beside").first->second;
+  renderer_.render(lidar_.particles, rays, view(frame, frame.camera)).keep_surfaces(surfaces_);
+  renderer_.render(lidar_.particles, rays, there).show_from(surfaces_, truth_.image(index)->truth, shown);
+
+  Pass pass = renderer_.render(camera_.particles, rays, there, look_.environment());
+  look_.grade(pass, index);
+  // Of all pixels: how many are known only the device knows.
+  const double share = options_.beside.weight / (3.0 * static_cast<double>(rays.grid().rays));
+  const ImageWeights& w = options_.image;
+  const ImageLoss loss =
+      pass.image_loss(shown, {w.absolute * share, w.squared * share, w.dissimilarity * share});
+  look_.backward(pass, index);
+  pass.backward(camera_.particles, camera_.grads);
+  return {std::move(pass), {loss.absolute + loss.squared + loss.dissimilarity}};
 }
 
 void Trainer::step_depth(double progress) {
@@ -297,7 +332,10 @@ void Trainer::step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame)
 
 template <class Frame>
 View Trainer::view(const Frame& frame, const std::string& sensor) const {
-  const View from_log = view_of(log_, scene_, frame);
+  return corrected(view_of(log_, scene_, frame), sensor);
+}
+
+View Trainer::corrected(const View& from_log, const std::string& sensor) const {
   const auto offset = offsets_.find(sensor);
   return offset == offsets_.end() ? from_log : moved_by(offset->second, from_log);
 }

@@ -120,6 +120,7 @@ class List {
     for (const char* path :
          {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/train/largest_weight.cl"})
       add(frame.name, path, options);
+    if (variant.frame.sensor == SensorType::kCamera) add(frame.name, "kernels/train/beside.cl", options);
     if (!in_order) {
       BuildOptions replay = options;
       add(frame.name, "kernels/render_window.cl", replay.define("REPLAY", true));

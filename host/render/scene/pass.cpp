@@ -256,4 +256,33 @@ void Pass::raise_largest_weights(Buffer<std::uint32_t>& largest) {
   stages.largest_weight->run(s.frame.params, s.frame.rays->buffers(), s.buffers, largest);
 }
 
+void Pass::keep_surfaces(SeenSurfaces& seen) {
+  State& s = last("keep_surfaces");
+  need(s.frame.rays->grid().type == SensorType::kCamera, "keep_surfaces", "a LiDAR's frame", "a camera's");
+  seen.sensor.assign(shared::reals_of(s.frame.sensor));
+  s.buffers.blended.out.exchange(seen.out);
+  ++s.frames;
+}
+
+void Pass::show_from(const SeenSurfaces& recorded, const RayValues& picture, RayValues& shown) {
+  State& s = last("show_from");
+  const RayGrid& grid = s.frame.rays->grid();
+  need(grid.type == SensorType::kCamera, "show_from", "a LiDAR's frame", "a camera's");
+  s.need_truth("show_from", picture, 3);
+  s.need_truth("show_from", shown, 3);
+  need(recorded.out.count() >= std::size_t{s.frame.params.slots} * (SIM_O_DISTANCE + 1),
+       "show_from",
+       "surfaces of another camera",
+       "those kept of its own");
+  State::Stages& stages = *s.frame.stages;
+  if (!stages.beside) stages.beside.emplace(s.device, stages.own);
+  stages.beside->run(s.frame.params,
+                     grid,
+                     s.frame.rays->map().slot_of_ray,
+                     s.buffers,
+                     recorded,
+                     picture.slots(),
+                     shown.slots());
+}
+
 }  // namespace simuli

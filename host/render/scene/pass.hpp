@@ -15,6 +15,7 @@
 #include "host/render/scene/sensor_rays.hpp"
 #include "host/render/train/actor.hpp"
 #include "host/render/train/losses.hpp"
+#include "host/render/train/seen_surfaces.hpp"
 
 namespace simuli {
 
@@ -72,6 +73,14 @@ class Pass {
   /// Raises largest[N] of the particles rendered to the largest weight that each has in a ray of this pass:
   /// bits of floats, which rise as these do. In order of range, also where rays have orders of their own.
   void raise_largest_weights(Buffer<std::uint32_t>& largest);
+
+  /// Of a camera's frame of surfaces: from where and how far away they were seen goes to `seen`, and the pass
+  /// ends.
+  void keep_surfaces(SeenSurfaces& seen);
+  /// Of a camera's frame of surfaces, beside one of the same camera that was kept and has recorded
+  /// `picture`: what the picture shows of what each ray meets, -1 where it shows something else there, or
+  /// nothing. Surfaces let a fifth of the light through at most.
+  void show_from(const SeenSurfaces& recorded, const RayValues& picture, RayValues& shown);
 
   /// The sensor; grid().ray_of_slot is the map from the device's order to that of rays (-1: no ray).
   [[nodiscard]] const SensorRays& rays() const;

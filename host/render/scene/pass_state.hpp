@@ -11,6 +11,7 @@
 #include "host/render/frame/shapes_in_frame.hpp"
 #include "host/render/frame/stages.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/render/train/beside.hpp"
 #include "host/render/train/largest_weight.hpp"
 #include "host/render/train/loss_stages.hpp"
 
@@ -28,6 +29,7 @@ struct Pass::State {
     std::optional<ProjectBackwardStage> project_back;
     std::optional<PoseStage> pose;
     std::optional<LargestWeightStage> largest_weight;
+    std::optional<BesideStage> beside;
     Variant own;
   };
   /// Of grids of one size.

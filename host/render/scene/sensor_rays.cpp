@@ -176,4 +176,9 @@ RayValues::RayValues(const SensorRays& rays,
   slots_.assign(rays.to_slots(values, channels));
 }
 
+RayValues::RayValues(const SensorRays& rays, std::size_t channels, const std::string& name)
+    : rays_(rays),
+      channels_(channels),
+      slots_(rays.state_->device, name, rays.precision(), channels * rays.grid().frame.slots) {}
+
 }  // namespace simuli

@@ -93,10 +93,13 @@ class RayValues {
             const std::vector<float>& values,
             std::size_t channels,
             const std::string& name = "values of rays");
+  /// That are made on the device; none yet.
+  RayValues(const SensorRays& rays, std::size_t channels, const std::string& name);
 
   [[nodiscard]] const SensorRays& rays() const { return rays_; }
   [[nodiscard]] std::size_t channels() const { return channels_; }
   [[nodiscard]] const RealBuffer& slots() const { return slots_; }  // [channels][slots]; 0 without a ray
+  [[nodiscard]] RealBuffer& slots() { return slots_; }
 
  private:
   SensorRays rays_;

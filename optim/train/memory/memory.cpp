@@ -235,6 +235,16 @@ void add_rays(const Device& device, Tally& tally, const Counts& counts, const Lo
   tally.add("frames kept", rays, sizes, std::min(counts.sweeps.frames, cache / bytes + 1));
 }
 
+/// Pictures from beside the path.
+void add_beside(Tally& tally, const Counts& counts, std::uint64_t cameras) {
+  const std::uint64_t slots = slots_of(counts.images.largest);
+  tally.add("beside", {"sensor of a recorded view", sizeof(shared::SensorConstants<float>)});
+  tally.add("beside", {"surfaces of a recorded view", SIM_OUTPUTS * counts.slots() * sizeof(float)});
+  tally.add("beside", {"picture from beside", 3 * slots * sizeof(float)}, cameras);
+  tally.add("beside", {"ray_of_slot", slots * sizeof(std::int32_t)}, cameras);
+  tally.add("beside", {"slots_of_map", slots * sizeof(std::int32_t)}, cameras);
+}
+
 void add_structure(const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options) {
   if (options.anchor.weight > 0.0 && counts.camera > 0 && counts.lidar > 0) {
     tally.add("anchors",
@@ -285,6 +295,8 @@ MemoryNeed training_memory(const Device& device,
   if (!scene.environment.empty()) add_environment(device, tally, scene.environment, counts);
   if (options.look.color_grids && counts.images.frames > 0) add_color_grids(device, tally, counts);
   add_rays(device, tally, counts, log, options.cache_bytes);
+  if (options.beside.weight > 0.0 && counts.images.frames > 0 && counts.camera > 0 && counts.lidar > 0)
+    add_beside(tally, counts, log.cameras.size());
   add_structure(device, tally, counts, options);
   if (options.shards.count > 1) add_shards(device, tally, counts, scene);
   std::sort(need.items.begin(), need.items.end(), [](const MemoryItem& a, const MemoryItem& b) {

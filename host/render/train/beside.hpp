@@ -1,0 +1,28 @@
+#pragma once
+#include "host/render/frame/stages.hpp"
+#include "host/render/rays/ray_grid.hpp"
+#include "host/render/train/seen_surfaces.hpp"
+
+namespace simuli {
+
+/// What a recorded picture shows of the surfaces of a view beside it.
+class BesideStage {
+ public:
+  BesideStage(const Device& device, const Variant& variant);
+  /// `made`: the view beside, rendered of the same surfaces by the same rays as `recorded`, whose picture is
+  /// picture[3][slots], negative: not known. shown[3][slots]: the colour of what each ray meets, -1 where the
+  /// picture shows something else there, or nothing.
+  void run(const shared::FrameParams& frame,
+           const RayGrid& grid,
+           const Buffer<std::int32_t>& slot_of_ray,
+           const FrameBuffers& made,
+           const SeenSurfaces& recorded,
+           const RealBuffer& picture,
+           RealBuffer& shown);
+
+ private:
+  std::size_t lanes_;
+  Kernel beside_;
+};
+
+}  // namespace simuli
