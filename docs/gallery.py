@@ -15,7 +15,7 @@ from pages import commands_of
 
 DOCS = pathlib.Path(__file__).resolve().parent
 FRAME = "000009"
-WIDE, HALF = (640, 360), (480, 270)
+WIDE, HALF, THIRD = (640, 360), (480, 270), (400, 225)
 # From near, low, none to far, high, full.
 SCALE = np.array([(255, 247, 214), (254, 196, 79), (217, 95, 14), (152, 52, 102), (69, 40, 120), (20, 22, 60)], float)
 
@@ -111,7 +111,8 @@ PICTURES = {
     "pandar": lambda: above(f"pandar/hesai_pandar128_{FRAME}.npz"),
     "fisheye": lambda: beside(photo(f"fisheye/tum_vi_cam0_{FRAME}.png", (400, 400)), known()),
     "rolling": lambda: beside(photo("rolling/rolling_000000.png", HALF), photo("frozen/front_000000.png", HALF)),
-    "shift": beside_truth("shift", "shifted.log"),
+    "shift": lambda: beside(photo(f"outputs/front_{FRAME}.png", THIRD), photo(f"shift/front_{FRAME}.png", THIRD),
+                            photo(f"shifted.log/images/front_{FRAME}.png", THIRD)),
     "removed": front("removed"),
     "twin": front("twin"),
     "turned": front("turned"),
