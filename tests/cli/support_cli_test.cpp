@@ -56,6 +56,20 @@ TEST_F(SupportCli, FallsBesideThePath) {
   EXPECT_GT(means[0], 0.3);
   EXPECT_LT(means[1], means[0] - 0.05);
 
+  const Outcome bytes =
+      run("render s.scene --sensor front --frames 1:1 --outputs support,opacity --values png -o bytes");
+  ASSERT_EQ(bytes.exit_code, 0) << bytes.err;
+  const Image exact = read_image(folder_ / "shift_0/front_000001_support.exr");
+  const Image grey = read_image(folder_ / "bytes/front_000001_support.png");
+  ASSERT_EQ(grey.data.size(), exact.data.size());
+  for (std::size_t i = 0; i < exact.data.size(); ++i) {
+    EXPECT_NEAR(grey.data[i], exact.data[i], 0.5 / 255 + 1e-6) << i;
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "bytes/front_000001_opacity.png"));
+  expect_failure("render s.scene --sensor front --frames 1:1 --outputs depth --values png -o no",
+                 kUsage,
+                 "found the output depth, allowed rgb, opacity, actors, support");
+
   const Outcome sweep = run("render s.scene --sensor top --times 0:0:1 --outputs support -o sweep");
   ASSERT_EQ(sweep.exit_code, 0) << sweep.err;
   EXPECT_NE(read_file(folder_ / "sweep/top_000000.ply").find("property float support\n"), std::string::npos);

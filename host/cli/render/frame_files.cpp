@@ -52,6 +52,18 @@ const std::string& name_of(CameraOutput output) {
   return camera_output_names()[static_cast<std::size_t>(output)];
 }
 
+/// Metres and directions are no shares of 255.
+void need_shares(const std::vector<CameraOutput>& outputs) {
+  for (const CameraOutput output : outputs) {
+    if (output == CameraOutput::kRgb || output == CameraOutput::kActors || output == CameraOutput::kOpacity ||
+        output == CameraOutput::kSupport)
+      continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("--values png: found the output {}, allowed rgb, opacity, actors, support",
+                            name_of(output)));
+  }
+}
+
 /// Actors in 16 bits, the others as they are.
 void add_array(Npz& arrays, const std::string& name, const Image& image, ColumnType type) {
   std::string bytes;
@@ -89,9 +101,9 @@ void add_file_options(Command sub, FileOptions& options) {
       .with_default();
   sub.option("--values",
              options.values,
-             "what outputs but rgb are written as: exr, a file of floats each (actors: PNG of 16 bits), or "
-             "npz, one file of arrays")
-      .one_of({"exr", "npz"})
+             "what outputs but rgb are written as: exr, a file of floats each (actors: PNG of 16 bits); npz, "
+             "one file of arrays; or png, of opacity and support, 255 being 1")
+      .one_of({"exr", "npz", "png"})
       .with_default();
   sub.flag("--mark-unseen", options.mark_unseen, "hatch in pictures what no recorded camera faced");
 }
@@ -104,7 +116,10 @@ FrameFiles::FrameFiles(const FileOptions& options,
       is_camera_(sensor.is_camera()),
       outputs_(parse_outputs(options.outputs, is_camera_)),
       recorded_(recorded) {
-  if (is_camera_) return;
+  if (is_camera_) {
+    if (options_.values == "png") need_shares(outputs_);
+    return;
+  }
   cloud_ = cloud_options(options, sensor.lidar(), plan);
   cloud_.actors = has(outputs_, CameraOutput::kActors);
 }
@@ -134,7 +149,7 @@ void FrameFiles::write_outputs(const Frame& frame,
     } else if (is_count) {
       write_counts(file("_" + name_of(output) + ".png"), image);
     } else {
-      write_image(file("_" + name_of(output) + ".exr"), image);
+      write_image(file("_" + name_of(output) + "." + options_.values), image);
     }
   }
   if (is_npz && count > 0) write_file_atomically(file(".npz"), arrays.finish());

@@ -38,7 +38,7 @@ class FrameFiles {
  public:
   using Names = std::vector<std::string>;
   /// `recorded` marks what these did not face and must outlive this; null: nothing is marked. Error{kUsage}
-  /// for outputs that there are not, or not of this sensor.
+  /// for outputs that there are not, or not of this sensor, or not as these values.
   FrameFiles(const FileOptions& options,
              const Sensor& sensor,
              const Plan& plan,
