@@ -62,7 +62,8 @@ Recording record(const Figure10Options& options, const fs::path& folder) {
   auto& lidar = std::get<Lidar>(out.log.lidars[0].model);
   lidar.beam_divergence = kDivergence_rad;
   lidar.divergence_variance = 0.25;  // all of the beam within two standard deviations
-  const Street with(street.seed, std::nullopt, true), without(street.seed, std::nullopt);
+  const Street with({.seed = street.seed, .car = std::nullopt, .thin_poles = true});
+  const Street without({.seed = street.seed, .car = std::nullopt});
   fs::create_directories(folder / "sweeps");
   for (const SweepFrame& f : out.log.sweeps) {
     const Sweep sweep = scan_by_beams(with, out.log.lidars[0], out.log.world_from_rig, f);

@@ -35,7 +35,7 @@ Log record(const Figure11Options& options, const fs::path& folder) {
   street.moving_car = false;  // the scene is static
   Log log = street_log(street);
   log.world_from_rig = turning(log.world_from_rig, options.turn_deg_per_s * std::numbers::pi / 180.0);
-  write_frames(log, Street(street.seed, std::nullopt));
+  write_frames(log, Street({.seed = street.seed, .car = std::nullopt}));
   return log;
 }
 

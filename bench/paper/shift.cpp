@@ -161,7 +161,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
   const SceneFile scene = fit(device, log, training_options("", settings));
   note(fmt::format("trained on the street, {} iterations", options.iterations));
 
-  const Street world(street.seed, street.car);
+  const Street world(street.contents());
   ShiftResult result;
   SupportBesideErrors support(device, scene);
   const EvalOptions all{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};

@@ -83,14 +83,20 @@ class TracedWorld {
   static constexpr double kMinimumEnergy = 4e-6;  // 1/m^2; bare asphalt goes silent beyond about 40 m
 };
 
+/// What is on the street. Houses, trunks, lamps and parked cars stand where they do by the seed alone.
+struct StreetContents {
+  std::uint64_t seed = 1;  // varies textures and furniture
+  std::optional<StreetCar> car = StreetCar{};
+  bool thin_poles = false;  // 1.6 to 4 cm across, along both pavements
+  std::optional<StreetWalker> walker = std::nullopt;
+  /// Trees of leaves and branches, kerbs that are lowered, poles, railings and bins, vehicles of several
+  /// kinds, worn markings, houses with balconies, shops and finer textures: io/synth/street_detail.hpp.
+  bool detailed = false;
+};
+
 class Street : public TracedWorld {
  public:
-  /// The street as embedded; seed varies textures and furniture. At most one car moves. With thin_poles,
-  /// poles of 1.6 to 4 cm across line both pavements; all else stays where it is. At most one person walks.
-  explicit Street(std::uint64_t seed = 1,
-                  const std::optional<StreetCar>& car = StreetCar{},
-                  bool thin_poles = false,
-                  const std::optional<StreetWalker>& walker = std::nullopt);
+  explicit Street(const StreetContents& contents = {});
   [[nodiscard]] StreetHit trace(const Eigen::Vector3d& origin,
                                 const Eigen::Vector3d& direction,
                                 double time_s,
@@ -98,9 +104,8 @@ class Street : public TracedWorld {
   static constexpr double kLength_m = 260.0;  // the rig may drive from x = 0 to here
 
  private:
+  StreetContents contents_;
   std::shared_ptr<const StreetWorld> world_;
-  std::optional<StreetCar> car_;
-  std::optional<StreetWalker> walker_;
 };
 
 struct StreetOptions {
@@ -117,7 +122,10 @@ struct StreetOptions {
   StreetWalker walker{};         // how it walks
   bool rolling_shutter = false;  // 20 ms top to bottom instead of a global shutter
   std::uint64_t seed = 1;
-  int threads = 0;  // 0: one per core; the result is the same for any number
+  bool detailed = false;  // as StreetContents
+  int threads = 0;        // 0: one per core; the result is the same for any number
+
+  [[nodiscard]] StreetContents contents() const;
 };
 
 /// Renders the street into a log folder (complete or not at all): camera "front", lidar "top", both at

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/synth/street_detail.hpp"
+#include "io/synth/street_pattern.hpp"
 #include "io/synth/street_world.hpp"
 
 namespace simuli {
@@ -10,61 +12,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::uint64_t mix(std::uint64_t x) {  // the finaliser of SplitMix64
-  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebULL;
-  return x ^ (x >> 31U);
-}
-
-/// Uniform in [0,1) from a lattice point.
-double hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t seed) {
-  std::uint64_t h = mix(seed + 0x9e3779b97f4a7c15ULL);
-  h = mix(h ^ static_cast<std::uint64_t>(x));
-  h = mix(h ^ static_cast<std::uint64_t>(y));
-  h = mix(h ^ static_cast<std::uint64_t>(z));
-  return static_cast<double>(h >> 11U) * 0x1.0p-53;
-}
-
-/// Smooth value noise in [-1, 1] with features of one unit.
-double noise(const Vector3d& p, std::uint64_t seed) {
-  const Vector3d base = p.array().floor();
-  const Vector3d f = p - base;
-  const Vector3d w = f.array().square() * (3.0 - 2.0 * f.array());
-  const auto x = static_cast<std::int64_t>(base.x());
-  const auto y = static_cast<std::int64_t>(base.y());
-  const auto z = static_cast<std::int64_t>(base.z());
-  const auto along_x = [&](std::int64_t dy, std::int64_t dz) {
-    return std::lerp(hash(x, y + dy, z + dz, seed), hash(x + 1, y + dy, z + dz, seed), w.x());
-  };
-  const double low = std::lerp(along_x(0, 0), along_x(1, 0), w.y());
-  const double high = std::lerp(along_x(0, 1), along_x(1, 1), w.y());
-  return 2.0 * std::lerp(low, high, w.z()) - 1.0;
-}
-
-/// Two octaves: broad patches of `size_m` and finer ones of a quarter of it.
-double patches(const Vector3d& p, double size_m, std::uint64_t seed) {
-  return 0.7 * noise(p / size_m, seed) + 0.3 * noise(p * (4.0 / size_m), seed + 1);
-}
-
-double wrap(double x, double period) { return x - period * std::floor(x / period); }
-
-StreetSurface scaled(const Vector3d& tint, double reflectance, double brightness) {
-  return {tint * brightness, std::clamp(reflectance * brightness, 0.0, 1.0)};
-}
-
-StreetSurface glass(double brightness) { return {Vector3d(0.16, 0.22, 0.30) * brightness, 0.0}; }
-
-bool is_lane_marking(double x, double y) {
-  const double side = std::abs(y);
-  if (side < 0.08) return wrap(x, 6.0) < 3.0;            // dashed centre line
-  if (std::abs(side - kLaneEdge_m) < 0.06) return true;  // edge of the parking lane
-  if (side > kLaneEdge_m && side < kRoadHalfWidth_m && wrap(x, 7.0) < 0.1) return true;  // parking bays
-  const bool crossing = wrap(x - 36.0, 80.0) < 3.0;
-  return crossing && side < kLaneEdge_m && wrap(y + 0.25, 1.0) < 0.5;
-}
+using street_pattern::glass;
+using street_pattern::hash;
+using street_pattern::noise;
+using street_pattern::patches;
+using street_pattern::scaled;
+using street_pattern::wrap;
 
 StreetSurface asphalt(const StreetSolid& s, const Vector3d& p, std::uint64_t seed) {
-  if (is_lane_marking(p.x(), p.y())) {
+  if (street_lane_marking(p.x(), p.y())) {
     const double worn = 1.0 + 0.08 * patches(p, 1.5, seed);
     return scaled({0.86, 0.86, 0.83}, 0.75, worn);
   }
@@ -87,7 +43,6 @@ StreetSurface pavement(const StreetSolid& s, const Vector3d& p, const Vector3d& 
 }
 
 StreetSurface facade(const StreetSolid& s, const Vector3d& p, const Vector3d& normal, std::uint64_t seed) {
-  const double width = s.high.x() - s.low.x();
   const double height = s.high.z();
   const bool street_side = std::abs(normal.y()) > 0.5;
   const double wall = 1.0 + 0.18 * patches(p, 2.5, seed) + (wrap(p.z(), 0.6) < 0.3 ? 0.03 : -0.03);
@@ -96,8 +51,7 @@ StreetSurface facade(const StreetSolid& s, const Vector3d& p, const Vector3d& no
   if (p.z() < 0.7) return scaled(0.5 * s.tint, 0.25, wall);                                    // plinth
   if (!street_side) return scaled(s.tint, s.reflectance, wall);
   // A grid of storeys of 3 m and bays of about 2.4 m, cut to the house's width.
-  const int bays = std::max(1, static_cast<int>(std::floor(width / 2.4)));
-  const double bay = width / bays;
+  const auto [bays, bay] = street_bays(s);
   const double u = p.x() - s.low.x();
   const double across = std::abs(wrap(u, bay) - 0.5 * bay);
   const double storey = std::floor(p.z() / 3.0);
@@ -155,10 +109,25 @@ StreetSurface sign(const StreetSolid& s, const Vector3d& p, const Vector3d& norm
 
 }  // namespace
 
-StreetSurface street_surface(const StreetSolid& solid,
-                             const Vector3d& point,
-                             const Vector3d& normal,
-                             std::uint64_t seed) {
+bool street_lane_marking(double x, double y) {
+  const double side = std::abs(y);
+  if (side < 0.08) return wrap(x, 6.0) < 3.0;            // dashed centre line
+  if (std::abs(side - kLaneEdge_m) < 0.06) return true;  // edge of the parking lane
+  if (side > kLaneEdge_m && side < kRoadHalfWidth_m && wrap(x, 7.0) < 0.1) return true;  // parking bays
+  const bool crossing = wrap(x - 36.0, 80.0) < 3.0;
+  return crossing && side < kLaneEdge_m && wrap(y + 0.25, 1.0) < 0.5;
+}
+
+StreetBays street_bays(const StreetSolid& house) {
+  const double width = house.high.x() - house.low.x();
+  const int count = std::max(1, static_cast<int>(std::floor(width / 2.4)));
+  return {count, width / count};
+}
+
+StreetSurface street_plain_surface(const StreetSolid& solid,
+                                   const Vector3d& point,
+                                   const Vector3d& normal,
+                                   std::uint64_t seed) {
   switch (solid.material) {
     case StreetMaterial::kAsphalt:
       return asphalt(solid, point, seed);
@@ -180,8 +149,19 @@ StreetSurface street_surface(const StreetSolid& solid,
       return scaled(solid.tint, solid.reflectance, 1.0 + 0.2 * noise(point * 3.0, seed));
     case StreetMaterial::kLeaves:
       return scaled(solid.tint, solid.reflectance, 1.0 + 0.35 * noise(point * 2.2, seed));
+    default:
+      return scaled(solid.tint, solid.reflectance, 1.0);  // the detailed street's alone
   }
   return {};
+}
+
+StreetSurface street_surface(const StreetSolid& solid,
+                             const Vector3d& point,
+                             const Vector3d& normal,
+                             std::uint64_t seed,
+                             double footprint_m) {
+  return solid.style == 0 ? street_plain_surface(solid, point, normal, seed)
+                          : street_detail_surface(solid, point, normal, seed, footprint_m);
 }
 
 Vector3d street_sky(const Vector3d& direction) {

@@ -75,6 +75,13 @@ void for_each_row(int rows, int threads, const Work& work) {
 
 }  // namespace
 
+StreetContents StreetOptions::contents() const {
+  return {.seed = seed,
+          .car = moving_car ? std::optional(car) : std::nullopt,
+          .walker = walking_person ? std::optional(walker) : std::nullopt,
+          .detailed = detailed};
+}
+
 Pose street_sway(double driven_m) {
   const double phase = 2.0 * std::numbers::pi * driven_m / 45.0;
   const double sway_m = 0.3;
@@ -221,10 +228,7 @@ Sweep scan_street(const TracedWorld& street,
 Log synth_street(const StreetOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress) {
   Log log = street_log(options);
-  const Street street(options.seed,
-                      options.moving_car ? std::optional(options.car) : std::nullopt,
-                      false,
-                      options.walking_person ? std::optional(options.walker) : std::nullopt);
+  const Street street(options.contents());
   const LogCamera& camera = log.cameras.front();
   const LogLidar& lidar = log.lidars.front();
   const Trajectory& path = log.world_from_rig;

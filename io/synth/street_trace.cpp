@@ -1,6 +1,7 @@
 // Rays through the synthetic street.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "io/synth/street.hpp"
 #include "io/synth/street_walker.hpp"
@@ -95,6 +96,86 @@ bool meet_pole(const StreetSolid& solid,
   return met;
 }
 
+/// A ball swept along the axis.
+bool meet_rod(const StreetSolid& solid,
+              const Vector3d& origin,
+              const Vector3d& direction,
+              StreetCrossing& nearest) {
+  const double length2 = solid.axis.squaredNorm(), radius2 = solid.radius * solid.radius;
+  const Vector3d arm = origin - solid.centre;
+  bool met = false;
+  const auto take = [&](double range, double place) {
+    if (!(range > kStartTolerance_m && range < nearest.range)) return;
+    nearest.range = range;
+    nearest.normal = (arm + range * direction - place * solid.axis) / solid.radius;
+    met = true;
+  };
+  const double along = direction.dot(solid.axis) / length2, at = arm.dot(solid.axis) / length2;
+  const Vector3d across = direction - along * solid.axis, off = arm - at * solid.axis;
+  const double speed2 = across.squaredNorm();
+  if (speed2 > 0.0) {
+    const double closest = -off.dot(across) / speed2;
+    const double discriminant = radius2 - (off + closest * across).squaredNorm();
+    if (!(discriminant > 0.0)) return false;  // its ends are no thicker
+    const double range = closest - std::sqrt(discriminant / speed2), place = at + range * along;
+    if (place >= 0.0 && place <= 1.0) take(range, place);
+  }
+  for (const double end : {0.0, 1.0}) {
+    const Vector3d from_end = arm - end * solid.axis;
+    const double half_b = from_end.dot(direction);
+    const double discriminant = radius2 - (from_end - half_b * direction).squaredNorm();
+    if (discriminant > 0.0) take(-half_b - std::sqrt(discriminant), end);
+  }
+  return met;
+}
+
+/// As meet_box(), of what the plane leaves.
+bool meet_cut(const StreetSolid& solid,
+              const Vector3d& origin,
+              const Vector3d& direction,
+              const Vector3d& inverse,
+              StreetCrossing& nearest) {
+  const double above_m = solid.axis.dot(origin) - solid.radius, climb = solid.axis.dot(direction);
+  if (climb >= 0.0 && above_m >= 0.0) return false;
+  StreetCrossing whole{nearest.range, Vector3d::Zero()};
+  const bool meets_box = meet_box(solid, origin, direction, inverse, whole);
+  const double plane = climb == 0.0 ? 0.0 : -above_m / climb;
+  if (above_m < 0.0) {  // it leaves what is left at the plane, if ever
+    if (!meets_box || (climb > 0.0 && whole.range >= plane)) return false;
+    nearest = whole;
+    return true;
+  }
+  if (meets_box && whole.range >= plane) {
+    nearest = whole;
+    return true;
+  }
+  const Vector3d point = origin + plane * direction;
+  if (!(plane > kStartTolerance_m && plane < nearest.range)) return false;
+  if ((point.array() < solid.low.array()).any() || (point.array() > solid.high.array()).any()) return false;
+  nearest = {plane, solid.axis};
+  return true;
+}
+
+/// Its face towards the ray.
+bool meet_plate(const StreetSolid& solid,
+                const Vector3d& origin,
+                const Vector3d& direction,
+                StreetCrossing& nearest) {
+  if (direction.x() == 0.0) return false;
+  const double range = (solid.centre.x() - origin.x()) / direction.x();
+  if (!(range > kStartTolerance_m && range < nearest.range)) return false;
+  const Vector3d point = origin + range * direction - solid.centre;
+  const int sides = static_cast<int>(solid.axis.x());
+  double out_m = sides == 0 ? std::hypot(point.y(), point.z()) : 0.0;
+  for (int k = 0; k < sides; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / sides;
+    out_m = std::max(out_m, std::sin(angle) * point.y() - std::cos(angle) * point.z());
+  }
+  if (out_m > solid.radius) return false;
+  nearest = {range, (direction.x() > 0.0 ? -1.0 : 1.0) * Vector3d::UnitX()};
+  return true;
+}
+
 /// Walks the slices of the street that the ray crosses, nearest first.
 const StreetSolid* meet_slices(const StreetWorld& world,
                                const Vector3d& origin,
@@ -133,6 +214,12 @@ bool meet_solid(const StreetSolid& solid,
       return meet_pole(solid, origin, direction, nearest);
     case StreetShape::kSphere:
       return meet_sphere(solid, origin, direction, nearest);
+    case StreetShape::kRod:
+      return meet_rod(solid, origin, direction, nearest);
+    case StreetShape::kCutBox:
+      return meet_cut(solid, origin, direction, inverse, nearest);
+    case StreetShape::kPlate:
+      return meet_plate(solid, origin, direction, nearest);
   }
   return false;
 }
@@ -157,13 +244,8 @@ Actor StreetCar::actor(double start_s, double end_s) const {
   return car;
 }
 
-Street::Street(std::uint64_t seed,
-               const std::optional<StreetCar>& car,
-               bool thin_poles,
-               const std::optional<StreetWalker>& walker)
-    : world_(std::make_shared<const StreetWorld>(build_street_world(seed, car.has_value(), thin_poles))),
-      car_(car),
-      walker_(walker) {}
+Street::Street(const StreetContents& contents)
+    : contents_(contents), world_(std::make_shared<const StreetWorld>(build_street_world(contents))) {}
 
 StreetHit Street::trace(const Vector3d& origin,
                         const Vector3d& direction,
@@ -179,7 +261,8 @@ StreetHit Street::trace(const Vector3d& origin,
     if (meet_solid(solid, origin, direction, inverse, nearest)) met = &solid;
   }
   Vector3d solid_from_world = Vector3d::Zero();  // translation
-  const Vector3d car_from_world = car_ ? Vector3d(-car_->position(time_s)) : Vector3d::Zero();
+  const Vector3d car_from_world =
+      contents_.car ? Vector3d(-contents_.car->position(time_s)) : Vector3d::Zero();
   for (const StreetSolid& solid : world_->car) {
     if (meet_solid(solid, origin + car_from_world, direction, inverse, nearest)) {
       met = &solid;
@@ -187,13 +270,16 @@ StreetHit Street::trace(const Vector3d& origin,
       hit.on_car = true;
     }
   }
-  if (const StreetSolid* nearer = meet_slices(*world_, origin, direction, inverse, nearest)) {
+  const StreetSolid* nearer = world_->index
+                                  ? world_->index->meet(world_->solids, origin, direction, inverse, nearest)
+                                  : meet_slices(*world_, origin, direction, inverse, nearest);
+  if (nearer != nullptr) {
     met = nearer;
     solid_from_world.setZero();
     hit.on_car = false;
   }
-  if (walker_) {
-    const WalkerHit person = meet_walker(*walker_, origin, direction, time_s, nearest.range);
+  if (contents_.walker) {
+    const WalkerHit person = meet_walker(*contents_.walker, origin, direction, time_s, nearest.range);
     if (person.hit) {
       hit.hit = true;
       hit.on_car = false;
@@ -212,7 +298,11 @@ StreetHit Street::trace(const Vector3d& origin,
   hit.range = nearest.range;
   hit.normal = nearest.normal;
   const Vector3d point = origin + nearest.range * direction + solid_from_world;
-  const StreetSurface surface = street_surface(*met, point, nearest.normal, world_->seed);
+  // As wide as a pixel of the street's own camera, wider where the ray grazes the surface.
+  constexpr double kPixel_rad = 0.0053, kLeastCosine = 0.3;
+  const double footprint_m =
+      kPixel_rad * nearest.range / std::max(std::abs(nearest.normal.dot(direction)), kLeastCosine);
+  const StreetSurface surface = street_surface(*met, point, nearest.normal, world_->seed, footprint_m);
   hit.colour = (surface.albedo * street_light(nearest.normal)).cwiseMax(0.0).cwiseMin(1.0);
   hit.reflectance = surface.reflectance;
   return hit;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "io/synth/street.hpp"
+#include "io/synth/street_detail.hpp"
 
 namespace simuli {
 namespace {
@@ -173,7 +174,8 @@ void add_street_furniture(
   }
 }
 
-StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_poles) {
+StreetWorld build_street_world(const StreetContents& contents) {
+  const std::uint64_t seed = contents.seed;
   StreetWorld world;
   world.seed = seed;
   StreetDice dice(seed);
@@ -189,7 +191,7 @@ StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_po
     add_street_furniture(world.solids, dice, side, kStreetStart_m, kStreetEnd_m);
   }
   add_signs(world.solids);
-  if (thin_poles) add_thin_poles(world.solids, seed);
+  if (contents.thin_poles) add_thin_poles(world.solids, seed);
   // Houses across both ends: no ray leaves the street at eye height.
   for (const double x : {kStreetStart_m - 4.0, kStreetEnd_m}) {
     world.solids.push_back(street_box(
@@ -197,8 +199,13 @@ StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_po
   }
   // Patterns of boxes along the whole street start at the world's origin.
   for (StreetSolid& solid : world.ground) solid.centre.setZero();
-  if (moving_car) add_street_car(world.car, Eigen::Vector3d::Zero(), {0.88, 0.62, 0.10});
-  sort_into_slices(world);
+  if (contents.car) add_street_car(world.car, Eigen::Vector3d::Zero(), {0.88, 0.62, 0.10});
+  if (contents.detailed) {
+    add_street_detail(world);
+    world.index.emplace(world.solids);
+  } else {
+    sort_into_slices(world);
+  }
   return world;
 }
 

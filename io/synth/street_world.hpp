@@ -1,13 +1,17 @@
 #pragma once
-// Inside the synthetic street: its solids and what they are made of. Included by io/street_*.cpp alone.
+// Inside the synthetic street: its solids and what they are made of. Included by io/synth/*.cpp and their
+// tests alone.
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
 namespace simuli {
+
+struct StreetContents;
 
 /// What a surface looks like; the patterns are in io/synth/street_material.cpp.
 enum class StreetMaterial {
@@ -20,13 +24,30 @@ enum class StreetMaterial {
   kMetal,
   kSign,
   kBark,
-  kLeaves
+  kLeaves,
+  // Of the detailed street alone; their patterns are in io/synth/street_detail_*.cpp.
+  kStone,
+  kPainted,
+  kStriped,
+  kSlatted,
+  kPoster,
+  kPlate,
+  kSignal,
+  kLettering,
+  kRoof,
+  kBay,
+  kShade,
+  kVan,
+  kNumberPlate
 };
 
-enum class StreetShape { kBox, kPole, kSphere };
+enum class StreetShape { kBox, kPole, kSphere, kRod, kCutBox, kPlate };
 
 /// One solid. Box: low and high corners. Pole (vertical cylinder): axis through centre from low.z to high.z.
 /// Sphere: centre and radius. `centre` is also where the patterns start.
+/// The detailed street has more. Rod: all within radius of the line from centre to centre + axis. Cut box:
+/// what of the box has axis . p <= radius (m, world), axis of length 1. Plate: no thickness, across x, with
+/// axis.x() sides of which each is `radius` from its middle, one of them below; no sides: round.
 struct StreetSolid {
   StreetShape shape = StreetShape::kBox;
   StreetMaterial material = StreetMaterial::kAsphalt;
@@ -36,6 +57,8 @@ struct StreetSolid {
   double radius = 0.0;                               // m
   Eigen::Vector3d tint = Eigen::Vector3d::Ones();    // base colour
   double reflectance = 0.0;                          // base, [0,1]
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();    // as the shape has it
+  std::uint32_t style = 0;                           // 0: plain; else which variety of the detailed material
 };
 
 struct StreetSurface {
@@ -49,6 +72,30 @@ struct StreetCrossing {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
+/// A tree of bounding boxes over solids: a ray tests those alone whose boxes it crosses.
+class StreetIndex {
+ public:
+  explicit StreetIndex(const std::vector<StreetSolid>& solids);
+  /// As meet_solid() with each of the solids that the index was made of.
+  [[nodiscard]] const StreetSolid* meet(const std::vector<StreetSolid>& solids,
+                                        const Eigen::Vector3d& origin,
+                                        const Eigen::Vector3d& direction,
+                                        const Eigen::Vector3d& inverse,
+                                        StreetCrossing& nearest) const;
+
+ private:
+  struct Node {
+    Eigen::Vector3d low, high;
+    std::uint32_t first = 0;  // of a leaf: its solids' place in order_; else the second child's node
+    std::uint32_t count = 0;  // of a leaf's solids; 0: two children, the first one right behind
+    int axis = 0;             // along which children are parted
+  };
+  void part(const std::vector<StreetSolid>& solids, std::uint32_t first, std::uint32_t count);
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;
+};
+
 /// All solids that stand still, sorted into slices of the street along x, and the moving car in its own frame
 /// (origin under its middle, x forward).
 struct StreetWorld {
@@ -57,6 +104,7 @@ struct StreetWorld {
   std::vector<StreetSolid> solids;
   std::vector<std::vector<std::uint32_t>> slices;  // indices into solids
   std::vector<StreetSolid> car;                    // empty: no moving car
+  std::optional<StreetIndex> index;                // instead of slices, where there are many solids
 
   static constexpr double kSliceLength_m = 8.0;
   static constexpr double kFirstSlice_m = -64.0;
@@ -110,12 +158,29 @@ bool meet_solid(const StreetSolid& solid,
 /// Sun and sky light, the same all day: no cast shadows, so that appearance depends on the surface alone.
 [[nodiscard]] double street_light(const Eigen::Vector3d& normal);
 
-[[nodiscard]] StreetWorld build_street_world(std::uint64_t seed, bool moving_car, bool thin_poles);
+/// Windows, doors and shops of a house stand in so many bays of that width, m.
+struct StreetBays {
+  int count = 1;
+  double width = 0.0;
+};
+[[nodiscard]] StreetBays street_bays(const StreetSolid& house);
+/// Whether the plain street's paint is there on the road.
+[[nodiscard]] bool street_lane_marking(double x, double y);
+
+[[nodiscard]] StreetWorld build_street_world(const StreetContents& contents);
 /// Colour and reflectance of `solid` at `point` (in the solid's frame, on the surface with that normal).
+/// Patterns of the detailed street that are finer than footprint_m, the width of a pixel there, show as their
+/// mean; the plain street has none so fine.
 [[nodiscard]] StreetSurface street_surface(const StreetSolid& solid,
                                            const Eigen::Vector3d& point,
                                            const Eigen::Vector3d& normal,
-                                           std::uint64_t seed);
+                                           std::uint64_t seed,
+                                           double footprint_m = 0.0);
+/// The same for solids without a style.
+[[nodiscard]] StreetSurface street_plain_surface(const StreetSolid& solid,
+                                                 const Eigen::Vector3d& point,
+                                                 const Eigen::Vector3d& normal,
+                                                 std::uint64_t seed);
 [[nodiscard]] Eigen::Vector3d street_sky(const Eigen::Vector3d& direction);
 
 }  // namespace simuli

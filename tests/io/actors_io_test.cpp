@@ -296,10 +296,10 @@ TEST(StreetActor, IsWhereTheCarIs) {
       EXPECT_LE((p.cwiseAbs() - 0.5 * car.size_m).maxCoeff(), 1e-9);
     }
   }
-  const Street other(1, StreetCar{.lane_m = -0.25, .speed_m_per_s = 8.0});
+  const Street other({.car = StreetCar{.lane_m = -0.25, .speed_m_per_s = 8.0}});
   const Vector3d above = StreetCar{.lane_m = -0.25, .speed_m_per_s = 8.0}.position(1.0) + Vector3d(0, 0, 5);
   EXPECT_TRUE(other.trace(above, -Vector3d::UnitZ(), 1.0, 10.0).on_car);
-  EXPECT_FALSE(Street(1, std::nullopt).trace(above, -Vector3d::UnitZ(), 1.0, 10.0).on_car);
+  EXPECT_FALSE(Street({.car = std::nullopt}).trace(above, -Vector3d::UnitZ(), 1.0, 10.0).on_car);
 }
 
 }  // namespace

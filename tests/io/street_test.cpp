@@ -76,7 +76,7 @@ TEST(Street, CarMovesAtItsSpeed) {
 }
 
 TEST(Street, CarCanBeLeftOut) {
-  const Street street(1, std::nullopt);
+  const Street street({.car = std::nullopt});
   const StreetHit hit = street.trace({0.0, 1.75, 0.6}, Vector3d::UnitX(), 0.0, kFarAway_m);
   ASSERT_TRUE(hit.hit);  // the houses across the end
   EXPECT_FALSE(hit.on_car);
@@ -84,7 +84,7 @@ TEST(Street, CarCanBeLeftOut) {
 }
 
 TEST(Street, ThinPolesStandBeforeWhatIsThereAnyway) {
-  const Street without(1, std::nullopt), with(1, std::nullopt, true);
+  const Street without({.car = std::nullopt}), with({.car = std::nullopt, .thin_poles = true});
   std::size_t on_pole = 0;
   for (int i = 0; i < 20000; ++i) {  // along the pavement's edge, a row of rays across the street
     const Vector3d origin(0.005 * i, 0.0, 1.0);
@@ -202,10 +202,10 @@ TEST(Street, PicturesDependOnSeedAndTimeButNotOnThreads) {
   const auto picture = [&](const Street& street, double time_s, int threads) {
     return render_street(street, log.cameras.front(), log.world_from_rig, time_s, time_s, threads).data;
   };
-  const Street street(1);
+  const Street street;
   const std::vector<float> once = picture(street, 0.05, 1);
-  EXPECT_EQ(once, picture(Street(1), 0.05, 7));
-  EXPECT_NE(once, picture(Street(2), 0.05, 1));
+  EXPECT_EQ(once, picture(Street(), 0.05, 7));
+  EXPECT_NE(once, picture(Street({.seed = 2}), 0.05, 1));
   EXPECT_NE(once, picture(street, 0.15, 1));
   EXPECT_TRUE(std::all_of(once.begin(), once.end(), [](float v) { return v >= 0.0F && v <= 1.0F; }));
   const auto sweep = [&](int threads) {
@@ -225,15 +225,16 @@ TEST(Street, PictureShowsTheMovingCarWhereItIs) {
   ASSERT_TRUE(camera.model.project(world_from_camera.inverse() * tail, pixel));
   const auto x = static_cast<int>(pixel.x());
   const auto y = static_cast<int>(pixel.y());
-  const Image with = render_street(Street(1), camera, log.world_from_rig, time_s, time_s);
-  const Image without = render_street(Street(1, std::nullopt), camera, log.world_from_rig, time_s, time_s);
+  const Image with = render_street(Street(), camera, log.world_from_rig, time_s, time_s);
+  const Image without =
+      render_street(Street({.car = std::nullopt}), camera, log.world_from_rig, time_s, time_s);
   EXPECT_GT(with.at(x, y, 0), with.at(x, y, 2) + 0.3F);        // yellow paint
   EXPECT_LT(without.at(x, y, 0), without.at(x, y, 2) + 0.1F);  // grey road
 }
 
 TEST(Street, PersonWalksInTheirBox) {
   const StreetWalker walker;
-  const Street with(1, std::nullopt, false, walker), without(1, std::nullopt);
+  const Street with({.car = std::nullopt, .walker = walker}), without({.car = std::nullopt});
   const Actor actor = walker.actor(0.0, 2.0);
   std::set<int> seen_cm;  // of the foremost place of the feet
   for (double time_s = 0.0; time_s <= 2.0; time_s += 0.05) {
@@ -309,7 +310,7 @@ TEST(Street, LogIsReadBackAsWritten) {
   EXPECT_EQ(log_hash(written), log_hash(log));  // so that eval knows which frames a scene was trained on
   ASSERT_EQ(log.images.size(), 2U);
   ASSERT_EQ(log.sweeps.size(), 2U);
-  const Street street(options.seed);
+  const Street street({.seed = options.seed});
   const SweepFrame& frame = log.sweeps[1];
   EXPECT_NEAR(frame.time_start_s, 0.1, 1e-9);
   const LogLidar& lidar = log.lidar(frame.lidar);

@@ -26,7 +26,7 @@ inline Pose drive_pose(double time_s, double speed_m_per_s, double swing) {
 }
 
 struct StreetDrive {
-  Street street{1, std::nullopt};
+  Street street{{.car = std::nullopt}};
   Log log;  // sensors, frames and the true path; nothing on disk
 
   StreetDrive(int frames, double speed_m_per_s, double swing, int width = 320) {

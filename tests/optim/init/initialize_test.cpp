@@ -287,7 +287,7 @@ TEST(InitializeStreet, PointsLieOnTheSurfacesOfTheStreet) {
   // Surfaces that face the drive show the motion: there a point moved along the road leaves its surface.
   // Looked at from where the rig stood in the middle, most of their particles are on the first surface; the
   // others are hidden by what stands before them.
-  const Street street(street_options.seed);
+  const Street street({.seed = street_options.seed});
   const LogLidar& lidar = log.lidars.front();
   const Eigen::Vector3d eye = (log.world_from_rig.at(0.15) * lidar.rig_from_lidar).translation;
   const Eigen::Vector3d drive =

@@ -40,7 +40,7 @@ class RayListLog : public test::SmallStreet {
     log.lidars = {{ahead_of(log_.lidars[0].with_rows()), log_.lidars[0].rig_from_lidar}};
     log.folder = folder_ / "listed.log";
     std::filesystem::create_directories(log.folder / "sweeps");
-    const Street street(StreetOptions{}.seed, std::nullopt);
+    const Street street({.car = std::nullopt});
     for (SweepFrame& f : log.sweeps) {
       f.lidar = "ahead";
       write_sweep(log.folder / f.file,
