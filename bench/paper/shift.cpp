@@ -154,6 +154,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
   const ScratchFolder scratch("simuli_bench");
   StreetOptions street;
   street.output = scratch.path() / "street.log";
+  street.detailed = options.detailed;
   const Log log = synth_street(street);
   std::vector<std::string> settings = options.settings;
   settings.push_back("image_scale=1");

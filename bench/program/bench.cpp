@@ -137,6 +137,9 @@ void measure(BenchCommand command, const Globals& globals) {
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
   }
+  if (command.shift_options.detailed && !command.shift) {
+    throw Error(ErrorKind::kUsage, "bench: --detailed: found without --shift, allowed with it");
+  }
   command.table5.log = command.table8.log = command.log;
   if (command.iterations > 0) {
     if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors &&
@@ -253,6 +256,9 @@ void add_bench(const Command& command, const Globals& globals) {
                options->shift,
                "the street's scene beside the truth off the recorded path: moved, higher, turned, with other "
                "sensors");
+  command.flag("--detailed",
+               options->shift_options.detailed,
+               "--shift: on the street of `simuli synth street --detailed`");
   command.option("--agreement",
                  options->agreement,
                  "every ray of a camera and a LiDAR frame against FILE, which another OpenCL "
