@@ -4,10 +4,12 @@
 #include "math/gaussian.h"
 #include "math/sensor.h"
 
-/// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p half-way through the frame.
+/// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p half-way through the frame;
+/// STANDS in place of a particle: of a point that stands there.
+#define STANDS ((const Gaussian*)0)
 FN void sensor_from_particle_point(__global const SensorConstants* sensor, const Gaussian* g, const F* p, F t, F* out) {
 #if ACTOR_MOTION
-  if (g->actor.any) {
+  if (g != STANDS && g->actor.any) {
     F turn[9], moved[3];
     actor_turn(&g->actor, t, turn);
     actor_carry(&g->actor, turn, t, p, moved);

@@ -1,13 +1,10 @@
 // beside.cl - what a recorded picture shows of the surfaces that are seen from beside it. Launcher: host/render/train/beside.cpp
 #include "math/elementary.h"
-#include "math/sensor.h"
+#include "math/shutter.h"
 #include "shared/layout.h"
 
 #define OPAQUE R(0.2)  // light that goes on behind a surface, at most: mixed distances are nobody's
 #define SAME R(0.03)   // of the distance: what stands that near to a surface is part of it
-#ifndef SHUTTER_ITERATIONS
-#define SHUTTER_ITERATIONS 4
-#endif
 
 /// m; negative where no surface stands alone in the way.
 FN real surface_distance(__global const real* out, uint slots, uint slot) {
@@ -48,23 +45,11 @@ __kernel void beside(const FrameParams frame,
     p[k] += LDV(world_ray + (3 + k) * s + i);
 #endif
   }
-  F t = (F)R(0.5);
-#if MOVING
-  const I is_met = valid;
-  // Cars' shutters settle at once: the rate of METHOD section 3 is far below one.
-  for (int k = 0; k < SHUTTER_ITERATIONS; ++k) {
-    valid = is_met;
-    sensor_from_world_point(recorded, p, t, q);
-    project_point(recorded, q, &x, &y, &valid);
-    t = SEL(valid, time_of(recorded, x, y), (F)R(0.5));
-  }
-  valid = is_met;
-#endif
-  sensor_from_world_point(recorded, p, t, q);
-  project_point(recorded, q, &x, &y, &valid);
+  project_at_own_time(recorded, STANDS, p, (F)(R(0.5) * (real)width), (F)R(0.5), &x, &y, &valid);
   valid = AND(valid, AND(AND(x >= R(0.0), x < (F)(real)width), AND(y >= R(0.0), y < (F)(real)height)));
   STV(column, SEL(valid, x, (F)R(0.0)));
   STV(row, SEL(valid, y, (F)R(0.0)));
+  sensor_from_world_point(recorded, p, time_of(recorded, x, y), q);
   STV(away, sqrt(fma(q[0], q[0], fma(q[1], q[1], q[2] * q[2]))));
   STV(usable, SEL(valid, (F)R(1.0), (F)R(0.0)));
   for (uint lane = 0; lane < V; ++lane) {
