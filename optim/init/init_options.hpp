@@ -30,6 +30,7 @@ struct InitOptions {
   double max_scale_m = 0.5;
   bool sweep_depth = true;
   int sweep_cell_px = 4;
+  bool walls = true;        // see beyond/initialize_walls.hpp
   bool drop_moving = true;  // see initialize_moving.hpp
   bool actors = true;
   double actor_min_travel_m = 1.0;
@@ -119,6 +120,9 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         "m, largest standard deviation; init.min_scale_m or more");
   field("init.sweep_depth", o.sweep_depth, "camera particles also where only pictures tell the depth");
   field("init.sweep_cell_px", o.sweep_cell_px, range(1, 64), "px of the training picture between those");
+  field("init.walls",
+        o.walls,
+        "camera particles also on walls above the laser's reach, as far as pictures agree on them");
   field("init.drop_moving", o.drop_moving, "leave out points that other sweeps look through");
   field("init.environment_width",
         o.environment_width,
@@ -155,6 +159,7 @@ struct InitReport {
   std::size_t unseen_points = 0;  // voxels that no image sees, nor would off the path: not in the camera set
   std::size_t joined_points = 0;  // voxels that no picture shows apart from others
   std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
+  std::size_t wall_points = 0;    // on walls above the laser's reach
   std::size_t lidar_cells = 0;    // voxels of the background's LiDAR set, grown where that costs nothing
   std::size_t lidar_thinned = 0;  // of those, left out to keep to max_lidar
   std::size_t camera_thinned = 0;

@@ -14,12 +14,13 @@
 #include "host/base/fields.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/init/initialize_actors.hpp"
-#include "optim/init/initialize_depth.hpp"
+#include "optim/init/beyond/initialize_depth.hpp"
 #include "optim/init/initialize_environment.hpp"
 #include "optim/init/initialize_moving.hpp"
 #include "optim/init/initialize_sets.hpp"
 #include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/init/beyond/initialize_walls.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/points/points.hpp"
 
@@ -170,7 +171,8 @@ class Initialisation {
     if (!progress_) return;
     progress_(
         files_,
-        (options_.drop_moving ? 2 : 1) * sweeps_.size() + (options_.sweep_depth ? 2 : 1) * images_.size());
+        (options_.drop_moving ? 2 : 1) * sweeps_.size() +
+            (1 + (options_.sweep_depth ? 1 : 0) + (options_.walls ? 1 : 0)) * images_.size());
   }
 
   const Log& log_;
@@ -185,7 +187,6 @@ class Initialisation {
   InitReport& report_ = out_.report;
   std::optional<ActorPoints> actors_;
   PointSet points_;                // of the background, one per voxel
-  std::size_t static_points_ = 0;  // of those, all but the ones that only pictures show
   std::vector<PointLook> looks_;   // at points_, then at the actors' points
   std::vector<ImageView> views_;   // [images_]
   std::optional<FarShell> shell_, sky_;
@@ -256,7 +257,11 @@ void Initialisation::add_points_of_pictures() {
     actors_->add_holes(view, middle_s(*frame), points_, blocks);
   }
   actors_->finish_holes();
-  static_points_ = points_.size();
+  if (options_.walls) {
+    const WallsAbove walls{
+        log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, *actors_};
+    report_.wall_points = walls.add_to(points_, [this] { step(); });
+  }
   if (!options_.sweep_depth) return;
   const PictureDepths depths{
       log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, options_.sweep_cell_px, *actors_};
@@ -358,6 +363,7 @@ InitReport& InitReport::operator+=(const InitReport& other) {
   unseen_points += other.unseen_points;
   joined_points += other.joined_points;
   depth_points += other.depth_points;
+  wall_points += other.wall_points;
   lidar_cells += other.lidar_cells;
   lidar_thinned += other.lidar_thinned;
   camera_thinned += other.camera_thinned;

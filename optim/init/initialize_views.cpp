@@ -14,12 +14,6 @@
 namespace simuli {
 namespace {
 
-constexpr int kDepthCell_px = 2;  // of the occlusion buffer
-/// A point is hidden when something is nearer by more than this share of its range plus this distance:
-/// neighbours on a road seen at a grazing angle differ by less.
-constexpr double kHiddenShare = 0.05;
-constexpr double kHidden_m = 0.3;
-
 bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin) {
   return pixel.x() >= -margin * camera.width && pixel.x() < (1.0 + margin) * camera.width &&
          pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
@@ -200,6 +194,32 @@ std::vector<std::uint32_t> PointBlocks::within(const Eigen::Vector3d& from, doub
   });
 }
 
+NearestPoints::NearestPoints(const Camera& camera)
+    : columns_((camera.width + kCell_px - 1) / kCell_px),
+      rows_((camera.height + kCell_px - 1) / kCell_px),
+      nearest_m_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_),
+                 std::numeric_limits<float>::infinity()) {}
+
+std::size_t NearestPoints::cell_of(int x, int y) const {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
+}
+
+double NearestPoints::nearest_m(const Eigen::Vector2d& pixel) const {
+  const int x = static_cast<int>(pixel.x()) / kCell_px, y = static_cast<int>(pixel.y()) / kCell_px;
+  return static_cast<double>(nearest_m_[cell_of(x, y)]);
+}
+
+void NearestPoints::add(const Eigen::Vector2d& pixel, double range_m, double radius_px) {
+  const int reach = static_cast<int>(std::min(radius_px, Coverage::kMostRadius_px) / kCell_px);
+  const int x = static_cast<int>(pixel.x()) / kCell_px, y = static_cast<int>(pixel.y()) / kCell_px;
+  for (int cy = std::max(y - reach, 0); cy <= std::min(y + reach, rows_ - 1); ++cy) {
+    for (int cx = std::max(x - reach, 0); cx <= std::min(x + reach, columns_ - 1); ++cx) {
+      float& nearest_m = nearest_m_[cell_of(cx, cy)];
+      nearest_m = std::min(nearest_m, static_cast<float>(range_m));
+    }
+  }
+}
+
 Coverage look_at_points(const ImageView& view,
                         const Image& image,
                         const PointSet& points,
@@ -219,12 +239,7 @@ Coverage look_at_points(const ImageView& view,
       static_cast<std::size_t>(coverage.columns) * static_cast<std::size_t>(coverage.rows), 0);
 
   // First the nearest range per small cell, each point as wide as it is in the picture ...
-  const int columns = (camera.width + kDepthCell_px - 1) / kDepthCell_px;
-  const int rows = (camera.height + kDepthCell_px - 1) / kDepthCell_px;
-  const auto cell_of = [&](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
-  };
-  std::vector<float> nearest(cell_of(0, rows), std::numeric_limits<float>::infinity());
+  NearestPoints nearest(camera);
   std::vector<Seen> seen;
   for (std::size_t i = 0; i < points.size(); ++i) {
     Eigen::Vector2d pixel;
@@ -234,23 +249,13 @@ Coverage look_at_points(const ImageView& view,
     seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(range_m), pixel.cast<float>()});
     const double radius_px = 0.5 * point_size_m / (view.pixel_size_at_1m() * range_m);
     coverage.cover(pixel, radius_px);
-    const int reach = static_cast<int>(std::min(radius_px, Coverage::kMostRadius_px) / kDepthCell_px);
-    const int x = static_cast<int>(pixel.x()) / kDepthCell_px;
-    const int y = static_cast<int>(pixel.y()) / kDepthCell_px;
-    for (int cy = std::max(y - reach, 0); cy <= std::min(y + reach, rows - 1); ++cy) {
-      for (int cx = std::max(x - reach, 0); cx <= std::min(x + reach, columns - 1); ++cx) {
-        float& depth = nearest[cell_of(cx, cy)];
-        depth = std::min(depth, static_cast<float>(range_m));
-      }
-    }
+    nearest.add(pixel, range_m, radius_px);
   }
   // ... then the colour of every point that nothing nearer hides.
   for (const Seen& s : seen) {
     PointLook& look = looks[s.index];
     if (!(s.range_m < look.range_m)) continue;
-    const float depth = nearest[cell_of(static_cast<int>(s.pixel.x()) / kDepthCell_px,
-                                        static_cast<int>(s.pixel.y()) / kDepthCell_px)];
-    if (s.range_m - depth > kHiddenShare * s.range_m + kHidden_m) continue;
+    if (nearest.hide(s.pixel.cast<double>(), static_cast<double>(s.range_m))) continue;
     look.range_m = s.range_m;
     look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
     look.colour = sample_bilinear(image, s.pixel.cast<double>());

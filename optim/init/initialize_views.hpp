@@ -1,6 +1,7 @@
 #pragma once
 // Views of the initialisation: which image sees which point in which colour, and what no point covers.
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
@@ -62,6 +63,33 @@ struct Coverage {
   static constexpr double kMostRadius_px = 32.0;
   /// True when neither the cell nor one of its eight neighbours is covered.
   [[nodiscard]] bool is_empty_around(int column, int row) const;
+};
+
+/// How far away the nearest of some points is in each small cell of a picture.
+class NearestPoints {
+ public:
+  explicit NearestPoints(const Camera& camera);
+  /// A point as wide as `radius_px` to each side, no more than Coverage::kMostRadius_px.
+  void add(const Eigen::Vector2d& pixel, double range_m, double radius_px);
+  /// Whether one of them stands before what is range_m away, by more than neighbours on a road differ that is
+  /// seen at a grazing angle.
+  [[nodiscard]] bool hide(const Eigen::Vector2d& pixel, double range_m) const {
+    return range_m - nearest_m(pixel) > least_gap_m(range_m);
+  }
+  /// Whether one of them is seen where something nearer would hide it.
+  [[nodiscard]] bool are_seen_through(const Eigen::Vector2d& pixel, double range_m) const {
+    const double there_m = nearest_m(pixel);
+    return std::isfinite(there_m) && there_m - range_m > least_gap_m(range_m);
+  }
+
+ private:
+  static constexpr int kCell_px = 2;
+  static double least_gap_m(double range_m) { return 0.05 * range_m + 0.3; }
+  [[nodiscard]] std::size_t cell_of(int x, int y) const;
+  [[nodiscard]] double nearest_m(const Eigen::Vector2d& pixel) const;
+
+  int columns_, rows_;
+  std::vector<float> nearest_m_;  // [rows][columns], +inf: none
 };
 
 /// Looks at all points through one image: each point that is not hidden by a nearer one, and that no earlier

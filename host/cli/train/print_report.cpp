@@ -91,6 +91,7 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
                                         {"moving_returns_on_actors", found.moving_on_actors},
                                         {"find_seconds", found.seconds},
                                         {"depth_points", init.depth_points},
+                                        {"wall_points", init.wall_points},
                                         {"moving_points", init.moving_points},
                                         {"train_psnr_db", r.last.psnr_db},
                                         {"train_distance_m", r.last.distance_m},
