@@ -152,7 +152,6 @@ StreetSurface street_plain_surface(const StreetSolid& solid,
     default:
       return scaled(solid.tint, solid.reflectance, 1.0);  // the detailed street's alone
   }
-  return {};
 }
 
 StreetSurface street_surface(const StreetSolid& solid,

@@ -13,14 +13,14 @@
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
 #include "io/splat/ply.hpp"
-#include "optim/init/initialize_actors.hpp"
 #include "optim/init/beyond/initialize_depth.hpp"
+#include "optim/init/beyond/initialize_walls.hpp"
+#include "optim/init/initialize_actors.hpp"
 #include "optim/init/initialize_environment.hpp"
 #include "optim/init/initialize_moving.hpp"
 #include "optim/init/initialize_sets.hpp"
 #include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"
-#include "optim/init/beyond/initialize_walls.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/points/points.hpp"
 
@@ -169,10 +169,9 @@ class Initialisation {
   void step() {
     ++files_;
     if (!progress_) return;
-    progress_(
-        files_,
-        (options_.drop_moving ? 2 : 1) * sweeps_.size() +
-            (1 + (options_.sweep_depth ? 1 : 0) + (options_.walls ? 1 : 0)) * images_.size());
+    progress_(files_,
+              (options_.drop_moving ? 2 : 1) * sweeps_.size() +
+                  (1 + (options_.sweep_depth ? 1 : 0) + (options_.walls ? 1 : 0)) * images_.size());
   }
 
   const Log& log_;
@@ -186,9 +185,9 @@ class Initialisation {
   Scene& scene_ = out_.scene;
   InitReport& report_ = out_.report;
   std::optional<ActorPoints> actors_;
-  PointSet points_;                // of the background, one per voxel
-  std::vector<PointLook> looks_;   // at points_, then at the actors' points
-  std::vector<ImageView> views_;   // [images_]
+  PointSet points_;               // of the background, one per voxel
+  std::vector<PointLook> looks_;  // at points_, then at the actors' points
+  std::vector<ImageView> views_;  // [images_]
   std::optional<FarShell> shell_, sky_;
 };
 
@@ -258,8 +257,7 @@ void Initialisation::add_points_of_pictures() {
   }
   actors_->finish_holes();
   if (options_.walls) {
-    const WallsAbove walls{
-        log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, *actors_};
+    const WallsAbove walls{log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, *actors_};
     report_.wall_points = walls.add_to(points_, [this] { step(); });
   }
   if (!options_.sweep_depth) return;

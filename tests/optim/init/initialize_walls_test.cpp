@@ -2,11 +2,10 @@
 #include "optim/init/beyond/initialize_walls.hpp"
 
 #include <cmath>
-#include <filesystem>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include "host/scene/actor.hpp"
+#include "io/base/scratch_folder.hpp"
 #include "io/synth/street.hpp"
 #include "optim/init/posed_frames.hpp"
 
@@ -71,11 +70,9 @@ std::optional<double> off_facade_m(const Street& street, const Eigen::Vector3d& 
 }
 
 TEST(WallsAbove, AreWhereTheStreetHasFacades) {
-  std::string pattern = (std::filesystem::temp_directory_path() / "simuli_walls_XXXXXX").string();
-  ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-  const std::filesystem::path folder = pattern;
+  const ScratchFolder folder("simuli_walls");
   StreetOptions options;
-  options.output = folder / "street.log";
+  options.output = folder.path() / "street.log";
   options.frames = 8;
   options.image_width = 200;
   options.image_height = 112;
@@ -106,7 +103,6 @@ TEST(WallsAbove, AreWhereTheStreetHasFacades) {
   std::size_t steps = 0;
   const std::size_t added =
       WallsAbove{log, images, origin, 1.0, 0.1, actors}.add_to(points, [&steps] { ++steps; });
-  std::filesystem::remove_all(folder);
 
   EXPECT_EQ(steps, images.size());
   ASSERT_EQ(points.size(), met + added);
