@@ -8,6 +8,7 @@
 #include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
 #include "host/render/options/quality.hpp"
+#include "host/render/pages/particle_pages.hpp"
 #include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
@@ -21,20 +22,20 @@ RenderOptions with_detail(double detail) {
   return options;
 }
 
+GaussianSet long_set(SetKind kind, const LongStreetOptions& options, double length_m) {
+  return street_particles(
+      kind,
+      3,
+      static_cast<Eigen::Index>(static_cast<double>(options.particles) * length_m / kShort_m),
+      1,
+      StreetOrder::kCoherent,
+      length_m);
+}
+
 /// A street on the device, once as particles that stay as they are and once as some that may change.
 struct Street {
   Street(const Device& device, SetKind of, const LongStreetOptions& options, double length)
-      : Street(device,
-               of,
-               options,
-               length,
-               street_particles(
-                   of,
-                   3,
-                   static_cast<Eigen::Index>(static_cast<double>(options.particles) * length / kShort_m),
-                   1,
-                   StreetOrder::kCoherent,
-                   length)) {}
+      : Street(device, of, options, length, long_set(of, options, length)) {}
   Street(const Device& device,
          SetKind of,
          const LongStreetOptions& options,
@@ -53,6 +54,99 @@ struct Street {
 
 struct Renderers {
   Renderer usual, detail;
+};
+
+/// Frames a metre apart, as a car at 10 m/s sees them, with all of a street's particles on the device and
+/// with those alone that frames may see. Of cameras, which see to its end, with levels of detail.
+class LongDrive {
+ public:
+  LongDrive(const Device& device, SetKind kind, const LongStreetOptions& options, const GaussianSet& set)
+      : device_(device),
+        kind_(kind),
+        options_(with_detail(kind == SetKind::kCamera ? options.detail : 0.0)),
+        set_(std::make_shared<const GaussianSet>(set)),
+        length_m_(options.length_m) {}
+
+  void add_rows(std::vector<Row>& rows) const {
+    const std::string base =
+        fmt::format("long_street/{}/drive/", kind_ == SetKind::kCamera ? "camera" : "lidar");
+    const auto add = [&](const std::string& name, double value, const char* unit) {
+      rows.push_back({base + name, value, unit, 0.0});
+    };
+    const ParticlePages known(device_, set_, options_, 1);
+    add("pages", known.pages(), "1");
+    std::uint32_t most = 0;
+    {
+      // All there: the most that one frame sees.
+      ParticlePages pages(device_, set_, options_, known.pages());
+      drive(pages, [&] { most = std::max(most, pages.seen()); });
+    }
+    const std::uint32_t places = most + most / 10;
+    add("places", places, "1");
+    {
+      ParticlePages pages(device_, set_, options_, places);
+      double brought = 0.0, at_once = 0.0;
+      const Times times = drive(pages, [&] {
+        brought += pages.brought();
+        at_once = std::max<double>(at_once, pages.brought());
+      });
+      add("brought_a_metre", brought / static_cast<double>(times.frame.size()), "1");
+      add("brought_at_once", at_once, "1");
+      add_times("", times, add);
+    }
+    {
+      const ParticleBuffers all(device_, *set_, options_);
+      add_times("all_", drive(all, [] {}), add);
+    }
+  }
+
+ private:
+  struct Times {
+    std::vector<double> frame, processor;  // ms, rising
+    double device_mb = 0.0;
+  };
+  template <class Add>
+  static void add_times(const std::string& name, const Times& times, const Add& add) {
+    const auto at = [](const std::vector<double>& of, std::size_t percent) {
+      return of[(of.size() - 1) * percent / 100];
+    };
+    add(name + "frame_median", at(times.frame, 50), "ms");
+    add(name + "frame_p99", at(times.frame, 99), "ms");
+    add(name + "processor_median", at(times.processor, 50), "ms");
+    add(name + "processor_p99", at(times.processor, 99), "ms");
+    add(name + "device", times.device_mb, "MB");
+  }
+  /// The middle half of the street; what comes with the first frames is not counted.
+  template <class Particles, class AfterFrame>
+  Times drive(Particles& particles, const AfterFrame& after) const {
+    Renderer renderer(device_, options_);
+    const SensorRays rays = bench_rays(device_, kind_, renderer.options());
+    Times times;
+    for (int metre = -3; metre < static_cast<int>(length_m_ / 2); ++metre) {
+      Pose pose = world_from_bench_sensor(kind_);
+      pose.translation.x() = -length_m_ / 4 + std::max(metre, 0);
+      const std::clock_t start = std::clock();
+      const double frame_ms = time_ms([&] {
+        const Pass pass = renderer.render(particles, rays, {pose, pose});
+        renderer.device().finish();
+      });
+      if (metre < 0) continue;
+      times.frame.push_back(frame_ms);
+      times.processor.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+      after();
+    }
+    // This set, and all that frames keep.
+    times.device_mb = static_cast<double>(device_.memory().now) / 1e6;
+    std::sort(times.frame.begin(), times.frame.end());
+    std::sort(times.processor.begin(), times.processor.end());
+    return times;
+  }
+
+  Device device_;
+  SetKind kind_;
+  RenderOptions options_;
+  std::shared_ptr<const GaussianSet> set_;
+  double length_m_;
 };
 
 class Place {
@@ -172,6 +266,9 @@ std::vector<Row> run_long_street(const std::string& device_request,
   const Device device = profiled_device(device_request, note);
   std::vector<Row> rows;
   Renderers renderers{Renderer(device, {}), Renderer(device, with_detail(options.detail))};
+  for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
+    LongDrive(device, kind, options, long_set(kind, options, options.length_m)).add_rows(rows);
+  }
   for (const SetKind kind : {SetKind::kCamera, SetKind::kLidar}) {
     const SensorRays rays = bench_rays(device, kind, renderers.usual.options());
     const SensorRays detail_rays = bench_rays(device, kind, renderers.detail.options());

@@ -25,6 +25,13 @@ struct LongStreetOptions {
 ///   ... psnr_detail, p99_detail         dB, and mm of rays that return in both
 ///   ... live                            % of the clusters
 ///   ... visible                         particles
+/// and from a quarter of the long one to three quarters of it, a frame a metre, with that alone on the device
+/// which frames may see (host/render/pages) and with all of it:
+///   long_street/<camera|lidar>/drive/...
+///   ... pages, places                   of the street, and room for: a tenth more than a frame sees at most
+///   ... brought_a_metre, brought_at_once  pages
+///   ... [all_]frame_median, frame_p99, processor_median, processor_p99    ms
+///   ... [all_]device                    MB of the device, with all that a frame keeps
 [[nodiscard]] std::vector<Row> run_long_street(const std::string& device_request,
                                                const LongStreetOptions& options,
                                                const Progress& note);

@@ -8,13 +8,21 @@
 /// Where the elements of i's cluster end, of those before `last`.
 FN uint cluster_end(uint i, uint last) { return min((i / SIM_CLUSTER + 1) * SIM_CLUSTER, last); }
 
+/// What is to be added to elements of i's cluster to know where their particles are.
+FN uint cluster_shift(uint paged, __global const uint* cluster_at, uint i) {
+  const uint cluster = i / SIM_CLUSTER;
+  return paged ? (cluster_at[cluster] - cluster) * SIM_CLUSTER : 0;
+}
+
 /// in  keys[n]; live[clusters]: 0 where all keys of a cluster are those of culled particles
-///     footprints[n]
+///     footprints[n]; with `paged` cluster_at[clusters] as project.cl takes it: keys and footprints lie by particle
 /// out counts[2][work-items]: visible particles of each chunk, and their tile instances, 0xffffffff if these don't fit
 ///     32 bits: both sums are known before anything is sorted.
 __kernel GROUP void visible_count(__global const uint* keys,
                             __global const uint* live,
+                            __global const uint* cluster_at,
                             __global const Footprint* footprints,
+                            const uint paged,
                             const uint n,
                             const uint chunk,
                             __global uint* counts) {
@@ -24,11 +32,12 @@ __kernel GROUP void visible_count(__global const uint* keys,
   ulong instances = 0;
   for (uint i = first; i < last;) {
     const uint end = cluster_end(i, last);
+    const uint shift = cluster_shift(paged, cluster_at, i);
     if (live[i / SIM_CLUSTER] == 0) i = end;
     for (; i < end; ++i) {
-      if (keys[i] == 0xffffffffu) continue;
+      if (keys[i + shift] == 0xffffffffu) continue;
       ++count;
-      instances += SIM_TILES(footprints[i]);
+      instances += SIM_TILES(footprints[i + shift]);
     }
   }
   counts[get_global_id(0)] = count;
@@ -36,9 +45,11 @@ __kernel GROUP void visible_count(__global const uint* keys,
 }
 
 /// in  offsets[work-items]: exclusive prefix sum of counts
-/// out visible_keys, visible[M]: range keys and indices of the visible particles, by index
+/// out visible_keys, visible[M]: range keys of the visible particles and where they are, in the order of the frame
 __kernel GROUP void visible_write(__global const uint* keys,
                             __global const uint* live,
+                            __global const uint* cluster_at,
+                            const uint paged,
                             const uint n,
                             const uint chunk,
                             __global const uint* offsets,
@@ -49,11 +60,12 @@ __kernel GROUP void visible_write(__global const uint* keys,
   uint place = offsets[get_global_id(0)];
   for (uint i = first; i < last;) {
     const uint end = cluster_end(i, last);
+    const uint shift = cluster_shift(paged, cluster_at, i);
     if (live[i / SIM_CLUSTER] == 0) i = end;
     for (; i < end; ++i) {
-      if (keys[i] == 0xffffffffu) continue;
-      visible_keys[place] = keys[i];
-      visible[place] = i;
+      if (keys[i + shift] == 0xffffffffu) continue;
+      visible_keys[place] = keys[i + shift];
+      visible[place] = i + shift;
       ++place;
     }
   }

@@ -136,7 +136,7 @@ FN I features_of(const FrameParams* frame, __global const real* params, uint i, 
   return usable;
 }
 
-/// V clusters per work-item: which of them the frame may see anything of.
+/// V clusters per work-item, in the order in which the frame takes them: which of them it may see anything of.
 /// in  cluster_bounds[SIM_CLUSTER_ROWS][stride], cluster_actor[stride]; stride 0: nothing is known of them;
 ///     actors[1 + A] with ACTORS
 /// out live[clusters]: 0 where no particle of the cluster can be visible
@@ -160,14 +160,17 @@ __kernel void cull_clusters(const FrameParams frame,
 }
 
 /// V particles per work-item: visibility, box, features, record.
-/// in  live[clusters] of cull_clusters; params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; deform_offset[3][stride] with DEFORM;
+/// in  live[clusters] of cull_clusters; with `paged` cluster_at[clusters]: where the particles of each are, as they lie
+///     in all arrays by particle (else in this order); params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; deform_offset[3][stride] with DEFORM;
 ///     detail[SIM_DETAIL][stride] with DETAIL; LiDAR only:
 ///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
 ///     column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with PROJECTION_MONTE_CARLO; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
 ///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
 __kernel void project(const FrameParams frame,
+                      const uint paged,
                       __global const uint* live,
+                      __global const uint* cluster_at,
                       __global const real* params,
                       __global const uint* actor_of,
                       __global const ActorConstants* actors,
@@ -185,10 +188,12 @@ __kernel void project(const FrameParams frame,
                       __global Footprint* footprints,
                       __global uint* keys,
                       __global real* motions) {
-  const uint i = get_global_id(0) * V;
-  if (i >= frame.particles) return;
-  const uint lanes = min((uint)V, frame.particles - i);
-  if (live[i / SIM_CLUSTER] == 0) {
+  const uint taken = get_global_id(0) * V;
+  if (taken >= frame.particles) return;
+  const uint cluster = taken / SIM_CLUSTER;
+  const uint i = (paged ? cluster_at[cluster] : cluster) * SIM_CLUSTER + taken % SIM_CLUSTER;
+  const uint lanes = min((uint)V, frame.particles - taken);
+  if (live[cluster] == 0) {
     for (uint lane = 0; lane < lanes; ++lane) keys[i + lane] = 0xffffffffu;
     return;
   }

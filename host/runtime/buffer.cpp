@@ -1,6 +1,7 @@
 #include "host/runtime/buffer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <fmt/format.h>
@@ -141,6 +142,38 @@ void Memory::write(std::size_t first, const void* source, std::size_t count) {
                                           nullptr,
                                           nullptr),
                      "clEnqueueWriteBuffer");
+      });
+}
+
+void Memory::queue_rows(
+    std::size_t first, std::size_t pitch, std::size_t columns, const void* source, std::size_t rows) {
+  if (rows == 0 || columns == 0) return;
+  if (columns > pitch) {
+    throw Error(ErrorKind::kInternal,
+                fmt::format("buffer {}: rows of {} elements, {} apart", name_, columns, pitch));
+  }
+  need_range("upload", first, (rows - 1) * pitch + columns);
+  const std::array<std::size_t, 3> to{first * element_bytes_, 0, 0}, from{0, 0, 0},
+      region{columns * element_bytes_, rows, 1};
+  cl_call(
+      ErrorKind::kDevice,
+      [&] { return fmt::format("writing {} rows of {} bytes of buffer {}", rows, region[0], name_); },
+      [&] {
+        need_success(clEnqueueWriteBufferRect(device_.state().queue(),
+                                              handle(),
+                                              CL_FALSE,
+                                              to.data(),
+                                              from.data(),
+                                              region.data(),
+                                              pitch * element_bytes_,
+                                              0,
+                                              region[0],
+                                              0,
+                                              source,
+                                              0,
+                                              nullptr,
+                                              nullptr),
+                     "clEnqueueWriteBufferRect");
       });
 }
 

@@ -53,6 +53,8 @@ class Memory {
   void reserve(std::size_t count);
   void extend(std::size_t count);
   void write(std::size_t first, const void* source, std::size_t count);
+  void queue_rows(
+      std::size_t first, std::size_t pitch, std::size_t columns, const void* source, std::size_t rows);
   void read(std::size_t first, void* target, std::size_t count) const;
   void fill(const void* element);
   void copy_from(const Memory& source);
@@ -128,6 +130,11 @@ class Buffer {
   /// Replaces the elements [first, first + values.size()).
   void upload_at(std::size_t first, std::span<const T> values) {
     memory_.write(first, values.data(), values.size());
+  }
+  /// Replaces `columns` elements from first, first + pitch, first + 2 pitch, ... on by values[rows][columns].
+  /// Does not wait: `values` stay as they are until the device is done with it (Event).
+  void queue_rows(std::size_t first, std::size_t pitch, std::size_t columns, std::span<const T> values) {
+    memory_.queue_rows(first, pitch, columns, values.data(), columns == 0 ? 0 : values.size() / columns);
   }
   [[nodiscard]] std::vector<T> download() const {
     std::vector<T> values(count());

@@ -104,6 +104,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
   const Device device = Device::best();
   BinStage bin(device, GetParam());
   FrameBuffers buffers(device, Precision::kFloat);
+  const ParticleBuffers all(device, GaussianSet(SetKind::kCamera, 0, 0), Precision::kFloat);
   constexpr shared::FrameParams kSweep{.particles = 0,
                                        .stride = 0,
                                        .tiles_x = 7,
@@ -137,7 +138,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
       SCOPED_TRACE(std::to_string(n) + " particles, " + std::to_string(frame.tiles_x) + " tile columns");
       frame.particles = n;
       random_footprints(frame, tile_rows, buffers, n + frame.tiles_x);
-      bin.run(frame, rays, buffers.projected, std::size_t{1} << 20U, buffers.binned);
+      bin.run(frame, all, rays, buffers.projected, std::size_t{1} << 20U, buffers.binned);
       const auto lists = checked_lists(frame, buffers);
       const auto footprints = buffers.projected.footprints.download();
       const auto keys = buffers.projected.keys.download();
@@ -174,6 +175,7 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
   const Device device = Device::best();
   BinStage bin(device, GetParam());
   FrameBuffers buffers(device, Precision::kFloat);
+  const ParticleBuffers all(device, GaussianSet(SetKind::kCamera, 0, 0), Precision::kFloat);
   const shared::FrameParams frame{.particles = 9,
                                   .stride = 16,
                                   .tiles_x = 4,
@@ -188,10 +190,10 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
   rays.tile_rows.assign(std::vector<std::uint32_t>{0, 16, 32});
   buffers.projected.keys.assign(std::vector<std::uint32_t>(9, 5));
   buffers.projected.live.assign(std::vector<std::uint32_t>(1, 1));
-  bin.run(frame, rays, buffers.projected, 72, buffers.binned);
+  bin.run(frame, all, rays, buffers.projected, 72, buffers.binned);
   EXPECT_EQ(buffers.binned.instances, 72U);
   try {
-    bin.run(frame, rays, buffers.projected, 71, buffers.binned);
+    bin.run(frame, all, rays, buffers.projected, 71, buffers.binned);
     FAIL() << "72 instances were taken where 71 are allowed";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kDevice);

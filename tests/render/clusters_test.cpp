@@ -11,6 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "host/render/frame/actor_constants.hpp"
+#include "host/render/pages/frame_sight.hpp"
+#include "host/render/rays/sensor_in_frame.hpp"
 #include "host/scene/particle_order.hpp"
 #include "host/scene/particle_street.hpp"
 #include "tests/cl/support.hpp"
@@ -113,15 +116,37 @@ void spoil(GaussianSet& set, std::uint64_t seed) {
 struct Seen {
   std::vector<std::uint32_t> keys;  // of all particles
   std::vector<double> out;          // all that blending wrote
+  std::vector<std::uint32_t> live;  // of all clusters
   std::size_t clusters_left_out = 0;
 };
 Seen seen_of(Renderer& renderer, const ParticleBuffers& particles, const SensorRays& rays, const View& view) {
   const Pass pass = renderer.render(particles, rays, view);
-  Seen seen{pass.buffers().projected.keys.download(), test::outputs(pass), 0};
+  Seen seen{pass.buffers().projected.keys.download(),
+            test::outputs(pass),
+            pass.buffers().projected.live.download(),
+            0};
   seen.keys.resize(particles.count);
-  std::vector<std::uint32_t> live = pass.buffers().projected.live.download();
-  live.resize((particles.count + SIM_CLUSTER - 1) / SIM_CLUSTER);
-  seen.clusters_left_out = static_cast<std::size_t>(std::count(live.begin(), live.end(), 0U));
+  seen.live.resize((particles.count + SIM_CLUSTER - 1) / SIM_CLUSTER);
+  seen.clusters_left_out = static_cast<std::size_t>(std::count(seen.live.begin(), seen.live.end(), 0U));
+  return seen;
+}
+
+/// Whether the host, which decides what is brought to the device, takes each cluster to be in sight.
+std::vector<bool> in_sight(const GaussianSet& set,
+                           const SensorRays& rays,
+                           const View& view,
+                           const RenderOptions& options) {
+  const SensorInFrame sensor = sensor_in_frame(
+      rays.grid(), view.scene_from_sensor_start, view.scene_from_sensor_end, options, {}, view.drop);
+  bool motion = false;
+  const std::vector<double> actors =
+      actor_constants(view.actors, Vector3d(sensor.constants.centre_ref), motion);
+  const FrameSight sight(rays.grid().type, sensor.constants, false, actors);
+  const ParticleClusters clusters = clusters_of(set);
+  std::vector<bool> seen;
+  for (Eigen::Index c = 0; c * SIM_CLUSTER < set.size(); ++c) {
+    seen.push_back(sight.may_see(ParticleBounds::of(clusters, static_cast<std::size_t>(c))));
+  }
   return seen;
 }
 
@@ -137,6 +162,11 @@ class Clusters : public testing::Test {
     ASSERT_EQ(some.out.size(), all.out.size());
     ASSERT_EQ(std::memcmp(some.out.data(), all.out.data(), all.out.size() * sizeof(double)), 0);
     left_out_ += some.clusters_left_out;
+    const std::vector<bool> sight = in_sight(set, rays, view, options);
+    for (std::size_t c = 0; c < some.live.size(); ++c) {
+      ASSERT_LE(some.live[c], sight[c] ? 1U : 0U) << "cluster " << c;
+      out_of_sight_ += sight[c] ? 0U : 1U;
+    }
     for (std::size_t first = 0; first < all.keys.size(); first += SIM_CLUSTER) {
       const auto begin = all.keys.begin() + static_cast<std::ptrdiff_t>(first);
       const auto end =
@@ -160,11 +190,12 @@ class Clusters : public testing::Test {
     }
     std::cout << scene.name << ": " << left_out_ << " of " << unseen_ << " unseen clusters left out\n";
     EXPECT_GT(left_out_, unseen_ / 20);  // or nothing was tested
-    left_out_ = unseen_ = 0;
+    EXPECT_GE(20 * out_of_sight_, 19 * left_out_);
+    left_out_ = unseen_ = out_of_sight_ = 0;
   }
 
   Device device_ = Device::best();
-  std::size_t left_out_ = 0, unseen_ = 0;
+  std::size_t left_out_ = 0, unseen_ = 0, out_of_sight_ = 0;
 };
 
 Shot small_shot(const SceneCase& scene) {

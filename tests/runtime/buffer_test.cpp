@@ -47,6 +47,21 @@ TEST_F(BufferTest, Ranges) {
   buffer.upload_at(5, std::span<const int>());  // an empty range at the end is ordinary
 }
 
+TEST_F(BufferTest, RowsThatLieApart) {
+  Buffer<int> buffer(device_, "table", std::vector<int>(12, -1));
+  const std::vector<int> values{0, 1, 10, 11, 20, 21};
+  buffer.queue_rows(2, 4, 2, values);
+  EXPECT_EQ(buffer.download(), (std::vector<int>{-1, -1, 0, 1, -1, -1, 10, 11, -1, -1, 20, 21}));
+  buffer.queue_rows(0, 6, 6, values);
+  EXPECT_EQ(buffer.download(), (std::vector<int>{0, 1, 10, 11, 20, 21, 10, 11, -1, -1, 20, 21}));
+  buffer.queue_rows(5, 1, 0, {});
+  // One row too many, and rows that overlap.
+  EXPECT_TRUE(contains(error_of(ErrorKind::kInternal, [&] { buffer.queue_rows(3, 4, 2, values); }),
+                       {"table", "10", "12"}));
+  EXPECT_TRUE(
+      contains(error_of(ErrorKind::kInternal, [&] { buffer.queue_rows(0, 1, 2, values); }), {"table"}));
+}
+
 TEST_F(BufferTest, WrongRangesAreRefusedByName) {
   Buffer<int> buffer(device_, "depth", 3);
   const std::vector<int> four(4);

@@ -28,6 +28,7 @@ BinStage::BinStage(const Device& device, std::size_t work_items)
       tile_ranges_(program_of(device, group_), "tile_ranges") {}
 
 void BinStage::run(const shared::FrameParams& frame,
+                   const ParticleBuffers& particles,
                    const RayBuffers& rays,
                    const Projected& projected,
                    std::size_t max_instances,
@@ -36,7 +37,7 @@ void BinStage::run(const shared::FrameParams& frame,
   FrameSizes sizes{.particles = frame.particles, .tiles = tiles};
   out.visible = 0;
   out.instances = 0;
-  if (frame.particles > 0) list_visible(projected, max_instances, sizes, out);
+  if (frame.particles > 0) list_visible(particles, projected, max_instances, sizes, out);
   out.reserve(sizes);
   if (out.visible > 0) list_instances(frame, rays, projected, sizes, out);
   const Chunks instances = chunks_of(device_, out.instances, group_);
@@ -45,18 +46,20 @@ void BinStage::run(const shared::FrameParams& frame,
                    {out, {"k", out.instances}, {"chunk", instances.chunk}, {"tiles", tiles}});
 }
 
-void BinStage::list_visible(const Projected& projected,
+void BinStage::list_visible(const ParticleBuffers& particles,
+                            const Projected& projected,
                             std::size_t max_instances,
                             FrameSizes& sizes,
                             Binned& out) {
   const auto n = static_cast<std::uint32_t>(sizes.particles);
-  const Chunks particles = chunks_of(device_, n, group_);
-  sizes.work_items = particles.work_items;
+  const Chunks chunks = chunks_of(device_, n, group_);
+  const std::uint32_t paged = particles.paged ? 1 : 0;
+  sizes.work_items = chunks.work_items;
   scratch_.reserve(sizes);
-  visible_count_.run(
-      particles.work_items, group_, {projected, {"n", n}, {"chunk", particles.chunk}, scratch_});
-  const auto [visible, total] =
-      scan_.run_two(scratch_.counts, static_cast<std::uint32_t>(particles.work_items));
+  visible_count_.run(chunks.work_items,
+                     group_,
+                     {projected, particles, {"paged", paged}, {"n", n}, {"chunk", chunks.chunk}, scratch_});
+  const auto [visible, total] = scan_.run_two(scratch_.counts, static_cast<std::uint32_t>(chunks.work_items));
   if (total > max_instances) {
     throw Error(ErrorKind::kDevice,
                 fmt::format("binning {} visible particles: found {} tile instances, allowed {}",
@@ -70,11 +73,13 @@ void BinStage::list_visible(const Projected& projected,
   sizes.instances = total;
   scratch_.reserve(sizes);
   out.reserve(sizes);
-  visible_write_.run(particles.work_items,
+  visible_write_.run(chunks.work_items,
                      group_,
                      {projected,
+                      particles,
+                      {"paged", paged},
                       {"n", n},
-                      {"chunk", particles.chunk},
+                      {"chunk", chunks.chunk},
                       {"offsets", scratch_.counts},
                       scratch_,
                       {"visible", out.order}});

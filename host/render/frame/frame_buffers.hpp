@@ -66,7 +66,8 @@ struct WorldRays : BufferTable<FrameSizes> {
 /// Particles as the sensor sees them.
 struct Projected : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
-  /// Of each cluster of particles: 0 where none of them is visible, and projection has not looked at any.
+  /// Of each cluster of particles that the frame takes, in its order: 0 where none of them is visible, and
+  /// projection has not looked at any.
   Words live{
       *this, "live", [](const FrameSizes& s) { return (s.particles + SIM_CLUSTER - 1) / SIM_CLUSTER; }};
   Reals records{*this, "records", [](const FrameSizes& s) { return SIM_RECORD * s.particles; }};  // [N][16]

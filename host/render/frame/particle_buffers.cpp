@@ -24,11 +24,6 @@ static_assert(kMeanRow == SIM_MEAN && kLogScaleRow == SIM_LOG_SCALE && kRotation
 void store_halves(const Eigen::Ref<const Eigen::ArrayXf>& row, float* target) {
   for (Eigen::Index i = 0; i < row.size(); ++i) {
     const Eigen::half value(row[i]);
-    if (Eigen::numext::isinf(value)) {
-      throw Error(
-          ErrorKind::kUsage,
-          fmt::format("sh_storage: found half and a coefficient of {}, allowed at most 65504", row[i]));
-    }
     std::memcpy(reinterpret_cast<std::byte*>(target) + 2 * i, &value.x, 2);
   }
 }
@@ -52,6 +47,43 @@ ParticleSizes ParticleSizes::of(std::uint64_t particles, int sh_degree, std::uin
   return {static_cast<std::uint64_t>(param_rows(sh_degree)), round_up(particles, 16), actors};
 }
 
+KeptParticles KeptParticles::of(const GaussianSet& set, const RenderOptions& options) {
+  const KeptParticles kept{kept_sh_degree(set, options.sh_degree, options.sh_error), options.sh_storage};
+  if (kept.sh_storage != ShStorage::kHalf) return kept;
+  if (options.precision == Precision::kDouble) {
+    throw Error(ErrorKind::kUsage, "sh_storage: found half in double precision, allowed full");
+  }
+  const auto sh = set.params.middleCols(kShRow, static_cast<Eigen::Index>(kept.rows()) - kShRow);
+  for (Eigen::Index i = 0; i < sh.size(); ++i) {
+    const float value = sh(i % sh.rows(), i / sh.rows());
+    if (!Eigen::numext::isinf(Eigen::half(value))) continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("sh_storage: found half and a coefficient of {}, allowed at most 65504", value));
+  }
+  return kept;
+}
+
+std::vector<float> KeptParticles::packed(const GaussianSet& set,
+                                         Eigen::Index first,
+                                         Eigen::Index last,
+                                         std::size_t stride) const {
+  const std::size_t full = full_rows();
+  // Padding is made of particles that nobody can see, and whose quaternions can be normalised.
+  std::vector<float> padded(full * stride + (rows() - full) * stride / 2, 0.0F);
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const auto column = set.params.col(static_cast<Eigen::Index>(row)).segment(first, last - first);
+    if (row >= full) {
+      store_halves(column, padded.data() + full * stride + (row - full) * stride / 2);
+      continue;
+    }
+    float* target = padded.data() + row * stride;
+    float* const end = std::copy(column.data(), column.data() + column.size(), target);
+    const float filler = row == kRotationRow ? 1.0F : row == kOpacityRow ? -80.0F : 0.0F;
+    std::fill(end, target + stride, filler);
+  }
+  return padded;
+}
+
 ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision)
     : BufferTable(device, precision), kind(set.kind), id_(next_id()) {
   upload(set);
@@ -59,13 +91,7 @@ ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, P
 
 ParticleBuffers::ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options)
     : ParticleBuffers(device, GaussianSet(set.kind, 0, 0), options.precision) {
-  if (options.sh_storage == ShStorage::kHalf && options.precision == Precision::kDouble) {
-    throw Error(ErrorKind::kUsage, "sh_storage: found half in double precision, allowed full");
-  }
-  sh_storage = options.sh_storage;
-  stays_ = true;
-  kept_sh_ = options.sh_degree;
-  sh_error_ = options.sh_error;
+  stays_ = options;
   if (options.detail > 0.0) {
     const DetailLevels levels = detail_levels(set);
     upload(levels.set, &levels);
@@ -81,26 +107,14 @@ void ParticleBuffers::upload(const GaussianSet& set, const DetailLevels* levels)
     throw Error(ErrorKind::kDevice,
                 fmt::format("particles: found {}, allowed {} in one set", set.size(), SIM_PARTICLE_MASK));
   }
+  const KeptParticles kept =
+      stays_ ? KeptParticles::of(set, *stays_) : KeptParticles{set.sh_degree, ShStorage::kFull};
   kind = set.kind;
-  sh_degree = kept_sh_degree(set, kept_sh_, sh_error_);
+  sh_degree = kept.sh_degree;
+  sh_storage = kept.sh_storage;
   count = static_cast<std::uint32_t>(set.size());
   stride = static_cast<std::uint32_t>(round_up(count, 16));
-  const auto rows = static_cast<std::size_t>(param_rows(sh_degree));
-  const std::size_t full_rows = sh_storage == ShStorage::kHalf ? SIM_SH : rows;
-  // Padding is made of particles that nobody can see, and whose quaternions can be normalised.
-  std::vector<float> padded(full_rows * stride + (rows - full_rows) * stride / 2, 0.0F);
-  for (std::size_t row = 0; row < rows; ++row) {
-    const auto column = set.params.col(static_cast<Eigen::Index>(row));
-    if (row >= full_rows) {
-      store_halves(column, padded.data() + full_rows * stride + (row - full_rows) * stride / 2);
-      continue;
-    }
-    float* target = padded.data() + row * stride;
-    std::copy(column.data(), column.data() + count, target);
-    const float filler = row == kRotationRow ? 1.0F : row == kOpacityRow ? -80.0F : 0.0F;
-    std::fill(target + count, target + stride, filler);
-  }
-  params.assign(padded);
+  params.assign(kept.packed(set, 0, set.size(), stride));
   upload_actors(set.actor);
   if (!stays_) return;
   if (levels != nullptr) {
@@ -149,9 +163,8 @@ void ParticleBuffers::upload_actors(const std::vector<std::uint32_t>& actor) {
 GaussianSet ParticleBuffers::download() const {
   GaussianSet set(kind, sh_degree, count);
   const std::vector<float> padded = params.download_float();
-  const auto rows = static_cast<std::size_t>(set.params.cols());
-  const std::size_t full_rows = sh_storage == ShStorage::kHalf ? SIM_SH : rows;
-  for (std::size_t row = 0; row < rows; ++row) {
+  const std::size_t full_rows = KeptParticles{sh_degree, sh_storage}.full_rows();
+  for (std::size_t row = 0; row < KeptParticles{sh_degree, sh_storage}.rows(); ++row) {
     auto column = set.params.col(static_cast<Eigen::Index>(row));
     if (row >= full_rows) {
       load_halves(padded.data() + full_rows * stride + (row - full_rows) * stride / 2, column);

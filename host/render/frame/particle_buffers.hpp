@@ -1,12 +1,13 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cl/shared/cluster.h"
 #include "cl/shared/layout.h"
+#include "host/render/detail/levels.hpp"
 #include "host/render/device/buffer_table.hpp"
 #include "host/render/options/options.hpp"
-#include "host/render/detail/levels.hpp"
 #include "host/scene/gaussians.hpp"
 
 namespace simuli {
@@ -18,8 +19,28 @@ struct ParticleSizes {
   std::uint64_t actors = 0;
   bool levels = false;
   std::uint64_t clusters = 0;  // with bounds, rounded up
+  bool paged = false;
 
   [[nodiscard]] static ParticleSizes of(std::uint64_t particles, int sh_degree, std::uint64_t actors);
+};
+
+/// What is kept of a set on the device.
+struct KeptParticles {
+  int sh_degree = 0;
+  ShStorage sh_storage = ShStorage::kFull;
+
+  /// What options.sh_degree keeps of a set, stored as options.sh_storage says. Error{kUsage} when halves are
+  /// asked for in double, or cannot hold a coefficient (beyond 65504).
+  [[nodiscard]] static KeptParticles of(const GaussianSet& set, const RenderOptions& options);
+  [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(param_rows(sh_degree)); }
+  /// Those that are reals; the rest are halves.
+  [[nodiscard]] std::size_t full_rows() const { return sh_storage == ShStorage::kHalf ? SIM_SH : rows(); }
+  /// Of SIM_MEAN.. of particles [first, last) of a set: [full_rows][stride] floats, then the halves, two in
+  /// a float. What is behind `last` nobody can see.
+  [[nodiscard]] std::vector<float> packed(const GaussianSet& set,
+                                          Eigen::Index first,
+                                          Eigen::Index last,
+                                          std::size_t stride) const;
 };
 
 /// Particles of one set on the device, each parameter a row of `stride` reals. Training changes them there.
@@ -58,14 +79,20 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
                        }};  // [SIM_CLUSTER_ROWS][cluster_stride]
   Words cluster_actor{
       *this, "cluster_actor", [](const ParticleSizes& s) { return s.clusters; }};  // [cluster_stride]
+  /// Of a set of which a part is here (host/render/pages): where, in clusters, that one is which a frame
+  /// takes as the first, the second, ...; bounds are in that order. Else empty, and frames take all.
+  bool paged = false;
+  std::uint32_t taken = 0;  // clusters
+  Words cluster_at{
+      *this, "cluster_at", [](const ParticleSizes& s) { return s.paged ? s.clusters : 0; }};  // [taken]
+  /// Particles that a frame takes.
+  [[nodiscard]] std::uint32_t in_frame() const { return paged ? taken * SIM_CLUSTER : count; }
   /// After actor_of changed on the device (particles relocated or added): the other members again. Waits.
   void refresh_actors();
 
  private:
   std::uint64_t id_;
-  ShDegree kept_sh_ = ShDegree::k3;
-  double sh_error_ = 0.0;
-  bool stays_ = false;
+  std::optional<RenderOptions> stays_;  // so they stay as they are
   void upload(const GaussianSet& set, const DetailLevels* levels);
   void upload_actors(const std::vector<std::uint32_t>& actor);
 };

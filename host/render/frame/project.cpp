@@ -17,7 +17,8 @@ void ProjectStage::run(const shared::FrameParams& frame,
                        const RayBuffers& rays,
                        const FrameConstants& constants,
                        Projected& out) {
-  out.reserve({.particles = frame.particles, .moving_particles = actor_motion_ ? frame.particles : 0});
+  const std::uint32_t here = particles.count, paged = particles.paged ? 1 : 0;
+  out.reserve({.particles = here, .moving_particles = actor_motion_ ? here : 0});
   const auto items = [this](std::size_t count) {
     const auto lanes = static_cast<std::size_t>(lanes_);
     return round_up(count, lanes) / lanes;
@@ -25,7 +26,8 @@ void ProjectStage::run(const shared::FrameParams& frame,
   cull_clusters_.run_over(
       items((frame.particles + SIM_CLUSTER - 1) / SIM_CLUSTER),
       {{"frame", frame}, particles, {"cluster_stride", particles.cluster_stride}, constants, out});
-  project_.run_over(items(frame.particles), {{"frame", frame}, particles, constants, rays, samples_, out});
+  project_.run_over(items(frame.particles),
+                    {{"frame", frame}, {"paged", paged}, particles, constants, rays, samples_, out});
 }
 
 }  // namespace simuli

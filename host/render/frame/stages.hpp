@@ -74,13 +74,18 @@ class BinStage {
   explicit BinStage(const Device& device, std::size_t work_items = 0);
   /// Error{kDevice} with numbers when the frame needs more than max_instances. Waits once, for M and K.
   void run(const shared::FrameParams& frame,
+           const ParticleBuffers& particles,
            const RayBuffers& rays,
            const Projected& projected,
            std::size_t max_instances,
            Binned& out);
 
  private:
-  void list_visible(const Projected& projected, std::size_t max_instances, FrameSizes& sizes, Binned& out);
+  void list_visible(const ParticleBuffers& particles,
+                    const Projected& projected,
+                    std::size_t max_instances,
+                    FrameSizes& sizes,
+                    Binned& out);
   void list_instances(const shared::FrameParams& frame,
                       const RayBuffers& rays,
                       const Projected& projected,

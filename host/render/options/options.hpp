@@ -133,6 +133,7 @@ struct RenderOptions {
   TileChoice lidar_tiles;
   Culling culling = Culling::kAuto;
   RayMaskSize ray_mask;
+  int particle_memory_mb = 0;
   LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
   std::size_t max_instances = std::size_t{1} << 28U;
   bool operator==(const RenderOptions&) const = default;
@@ -222,6 +223,13 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         o.max_instances,
         at_least(1),
         "pairs of tile and particle: a frame that needs more is refused");
+  field("render.particle_memory_mb",
+        o.particle_memory_mb,
+        range(0, 1 << 24),
+        "MiB of the device, for the particles of either set: of sets that need more those are there that "
+        "frames "
+        "may see, and go when they are the least recently seen. 0: a third of the device. The same bits "
+        "either way");
   field("render.median_distance",
         o.median_distance,
         "LiDARs: also the distance at which half the light is gone; trainings never do");

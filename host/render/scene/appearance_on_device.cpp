@@ -10,13 +10,7 @@ AppearanceOnDevice::AppearanceOnDevice(const Device& device, const Scene& scene,
   environment_ = std::make_unique<EnvironmentBuffers>(device, scene.environment, precision);
 }
 
-Pass AppearanceOnDevice::render(Renderer& renderer,
-                                const ParticleBuffers& camera_set,
-                                const SensorRays& rays,
-                                const View& view,
-                                const std::string& camera,
-                                double time_s) {
-  Pass pass = renderer.render(camera_set, rays, view, environment_.get());
+Pass AppearanceOnDevice::graded(Pass pass, const std::string& camera, double time_s) {
   const ColorGrids& all = scene_.color_grids;
   if (all.empty() || camera.empty()) return pass;
   ColorGrids one = ColorGrids::identity(all.size_x, all.size_y, all.size_z, {});

@@ -17,14 +17,19 @@ class AppearanceOnDevice {
   /// Renders the camera set as `camera` sees it at time_s (of the log): through the grid that
   /// ColorGrids::at gives, and none for cameras that were not trained on. No name: colours are those that all
   /// pictures share.
+  template <class Particles>  // ParticleBuffers, ParticlePages
   Pass render(Renderer& renderer,
-              const ParticleBuffers& camera_set,
+              Particles& camera_set,
               const SensorRays& rays,
               const View& view,
               const std::string& camera,
-              double time_s);
+              double time_s) {
+    return graded(renderer.render(camera_set, rays, view, environment_.get()), camera, time_s);
+  }
 
  private:
+  Pass graded(Pass pass, const std::string& camera, double time_s);
+
   Device device_;
   const Scene& scene_;
   Precision precision_;

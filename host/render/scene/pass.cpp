@@ -43,6 +43,7 @@ void Pass::State::need_gradient(const char* call) const {
 
 void Pass::State::need_particles(const char* call, const ParticleBuffers& particles) const {
   need(particles.id() == frame.particles, call, "other particles", "those rendered");
+  need(!particles.paged, call, "a part of a set", "all of it on the device");
   if (particles.count == frame.params.particles && particles.stride == frame.params.stride) return;
   misused(call,
           fmt::format("{} particles", particles.count),
@@ -248,6 +249,7 @@ std::vector<DeformationGradient> Pass::deformation_gradients() {
 
 void Pass::raise_largest_weights(Buffer<std::uint32_t>& largest) {
   State& s = last("raise_largest_weights");
+  need(!s.frame.paged, "raise_largest_weights", "a part of a set", "all of it on the device");
   if (largest.count() < s.frame.params.particles) {
     misused("raise_largest_weights", fmt::format("{} weights", largest.count()), "one for each particle");
   }

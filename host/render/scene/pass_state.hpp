@@ -48,6 +48,7 @@ struct Pass::State {
     std::array<float, 3> background{};
     std::uint64_t particles = 0;                      // their id()
     const EnvironmentBuffers* environment = nullptr;  // only compared
+    bool paged = false;
     bool graded = false;
     Gradient gradient = Gradient::kNone;
     ShapesInFrame shapes{};

@@ -8,6 +8,7 @@
 #include "host/render/frame/actor_constants.hpp"
 #include "host/render/options/lane_shape.hpp"
 #include "host/render/options/validate.hpp"
+#include "host/render/pages/particle_pages.hpp"
 #include "host/render/rays/sensor_in_frame.hpp"
 #include "host/render/scene/pass_state.hpp"
 
@@ -134,6 +135,21 @@ Pass Renderer::render(const ParticleBuffers& particles,
                       const SensorRays& rays,
                       const View& view,
                       const EnvironmentBuffers* environment) {
+  return render(particles, nullptr, rays, view, environment);
+}
+
+Pass Renderer::render(ParticlePages& particles,
+                      const SensorRays& rays,
+                      const View& view,
+                      const EnvironmentBuffers* environment) {
+  return render(particles.buffers(), &particles, rays, view, environment);
+}
+
+Pass Renderer::render(const ParticleBuffers& particles,
+                      ParticlePages* pages,
+                      const SensorRays& rays,
+                      const View& view,
+                      const EnvironmentBuffers* environment) {
   Pass::State& s = *state_;
   check(s.options, particles, rays, view, environment);
   const bool still = s.options.shutter_iterations == 0;
@@ -159,11 +175,16 @@ Pass Renderer::render(const ParticleBuffers& particles,
   Pass::State::Stages& stages = s.stages(kind_of(
       s.options, particles, rays, view, sensor.moving || actor_motion, actor_motion, !shapes.empty()));
 
+  if (pages != nullptr) {
+    pages->bring(FrameSight(rays.grid().type, sensor.constants, s.options.detail > 0.0, actors));
+  }
+
   // From here on the last frame's buffers are taken.
   const std::uint64_t number = ++s.frames;
   s.frame = {
       rays, &stages, rays.grid().frame, sensor.constants, view.background, particles.id(), environment};
-  s.frame.params.particles = particles.count;
+  s.frame.paged = particles.paged;
+  s.frame.params.particles = particles.in_frame();
   s.frame.params.stride = particles.stride;
   const shared::FrameParams& frame = s.frame.params;
   FrameBuffers& b = s.buffers;
@@ -178,7 +199,7 @@ Pass Renderer::render(const ParticleBuffers& particles,
   s.frame.shapes = std::move(shapes);
   stages.rays.run(frame, rays.buffers(), b.constants, b.rays);
   stages.project.run(frame, particles, rays.buffers(), b.constants, b.projected);
-  s.bin.run(frame, rays.buffers(), b.projected, s.options.max_instances, b.binned);
+  s.bin.run(frame, particles, rays.buffers(), b.projected, s.options.max_instances, b.binned);
   stages.render.run(frame, particles, rays.buffers(), b.constants, b.rays, b.projected, b.binned, b.blended);
   if (environment != nullptr) {
     if (!s.environment) s.environment.emplace(s.device, s.options.precision, s.options.shape.lanes);

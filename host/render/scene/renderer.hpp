@@ -7,6 +7,8 @@
 
 namespace simuli {
 
+class ParticlePages;  // host/render/pages/particle_pages.hpp
+
 /// Renders one particle set as one sensor sees it, a frame at a time.
 class Renderer {
  public:
@@ -27,6 +29,13 @@ class Renderer {
               const View& view,
               const EnvironmentBuffers* environment = nullptr);
 
+  /// The same of particles of which those come to the device that the frame may see. Errors of
+  /// ParticlePages::bring().
+  Pass render(ParticlePages& particles,
+              const SensorRays& rays,
+              const View& view,
+              const EnvironmentBuffers* environment = nullptr);
+
   /// Puts particles of actors back into their boxes; `actors` of the scene, in its order.
   void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m);
 
@@ -34,6 +43,11 @@ class Renderer {
   [[nodiscard]] const Device& device() const;
 
  private:
+  Pass render(const ParticleBuffers& particles,
+              ParticlePages* pages,
+              const SensorRays& rays,
+              const View& view,
+              const EnvironmentBuffers* environment);
   std::shared_ptr<Pass::State> state_;
 };
 

@@ -5,11 +5,13 @@
 #include <fmt/format.h>
 #include <list>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/base/lru_cache.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
+#include "host/render/pages/particle_pages.hpp"
 #include "host/render/scene/appearance_on_device.hpp"
 #include "host/render/scene/frame_state.hpp"
 #include "host/render/scene/renderer.hpp"
@@ -18,14 +20,19 @@
 namespace simuli {
 namespace {
 
-/// A particle set with what is kept of it.
+/// A particle set with what is kept of it: all of it on the device, or in pages.
 struct Upload {
   SetKind kind;
   RenderOptions options;
-  ParticleBuffers particles;
+  std::variant<ParticleBuffers, ParticlePages> particles;
 
-  [[nodiscard]] bool suits(SetKind of, const RenderOptions& o) const {
-    return of == kind && o.precision == options.precision && o.sh_degree == options.sh_degree &&
+  [[nodiscard]] const ParticleBuffers& buffers() const {
+    const auto* const pages = std::get_if<ParticlePages>(&particles);
+    return pages != nullptr ? pages->buffers() : std::get<ParticleBuffers>(particles);
+  }
+  [[nodiscard]] bool suits(SetKind of, const RenderOptions& o, bool whole) const {
+    return of == kind && o.particle_memory_mb == options.particle_memory_mb && !(whole && buffers().paged) &&
+           o.precision == options.precision && o.sh_degree == options.sh_degree &&
            o.sh_storage == options.sh_storage && (o.detail > 0.0) == (options.detail > 0.0) &&
            (o.sh_degree != ShDegree::kAuto || o.sh_error == options.sh_error);
   }
@@ -123,16 +130,22 @@ struct SceneOnDevice::State {
         options(valid(with)),
         sensors(static_cast<std::size_t>(on.info().global_bytes / 4)) {}
 
-  const ParticleBuffers& particles(SetKind kind, const RenderOptions& o) {
+  /// `whole`: all of it on the device, or an Error.
+  Upload& particles(SetKind kind, const RenderOptions& o, bool whole) {
     return first_of(
-               uploads,
-               kMostUploads,
-               [&](const Upload& upload) { return upload.suits(kind, o); },
-               [&] {
-                 const GaussianSet& set = kind == SetKind::kCamera ? scene->camera : scene->lidar;
-                 uploads.push_front({kind, o, ParticleBuffers(device, set, o)});
-               })
-        .particles;
+        uploads,
+        kMostUploads,
+        [&](const Upload& upload) { return upload.suits(kind, o, whole); },
+        [&] {
+          const std::shared_ptr<const GaussianSet> set(
+              scene, kind == SetKind::kCamera ? &scene->camera : &scene->lidar);
+          const std::uint32_t places = pages_that_fit(device, *set, o);
+          if (whole || places == page_count(*set, o)) {
+            uploads.push_front({kind, o, ParticleBuffers(device, *set, o)});
+          } else {
+            uploads.push_front({kind, o, ParticlePages(device, set, o, places)});
+          }
+        });
   }
 
   Renderer& renderer(const RenderOptions& o) {
@@ -163,23 +176,33 @@ struct SceneOnDevice::State {
     return *appearance;
   }
 
-  /// Renders, or with actor_ids who is there; everything stays on the device, and with the pass.
-  Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request, bool actor_ids = false) {
+  /// What draw() draws beside a sensor's picture.
+  struct Drawing {
+    bool actor_ids = false;  // who is there
+    bool whole = false;      // for gradients: all particles are on the device
+  };
+
+  /// Renders; everything stays on the device, and with the pass.
+  Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request, Drawing what) {
     const RenderOptions& o = request.options ? *request.options : options;
     const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
     View view = view_of(*scene, shot, kind);
     view.camera_median = request.camera_median;
-    view.actor_ids = actor_ids;
+    view.actor_ids = what.actor_ids;
     if (!sensor.is_camera()) view.drop = ray_drop_of(scene->ray_drop, name_of(sensor.lidar()));
     Renderer& on = renderer(o);
     SensorRays seen = rays(sensor, on, o);
     seen.request(request.rays);
-    const ParticleBuffers& set = particles(kind, o);
+    Upload& upload = particles(kind, o, what.whole);
     const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
-    Pass pass = sensor.is_camera() && !actor_ids
-                    ? appearance_on(o.precision).render(on, set, seen, view, camera, shot.middle_s())
-                    : on.render(set, seen, view);
-    return {std::move(pass), o.precision, set, view.background};
+    Pass pass = std::visit(
+        [&](auto& set) {
+          return sensor.is_camera() && !what.actor_ids
+                     ? appearance_on(o.precision).render(on, set, seen, view, camera, shot.middle_s())
+                     : on.render(set, seen, view);
+        },
+        upload.particles);
+    return {std::move(pass), o.precision, upload.buffers(), view.background};
   }
 
   /// What is drawn becomes a frame's.
@@ -221,11 +244,12 @@ SceneOnDevice::~SceneOnDevice() = default;
 
 Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameRequest& request) {
   State& s = *state_;
-  Drawn drawn = s.draw(sensor, shot, request);
+  Drawn drawn = s.draw(sensor, shot, request, {});
   const bool has_actors = drawn.particles.actors > 0;
   const auto frame = s.frame_of(std::move(drawn), sensor, shot, request);
   if (request.actors && has_actors) {
-    frame->of_actors = Frame(s.frame_of(s.draw(sensor, shot, request, true), sensor, shot, request));
+    frame->of_actors =
+        Frame(s.frame_of(s.draw(sensor, shot, request, {.actor_ids = true}), sensor, shot, request));
   }
   return Frame(frame);
 }
@@ -248,7 +272,7 @@ Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients&
         "render.detail above 0, allowed particle, full, 3 and 0");
   }
   const std::vector<double> by_ray = output_gradients(f.rays.grid().rays, of_rays);
-  Drawn drawn = s.draw(f.sensor, f.shot, f.request);
+  Drawn drawn = s.draw(f.sensor, f.shot, f.request, {.whole = true});
   drawn.pass.set_output_gradients(by_ray);
   RealBuffer gradients(s.device, "gradients by particle", drawn.precision);
   drawn.pass.backward(drawn.particles, gradients);
