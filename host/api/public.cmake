@@ -14,7 +14,8 @@ set(SIMULI_PUBLIC_base
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/scene/pose.hpp host/scene/mounting.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
-  host/scene/ray_drop.hpp host/scene/scene.hpp host/scene/edit.hpp host/scene/moment.hpp)
+  host/scene/ray_drop.hpp host/scene/scene.hpp host/scene/owners/occluders.hpp host/scene/edit.hpp
+  host/scene/owners/moment.hpp)
 set(SIMULI_PUBLIC_sensors
   "Cameras, LiDARs and the paths that carry them."
   host/sensors/lens.hpp host/sensors/camera.hpp host/sensors/lidar.hpp host/sensors/ray_list.hpp
@@ -53,8 +54,8 @@ set(SIMULI_PUBLIC_import
   io/import/waymo/waymo.hpp)
 set(SIMULI_PUBLIC_training
   "A scene from a log: what `simuli train` does."
-  optim/path/path_options.hpp optim/actors/finding_options.hpp optim/init/init_options.hpp optim/log/range_bias.hpp
-  optim/log/own_vehicle.hpp optim/log/range_limit.hpp
+  optim/path/path_options.hpp optim/actors/finding_options.hpp
+  optim/init/init_options.hpp optim/log/range_bias.hpp optim/log/own_vehicle.hpp optim/log/range_limit.hpp
   optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/poses/shape_rates.hpp optim/train/schedule.hpp
   optim/train/structure_options.hpp optim/length/length_options.hpp optim/train/train_options.hpp
   optim/fixer/fixer_options.hpp optim/stretch/stretch_options.hpp optim/report/train_report.hpp optim/train/training_options.hpp optim/ranks/ranks.hpp

@@ -15,7 +15,7 @@
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/base/kept.hpp"
-#include "host/scene/moment.hpp"
+#include "host/scene/owners/moment.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/export/drive_archive.hpp"
 #include "io/log/log.hpp"
@@ -61,7 +61,7 @@ Export of_scene(const ExportCommand& command, const Globals& globals) {
   apply(command.edits, file);
   const Scene& scene = file.scene;
   const GaussianSet& all = command.lidar ? scene.lidar : scene.camera;
-  Export out{command.is_moment ? moment_of(scene, kind_of(command), command.at_s) : background_of(all),
+  Export out{command.is_moment ? moment_of(scene, kind_of(command), command.at_s) : background_of(scene, kind_of(command)),
              SplatAxes::kZUp};
   if (out.set.size() < all.size()) {
     out.left_out.push_back(

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/scene/owners/occluders.hpp"
 
 namespace simuli {
 namespace {
@@ -34,6 +35,13 @@ void remove_particles(GaussianSet& set, std::uint32_t number) {
   if (std::all_of(set.actor.begin(), set.actor.end(), [](std::uint32_t a) { return a == 0; })) {
     set.actor.clear();
   }
+}
+
+/// Puts another actor, without particles, behind the scene's.
+void add_empty(Scene& scene, Actor actor) {
+  make_room_for_actor(scene, scene.camera);
+  make_room_for_actor(scene, scene.lidar);
+  scene.actors.push_back(std::move(actor));
 }
 
 /// Appends the particles of `from` with number `number` as those of `as`.
@@ -179,7 +187,7 @@ void duplicate_actor(Scene& scene, const std::string& name, const std::string& c
   need_new_name(scene, copy_name);
   Actor copy = scene.actors[number - 1];
   copy.name = copy_name;
-  scene.actors.push_back(std::move(copy));
+  add_empty(scene, std::move(copy));
   const auto as = static_cast<std::uint32_t>(scene.actors.size());
   for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
     const GaussianSet from = *set;
@@ -192,7 +200,7 @@ void add_actor(Scene& scene, const Scene& other, const std::string& name, const 
   need_new_name(scene, new_name);
   Actor actor = other.actors[number - 1];
   actor.name = new_name;
-  scene.actors.push_back(std::move(actor));
+  add_empty(scene, std::move(actor));
   const auto as = static_cast<std::uint32_t>(scene.actors.size());
   copy_particles(other.camera, number, scene.camera, as);
   copy_particles(other.lidar, number, scene.lidar, as);

@@ -41,19 +41,13 @@ std::vector<Eigen::Vector3d> directions() {
   return out;
 }
 
-Eigen::Matrix<double, 1, 16> basis_at(const Eigen::Vector3d& d) {
-  Eigen::Matrix<double, 1, 16> out;
-  sh_text::sh_basis(d.x(), d.y(), d.z(), out.data());
-  return out;
-}
-
 /// [16, 16] coefficients in b of a function whose coefficients in a are 1: bands do not mix.
 Eigen::MatrixXd turned_bands(const Eigen::Quaterniond& b_from_a) {
   const std::vector<Eigen::Vector3d> all = directions();
   Eigen::MatrixXd in_b(all.size(), 16), in_a(all.size(), 16);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    in_b.row(static_cast<Eigen::Index>(i)) = basis_at(all[i]);
-    in_a.row(static_cast<Eigen::Index>(i)) = basis_at(b_from_a.conjugate() * all[i]);
+    in_b.row(static_cast<Eigen::Index>(i)) = sh_basis_at(all[i]);
+    in_a.row(static_cast<Eigen::Index>(i)) = sh_basis_at(b_from_a.conjugate() * all[i]);
   }
   Eigen::MatrixXd turned = Eigen::MatrixXd::Zero(16, 16);
   for (int band = 0; band <= 3; ++band) {
@@ -75,6 +69,12 @@ constexpr double kThinnest_m = 1e-3;
 constexpr float kHitLogit = 4.0F;
 
 }  // namespace
+
+Eigen::Matrix<double, 1, 16> sh_basis_at(const Eigen::Vector3d& direction) {
+  Eigen::Matrix<double, 1, 16> out;
+  sh_text::sh_basis(direction.x(), direction.y(), direction.z(), out.data());
+  return out;
+}
 
 void transform(GaussianSet& set, const Pose& b_from_a, double scale) {
   if (!(scale > 0.0 && std::isfinite(scale))) {

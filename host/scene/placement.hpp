@@ -16,6 +16,10 @@ namespace simuli {
 /// scale that is not above 0 and finite.
 void transform(GaussianSet& set, const Pose& b_from_a, double scale = 1.0);
 
+/// Spherical harmonics of bands 0 to 3 in a direction, as the device has them: what coefficients are weighted
+/// with, which the direction from the sensor to a particle decides.
+[[nodiscard]] Eigen::Matrix<double, 1, 16> sh_basis_at(const Eigen::Vector3d& direction);
+
 /// Where the particles are, m: on each axis all but one in 200 at either end, of those that are not nearly
 /// transparent. Empty for a set without particles.
 [[nodiscard]] Eigen::AlignedBox3d extent_of(const GaussianSet& set);

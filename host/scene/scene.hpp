@@ -21,6 +21,8 @@ struct Scene {
   EnvironmentMap environment;  // of the camera set; empty: camera_background in all directions
   ColorGrids color_grids;      // of the camera set; empty: colours as they are
   std::vector<Actor> actors;
+  /// Actors as they were recorded, rigid, that hide what nothing else shows: see owners/occluders.hpp.
+  std::vector<Actor> occluders;
   std::vector<RayDrop> ray_drop;  // of the LiDARs that it was trained on; none: of hit and drop logits alone
   /// Seen where transmittance is left: colour in [0,1] for the camera set; intensity, hit logit and
   /// drop logit for the LiDAR set (a ray through empty space returns nothing).

@@ -7,7 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/base/version.hpp"
 #include "host/scene/ground/ground_mesh.hpp"
-#include "host/scene/moment.hpp"
+#include "host/scene/owners/moment.hpp"
 #include "io/archive/stored_zip.hpp"
 #include "io/base/file.hpp"
 #include "io/export/drive_tracks.hpp"
@@ -81,7 +81,7 @@ DriveArchive write_drive_archive(const std::filesystem::path& file,
     if (camera.at("camera_model").is_null()) ++out.cameras_without_model;
   }
   StoredZip zip(name, kUsdzAlignment);
-  zip.add(kUsdzLayer, usda_of(background_of(scene.scene.camera), SplatAxes::kZUp, name));
+  zip.add(kUsdzLayer, usda_of(background_of(scene.scene, SetKind::kCamera), SplatAxes::kZUp, name));
   zip.add("metadata.yaml", metadata_of(scene, clock, scene_id, uuid_of(scene_id + rig_text + tracks_text)));
   zip.add("rig_trajectories.json", rig_text);
   zip.add("sequence_tracks.json", tracks_text);

@@ -9,6 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
+#include "host/scene/owners/occluders.hpp"
 #include "host/scene/particle_order.hpp"
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
@@ -29,7 +30,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSceneFormat = "simuli scene";
 constexpr int kSceneVersion = 1;
-constexpr int kSceneVersionOfShapes = 2;  // has actors that are not rigid
+constexpr int kSceneVersionOfShapes = 2;     // has actors that are not rigid
+constexpr int kSceneVersionOfOccluders = 3;  // has particles behind and instead of actors
 constexpr const char* kSceneName = "scene.json";
 constexpr const char* kCameraName = "camera.ply";
 constexpr const char* kLidarName = "lidar.ply";
@@ -124,7 +126,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     if (format != kSceneFormat) {
       throw_input_error(file, "format", '"' + format + '"', fmt::format("\"{}\"", kSceneFormat));
     }
-    (void)root.integer("version", kSceneVersion, kSceneVersionOfShapes);
+    (void)root.integer("version", kSceneVersion, kSceneVersionOfOccluders);
     SceneFile& scene = contents.scene;
     scene.scene.name = root.text("name");
     if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
@@ -137,6 +139,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     read_sensors(root, scene.cameras, scene.lidars);
     if (root.has("ray_drop")) scene.scene.ray_drop = root.objects("ray_drop", read_ray_drop);
     if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
+    if (root.has("occluders")) scene.scene.occluders = actors_from_json(root, "occluders", 0);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
     if (root.has("recorded_frames")) scene.recorded_frames = read_recorded_frames(root, scene);
     if (root.has("training")) scene.training = root.object("training", training_from_json);
@@ -147,6 +150,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
 
 /// The oldest program that can read it knows this one.
 int version_of(const Scene& scene) {
+  if (!scene.occluders.empty()) return kSceneVersionOfOccluders;
   const bool shapes = std::any_of(scene.actors.begin(), scene.actors.end(), [](const Actor& actor) {
     return !actor.deformation.empty();
   });
@@ -168,6 +172,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
   if (!scene.recorded_frames.empty()) root["recorded_frames"] = to_json(scene.recorded_frames);
   if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);
+  if (!scene.scene.occluders.empty()) root["occluders"] = to_json(scene.scene.occluders, 0);
   add_support(root, scene.support.get());
   try {
     return root.dump(1) + '\n';
@@ -197,11 +202,11 @@ GaussianSet read_set_file(const fs::path& file, SetKind kind, const SetEntry& en
 /// Every particle's actor is one of the scene's.
 void check_actors(const GaussianSet& set, const Scene& scene, const fs::path& file) {
   for (std::size_t v = 0; v < set.actor.size(); ++v) {
-    if (set.actor[v] <= scene.actors.size()) continue;
+    if (set.actor[v] <= most_numbers(scene)) continue;
     throw_input_error(file.string(),
                       fmt::format("vertex {}: actor", v),
                       fmt::format("{}", set.actor[v]),
-                      fmt::format("0 to {}, the number of actors", scene.actors.size()));
+                      fmt::format("0 to {}, as many as there are actors", most_numbers(scene)));
   }
 }
 

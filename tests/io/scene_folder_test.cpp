@@ -53,6 +53,27 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
+TEST(SceneFolder, OccludersComeBackWithWhatTheyHide) {
+  const Scratch scratch;
+  SceneFile written = some_scene();
+  Actor car{"car", "car", {4.0, 2.0, 1.5}, {{0.0, Pose{}}, {1.0, Pose{}}}};
+  written.scene.actors = {car};
+  write_scene(scratch / "plain", written);
+  EXPECT_NE(read_file(scratch / "plain" / "scene.json").find("\"version\": 1"), std::string::npos);
+  written.scene.occluders = {car};
+  written.scene.camera.actor = {0, 2, 3};
+  write_scene(scratch / "scene", written);
+  EXPECT_NE(read_file(scratch / "scene" / "scene.json").find("\"version\": 3"), std::string::npos);
+  const Scene read = read_scene(scratch / "scene").scene;
+  ASSERT_EQ(read.occluders.size(), 1U);
+  EXPECT_EQ(read.occluders[0].name, "car");
+  EXPECT_EQ(read.occluders[0].size_m, car.size_m);
+  EXPECT_EQ(read.occluders[0].track.size(), 2U);
+  EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 2, 3}));
+  written.scene.camera.actor = {0, 2, 4};
+  expect_input_error([&] { write_scene(scratch / "wrong", written); }, {"vertex 2: actor", "4", "0 to 3"});
+}
+
 TEST(SceneFolder, RoundTrip) {
   const Scratch scratch;
   const SceneFile written = some_scene();
@@ -122,7 +143,7 @@ TEST(SceneFolder, BadSceneFilesAreRefused) {
   refused("\"sh_degree\": 2", "\"sh_degree\": 2, \"degrees\": 2", {"camera_set", "degrees"});
   refused("\"origin_m\"", "\"origin_cm\"", {"origin"});
   refused("simuli scene", "other scene", {"format", "other scene"});
-  refused("\"version\": 1", "\"version\": 3", {"version", "3", "1 to 2"});
+  refused("\"version\": 1", "\"version\": 4", {"version", "4", "1 to 3"});
   refused("\"gaussians\": 3", "\"gaussians\": 4", {"camera.ply", "3 Gaussians", "4"});
   refused("\"gaussians\": 3", "\"gaussians\": \"3\"", {"camera_set.gaussians"});
   refused("\"sh_degree\": 2", "\"sh_degree\": 1", {"camera.ply", "SH degree", "found 2"});

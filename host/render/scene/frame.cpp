@@ -97,7 +97,9 @@ std::vector<std::uint32_t> Frame::actors() const {
   }
   if (!s.of_actors) return std::vector<std::uint32_t>(s.rays.grid().rays, 0);
   const std::vector<float>& ids = s.of_actors->results().median;
-  return {ids.begin(), ids.end()};
+  std::vector<std::uint32_t> actors(ids.begin(), ids.end());
+  for (std::uint32_t& id : actors) id = id > s.actors ? 0 : id;  // what occluders hide is background
+  return actors;
 }
 
 FrameBuffersOfRays FrameAccess::buffers(const Frame& frame) {

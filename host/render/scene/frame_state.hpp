@@ -39,6 +39,7 @@ struct Frame::State {
   Shot shot;
   FrameRequest request;
   std::weak_ptr<const Scene> scene;
+  std::size_t actors = 0;  // of it
   SensorRays rays;
   std::shared_ptr<OutputPool> pool;
   RealBuffer outputs;  // [SIM_OUTPUTS][slots], of cameras without the last

@@ -1,6 +1,7 @@
 #include "host/render/scene/shot.hpp"
 
 #include "host/render/scene/view.hpp"
+#include "host/scene/owners/occluders.hpp"
 
 namespace simuli {
 
@@ -55,12 +56,19 @@ std::vector<ActorView> actors_during(const std::vector<Actor>& actors,
   return shot.edits.empty() ? views(actors) : views(edited(actors, shot.edits));
 }
 
+std::vector<ActorView> owners_during(const Scene& scene, const Shot& shot) {
+  const auto views = [&](const std::vector<Actor>& actors) {
+    return owners_during(scene, actors, shot.time_start_s, shot.time_end_s);
+  };
+  return shot.edits.empty() ? views(scene.actors) : views(edited(scene.actors, shot.edits));
+}
+
 View view_of(const Scene& scene, const Shot& shot, SetKind kind) {
   const Shot in_scene = shot.relative_to(scene.origin);
   return {in_scene.world_from_sensor_start,
           in_scene.world_from_sensor_end,
           kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
-          actors_during(scene.actors, shot, scene.origin)};
+          owners_during(scene, shot)};
 }
 
 }  // namespace simuli

@@ -5,6 +5,7 @@
 #include "host/scene/actor.hpp"
 #include "host/scene/edit.hpp"
 #include "host/scene/pose.hpp"
+#include "host/scene/scene.hpp"
 #include "host/sensors/sensor.hpp"
 #include "host/sensors/trajectory.hpp"
 
@@ -45,5 +46,7 @@ struct Shot {
 [[nodiscard]] std::vector<ActorView> actors_during(const std::vector<Actor>& actors,
                                                    const Shot& shot,
                                                    const Eigen::Vector3d& scene_origin);
+/// The same of all that particles of the scene belong to (owners/occluders.hpp).
+[[nodiscard]] std::vector<ActorView> owners_during(const Scene& scene, const Shot& shot);
 
 }  // namespace simuli

@@ -12,7 +12,7 @@ struct View {
   Pose scene_from_sensor_start;
   Pose scene_from_sensor_end;
   std::array<float, 3> background{0.0F, 0.0F, 0.0F};
-  std::vector<ActorView> actors{};                  // of the scene, in its order (actors_during)
+  std::vector<ActorView> actors{};                  // what particles belong to (owners_during)
   RayDrop::Parameters drop = RayDrop::of_logits();  // of a LiDAR
   bool camera_median = false;                       // of a camera: median distances, too
   bool actor_ids = false;  // who is at the median distances, instead of features and of them

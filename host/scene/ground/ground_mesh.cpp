@@ -1,12 +1,12 @@
 #include "host/scene/ground/ground_mesh.hpp"
 
 #include "host/scene/ground/ground_map.hpp"
-#include "host/scene/moment.hpp"
+#include "host/scene/owners/moment.hpp"
 
 namespace simuli {
 
 TriangleMesh ground_mesh(const Scene& scene, const Trajectory& world_from_rig) {
-  const GaussianSet still = background_of(scene.lidar);
+  const GaussianSet still = background_of(scene, SetKind::kLidar);
   Eigen::Matrix3Xf solid(3, still.size());
   Eigen::Index count = 0;
   for (Eigen::Index i = 0; i < still.size(); ++i) {

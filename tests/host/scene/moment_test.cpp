@@ -1,4 +1,4 @@
-#include "host/scene/moment.hpp"
+#include "host/scene/owners/moment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ Scene two_cars() {
 
 TEST(Moment, PutsActorsWhereTheyAre) {
   const Scene scene = two_cars();
-  EXPECT_EQ(background_of(scene.camera).size(), 1);
+  EXPECT_EQ(background_of(scene, SetKind::kCamera).size(), 1);
   const GaussianSet set = moment_of(scene, SetKind::kCamera, 1.0);
   ASSERT_EQ(set.size(), 2);
   EXPECT_TRUE(set.actor.empty());

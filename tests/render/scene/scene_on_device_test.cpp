@@ -1,5 +1,6 @@
 #include "host/render/scene/scene_on_device.hpp"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <utility>
 
@@ -7,6 +8,8 @@
 #include "host/render/options/quality.hpp"
 #include "host/render/scene/appearance_on_device.hpp"
 #include "host/render/scene/renderer.hpp"
+#include "host/scene/owners/occluders.hpp"
+#include "host/scene/particle_order.hpp"
 #include "tests/render/scene/two_cars.hpp"
 
 namespace simuli {
@@ -150,6 +153,65 @@ TEST(SceneOnDevice, EditsOfAShotAreThoseOfAScene) {
     }
     shot.edits = {{"nobody", ActorEdit::Remove{}}};
     EXPECT_THROW((void)scene.render(sensor, shot), Error);
+  }
+}
+
+/// two_cars(), the first of which hides every fifth particle of the background, and whose place every other
+/// fifth fills.
+Scene two_cars_and_a_place() {
+  Scene scene = test::two_cars();
+  scene.occluders = {scene.actors[0]};
+  for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    for (std::size_t i = 0; i < set->actor.size(); ++i) {
+      if (set->actor[i] != 0) continue;
+      if (i % 5 == 0) set->actor[i] = number_behind(scene, 0);
+      if (i % 5 == 1) set->actor[i] = number_instead(scene, 0);
+    }
+  }
+  return scene;
+}
+
+TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
+  const Device device = Device::best();
+  SceneOnDevice scene(device, two_cars_and_a_place());
+  // The same without occluders: what is left of each of the background's thirds.
+  const auto with = [&](const std::vector<std::uint32_t>& shown, bool removed) {
+    Scene plain = two_cars_and_a_place();
+    for (GaussianSet* set : {&plain.camera, &plain.lidar}) {
+      std::vector<Eigen::Index> kept;
+      for (std::size_t i = 0; i < set->actor.size(); ++i) {
+        std::uint32_t& actor = set->actor[i];
+        const bool is_shown = actor <= 2 || std::find(shown.begin(), shown.end(), actor) != shown.end();
+        if (is_shown) kept.push_back(static_cast<Eigen::Index>(i));
+        if (actor > 2) actor = 0;
+      }
+      *set = subset(*set, kept);
+    }
+    plain.occluders.clear();
+    if (removed) remove_actor(plain, "near");
+    return plain;
+  };
+  const std::uint32_t behind = number_behind(scene.scene(), 0), instead = number_instead(scene.scene(), 0);
+  const auto expect_near = [](const RayResults& a, const RayResults& b) {
+    ASSERT_EQ(a.rays, b.rays);
+    for (std::size_t i = 0; i < a.rays; ++i) {
+      ASSERT_NEAR(a.transmittance[i], b.transmittance[i], 1e-4);
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(a.feature[c][i], b.feature[c][i], 1e-3);
+    }
+  };
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    SCOPED_TRACE(sensor.name());
+    Shot shot = shot_of(sensor, 0.13);
+    const Frame plain = scene.render(sensor, shot, {.actors = true});
+    expect_near(plain.results(), SceneOnDevice(device, with({behind}, false)).render(sensor, shot).results());
+    for (const std::uint32_t actor : plain.actors()) EXPECT_LE(actor, 2U);
+    shot.edits = {{"near", ActorEdit::Remove{}}};
+    const RayResults removed = scene.render(sensor, shot).results();
+    shot.edits.clear();
+    expect_near(removed, SceneOnDevice(device, with({instead}, true)).render(sensor, shot).results());
+    Scene edited = two_cars_and_a_place();
+    remove_actor(edited, "near");
+    expect_same(removed, SceneOnDevice(device, std::move(edited)).render(sensor, shot).results());
   }
 }
 

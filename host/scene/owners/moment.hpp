@@ -4,8 +4,8 @@
 
 namespace simuli {
 
-/// The particles of the background.
-[[nodiscard]] GaussianSet background_of(const GaussianSet& set);
+/// The particles of the background without any actor, and what fills the places that are seen then.
+[[nodiscard]] GaussianSet background_of(const Scene& scene, SetKind kind);
 
 /// The background's particles, then those of the actors that are there at that time (seconds of the log),
 /// where they are then: m from Scene::origin.

@@ -1,0 +1,72 @@
+#include "host/scene/owners/moment.hpp"
+
+#include <vector>
+
+#include "host/scene/owners/occluders.hpp"
+#include "host/scene/particle_order.hpp"
+#include "host/scene/placement.hpp"
+
+namespace simuli {
+namespace {
+
+/// The particles of that number (GaussianSet::actor), none of which it says.
+GaussianSet of_owner(const GaussianSet& set, std::uint32_t number) {
+  if (set.actor.empty()) return number == 0 ? set : GaussianSet(set.kind, set.sh_degree, 0);
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < set.actor.size(); ++i) {
+    if (set.actor[i] == number) rows.push_back(static_cast<Eigen::Index>(i));
+  }
+  GaussianSet out = subset(set, rows);
+  out.actor.clear();
+  return out;
+}
+
+void deform(GaussianSet& set, const DeformationView& shape) {
+  if (shape.empty()) return;
+  for (Eigen::Index i = 0; i < set.size(); ++i) {
+    const Eigen::Vector3d mean = set.mean().row(i).transpose().cast<double>();
+    const Eigen::Vector3d offset = deformation_at(shape.nodes, shape.half_m, shape.start_m, mean);
+    set.mean().row(i) = (mean + offset).cast<float>().transpose();
+  }
+}
+
+GaussianSet joined(const std::vector<GaussianSet>& parts) {
+  Eigen::Index count = 0, row = 0;
+  for (const GaussianSet& part : parts) count += part.size();
+  GaussianSet out(parts.front().kind, parts.front().sh_degree, count);
+  for (const GaussianSet& part : parts) {
+    out.params.middleRows(row, part.size()) = part.params;
+    row += part.size();
+  }
+  return out;
+}
+
+const GaussianSet& set_of(const Scene& scene, SetKind kind) {
+  return kind == SetKind::kCamera ? scene.camera : scene.lidar;
+}
+
+}  // namespace
+
+GaussianSet background_of(const Scene& scene, SetKind kind) {
+  const GaussianSet& set = set_of(scene, kind);
+  std::vector<GaussianSet> parts{of_owner(set, 0)};
+  for (std::size_t i = 0; i < scene.occluders.size(); ++i) {
+    parts.push_back(of_owner(set, number_instead(scene, i)));
+  }
+  return joined(parts);
+}
+
+GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s) {
+  const GaussianSet& set = set_of(scene, kind);
+  std::vector<GaussianSet> parts{of_owner(set, 0)};
+  const auto views = owners_during(scene, scene.actors, time_s, time_s);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!views[i].is_there) continue;
+    parts.push_back(of_owner(set, static_cast<std::uint32_t>(i + 1)));
+    deform(parts.back(), views[i].deformation);
+    transform(parts.back(), views[i].scene_from_actor_start);
+  }
+  return joined(parts);
+}
+
+}  // namespace simuli

@@ -1,0 +1,57 @@
+#include "host/scene/owners/occluders.hpp"
+
+#include <algorithm>
+
+namespace simuli {
+namespace {
+
+// As far as a track that is stated anew may be from the recorded one.
+constexpr double kSame_m = 0.1, kSame_rad = 0.02, kSameSize = 0.01;
+
+bool is_same(const Pose& a, const Pose& b) {
+  return (a.translation - b.translation).norm() <= kSame_m &&
+         a.rotation.angularDistance(b.rotation) <= kSame_rad;
+}
+
+}  // namespace
+
+std::uint32_t number_behind(const Scene& scene, std::size_t index) {
+  return static_cast<std::uint32_t>(scene.actors.size() + 2 * index + 1);
+}
+std::uint32_t number_instead(const Scene& scene, std::size_t index) {
+  return number_behind(scene, index) + 1;
+}
+std::size_t most_numbers(const Scene& scene) { return scene.actors.size() + 2 * scene.occluders.size(); }
+
+bool is_away(const Actor& occluder,
+             const std::vector<Actor>& actors,
+             double time_start_s,
+             double time_end_s) {
+  const double middle_s = 0.5 * (time_start_s + time_end_s);
+  if (!occluder.is_there(middle_s)) return false;
+  return std::none_of(actors.begin(), actors.end(), [&](const Actor& actor) {
+    return actor.name == occluder.name && actor.is_there(middle_s) &&
+           (actor.size_m - occluder.size_m).norm() <= kSameSize * occluder.size_m.norm() &&
+           is_same(actor.at(time_start_s), occluder.at(time_start_s)) &&
+           is_same(actor.at(time_end_s), occluder.at(time_end_s));
+  });
+}
+
+std::vector<ActorView> owners_during(const Scene& scene,
+                                     const std::vector<Actor>& actors,
+                                     double time_start_s,
+                                     double time_end_s) {
+  std::vector<ActorView> views = actors_during(actors, time_start_s, time_end_s, scene.origin);
+  for (const Actor& occluder : scene.occluders) {
+    const bool away = is_away(occluder, actors, time_start_s, time_end_s);
+    views.push_back({!away, {}, {}});
+    views.push_back({away, {}, {}});
+  }
+  return views;
+}
+
+void make_room_for_actor(const Scene& scene, GaussianSet& set) {
+  for (std::uint32_t& number : set.actor) number += number > scene.actors.size() ? 1 : 0;
+}
+
+}  // namespace simuli
