@@ -17,6 +17,7 @@
 #include "io/base/temporary.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
+#include "optim/fill/fill_behind.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/log/sensor_learning.hpp"
@@ -29,11 +30,7 @@
 #include "optim/train/trainer.hpp"
 
 namespace simuli {
-namespace {
-
-constexpr double kSight_m = 100.0;  // that LiDARs and pictures tell the distance of, about
-
-}  // namespace
+static constexpr double kSight_m = 100.0;  // that LiDARs and pictures tell the distance of, about
 
 /// What a training has made. Of a drive that is cut: the stretch that is being trained, and those that have
 /// been.
@@ -75,10 +72,8 @@ Training::Training(const Device& device, Log log, const TrainingOptions& options
 
 void Training::need_shards(const Ranks& ranks, const TrainingOptions& options) {
   const auto shards = static_cast<std::size_t>(options.train.shards.count);
-  if (ranks.size() <= shards) return;
-  throw Error(
-      ErrorKind::kUsage,
-      fmt::format("ranks: found {}, allowed up to {}, the frames of a step (shards)", ranks.size(), shards));
+  constexpr const char* kAllowed = "ranks: found {}, allowed up to {}, the frames of a step (shards)";
+  if (ranks.size() > shards) throw Error(ErrorKind::kUsage, fmt::format(kAllowed, ranks.size(), shards));
 }
 
 Training::~Training() = default;
@@ -389,9 +384,11 @@ SceneFile Training::completed(SceneFile file) const {
                                  .device = device_.info().label(),
                                  .driver = device_.info().driver_version};
   try {
+    const FillRecipe fill{options_.frames, options_.init, options_.train.render};
+    if (options_.fill.fill) fill_behind_actors(device_, log_, fill, file);
     file.support = record_support(device_, log_, file, options_.frames, options_.train.render);
   } catch (const Error& error) {
-    // A device that has no room for it beside the training: the scene is there all the same.
+    // A device that has no room for these beside the training: the scene is there all the same.
     if (error.kind() != ErrorKind::kDevice) throw;
   }
   return file;

@@ -5,6 +5,7 @@
 
 #include "io/log/frame_selection.hpp"
 #include "optim/actors/finding_options.hpp"
+#include "optim/fill/fill_options.hpp"
 #include "optim/fixer/fixer_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/log/sensor_learning.hpp"
@@ -19,6 +20,7 @@ struct TrainingOptions {
   PathRefinement path = {};
   SensorLearning sensors = {};
   ActorFinding actors = {};
+  FillOptions fill = {};
   InitOptions init = {};
   TrainOptions train = {};
   FixerOptions fixer = {};
@@ -33,6 +35,7 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.part("", o.path);
   field.part("", o.sensors);
   field.part("", o.actors);
+  field.part("", o.fill);
   field.part("", o.init);
   field.part("", o.train);
   field.part("", o.fixer);
