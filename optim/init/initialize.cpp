@@ -34,6 +34,11 @@ void add_points(
     const PosedSweep& posed, double time_start_s, double time_end_s, VoxelGrid& grid, ActorPoints& actors) {
   const Sweep& sweep = posed.sweep;
   const SightMaker sights(posed.lidar);
+  if (sweep.range.empty()) return;
+  const auto time_of = [&](float fraction) { return time_start_s + fraction * (time_end_s - time_start_s); };
+  const auto [first, last] =
+      std::minmax_element(sweep.rays.time_fraction.begin(), sweep.rays.time_fraction.end());
+  const std::vector<ActorPoints::Place> places = actors.places(time_of(*first), time_of(*last));
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;  // fired, nothing came back
     const double azimuth = sweep.rays.azimuth[i];
@@ -43,8 +48,7 @@ void add_points(
         ray_origin(posed.lidar, sweep.rays, i) +
         static_cast<double>(sweep.range[i]) * Lidar::direction(azimuth, sweep.rays.elevation[i]);
     const Eigen::Vector3d p_scene = scene_from_lidar * p_lidar;
-    const double time_s = time_start_s + sweep.rays.time_fraction[i] * (time_end_s - time_start_s);
-    if (!actors.add(p_scene, time_s, sweep.intensity[i])) {
+    if (!actors.add(p_scene, time_of(sweep.rays.time_fraction[i]), sweep.intensity[i], places)) {
       grid.add(
           p_scene, sweep.intensity[i], sights.of(sweep.rays, i, sweep.range[i], scene_from_lidar.rotation));
     }

@@ -1,5 +1,6 @@
 #include "optim/init/initialize_actors.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -145,10 +146,33 @@ Pose ActorPoints::scene_from_actor(std::size_t actor, double time_s) const {
   return pose;
 }
 
-bool ActorPoints::add(const Eigen::Vector3d& p_scene, double time_s, double intensity) {
+std::vector<ActorPoints::Place> ActorPoints::places(double first_s, double last_s) const {
+  constexpr double kSlack_m = 1e-3;  // far above what doubles lose
+  std::vector<Place> out;
   for (std::size_t i = 0; i < actors_.size(); ++i) {
-    if (!actors_[i].is_there(time_s)) continue;
-    const Eigen::Vector3d half = 0.5 * actors_[i].size_m + Eigen::Vector3d::Constant(options_.margin_m);
+    const std::vector<KeyPose>& track = actors_[i].track;
+    if (track.empty()) continue;
+    const double from_s = std::max(first_s, track.front().time_s - Actor::kReach_s);
+    const double to_s = std::min(last_s, track.back().time_s + Actor::kReach_s);
+    if (from_s > to_s) continue;
+    // Between key poses positions are on a line.
+    Eigen::AlignedBox3d way;
+    way.extend(scene_from_actor(i, from_s).translation).extend(scene_from_actor(i, to_s).translation);
+    for (const KeyPose& key : track) {
+      if (key.time_s > from_s && key.time_s < to_s) way.extend(scene_from_actor(i, key.time_s).translation);
+    }
+    out.push_back({i, way.center(), half_m(i).norm() + 0.5 * way.diagonal().norm() + kSlack_m});
+  }
+  return out;
+}
+
+bool ActorPoints::add(const Eigen::Vector3d& p_scene,
+                      double time_s,
+                      double intensity,
+                      const std::vector<Place>& places) {
+  for (const auto& [i, middle, radius_m] : places) {
+    if ((p_scene - middle).squaredNorm() > radius_m * radius_m || !actors_[i].is_there(time_s)) continue;
+    const Eigen::Vector3d half = half_m(i);
     const Pose pose = scene_from_actor(i, time_s);
     if ((p_scene - pose.translation).squaredNorm() > half.squaredNorm()) continue;
     const Eigen::Vector3d p = pose.inverse() * p_scene;
@@ -214,7 +238,7 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s, const Im
   const Eigen::Vector3d eye = view.origin();
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (!actors_[i].is_there(time_s)) continue;
-    const Eigen::Vector3d half = 0.5 * actors_[i].size_m + Eigen::Vector3d::Constant(options_.margin_m);
+    const Eigen::Vector3d half = half_m(i);
     const Pose scene_from_actor_then = scene_from_actor(i, time_s);
     // The way to what the picture shows stays in its cone.
     if (!cone.may_meet(scene_from_actor_then.translation, half.norm())) continue;

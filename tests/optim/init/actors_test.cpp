@@ -110,6 +110,31 @@ TEST(ActorPoints, HideWhatIsBehindTheirBoxes) {
   EXPECT_TRUE(points.placed(background, 0.0, view(Vector3d::UnitY())).position.allFinite());
 }
 
+TEST(ActorPoints, TakeReturnsWhereTheyAreMeanwhile) {
+  // Round a corner: 10 m forwards, then 10 m to the left.
+  Actor actor;
+  actor.name = "car";
+  actor.size_m = {4.0, 2.0, 1.5};
+  const Eigen::Quaterniond ahead = Eigen::Quaterniond::Identity();
+  actor.track = {{1.0, {ahead, {0, 0, 0}}}, {2.0, {ahead, {10, 0, 0}}}, {3.0, {ahead, {10, 10, 0}}}};
+  ActorPoints points({actor}, {}, Vector3d::Zero());
+  EXPECT_TRUE(points.places(0.0, 0.8).empty());
+  EXPECT_TRUE(points.places(3.2, 4.0).empty());
+  for (const double from_s : {0.5, 1.2, 1.9, 2.05}) {
+    const std::vector<ActorPoints::Place> places = points.places(from_s, from_s + 1.0);
+    ASSERT_EQ(places.size(), 1U);
+    for (double time_s = std::max(from_s, 0.95); time_s < std::min(from_s + 1.0, 3.05); time_s += 0.05) {
+      const Vector3d middle = actor.at(time_s).translation;
+      for (const double x : {-2.05, 0.0, 2.05}) {
+        for (const double y : {-1.05, 1.05}) {
+          EXPECT_TRUE(points.add(middle + Vector3d(x, y, 0.8), time_s, 0.5, places)) << time_s;
+        }
+      }
+      EXPECT_FALSE(points.add(middle + Vector3d(2.2, 0.0, 0.0), time_s, 0.5, places)) << time_s;
+    }
+  }
+}
+
 TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {
   InitOptions options = small(true);
   const auto of_car = [](const GaussianSet& set) {
