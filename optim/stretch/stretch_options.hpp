@@ -12,6 +12,7 @@ namespace simuli {
 struct StretchOptions {
   double length_m = 0.0;
   double overlap_m = 100.0;
+  double beside = 0.5;
   std::size_t host_memory_bytes = 0;
 };
 template <class F>
@@ -21,12 +22,17 @@ constexpr void visit_fields(StretchOptions& o, F&& field) {
         zero_or(at_least(1.0)),
         "m of path that are trained at a time, about: memory is a stretch's then, not the drive's; 0: all at "
         "once");
+  field("stretch.overlap_m",
+        o.overlap_m,
+        above(0.0),
+        "m of path before and behind a stretch, some of whose frames it is trained on, too: those that show "
+        "it");
   field(
-      "stretch.overlap_m",
-      o.overlap_m,
-      above(0.0),
-      "m of path before and behind a stretch, some of whose frames it is trained on, too: all near it, every "
-      "eleventh at the end");
+      "stretch.beside",
+      o.beside,
+      range(0.0, 100.0),
+      "frames of those, for each that shows nothing but the stretch: one of which a tenth shows it counts a "
+      "tenth");
   field("host_memory_bytes",
         o.host_memory_bytes,
         at_least(0),

@@ -1,6 +1,7 @@
 #include "optim/stretch/stretches.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -9,14 +10,17 @@
 #include <string_view>
 
 #include "host/base/error.hpp"
+#include "host/sensors/lidar_model.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/points/point_tree.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kSteps =
-    10.0;  // from all frames beside a stretch to every eleventh at the end of the overlap
+// What a sensor shows of a stretch is told by so many of its rays, at these parts of the overlap from it.
+constexpr int kColumns = 6, kRows = 4;  // of a picture
+constexpr std::size_t kRays = 61;       // of a sweep: no multiple of its rows
+constexpr std::array<double, 4> kParts{0.1, 0.2, 0.4, 0.8};
 constexpr double kStep_m = 0.5;  // between the places that nearness is asked of
 
 struct Span {
@@ -44,24 +48,99 @@ double between(const std::vector<double>& x, const std::vector<double>& y, doubl
 std::string_view sensor_of(const ImageFrame& frame) { return frame.camera; }
 std::string_view sensor_of(const SweepFrame& frame) { return frame.lidar; }
 
-/// Of the frames beside a stretch every so many are taken, the fewer the farther away.
-std::size_t step_at(double away_m, double overlap_m) {
-  return away_m <= 0.0 ? 1 : 1 + static_cast<std::size_t>(kSteps * away_m / overlap_m);
+/// Some of the rays of a sensor, in the rig's frame.
+struct SensorRays {
+  Eigen::Vector3d origin;
+  std::vector<Eigen::Vector3d> directions;
+};
+
+SensorRays some_rays(const LogCamera& camera) {
+  SensorRays out{camera.rig_from_camera.translation, {}};
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const Eigen::Vector2d pixel{(column + 0.5) * camera.model.width / kColumns,
+                                  (row + 0.5) * camera.model.height / kRows};
+      const Eigen::Vector3d direction = camera.model.unproject(pixel);
+      if (!direction.isZero(0.0)) out.directions.emplace_back(camera.rig_from_camera.rotation * direction);
+    }
+  }
+  return out;
 }
+
+SensorRays some_rays(const LogLidar& lidar) {
+  SensorRays out{lidar.rig_from_lidar.translation, {}};
+  const LidarRays rays = nominal_rays(lidar.model);
+  const std::size_t count = rays.azimuth.size(), some = std::min(count, kRays);
+  for (std::size_t k = 0; k < some; ++k) {
+    const std::size_t i = (2 * k + 1) * count / (2 * some);
+    out.directions.emplace_back(lidar.rig_from_lidar.rotation *
+                                Lidar::direction(rays.azimuth[i], rays.elevation[i]));
+  }
+  return out;
+}
+
+/// How much of what a log's sensors show is of a stretch.
+class StretchSight {
+ public:
+  StretchSight(const Log& log, const DrivenPath& path, const Stretch& stretch, double overlap_m)
+      : log_(log),
+        path_(path),
+        stretch_(stretch),
+        overlap_m_(overlap_m),
+        origin_(scene_origin(log.world_from_rig)) {
+    for (const LogCamera& camera : log.cameras) rays_[camera.model.name] = some_rays(camera);
+    for (const LogLidar& lidar : log.lidars) rays_[name_of(lidar.model)] = some_rays(lidar);
+  }
+  /// Of the places on a sensor's rays, as far as the overlap reaches, those that stand nearest to the
+  /// stretch.
+  [[nodiscard]] double share(std::string_view sensor, double time_s) const {
+    const SensorRays& rays = rays_.at(sensor);
+    Pose scene_from_rig = log_.world_from_rig.at(time_s);
+    scene_from_rig.translation -= origin_;
+    double own = 0.0, all = 0.0;
+    for (const Eigen::Vector3d& direction : rays.directions) {
+      for (const double part : kParts) {
+        const Eigen::Vector3d p = scene_from_rig * (rays.origin + part * overlap_m_ * direction);
+        const double place_m = path_.place_nearest(p.cast<float>());
+        const bool is_own =
+            place_m >= stretch_.from_m && (place_m < stretch_.to_m || stretch_.to_m >= path_.length_m());
+        if (is_own) ++own;
+        ++all;
+      }
+    }
+    return own / std::max(all, 1.0);
+  }
+
+ private:
+  const Log& log_;
+  const DrivenPath& path_;
+  const Stretch& stretch_;
+  double overlap_m_;
+  Eigen::Vector3d origin_;
+  std::map<std::string_view, SensorRays> rays_;
+};
 
 template <class Frame>
 std::vector<Frame> frames_of(const std::vector<Frame>& all,
                              const HeldOutRule& rule,
                              const DrivenPath& path,
                              const Stretch& stretch,
-                             double overlap_m) {
+                             const StretchOptions& options,
+                             const StretchSight& sight) {
   std::vector<Frame> out;
-  std::map<std::string_view, std::size_t> numbers;
+  std::map<std::string_view, double> due;  // frames beside, of each sensor
   for (const std::size_t i : rule.training(all)) {
-    const std::size_t number = numbers[sensor_of(all[i])]++;
-    const double place_m = path.place_at(0.5 * (all[i].time_start_s + all[i].time_end_s));
+    const double middle_s = 0.5 * (all[i].time_start_s + all[i].time_end_s);
+    const double place_m = path.place_at(middle_s);
     const double away_m = std::max(stretch.from_m - place_m, place_m - stretch.to_m);
-    if (away_m <= overlap_m && number % step_at(away_m, overlap_m) == 0) out.push_back(all[i]);
+    if (away_m > options.overlap_m) continue;
+    if (away_m > 0.0) {
+      double& sum = due.try_emplace(sensor_of(all[i]), 0.5).first->second;
+      const double before = std::floor(sum);
+      sum += options.beside * sight.share(sensor_of(all[i]), middle_s);
+      if (std::floor(sum) == before) continue;
+    }
+    out.push_back(all[i]);
   }
   return out;
 }
@@ -172,11 +251,12 @@ Log log_of(const Log& log,
            const FrameSelection& frames,
            const DrivenPath& path,
            const Stretch& stretch,
-           double overlap_m) {
+           const StretchOptions& options) {
   Log out = log;
   const HeldOutRule rule(log, frames);
-  out.images = frames_of(log.images, rule, path, stretch, overlap_m);
-  out.sweeps = frames_of(log.sweeps, rule, path, stretch, overlap_m);
+  const StretchSight sight(log, path, stretch, options.overlap_m);
+  out.images = frames_of(log.images, rule, path, stretch, options, sight);
+  out.sweeps = frames_of(log.sweeps, rule, path, stretch, options, sight);
   Span span;
   span.add(out.images);
   span.add(out.sweeps);

@@ -53,13 +53,13 @@ class DrivenPath {
 [[nodiscard]] FrameSelection all_of(FrameSelection frames);
 
 /// The log with the training frames (of `frames`) of a stretch alone, and with some of those up to overlap_m
-/// before and behind it: all of a sensor in the first tenth of that, every second in the next, and so on;
-/// what a stretch shows from afar is theirs to say. Of the actors it has those that are there meanwhile. None
-/// of its frames is to be held out any more.
+/// before and behind it: of each sensor as many as show it, added up by the share of what they show that is
+/// of it, times `beside`; what a stretch shows from afar is theirs to say. Of the actors it has those that
+/// are there meanwhile. None of its frames is to be held out any more.
 [[nodiscard]] Log log_of(const Log& log,
                          const FrameSelection& frames,
                          const DrivenPath& path,
                          const Stretch& stretch,
-                         double overlap_m);
+                         const StretchOptions& options);
 
 }  // namespace simuli

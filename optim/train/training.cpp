@@ -157,7 +157,7 @@ void Training::prepare_log(const Progress& progress) {
 void Training::prepare_stretches() {
   State& state = *state_;
   const auto part = [&](const Stretch& stretch) {
-    return log_of(log_, options_.frames, *state.path, stretch, options_.stretches.overlap_m);
+    return log_of(log_, options_.frames, *state.path, stretch, options_.stretches);
   };
   const FrameSelection all = all_of(options_.frames);
   log_.lidars = with_learned_sensors(part(state.stretches.front()), all, options_.sensors).lidars;
@@ -207,7 +207,7 @@ void Training::start(const Progress& progress) {
   const TrainingOptions own = own_options();
   if (state.is_cut()) {
     const Stretch& stretch = state.stretches[state.current];
-    state.log = log_of(log_, options_.frames, *state.path, stretch, options_.stretches.overlap_m);
+    state.log = log_of(log_, options_.frames, *state.path, stretch, options_.stretches);
   }
   const Log& log = state.is_cut() ? state.log : log_;
   SceneInit begin = initialize_scene(log, own.frames, own.init, progress);

@@ -103,7 +103,7 @@ class Planner {
  private:
   [[nodiscard]] Log piece(double length_m) const {
     const double from_m = 0.5 * (path_.length_m() - length_m);
-    return log_of(log_, options_.frames, path_, {from_m, from_m + length_m}, options_.stretches.overlap_m);
+    return log_of(log_, options_.frames, path_, {from_m, from_m + length_m}, options_.stretches);
   }
   [[nodiscard]] Content content_of(double length_m) {
     const SceneInit init = initialize_scene(piece(length_m), own_.frames, own_.init);
