@@ -172,10 +172,6 @@ class FarShell {
   /// cell. Where most meet something nothing can be far away: what looks open is a gap between points, and a
   /// patch behind it would be seen through them from elsewhere.
   [[nodiscard]] std::vector<Patch> patches(double open_share) const;
-  /// Of a direction from the scene origin, of any length but 0.
-  [[nodiscard]] std::uint64_t cell_of(const Eigen::Vector3d& direction) const {
-    return meeting(Eigen::Vector3d::Zero(), direction.normalized()).cell;
-  }
   [[nodiscard]] double spacing_rad() const { return spacing_rad_; }
   [[nodiscard]] double distance_m() const { return distance_m_; }
 

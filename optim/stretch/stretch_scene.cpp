@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include "host/scene/particle_order.hpp"
-#include "optim/init/initialize_views.hpp"
 
 namespace simuli {
 namespace {
@@ -119,31 +117,9 @@ class ActorParts {
   Eigen::Index most_ = 0;
 };
 
-/// Which particles of the background stay: of the far shell those whose cells nobody has yet.
-std::vector<Eigen::Index> background_of(const GaussianSet& set,
-                                        const StretchParting& parting,
-                                        const FarShell& shell,
-                                        std::set<std::uint64_t>& taken) {
-  std::vector<Eigen::Index> kept;
-  std::set<std::uint64_t> own;
-  for (Eigen::Index i = 0; i < set.size(); ++i) {
-    if (actor_of(set, i) != 0) continue;
-    const Eigen::Vector3f mean = set.mean().row(i);
-    if (is_shell(mean, parting)) {
-      const std::uint64_t cell = shell.cell_of(mean.cast<double>());
-      if (taken.contains(cell)) continue;
-      own.insert(cell);
-    }
-    kept.push_back(i);
-  }
-  taken.merge(own);
-  return kept;
-}
-
-std::vector<Eigen::Index> counts_of(const GaussianSet& set, std::size_t actors, std::size_t background) {
+std::vector<Eigen::Index> counts_of(const GaussianSet& set, std::size_t actors) {
   std::vector<Eigen::Index> counts(actors + 1, 0);
-  for (const std::uint32_t actor : set.actor) ++counts[actor];
-  counts[0] = static_cast<Eigen::Index>(background);
+  for (Eigen::Index i = 0; i < set.size(); ++i) ++counts[actor_of(set, i)];
   return counts;
 }
 
@@ -154,29 +130,23 @@ class FilledSet {
     set.params.resize(count, param_rows(set.sh_degree));
     set.actor.reserve(static_cast<std::size_t>(count));
   }
-  /// The particles at `kept`, under their actors' new numbers.
-  void add(const GaussianSet& from,
-           const std::vector<Eigen::Index>& kept,
-           const std::map<std::uint32_t, std::uint32_t>& numbers) {
+  /// The particles whose actors, or the background, have a number, under that.
+  void add(const GaussianSet& from, const std::map<std::uint32_t, std::uint32_t>& numbers) {
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index i = 0; i < from.size(); ++i) {
+      const auto number = numbers.find(actor_of(from, i));
+      if (number == numbers.end()) continue;
+      kept.push_back(i);
+      set_.actor.push_back(number->second);
+    }
     set_.params.middleRows(end_, static_cast<Eigen::Index>(kept.size())) = from.params(kept, Eigen::all);
     end_ += static_cast<Eigen::Index>(kept.size());
-    for (const Eigen::Index i : kept) set_.actor.push_back(numbers.at(actor_of(from, i)));
   }
 
  private:
   GaussianSet& set_;
   Eigen::Index end_ = 0;
 };
-
-/// The particles of actors that stay.
-std::vector<Eigen::Index> actors_of(const GaussianSet& set,
-                                    const std::map<std::uint32_t, std::uint32_t>& numbers) {
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < set.size(); ++i) {
-    if (actor_of(set, i) != 0 && numbers.contains(actor_of(set, i))) kept.push_back(i);
-  }
-  return kept;
-}
 
 void add_mean(std::vector<double>& sum, const std::vector<float>& values) {
   sum.resize(values.size(), 0.0);
@@ -248,8 +218,6 @@ Scene merged(std::size_t count,
   std::vector<PartCounts> parts;
   std::vector<double> texels, background;
   MeanRayDrop ray_drop;
-  const FarShell shell(parting.shell_spacing_deg, parting.shell_distance_m);
-  std::set<std::uint64_t> taken, none;
   for (std::size_t i = 0; i < count; ++i) {
     const StretchScene& stretch = part(i);
     const Scene& own = stretch.scene;
@@ -262,10 +230,7 @@ Scene merged(std::size_t count,
       out.lidar = GaussianSet(SetKind::kLidar, own.lidar.sh_degree, 0);
     }
     const std::size_t numbers = own.actors.size();
-    parts.push_back({own.actors,
-                     counts_of(own.camera, numbers, background_of(own.camera, parting, shell, taken).size()),
-                     counts_of(own.lidar, numbers, background_of(own.lidar, parting, shell, none).size())});
-    none.clear();
+    parts.push_back({own.actors, counts_of(own.camera, numbers), counts_of(own.lidar, numbers)});
     ray_drop.add(stretch);
     add_mean(texels, own.environment.texels);
     add_mean(background, {own.camera_background.begin(), own.camera_background.end()});
@@ -296,14 +261,10 @@ Scene merged(std::size_t count,
   }
 
   FilledSet camera(out.camera, camera_count), lidar(out.lidar, lidar_count);
-  taken.clear();
   for (std::size_t i = 0; i < count; ++i) {
     const Scene& own = part(i).scene;
-    camera.add(own.camera, background_of(own.camera, parting, shell, taken), numbers[i]);
-    camera.add(own.camera, actors_of(own.camera, numbers[i]), numbers[i]);
-    lidar.add(own.lidar, background_of(own.lidar, parting, shell, none), numbers[i]);
-    lidar.add(own.lidar, actors_of(own.lidar, numbers[i]), numbers[i]);
-    none.clear();
+    camera.add(own.camera, numbers[i]);
+    lidar.add(own.lidar, numbers[i]);
   }
   if (out.actors.empty()) out.camera.actor.clear(), out.lidar.actor.clear();
   return in_coherent_order(std::move(out));

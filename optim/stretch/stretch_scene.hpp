@@ -28,7 +28,6 @@ struct StretchParting {
   const std::vector<Stretch>& stretches;
   double overlap_m = 0.0;
   double shell_distance_m = 0.0;  // from the scene's origin; particles that far are the far shell's
-  double shell_spacing_deg = 0.0;
 };
 
 /// Without the background's particles that another stretch than number `index` owns. The far shell and all of
@@ -54,10 +53,10 @@ class MeanRayDrop {
 };
 
 /// One scene of all `count` of them, in their order, each of which is read twice; nothing but the scene and
-/// one of them is in memory at a time. Of each cell of the far shell the first stretch's particles that has
-/// any; of an actor the particles of the stretch that has most of it, each key pose as the stretch found it
-/// in which it lies, moved by what both have in common; the environment's mean, and that of the LiDARs' drop
-/// functions. `actors`: all that may have particles, their names those of the stretches' actors.
+/// one of them is in memory at a time. All that they have of the background and the far shell; of an actor
+/// the particles of the stretch that has most of it, each key pose as the stretch found it in which it lies,
+/// moved by what both have in common; the environment's mean, and that of the LiDARs' drop functions.
+/// `actors`: all that may have particles, their names those of the stretches' actors.
 [[nodiscard]] Scene merged(std::size_t count,
                            const StretchReader& part,
                            const std::vector<Actor>& actors,

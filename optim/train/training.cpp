@@ -39,7 +39,7 @@ struct Training::State {
   std::vector<Stretch> stretches{1};
   std::vector<int> ends;  // iterations of all stretches together behind each
   StretchParting parting(const TrainingOptions& options) const {
-    return {*path, stretches, options.stretches.overlap_m, shell_m, options.init.shell_spacing_deg};
+    return {*path, stretches, options.stretches.overlap_m, shell_m};
   }
   double shell_m = 0.0;
 
