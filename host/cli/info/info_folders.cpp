@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -7,6 +9,7 @@
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/info/info.hpp"
 #include "host/scene/mounting.hpp"
+#include "host/scene/owners/occluders.hpp"
 #include "io/log/sensor_json.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "io/scene/training_json.hpp"
@@ -146,6 +149,35 @@ std::string actors_text(const std::vector<Actor>& actors, const Trajectory& path
   return text;
 }
 
+std::size_t particles_of(const Scene& scene, std::uint32_t number) {
+  std::size_t count = 0;
+  for (const GaussianSet* const set : {&scene.camera, &scene.lidar}) {
+    count += static_cast<std::size_t>(std::count(set->actor.begin(), set->actor.end(), number));
+  }
+  return count;
+}
+
+Json occluders_json(const Scene& scene) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < scene.occluders.size(); ++i) {
+    all.push_back({{"actor", scene.occluders[i].name},
+                   {"behind", particles_of(scene, number_behind(scene, i))},
+                   {"instead", particles_of(scene, number_instead(scene, i))}});
+  }
+  return all;
+}
+
+std::string occluders_text(const Scene& scene) {
+  std::string text;
+  for (std::size_t i = 0; i < scene.occluders.size(); ++i) {
+    text += fmt::format("  behind {:<16} {} particles; {} instead while it is elsewhere\n",
+                        scene.occluders[i].name,
+                        particles_of(scene, number_behind(scene, i)),
+                        particles_of(scene, number_instead(scene, i)));
+  }
+  return text;
+}
+
 std::string trajectory_text(const Trajectory& t) {
   if (t.poses().empty()) return "  no trajectory\n";
   return fmt::format("  trajectory {} poses, {:.2f} s, {:.1f} m\n",
@@ -187,12 +219,13 @@ void print_scene(const SceneFile& file, bool json) {
                   {"sensors", sensors_json(SensorRig(file))},
                   {"recorded_frames", recorded_json(file.recorded_frames)},
                   {"actors", actors_json(scene.actors, file.world_from_rig, nullptr)},
+                  {"occluders", occluders_json(scene)},
                   {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
             << set_text("lidar", scene.lidar) << trajectory_text(file.world_from_rig)
             << sensors_text(file.cameras, file.lidars, file.recorded_frames)
-            << actors_text(scene.actors, file.world_from_rig, nullptr);
+            << actors_text(scene.actors, file.world_from_rig, nullptr) << occluders_text(scene);
   if (!file.training) return;
   std::cout << "  trained\n";
   for (const RecordLine& line : record_lines(*file.training)) {
