@@ -316,7 +316,7 @@ TEST_F(StretchesTest, FilesHoldWhatMemoryWould) {
   // Taken out of the training, it is the same once more.
   const std::size_t views = written.result().support->views.size();
   const SceneFile taken = std::move(written).result();
-  expect_same(taken.scene, remembered.scene());
+  expect_same(taken.scene, std::move(remembered).result().scene);
   EXPECT_EQ(taken.training->iterations, 60);
   EXPECT_EQ(taken.support->views.size(), views);
 }
