@@ -49,13 +49,13 @@ std::string_view sensor_of(const ImageFrame& frame) { return frame.camera; }
 std::string_view sensor_of(const SweepFrame& frame) { return frame.lidar; }
 
 /// Some of the rays of a sensor, in the rig's frame.
-struct SensorRays {
+struct RigRays {
   Eigen::Vector3d origin;
   std::vector<Eigen::Vector3d> directions;
 };
 
-SensorRays some_rays(const LogCamera& camera) {
-  SensorRays out{camera.rig_from_camera.translation, {}};
+RigRays some_rays(const LogCamera& camera) {
+  RigRays out{camera.rig_from_camera.translation, {}};
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
       const Eigen::Vector2d pixel{(column + 0.5) * camera.model.width / kColumns,
@@ -67,8 +67,8 @@ SensorRays some_rays(const LogCamera& camera) {
   return out;
 }
 
-SensorRays some_rays(const LogLidar& lidar) {
-  SensorRays out{lidar.rig_from_lidar.translation, {}};
+RigRays some_rays(const LogLidar& lidar) {
+  RigRays out{lidar.rig_from_lidar.translation, {}};
   const LidarRays rays = nominal_rays(lidar.model);
   const std::size_t count = rays.azimuth.size(), some = std::min(count, kRays);
   for (std::size_t k = 0; k < some; ++k) {
@@ -94,7 +94,7 @@ class StretchSight {
   /// Of the places on a sensor's rays, as far as the overlap reaches, those that stand nearest to the
   /// stretch.
   [[nodiscard]] double share(std::string_view sensor, double time_s) const {
-    const SensorRays& rays = rays_.at(sensor);
+    const RigRays& rays = rays_.at(sensor);
     Pose scene_from_rig = log_.world_from_rig.at(time_s);
     scene_from_rig.translation -= origin_;
     double own = 0.0, all = 0.0;
@@ -117,7 +117,7 @@ class StretchSight {
   const Stretch& stretch_;
   double overlap_m_;
   Eigen::Vector3d origin_;
-  std::map<std::string_view, SensorRays> rays_;
+  std::map<std::string_view, RigRays> rays_;
 };
 
 template <class Frame>
