@@ -10,7 +10,7 @@
 namespace simuli {
 
 /// Frames of a sensor that are looked at, at most: evenly spread over those that it was trained on.
-inline constexpr std::size_t kMostFillViews = 48;
+inline constexpr std::size_t kMostFillViews = 24;
 
 /// How the scene was trained.
 struct FillRecipe {

@@ -248,24 +248,23 @@ SeenWeights seen_weights(const Device& device,
   SeenWeights out{Eigen::VectorXf::Zero(background.size()),
                   Eigen::VectorXf::Zero(background.size()),
                   Eigen::MatrixX3f::Zero(background.size(), 3)};
-  // A particle's feature without a look of its own is a constant and kSh0 times its coefficient: the sum of
-  // rays' features goes by the sum of its weights.
-  const auto weights = [&](const Frame& frame, const std::vector<float>& counts) {
-    RayGradients of_rays;
-    of_rays.feature[0] = counts;
-    return Eigen::VectorXf(on_device.gradients(frame, of_rays).col(kShRow) / kSh0);
-  };
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Frame frame = on_device.render(views[v].sensor(), views[v].shot, {.graded = false});
     const std::vector<std::uint32_t> actor_of = actors[v].of(views[v].sensor().ray_count());
-    std::vector<float> before(actor_of.size(), 0.0F), elsewhere(actor_of.size(), 1.0F);
+    // A particle's feature without a look of its own is a constant and kSh0 times its coefficient: the sum of
+    // rays' features goes by the sum of its weights. The first feature tells of some rays, the second of
+    // others.
+    RayGradients of_rays;
+    of_rays.feature[0].assign(actor_of.size(), 1.0F);
+    of_rays.feature[1].assign(actor_of.size(), 0.0F);
     for (std::size_t ray = 0; ray < actor_of.size(); ++ray) {
-      if (actor_of[ray] != 0) before[ray] = 1.0F, elsewhere[ray] = 0.0F;
+      if (actor_of[ray] != 0) std::swap(of_rays.feature[0][ray], of_rays.feature[1][ray]);
     }
-    const Eigen::VectorXf seen = weights(frame, elsewhere);
+    const Eigen::MatrixXf gradients = on_device.gradients(frame, of_rays);
+    const Eigen::VectorXf seen = gradients.col(kShRow) / kSh0;
     out.elsewhere += seen;
+    out.before_actors += gradients.col(kShRow + 1) / kSh0;
     add_looks(background, views[v].shot.pose_at(0.5).translation - origin, seen, out.look);
-    if (actors[v].any()) out.before_actors += weights(frame, before);
   }
   return out;
 }
