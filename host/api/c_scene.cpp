@@ -1,6 +1,7 @@
 // Scenes, their sensors and their actors in C.
 #include "host/api/c_handles.hpp"
 #include "host/render/options/render_settings.hpp"
+#include "host/scene/owners/occluders.hpp"
 #include "io/splat/ply.hpp"
 
 using namespace simuli;
@@ -237,8 +238,12 @@ simuli_status simuli_scene_set_particles(
     change(need(scene, "scene"), [&](Scene& s) {
       GaussianSet& set = set_of(s, is_lidar);
       need_length("count", count, rows * static_cast<std::size_t>(set.params.cols()));
-      if (!set.actor.empty()) need_length("rows", rows, static_cast<std::size_t>(set.params.rows()));
       const auto n = static_cast<Eigen::Index>(rows);
+      if (has_particles_of_actors(s, set)) {
+        need_length("rows", rows, static_cast<std::size_t>(set.params.rows()));
+      } else if (n != set.params.rows()) {
+        set.actor.clear();  // what occluders hid is no longer there
+      }
       if (n == 0) throw Error(ErrorKind::kUsage, "rows: found 0, allowed at least 1");
       set.params = Eigen::Map<const Eigen::MatrixXf>(&need(values, "values"), n, set.params.cols());
       validate(set, "particles");

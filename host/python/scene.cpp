@@ -116,10 +116,12 @@ class PyScene {
     const Numbers given = numbers_of(params, "particles");
     change([&](Scene& s) {
       GaussianSet& set = of_lidar ? s.lidar : s.camera;
+      const bool as_many = given.shape.size() == 2 && given.shape[0] == set.params.rows();
       if (given.shape.size() != 2 || given.shape[0] == 0 || given.shape[1] != set.params.cols() ||
-          (!set.actor.empty() && given.shape[0] != set.params.rows())) {
+          (!as_many && has_particles_of_actors(s, set))) {
         throw Error(ErrorKind::kUsage, "particles: found another shape than particles() gives");
       }
+      if (!as_many) set.actor.clear();  // what occluders hid is no longer there
       using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
       const Eigen::Map<const Rows> values(given.values.data(), given.shape[0], given.shape[1]);
       set.params = values.cast<float>();

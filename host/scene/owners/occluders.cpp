@@ -50,6 +50,12 @@ std::vector<ActorView> owners_during(const Scene& scene,
   return views;
 }
 
+bool has_particles_of_actors(const Scene& scene, const GaussianSet& set) {
+  return std::any_of(set.actor.begin(), set.actor.end(), [&](std::uint32_t number) {
+    return number > 0 && number <= scene.actors.size();
+  });
+}
+
 void make_room_for_actor(const Scene& scene, GaussianSet& set) {
   for (std::uint32_t& number : set.actor) number += number > scene.actors.size() ? 1 : 0;
 }

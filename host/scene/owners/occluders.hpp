@@ -33,6 +33,9 @@ namespace simuli {
                                                    double time_start_s,
                                                    double time_end_s);
 
+/// Whether one of the set's particles is an actor's, whom others can't take the place of in another number.
+[[nodiscard]] bool has_particles_of_actors(const Scene& scene, const GaussianSet& set);
+
 /// Numbers of `set` with one more actor of the scene, behind those there are.
 void make_room_for_actor(const Scene& scene, GaussianSet& set);
 

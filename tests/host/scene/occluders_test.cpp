@@ -110,6 +110,17 @@ TEST(Occluders, KeepTheirParticlesWhenActorsComeAndGo) {
   expect_own("the occluder gone");
 }
 
+TEST(Occluders, AreNoActorsThatHoldASetsSize) {
+  Scene scene = two_cars_and_a_place();
+  EXPECT_TRUE(has_particles_of_actors(scene, scene.camera));
+  EXPECT_FALSE(has_particles_of_actors(scene, scene.lidar));
+  remove_actor(scene, "first");
+  EXPECT_TRUE(has_particles_of_actors(scene, scene.camera));
+  remove_actor(scene, "second");
+  EXPECT_FALSE(has_particles_of_actors(scene, scene.camera));
+  EXPECT_FALSE(scene.camera.actor.empty());
+}
+
 TEST(Occluders, AreSeenThroughInSetsWithoutActors) {
   Scene scene = two_cars_and_a_place();
   // Without any actor their places are seen.
