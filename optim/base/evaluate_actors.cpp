@@ -5,6 +5,23 @@
 
 namespace simuli {
 
+BoxInterval inside_box(const Eigen::Vector3d& origin,
+                       const Eigen::Vector3d& direction,
+                       const Eigen::Vector3d& half) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  BoxInterval in{-kInf, kInf};
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (direction(k) == 0.0) {
+      if (std::abs(origin(k)) > half(k)) return {kInf, -kInf};
+      continue;
+    }
+    const double a = (-half(k) - origin(k)) / direction(k), b = (half(k) - origin(k)) / direction(k);
+    in.first = std::max(in.first, std::min(a, b));
+    in.last = std::min(in.last, std::max(a, b));
+  }
+  return in;
+}
+
 ActorBoxes::ActorBoxes(const std::vector<Actor>& actors, const View& view) : view_(view) {
   for (const Actor& actor : actors) half_.emplace_back(0.5 * actor.size_m);
 }
@@ -27,16 +44,8 @@ int ActorBoxes::met_first(const Eigen::Vector3d& origin,
     const Pose to_actor = actor_from_sensor(i, time_fraction);
     const Eigen::Vector3d o = to_actor * origin;
     const Eigen::Vector3d d = to_actor.rotation * direction;
-    double enter = 0.0, leave = std::numeric_limits<double>::infinity();
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      if (d(k) == 0.0) {
-        if (std::abs(o(k)) > half_[i](k)) leave = -1.0;
-        continue;
-      }
-      const double a = (-half_[i](k) - o(k)) / d(k), b = (half_[i](k) - o(k)) / d(k);
-      enter = std::max(enter, std::min(a, b));
-      leave = std::min(leave, std::max(a, b));
-    }
+    const BoxInterval in = inside_box(o, d, half_[i]);
+    const double enter = std::max(in.first, 0.0), leave = in.last;
     if (enter > leave || enter >= nearest) continue;
     nearest = enter;
     first = static_cast<int>(i);

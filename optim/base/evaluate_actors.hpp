@@ -10,6 +10,15 @@
 
 namespace simuli {
 
+/// Of a line, in lengths of its direction: from behind its origin on. first > last: nothing of it.
+struct BoxInterval {
+  double first, last;
+};
+/// What of a line lies in the box of half sides `half` about the frame's origin.
+[[nodiscard]] BoxInterval inside_box(const Eigen::Vector3d& origin,
+                                     const Eigen::Vector3d& direction,
+                                     const Eigen::Vector3d& half);
+
 /// Actors' boxes during a frame. Rays meet them where they are at the ray's own time.
 class ActorBoxes {
  public:

@@ -1,9 +1,7 @@
 #include "optim/fill/fill_behind.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -125,8 +123,8 @@ class SetFiller {
       const Eigen::Vector3d origin = views_[v].shot.pose_at(0.5).translation;
       const Eigen::Vector3d direction = (p_scene + scene_.origin - origin).normalized();
       for (const ActorBox& box : boxes_[v]) {
-        const ActorBox::Interval in = box.inside(origin, direction);
-        votes[box.actor] += in.last_m > std::max(in.first_m, 0.0) ? 1 : 0;
+        const BoxInterval in = box.inside(origin, direction);
+        votes[box.actor] += in.last > std::max(in.first, 0.0) ? 1 : 0;
       }
     }
     const auto most = std::max_element(votes.begin() + 1, votes.end());

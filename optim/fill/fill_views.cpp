@@ -8,6 +8,7 @@
 
 #include "host/base/parallel.hpp"
 #include "host/scene/placement.hpp"
+#include "optim/base/evenly_spread.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -17,8 +18,7 @@ constexpr float kHalf = 0.5F;
 constexpr float kFarthest_m = 150.0F;    // beyond it what is there looks the same wherever it is
 constexpr double kWholeTurn_rad = 6.28;  // but for what a rounded span leaves out
 constexpr double kAround_rad = 0.1;      // beside a gap: what stands there alone doesn't go on behind it
-constexpr double kParallel = 1e-12;
-constexpr double kAround_m = 0.2;  // beyond an actor's box that still shows it
+constexpr double kAround_m = 0.2;        // beyond an actor's box that still shows it
 constexpr int kCameraEdge_px = 2, kLidarEdge = 1;
 
 template <class Frame, class IsOwn>
@@ -26,13 +26,11 @@ std::vector<std::size_t> some_of(const std::vector<std::size_t>& training,
                                  const std::vector<Frame>& frames,
                                  std::size_t most,
                                  const IsOwn& is_own) {
-  std::vector<std::size_t> own, some;
+  std::vector<std::size_t> own;
   for (const std::size_t i : training) {
     if (is_own(frames[i])) own.push_back(i);
   }
-  const std::size_t count = std::min(own.size(), most);
-  for (std::size_t i = 0; i < count; ++i) some.push_back(own[i * own.size() / count]);
-  return some;
+  return evenly_spread(own, most);
 }
 
 /// The same particles, all of one look, so that no colour is clipped.
@@ -53,11 +51,6 @@ bool is_closed(const Sensor& sensor) {
   if (sensor.is_camera()) return false;
   const auto* const spinning = std::get_if<Lidar>(&sensor.lidar());
   return spinning != nullptr && spinning->azimuth_span > kWholeTurn_rad;
-}
-
-Shot without_edits(Shot shot) {
-  shot.edits.clear();
-  return shot;
 }
 
 /// Adds weights times what particles look like from `eye`, in the set's frame.
@@ -112,18 +105,8 @@ void FillView::ray(std::size_t index, Eigen::Vector3d& origin, Eigen::Vector3d& 
   direction = world_from_sensor.rotation * on->direction[index].cast<double>();
 }
 
-ActorBox::Interval ActorBox::inside(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
-  const Eigen::Vector3d from = actor_from_world * origin, along = actor_from_world.rotation * direction;
-  Interval out{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  for (int k = 0; k < 3; ++k) {
-    if (std::abs(along[k]) < kParallel) {
-      if (std::abs(from[k]) > half_m[k]) return {1.0, 0.0};
-      continue;
-    }
-    const double a = (-half_m[k] - from[k]) / along[k], b = (half_m[k] - from[k]) / along[k];
-    out.first_m = std::max(out.first_m, std::min(a, b)), out.last_m = std::min(out.last_m, std::max(a, b));
-  }
-  return out;
+BoxInterval ActorBox::inside(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+  return inside_box(actor_from_world * origin, actor_from_world.rotation * direction, half_m);
 }
 
 std::vector<ActorBox> boxes_in(const Scene& scene, const FillView& view, double margin_m) {
@@ -174,7 +157,7 @@ std::vector<FillView> fill_views(const Log& log,
           Sensor(scaled_camera(camera.model, scale), camera.rig_from_camera));
       for (const std::size_t i : some_of(
                training, log.images, most, [&](const ImageFrame& frame) { return frame.camera == name; })) {
-        views.push_back({sensor, without_edits(shot_of(log, log.images[i]))});
+        views.push_back({sensor, shot_of(log, log.images[i])});
       }
     }
     return views;
@@ -187,7 +170,7 @@ std::vector<FillView> fill_views(const Log& log,
     const auto sensor = std::make_shared<const FillSensor>(std::move(of));
     for (const std::size_t i :
          some_of(training, log.sweeps, most, [&](const SweepFrame& frame) { return frame.lidar == name; })) {
-      views.push_back({sensor, without_edits(shot_of(log, log.sweeps[i]))});
+      views.push_back({sensor, shot_of(log, log.sweeps[i])});
     }
   }
   return views;
@@ -209,8 +192,8 @@ ActorsBefore actors_before(SceneOnDevice& scene, const FillView& view) {
       view.ray(ray, origin, direction);
       const auto range_m = static_cast<double>(seen.expected_distance(ray));
       for (const ActorBox& box : boxes) {
-        const ActorBox::Interval in = box.inside(origin, direction);
-        if (range_m >= in.first_m && range_m <= in.last_m) rows.actor[ray] = box.actor;
+        const BoxInterval in = box.inside(origin, direction);
+        if (range_m >= in.first && range_m <= in.last) rows.actor[ray] = box.actor;
       }
     }
   });

@@ -8,6 +8,7 @@
 #include "host/render/scene/scene_on_device.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
+#include "optim/base/evaluate_actors.hpp"
 #include "optim/fill/fill_rows.hpp"
 
 namespace simuli {
@@ -38,11 +39,8 @@ struct ActorBox {
   Pose actor_from_world;
   Eigen::Vector3d half_m;
 
-  /// What of a ray lies in the box, m along it: first > last where nothing does. From behind its origin on.
-  struct Interval {
-    double first_m, last_m;
-  };
-  [[nodiscard]] Interval inside(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+  /// What of a ray (world, direction of any length) lies in the box.
+  [[nodiscard]] BoxInterval inside(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 };
 
 /// Of the set's sensors those frames that training learned from, `most` of each at most, evenly spread; as

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/render/scene/scene_on_device.hpp"
+#include "optim/base/evenly_spread.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/scene_sensors.hpp"
 #include "optim/eval/sweep_pair.hpp"
@@ -69,14 +70,6 @@ class Cells {
   std::vector<SupportCell> cells_;
   std::vector<std::uint32_t> counts_;
 };
-
-/// At most kMostRecordedViews of them, evenly spread.
-std::vector<std::size_t> thinned(const std::vector<std::size_t>& all) {
-  const std::size_t count = std::min(all.size(), kMostRecordedViews);
-  std::vector<std::size_t> some;
-  for (std::size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
-  return some;
-}
 
 /// Where a ray's light comes from, along it; far off where most of it goes on.
 double met_m(const RayResults& rays, std::size_t ray) {
@@ -149,7 +142,7 @@ class Recorder {
     if (own.empty()) return;
     const Camera scaled = scaled_camera(camera.model, frames_.image_scale);
     record_->sensors.push_back({camera.model.name, SetKind::kCamera, support_grid(scaled)});
-    for (const std::size_t i : thinned(own)) add_picture(log_.images[i], scaled);
+    for (const std::size_t i : evenly_spread(own, kMostRecordedViews)) add_picture(log_.images[i], scaled);
   }
 
   void add_picture(const ImageFrame& frame, const Camera& camera) {
@@ -184,7 +177,7 @@ class Recorder {
     }
     if (own.empty()) return;
     record_->sensors.push_back({name_of(lidar.model), SetKind::kLidar, support_grid(lidar.model)});
-    for (const std::size_t i : thinned(own)) add_sweep(log_.sweeps[i], lidar.model);
+    for (const std::size_t i : evenly_spread(own, kMostRecordedViews)) add_sweep(log_.sweeps[i], lidar.model);
   }
 
   void add_sweep(const SweepFrame& frame, const LidarModel& lidar) {
