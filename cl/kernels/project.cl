@@ -14,6 +14,10 @@ FN F largest_q(__global const SensorConstants* sensor, const Gaussian* g, F logi
 #if DETAIL
   opaque = shared_out(share, bounded, opaque);
 #endif
+#if ACTORS
+  // A factor of the opacity: its gradient by the logit stays what it is.
+  if (g->actor.any && ANY(g->actor.there < R(1.0))) opaque -= log(VMAX(g->actor.there, (F)R(1e-30)));
+#endif
 #if COMPENSATION
   Compensation kept;
   compensation(g, &kept);
@@ -39,7 +43,7 @@ FN I may_be_seen(const FrameParams* frame,
   // range of floats.
   I visible = AND(qmax > R(0.0), AND(fabs(logit) < R(1e35), radius < R(1e18)));
 #if ACTORS
-  if (g->actor.any) visible = AND(visible, g->actor.there);
+  if (g->actor.any) visible = AND(visible, g->actor.there > R(0.0));
 #endif
   visible = AND(visible, AND(g->inv_norm > R(1e-18), g->inv_norm < R(1e18)));
   for (int k = 0; k < 3; ++k) {

@@ -22,7 +22,7 @@
 typedef struct {
   int any;        // some lane is of an actor; else nothing below is set
   I on;           // lanes that are
-  I there;        // lanes whose actor is in the frame, and those of the background
+  F there;        // of their opacity: 0 where the actor is not in the frame, 1 of the background
   F centre[3];    // of the actor, minus o_ref, m
   F rotation[9];  // row-major
 #if DEFORM
@@ -66,7 +66,7 @@ FN void load_actors(__global const uint* actor_of, __global const ActorConstants
 #endif
   }
   a->on = LDV(on) > R(0.5);
-  a->there = LDV(there) > R(0.5);
+  a->there = LDV(there);
   for (int k = 0; k < 3; ++k) a->centre[k] = LDV(centre + k * V);
   for (int k = 0; k < 9; ++k) a->rotation[k] = LDV(rotation + k * V);
 #if DEFORM

@@ -122,7 +122,7 @@ SIM_REALS(ActorConstants) {
   real rotation[9];
   real turn_axis[3];  // of the turn from start to end, scene axes
   real turn_angle;
-  real there;  // 1, or 0: not in this frame
+  real there;  // of its particles' opacity; 0: not in this frame
   real reach;  // m, the farthest that its shape moves a point in this frame
 } SIM_REALS_END(ActorConstants);
 

@@ -111,6 +111,7 @@ struct ActorView {
   Pose scene_from_actor_start;
   Pose scene_from_actor_end;
   DeformationView deformation = {};
+  double share = 1.0;  // of its particles' opacity, above 0 up to 1
 };
 [[nodiscard]] std::vector<ActorView> actors_during(const std::vector<Actor>& actors,
                                                    double time_start_s,

@@ -7,6 +7,7 @@
 #include "host/scene/actor.hpp"
 #include "host/scene/appearance.hpp"
 #include "host/scene/gaussians.hpp"
+#include "host/scene/owners/vistas.hpp"
 #include "host/scene/ray_drop.hpp"
 
 namespace simuli {
@@ -21,6 +22,7 @@ struct Scene {
   EnvironmentMap environment;  // of the camera set; empty: camera_background in all directions
   ColorGrids color_grids;      // of the camera set; empty: colours as they are
   std::vector<Actor> actors;
+  std::vector<Vista> vistas;  // far shells that are each seen from their own stretch of the drive alone
   /// Actors as they were recorded, rigid, that hide what nothing else shows: see owners/occluders.hpp.
   std::vector<Actor> occluders;
   std::vector<RayDrop> ray_drop;  // of the LiDARs that it was trained on; none: of hit and drop logits alone

@@ -32,6 +32,7 @@ constexpr const char* kSceneFormat = "simuli scene";
 constexpr int kSceneVersion = 1;
 constexpr int kSceneVersionOfShapes = 2;     // has actors that are not rigid
 constexpr int kSceneVersionOfOccluders = 3;  // has particles behind and instead of actors
+constexpr int kSceneVersionOfVistas = 4;     // has far shells that are seen from their stretches alone
 constexpr const char* kSceneName = "scene.json";
 constexpr const char* kCameraName = "camera.ply";
 constexpr const char* kLidarName = "lidar.ply";
@@ -77,6 +78,33 @@ RayDrop read_ray_drop(JsonObject& object) {
   const auto parameters = object.vector<static_cast<int>(RayDrop::kParameters)>("parameters");
   std::copy(parameters.begin(), parameters.end(), drop.parameters.begin());
   return drop;
+}
+
+Json to_json(const std::vector<Vista>& all) {
+  Json out = Json::array();
+  for (const Vista& vista : all) {
+    Json path = Json::array();
+    for (const Eigen::Vector3d& place : vista.path_m) {
+      for (const double x : place) path.push_back(x);
+    }
+    out.push_back({{"path_m", std::move(path)}});
+  }
+  return out;
+}
+
+Vista read_vista(JsonObject& object) {
+  const std::vector<double> numbers = object.numbers("path_m");
+  if (numbers.empty() || numbers.size() % 3 != 0) {
+    throw_input_error(object.file(),
+                      object.field("path_m"),
+                      fmt::format("{} numbers", numbers.size()),
+                      "x, y, z of one place or more, one after the other");
+  }
+  Vista vista;
+  for (std::size_t i = 0; i < numbers.size(); i += 3) {
+    vista.path_m.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  }
+  return vista;
 }
 
 Json to_json(const FrameSpans& recorded) {
@@ -126,7 +154,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     if (format != kSceneFormat) {
       throw_input_error(file, "format", '"' + format + '"', fmt::format("\"{}\"", kSceneFormat));
     }
-    (void)root.integer("version", kSceneVersion, kSceneVersionOfOccluders);
+    (void)root.integer("version", kSceneVersion, kSceneVersionOfVistas);
     SceneFile& scene = contents.scene;
     scene.scene.name = root.text("name");
     if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
@@ -139,6 +167,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     read_sensors(root, scene.cameras, scene.lidars);
     if (root.has("ray_drop")) scene.scene.ray_drop = root.objects("ray_drop", read_ray_drop);
     if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
+    if (root.has("vistas")) scene.scene.vistas = root.objects("vistas", read_vista);
     if (root.has("occluders")) scene.scene.occluders = actors_from_json(root, "occluders", 0);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
     if (root.has("recorded_frames")) scene.recorded_frames = read_recorded_frames(root, scene);
@@ -150,6 +179,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
 
 /// The oldest program that can read it knows this one.
 int version_of(const Scene& scene) {
+  if (!scene.vistas.empty()) return kSceneVersionOfVistas;
   if (!scene.occluders.empty()) return kSceneVersionOfOccluders;
   const bool shapes = std::any_of(scene.actors.begin(), scene.actors.end(), [](const Actor& actor) {
     return !actor.deformation.empty();
@@ -172,6 +202,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
   if (!scene.recorded_frames.empty()) root["recorded_frames"] = to_json(scene.recorded_frames);
   if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);
+  if (!scene.scene.vistas.empty()) root["vistas"] = to_json(scene.scene.vistas);
   if (!scene.scene.occluders.empty()) root["occluders"] = to_json(scene.scene.occluders, 0);
   add_support(root, scene.support.get());
   try {

@@ -5,12 +5,14 @@
 #include <map>
 #include <utility>
 
+#include "host/scene/owners/occluders.hpp"
 #include "host/scene/particle_order.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr float kShellShare = 0.9F;  // of its distance: particles that far are the shell's
+constexpr float kShellShare = 0.9F;   // of its distance: particles that far are the shell's
+constexpr double kVistaStep_m = 5.0;  // between the places of a stretch's path that are told
 
 std::uint32_t actor_of(const GaussianSet& set, Eigen::Index i) {
   return set.actor.empty() ? 0U : set.actor[static_cast<std::size_t>(i)];
@@ -130,14 +132,20 @@ class FilledSet {
     set.params.resize(count, param_rows(set.sh_degree));
     set.actor.reserve(static_cast<std::size_t>(count));
   }
-  /// The particles whose actors, or the background, have a number, under that.
-  void add(const GaussianSet& from, const std::map<std::uint32_t, std::uint32_t>& numbers) {
+  /// The particles whose actors, or the background, have a number, under that; the background's of the far
+  /// shell under `shell`.
+  void add(const GaussianSet& from,
+           const std::map<std::uint32_t, std::uint32_t>& numbers,
+           std::uint32_t shell,
+           const StretchParting& parting) {
     std::vector<Eigen::Index> kept;
     for (Eigen::Index i = 0; i < from.size(); ++i) {
-      const auto number = numbers.find(actor_of(from, i));
+      const std::uint32_t actor = actor_of(from, i);
+      const auto number = numbers.find(actor);
       if (number == numbers.end()) continue;
       kept.push_back(i);
-      set_.actor.push_back(number->second);
+      const bool is_far = actor == 0 && is_shell(from.mean().row(i), parting);
+      set_.actor.push_back(is_far ? shell : number->second);
     }
     set_.params.middleRows(end_, static_cast<Eigen::Index>(kept.size())) = from.params(kept, Eigen::all);
     end_ += static_cast<Eigen::Index>(kept.size());
@@ -260,13 +268,19 @@ Scene merged(std::size_t count,
     keep(of_actor.owner(), of_actor.number());
   }
 
+  for (std::size_t i = 0; i < count && count > 1; ++i) {
+    Vista& vista = out.vistas.emplace_back();
+    vista.path_m = parting.path.places_of(parting.stretches[i], kVistaStep_m);
+    for (Eigen::Vector3d& place : vista.path_m) place += out.origin;
+  }
   FilledSet camera(out.camera, camera_count), lidar(out.lidar, lidar_count);
   for (std::size_t i = 0; i < count; ++i) {
     const Scene& own = part(i).scene;
-    camera.add(own.camera, numbers[i]);
-    lidar.add(own.lidar, numbers[i]);
+    const std::uint32_t shell = out.vistas.empty() ? 0 : number_of_vista(out, i);
+    camera.add(own.camera, numbers[i], shell, parting);
+    lidar.add(own.lidar, numbers[i], shell, parting);
   }
-  if (out.actors.empty()) out.camera.actor.clear(), out.lidar.actor.clear();
+  if (most_numbers(out) == 0) out.camera.actor.clear(), out.lidar.actor.clear();
   return in_coherent_order(std::move(out));
 }
 

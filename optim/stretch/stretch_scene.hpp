@@ -53,10 +53,11 @@ class MeanRayDrop {
 };
 
 /// One scene of all `count` of them, in their order, each of which is read twice; nothing but the scene and
-/// one of them is in memory at a time. All that they have of the background and the far shell; of an actor
-/// the particles of the stretch that has most of it, each key pose as the stretch found it in which it lies,
-/// moved by what both have in common; the environment's mean, and that of the LiDARs' drop functions.
-/// `actors`: all that may have particles, their names those of the stretches' actors.
+/// one of them is in memory at a time. All that they have of the background; the far shell of each, which is
+/// seen from its part of the path alone (Scene::vistas); of an actor the particles of the stretch that has
+/// most of it, each key pose as the stretch found it in which it lies, moved by what both have in common; the
+/// environment's mean, and that of the LiDARs' drop functions. `actors`: all that may have particles, their
+/// names those of the stretches' actors.
 [[nodiscard]] Scene merged(std::size_t count,
                            const StretchReader& part,
                            const std::vector<Actor>& actors,

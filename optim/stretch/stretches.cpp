@@ -211,6 +211,26 @@ double DrivenPath::place_nearest(const Eigen::Vector3f& p_scene) const {
   return search_->along_m[index];
 }
 
+std::vector<Eigen::Vector3d> DrivenPath::places_of(const Stretch& stretch, double step_m) const {
+  std::vector<std::size_t> within;
+  for (std::size_t i = 0; i < search_->along_m.size(); ++i) {
+    if (search_->along_m[i] >= stretch.from_m && search_->along_m[i] <= stretch.to_m) within.push_back(i);
+  }
+  const auto place = [&](std::size_t i) -> Eigen::Vector3d {
+    return search_->points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
+  };
+  if (within.empty()) {  // between two of them
+    const auto next = std::lower_bound(search_->along_m.begin(), search_->along_m.end(), stretch.from_m);
+    const auto last = static_cast<std::ptrdiff_t>(search_->along_m.size()) - 1;
+    return {place(static_cast<std::size_t>(std::min(next - search_->along_m.begin(), last)))};
+  }
+  const auto each = static_cast<std::size_t>(std::max(std::round(step_m / kStep_m), 1.0));
+  std::vector<Eigen::Vector3d> out;
+  for (std::size_t k = 0; k + 1 < within.size(); k += each) out.push_back(place(within[k]));
+  out.push_back(place(within.back()));
+  return out;
+}
+
 std::vector<Stretch> cut(const DrivenPath& path, const StretchOptions& options) {
   const double wanted = options.length_m > 0.0 ? std::round(path.length_m() / options.length_m) : 1.0;
   const auto count = static_cast<std::size_t>(std::max(wanted, 1.0));

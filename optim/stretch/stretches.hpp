@@ -30,6 +30,8 @@ class DrivenPath {
   [[nodiscard]] double place_at(double time_s) const;
   /// Along the path, at its place nearest to a point of the scene, to 0.25 m.
   [[nodiscard]] double place_nearest(const Eigen::Vector3f& p_scene) const;
+  /// Places of the path in that stretch of it (scene, m), in its order, about `step_m` apart; one at least.
+  [[nodiscard]] std::vector<Eigen::Vector3d> places_of(const Stretch& stretch, double step_m) const;
   /// m, of the path's farthest place from the scene's origin.
   [[nodiscard]] double farthest_m() const { return farthest_m_; }
 

@@ -1,10 +1,12 @@
 #include "io/scene/scene_folder.hpp"
 
 #include <cmath>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <numbers>
 
 #include "io/base/file.hpp"
+#include "io/base/json_reader.hpp"
 #include "io/splat/ply.hpp"
 #include "tests/io/scratch.hpp"
 
@@ -72,6 +74,32 @@ TEST(SceneFolder, OccludersComeBackWithWhatTheyHide) {
   EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 2, 3}));
   written.scene.camera.actor = {0, 2, 4};
   expect_input_error([&] { write_scene(scratch / "wrong", written); }, {"vertex 2: actor", "4", "0 to 3"});
+}
+
+TEST(SceneFolder, VistasComeBackWithTheirPaths) {
+  const Scratch scratch;
+  SceneFile written = some_scene();
+  written.scene.vistas = {{{{1e6, 2.0 / 3.0, 3.0}, {1e6 + 5.0, 1.0, 3.0}}}, {{{4.0, 5.0, 6.0}}}};
+  written.scene.camera.actor = {0, 1, 2};
+  write_scene(scratch / "scene", written);
+  const std::string text = read_file(scratch / "scene" / "scene.json");
+  EXPECT_NE(text.find("\"version\": 4"), std::string::npos);
+  const Scene read = read_scene(scratch / "scene").scene;
+  ASSERT_EQ(read.vistas.size(), 2U);
+  EXPECT_EQ(read.vistas[0].path_m, written.scene.vistas[0].path_m);  // every digit
+  EXPECT_EQ(read.vistas[1].path_m, written.scene.vistas[1].path_m);
+  EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 1, 2}));
+  const auto refused = [&](const std::string& path, const std::string& found) {
+    Json root = Json::parse(text);
+    root["vistas"][1]["path_m"] = Json::parse(path);
+    std::ofstream(scratch / "scene" / "scene.json") << root;
+    expect_input_error([&] { (void)read_scene(scratch / "scene"); }, {"vistas[1].path_m", found});
+  };
+  refused("[1, 2, 3, 4]", "4 numbers");
+  refused("[]", "0 numbers");
+  refused("[1, 2, \"x\"]", "an array of numbers");
+  written.scene.camera.actor = {0, 1, 3};
+  expect_input_error([&] { write_scene(scratch / "wrong", written); }, {"vertex 2: actor", "3", "0 to 2"});
 }
 
 TEST(SceneFolder, RoundTrip) {
@@ -143,7 +171,7 @@ TEST(SceneFolder, BadSceneFilesAreRefused) {
   refused("\"sh_degree\": 2", "\"sh_degree\": 2, \"degrees\": 2", {"camera_set", "degrees"});
   refused("\"origin_m\"", "\"origin_cm\"", {"origin"});
   refused("simuli scene", "other scene", {"format", "other scene"});
-  refused("\"version\": 1", "\"version\": 4", {"version", "4", "1 to 3"});
+  refused("\"version\": 1", "\"version\": 5", {"version", "5", "1 to 4"});
   refused("\"gaussians\": 3", "\"gaussians\": 4", {"camera.ply", "3 Gaussians", "4"});
   refused("\"gaussians\": 3", "\"gaussians\": \"3\"", {"camera_set.gaussians"});
   refused("\"sh_degree\": 2", "\"sh_degree\": 1", {"camera.ply", "SH degree", "found 2"});

@@ -33,7 +33,7 @@ FN I cluster_may_be_seen(const FrameParams* frame,
                          LDV(bounds + (SIM_C_CENTRE + 2) * stride)};
     rotate_lanes(actor.rotation, centre, turned);
     for (int k = 0; k < 3; ++k) offset[k] = SEL(actor.on, actor.centre[k] + turned[k], offset[k]);
-    away = NOT(actor.there);
+    away = actor.there <= R(0.0);
 #if DEFORM
     means += SEL(actor.on, actor.reach, (F)R(0.0));
 #endif

@@ -30,8 +30,9 @@ std::vector<double> actor_constants(const std::vector<ActorView>& actors,
     const auto put = [](const Eigen::Vector3d& v, double* to) { std::copy_n(v.data(), 3, to); };
     for (int k = 0; k < 3; ++k) row.rotation[4 * k] = 1.0;
     row.turn_axis[0] = 1.0;
-    row.there = i == 0 || actors[i - 1].is_there ? 1.0 : 0.0;
-    if (i > 0 && actors[i - 1].is_there) {
+    const bool is_there = i == 0 || actors[i - 1].is_there;
+    row.there = !is_there ? 0.0 : i == 0 ? 1.0 : actors[i - 1].share;
+    if (i > 0 && is_there) {
       const Pose& a = actors[i - 1].scene_from_actor_start;
       const Pose& b = actors[i - 1].scene_from_actor_end;
       a.check(fmt::format("actor {}", i - 1));

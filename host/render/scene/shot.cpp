@@ -58,7 +58,7 @@ std::vector<ActorView> actors_during(const std::vector<Actor>& actors,
 
 std::vector<ActorView> owners_during(const Scene& scene, const Shot& shot) {
   const auto views = [&](const std::vector<Actor>& actors) {
-    return owners_during(scene, actors, shot.time_start_s, shot.time_end_s);
+    return owners_during(scene, actors, shot.time_start_s, shot.time_end_s, shot.pose_at(0.5).translation);
   };
   return shot.edits.empty() ? views(scene.actors) : views(edited(scene.actors, shot.edits));
 }

@@ -50,6 +50,8 @@ const GaussianSet& set_of(const Scene& scene, SetKind kind) {
 GaussianSet background_of(const Scene& scene, SetKind kind) {
   const GaussianSet& set = set_of(scene, kind);
   std::vector<GaussianSet> parts{of_owner(set, 0)};
+  for (std::size_t i = 0; i < scene.vistas.size(); ++i)
+    parts.push_back(of_owner(set, number_of_vista(scene, i)));
   for (std::size_t i = 0; i < scene.occluders.size(); ++i) {
     parts.push_back(of_owner(set, number_instead(scene, i)));
   }
@@ -59,7 +61,7 @@ GaussianSet background_of(const Scene& scene, SetKind kind) {
 GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s) {
   const GaussianSet& set = set_of(scene, kind);
   std::vector<GaussianSet> parts{of_owner(set, 0)};
-  const auto views = owners_during(scene, scene.actors, time_s, time_s);
+  const auto views = owners_during(scene, scene.actors, time_s, time_s, std::nullopt);
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i].is_there) continue;
     parts.push_back(of_owner(set, static_cast<std::uint32_t>(i + 1)));

@@ -15,13 +15,18 @@ bool is_same(const Pose& a, const Pose& b) {
 
 }  // namespace
 
+std::uint32_t number_of_vista(const Scene& scene, std::size_t index) {
+  return static_cast<std::uint32_t>(scene.actors.size() + index + 1);
+}
 std::uint32_t number_behind(const Scene& scene, std::size_t index) {
-  return static_cast<std::uint32_t>(scene.actors.size() + 2 * index + 1);
+  return static_cast<std::uint32_t>(scene.actors.size() + scene.vistas.size() + 2 * index + 1);
 }
 std::uint32_t number_instead(const Scene& scene, std::size_t index) {
   return number_behind(scene, index) + 1;
 }
-std::size_t most_numbers(const Scene& scene) { return scene.actors.size() + 2 * scene.occluders.size(); }
+std::size_t most_numbers(const Scene& scene) {
+  return scene.actors.size() + scene.vistas.size() + 2 * scene.occluders.size();
+}
 
 bool is_away(const Actor& occluder,
              const std::vector<Actor>& actors,
@@ -40,8 +45,12 @@ bool is_away(const Actor& occluder,
 std::vector<ActorView> owners_during(const Scene& scene,
                                      const std::vector<Actor>& actors,
                                      double time_start_s,
-                                     double time_end_s) {
+                                     double time_end_s,
+                                     const std::optional<Eigen::Vector3d>& eye) {
   std::vector<ActorView> views = actors_during(actors, time_start_s, time_end_s, scene.origin);
+  const std::vector<double> shares =
+      eye ? vista_shares(scene.vistas, *eye) : std::vector<double>(scene.vistas.size(), 1.0);
+  for (const double share : shares) views.push_back({share > 0.0, {}, {}, {}, share});
   for (const Actor& occluder : scene.occluders) {
     const bool away = is_away(occluder, actors, time_start_s, time_end_s);
     views.push_back({!away, {}, {}});

@@ -5,6 +5,7 @@
 // recorded there and is elsewhere.
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/scene/actor.hpp"
@@ -12,6 +13,8 @@
 
 namespace simuli {
 
+/// GaussianSet::actor of what stands on the far shell of Scene::vistas[index], in the scene's frame.
+[[nodiscard]] std::uint32_t number_of_vista(const Scene& scene, std::size_t index);
 /// GaussianSet::actor of what is hidden behind Scene::occluders[index], and of what is there instead. Their
 /// parameters are in the scene's frame.
 [[nodiscard]] std::uint32_t number_behind(const Scene& scene, std::size_t index);
@@ -27,11 +30,13 @@ namespace simuli {
                            double time_end_s);
 
 /// Views of all that particles of the scene belong to, in the order of their numbers: `actors`, which are the
-/// scene's or edited ones, then what is behind and instead of each occluder.
+/// scene's or edited ones, then the vistas as they are seen from `eye` (world, m; none: all of them), then
+/// what is behind and instead of each occluder.
 [[nodiscard]] std::vector<ActorView> owners_during(const Scene& scene,
                                                    const std::vector<Actor>& actors,
                                                    double time_start_s,
-                                                   double time_end_s);
+                                                   double time_end_s,
+                                                   const std::optional<Eigen::Vector3d>& eye);
 
 /// Whether one of the set's particles is an actor's, whom others can't take the place of in another number.
 [[nodiscard]] bool has_particles_of_actors(const Scene& scene, const GaussianSet& set);

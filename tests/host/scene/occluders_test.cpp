@@ -30,7 +30,7 @@ Scene two_cars_and_a_place() {
 
 std::vector<bool> shown(const Scene& scene, double time_s) {
   std::vector<bool> out;
-  for (const ActorView& view : owners_during(scene, scene.actors, time_s, time_s))
+  for (const ActorView& view : owners_during(scene, scene.actors, time_s, time_s, std::nullopt))
     out.push_back(view.is_there);
   return out;
 }
@@ -41,7 +41,7 @@ TEST(Occluders, ShowWhatTheyHideUntilTheyAreElsewhere) {
   EXPECT_EQ(shown(scene, 1.0), (std::vector<bool>{true, true, true, false}));
   // It was not recorded then: what training showed stays.
   EXPECT_EQ(shown(scene, 5.0), (std::vector<bool>{false, false, true, false}));
-  const std::vector<ActorView> views = owners_during(scene, scene.actors, 1.0, 1.0);
+  const std::vector<ActorView> views = owners_during(scene, scene.actors, 1.0, 1.0, std::nullopt);
   EXPECT_TRUE(views[2].scene_from_actor_start.translation.isZero());
   EXPECT_TRUE(views[3].scene_from_actor_end.translation.isZero());
 }

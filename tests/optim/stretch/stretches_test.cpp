@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <utility>
 
+#include "host/scene/owners/occluders.hpp"
 #include "host/support/record/support_record.hpp"
 #include "io/synth/long_street.hpp"
 #include "optim/eval/evaluation.hpp"
@@ -270,7 +271,23 @@ TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
   EXPECT_EQ(read, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));  // one after the other, twice
   ASSERT_EQ(one.actors.size(), 1U);
   EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), 1U), 7);
-  EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), 0U), 6);
+  // Each one's far shell is its own.
+  ASSERT_EQ(one.vistas.size(), 3U);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t number = number_of_vista(one, k);
+    EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), number), 2);
+    const std::vector<Eigen::Vector3d>& places = one.vistas[k].path_m;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Eigen::Vector3f in_scene = (places[i] - one.origin).cast<float>();
+      EXPECT_EQ(stretch_at(stretches, path.place_nearest(in_scene)), k) << i;
+      if (i == 0) continue;
+      const double step_m = (places[i] - places[i - 1]).norm();
+      EXPECT_GT(step_m, 0.1);
+      EXPECT_LT(step_m, 5.6);
+    }
+    EXPECT_NEAR((places.back() - places.front()).norm(), 20.0, 2.0);
+  }
+  EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), 0U), 0);
   for (Eigen::Index i = 0; i < one.camera.size(); ++i) {
     const bool is_car = one.camera.actor[static_cast<std::size_t>(i)] == 1U;
     if (is_car) {
@@ -282,27 +299,6 @@ TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
     EXPECT_NEAR((shift - Eigen::Vector3d(0.1, -0.05, 0.0)).norm(), 0.0, 1e-3) << key.time_s;
     EXPECT_NEAR(key.turn_rad.norm(), 0.0, 1e-6);
   }
-}
-
-TEST(MeanRayDrop, WeighsStretchesByTheirSweeps) {
-  MeanRayDrop sum;
-  EXPECT_TRUE(sum.mean().empty());
-  const auto add = [&sum](std::size_t sweeps, const char* lidar, double value) {
-    StretchScene part;
-    part.report.sweeps = sweeps;
-    RayDrop& drop = part.scene.ray_drop.emplace_back(RayDrop{lidar, {}});
-    drop.parameters.fill(value);
-    sum.add(part);
-  };
-  add(30, "top", 1.0);
-  add(10, "top", 5.0);
-  add(10, "low", 7.0);
-  const std::vector<RayDrop> mean = sum.mean();
-  ASSERT_EQ(mean.size(), 2U);
-  EXPECT_EQ(mean[0].lidar, "low");
-  EXPECT_EQ(mean[0].parameters.front(), 7.0);
-  EXPECT_EQ(mean[1].lidar, "top");
-  EXPECT_EQ(mean[1].parameters.back(), 2.0);
 }
 
 TEST_F(StretchesTest, FilesHoldWhatMemoryWould) {

@@ -1,6 +1,8 @@
 #include "host/render/scene/scene_on_device.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <utility>
 
@@ -212,6 +214,66 @@ TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
     Scene edited = two_cars_and_a_place();
     remove_actor(edited, "near");
     expect_same(removed, SceneOnDevice(device, std::move(edited)).render(sensor, shot).results());
+  }
+}
+
+/// two_cars(), each third of whose background is seen from another place.
+Scene two_cars_and_vistas() {
+  Scene scene = test::two_cars();
+  for (const double x : {-6.0, 2.0, 14.0})
+    scene.vistas.push_back({{scene.origin + Eigen::Vector3d(x, 0.0, 0.0)}});
+  for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
+    for (std::size_t i = 0; i < set->actor.size(); ++i) {
+      if (set->actor[i] == 0) set->actor[i] = number_of_vista(scene, i % 3);
+    }
+  }
+  return scene;
+}
+
+TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
+  const Device device = Device::best();
+  SceneOnDevice scene(device, two_cars_and_vistas());
+  // The same without vistas: particles as opaque as they are seen from there.
+  const auto plain_at = [&](const Shot& shot) {
+    Scene plain = two_cars_and_vistas();
+    const auto shares = vista_shares(plain.vistas, shot.pose_at(0.5).translation);
+    for (GaussianSet* set : {&plain.camera, &plain.lidar}) {
+      std::vector<Eigen::Index> kept;
+      for (std::size_t i = 0; i < set->actor.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        std::uint32_t& number = set->actor[i];
+        const double share = number <= 2 ? 1.0 : shares[number - number_of_vista(plain, 0)];
+        if (number > 2) number = 0;
+        if (share == 0.0) continue;
+        kept.push_back(row);
+        float& logit = set->params(row, kOpacityRow);
+        const double opacity = share / (1.0 + std::exp(-static_cast<double>(logit)));
+        if (share < 1.0) logit = static_cast<float>(std::log(opacity / (1.0 - opacity)));
+      }
+      *set = subset(*set, kept);
+    }
+    plain.vistas.clear();
+    return plain;
+  };
+  for (const Sensor& sensor : {test::camera(), test::lidar()}) {
+    for (const double ahead_m : {0.0, 4.0, 7.0, 9.5}) {
+      SCOPED_TRACE(fmt::format("{} {}", sensor.name(), ahead_m));
+      Shot shot = shot_of(sensor, 0.13);
+      shot.world_from_sensor_start.translation.x() += ahead_m;
+      shot.world_from_sensor_end.translation.x() += ahead_m;
+      const auto shares = vista_shares(scene.scene().vistas, shot.pose_at(0.5).translation);
+      EXPECT_EQ(shares[0] > 0.0, ahead_m < 9.0);  // one goes, one comes
+      EXPECT_EQ(shares[2] > 0.0, ahead_m > 1.0);
+      const Frame frame = scene.render(sensor, shot, {.actors = true});
+      const RayResults found = frame.results();
+      const RayResults expected = SceneOnDevice(device, plain_at(shot)).render(sensor, shot).results();
+      ASSERT_EQ(found.rays, expected.rays);
+      for (std::size_t i = 0; i < found.rays; ++i) {
+        ASSERT_NEAR(found.transmittance[i], expected.transmittance[i], 1e-4);
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(found.feature[c][i], expected.feature[c][i], 1e-3);
+      }
+      for (const std::uint32_t actor : frame.actors()) EXPECT_LE(actor, 2U);
+    }
   }
 }
 

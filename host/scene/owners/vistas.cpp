@@ -1,0 +1,36 @@
+#include "host/scene/owners/vistas.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+namespace simuli {
+namespace {
+
+// Of driving on, while one shell gives way to the next.
+constexpr double kFade_m = 10.0;
+
+double distance_to(const std::vector<Eigen::Vector3d>& path, const Eigen::Vector3d& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Eigen::Vector3d& from = path[i];
+    const Eigen::Vector3d along = path[std::min(i + 1, path.size() - 1)] - from;
+    const double length2 = along.squaredNorm();
+    const double at = length2 > 0.0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
+    least = std::min(least, (p - from - at * along).norm());
+  }
+  return least;
+}
+
+}  // namespace
+
+std::vector<double> vista_shares(const std::vector<Vista>& vistas, const Eigen::Vector3d& eye) {
+  std::vector<double> shares;
+  for (const Vista& vista : vistas) shares.push_back(distance_to(vista.path_m, eye));
+  if (shares.empty()) return shares;
+  const double nearest = *std::min_element(shares.begin(), shares.end());
+  for (double& share : shares) share = std::max(1.0 - (share - nearest) / kFade_m, 0.0);
+  return shares;
+}
+
+}  // namespace simuli
