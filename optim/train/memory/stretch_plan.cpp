@@ -14,7 +14,7 @@ namespace simuli {
 namespace {
 
 constexpr double kShortest_m = 20.0;  // of a stretch
-constexpr double kLongest_m = 250.0;  // of one of several: pictures look along it, and take longer
+constexpr double kLongest_m = 100.0;  // of one of several: pictures look along it, and take longer
 constexpr double kShort_m = 20.0, kLong_m = 60.0;  // of the pieces that are measured
 constexpr double kMargin = 1.2;                    // other places of the drive may hold more than its middle
 // What the host takes, measured (bench/RESULTS.md): the program and its driver, ...
