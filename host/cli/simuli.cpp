@@ -21,6 +21,7 @@ void add_commands(CommandLine& line, const Globals& globals) {
   add_import(root, globals);
   add_info(root, globals);
   add_manual(line);
+  add_mask(root, globals);
   add_render(root, globals);
   add_serve(root, globals);
   add_synth(root, globals);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 #include <variant>
 
 #include "host/base/error.hpp"
@@ -10,6 +11,7 @@
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/log/camera_mask.hpp"
 #include "io/log/log_json.hpp"
 #include "io/picture/image.hpp"
 
@@ -145,6 +147,15 @@ Log log_from_json(JsonObject& root, const fs::path& folder) {
     return frame;
   });
   if (root.has("points")) log.points = read_file_name(root, log.folder, "points");
+  if (root.has("masks")) {
+    log.masks = root.objects("masks", [&](JsonObject& object) {
+      LogMask mask;
+      mask.camera = object.text("camera");
+      (void)find_sensor(log.cameras, mask.camera, log, object.field("camera").c_str());
+      mask.file = read_file_name(object, log.folder, "file");
+      return mask;
+    });
+  }
   if (root.has("actors")) log.actors = actors_from_json(root, "actors", log.start_ns);
   need_time_order(log.images, root.file(), "images");
   need_time_order(log.sweeps, root.file(), "sweeps");
@@ -167,8 +178,21 @@ const LogLidar& Log::lidar(const std::string& lidar_name) const {
 
 Log read_log(const fs::path& folder) {
   const fs::path file = inside(folder, "log.json", folder.string(), "file");
-  return read_json_text(
+  Log log = read_json_text(
       read_file(file), file.string(), [&](JsonObject& root) { return log_from_json(root, folder); });
+  read_masks(log);
+  return log;
+}
+
+void read_masks(Log& log) {
+  std::map<std::string, CameraMask> all;
+  for (const LogMask& mask : log.masks) {
+    CameraMask own = read_camera_mask(log.folder / mask.file, log.camera(mask.camera).model);
+    const auto [there, is_first] = all.try_emplace(mask.camera, std::move(own));
+    if (!is_first) there->second.add(own);
+  }
+  log.hidden.clear();
+  for (auto& [camera, mask] : all) log.hidden[camera] = std::make_shared<const CameraMask>(std::move(mask));
 }
 
 Json to_json(const Log& log) {
@@ -189,23 +213,28 @@ Json to_json(const Log& log) {
     root["sweeps"].push_back(frame_to_json(frame, "lidar", frame.lidar, log.start_ns));
   }
   if (!log.points.empty()) root["points"] = log.points;
+  for (const LogMask& mask : log.masks)
+    root["masks"].push_back({{"camera", mask.camera}, {"file", mask.file}});
   if (!log.actors.empty()) root["actors"] = to_json(log.actors, log.start_ns);
   return root;
 }
 
 void write_log(const Log& log) { write_file_atomically(log.folder / "log.json", text_of(log)); }
 
-void copy_log(const Log& log, const fs::path& folder) {
+void copy_log(const Log& log, const fs::path& folder, const std::map<std::string, fs::path>& files) {
   write_folder_atomically(folder, [&](const fs::path& temporary) {
     const auto bring = [&](const std::string& file) {
+      const auto elsewhere = files.find(file);
+      const fs::path from = elsewhere == files.end() ? log.folder / file : elsewhere->second;
       fs::create_directories((temporary / file).parent_path());
       std::error_code failed;
-      fs::create_hard_link(log.folder / file, temporary / file, failed);
-      if (failed) write_file_atomically(temporary / file, read_file(log.folder / file));
+      if (elsewhere == files.end()) fs::create_hard_link(from, temporary / file, failed);
+      if (failed || elsewhere != files.end()) write_file_atomically(temporary / file, read_file(from));
     };
     for (const ImageFrame& frame : log.images) bring(frame.file);
     for (const SweepFrame& frame : log.sweeps) bring(frame.file);
     if (!log.points.empty()) bring(log.points);
+    for (const LogMask& mask : log.masks) bring(mask.file);
     Log copy = log;
     copy.folder = temporary;
     write_log(copy);
@@ -242,6 +271,7 @@ std::string log_hash(const Log& log) {
   for (const ImageFrame& frame : log.images) add_size(frame.file);
   for (const SweepFrame& frame : log.sweeps) add_size(frame.file);
   if (!log.points.empty()) add_size(log.points);
+  for (const LogMask& mask : log.masks) add_size(mask.file);
   std::uint64_t hash = 0xcbf29ce484222325U;  // FNV-1a
   for (const char c : text) {
     hash ^= static_cast<unsigned char>(c);

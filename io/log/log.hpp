@@ -2,6 +2,8 @@
 // A log folder: log.json (sensors, trajectory, frames, actors; units in the key names), images/, sweeps/.
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,6 +44,15 @@ struct SweepFrame {
   double time_end_s = 0.0;
 };
 
+struct CameraMask;  // camera_mask.hpp
+
+/// A picture of what is never the scene in those of one camera: the vehicle's own hood, a frame. What is not
+/// 0 in its first channel is neither learned from nor compared with.
+struct LogMask {
+  std::string camera;  // name of a LogCamera; it may have several masks
+  std::string file;    // relative to the log folder
+};
+
 struct Log {
   std::filesystem::path folder;
   std::string name;
@@ -55,6 +66,9 @@ struct Log {
   /// PLY of points in the world, m, relative to the log folder: where initialisation starts from beside
   /// LiDAR returns (structure from motion). Empty: none.
   std::string points = {};
+  std::vector<LogMask> masks = {};
+  /// By camera what its masks hide, as read_masks() found it.
+  std::map<std::string, std::shared_ptr<const CameraMask>> hidden = {};
 
   [[nodiscard]] const LogCamera& camera(const std::string& camera_name) const;  // Error{kInput}
   [[nodiscard]] const LogLidar& lidar(const std::string& lidar_name) const;     // Error{kInput}
@@ -74,15 +88,19 @@ struct Sweep {
 /// Pictures and sweeps in the order in which they began; what began at once stays as it was.
 void sort_by_time(Log& log);
 
-/// Reads log.json. LiDARs take as long for a turn as their sweeps did (the median). Unknown keys, missing
-/// keys, wrong types or units, dangling names are Error{kInput}.
+/// Reads the pictures that log.masks names, for load_image(). Error{kInput} as read_camera_mask().
+void read_masks(Log& log);
+/// Reads log.json and masks. LiDARs take as long for a turn as their sweeps did (the median). Unknown keys,
+/// missing keys, wrong types or units, dangling names are Error{kInput}.
 [[nodiscard]] Log read_log(const std::filesystem::path& folder);
 /// Writes log.json (temporary name, sync, rename); images and sweeps are written by their writers.
 void write_log(const Log& log);
-/// The log with whatever was changed in it as a new folder, complete or not at all. Pictures, sweeps and
-/// points are hard links where the file system has them, copies where not. Error{kInput} when the folder
-/// exists.
-void copy_log(const Log& log, const std::filesystem::path& folder);
+/// The log with whatever was changed in it as a new folder, complete or not at all. Pictures, sweeps, points
+/// and masks are hard links where the file system has them, copies where not. `files` are copied from
+/// elsewhere, by their names in the log. Error{kInput} when the folder exists.
+void copy_log(const Log& log,
+              const std::filesystem::path& folder,
+              const std::map<std::string, std::filesystem::path>& files = {});
 /// What a log is known by, 16 hexadecimal digits: of all that log.json says, and of the sizes in bytes of the
 /// files that it names. Where the folder lies makes no difference, nor does how log.json is laid out.
 [[nodiscard]] std::string log_hash(const Log& log);

@@ -241,20 +241,17 @@ class Exporter {
     out_.array(zarr_key(ours, kExactValues), {exact.ray.size(), 4}, "<f4", view(exact.values));
   }
 
-  /// masks/CAMERA/NAME.png of the log's folder, where an import puts them.
+  /// The log's masks, by the names of their files.
   void add_masks() {
     const std::string at = component("masks");
     bool is_begun = false;
     for (const LogCamera& camera : log_.cameras) {
-      const fs::path folder = log_.folder / "masks" / camera.model.name;
-      std::error_code absent;
       std::vector<fs::path> files;
-      for (const auto& entry : fs::directory_iterator(folder, absent)) {
-        if (entry.path().extension() == ".png") files.push_back(entry.path());
+      for (const LogMask& mask : log_.masks) {
+        if (mask.camera == camera.model.name) files.push_back(log_.folder / mask.file);
       }
       if (files.empty()) continue;
       if (!std::exchange(is_begun, true)) out_.group(at, attributes("masks", kOnly));
-      std::sort(files.begin(), files.end());
       Json names = Json::array();
       const std::string group = zarr_key(at, "cameras/" + camera.model.name);
       for (const fs::path& file : files) {

@@ -4,18 +4,20 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <utility>
 
 #include "host/base/error.hpp"
+#include "io/log/camera_mask.hpp"
 
 namespace simuli {
 
 Camera scaled_camera(const Camera& camera, double scale) {
   const bool allowed = scale > 0.0 && scale * std::max(camera.width, camera.height) <= kLargestSide_px;
   if (!allowed) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("image scale: found {}, allowed above 0, and up to {} pixels a side",
-                            scale,
-                            kLargestSide_px));
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format(
+            "image scale: found {}, allowed above 0, and up to {} pixels a side", scale, kLargestSide_px));
   }
   // A hair less, so that 0.1 * 1240 is 124 and not 125.
   const auto side = [scale](int px) { return std::max(1, static_cast<int>(std::ceil(px * scale - 1e-9))); };
@@ -32,7 +34,12 @@ Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) 
                       fmt::format("{} x {}", image.width, image.height),
                       fmt::format("{} x {} as camera {}", model.width, model.height, model.name));
   }
-  if (scaled.width == image.width && scaled.height == image.height) return image;
+  const auto mask = log.hidden.find(frame.camera);
+  const auto hidden_in = [&](Image picture) {
+    if (mask != log.hidden.end()) hide(*mask->second, picture);
+    return picture;
+  };
+  if (scaled.width == image.width && scaled.height == image.height) return hidden_in(std::move(image));
   if (scaled.width > image.width || scaled.height > image.height) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("image scale: found {} x {} px of a recorded {} x {}, allowed at most as many",
@@ -41,7 +48,7 @@ Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) 
                             image.width,
                             image.height));
   }
-  return resize_area(image, scaled.width, scaled.height);
+  return hidden_in(resize_area(image, scaled.width, scaled.height));
 }
 
 Shot shot_of(const Log& log, const ImageFrame& frame) {

@@ -16,7 +16,8 @@ namespace simuli {
 /// The camera with sides of ceil(scale * side) pixels. Error{kUsage} unless they are 1 to 65 536.
 [[nodiscard]] Camera scaled_camera(const Camera& camera, double scale);
 
-/// The picture of `frame`, averaged down to the size of `scaled` (scaled_camera of the frame's camera).
+/// The picture of `frame`, averaged down to the size of `scaled` (scaled_camera of the frame's camera);
+/// kHiddenValue wherever the camera's masks hide anything.
 /// Error{kInput} when the file's size is not the log camera's, Error{kUsage} when `scaled` is larger.
 [[nodiscard]] Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled);
 

@@ -7,10 +7,12 @@
 
 namespace simuli {
 
-/// Peak signal-to-noise ratio in dB of pictures in [0,1] of equal size; identical pictures give +inf.
+/// Peak signal-to-noise ratio in dB of pictures in [0,1] of equal size; identical pictures give +inf. Values
+/// below 0 in `truth` are not known (camera_mask.hpp) and have no part in it; NaN where none is known.
 [[nodiscard]] double psnr_db(const Image& rendered, const Image& truth);
-/// SSIM, 11x11 Gaussian window of sigma 1.5, valid region only, K1 = 0.01, K2 = 0.03, mean over channels.
-/// Error{kInput} when a side is below 11 pixels.
+/// SSIM, 11x11 Gaussian window of sigma 1.5, valid region only, K1 = 0.01, K2 = 0.03, mean over channels. A
+/// window with anything that is not known is left out; NaN where all are. Error{kInput} when a side is below
+/// 11 pixels.
 [[nodiscard]] double ssim(const Image& rendered, const Image& truth);
 
 /// One simulated sweep beside the recorded one, ray by ray. Range 0 in `truth_range`: no return.

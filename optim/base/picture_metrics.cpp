@@ -1,4 +1,5 @@
 // PSNR and SSIM of optim/base/metrics.hpp.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -54,6 +55,20 @@ std::array<double, kWindow_px> gaussian_window() {
 /// The five moments that SSIM needs of a pair of pictures: x, y, x^2, y^2, x y.
 using Moments = std::array<double, 5>;
 
+/// Of the windows in row y0 of the valid region those without anything that is not known: [width - 10].
+std::vector<bool> known_windows(const Image& truth, int y0) {
+  std::vector<bool> known(static_cast<std::size_t>(truth.width - kWindow_px + 1), true);
+  for (int y = y0; y < y0 + kWindow_px; ++y) {
+    for (int x = 0; x < truth.width; ++x) {
+      if (truth.at(x, y, 0) >= 0.0F) continue;
+      const int last = std::min(x, static_cast<int>(known.size()) - 1);
+      for (int k = std::max(x - kWindow_px + 1, 0); k <= last; ++k)
+        known[static_cast<std::size_t>(k)] = false;
+    }
+  }
+  return known;
+}
+
 /// Moments of one channel under the vertical window whose top row is y0, for each column: [width].
 std::vector<Moments> column_moments(const Image& rendered,
                                     const Image& truth,
@@ -90,11 +105,14 @@ double ssim_of(const Moments& m) {
 double psnr_db(const Image& rendered, const Image& truth) {
   check_pair("psnr_db", rendered, truth, 1);
   double sum = 0.0;
+  std::size_t known = 0;
   for (std::size_t i = 0; i < truth.data.size(); ++i) {
+    if (truth.data[i] < 0.0F) continue;
     const double difference = static_cast<double>(rendered.data[i]) - static_cast<double>(truth.data[i]);
     sum += difference * difference;
+    ++known;
   }
-  const double mean_square = sum / static_cast<double>(truth.data.size());
+  const double mean_square = sum / static_cast<double>(known);
   return -10.0 * std::log10(mean_square);  // log10(0) = -inf: identical pictures give +inf
 }
 
@@ -104,10 +122,14 @@ double ssim(const Image& rendered, const Image& truth) {
   const int valid_width = truth.width - kWindow_px + 1;
   const int valid_height = truth.height - kWindow_px + 1;
   double sum = 0.0;
+  std::size_t windows = 0;
   for (int channel = 0; channel < truth.channels; ++channel) {
     for (int y = 0; y < valid_height; ++y) {
+      const std::vector<bool> known = known_windows(truth, y);
       const std::vector<Moments> columns = column_moments(rendered, truth, channel, y, window);
       for (int x = 0; x < valid_width; ++x) {
+        if (!known[static_cast<std::size_t>(x)]) continue;
+        ++windows;
         Moments m{};
         for (int dx = 0; dx < kWindow_px; ++dx) {
           for (std::size_t k = 0; k < m.size(); ++k) {
@@ -118,7 +140,7 @@ double ssim(const Image& rendered, const Image& truth) {
       }
     }
   }
-  return sum / (static_cast<double>(valid_width) * valid_height * truth.channels);
+  return sum / static_cast<double>(windows);
 }
 
 }  // namespace simuli

@@ -110,6 +110,9 @@ std::vector<std::string> kinds_of(const std::vector<Actor>& actors) {
   return kinds;
 }
 
+/// Whether the recorded picture shows the scene there.
+bool is_known(const Image& truth, std::size_t pixel) { return truth.data[3 * pixel] >= 0.0F; }
+
 double square_of(const Image& rendered, const Image& truth, std::size_t pixel) {
   double square = 0.0;
   for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
@@ -238,11 +241,11 @@ void Evaluation::Run::pool_pixels(const ImageFrame& frame,
   if (!actors_.empty()) {
     const auto on = pixels_on_actors(boxes(shot_of(of_.log_, frame), SetKind::kCamera), camera);
     for (std::size_t i = 0; i < on.size(); ++i) {
-      pool_of(on[i], pools).add_pixel(square_of(rendered, truth, i));
+      if (is_known(truth, i)) pool_of(on[i], pools).add_pixel(square_of(rendered, truth, i));
     }
   }
   for (const SeenReturn& seen : returns_near_.in(frame, camera)) {
-    pools.at(seen.range_m).add_pixel(square_of(rendered, truth, seen.pixel));
+    if (is_known(truth, seen.pixel)) pools.at(seen.range_m).add_pixel(square_of(rendered, truth, seen.pixel));
   }
 }
 

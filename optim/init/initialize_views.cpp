@@ -14,11 +14,6 @@
 namespace simuli {
 namespace {
 
-bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin) {
-  return pixel.x() >= -margin * camera.width && pixel.x() < (1.0 + margin) * camera.width &&
-         pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
-}
-
 struct Seen {
   std::uint32_t index;
   float range_m;
@@ -26,43 +21,6 @@ struct Seen {
 };
 
 }  // namespace
-
-ImageView::ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end)
-    : camera_(std::move(camera)),
-      start_(scene_from_camera_start),
-      end_(scene_from_camera_end),
-      moves_(camera_.shutter != ShutterKind::kGlobal),
-      camera_from_scene_mid_(interpolate(start_, end_, 0.5).inverse()) {}
-
-Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
-  return interpolate(start_, end_, camera_.exposure_fraction(pixel));
-}
-
-bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
-  Eigen::Vector3d p_camera = camera_from_scene_mid_ * p_scene;
-  if (!camera_.project(p_camera, pixel)) return false;
-  if (moves_) {
-    // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it
-    // cannot come back into it. The fixed point contracts by (shift / height) per round: three are plenty.
-    constexpr double kMargin = 0.25;
-    constexpr int kRounds = 3;
-    if (!is_inside(camera_, pixel, kMargin)) return false;
-    for (int i = 0; i < kRounds; ++i) {
-      p_camera = scene_from_camera(pixel).inverse() * p_scene;
-      if (!camera_.project(p_camera, pixel)) return false;
-    }
-  }
-  range_m = p_camera.norm();
-  return is_inside(camera_, pixel, 0.0);
-}
-
-void ImageView::unproject(const Eigen::Vector2d& pixel,
-                          Eigen::Vector3d& origin,
-                          Eigen::Vector3d& direction) const {
-  const Pose pose = scene_from_camera(pixel);
-  origin = pose.translation;
-  direction = pose.rotation * camera_.unproject(pixel);
-}
 
 void Coverage::cover(const Eigen::Vector2d& pixel, double radius_px) {
   const double radius = std::min(radius_px, kMostRadius_px);
@@ -336,7 +294,7 @@ void FarShell::add(const ImageView& view, const Image& image, const Coverage& co
       Eigen::Vector3d origin;
       Eigen::Vector3d direction;
       view.unproject(pixel, origin, direction);
-      if (direction.isZero(0.0)) continue;
+      if (direction.isZero(0.0) || view.hides(pixel)) continue;
       if (coverage.is_empty_around(column, row))
         add(origin, direction, sample_bilinear(image, pixel));
       else

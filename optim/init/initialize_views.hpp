@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -21,7 +22,7 @@ class ImageView {
   ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end);
 
   /// Pixel and distance (m, along the ray) at which p_scene is seen, at the time at which the shutter reaches
-  /// it. False when it lies behind the camera or outside the picture.
+  /// it. False when it lies behind the camera, outside the picture or where that is hidden.
   [[nodiscard]] bool project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const;
   /// Ray through `pixel` in the scene frame; the direction is a unit vector, or zero where the lens has no
   /// ray.
@@ -30,7 +31,10 @@ class ImageView {
   /// Where the camera is half-way through the read-out, scene frame.
   [[nodiscard]] Eigen::Vector3d origin() const { return camera_from_scene_mid_.inverse().translation; }
   /// The same exposure by another camera in its place, e.g. camera().resized(...).
-  [[nodiscard]] ImageView with_camera(const Camera& camera) const { return {camera, start_, end_}; }
+  [[nodiscard]] ImageView with_camera(const Camera& camera) const;
+  /// From now on what values below 0 mark in its picture, and what is right beside that, is hidden: a mask's.
+  void hide(const Image& picture);
+  [[nodiscard]] bool hides(const Eigen::Vector2d& pixel) const;
   /// Side of a pixel at the optical axis, in metres at 1 m distance.
   [[nodiscard]] double pixel_size_at_1m() const { return 1.0 / camera_.focal_px(); }
 
@@ -42,6 +46,11 @@ class ImageView {
   Pose end_;
   bool moves_ = false;  // the pose depends on the pixel
   Pose camera_from_scene_mid_;
+  struct Hidden {
+    int width, height;
+    std::vector<bool> pixels;  // [height][width]
+  };
+  std::shared_ptr<const Hidden> hidden_;  // null: nothing is
 };
 
 /// The closest look at a point over all images so far.
@@ -152,7 +161,7 @@ class PointBlocks {
 };
 
 /// Directions in which images see something that no point explains: one averaged colour per cell of an equal
-/// angle grid around the scene origin, at one distance.
+/// angle grid around a place of the scene, at one distance.
 class FarShell {
  public:
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.

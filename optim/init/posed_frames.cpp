@@ -41,7 +41,9 @@ std::pair<Image, ImageView> load_view(const Log& log,
                                       const Eigen::Vector3d& origin,
                                       double image_scale) {
   ImageView view = image_view(log, frame, origin, image_scale);
-  return {load_image(log, frame, view.camera()), std::move(view)};
+  Image image = load_image(log, frame, view.camera());
+  view.hide(image);
+  return {std::move(image), std::move(view)};
 }
 
 }  // namespace simuli

@@ -157,7 +157,7 @@ class Recorder {
       for (int x = 0; x < camera.width; ++x) {
         const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
         const Eigen::Vector3d direction = camera.unproject(pixel);
-        if (!(direction.squaredNorm() > 0.0)) continue;
+        if (!(direction.squaredNorm() > 0.0) || truth.at(x, y, 0) < 0.0F) continue;  // no ray, or masked
         const std::size_t ray = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) +
                                 static_cast<std::size_t>(x);
         const Eigen::Vector3d p_camera = met_m(rays, ray) * direction.normalized();

@@ -55,6 +55,7 @@ void SupportSamples::add_picture(SceneOnDevice& scene,
   const std::vector<float> known = support_on.of(taken, scene.scene());
   const Image rendered = taken.image(), truth = load_image(log, frame, camera);
   for (std::size_t i = 0; i < known.size(); i += step) {
+    if (truth.data[3 * i] < 0.0F) continue;  // hidden by a mask
     float sum = 0.0F;
     for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) sum += std::abs(rendered.data[c] - truth.data[c]);
     support.push_back(known[i]);

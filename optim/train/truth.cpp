@@ -87,11 +87,13 @@ ImageTruth TruthCache::read_image_truth(std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const SensorRays& rays = camera_rays(frame.camera);
   std::vector<float> values = planar(load_image(log_, frame, models_.at(frame.camera)));
-  const std::vector<bool> hidden = hidden_pixels(frame);
+  const std::size_t pixels = values.size() / 3;
+  const std::vector<bool> moving = hidden_pixels(frame);
   std::size_t known = rays.grid().rays;
-  for (std::size_t i = 0; i < hidden.size(); ++i) {
-    if (!hidden[i]) continue;
-    for (std::size_t c = 0; c < 3; ++c) values[c * hidden.size() + i] = kUnknown;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const bool is_hidden = values[i] < 0.0F || (!moving.empty() && moving[i]);
+    if (!is_hidden) continue;
+    for (std::size_t c = 0; c < 3; ++c) values[c * pixels + i] = kUnknown;
     --known;
   }
   return {RayValues(rays, values, 3, "picture truth"), known};

@@ -168,6 +168,7 @@ def reading_commands() -> dict[str, list[str]]:
         "export ply": ["export", "X.ply", "-o", "out.ply"],
         "export spz": ["export", "X.spz", "-o", "out.ply"],
         "tile": ["tile", "X"],
+        "mask": ["mask", "s.log", "front:X", "-o", "out.log"],
         "view": ["view", "X", "--port", "0"],
         "fit beams": ["fit", "beams", "X"],
         "fit lens": ["fit", "lens", "X", "--model", "opencv_fisheye"],

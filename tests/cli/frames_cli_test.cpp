@@ -41,6 +41,30 @@ class FramesCli : public Cli {
   }
 };
 
+TEST_F(FramesCli, MasksComeIntoACopyOfTheLog) {
+  ASSERT_EQ(
+      run("synth street -o s.log --frames 2 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
+      0);
+  Image hood(32, 18, 1);
+  std::fill(hood.data.begin() + 12 * 32, hood.data.end(), 1.0F);
+  write_image(folder_ / "hood.png", hood);
+  const std::string before = read_file(folder_ / "s.log" / "log.json");
+  const Outcome done = run("mask s.log front:hood.png -o masked.log");
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("front: 33.3 % of its pictures hidden"), std::string::npos) << done.out;
+  EXPECT_EQ(read_file(folder_ / "s.log" / "log.json"), before);
+  EXPECT_NE(run("info masked.log").out.find("33.3 % hidden by masks"), std::string::npos);
+  EXPECT_EQ(run("info s.log").out.find("hidden by masks"), std::string::npos);
+  const auto info = nlohmann::json::parse(run("info masked.log --json").out);
+  EXPECT_NEAR(info.at("hidden_shares").at("front").get<double>(), 1.0 / 3.0, 1e-9);
+  expect_failure("mask masked.log front:hood.png -o more.log", kInput, "masks/front/hood.png, already");
+  expect_failure("mask s.log front:hood.png -o masked.log", kInput, "masked.log");
+  expect_failure("mask s.log rear:hood.png -o more.log", kInput, "rear");
+  expect_failure("mask s.log hood.png -o more.log", kUsage, "CAMERA:FILE");
+  expect_failure("mask s.log front:none.png -o more.log", kInput, "none.png");
+  EXPECT_FALSE(fs::exists(folder_ / "more.log"));
+}
+
 TEST_F(FramesCli, TellWhatWasRenderedAndFromWhere) {
   ASSERT_EQ(
       run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,

@@ -8,8 +8,10 @@ import os
 import pathlib
 import re
 import shutil
+import struct
 import subprocess
 import sys
+import zlib
 
 simuli, source, work = (pathlib.Path(text).resolve() for text in (sys.argv[1], sys.argv[2], sys.argv[4]))
 page = sys.argv[3]
@@ -65,6 +67,16 @@ def photographs():
     (model / "points3D.txt").write_text("")
 
 
+def hood():
+    """A picture of 64 x 36 pixels, white in its lowest rows."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    rows = b"".join(b"\0" + bytes([255 if y > 30 else 0] * 64) for y in range(36))
+    header = struct.pack(">IIBBBBB", 64, 36, 8, 0, 0, 0, 0)
+    (work / "hood.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
+                                    chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
 def prepare():
     shutil.rmtree(work, ignore_errors=True)
     (work / "bin").mkdir(parents=True)
@@ -81,6 +93,7 @@ def prepare():
     (work / "rig.json").write_text(json.dumps({"format": "simuli rig", "version": 1, "sensors": [
         {"name": "roof", "sensor": "velodyne_vlp16", "mount": {"position_m": [0, 0, 1.9]}}, {"name": "ahead", "sensor": "front"}]}))
     photographs()
+    hood()
     run("simuli render drive.scene -o drive.mcap && simuli info drive.log top --json > roof.json")
 
 

@@ -48,6 +48,7 @@ void add_fit(Command app, const Globals& globals);
 void add_import(Command app, const Globals& globals);
 void add_info(Command app, const Globals& globals);
 void add_manual(CommandLine& line);
+void add_mask(Command app, const Globals& globals);
 void add_render(Command app, const Globals& globals);
 void add_serve(Command app, const Globals& globals);
 void add_synth(Command app, const Globals& globals);

@@ -10,6 +10,7 @@
 #include "host/cli/info/info.hpp"
 #include "host/scene/mounting.hpp"
 #include "host/scene/owners/occluders.hpp"
+#include "io/log/camera_mask.hpp"
 #include "io/log/sensor_json.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "io/scene/training_json.hpp"
@@ -157,6 +158,24 @@ std::size_t particles_of(const Scene& scene, std::uint32_t number) {
   return count;
 }
 
+Json vistas_json(const Scene& scene) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < scene.vistas.size(); ++i) {
+    all.push_back({{"particles", particles_of(scene, number_of_vista(scene, i))}});
+  }
+  return all;
+}
+
+std::string vistas_text(const Scene& scene) {
+  if (scene.vistas.empty()) return {};
+  std::size_t particles = 0;
+  for (std::size_t i = 0; i < scene.vistas.size(); ++i)
+    particles += particles_of(scene, number_of_vista(scene, i));
+  return fmt::format("  {} far shells of {} particles, each seen from its stretch of the path\n",
+                     scene.vistas.size(),
+                     particles);
+}
+
 Json occluders_json(const Scene& scene) {
   Json all = Json::array();
   for (std::size_t i = 0; i < scene.occluders.size(); ++i) {
@@ -175,6 +194,20 @@ std::string occluders_text(const Scene& scene) {
                         particles_of(scene, number_behind(scene, i)),
                         particles_of(scene, number_instead(scene, i)));
   }
+  return text;
+}
+
+/// By camera the share of its pictures that masks hide.
+Json hidden_json(const Log& log) {
+  Json shares = Json::object();
+  for (const auto& [camera, mask] : log.hidden) shares[camera] = mask->hidden_share();
+  return shares;
+}
+
+std::string hidden_text(const Log& log) {
+  std::string text;
+  for (const auto& [camera, mask] : log.hidden)
+    text += fmt::format("  {}: {:.1f} % hidden by masks\n", camera, 100.0 * mask->hidden_share());
   return text;
 }
 
@@ -200,11 +233,12 @@ void print_log(const Log& log, bool json) {
                   {"trajectory", trajectory_json(log.world_from_rig)},
                   {"sensors", sensors_json(SensorRig(log))},
                   {"recorded_frames", recorded_json(frame_spans(log))},
+                  {"hidden_shares", hidden_json(log)},
                   {"actors", actors_json(log.actors, log.world_from_rig, &log)}});
   }
   std::cout << fmt::format("log {}\n  {} images, {} sweeps\n", log.name, log.images.size(), log.sweeps.size())
             << trajectory_text(log.world_from_rig) << sensors_text(log.cameras, log.lidars, frame_spans(log))
-            << actors_text(log.actors, log.world_from_rig, &log);
+            << hidden_text(log) << actors_text(log.actors, log.world_from_rig, &log);
 }
 
 void print_scene(const SceneFile& file, bool json) {
@@ -219,13 +253,15 @@ void print_scene(const SceneFile& file, bool json) {
                   {"sensors", sensors_json(SensorRig(file))},
                   {"recorded_frames", recorded_json(file.recorded_frames)},
                   {"actors", actors_json(scene.actors, file.world_from_rig, nullptr)},
+                  {"vistas", vistas_json(scene)},
                   {"occluders", occluders_json(scene)},
                   {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
             << set_text("lidar", scene.lidar) << trajectory_text(file.world_from_rig)
             << sensors_text(file.cameras, file.lidars, file.recorded_frames)
-            << actors_text(scene.actors, file.world_from_rig, nullptr) << occluders_text(scene);
+            << actors_text(scene.actors, file.world_from_rig, nullptr) << vistas_text(scene)
+            << occluders_text(scene);
   if (!file.training) return;
   std::cout << "  trained\n";
   for (const RecordLine& line : record_lines(*file.training)) {

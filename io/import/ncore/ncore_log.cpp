@@ -282,8 +282,12 @@ class Importer {
       const std::string file = fmt::format("masks/{}/{}.png", camera, name);
       fs::create_directories((log_.folder / file).parent_path());
       write_file_atomically(log_.folder / file, bytes);
-      report_.notes.push_back(
-          fmt::format("mask {} of camera {} is in {}; training does not use it", name, camera, file));
+      log_.masks.push_back({camera, file});
+      report_.notes.push_back(fmt::format(
+          "mask {} of camera {}: pictures are neither learned from nor compared where {} is not 0",
+          name,
+          camera,
+          file));
     }
   }
 

@@ -118,6 +118,7 @@ double distance_of(int step) {
 std::optional<Eigen::Vector3d> find_point(const SweepPicture& picture,
                                           const std::vector<const SweepPicture*>& others,
                                           const Eigen::Vector2d& pixel) {
+  if (picture.view.hides(pixel)) return std::nullopt;
   const Patch patch =
       read_patch(picture.grey, pixel.cast<float>(), Eigen::Vector2f::UnitX(), Eigen::Vector2f::UnitY());
   const PatchRays rays = patch_rays(picture.view, pixel);

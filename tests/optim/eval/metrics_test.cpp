@@ -64,6 +64,29 @@ double ssim_by_definition(const Image& a, const Image& b) {
   return total / count;
 }
 
+TEST(Psnr, LeavesOutWhatIsNotKnown) {
+  const Image a = noise(20, 16, 3, 1);
+  Image b = noise(20, 16, 3, 2), known_a(20, 9, 3), known_b(20, 9, 3);
+  std::copy_n(a.data.begin(), known_a.data.size(), known_a.data.begin());
+  std::copy_n(b.data.begin(), known_b.data.size(), known_b.data.begin());
+  std::fill(b.data.begin() + static_cast<std::ptrdiff_t>(known_b.data.size()), b.data.end(), -1.0F);
+  EXPECT_NEAR(psnr_db(a, b), psnr_db(known_a, known_b), kDouble);
+  std::fill(b.data.begin(), b.data.end(), -1.0F);
+  EXPECT_TRUE(std::isnan(psnr_db(a, b)));
+}
+
+TEST(Ssim, LeavesOutWindowsWithWhatIsNotKnown) {
+  const Image a = noise(30, 24, 3, 3);
+  Image b = noise(30, 24, 3, 4), known_a(30, 20, 3), known_b(30, 20, 3);
+  std::copy_n(a.data.begin(), known_a.data.size(), known_a.data.begin());
+  std::copy_n(b.data.begin(), known_b.data.size(), known_b.data.begin());
+  std::fill(b.data.begin() + static_cast<std::ptrdiff_t>(known_b.data.size()), b.data.end(), -1.0F);
+  EXPECT_NEAR(ssim(a, b), ssim(known_a, known_b), kDouble);
+  for (int c = 0; c < 3; ++c) b.data[3 * (10 * 30 + 15) + static_cast<std::size_t>(c)] = -1.0F;
+  EXPECT_NE(ssim(a, b), ssim(known_a, known_b));
+  EXPECT_TRUE(std::isfinite(ssim(a, b)));  // windows beside it are left
+}
+
 TEST(Psnr, IsTwentyDbAtAnErrorOfATenth) {
   EXPECT_NEAR(psnr_db(constant(4, 0.5F), constant(4, 0.6F)), 20.0, 1e-5);  // 0.1 in float: 1e-6 dB
 }

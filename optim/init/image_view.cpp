@@ -1,0 +1,92 @@
+// ImageView of optim/init/initialize_views.hpp.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "optim/init/initialize_views.hpp"
+
+namespace simuli {
+namespace {
+
+bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin) {
+  return pixel.x() >= -margin * camera.width && pixel.x() < (1.0 + margin) * camera.width &&
+         pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
+}
+
+}  // namespace
+
+ImageView::ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end)
+    : camera_(std::move(camera)),
+      start_(scene_from_camera_start),
+      end_(scene_from_camera_end),
+      moves_(camera_.shutter != ShutterKind::kGlobal),
+      camera_from_scene_mid_(interpolate(start_, end_, 0.5).inverse()) {}
+
+Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
+  return interpolate(start_, end_, camera_.exposure_fraction(pixel));
+}
+
+bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
+  Eigen::Vector3d p_camera = camera_from_scene_mid_ * p_scene;
+  if (!camera_.project(p_camera, pixel)) return false;
+  if (moves_) {
+    // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it
+    // cannot come back into it. The fixed point contracts by (shift / height) per round: three are plenty.
+    constexpr double kMargin = 0.25;
+    constexpr int kRounds = 3;
+    if (!is_inside(camera_, pixel, kMargin)) return false;
+    for (int i = 0; i < kRounds; ++i) {
+      p_camera = scene_from_camera(pixel).inverse() * p_scene;
+      if (!camera_.project(p_camera, pixel)) return false;
+    }
+  }
+  range_m = p_camera.norm();
+  return is_inside(camera_, pixel, 0.0) && !hides(pixel);
+}
+
+ImageView ImageView::with_camera(const Camera& camera) const {
+  ImageView out{camera, start_, end_};
+  out.hidden_ = hidden_;
+  return out;
+}
+
+void ImageView::hide(const Image& picture) {
+  const auto hidden = std::make_shared<Hidden>();
+  *hidden = {picture.width, picture.height, std::vector<bool>(picture.data.size() / 3, false)};
+  const auto at = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+           static_cast<std::size_t>(x);
+  };
+  bool any = false;
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      if (picture.at(x, y, 0) >= 0.0F) continue;
+      any = true;
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, picture.height - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, picture.width - 1); ++u)
+          hidden->pixels[at(u, v)] = true;
+      }
+    }
+  }
+  hidden_ = any ? hidden : nullptr;
+}
+
+bool ImageView::hides(const Eigen::Vector2d& pixel) const {
+  if (hidden_ == nullptr) return false;
+  const auto index = [](double at, int of, int count) {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(std::floor(at * count / of)), 0, count - 1));
+  };
+  return hidden_
+      ->pixels[index(pixel.y(), camera_.height, hidden_->height) * static_cast<std::size_t>(hidden_->width) +
+               index(pixel.x(), camera_.width, hidden_->width)];
+}
+
+void ImageView::unproject(const Eigen::Vector2d& pixel,
+                          Eigen::Vector3d& origin,
+                          Eigen::Vector3d& direction) const {
+  const Pose pose = scene_from_camera(pixel);
+  origin = pose.translation;
+  direction = pose.rotation * camera_.unproject(pixel);
+}
+
+}  // namespace simuli
