@@ -214,6 +214,8 @@ PointCloudMessage read_point_cloud(CdrReader in) {
                 fmt::format("within the point_step of {}", m.point_step));
     }
   }
+  if (m.width == 0 || m.height == 0) m.width = m.height = 0;  // no point
+  if (m.width > 0 && m.point_step == 0) in.refuse("point_step", "0", "1 or more");
   const std::uint64_t row = std::uint64_t{m.width} * m.point_step;
   if (m.row_step < row)
     in.refuse(

@@ -69,8 +69,10 @@ class Scanner {
                                       options_.lidars.end(),
                                       [&](const Ros2Lidar& lidar) { return lidar.topic == channel.topic; });
     if (!is_asked || topic.first_sweeps.size() >= kFirstSweeps) return;
-    if (!topic.fields) topic.fields = find_cloud_fields(cloud, field_options(options_), file_, channel.topic);
-    std::vector<CloudPoint> points = points_of(cloud, *topic.fields, file_, channel.topic);
+    // Of each message: nothing says that they are laid out alike.
+    const CloudFields fields = find_cloud_fields(cloud, field_options(options_), file_, channel.topic);
+    if (!topic.fields) topic.fields = fields;
+    std::vector<CloudPoint> points = points_of(cloud, fields, file_, channel.topic);
     if (!points.empty()) topic.first_sweeps.push_back(std::move(points));
   }
 

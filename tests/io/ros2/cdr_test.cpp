@@ -95,6 +95,20 @@ TEST(Cdr, CloudsAreThoseBytes) {
   refused([](auto& c) { c.point_step = 3; }, {"field x: offset"});
   refused([](auto& c) { c.fields[0].datatype = 9; }, {"field x: datatype", "9"});
   refused([](auto& c) { c.is_bigendian = true; }, {"is_bigendian"});
+  // Points without a byte could be any number of them.
+  refused(
+      [](auto& c) {
+        c.fields.clear();
+        c.point_step = 0;
+        c.width = 1'000'000'000;
+      },
+      {"point_step", "0", "1 or more"});
+  PointCloudMessage none = cloud;
+  none.width = none.row_step = 0;
+  none.height = 4'000'000'000;
+  none.data = {};
+  const std::string message = to_cdr(none);
+  EXPECT_EQ(read_point_cloud(reader(message)).height, 0U);
 }
 
 TEST(Cdr, PicturesAreThoseBytes) {

@@ -136,8 +136,9 @@ std::string cloud_of(const Log& log, const SweepFrame& frame, const Driver& driv
   return to_cdr(cloud);
 }
 
-/// Clouds alone, the path as odometry of a frame that is fixed to the rig.
-void record_by(const Driver& driver, const Log& log, const fs::path& file) {
+/// Clouds alone, by these drivers in turns, the path as odometry of a frame that is fixed to the rig.
+void record_by(const std::vector<Driver>& drivers, const Log& log, const fs::path& file) {
+  const Driver& driver = drivers.front();
   McapWriter mcap(file, "ros2", McapWriter::Compression::kNone);
   const auto channel = [&](const std::string& topic, const char* type) {
     return mcap.add_channel({topic,
@@ -162,8 +163,8 @@ void record_by(const Driver& driver, const Log& log, const fs::path& file) {
                      static_cast<std::uint64_t>(ns),
                      ros2::to_cdr(ros2::OdometryMessage{{ns, "odom"}, "imu", pose.pose * rig_from_imu}));
   }
-  for (const SweepFrame& frame : log.sweeps)
-    mcap.add_message(clouds, kStart_ns, cloud_of(log, frame, driver));
+  for (std::size_t i = 0; i < log.sweeps.size(); ++i)
+    mcap.add_message(clouds, kStart_ns, cloud_of(log, log.sweeps[i], drivers[i % drivers.size()]));
   mcap.finish();
 }
 
@@ -173,7 +174,7 @@ TEST(Ros2Log, DriversOfOthersAreUnderstood) {
   for (const Driver& driver : drivers()) {
     SCOPED_TRACE(driver.name);
     const fs::path file = scratch / fmt::format("{}.mcap", driver.name);
-    record_by(driver, log, file);
+    record_by({driver}, log, file);
     Ros2Options options = options_for(log, file, scratch / fmt::format("{}.log", driver.name));
     options.lidars[0].topic = "/points";
     options.lidars[0].frame = driver.is_turned ? "table_frame" : "";
@@ -202,6 +203,27 @@ TEST(Ros2Log, DriversOfOthersAreUnderstood) {
       EXPECT_TRUE(back.world_from_rig.at(time_s).matrix().isApprox(
           log.world_from_rig.at(frame.time_start_s).matrix(), 1e-6));
     }
+  }
+}
+
+TEST(Ros2Log, CloudsOfATopicMayBeLaidOutOtherwise) {
+  const Scratch scratch;
+  const Log log = street(scratch);
+  std::vector<Driver> two;
+  for (const Driver& driver : drivers()) {
+    if (driver.name == std::string("hesai") || driver.name == std::string("nebula")) two.push_back(driver);
+  }
+  ASSERT_EQ(two.size(), 2U);
+  for (int first = 0; first < 2; ++first) {
+    SCOPED_TRACE(two[0].name);
+    record_by(two, log, scratch / "both.mcap");
+    Ros2Options options =
+        options_for(log, scratch / "both.mcap", scratch / fmt::format("both_{}.log", two[0].name));
+    options.lidars[0].topic = "/points";
+    options.lidars[0].table = lidar_of(log);
+    Ros2Report report;
+    expect_same_sweeps(log, imported(options, report));
+    std::swap(two[0], two[1]);
   }
 }
 
