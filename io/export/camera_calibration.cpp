@@ -89,11 +89,26 @@ Json rows_of(const Eigen::Matrix4d& matrix) {
 }
 
 Json camera_calibration(const LogCamera& camera, const std::string& sequence, std::size_t index) {
+  Json model = camera_model_of(camera.model);
+  if (model.is_null()) {
+    model = {{"type", kUnknownLens},
+             {"parameters",
+              {{"resolution", {camera.model.width, camera.model.height}},
+               {"shutter_type", shutter_name(camera.model.shutter)},
+               {"external_distortion_parameters", nullptr},
+               {"principal_point", {camera.model.cx, camera.model.cy}}}}};
+  }
+  // CARLA's client reads what f-theta cameras have of all of them.
+  for (const char* key :
+       {"reference_poly", "pixeldist_to_angle_poly", "angle_to_pixeldist_poly", "max_angle", "linear_cde"}) {
+    Json& parameters = model["parameters"];
+    if (!parameters.contains(key)) parameters[key] = nullptr;
+  }
   return {{"logical_sensor_name", camera.model.name},
           {"sequence_id", sequence},
           {"unique_sensor_idx", index},
           {"T_sensor_rig", rows_of(camera.rig_from_camera.matrix())},
-          {"camera_model", camera_model_of(camera.model)}};
+          {"camera_model", model}};
 }
 
 }  // namespace simuli

@@ -10,6 +10,7 @@
 #include "host/scene/owners/moment.hpp"
 #include "io/archive/stored_zip.hpp"
 #include "io/base/file.hpp"
+#include "io/export/camera_calibration.hpp"
 #include "io/export/drive_tracks.hpp"
 #include "io/export/mesh_ply.hpp"
 #include "io/splat/splat_file.hpp"
@@ -78,7 +79,7 @@ DriveArchive write_drive_archive(const std::filesystem::path& file,
   DriveArchive out;
   out.actors = tracks.at("dummy_chunk_id").at("tracks_data").at("tracks_id").size();
   for (const Json& camera : rig.at("camera_calibrations")) {
-    if (camera.at("camera_model").is_null()) ++out.cameras_without_model;
+    if (camera.at("camera_model").at("type") == kUnknownLens) ++out.cameras_without_model;
   }
   StoredZip zip(name, kUsdzAlignment);
   zip.add(kUsdzLayer, usda_of(background_of(scene.scene, SetKind::kCamera), SplatAxes::kZUp, name));

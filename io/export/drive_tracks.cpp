@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "io/export/camera_calibration.hpp"
+#include "io/export/track_labels.hpp"
 
 namespace simuli {
 namespace {
@@ -39,6 +40,12 @@ std::vector<KeyPose> distinct(const Actor& actor, const SceneClock& clock) {
 
 }  // namespace
 
+std::vector<Pose> local_path(const SceneFile& scene) {
+  std::vector<Pose> out;
+  for (const TimedPose& pose : scene.world_from_rig.poses()) out.push_back(local(pose.pose, scene.scene));
+  return out;
+}
+
 Json rig_trajectories(const SceneFile& file, const SceneClock& clock, const std::string& sequence) {
   const Json identity = rows_of(Eigen::Matrix4d::Identity());
   Json calibrations = Json::object(), frames = Json::object(), poses = Json::array(), times = Json::array();
@@ -47,10 +54,8 @@ Json rig_trajectories(const SceneFile& file, const SceneClock& clock, const std:
     calibrations[camera.model.name] = camera_calibration(camera, sequence, i);
     frames[camera.model.name] = times_of(file.recorded_frames, camera.model.name, clock);
   }
-  for (const TimedPose& pose : file.world_from_rig.poses()) {
-    poses.push_back(rows_of(local(pose.pose, file.scene).matrix()));
-    times.push_back(clock.microseconds(pose.time_s));
-  }
+  for (const Pose& pose : local_path(file)) poses.push_back(rows_of(pose.matrix()));
+  for (const TimedPose& pose : file.world_from_rig.poses()) times.push_back(clock.microseconds(pose.time_s));
   return {{"T_world_base", identity},
           {"world_to_nre", {{"matrix", identity}}},
           {"camera_calibrations", calibrations},
@@ -76,8 +81,9 @@ Json sequence_tracks(const Scene& scene, const SceneClock& clock) {
       own_poses.push_back({p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()});
     }
     ids.push_back(actor.name);
-    classes.push_back(actor.kind);
-    flags.push_back(Json::array({"CONTROLLABLE"}));
+    classes.push_back(label_class_of(actor.kind));
+    flags.push_back(actor.track.size() > 1 ? Json::array({"CONTROLLABLE", "DYNAMIC"})
+                                           : Json::array({"CONTROLLABLE"}));
     times.push_back(own_times);
     poses.push_back(own_poses);
     sizes.push_back({actor.size_m.x(), actor.size_m.y(), actor.size_m.z()});

@@ -9,6 +9,7 @@
 #include "host/sensors/lidar_library.hpp"
 #include "io/base/file.hpp"
 #include "io/export/ftheta_camera.hpp"
+#include "io/export/track_labels.hpp"
 #include "io/scene/scene_clock.hpp"
 #include "tests/io/scratch.hpp"
 
@@ -130,8 +131,8 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   const Json tracks = Json::parse(files.at("sequence_tracks.json")).at("dummy_chunk_id");
   const Json& data = tracks.at("tracks_data");
   EXPECT_EQ(data.at("tracks_id"), Json::array({"car", "box"}));
-  EXPECT_EQ(data.at("tracks_label_class"), Json::array({"vehicle", ""}));
-  EXPECT_EQ(data.at("tracks_flags"), Json::parse(R"([["CONTROLLABLE"], ["CONTROLLABLE"]])"));
+  EXPECT_EQ(data.at("tracks_label_class"), Json::array({"automobile", ""}));
+  EXPECT_EQ(data.at("tracks_flags"), Json::parse(R"([["CONTROLLABLE", "DYNAMIC"], ["CONTROLLABLE"]])"));
   EXPECT_EQ(data.at("tracks_timestamps_us"), Json::parse("[[1000000, 1100000], [1200000, 1300000]]"));
   const Json& pose = data.at("tracks_poses").at(0).at(1);
   const std::vector<double> expected{3.0, 4.1, 1.0, 0.0, 0.0, std::sqrt(0.5), std::sqrt(0.5)};
@@ -145,6 +146,36 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   EXPECT_NE(mesh.find("element vertex 400\n"), std::string::npos);
   EXPECT_NE(mesh.find("element face 722\nproperty list uchar int vertex_indices\n"), std::string::npos);
   EXPECT_EQ(mesh.size(), mesh.find("end_header\n") + 11 + 400 * 12 + 722 * 13);
+}
+
+TEST(DriveArchive, EveryCameraTellsWhatCarlaReads) {
+  SceneFile scene = small_drive();
+  Camera camera = scene.cameras.front().model;
+  camera.name = "pinhole";
+  camera.lens = {};
+  scene.cameras.push_back({camera, {}});
+  camera.name = "round";
+  camera.lens = Lens(LensKind::kEquirectangular, {});
+  scene.cameras.push_back({camera, {}});
+  const Scratch scratch;
+  EXPECT_EQ(write_drive_archive(scratch / "a.usdz", scene, "a").cameras_without_model, 1U);
+  const Json rig = Json::parse(files_of(read_file(scratch / "a.usdz")).at("rig_trajectories.json"));
+  const Json& cameras = rig.at("camera_calibrations");
+  EXPECT_EQ(cameras.at("pinhole").at("camera_model").at("type"), "opencv-pinhole");
+  EXPECT_EQ(cameras.at("round").at("camera_model").at("type"), "unknown");
+  for (const Json& one : cameras) {
+    for (const char* key : {"resolution",
+                            "shutter_type",
+                            "external_distortion_parameters",
+                            "principal_point",
+                            "reference_poly",
+                            "pixeldist_to_angle_poly",
+                            "angle_to_pixeldist_poly",
+                            "max_angle",
+                            "linear_cde"}) {
+      EXPECT_TRUE(one.at("camera_model").at("parameters").contains(key)) << key;
+    }
+  }
 }
 
 TEST(DriveArchive, BothPolynomialsAreOneLens) {
@@ -183,6 +214,25 @@ TEST(DriveArchive, RefusesWhatIsNoDrive) {
   floating.scene.lidar.opacity_logit().setConstant(-3.0F);  // nothing solid
   EXPECT_EQ(write_drive_archive(scratch / "f.usdz", floating, "f").ground_triangles, 0U);
   EXPECT_EQ(files_of(read_file(scratch / "f.usdz")).count("mesh_ground.ply"), 0U);
+}
+
+TEST(TrackLabels, SayWhatCarlaCallsIt) {
+  const std::map<std::string, std::string> expected{
+      {"car", "automobile"},
+      {"Car", "automobile"},
+      {"vehicle", "automobile"},
+      {"vehicle.bus.rigid", "bus"},
+      {"vehicle.truck", "heavy_truck"},
+      {"Person_sitting", "person"},
+      {"human.pedestrian.adult", "person"},
+      {"Cyclist", "rider"},
+      {"vehicle.trailer", "trailer"},
+      {"automobile", "automobile"},
+      {"train_or_tram_car", "train_or_tram_car"},
+      {"static_object.bicycle_rack", "static_object.bicycle_rack"},
+      {"", ""},
+      {"cart", "cart"}};
+  for (const auto& [kind, label] : expected) EXPECT_EQ(label_class_of(kind), label) << kind;
 }
 
 TEST(SceneClock, CountsMicrosecondsOfThePath) {
