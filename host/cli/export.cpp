@@ -61,7 +61,8 @@ Export of_scene(const ExportCommand& command, const Globals& globals) {
   apply(command.edits, file);
   const Scene& scene = file.scene;
   const GaussianSet& all = command.lidar ? scene.lidar : scene.camera;
-  Export out{command.is_moment ? moment_of(scene, kind_of(command), command.at_s) : background_of(scene, kind_of(command)),
+  Export out{command.is_moment ? moment_of(scene, kind_of(command), command.at_s)
+                               : background_of(scene, kind_of(command)),
              SplatAxes::kZUp};
   if (out.set.size() < all.size()) {
     out.left_out.push_back(
@@ -84,7 +85,7 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
   apply(command.edits, scene);
   const std::string id = scene_id_of(command.input);
   const DriveArchive archive = write_drive_archive(command.output, scene, id);
-  std::vector<std::string> left_out{"a map"};
+  std::vector<std::string> left_out;
   if (archive.ground_triangles == 0) left_out.emplace_back("the ground, which no LiDAR saw");
   if (archive.cameras_without_model > 0) {
     left_out.push_back(fmt::format("the lenses of {} cameras", archive.cameras_without_model));
@@ -170,7 +171,9 @@ void add_export(Command app, const Globals& globals) {
       "--at", command->at_s, "with its actors where they are then, s of the log; default: without them");
   sub.flag("--compress", command->compress, "in .glb: particles as SPZ, a tenth of the size");
   sub.flag("--lidar", command->lidar, "the LiDAR set instead of the camera set; .ply alone");
-  sub.flag("--drive", command->drive, "a .usdz with path, cameras, actors and ground, for AlpaSim and CARLA")
+  sub.flag("--drive",
+           command->drive,
+           "a .usdz with path, cameras, actors, road and ground, for AlpaSim and CARLA")
       .excludes("--at")
       .excludes("--compress")
       .excludes("--lidar");

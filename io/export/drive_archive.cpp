@@ -13,6 +13,7 @@
 #include "io/export/camera_calibration.hpp"
 #include "io/export/drive_tracks.hpp"
 #include "io/export/mesh_ply.hpp"
+#include "io/export/road_map.hpp"
 #include "io/splat/splat_file.hpp"
 
 namespace simuli {
@@ -91,9 +92,11 @@ DriveArchive write_drive_archive(const std::filesystem::path& file,
                    {"pose-range",
                     {{"start-timestamp_us", clock.microseconds(scene.world_from_rig.start_s())},
                      {"end-timestamp_us", clock.microseconds(scene.world_from_rig.end_s())}}}}));
-  const TriangleMesh ground = ground_mesh(scene.scene, scene.world_from_rig);
-  out.ground_triangles = ground.triangles.size();
-  if (!ground.triangles.empty()) zip.add("mesh_ground.ply", ply_of(ground));
+  const GroundMap ground = ground_of(scene.scene);
+  zip.add("map.xodr", road_map(local_path(scene), ground));
+  const TriangleMesh mesh = ground_mesh(ground, scene.scene, scene.world_from_rig);
+  out.ground_triangles = mesh.triangles.size();
+  if (!mesh.triangles.empty()) zip.add("mesh_ground.ply", ply_of(mesh));
   write_file_atomically(file, zip.finish());
   return out;
 }

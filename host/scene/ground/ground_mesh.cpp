@@ -1,11 +1,10 @@
 #include "host/scene/ground/ground_mesh.hpp"
 
-#include "host/scene/ground/ground_map.hpp"
 #include "host/scene/owners/moment.hpp"
 
 namespace simuli {
 
-TriangleMesh ground_mesh(const Scene& scene, const Trajectory& world_from_rig) {
+GroundMap ground_of(const Scene& scene) {
   const GaussianSet still = background_of(scene, SetKind::kLidar);
   Eigen::Matrix3Xf solid(3, still.size());
   Eigen::Index count = 0;
@@ -15,11 +14,15 @@ TriangleMesh ground_mesh(const Scene& scene, const Trajectory& world_from_rig) {
   GroundMap map;
   map.add(solid.leftCols(count));
   map.finish();
+  return map;
+}
+
+TriangleMesh ground_mesh(const GroundMap& ground, const Scene& scene, const Trajectory& world_from_rig) {
   std::vector<Eigen::Vector2d> below;
   for (const TimedPose& pose : world_from_rig.poses()) {
     below.emplace_back((pose.pose.translation - scene.origin).head<2>());
   }
-  return map.mesh(below);
+  return ground.mesh(below);
 }
 
 }  // namespace simuli

@@ -1,13 +1,18 @@
 #pragma once
+#include "host/scene/ground/ground_map.hpp"
 #include "host/scene/ground/triangle_mesh.hpp"
 #include "host/scene/scene.hpp"
 #include "host/sensors/trajectory.hpp"
 
 namespace simuli {
 
-/// The ground around a scene's path, m from Scene::origin: GroundMap of the means of the LiDAR set's
-/// particles that stand still and hide at least half of what is behind them, as far as it hangs together with
-/// the path. Empty where no such particles lie below the path.
-[[nodiscard]] TriangleMesh ground_mesh(const Scene& scene, const Trajectory& world_from_rig);
+/// The ground of a scene, m from Scene::origin: of the means of the LiDAR set's particles that stand still
+/// and hide at least half of what is behind them.
+[[nodiscard]] GroundMap ground_of(const Scene& scene);
+
+/// Of that what hangs together with the path. Empty where nothing is known below the path.
+[[nodiscard]] TriangleMesh ground_mesh(const GroundMap& ground,
+                                       const Scene& scene,
+                                       const Trajectory& world_from_rig);
 
 }  // namespace simuli

@@ -89,7 +89,7 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   const std::string zip = read_file(scratch / "a.usdz");
   EXPECT_EQ(zip.substr(30, 11), "splats.usda");  // a layer first, for readers of USD
   const auto files = files_of(zip);
-  EXPECT_EQ(files.size(), 6U);
+  EXPECT_EQ(files.size(), 7U);
 
   const std::string& metadata = files.at("metadata.yaml");
   for (const char* line : {"scene_id: \"drive\"\n",
@@ -138,6 +138,10 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   const std::vector<double> expected{3.0, 4.1, 1.0, 0.0, 0.0, std::sqrt(0.5), std::sqrt(0.5)};
   for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(pose.at(i).get<double>(), expected[i], 1e-6) << i;
   EXPECT_EQ(tracks.at("cuboidtracks_data").at("cuboids_dims").at(0), Json::array({4.0, 2.0, 1.5}));
+
+  const std::string& map = files.at("map.xodr");
+  EXPECT_NE(map.find("x=\"0.000000000\" y=\"0.000000000\""), std::string::npos) << map;
+  EXPECT_NE(map.find("a=\"0.000000\""), std::string::npos);  // the ground, 0.5 m below the path's end
 
   const Json info = Json::parse(files.at("data_info.json"));
   EXPECT_EQ(info.at("pose-range").at("end-timestamp_us"), 2000000);
