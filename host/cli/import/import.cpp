@@ -106,6 +106,11 @@ void add_photos(Command command,
                                    r.absent,
                                    r.points,
                                    r.metres_per_unit);
+          if (r.masked > 0) {
+            std::cerr << fmt::format(
+                "{} masks of single photographs are left out; simuli mask hides what a camera always sees\n",
+                r.masked);
+          }
         });
   });
 }

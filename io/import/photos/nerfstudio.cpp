@@ -136,6 +136,7 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
       const std::size_t camera = camera_index(set, camera_of(intrinsics, set.source));
       const Pose pose = pose_of(frame.get("transform_matrix"), set.source, frame.field("transform_matrix"));
       set.photos.push_back({photo_file(folder, frame), camera, pose});
+      set.masked += frame.has("mask_path") ? 1U : 0U;
       return 0;
     });
     if (root.has("ply_file_path")) {

@@ -93,6 +93,7 @@ Log write_photo_log(PhotoSet set,
                     PhotoReport& report) {
   keep_present(set, report);
   report.photos = set.photos.size();
+  report.masked = set.masked;
   report.metres_per_unit = metres_per_unit > 0.0 ? metres_per_unit : usual_scale(set);
   const Eigen::Quaterniond turn = set.level ? levelled(set) : Eigen::Quaterniond::Identity();
   // Around the middle of the photographs, so that float coordinates of points are exact enough.
