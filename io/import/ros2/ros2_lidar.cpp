@@ -234,7 +234,9 @@ RecordedLidar fit_recorded(const Lidar& table,
   Fit fit(table, file, where);
   const Rings rings = sampled(sweeps);
   if (rings.empty()) fit.refuse("points", "none in the first sweeps", "some");
-  if (rings.begin()->first >= 0) fit.rows(rings);
+  const bool has_rings = rings.begin()->first >= 0;
+  if (!has_rings && rings.size() > 1) fit.refuse("rings", "of some points", "those of all, or of none");
+  if (has_rings) fit.rows(rings);
   fit.start(sweeps, period_s, stamp);
   if (!std::isnan(rings.begin()->second.front()->time_s)) fit.turn(rings, period_s);
   fit.out.model.sweep_s = period_s;

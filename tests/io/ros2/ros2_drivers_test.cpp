@@ -7,6 +7,7 @@
 #include <string>
 
 #include "io/bag/mcap_writer.hpp"
+#include "io/import/ros2/ros2_lidar.hpp"
 #include "io/ros2/messages.hpp"
 #include "tests/io/ros2/ros2_street.hpp"
 
@@ -225,6 +226,24 @@ TEST(Ros2Log, CloudsOfATopicMayBeLaidOutOtherwise) {
     expect_same_sweeps(log, imported(options, report));
     std::swap(two[0], two[1]);
   }
+}
+
+TEST(Ros2Log, RingsOfSomePointsAloneAreRefused) {
+  const Scratch scratch;
+  const Log log = street(scratch);
+  std::vector<ros2::CloudPoint> sweep;
+  for (const Point& point : points_of(log, log.sweeps.front())) {
+    ros2::CloudPoint out;
+    out.position = point.p;
+    out.ring = sweep.size() % 2 == 0 ? point.row : -1;
+    out.time_s = point.time_s;
+    sweep.push_back(out);
+  }
+  test::expect_input_error(
+      [&] {
+        (void)ros2::fit_recorded(lidar_of(log), {sweep}, 0.1, ros2::Stamp::kStart, "some.mcap", "/points");
+      },
+      {"some.mcap", "/points: rings", "of some points"});
 }
 
 }  // namespace
