@@ -1,0 +1,14 @@
+class MapElementType:
+    """Only a name."""
+
+
+class RoadLane:
+    """Only a name."""
+
+
+class RoadEdge:
+    """Only a name."""
+
+
+class WaitLine:
+    """Only a name."""
