@@ -16,9 +16,9 @@ struct DriveArchive {
 
 /// Writes the archive, complete or not at all: splats.usda (the camera set without actors, z up),
 /// metadata.yaml, rig_trajectories.json, sequence_tracks.json, data_info.json, map.xodr (road_map()),
-/// mesh_ground.ply. Places are m from the scene's origin, times SceneClock's, the scene's name is `scene_id`:
-/// as the server of the same scene tells them. Error{kInput} for other extensions than .usdz, a scene without
-/// a path or without cameras, and more than 4 GiB.
+/// mesh_ground.ply and the same as mesh.ply. Places are m from the scene's origin, times SceneClock's, the
+/// scene's name is `scene_id`: as the server of the same scene tells them. Error{kInput} for other extensions
+/// than .usdz, a scene without a path or without cameras, and more than 4 GiB.
 DriveArchive write_drive_archive(const std::filesystem::path& file,
                                  const SceneFile& scene,
                                  const std::string& scene_id);

@@ -89,7 +89,7 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   const std::string zip = read_file(scratch / "a.usdz");
   EXPECT_EQ(zip.substr(30, 11), "splats.usda");  // a layer first, for readers of USD
   const auto files = files_of(zip);
-  EXPECT_EQ(files.size(), 7U);
+  EXPECT_EQ(files.size(), 8U);
 
   const std::string& metadata = files.at("metadata.yaml");
   for (const char* line : {"scene_id: \"drive\"\n",
@@ -147,6 +147,7 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   EXPECT_EQ(info.at("pose-range").at("end-timestamp_us"), 2000000);
   EXPECT_EQ(told.ground_triangles, 2U * 19U * 19U);
   const std::string& mesh = files.at("mesh_ground.ply");
+  EXPECT_EQ(files.at("mesh.ply"), mesh);
   EXPECT_NE(mesh.find("element vertex 400\n"), std::string::npos);
   EXPECT_NE(mesh.find("element face 722\nproperty list uchar int vertex_indices\n"), std::string::npos);
   EXPECT_EQ(mesh.size(), mesh.find("end_header\n") + 11 + 400 * 12 + 722 * 13);
@@ -218,6 +219,7 @@ TEST(DriveArchive, RefusesWhatIsNoDrive) {
   floating.scene.lidar.opacity_logit().setConstant(-3.0F);  // nothing solid
   EXPECT_EQ(write_drive_archive(scratch / "f.usdz", floating, "f").ground_triangles, 0U);
   EXPECT_EQ(files_of(read_file(scratch / "f.usdz")).count("mesh_ground.ply"), 0U);
+  EXPECT_EQ(files_of(read_file(scratch / "f.usdz")).count("mesh.ply"), 0U);
 }
 
 TEST(TrackLabels, SayWhatCarlaCallsIt) {
