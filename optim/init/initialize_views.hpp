@@ -161,7 +161,7 @@ class PointBlocks {
 };
 
 /// Directions in which images see something that no point explains: one averaged colour per cell of an equal
-/// angle grid around a place of the scene, at one distance.
+/// angle grid around the scene origin, at one distance.
 class FarShell {
  public:
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
