@@ -96,9 +96,10 @@ DriveArchive write_drive_archive(const std::filesystem::path& file,
   zip.add("map.xodr", road_map(local_path(scene), ground));
   const TriangleMesh mesh = ground_mesh(ground, scene.scene, scene.world_from_rig);
   out.ground_triangles = mesh.triangles.size();
-  // The ground is all there is to stand on, and readers ask for either name.
-  for (const char* entry : {"mesh_ground.ply", "mesh.ply"}) {
-    if (!mesh.triangles.empty()) zip.add(entry, ply_of(mesh));
+  if (!mesh.triangles.empty()) {
+    const std::string ply = ply_of(mesh);
+    // The ground is all there is to stand on, and readers ask for either name.
+    for (const char* entry : {"mesh_ground.ply", "mesh.ply"}) zip.add(entry, ply);
   }
   write_file_atomically(file, zip.finish());
   return out;
