@@ -4,7 +4,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <optional>
+#include <utility>
 
+#include "host/base/spread.hpp"
 #include "io/export/road_line.hpp"
 
 namespace simuli {
@@ -46,12 +48,6 @@ std::vector<LinePoint> samples_of(const RoadLine& line) {
   return out;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Of the road at each sample, m.
 std::vector<double> heights_of(const RoadLine& line,
                                const std::vector<LinePoint>& samples,
@@ -62,7 +58,7 @@ std::vector<double> heights_of(const RoadLine& line,
     known.push_back(ground.height_m(sample.place.x(), sample.place.y()));
     if (known.back()) above.push_back(rig_height(line.places, sample.s_m) - *known.back());
   }
-  const double usual = above.empty() ? 0.0 : median_of(above);
+  const double usual = upper_median(std::move(above));
   std::vector<double> raw;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     raw.push_back(known[i] ? *known[i] : rig_height(line.places, samples[i].s_m) - usual);

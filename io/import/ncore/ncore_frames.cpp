@@ -8,6 +8,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
+#include "host/base/spread.hpp"
 #include "io/import/ncore/ncore_sequence.hpp"
 #include "io/ncore/names.hpp"
 
@@ -144,13 +145,6 @@ std::string name_of_track(const std::string& id, std::set<std::string>& names) {
   return own;
 }
 
-/// Sizes of one box differ from label to label: the middle one of each side.
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 struct Track {
   Actor actor;
   std::vector<double> sizes[3];
@@ -209,7 +203,8 @@ std::vector<Actor> actors_of(const Sequence& sequence,
   std::vector<Actor> out;
   for (Track& track : tracks) {
     Actor& actor = track.actor;
-    actor.size_m = {median(track.sizes[0]), median(track.sizes[1]), median(track.sizes[2])};
+    // Sizes of one box differ from label to label.
+    for (int side = 0; side < 3; ++side) actor.size_m[side] = upper_median(std::move(track.sizes[side]));
     const auto is_earlier = [](const KeyPose& a, const KeyPose& b) { return a.time_s < b.time_s; };
     const auto is_same = [](const KeyPose& a, const KeyPose& b) { return a.time_s == b.time_s; };
     std::stable_sort(actor.track.begin(), actor.track.end(), is_earlier);
