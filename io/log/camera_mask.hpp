@@ -28,7 +28,7 @@ struct CameraMask {
 /// that hides everything, and for what is no picture.
 [[nodiscard]] CameraMask read_camera_mask(const std::filesystem::path& file, const Camera& camera);
 
-/// What pictures of a camera hold where its mask hides them, in all channels: not known.
+/// What pictures hold in all channels where nothing is known of the scene: losses and scores leave it out.
 inline constexpr float kHiddenValue = -1.0F;
 /// Marks the hidden pixels of a picture of any size up to the camera's.
 void hide(const CameraMask& mask, Image& picture);

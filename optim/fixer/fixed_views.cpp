@@ -9,16 +9,12 @@
 #include "host/render/scene/scene_on_device.hpp"
 #include "host/scene/splitmix.hpp"
 #include "host/support/support.hpp"
+#include "io/log/camera_mask.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/fixer/run_fixer.hpp"
 #include "optim/support/record_support.hpp"
 
 namespace simuli {
-namespace {
-
-constexpr float kUnknown = -1.0F;
-
-}  // namespace
 
 FixedViews::FixedViews(const Device& device,
                        const Log& log,
@@ -90,7 +86,7 @@ void FixedViews::mend(const SceneFile& scene, int iteration) {
         ++view.known;
         continue;
       }
-      for (std::size_t c = 0; c < 3; ++c) view.values[c * known.size() + i] = kUnknown;
+      for (std::size_t c = 0; c < 3; ++c) view.values[c * known.size() + i] = kHiddenValue;
     }
   }
   views_ = std::move(views);

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <utility>
 
+#include "io/log/camera_mask.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr float kUnknown = -1.0F;         // truth that the losses leave out
 constexpr double kFarthestSweep_s = 0.1;  // in which a car drives a car's length at most
 constexpr double kMovingReach_m = 0.5;    // from a return to the rest of the body around it
 
@@ -93,7 +93,7 @@ ImageTruth TruthCache::read_image_truth(std::size_t index) {
   for (std::size_t i = 0; i < pixels; ++i) {
     const bool is_hidden = values[i] < 0.0F || (!moving.empty() && moving[i]);
     if (!is_hidden) continue;
-    for (std::size_t c = 0; c < 3; ++c) values[c * pixels + i] = kUnknown;
+    for (std::size_t c = 0; c < 3; ++c) values[c * pixels + i] = kHiddenValue;
     --known;
   }
   return {RayValues(rays, values, 3, "picture truth"), known};
@@ -106,7 +106,7 @@ SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
   std::vector<float> values = sweep.range;
   std::size_t known = 0, returned = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (moving.is_moving[i]) values[i] = kUnknown;
+    if (moving.is_moving[i]) values[i] = kHiddenValue;
     known += values[i] >= 0.0F ? 1U : 0U;
     returned += values[i] > 0.0F ? 1U : 0U;
   }
