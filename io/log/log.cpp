@@ -221,7 +221,8 @@ Json to_json(const Log& log) {
 
 void write_log(const Log& log) { write_file_atomically(log.folder / "log.json", text_of(log)); }
 
-void copy_log(const Log& log, const fs::path& folder, const std::map<std::string, fs::path>& files) {
+Log copy_log(const Log& log, const fs::path& folder, const std::map<std::string, fs::path>& files) {
+  Log out;
   write_folder_atomically(folder, [&](const fs::path& temporary) {
     const auto bring = [&](const std::string& file) {
       const auto elsewhere = files.find(file);
@@ -238,8 +239,10 @@ void copy_log(const Log& log, const fs::path& folder, const std::map<std::string
     Log copy = log;
     copy.folder = temporary;
     write_log(copy);
-    (void)read_log(temporary);  // what was written is what the next command will read
+    out = read_log(temporary);  // what was written is what the next command will read
   });
+  out.folder = folder;
+  return out;
 }
 
 void sort_by_time(Log& log) {

@@ -95,12 +95,12 @@ void read_masks(Log& log);
 [[nodiscard]] Log read_log(const std::filesystem::path& folder);
 /// Writes log.json (temporary name, sync, rename); images and sweeps are written by their writers.
 void write_log(const Log& log);
-/// The log with whatever was changed in it as a new folder, complete or not at all. Pictures, sweeps, points
-/// and masks are hard links where the file system has them, copies where not. `files` are copied from
-/// elsewhere, by their names in the log. Error{kInput} when the folder exists.
-void copy_log(const Log& log,
-              const std::filesystem::path& folder,
-              const std::map<std::string, std::filesystem::path>& files = {});
+/// The log with whatever was changed in it as a new folder, complete or not at all; as it is read there.
+/// Pictures, sweeps, points and masks are hard links where the file system has them, copies where not.
+/// `files` are copied from elsewhere, by their names in the log. Error{kInput} when the folder exists.
+Log copy_log(const Log& log,
+             const std::filesystem::path& folder,
+             const std::map<std::string, std::filesystem::path>& files = {});
 /// What a log is known by, 16 hexadecimal digits: of all that log.json says, and of the sizes in bytes of the
 /// files that it names. Where the folder lies makes no difference, nor does how log.json is laid out.
 [[nodiscard]] std::string log_hash(const Log& log);

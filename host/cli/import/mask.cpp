@@ -50,8 +50,7 @@ void mask(const MaskCommand& command, const Globals& globals) {
   Log log = read_log(command.log);
   std::map<std::string, fs::path> files;
   for (const std::string& given : command.masks) put_mask(log, given, files);
-  copy_log(log, command.output, files);
-  const Log written = read_log(command.output);
+  const Log written = copy_log(log, command.output, files);
   if (globals.json) {
     Json cameras = Json::array();
     for (const auto& [camera, hidden] : written.hidden)
