@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <map>
+#include <set>
 #include <span>
 #include <system_error>
 
@@ -16,6 +17,7 @@
 #include "io/ncore/names.hpp"
 #include "io/ncore/poses.hpp"
 #include "io/ncore/rays.hpp"
+#include "io/picture/image.hpp"
 #include "io/zarr/zarr_store.hpp"
 #include "io/zarr/zarr_writer.hpp"
 
@@ -30,6 +32,15 @@ Json wxyz(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 template <class Values>
 auto view(const Values& values) {
   return std::span<const typename Values::value_type>(values);
+}
+
+/// A mask as NCore has it: the file as it is, or as PNG.
+std::string png_of(const fs::path& file) {
+  std::string bytes = read_file(file, kLargestEntry);
+  if (bytes.starts_with("\x89PNG")) return bytes;
+  Image mask = read_image(file);
+  for (float& value : mask.data) value = value != 0.0F ? 1.0F : 0.0F;  // also what 8 bits would round away
+  return encode_image(mask, ImageCode::kPng);
 }
 
 class Exporter {
@@ -253,11 +264,13 @@ class Exporter {
       if (files.empty()) continue;
       if (!std::exchange(is_begun, true)) out_.group(at, attributes("masks", kOnly));
       Json names = Json::array();
+      std::set<std::string> taken;
       const std::string group = zarr_key(at, "cameras/" + camera.model.name);
       for (const fs::path& file : files) {
-        names.push_back(file.stem().string());
-        out_.file(
-            zarr_key(group, file.stem().string()), read_file(file, kLargestEntry), Json{{"format", "png"}});
+        std::string name = file.stem().string();
+        while (!taken.insert(name).second) name += "_";
+        names.push_back(name);
+        out_.file(zarr_key(group, name), png_of(file), Json{{"format", "png"}});
       }
       out_.group(group, Json{{"mask_names", std::move(names)}});
     }

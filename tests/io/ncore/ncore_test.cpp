@@ -14,75 +14,18 @@
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/import/ncore/ncore_log.hpp"
-#include "io/log/camera_mask.hpp"
 #include "io/ncore/models.hpp"
 #include "io/ncore/ncore_export.hpp"
 #include "io/ncore/poses.hpp"
-#include "io/picture/image.hpp"
 #include "io/synth/long_street.hpp"
 #include "io/zarr/zarr_store.hpp"
 #include "tests/host/windshields.hpp"
-#include "tests/io/scratch.hpp"
+#include "tests/io/ncore/ncore_fixture.hpp"
 
 namespace simuli::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-class NcoreTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (!has_zarr()) GTEST_SKIP() << "not run: NCore, built without libblosc or liblzma";
-  }
-  [[nodiscard]] Log street() const {
-    LongStreetOptions options;
-    options.output = scratch_ / "street.log";
-    options.length_m = 10.0;
-    options.frames = 2;
-    options.cameras = 2;
-    options.lidars = 2;
-    options.image_width = 48;
-    options.image_height = 27;
-    options.lidar_columns = 90;
-    options.rolling_shutter = true;
-    return synth_long_street(options);
-  }
-  [[nodiscard]] Log there_and_back(const Log& log, const std::string& name = "a.zarr") {
-    (void)export_ncore(log, scratch_ / name, {});
-    return back(name);
-  }
-  [[nodiscard]] Log back(const std::string& name) {
-    NcoreOptions options;
-    options.sequence = scratch_ / name;
-    options.output = scratch_ / (name + std::to_string(++count_) + ".log");
-    return import_ncore(options, {}, report_);
-  }
-  /// Changes the JSON of a key of a.zarr.
-  void edit(const std::string& key, const std::function<void(Json&)>& change) const {
-    const fs::path file = scratch_ / ("a.zarr/" + key);
-    Json json = parse_json(read_file(file), key);
-    change(json);
-    std::ofstream(file) << json.dump();
-  }
-  /// Takes away what is ours, as other programs' files don't have it.
-  void strip() const {
-    for (const auto& entry : fs::recursive_directory_iterator(scratch_ / "a.zarr")) {
-      if (entry.path().filename() != ".zattrs") continue;
-      Json json = parse_json(read_file(entry.path()), "");
-      if (json.contains("generic_meta_data")) json["generic_meta_data"] = Json::object();
-      json.erase("simuli");
-      std::ofstream(entry.path()) << json.dump();
-    }
-    for (const auto& entry : fs::recursive_directory_iterator(scratch_ / "a.zarr")) {
-      if (entry.path().filename().string().starts_with("simuli_") && entry.is_directory())
-        fs::remove(entry.path() / ".zarray");
-    }
-  }
-
-  Scratch scratch_;
-  NcoreReport report_;
-  int count_ = 0;
-};
 
 void expect_same_files(const Log& a, const Log& b) {
   std::vector<std::string> files{"log.json"};
@@ -236,19 +179,6 @@ TEST_F(NcoreTest, KeepsWindshields) {
     JsonObject object("file", "", json);
     EXPECT_EQ(ncore::camera_from_intrinsics(object, camera.name).lens, camera.lens);
   }
-}
-
-TEST_F(NcoreTest, KeepsMasks) {
-  Log log = street();
-  Image hood(48, 27, 3);
-  hood.data[0] = 1.0F;
-  fs::create_directories(log.folder / "masks/front");
-  write_image(log.folder / "masks/front/ego.png", hood);
-  log.masks = {{"front", "masks/front/ego.png"}};
-  const Log again = there_and_back(log);
-  EXPECT_GT(again.hidden.at("front")->hidden_share(), 0.0);
-  EXPECT_EQ(read_file(log.folder / "masks/front/ego.png"), read_file(again.folder / "masks/front/ego.png"));
-  EXPECT_NE(report_.notes.at(report_.notes.size() - 1).find("masks/front/ego.png"), std::string::npos);
 }
 
 TEST_F(NcoreTest, RefusesWhatItCannotRead) {
