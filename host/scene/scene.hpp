@@ -22,7 +22,7 @@ struct Scene {
   EnvironmentMap environment;  // of the camera set; empty: camera_background in all directions
   ColorGrids color_grids;      // of the camera set; empty: colours as they are
   std::vector<Actor> actors;
-  std::vector<Vista> vistas;  // far shells that are each seen from their own stretch of the drive alone
+  std::vector<Vista> vistas;  // of the camera set: what is each seen from its own stretch of the drive alone
   /// Actors as they were recorded, rigid, that hide what nothing else shows: see owners/occluders.hpp.
   std::vector<Actor> occluders;
   std::vector<RayDrop> ray_drop;  // of the LiDARs that it was trained on; none: of hit and drop logits alone

@@ -32,7 +32,8 @@ constexpr const char* kSceneFormat = "simuli scene";
 constexpr int kSceneVersion = 1;
 constexpr int kSceneVersionOfShapes = 2;     // has actors that are not rigid
 constexpr int kSceneVersionOfOccluders = 3;  // has particles behind and instead of actors
-constexpr int kSceneVersionOfVistas = 4;     // has far shells that are seen from their stretches alone
+constexpr int kSceneVersionOfVistas = 4;     // has what cameras see from stretches of the path alone
+constexpr int kSceneVersionOfHidden = 5;     // whose actors hide something of it
 constexpr const char* kSceneName = "scene.json";
 constexpr const char* kCameraName = "camera.ply";
 constexpr const char* kLidarName = "lidar.ply";
@@ -88,6 +89,7 @@ Json to_json(const std::vector<Vista>& all) {
       for (const double x : place) path.push_back(x);
     }
     out.push_back({{"path_m", std::move(path)}});
+    if (!vista.occluders.empty()) out.back()["occluders"] = to_json(vista.occluders, 0);
   }
   return out;
 }
@@ -104,6 +106,7 @@ Vista read_vista(JsonObject& object) {
   for (std::size_t i = 0; i < numbers.size(); i += 3) {
     vista.path_m.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
   }
+  if (object.has("occluders")) vista.occluders = actors_from_json(object, "occluders", 0);
   return vista;
 }
 
@@ -154,7 +157,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     if (format != kSceneFormat) {
       throw_input_error(file, "format", '"' + format + '"', fmt::format("\"{}\"", kSceneFormat));
     }
-    (void)root.integer("version", kSceneVersion, kSceneVersionOfVistas);
+    (void)root.integer("version", kSceneVersion, kSceneVersionOfHidden);
     SceneFile& scene = contents.scene;
     scene.scene.name = root.text("name");
     if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
@@ -179,6 +182,8 @@ Contents parse_scene(const std::string& text, const std::string& file) {
 
 /// The oldest program that can read it knows this one.
 int version_of(const Scene& scene) {
+  const auto hides = [](const Vista& vista) { return !vista.occluders.empty(); };
+  if (std::any_of(scene.vistas.begin(), scene.vistas.end(), hides)) return kSceneVersionOfHidden;
   if (!scene.vistas.empty()) return kSceneVersionOfVistas;
   if (!scene.occluders.empty()) return kSceneVersionOfOccluders;
   const bool shapes = std::any_of(scene.actors.begin(), scene.actors.end(), [](const Actor& actor) {

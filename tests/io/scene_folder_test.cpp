@@ -89,6 +89,17 @@ TEST(SceneFolder, VistasComeBackWithTheirPaths) {
   EXPECT_EQ(read.vistas[0].path_m, written.scene.vistas[0].path_m);  // every digit
   EXPECT_EQ(read.vistas[1].path_m, written.scene.vistas[1].path_m);
   EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 1, 2}));
+  // With what actors hide of one.
+  Actor car{"car", "car", {4.0, 2.0, 1.5}, {}};
+  for (const double time_s : {0.0, 2.0}) car.track.push_back({time_s, {}});
+  written.scene.vistas[1].occluders = {car};
+  written.scene.camera.actor = {0, 2, 4};
+  write_scene(scratch / "hiding", written);
+  EXPECT_NE(read_file(scratch / "hiding" / "scene.json").find("\"version\": 5"), std::string::npos);
+  const Scene hiding = read_scene(scratch / "hiding").scene;
+  EXPECT_TRUE(hiding.vistas.at(0).occluders.empty());
+  EXPECT_EQ(hiding.vistas.at(1).occluders.at(0).track.size(), 2U);
+  EXPECT_EQ(hiding.camera.actor, written.scene.camera.actor);
   const auto refused = [&](const std::string& path, const std::string& found) {
     Json root = Json::parse(text);
     root["vistas"][1]["path_m"] = Json::parse(path);
@@ -98,8 +109,8 @@ TEST(SceneFolder, VistasComeBackWithTheirPaths) {
   refused("[1, 2, 3, 4]", "4 numbers");
   refused("[]", "0 numbers");
   refused("[1, 2, \"x\"]", "an array of numbers");
-  written.scene.camera.actor = {0, 1, 3};
-  expect_input_error([&] { write_scene(scratch / "wrong", written); }, {"vertex 2: actor", "3", "0 to 2"});
+  written.scene.camera.actor = {0, 1, 5};
+  expect_input_error([&] { write_scene(scratch / "wrong", written); }, {"vertex 2: actor", "5", "0 to 4"});
 }
 
 TEST(SceneFolder, RoundTrip) {
@@ -171,7 +182,7 @@ TEST(SceneFolder, BadSceneFilesAreRefused) {
   refused("\"sh_degree\": 2", "\"sh_degree\": 2, \"degrees\": 2", {"camera_set", "degrees"});
   refused("\"origin_m\"", "\"origin_cm\"", {"origin"});
   refused("simuli scene", "other scene", {"format", "other scene"});
-  refused("\"version\": 1", "\"version\": 5", {"version", "5", "1 to 4"});
+  refused("\"version\": 1", "\"version\": 6", {"version", "6", "1 to 5"});
   refused("\"gaussians\": 3", "\"gaussians\": 4", {"camera.ply", "3 Gaussians", "4"});
   refused("\"gaussians\": 3", "\"gaussians\": \"3\"", {"camera_set.gaussians"});
   refused("\"sh_degree\": 2", "\"sh_degree\": 1", {"camera.ply", "SH degree", "found 2"});

@@ -171,26 +171,30 @@ std::string vistas_text(const Scene& scene) {
   std::size_t particles = 0;
   for (std::size_t i = 0; i < scene.vistas.size(); ++i)
     particles += particles_of(scene, number_of_vista(scene, i));
-  return fmt::format("  {} far shells of {} particles, each seen from its stretch of the path\n",
+  return fmt::format("  {} stretches of the path, each with what cameras see from it: {} particles\n",
                      scene.vistas.size(),
                      particles);
 }
 
 Json occluders_json(const Scene& scene) {
   Json all = Json::array();
-  for (std::size_t i = 0; i < scene.occluders.size(); ++i) {
-    all.push_back({{"actor", scene.occluders[i].name},
-                   {"behind", particles_of(scene, number_behind(scene, i))},
-                   {"instead", particles_of(scene, number_instead(scene, i))}});
+  const std::vector<Occluder> occluders = occluders_of(scene);
+  for (std::size_t i = 0; i < occluders.size(); ++i) {
+    Json occluder = {{"actor", occluders[i].actor->name},
+                     {"behind", particles_of(scene, number_behind(scene, i))},
+                     {"instead", particles_of(scene, number_instead(scene, i))}};
+    if (occluders[i].vista) occluder["vista"] = *occluders[i].vista;
+    all.push_back(std::move(occluder));
   }
   return all;
 }
 
 std::string occluders_text(const Scene& scene) {
   std::string text;
-  for (std::size_t i = 0; i < scene.occluders.size(); ++i) {
+  const std::vector<Occluder> occluders = occluders_of(scene);
+  for (std::size_t i = 0; i < occluders.size(); ++i) {
     text += fmt::format("  behind {:<16} {} particles; {} instead while it is elsewhere\n",
-                        scene.occluders[i].name,
+                        occluders[i].actor->name,
                         particles_of(scene, number_behind(scene, i)),
                         particles_of(scene, number_instead(scene, i)));
   }

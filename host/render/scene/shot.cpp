@@ -56,9 +56,11 @@ std::vector<ActorView> actors_during(const std::vector<Actor>& actors,
   return shot.edits.empty() ? views(actors) : views(edited(actors, shot.edits));
 }
 
-std::vector<ActorView> owners_during(const Scene& scene, const Shot& shot) {
+std::vector<ActorView> owners_during(const Scene& scene, const Shot& shot, SetKind kind) {
+  std::optional<Eigen::Vector3d> eye;
+  if (kind == SetKind::kCamera) eye = shot.pose_at(0.5).translation;
   const auto views = [&](const std::vector<Actor>& actors) {
-    return owners_during(scene, actors, shot.time_start_s, shot.time_end_s, shot.pose_at(0.5).translation);
+    return owners_during(scene, actors, shot.time_start_s, shot.time_end_s, eye);
   };
   return shot.edits.empty() ? views(scene.actors) : views(edited(scene.actors, shot.edits));
 }
@@ -68,7 +70,7 @@ View view_of(const Scene& scene, const Shot& shot, SetKind kind) {
   return {in_scene.world_from_sensor_start,
           in_scene.world_from_sensor_end,
           kind == SetKind::kCamera ? scene.camera_background : scene.lidar_background,
-          owners_during(scene, shot)};
+          owners_during(scene, shot, kind)};
 }
 
 }  // namespace simuli

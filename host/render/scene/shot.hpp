@@ -47,6 +47,6 @@ struct Shot {
                                                    const Shot& shot,
                                                    const Eigen::Vector3d& scene_origin);
 /// The same of all that particles of the scene belong to (owners/occluders.hpp).
-[[nodiscard]] std::vector<ActorView> owners_during(const Scene& scene, const Shot& shot);
+[[nodiscard]] std::vector<ActorView> owners_during(const Scene& scene, const Shot& shot, SetKind kind);
 
 }  // namespace simuli

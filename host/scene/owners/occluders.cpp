@@ -25,7 +25,16 @@ std::uint32_t number_instead(const Scene& scene, std::size_t index) {
   return number_behind(scene, index) + 1;
 }
 std::size_t most_numbers(const Scene& scene) {
-  return scene.actors.size() + scene.vistas.size() + 2 * scene.occluders.size();
+  return scene.actors.size() + scene.vistas.size() + 2 * occluders_of(scene).size();
+}
+
+std::vector<Occluder> occluders_of(const Scene& scene) {
+  std::vector<Occluder> out;
+  for (const Actor& occluder : scene.occluders) out.push_back({&occluder});
+  for (std::size_t v = 0; v < scene.vistas.size(); ++v) {
+    for (const Actor& occluder : scene.vistas[v].occluders) out.push_back({&occluder, v});
+  }
+  return out;
 }
 
 bool is_away(const Actor& occluder,
@@ -51,10 +60,11 @@ std::vector<ActorView> owners_during(const Scene& scene,
   const std::vector<double> shares =
       eye ? vista_shares(scene.vistas, *eye) : std::vector<double>(scene.vistas.size(), 1.0);
   for (const double share : shares) views.push_back({share > 0.0, {}, {}, {}, share});
-  for (const Actor& occluder : scene.occluders) {
-    const bool away = is_away(occluder, actors, time_start_s, time_end_s);
-    views.push_back({!away, {}, {}});
-    views.push_back({away, {}, {}});
+  for (const Occluder& occluder : occluders_of(scene)) {
+    const double share = occluder.vista ? shares[*occluder.vista] : 1.0;
+    const bool away = share > 0.0 && is_away(*occluder.actor, actors, time_start_s, time_end_s);
+    views.push_back({share > 0.0 && !away, {}, {}, {}, share});
+    views.push_back({away, {}, {}, {}, share});
   }
   return views;
 }

@@ -13,9 +13,16 @@
 
 namespace simuli {
 
-/// GaussianSet::actor of what stands on the far shell of Scene::vistas[index], in the scene's frame.
+/// GaussianSet::actor of what is of Scene::vistas[index], in the scene's frame.
 [[nodiscard]] std::uint32_t number_of_vista(const Scene& scene, std::size_t index);
-/// GaussianSet::actor of what is hidden behind Scene::occluders[index], and of what is there instead. Their
+/// An actor that hides something; of which vista, if of one.
+struct Occluder {
+  const Actor* actor = nullptr;
+  std::optional<std::size_t> vista = {};
+};
+/// The scene's own, then each vista's.
+[[nodiscard]] std::vector<Occluder> occluders_of(const Scene& scene);
+/// GaussianSet::actor of what is hidden behind occluders_of()[index], and of what is there instead. Their
 /// parameters are in the scene's frame.
 [[nodiscard]] std::uint32_t number_behind(const Scene& scene, std::size_t index);
 [[nodiscard]] std::uint32_t number_instead(const Scene& scene, std::size_t index);
@@ -31,7 +38,7 @@ namespace simuli {
 
 /// Views of all that particles of the scene belong to, in the order of their numbers: `actors`, which are the
 /// scene's or edited ones, then the vistas as they are seen from `eye` (world, m; none: all of them), then
-/// what is behind and instead of each occluder.
+/// what is behind and instead of each occluder, a vista's by the share of that.
 [[nodiscard]] std::vector<ActorView> owners_during(const Scene& scene,
                                                    const std::vector<Actor>& actors,
                                                    double time_start_s,

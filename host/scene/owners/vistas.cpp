@@ -7,8 +7,8 @@
 namespace simuli {
 namespace {
 
-// Of driving on, while one shell gives way to the next.
-constexpr double kFade_m = 10.0;
+// Of driving on, while one vista gives way to the next.
+constexpr double kFade_m = 4.0;
 
 double distance_to(const std::vector<Eigen::Vector3d>& path, const Eigen::Vector3d& p) {
   double least = std::numeric_limits<double>::infinity();
@@ -29,8 +29,21 @@ std::vector<double> vista_shares(const std::vector<Vista>& vistas, const Eigen::
   for (const Vista& vista : vistas) shares.push_back(distance_to(vista.path_m, eye));
   if (shares.empty()) return shares;
   const double nearest = *std::min_element(shares.begin(), shares.end());
-  for (double& share : shares) share = std::max(1.0 - (share - nearest) / kFade_m, 0.0);
+  const double fade_m = std::max(kFade_m, nearest);  // from above, say, they differ by little
+  for (double& share : shares) share = std::max(1.0 - (share - nearest) / fade_m, 0.0);
   return shares;
+}
+
+std::size_t nearest_vista(const std::vector<Vista>& vistas, const Eigen::Vector3d& p_world) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < vistas.size(); ++i) {
+    const double distance = distance_to(vistas[i].path_m, p_world);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = i;
+  }
+  return nearest;
 }
 
 }  // namespace simuli
