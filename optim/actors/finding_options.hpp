@@ -25,12 +25,25 @@ struct FindReport {
   std::size_t sweeps = 0;          // searched
   std::size_t moving_returns = 0;  // at places that other sweeps look through, of those above the ground
   std::size_t chains = 0;          // of clusters that move from sweep to sweep
-  std::size_t actors = 0;          // found
+  std::size_t actors = 0;          // found; of a drive that is cut, in each of its stretches
   std::size_t added = 0;           // of them, without a label
   std::size_t continued = 0;       // labels that go on where they had ended (complete_actors.hpp)
   std::size_t returns_on_actors = 0;
   std::size_t moving_on_actors = 0;  // of moving_returns
   double seconds = 0.0;
+
+  FindReport& operator+=(const FindReport& other) {
+    sweeps += other.sweeps;
+    moving_returns += other.moving_returns;
+    chains += other.chains;
+    actors += other.actors;
+    added += other.added;
+    continued += other.continued;
+    returns_on_actors += other.returns_on_actors;
+    moving_on_actors += other.moving_on_actors;
+    seconds += other.seconds;
+    return *this;
+  }
 };
 
 }  // namespace simuli

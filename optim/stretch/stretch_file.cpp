@@ -42,6 +42,17 @@ std::vector<T> values_in(const StateFile& file, const std::string& name, std::si
       file.path().string(), name, fmt::format("{} values", values.size()), fmt::format("{}", count));
 }
 
+std::vector<std::string> lines_in(const StateFile& file, const std::string& name) {
+  const std::vector<char> text = values_in<char>(file, name);
+  std::vector<std::string> out;
+  for (auto begin = text.begin(); begin != text.end();) {
+    const auto end = std::find(begin, text.end(), '\n');
+    out.emplace_back(begin, end);
+    begin = end == text.end() ? end : end + 1;
+  }
+  return out;
+}
+
 void write_set(StateWriter& out, const std::string& name, const GaussianSet& set) {
   const auto degree = static_cast<std::uint32_t>(set.sh_degree);
   out.add(name + "/sh_degree", bytes_of(&degree, 1));
@@ -173,6 +184,9 @@ void write_stretch(const std::filesystem::path& file, const std::string& setting
       out.add(block_of(actor) + "/shape", bytes_of(shape.data(), shape.size()));
     }
     out.add("actors", bytes_of(names.data(), names.size()));
+    std::string hiding;
+    for (const Actor& occluder : scene.occluders) hiding += occluder.name + '\n';
+    out.add("occluders", bytes_of(hiding.data(), hiding.size()));
     for (const RayDrop& drop : scene.ray_drop) {
       out.add("ray_drop/" + drop.lidar, bytes_of(drop.parameters.data(), drop.parameters.size()));
     }
@@ -202,10 +216,8 @@ StretchScene read_stretch(const std::filesystem::path& path, const std::string& 
   scene.environment.width = size[0];
   scene.environment.height = size[1];
   scene.environment.texels = values_in<float>(file, "environment");
-  const std::vector<char> names = values_in<char>(file, "actors");
-  for (auto begin = names.begin(); begin != names.end();) {
-    const auto end = std::find(begin, names.end(), '\n');
-    Actor actor = log.actors[find_actor(log.actors, std::string(begin, end))];
+  for (const std::string& name : lines_in(file, "actors")) {
+    Actor actor = log.actors[find_actor(log.actors, name)];
     const std::vector<double> offsets = values_in<double>(file, block_of(actor), 6 * actor.track.size());
     for (std::size_t k = 0; k < actor.track.size(); ++k) {
       actor.track[k].shift_m = Eigen::Vector3d(&offsets[6 * k]);
@@ -214,7 +226,10 @@ StretchScene read_stretch(const std::filesystem::path& path, const std::string& 
     actor.deformation = shape_of(values_in<double>(file, block_of(actor) + "/shape"));
     validate(actor, path.string());
     scene.actors.push_back(std::move(actor));
-    begin = end == names.end() ? end : end + 1;
+  }
+  for (const std::string& name : lines_in(file, "occluders")) {
+    scene.occluders.push_back(scene.actors[find_actor(scene.actors, name)]);
+    scene.occluders.back().deformation = {};
   }
   part.lidars = log.lidars;
   for (LogLidar& lidar : part.lidars) {

@@ -11,7 +11,7 @@ namespace simuli {
 /// little before and behind it (METHOD section 10, Stretches).
 struct StretchOptions {
   double length_m = 0.0;
-  double overlap_m = 100.0;
+  double overlap_m = 20.0;
   double beside = 0.5;
   std::size_t host_memory_bytes = 0;
 };

@@ -11,15 +11,11 @@
 namespace simuli {
 namespace {
 
-constexpr float kShellShare = 0.9F;   // of its distance: particles that far are the shell's
 constexpr double kVistaStep_m = 5.0;  // between the places of a stretch's path that are told
+constexpr double kNear_m = 100.0;     // of path beyond a stretch, in which actors may still hide a part of it
 
 std::uint32_t actor_of(const GaussianSet& set, Eigen::Index i) {
   return set.actor.empty() ? 0U : set.actor[static_cast<std::size_t>(i)];
-}
-
-bool is_shell(const Eigen::Vector3f& mean, const StretchParting& parting) {
-  return mean.norm() > kShellShare * static_cast<float>(parting.shell_distance_m);
 }
 
 Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
@@ -53,9 +49,10 @@ void correct(KeyPose& key, const Pose& world_from_actor) {
   key.turn_rad = rotation_vector(turn);
 }
 
-/// What of a stretch decides which of its particles stay: how many they are, by actor, 0 the background.
+/// What of a stretch decides which of its particles stay: how many they are by owner, 0 the background.
 struct PartCounts {
   std::vector<Actor> actors;
+  std::vector<std::string> occluders;  // their names
   std::vector<Eigen::Index> camera, lidar;
 };
 
@@ -119,8 +116,8 @@ class ActorParts {
   Eigen::Index most_ = 0;
 };
 
-std::vector<Eigen::Index> counts_of(const GaussianSet& set, std::size_t actors) {
-  std::vector<Eigen::Index> counts(actors + 1, 0);
+std::vector<Eigen::Index> counts_of(const GaussianSet& set, std::size_t owners) {
+  std::vector<Eigen::Index> counts(owners + 1, 0);
   for (Eigen::Index i = 0; i < set.size(); ++i) ++counts[actor_of(set, i)];
   return counts;
 }
@@ -132,20 +129,14 @@ class FilledSet {
     set.params.resize(count, param_rows(set.sh_degree));
     set.actor.reserve(static_cast<std::size_t>(count));
   }
-  /// The particles whose actors, or the background, have a number, under that; the background's of the far
-  /// shell under `shell`.
-  void add(const GaussianSet& from,
-           const std::map<std::uint32_t, std::uint32_t>& numbers,
-           std::uint32_t shell,
-           const StretchParting& parting) {
+  /// The particles whose owners (GaussianSet::actor) have a number, under that.
+  void add(const GaussianSet& from, const std::map<std::uint32_t, std::uint32_t>& numbers) {
     std::vector<Eigen::Index> kept;
     for (Eigen::Index i = 0; i < from.size(); ++i) {
-      const std::uint32_t actor = actor_of(from, i);
-      const auto number = numbers.find(actor);
+      const auto number = numbers.find(actor_of(from, i));
       if (number == numbers.end()) continue;
       kept.push_back(i);
-      const bool is_far = actor == 0 && is_shell(from.mean().row(i), parting);
-      set_.actor.push_back(is_far ? shell : number->second);
+      set_.actor.push_back(number->second);
     }
     set_.params.middleRows(end_, static_cast<Eigen::Index>(kept.size())) = from.params(kept, Eigen::all);
     end_ += static_cast<Eigen::Index>(kept.size());
@@ -155,6 +146,19 @@ class FilledSet {
   GaussianSet& set_;
   Eigen::Index end_ = 0;
 };
+
+/// The actor as it was recorded while the stretch was near.
+Actor occluder_of(const StretchParting& parting, std::size_t index, Actor actor) {
+  const Stretch& stretch = parting.stretches[index];
+  std::vector<KeyPose> near;
+  for (const KeyPose& key : actor.track) {
+    const double place_m = parting.path.place_at(key.time_s);
+    if (place_m >= stretch.from_m - kNear_m && place_m <= stretch.to_m + kNear_m) near.push_back(key);
+  }
+  if (!near.empty()) actor.track = std::move(near);
+  actor.deformation = {};
+  return actor;
+}
 
 void add_mean(std::vector<double>& sum, const std::vector<float>& values) {
   sum.resize(values.size(), 0.0);
@@ -185,16 +189,17 @@ void add_stretch(TrainReport& all, const TrainReport& own, double share) {
 }
 
 Scene owned(Scene scene, const StretchParting& parting, std::size_t index) {
-  for (GaussianSet* const set : {&scene.camera, &scene.lidar}) {
-    std::vector<Eigen::Index> kept;
-    for (Eigen::Index i = 0; i < set->size(); ++i) {
-      const Eigen::Vector3f mean = set->mean().row(i);
-      const bool stays = actor_of(*set, i) != 0 || is_shell(mean, parting) ||
-                         stretch_at(parting.stretches, parting.path.place_nearest(mean)) == index;
-      if (stays) kept.push_back(i);
-    }
-    *set = subset(*set, kept);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < scene.lidar.size(); ++i) {
+    const std::uint32_t owner = actor_of(scene.lidar, i);
+    const bool is_actors = owner != 0 && owner <= scene.actors.size();
+    const auto is_own = [&] {
+      const Eigen::Vector3f mean = scene.lidar.mean().row(i);
+      return stretch_at(parting.stretches, parting.path.place_nearest(mean)) == index;
+    };
+    if (is_actors || is_own()) kept.push_back(i);
   }
+  scene.lidar = subset(scene.lidar, kept);
   return scene;
 }
 
@@ -237,8 +242,12 @@ Scene merged(std::size_t count,
       out.camera = GaussianSet(SetKind::kCamera, own.camera.sh_degree, 0);
       out.lidar = GaussianSet(SetKind::kLidar, own.lidar.sh_degree, 0);
     }
-    const std::size_t numbers = own.actors.size();
-    parts.push_back({own.actors, counts_of(own.camera, numbers), counts_of(own.lidar, numbers)});
+    const std::size_t owners = most_numbers(own);
+    PartCounts& counted = parts.emplace_back();
+    counted.actors = own.actors;
+    for (const Actor& occluder : own.occluders) counted.occluders.push_back(occluder.name);
+    counted.camera = counts_of(own.camera, owners);
+    counted.lidar = counts_of(own.lidar, owners);
     ray_drop.add(stretch);
     add_mean(texels, own.environment.texels);
     add_mean(background, {own.camera_background.begin(), own.camera_background.end()});
@@ -268,19 +277,30 @@ Scene merged(std::size_t count,
     keep(of_actor.owner(), of_actor.number());
   }
 
-  for (std::size_t i = 0; i < count && count > 1; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     Vista& vista = out.vistas.emplace_back();
     vista.path_m = parting.path.places_of(parting.stretches[i], kVistaStep_m);
     for (Eigen::Vector3d& place : vista.path_m) place += out.origin;
+    for (const std::string& name : parts[i].occluders)
+      vista.occluders.push_back(occluder_of(parting, i, out.actors[find_actor(out.actors, name)]));
+  }
+  std::size_t occluder = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < parts[i].occluders.size(); ++k, ++occluder) {
+      const auto behind = static_cast<std::uint32_t>(parts[i].actors.size() + 2 * k + 1);
+      numbers[i][behind] = number_behind(out, occluder);
+      numbers[i][behind + 1] = number_instead(out, occluder);
+      keep(i, behind);
+      keep(i, behind + 1);
+    }
   }
   FilledSet camera(out.camera, camera_count), lidar(out.lidar, lidar_count);
   for (std::size_t i = 0; i < count; ++i) {
     const Scene& own = part(i).scene;
-    const std::uint32_t shell = out.vistas.empty() ? 0 : number_of_vista(out, i);
-    camera.add(own.camera, numbers[i], shell, parting);
-    lidar.add(own.lidar, numbers[i], shell, parting);
+    lidar.add(own.lidar, numbers[i]);
+    numbers[i][0] = number_of_vista(out, i);
+    camera.add(own.camera, numbers[i]);
   }
-  if (most_numbers(out) == 0) out.camera.actor.clear(), out.lidar.actor.clear();
   return in_coherent_order(std::move(out));
 }
 

@@ -14,8 +14,8 @@
 
 namespace simuli {
 
-/// A stretch when it has been trained: the particles that stand nearest to its own part of the path, its far
-/// shell, and the actors that it saw, with what it learned of its LiDARs.
+/// A stretch when it has been trained: all that its cameras see, of the LiDARs' particles those that stand
+/// nearest to its own part of the path, and the actors that it saw, with what it learned of its LiDARs.
 struct StretchScene {
   Scene scene;
   std::vector<LogLidar> lidars;
@@ -27,11 +27,9 @@ struct StretchParting {
   const DrivenPath& path;
   const std::vector<Stretch>& stretches;
   double overlap_m = 0.0;
-  double shell_distance_m = 0.0;  // from the scene's origin; particles that far are the far shell's
 };
 
-/// Without the background's particles that another stretch than number `index` owns. The far shell and all of
-/// the actors' stay.
+/// Without the background's particles of the LiDAR set that another stretch than number `index` owns.
 [[nodiscard]] Scene owned(Scene scene, const StretchParting& parting, std::size_t index);
 
 /// A stretch by its number, whole: good until the next one is asked for.
@@ -53,11 +51,11 @@ class MeanRayDrop {
 };
 
 /// One scene of all `count` of them, in their order, each of which is read twice; nothing but the scene and
-/// one of them is in memory at a time. All that they have of the background; the far shell of each, which is
-/// seen from its part of the path alone (Scene::vistas); of an actor the particles of the stretch that has
-/// most of it, each key pose as the stretch found it in which it lies, moved by what both have in common; the
-/// environment's mean, and that of the LiDARs' drop functions. `actors`: all that may have particles, their
-/// names those of the stretches' actors.
+/// one of them is in memory at a time. All that they have of the background: of the camera set each has its
+/// own, which is seen from its part of the path alone (Scene::vistas) together with what stood behind actors;
+/// of an actor the particles of the stretch that has most of it, each key pose as the stretch found it in
+/// which it lies, moved by what both have in common; the environment's mean, and that of the LiDARs' drop
+/// functions. `actors`: all that may have particles, their names those of the stretches' actors.
 [[nodiscard]] Scene merged(std::size_t count,
                            const StretchReader& part,
                            const std::vector<Actor>& actors,

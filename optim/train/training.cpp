@@ -1,7 +1,6 @@
 #include "optim/train/training.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <optional>
@@ -32,6 +31,25 @@
 namespace simuli {
 static constexpr double kSight_m = 100.0;  // that LiDARs and pictures tell the distance of, about
 
+/// What a device may have no room for beside the training: the scene is there all the same.
+template <class F>
+static void if_there_is_room(F&& make) {
+  try {
+    make();
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kDevice) throw;
+  }
+}
+
+static void fill_behind(const Device& device,
+                        const Log& log,
+                        const TrainingOptions& options,
+                        SceneFile& file) {
+  if (!options.fill.fill) return;
+  const FillRecipe recipe{options.frames, options.init, options.train.render};
+  if_there_is_room([&] { fill_behind_actors(device, log, recipe, file); });
+}
+
 /// What a training has made. Of a drive that is cut: the stretch that is being trained, and those that have
 /// been.
 struct Training::State {
@@ -39,9 +57,8 @@ struct Training::State {
   std::vector<Stretch> stretches{1};
   std::vector<int> ends;  // iterations of all stretches together behind each
   StretchParting parting(const TrainingOptions& options) const {
-    return {*path, stretches, options.stretches.overlap_m, shell_m};
+    return {*path, stretches, options.stretches.overlap_m};
   }
-  double shell_m = 0.0;
 
   std::size_t current = 0;
   Log log;  // of the current stretch
@@ -141,15 +158,19 @@ void Training::prepare_log(const Progress& progress) {
     return;
   }
   log_ = with_learned_sensors(std::move(log_), options_.frames, options_.sensors);
-  if (options_.actors.find && options_.init.actors) {
-    const FoundActors found = find_actors(log_, options_.frames, options_.actors);
-    CompletedActors completed = complete_actors(std::move(log_.actors), found.actors);
-    log_.actors = std::move(completed.actors);
-    report_.found = found.report;
-    report_.found.added = completed.added;
-    report_.found.continued = completed.continued;
-  }
+  find_moving(log_, options_.frames);
   state_ = std::move(state);
+}
+
+/// What moves in `seen`, all of the drive or a stretch, becomes the drive's.
+void Training::find_moving(const Log& seen, const FrameSelection& frames) {
+  if (!options_.actors.find || !options_.init.actors) return;
+  FoundActors found = find_actors(seen, frames, options_.actors);
+  CompletedActors completed = complete_actors(std::move(log_.actors), found.actors);
+  log_.actors = std::move(completed.actors);
+  found.report.added = completed.added;
+  found.report.continued = completed.continued;
+  report_.found += found.report;
 }
 
 /// What all stretches must know alike, from one stretch at a time: LiDARs as the first shows them, and what
@@ -165,23 +186,9 @@ void Training::prepare_stretches() {
   for (const Stretch& stretch : state.stretches) {
     const Log own = part(stretch);
     frames.push_back(own.images.empty() ? own.sweeps.size() : own.images.size());
-    if (!options_.actors.find || !options_.init.actors) continue;
-    const FoundActors found = find_actors(own, all, options_.actors);
-    CompletedActors completed = complete_actors(std::move(log_.actors), found.actors);
-    log_.actors = std::move(completed.actors);
-    FindReport& sum = report_.found;
-    sum.sweeps += found.report.sweeps;
-    sum.actors += completed.added;
-    sum.moving_returns += found.report.moving_returns;
-    sum.moving_on_actors += found.report.moving_on_actors;
-    sum.returns_on_actors += found.report.returns_on_actors;
-    sum.seconds += found.report.seconds;
-    sum.added += completed.added;
-    sum.continued += completed.continued;
+    find_moving(own, all);
   }
   if (options_.init.actors) log_.actors = moving_actors(log_.actors, options_.init.actor_min_travel_m);
-  state.shell_m = options_.init.shell_distance_m;
-  if (state.shell_m == 0.0) state.shell_m = shell_distance_m(state.path->farthest_m() + kSight_m);
   state.ends = ends_of(options_.train.iterations, frames);
 }
 
@@ -193,7 +200,8 @@ TrainingOptions Training::own_options() const {
   const int iterations = state.ends[state.current] - state.begun();
   own.frames = all_of(options_.frames);
   own.init.actor_min_travel_m = 0.0;
-  own.init.shell_distance_m = state.shell_m;
+  if (own.init.shell_distance_m == 0.0)
+    own.init.shell_distance_m = shell_distance_m(state.path->farthest_m() + kSight_m);
   own.train.max_seconds *= static_cast<double>(iterations) / std::max(state.ends.back(), 1);
   own.train.iterations = iterations;
   // Each stretch moves what all before it have come to, the less the more these are.
@@ -205,10 +213,9 @@ TrainingOptions Training::own_options() const {
 void Training::start(const Progress& progress) {
   State& state = *state_;
   const TrainingOptions own = own_options();
-  if (state.is_cut()) {
-    const Stretch& stretch = state.stretches[state.current];
-    state.log = log_of(log_, options_.frames, *state.path, stretch, options_.stretches);
-  }
+  if (state.is_cut())
+    state.log =
+        log_of(log_, options_.frames, *state.path, state.stretches[state.current], options_.stretches);
   const Log& log = state.is_cut() ? state.log : log_;
   SceneInit begin = initialize_scene(log, own.frames, own.init, progress);
   begin.report.dark_points = add_dark_surfaces(log, own.frames, own.init, begin.scene);
@@ -294,10 +301,11 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
       std::filesystem::remove(own_file, absent);
     }
     TrainReport report = run_one(on_step, checkpoints);
-    StretchScene part{owned(state.trainer->scene(), state.parting(options_), state.current), {}, report};
-    part.lidars = log_.lidars;
-    for (LogLidar& lidar : part.lidars) lidar.model = state.trainer->lidar(name_of(lidar.model));
-    state.trainer.reset();
+    SceneFile own = with_sensors(state.trainer->scene());
+    state.trainer.reset();  // the device has room for what comes
+    fill_behind(device_, state.log, own_options(), own);
+    StretchScene part{
+        owned(std::move(own.scene), state.parting(options_), state.current), std::move(own.lidars), report};
     if (!own_file.empty()) write_stretch(own_file, own_identity(), part);
     end_stretch(std::move(part), own_file);
   }
@@ -306,7 +314,6 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
 
 void Training::end_stretch(StretchScene part, const std::filesystem::path& file) {
   State& state = *state_;
-  state.trainer.reset();
   state.log = {};
   if (state.current == 0) log_.lidars = part.lidars;
   const double share =
@@ -383,14 +390,9 @@ SceneFile Training::completed(SceneFile file) const {
                                  .version = version(),
                                  .device = device_.info().label(),
                                  .driver = device_.info().driver_version};
-  try {
-    const FillRecipe fill{options_.frames, options_.init, options_.train.render};
-    if (options_.fill.fill) fill_behind_actors(device_, log_, fill, file);
-    file.support = record_support(device_, log_, file, options_.frames, options_.train.render);
-  } catch (const Error& error) {
-    // A device that has no room for these beside the training: the scene is there all the same.
-    if (error.kind() != ErrorKind::kDevice) throw;
-  }
+  if (!prepared().is_cut()) fill_behind(device_, log_, options_, file);
+  if_there_is_room(
+      [&] { file.support = record_support(device_, log_, file, options_.frames, options_.train.render); });
   return file;
 }
 

@@ -96,6 +96,7 @@ class Training {
   [[nodiscard]] std::string own_identity() const;
   /// What comes before the first particles: of the whole drive.
   void prepare_log(const Progress& progress);
+  void find_moving(const Log& seen, const FrameSelection& frames);
   void prepare_stretches();
   /// The current stretch, or the drive in one piece, from its first particles on.
   void start(const Progress& progress);

@@ -82,7 +82,7 @@ class Planner {
 
   /// Of a stretch of the drive's middle; of the finished scene where that is more.
   [[nodiscard]] Need need(double length_m) const {
-    const Content content = kMargin * (long_ + (length_m - long_m_) * per_m_);
+    const Content middle = long_ + (length_m - long_m_) * per_m_, content = kMargin * middle;
     const Log log = piece(length_m);
     Need need = device_need(log, content, length_m);
     double rays = 0.0;
@@ -92,7 +92,9 @@ class Planner {
     const bool shares = device_.info().is_cpu;  // the device's memory is the host's
     const double always = kProgramBytes + kKeyBytes * keys_ +
                           kFrameBytes * static_cast<double>(log_.images.size() + log_.sweeps.size());
-    const Content all = long_ + (path_.length_m() - long_m_) * per_m_;
+    Content all = long_ + (path_.length_m() - long_m_) * per_m_;
+    // Each stretch has a camera set of its own, which reaches beyond it.
+    all.camera = std::max(all.camera, path_.length_m() / length_m * middle.camera);
     const double scene = scene_bytes(all) * (kSceneCopies + (shares ? kDeviceScene : 0.0));
     const double stretch = kVoxelBytes * content.voxels + kParticleCopies * scene_bytes(content) +
                            kRayBytes * rays + (shares ? need.device : 0.0);

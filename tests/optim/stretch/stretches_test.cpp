@@ -231,7 +231,7 @@ TEST_F(StretchesTest, LeaveNoSeam) {
 TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
   const DrivenPath path(log_);
   const std::vector<Stretch> stretches = cut(path, {.length_m = 20.0});
-  const StretchParting parting{path, stretches, 6.0, 500.0};
+  const StretchParting parting{path, stretches, 6.0};
   Actor actor;
   actor.name = "car_0";
   actor.size_m = {4.0, 2.0, 1.5};
@@ -251,7 +251,7 @@ TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
     scene.camera.actor.assign(static_cast<std::size_t>(particles[i]), 1U);
     scene.camera.actor.resize(static_cast<std::size_t>(particles[i]) + 2, 0U);
     scene.camera.params.setConstant(static_cast<float>(i));
-    // Two of the far shell: all stay, also where several have some.
+    // Two of the background: all stay, also where several have some.
     const Eigen::Index last = scene.camera.size() - 1;
     scene.camera.mean().row(last) = Eigen::RowVector3f(500.0F, 0.0F, 1.0F);
     scene.camera.mean().row(last - 1) = Eigen::RowVector3f(0.0F, 490.0F, 100.0F * static_cast<float>(i));
@@ -271,7 +271,7 @@ TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
   EXPECT_EQ(read, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));  // one after the other, twice
   ASSERT_EQ(one.actors.size(), 1U);
   EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), 1U), 7);
-  // Each one's far shell is its own.
+  // What cameras see of the background is each one's own.
   ASSERT_EQ(one.vistas.size(), 3U);
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t number = number_of_vista(one, k);
