@@ -1,6 +1,7 @@
 #pragma once
 // Where a LiDAR sees one thing end in front of another: places that a camera sees as edges too.
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "io/log/log.hpp"
@@ -31,13 +32,18 @@ class EdgeImage {
   /// Blurred by a Gaussian of sigma_px.
   EdgeImage(const Luminance& picture, double sigma_px) : picture_(picture.blurred(sigma_px)) {}
 
+  /// Whether no mask hides what is there.
+  [[nodiscard]] bool is_open(const Eigen::Vector2d& pixel) const {
+    return !std::isnan(picture_.at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())));
+  }
+
   struct Edge {
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
     Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  // unit, towards the brighter side
     double strength = 0.0;                              // luminance per pixel
   };
   /// The strongest edge within reach_px of `pixel` along the unit `direction`, those near by favoured, that
-  /// runs across the direction; false where no edge reaches least_strength.
+  /// runs across the direction; false where no edge reaches least_strength. Next to what is hidden is none.
   [[nodiscard]] bool find(const Eigen::Vector2d& pixel,
                           const Eigen::Vector2d& direction,
                           double reach_px,

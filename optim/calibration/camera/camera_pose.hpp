@@ -63,7 +63,8 @@ struct CameraPoseReport {
     const CameraPoseOptions& options = {},
     const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-/// Reads the pictures (at most `most_views`, evenly taken) and the sweeps of a log.
+/// Reads the pictures (at most `most_views`, evenly taken) and the sweeps of a log; what the camera's masks
+/// hide of the pictures is left out. Error{kInput} for a picture of another size than the camera's.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const Log& log,
     const std::string& camera,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/base/spread.hpp"
+#include "optim/base/frames.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"
 
 namespace simuli::calibration {
@@ -32,7 +33,8 @@ CameraPoseReport find_camera_pose(const Log& log,
   const std::size_t count = std::min(frames.size(), most_views);
   for (std::size_t i = 0; i < count; ++i) {
     const ImageFrame& frame = *frames[i * frames.size() / count];
-    views.push_back({Luminance(read_image(log.folder / frame.file)), frame.time_start_s, frame.time_end_s});
+    views.push_back(
+        {Luminance(load_image(log, frame, log.camera(camera).model)), frame.time_start_s, frame.time_end_s});
   }
   const LogLidar& sensor = log.lidar(lidar);
   LidarScene scene;

@@ -215,7 +215,8 @@ class TextureProblem {
     };
     std::vector<std::pair<int, std::uint32_t>> kept;  // plane, point
     for (const Candidate& candidate : candidates) {
-      if (carries_on(candidate)) kept.emplace_back(points_[candidate.point].plane, candidate.point);
+      if (carries_on(candidate) && pictures_[v]->is_open(candidate.pixel))
+        kept.emplace_back(points_[candidate.point].plane, candidate.point);
     }
     std::sort(kept.begin(), kept.end());
     std::vector<Piece> pieces;

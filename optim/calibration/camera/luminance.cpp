@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "io/log/camera_mask.hpp"
 
 namespace simuli::calibration {
 
@@ -9,11 +12,20 @@ Luminance::Luminance(const Image& image) : width_(image.width), height_(image.he
   values_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      values_[index(x, y)] = image.channels < 3 ? image.at(x, y, 0)
-                                                : 0.299F * image.at(x, y, 0) + 0.587F * image.at(x, y, 1) +
-                                                      0.114F * image.at(x, y, 2);
+      float& value = values_[index(x, y)];
+      if (image.at(x, y, 0) == kHiddenValue) {
+        value = std::numeric_limits<float>::quiet_NaN();
+      } else if (image.channels < 3) {
+        value = image.at(x, y, 0);
+      } else {
+        value = 0.299F * image.at(x, y, 0) + 0.587F * image.at(x, y, 1) + 0.114F * image.at(x, y, 2);
+      }
     }
   }
+}
+
+bool Luminance::all_open() const {
+  return std::none_of(values_.begin(), values_.end(), [](float value) { return std::isnan(value); });
 }
 
 Luminance Luminance::blurred(double sigma_px) const {

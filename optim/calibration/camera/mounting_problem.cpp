@@ -127,7 +127,7 @@ Match EdgeMatcher::find_one(std::size_t v, std::size_t e, const MountingState& s
   }
   constexpr double kMargin_px = 3.0;
   if (!(pixel.x() >= kMargin_px && pixel.y() >= kMargin_px && pixel.x() <= model.width - kMargin_px &&
-        pixel.y() <= model.height - kMargin_px)) {
+        pixel.y() <= model.height - kMargin_px && edge_images_[v].is_open(pixel))) {
     return match;
   }
   Vector2d outside;

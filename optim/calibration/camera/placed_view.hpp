@@ -17,10 +17,23 @@ class SmoothPicture {
   SmoothPicture(const Luminance& picture, double blur_px)
       : blurred_(picture.blurred(blur_px)),
         grid_(blurred_.data(), 0, blurred_.height(), 0, blurred_.width()),
-        cubic_(grid_) {}
+        cubic_(grid_),
+        all_open_(blurred_.all_open()) {}
   SmoothPicture(const SmoothPicture&) = delete;  // cubic_ points at grid_
   SmoothPicture& operator=(const SmoothPicture&) = delete;
 
+  /// Whether nothing that a mask hides is near enough to tell in at(), here and up to 3 px further on.
+  [[nodiscard]] bool is_open(const Eigen::Vector2d& pixel) const {
+    if (all_open_) return true;
+    // What one hidden pixel flows into is at least 7 px wide: these four and the middle don't miss it.
+    constexpr double kFurther_px = 3.0;
+    Eigen::Vector2d unused;
+    double sum = at(pixel, unused);
+    for (const double dx : {-kFurther_px, kFurther_px}) {
+      for (const double dy : {-kFurther_px, kFurther_px}) sum += at(pixel + Eigen::Vector2d(dx, dy), unused);
+    }
+    return !std::isnan(sum);
+  }
   [[nodiscard]] double at(const Eigen::Vector2d& pixel, Eigen::Vector2d& gradient) const {
     double value = 0.0;
     cubic_.Evaluate(pixel.y() - 0.5, pixel.x() - 0.5, &value, &gradient[1], &gradient[0]);
@@ -32,6 +45,7 @@ class SmoothPicture {
   Luminance blurred_;
   Grid grid_;
   ceres::BiCubicInterpolator<Grid> cubic_;
+  bool all_open_;
 };
 
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "host/base/error.hpp"
+#include "io/log/camera_mask.hpp"
+#include "tests/io/scratch.hpp"
 #include "tests/optim/calibration/street_drive.hpp"
 
 namespace simuli::calibration {
@@ -110,6 +112,76 @@ TEST(CameraPose, ABlankWallIsRefused) {
   }
 }
 
+/// The drive's log with its pictures and sweeps on disk. `stripes_px`: how wide those are that are painted
+/// over the left eighth of each picture, where a mask hides them.
+Log with_pillar(const test::StreetDrive& drive, const test::Scratch& scratch, int stripes_px) {
+  Log log = drive.log;
+  log.folder = scratch / std::to_string(stripes_px);
+  const Camera& camera = log.cameras[0].model;
+  CameraMask mask{camera.width, camera.height, {}};
+  const int pillar = camera.width / 8;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) mask.hidden.push_back(x < pillar ? 1 : 0);
+  }
+  log.hidden[camera.name] = std::make_shared<const CameraMask>(mask);
+  for (std::size_t i = 0; i < log.images.size(); ++i) {
+    const ImageFrame& frame = log.images[i];
+    Image picture =
+        render_street(drive.street, log.cameras[0], log.world_from_rig, frame.time_start_s, frame.time_end_s);
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < pillar; ++x) {
+        const bool bright = (y / stripes_px + x / (2 * stripes_px)) % 2 == 0;
+        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = bright ? 1.0F : 0.0F;
+      }
+    }
+    std::filesystem::create_directories((log.folder / frame.file).parent_path());
+    std::filesystem::create_directories((log.folder / log.sweeps[i].file).parent_path());
+    write_image(log.folder / frame.file, picture);
+    write_sweep(log.folder / log.sweeps[i].file, drive.sweep(i));
+  }
+  return log;
+}
+
+TEST(CameraPose, WhatAMaskHidesMakesNoDifference) {
+  const test::StreetDrive drive(8, 8.0, 0.6, 400);
+  const test::Scratch scratch;
+  const auto pose = [](const Log& log) {
+    return find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
+  };
+  const auto same_bits = [](const CameraPoseReport& a, const CameraPoseReport& b) {
+    return a.rig_from_camera.translation == b.rig_from_camera.translation &&
+           a.rig_from_camera.rotation.coeffs() == b.rig_from_camera.rotation.coeffs() &&
+           a.time_offset_s == b.time_offset_s && a.translation_sigma_m == b.translation_sigma_m &&
+           a.rotation_sigma_rad == b.rotation_sigma_rad && a.time_sigma_s == b.time_sigma_s &&
+           a.edges == b.edges && a.matched == b.matched && a.pieces == b.pieces &&
+           a.texture_points == b.texture_points && a.texture_after == b.texture_after &&
+           a.after_px == b.after_px;
+  };
+  Log log = with_pillar(drive, scratch, 24);
+  const CameraPoseReport report = pose(log);
+  EXPECT_GT(report.pieces, 50U);
+  EXPECT_LT(report.translation_change_m.norm(), 0.02) << report.translation_change_m.transpose();
+  EXPECT_TRUE(same_bits(report, pose(with_pillar(drive, scratch, 5))));
+  log.hidden.clear();
+  const CameraPoseReport open = pose(log);
+  EXPECT_FALSE(same_bits(report, open));
+  EXPECT_GT(open.edges, report.edges);
+}
+
+TEST(CameraPose, APictureOfAnotherSizeIsRefused) {
+  const test::StreetDrive drive(2, 8.0, 0.6);
+  const test::Scratch scratch;
+  Log log = with_pillar(drive, scratch, 24);
+  write_image(log.folder / log.images[1].file, Image(160, 90, 3));
+  try {
+    (void)find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("160 x 90"), std::string::npos) << error.what();
+  }
+}
+
 TEST(DepthEdges, LieOnTheRimsOfAPole) {
   // One row of rays from -10 to 10 degrees; a pole 4 m away before a wall at 10 m.
   Lidar model;
@@ -151,6 +223,19 @@ TEST(EdgeImage, FindsAStepToAnEighthOfAPixel) {
   EXPECT_NEAR(edge.normal.x(), 1.0, 1e-6);
   EXPECT_FALSE(edges.find({40.0, 15.5}, Eigen::Vector2d::UnitX(), 6.0, 0.02, edge));
   EXPECT_FALSE(edges.find({20.3, 15.5}, Eigen::Vector2d::UnitY(), 6.0, 0.02, edge));
+}
+
+TEST(EdgeImage, FindsNoneWhereAMaskBegins) {
+  Image image(64, 32, 1);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 64; ++x) image.at(x, y, 0) = x < 12 ? 0.0F : x < 40 ? 0.8F : kHiddenValue;
+  }
+  const EdgeImage edges(Luminance(image), 1.0);
+  EdgeImage::Edge edge;
+  EXPECT_FALSE(edges.find({36.0, 15.5}, Eigen::Vector2d::UnitX(), 8.0, 0.01, edge));
+  EXPECT_TRUE(edges.find({14.0, 15.5}, Eigen::Vector2d::UnitX(), 8.0, 0.01, edge));
+  EXPECT_TRUE(edges.is_open({36.9, 15.5}));  // what is hidden flows three pixels far
+  EXPECT_FALSE(edges.is_open({37.1, 15.5}));
 }
 
 }  // namespace
