@@ -201,7 +201,9 @@ TEST_F(ServerTest, MoreThanItsWorkersWait) {
         const auto stub = NreService::NewStub(channel_to(server_->address()));
         grpc::ClientContext context;
         proto::RGBRenderReturn reply;
-        if (stub->render_rgb(&context, picture_request("front", 0.5, 0.5), &reply).ok()) ++answered;
+        const grpc::Status status = stub->render_rgb(&context, picture_request("front", 0.5, 0.5), &reply);
+        EXPECT_TRUE(status.ok()) << status.error_code() << ": " << status.error_message();
+        if (status.ok()) ++answered;
       });
     }
   }
