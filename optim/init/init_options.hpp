@@ -39,6 +39,7 @@ struct InitOptions {
   bool mirror_actors = false;
   bool register_tracks = true;  // see actor_tracks.hpp
   double dark_voxel_m = 0.1;    // see dark_surfaces.hpp
+  double dark_still_m = 0.15;   // see dark_still.hpp
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
@@ -141,6 +142,10 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         o.dark_voxel_m,
         zero_or(range(0.02, 1.0)),
         "m, side of the voxels in which actors' surfaces that return nothing are looked for; 0: not at all");
+  field("init.dark_still_m",
+        o.dark_still_m,
+        zero_or(range(0.02, 1.0)),
+        "m, the same of what stands still, where the ground would have answered the rays that drop; 0: not at all");
   field("init.register_tracks", o.register_tracks, "correct the actors' tracks by what the laser measured");
 }
 
@@ -154,7 +159,7 @@ struct InitReport {
   std::size_t points = 0;         // returns in those sweeps
   std::size_t voxels = 0;         // occupied
   std::size_t actor_points = 0;   // voxels of actors
-  std::size_t dark_points = 0;    // voxels of actors' surfaces that return nothing
+  std::size_t dark_points = 0;    // voxels of surfaces that return nothing
   std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
   std::size_t unseen_points = 0;  // voxels that no image sees, nor would off the path: not in the camera set
   std::size_t joined_points = 0;  // voxels that no picture shows apart from others

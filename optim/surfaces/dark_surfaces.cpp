@@ -6,7 +6,9 @@
 #include <utility>
 #include <variant>
 
+#include "host/scene/ground/ground_mesh.hpp"
 #include "optim/init/initialize_sets.hpp"
+#include "optim/surfaces/dark_still.hpp"
 
 namespace simuli {
 namespace {
@@ -141,21 +143,39 @@ std::vector<PointSet> DarkSurfaces::points() const {
   return out;
 }
 
+/// Of what stands still.
+static PointSet still_points(const Log& log,
+                             const std::vector<const SweepFrame*>& sweeps,
+                             double voxel_m,
+                             const Scene& scene) {
+  const GroundMap ground = ground_of(scene);
+  DarkStill dark(ground, voxel_m);
+  for (const SweepFrame* frame : sweeps) dark.add_dropped(load_sweep(log, *frame, scene.origin));
+  for (const SweepFrame* frame : sweeps) dark.add_returned(load_sweep(log, *frame, scene.origin));
+  return dark.points();
+}
+
 std::size_t add_dark_surfaces(const Log& log,
                               const FrameSelection& frames,
                               const InitOptions& options,
                               Scene& scene) {
-  if (scene.actors.empty() || options.dark_voxel_m == 0.0) return 0;
+  const std::vector<const SweepFrame*> sweeps = training_frames(log.sweeps, HeldOutRule(log, frames));
+  std::size_t count = 0;
+  const auto add = [&](const PointSet& points, std::uint32_t owner) {
+    if (points.size() == 0) return;
+    append(scene.lidar, dark_set(points, options), owner);
+    count += points.size();
+  };
+  if (options.dark_still_m > 0.0 && scene.lidar.size() > 0) {
+    add(still_points(log, sweeps, options.dark_still_m, scene), 0);
+  }
+  if (scene.actors.empty() || options.dark_voxel_m == 0.0) return count;
   DarkSurfaces dark(scene.actors, options.dark_voxel_m, scene.origin);
-  for (const SweepFrame* frame : training_frames(log.sweeps, HeldOutRule(log, frames))) {
+  for (const SweepFrame* frame : sweeps) {
     dark.add(load_sweep(log, *frame, scene.origin), frame->time_start_s, frame->time_end_s);
   }
-  std::size_t count = 0;
   const std::vector<PointSet> points = dark.points();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    append(scene.lidar, dark_set(points[i], options), static_cast<std::uint32_t>(i + 1));
-    count += points[i].size();
-  }
+  for (std::size_t i = 0; i < points.size(); ++i) add(points[i], static_cast<std::uint32_t>(i + 1));
   return count;
 }
 

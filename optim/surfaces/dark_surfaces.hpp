@@ -60,8 +60,8 @@ class DarkSurfaces {
   std::vector<Box> boxes_;
 };
 
-/// Particles of the LiDAR set that stand in rays' way where actors of the scene have such surfaces, behind
-/// those that there are. Returns how many. Error{kInput} when a sweep can't be read.
+/// Particles of the LiDAR set that stand in rays' way where such surfaces are, of what stands still
+/// (dark_still.hpp) and of actors, behind those that there are. Returns how many. Error{kInput} when a sweep can't be read.
 std::size_t add_dark_surfaces(const Log& log,
                               const FrameSelection& frames,
                               const InitOptions& options,

@@ -137,7 +137,7 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
                             found.continued))
       << fmt::format(
              "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
-             "there), LiDAR set {} particles ({} of them on actors' surfaces that return nothing)\n",
+             "there), LiDAR set {} particles ({} of them on surfaces that return nothing)\n",
              r.camera_particles,
              init.shell_particles,
              init.filled_particles,
