@@ -2,16 +2,19 @@
 """Is a training the same however many ranks share it, and whoever is killed meanwhile? What does sharing gain?
 
   bench/train_ranks.py PROGRAM [hashes] [speed] [kills] [rates] [--kills 20] [--runs 5] [--seed N] [--work FOLDER]
+                       [--picture 160x90] [--columns 360]
 
 On the embedded street, by mpirun (oversubscribed), each rank with one thread of PoCL. All parts unless some are named:
   hashes  the scenes of 1, 2 and 4 ranks with 4 shards, and of one process with two devices: SHA-256 of all files
-  speed   1 and 2 ranks in turns: least seconds of several runs, and what ranks tell each other a step
+  speed   1 and 2 ranks in turns, and two trainings apart at once: least seconds of several runs, and what ranks tell
+          each other a step
   kills   a rank is killed by SIGKILL at a random moment, and others, as many as chance says, go on; again and again
           until it is done: the files of the undisturbed run
   rates   the same number of frames in steps of 1, 2 and 4, with rates as they are, times the root, times the number
 Exit code 1 where bits differ.
 """
 import argparse
+import concurrent.futures
 import hashlib
 import json
 import os
@@ -69,17 +72,23 @@ def hashes(args):
 
 def speed(args):
     options = ["--iterations", "40", "--set", "shards=4"]
-    seconds = {1: [], 2: []}
+    seconds, apart = {1: [], 2: []}, []
     for _ in range(args.runs):
         for ranks in seconds:
             told, _ = train(args, ranks, "t.scene", *options)
             seconds[ranks].append(told["seconds"])
+        # Two that share nothing but the machine: no two ranks can be faster.
+        with concurrent.futures.ThreadPoolExecutor(2) as both:
+            apart.append(max(told["seconds"] for told, _ in
+                             both.map(lambda k: train(args, 1, f"apart{k}.scene", *options), range(2))))
     gathered = told["gathered_bytes"] / told["iterations"]
     least = {ranks: min(times) for ranks, times in seconds.items()}
     print(f"training alone, least of {args.runs}: 1 rank {least[1]:.2f} s, 2 ranks {least[2]:.2f} s: "
-          f"{least[1] / least[2]:.2f} times as fast; {gathered / 1e6:.2f} MB gathered a step "
+          f"{least[1] / least[2]:.2f} times as fast; two trainings apart {min(apart):.2f} s: "
+          f"{2.0 * least[1] / min(apart):.2f} times one after the other; {gathered / 1e6:.2f} MB gathered a step "
           f"({told['camera_particles']} + {told['lidar_particles']} particles)", flush=True)
-    print("  all: " + "; ".join(f"{r} ranks " + ", ".join(f"{s:.2f}" for s in t) for r, t in seconds.items()))
+    print("  all: " + "; ".join(f"{r} ranks " + ", ".join(f"{s:.2f}" for s in t) for r, t in seconds.items()) +
+          "; apart " + ", ".join(f"{s:.2f}" for s in apart))
     return True
 
 
@@ -148,6 +157,8 @@ def main():
     parser.add_argument("parts", nargs="*", choices=[[], *parts], default=[])
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--picture", default="160x90", help="of the street's camera, px")
+    parser.add_argument("--columns", type=int, default=360, help="of its LiDAR")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--work", type=pathlib.Path, help="folder to make; default: a temporary one, removed again")
     args = parser.parse_args()
@@ -158,8 +169,9 @@ def main():
     args.work = args.work or pathlib.Path(tempfile.mkdtemp(prefix="simuli_ranks_"))
     args.work.mkdir(exist_ok=True)
     if not (args.work / "s.log").exists():
-        run([args.program, "synth", "street", "-o", "s.log", "--frames", "20", "--image-width", "160", "--image-height",
-             "90", "--lidar-columns", "360"], args.work)
+        width, height = args.picture.split("x")
+        run([args.program, "synth", "street", "-o", "s.log", "--frames", "20", "--image-width", width, "--image-height",
+             height, "--lidar-columns", str(args.columns)], args.work)
     is_same = all([parts[part](args) for part in args.parts or parts])
     if not is_kept:
         shutil.rmtree(args.work)
