@@ -71,7 +71,7 @@ def hashes(args):
 
 
 def speed(args):
-    options = ["--iterations", "40", "--set", "shards=4"]
+    options = ["--iterations", "120", "--set", "shards=4"]
     seconds, apart = {1: [], 2: []}, []
     for _ in range(args.runs):
         for ranks in seconds:

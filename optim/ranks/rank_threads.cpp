@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace simuli {
@@ -18,17 +19,18 @@ struct OtherHasEnded : Error {
 /// What the ranks leave for each other.
 class Meeting {
  public:
-  explicit Meeting(std::size_t count) : given_(count) {}
+  explicit Meeting(std::size_t count) : given_(count), all_(count) {}
   [[nodiscard]] std::size_t size() const { return given_.size(); }
 
-  std::vector<Ranks::Bytes> gather(std::size_t rank, std::span<const std::byte> own) {
+  std::span<const Ranks::Message> gather(std::size_t rank, Ranks::Message own) {
     std::unique_lock lock(mutex_);
     need_all();
     given_[rank].assign(own.begin(), own.end());
     const std::uint64_t round = rounds_;
     if (++come_ == size()) {
       come_ = 0;
-      all_ = given_;
+      std::swap(all_, given_);
+      messages_.assign(all_.begin(), all_.end());
       ++rounds_;
       changed_.notify_all();
     } else {
@@ -36,7 +38,7 @@ class Meeting {
       // One that is done must not be called ended: its failure, if any, is of a later round.
       if (rounds_ == round) need_all();
     }
-    return all_;  // stays until all have been here again
+    return messages_;  // stays until all have been here again
   }
   void fail(std::exception_ptr failure) {
     const std::lock_guard lock(mutex_);
@@ -54,6 +56,7 @@ class Meeting {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Ranks::Bytes> given_, all_;
+  std::vector<Ranks::Message> messages_;  // in all_
   std::size_t come_ = 0;
   std::uint64_t rounds_ = 0;
   std::exception_ptr failure_;
@@ -64,7 +67,7 @@ class RankThread final : public Ranks {
   RankThread(Meeting& meeting, std::size_t rank) : meeting_(meeting), rank_(rank) {}
   [[nodiscard]] std::size_t rank() const override { return rank_; }
   [[nodiscard]] std::size_t size() const override { return meeting_.size(); }
-  [[nodiscard]] std::vector<Bytes> all_gather(std::span<const std::byte> own) override {
+  [[nodiscard]] std::span<const Message> all_gather(Message own) override {
     return meeting_.gather(rank_, own);
   }
 

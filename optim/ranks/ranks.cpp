@@ -12,19 +12,22 @@ class OneRank final : public Ranks {
  public:
   [[nodiscard]] std::size_t rank() const override { return 0; }
   [[nodiscard]] std::size_t size() const override { return 1; }
-  [[nodiscard]] std::vector<Bytes> all_gather(std::span<const std::byte> own) override {
-    return {Bytes(own.begin(), own.end())};
+  [[nodiscard]] std::span<const Message> all_gather(Message own) override {
+    thread_local Message all;  // one_rank() is everybody's
+    all = own;
+    return {&all, 1};
   }
 };
 
 std::vector<bool> told(Ranks& ranks, bool own) {
   const std::byte byte{static_cast<unsigned char>(own ? 1 : 0)};
   std::vector<bool> out;
-  for (const Ranks::Bytes& bytes : ranks.all_gather({&byte, 1})) out.push_back(bytes.at(0) != std::byte{0});
+  for (const Ranks::Message bytes : ranks.all_gather({&byte, 1}))
+    out.push_back(bytes.front() != std::byte{0});
   return out;
 }
 
-std::vector<RankField> fields_in(const Ranks::Bytes& bytes) {
+std::vector<RankField> fields_in(Ranks::Message bytes) {
   RankReader reader(bytes);
   std::vector<std::uint64_t> count;
   reader.get(count);
@@ -49,7 +52,7 @@ bool Ranks::first(bool own) { return size() == 1 ? own : told(*this, own).front(
 void Ranks::wait_for_all() { static_cast<void>(any(false)); }
 
 Ranks& one_rank() {
-  static OneRank one;  // without a state
+  static OneRank one;
   return one;
 }
 
@@ -65,7 +68,8 @@ void need_same(Ranks& ranks, const std::vector<RankField>& fields) {
     own.put(field.name);
     own.put(field.value);
   }
-  const std::vector<Ranks::Bytes> all = ranks.all_gather(own.take());
+  const Ranks::Bytes bytes = own.take();
+  const std::span<const Ranks::Message> all = ranks.all_gather(bytes);
   const std::vector<RankField> expected = fields_in(all.front());
   for (std::size_t rank = 1; rank < all.size(); ++rank) {
     const std::vector<RankField> found = fields_in(all[rank]);

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <new>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -13,10 +15,27 @@
 
 namespace simuli {
 
+/// Leaves new elements as they come: messages are megabytes, each written anyway.
+template <class T>
+struct UnsetAllocator : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = UnsetAllocator<U>;
+  };
+  template <class U>
+  void construct(U* at) {
+    ::new (static_cast<void*>(at)) U;
+  }
+  template <class U, class... Args>
+  void construct(U* at, Args&&... args) {
+    ::new (static_cast<void*>(at)) U(std::forward<Args>(args)...);
+  }
+};
+
 /// One of them, as it sees the others. All ranks make the same calls in the same order.
 class Ranks {
  public:
-  using Bytes = std::vector<std::byte>;
+  using Bytes = std::vector<std::byte, UnsetAllocator<std::byte>>;
 
   Ranks() = default;
   Ranks(const Ranks&) = delete;
@@ -25,9 +44,10 @@ class Ranks {
 
   [[nodiscard]] virtual std::size_t rank() const = 0;  // from 0
   [[nodiscard]] virtual std::size_t size() const = 0;
-  /// What each rank gives, by rank. Nothing is added or changed on the way. An exception when another rank
-  /// has ended.
-  [[nodiscard]] virtual std::vector<Bytes> all_gather(std::span<const std::byte> own) = 0;
+  /// What each rank gives, by rank; stands until this rank's next call, and its own as long as the caller's
+  /// does. Nothing is added or changed on the way. An exception when another rank has ended.
+  using Message = std::span<const std::byte>;
+  [[nodiscard]] virtual std::span<const Message> all_gather(Message own) = 0;
 
   /// Whether it holds for any rank.
   [[nodiscard]] bool any(bool own);
@@ -58,21 +78,30 @@ void need_same(Ranks& ranks, const std::vector<RankField>& fields);
 /// Values without pointers, one behind the other, as ranks send them.
 class RankWriter {
  public:
+  RankWriter() = default;
+  /// Over the memory of a message that is done with.
+  explicit RankWriter(Ranks::Bytes&& memory) : bytes_(std::move(memory)) { bytes_.clear(); }
   template <class T>
   requires std::is_trivially_copyable_v<T>
   void put(const std::vector<T>& values) {
-    const std::uint64_t count = values.size();
-    append(&count, sizeof count);
-    append(values.data(), values.size() * sizeof(T));
+    const std::span<T> room = this->room<T>(values.size());
+    if (!values.empty()) std::memcpy(room.data(), values.data(), room.size_bytes());
+  }
+  /// Room for `count` values, to be written before the next call. Aligned for T as long as all that is in
+  /// front of it has whole multiples of its size.
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  [[nodiscard]] std::span<T> room(std::size_t count) {
+    const std::uint64_t number = count;
+    const std::size_t at = bytes_.size() + sizeof number;
+    bytes_.resize(at + count * sizeof(T));
+    std::memcpy(bytes_.data() + at - sizeof number, &number, sizeof number);
+    return {reinterpret_cast<T*>(bytes_.data() + at), count};
   }
   void put(const std::string& text) { put(std::vector<char>(text.begin(), text.end())); }
   [[nodiscard]] Ranks::Bytes take() { return std::move(bytes_); }
 
  private:
-  void append(const void* from, std::size_t count) {
-    const auto* const first = static_cast<const std::byte*>(from);
-    bytes_.insert(bytes_.end(), first, first + count);
-  }
   Ranks::Bytes bytes_;
 };
 
@@ -83,11 +112,19 @@ class RankReader {
   template <class T>
   requires std::is_trivially_copyable_v<T>
   void get(std::vector<T>& values) {
-    std::uint64_t count = 0;
-    take(&count, sizeof count);
-    if (count > left_.size() / sizeof(T)) refuse();
+    const std::size_t count = taken_count(sizeof(T));
     values.resize(count);
     take(values.data(), count * sizeof(T));
+  }
+  /// The next values where they stand, as room() had aligned them.
+  template <class T>
+  requires std::is_trivially_copyable_v<T>
+  [[nodiscard]] std::span<const T> view() {
+    const std::size_t count = taken_count(sizeof(T));
+    const std::byte* const at = left_.data();
+    if (reinterpret_cast<std::uintptr_t>(at) % alignof(T) != 0) refuse();
+    left_ = left_.subspan(count * sizeof(T));
+    return {reinterpret_cast<const T*>(at), count};
   }
   void get(std::string& text) {
     std::vector<char> letters;
@@ -97,6 +134,12 @@ class RankReader {
 
  private:
   [[noreturn]] static void refuse();
+  [[nodiscard]] std::size_t taken_count(std::size_t size) {
+    std::uint64_t count = 0;
+    take(&count, sizeof count);
+    if (count > left_.size() / size) refuse();
+    return count;
+  }
   void take(void* to, std::size_t count) {
     if (count > left_.size()) refuse();
     if (count > 0) std::memcpy(to, left_.data(), count);

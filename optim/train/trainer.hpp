@@ -143,11 +143,15 @@ class Trainer {
   /// The frames of turn `turn`, from 0, of a set, in the order of shards.
   [[nodiscard]] std::vector<std::size_t> shard_frames(FrameOrder& order, int turn) const;
   /// What `frame` says of each shard, all of which this rank has in the end; sum_ has their gradients' mean.
-  /// `frame` leaves a shard's gradients with the set, and its errors where it is told.
-  using ShardFrame = std::function<ShardPart(std::size_t shard, RealBuffer& error)>;
+  /// `frame` gives sum_ a shard's gradients.
+  using ShardFrame = std::function<ShardPart(std::size_t shard)>;
   [[nodiscard]] std::vector<ShardPart> run_shards(TrainedSet& set, bool errors, const ShardFrame& frame);
+  /// The parts of all ranks, in the order of shards; sum_ has its total then.
+  [[nodiscard]] std::vector<ShardPart> gather_shards(const std::vector<ShardPart>& own);
+  /// The gradients that stand with the set, of what the pass shows.
+  void add_shard(std::size_t shard, const TrainedSet& set, const Pass& pass);
   /// What differentiate() and the losses make of a shard.
-  [[nodiscard]] ShardPart part_of(const Turn& turn, Shown& shown, const FrameTimes& times, RealBuffer& error);
+  [[nodiscard]] ShardPart part_of(const Turn& turn, Shown& shown, const FrameTimes& times, std::size_t shard);
   /// The step of a set by the parts of all shards.
   void descend_shards(const Turn& turn,
                       const std::vector<ShardPart>& parts,
@@ -199,6 +203,7 @@ class Trainer {
   SeenSurfaces surfaces_;
   std::map<std::string, RayValues> beside_;
   std::optional<ShardSum> sum_;  // of the shards of a step, where there are several
+  Ranks::Bytes message_;         // to other ranks; its memory is used again
   FrameOrder images_, sweeps_;
   TrainLength length_;
   SensorOffsets offsets_;  // of the sensors whose poses are learned

@@ -13,27 +13,20 @@
 
 namespace simuli {
 
-/// What a shard's frame says of all that training moves.
+/// What a shard's frame says of all that training moves but the particles, of which sum_ knows.
 struct Trainer::ShardPart {
-  std::vector<std::uint32_t> columns;  // the particles that it shows, in their order
-  std::vector<double> losses;          // as Trainer's note_*() take them
-  std::vector<double> pose;            // of the sensor, where it is learned: translation, rotation
-  std::vector<double> actors;          // 12 for each, where their poses are learned
-  std::vector<double> shapes;          // of those that have one, as numbers_of() has them
+  std::vector<double> losses;  // as Trainer's note_*() take them
+  std::vector<double> pose;    // of the sensor, where it is learned: translation, rotation
+  std::vector<double> actors;  // 12 for each, where their poses are learned
+  std::vector<double> shapes;  // of those that have one, as numbers_of() has them
   std::vector<float> grid, environment;
   std::vector<TrainedDrop::Function> drop;  // what a sweep teaches; one, or none
-  // Empty at home, where they stand on the device.
-  std::vector<float> grads;   // [rows][columns]
-  std::vector<float> errors;  // [columns], when they are collected
 
-  [[nodiscard]] Ranks::Bytes bytes() const {
-    RankWriter writer;
+  void put(RankWriter& writer) const {
     visit(*this, [&writer](const auto& values) { writer.put(values); });
-    return writer.take();
   }
-  [[nodiscard]] static ShardPart of(std::span<const std::byte> bytes) {
+  [[nodiscard]] static ShardPart of(RankReader& reader) {
     ShardPart part;
-    RankReader reader(bytes);
     visit(part, [&reader](auto& values) { reader.get(values); });
     return part;
   }
@@ -41,8 +34,7 @@ struct Trainer::ShardPart {
  private:
   template <class Part, class F>
   static void visit(Part& p, F&& f) {
-    f(p.columns), f(p.losses), f(p.pose), f(p.actors), f(p.shapes), f(p.grid), f(p.environment), f(p.drop);
-    f(p.grads), f(p.errors);
+    f(p.losses), f(p.pose), f(p.actors), f(p.shapes), f(p.grid), f(p.environment), f(p.drop);
   }
 };
 
@@ -115,59 +107,75 @@ std::vector<std::size_t> Trainer::shard_frames(FrameOrder& order, int turn) cons
 }
 
 std::vector<Trainer::ShardPart> Trainer::run_shards(TrainedSet& set, bool errors, const ShardFrame& frame) {
+  // Neighbours are of one rank, so that what it sends is few sums of several.
   const auto count = static_cast<std::size_t>(options_.shards.count);
-  const double share = 1.0 / static_cast<double>(count);
-  ShardSum& sum = *sum_;
-  sum.start(set.particles);
-  const std::size_t rows = set.particles.params.count() / set.particles.stride;
+  const auto begin = [&](std::size_t rank) { return rank * count / ranks_.size(); };
+  sum_->start(set.particles, errors);
   std::vector<ShardPart> parts;
-  // A shard of each rank at a time.
-  for (std::size_t first = 0; first < count; first += ranks_.size()) {
-    const std::size_t shard = first + ranks_.rank();
-    ShardPart own;
-    if (shard < count) {
-      RealBuffer& error = errors ? sum.fresh_errors() : set.error;
-      own = frame(shard, error);
-      if (ranks_.size() == 1) {
-        sum.set_columns(own.columns);
-        sum.add(set.grads, share);
-        if (errors) sum.add_errors(error, set.error);
-        parts.push_back(std::move(own));
-        continue;
-      }
-      sum.set_columns(own.columns);
-      own.grads = sum.pack(set.grads, rows);
-      if (errors) own.errors = sum.pack(error, 1);
-    }
-    const Ranks::Bytes bytes = shard < count ? own.bytes() : Ranks::Bytes();
-    for (const Ranks::Bytes& told : ranks_.all_gather(bytes)) {
-      gathered_bytes_ += told.size();
-      if (parts.size() == count) break;  // of ranks without a shard in the last round
-      ShardPart part = ShardPart::of(told);
-      sum.set_columns(part.columns);
-      sum.add_packed(part.grads, share);
-      if (errors) sum.add_packed_errors(part.errors, set.error);
-      part.grads = {};
-      part.errors = {};
-      parts.push_back(std::move(part));
-    }
+  for (std::size_t shard = begin(ranks_.rank()); shard < begin(ranks_.rank() + 1); ++shard) {
+    parts.push_back(frame(shard));
   }
+  if (ranks_.size() == 1) {
+    sum_->total({});
+  } else {
+    parts = gather_shards(parts);
+  }
+  if (errors) sum_->add_errors(set.error);
   return parts;
+}
+
+std::vector<Trainer::ShardPart> Trainer::gather_shards(const std::vector<ShardPart>& own) {
+  RankWriter writer(std::move(message_));
+  writer.put(std::vector<std::uint64_t>{sum_->nodes(), own.size()});
+  // Sums first: what stands in front of them has whole multiples of their numbers' sizes.
+  for (std::size_t node = 0; node < sum_->nodes(); ++node) {
+    const ShardSum::Packed shards = sum_->shards_of(node);
+    const std::vector<std::uint32_t> columns = sum_->columns_of(node);
+    writer.put(std::vector<std::uint64_t>{shards.first, shards.size});
+    writer.put(columns);
+    sum_->pack(node, columns, writer.room<float>(sum_->rows() * columns.size()));
+  }
+  for (const ShardPart& part : own) part.put(writer);
+  message_ = writer.take();
+
+  const std::span<const Ranks::Message> all = ranks_.all_gather(message_);
+  std::vector<ShardPart> parts;
+  std::vector<ShardSum::Packed> others;
+  for (std::size_t rank = 0; rank < all.size(); ++rank) {
+    gathered_bytes_ += all[rank].size();
+    RankReader reader(all[rank]);
+    std::vector<std::uint64_t> counts, shards;
+    reader.get(counts);
+    for (std::uint64_t node = 0; node < counts.at(0); ++node) {
+      reader.get(shards);
+      const auto columns = reader.view<std::uint32_t>();
+      const auto values = reader.view<float>();
+      if (rank != ranks_.rank()) others.push_back({shards.at(0), shards.at(1), columns, values});
+    }
+    for (std::uint64_t part = 0; part < counts.at(1); ++part) parts.push_back(ShardPart::of(reader));
+  }
+  sum_->total(others);
+  return parts;
+}
+
+void Trainer::add_shard(std::size_t shard, const TrainedSet& set, const Pass& pass) {
+  sum_->add(shard, pass.buffers().projected.keys, set.grads, 1.0 / options_.shards.count);
 }
 
 Trainer::ShardPart Trainer::part_of(const Turn& turn,
                                     Shown& shown,
                                     const FrameTimes& times,
-                                    RealBuffer& error) {
+                                    std::size_t shard) {
   ShardPart part;
   part.losses = std::move(shown.losses);
+  RealBuffer& error = turn.errors ? sum_->fresh_errors() : turn.set.error;
   if (const auto pose = differentiate(turn, shown.pass, times.sensor, error)) part.pose = numbers_of(*pose);
   if (turn.set.particles.actors > 0 && turn.set.poses.learns()) {
     part.actors = numbers_of(shown.pass.pose_gradients(turn.set.particles));
   }
   if (turn.set.particles.actors > 0 && turn.set.shapes.learns())
     part.shapes = numbers_of(shown.pass.deformation_gradients());
-  part.columns = ShardSum::columns_of(shown.pass.buffers().projected.keys);
+  add_shard(shard, turn.set, shown.pass);
   return part;
 }
 
@@ -201,10 +209,10 @@ void Trainer::step_camera_shards(double progress) {
     frames.push_back({frame.camera, frame.time_start_s, frame.time_end_s});
   }
   const Turn turn = camera_turn(progress);
-  const auto parts = run_shards(camera_, turn.errors, [&](std::size_t shard, RealBuffer& error) {
+  const auto parts = run_shards(camera_, turn.errors, [&](std::size_t shard) {
     Shown shown = show_picture(turn, indices[shard]);
     TrainedLook::Gradients look = look_.gradients();
-    ShardPart part = part_of(turn, shown, frames[shard], error);
+    ShardPart part = part_of(turn, shown, frames[shard], shard);
     part.grid = std::move(look.grid);
     part.environment = std::move(look.environment);
     return part;
@@ -230,10 +238,10 @@ void Trainer::step_beside_shards(double progress) {
 }
 
 void Trainer::descend_shards(double progress, const std::function<Shown(std::size_t)>& show) {
-  const auto parts = run_shards(camera_, false, [&](std::size_t shard, RealBuffer&) {
+  const auto parts = run_shards(camera_, false, [&](std::size_t shard) {
     Shown shown = show(shard);
+    add_shard(shard, camera_, shown.pass);
     ShardPart part;
-    part.columns = ShardSum::columns_of(shown.pass.buffers().projected.keys);
     part.losses = std::move(shown.losses);
     return part;
   });
@@ -249,10 +257,10 @@ void Trainer::step_lidar_shards(double progress) {
     frames.push_back({frame.lidar, frame.time_start_s, frame.time_end_s});
   }
   const Turn turn = lidar_turn(progress);
-  const auto parts = run_shards(lidar_, turn.errors, [&](std::size_t shard, RealBuffer& error) {
+  const auto parts = run_shards(lidar_, turn.errors, [&](std::size_t shard) {
     std::vector<TrainedDrop::Function> taught;
     Shown shown = show_sweep(turn, indices[shard], &taught);
-    ShardPart part = part_of(turn, shown, frames[shard], error);
+    ShardPart part = part_of(turn, shown, frames[shard], shard);
     part.drop = std::move(taught);
     return part;
   });

@@ -1,8 +1,10 @@
-// Sums of shards: what stands in a matrix and what came packed are added alike, in the order of the calls.
+// Sums of shards: one tree, whoever has added which of its nodes.
 #include "host/render/train/shard_sum.hpp"
 
 #include <cmath>
+#include <deque>
 #include <gtest/gtest.h>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -42,91 +44,174 @@ class ShardSumTest : public testing::Test {
       device, test::set_for(test::kLidarMoving, {.count = 1037, .scale_max = 3.0}, 12), Precision::kFloat};
   const std::size_t stride = particles.stride, rows = particles.params.count() / particles.stride;
   std::vector<Shard> shards;
-  void SetUp() override {
-    for (unsigned s = 0; s < 3; ++s) shards.push_back(shard_of(particles.count, rows * stride, s));
-  }
-  std::vector<float> sum(const std::vector<std::size_t>& order, bool packed, double share = 1.0 / 3.0) {
-    ShardSum stage(device, Precision::kFloat), other(device, Precision::kFloat);
-    stage.start(particles);
-    other.start(particles);
-    for (const std::size_t s : order) {
-      const RealBuffer grads = buffer(shards[s].grads);
-      stage.set_columns(shards[s].columns);
-      other.set_columns(shards[s].columns);
-      if (packed) {
-        stage.add_packed(other.pack(grads, rows), share);  // from another rank
-      } else {
-        stage.add(grads, share);
-      }
-    }
-    keys = stage.keys().download();
-    return stage.sums().download_float();
-  }
   RealBuffer buffer(const std::vector<float>& values) const {
     RealBuffer out(device, "values", Precision::kFloat, values.size());
     out.upload(std::span<const float>(values));
     return out;
   }
-  std::vector<std::uint32_t> keys;
-};
-
-TEST_F(ShardSumTest, IsOneRoundingPerShardInTheirOrder) {
-  const std::vector<float> found = sum({0, 1, 2}, false);
-  const auto share = static_cast<float>(1.0 / 3.0);
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t i = 0; i < particles.count; ++i) {
-      float expected = 0.0F;
-      for (const Shard& s : shards) {
-        if (s.keys[i] != kCulled) expected = std::fma(share, s.grads[row * stride + i], expected);
-      }
-      ASSERT_EQ(found[row * stride + i], expected) << row << " " << i;
+  RealBuffer errors_of(std::size_t s) const {  // [stride]: the first row of its gradients
+    const auto begin = shards[s].grads.begin();
+    return buffer({begin, begin + static_cast<std::ptrdiff_t>(stride)});
+  }
+  struct Found {
+    std::vector<float> sums, errors;  // [rows][stride], [particles]
+    std::vector<std::uint32_t> keys;
+    std::size_t nodes = 0, places = 0;  // sent; of the device
+  };
+  /// Shards [begin, end) by `stage`.
+  void add(ShardSum& stage, std::size_t begin, std::size_t end, double share) {
+    stage.start(particles, true);
+    for (std::size_t s = begin; s < end; ++s) {
+      stage.fresh_errors().copy_from(errors_of(s));
+      stage.add(s, Buffer<std::uint32_t>(device, "keys", shards[s].keys), buffer(shards[s].grads), share);
     }
   }
-  for (std::size_t i = 0; i < particles.count; ++i) {
-    const bool is_shown =
-        shards[0].keys[i] != kCulled || shards[1].keys[i] != kCulled || shards[2].keys[i] != kCulled;
-    ASSERT_EQ(keys[i], is_shown ? 0U : kCulled) << i;
+  /// What rank `rank` of `ranks` finds, the others' sums reaching it packed.
+  Found total(std::size_t ranks, std::size_t rank = 0, double share = 1.0 / 3.0) {
+    const auto begin = [&](std::size_t r) { return r * shards.size() / ranks; };
+    Found found;
+    std::deque<std::vector<std::uint32_t>> columns;
+    std::deque<std::vector<float>> values;
+    std::vector<ShardSum::Packed> others;
+    for (std::size_t r = 0; r < ranks; ++r) {
+      if (r == rank) continue;
+      ShardSum stage(device, Precision::kFloat);
+      add(stage, begin(r), begin(r + 1), share);
+      for (std::size_t node = 0; node < stage.nodes(); ++node) {
+        ShardSum::Packed packed = stage.shards_of(node);
+        packed.columns = columns.emplace_back(stage.columns_of(node));
+        auto& target = values.emplace_back(stage.rows() * packed.columns.size());
+        stage.pack(node, packed.columns, target);
+        packed.values = target;
+        others.push_back(packed);
+      }
+    }
+    ShardSum own(device, Precision::kFloat);
+    add(own, begin(rank), begin(rank + 1), share);
+    found.nodes = others.size();
+    own.total(others);
+    found.places = own.places();
+    RealBuffer errors = buffer(std::vector<float>(particles.count, 0.5F));
+    own.add_errors(errors);
+    found.errors = errors.download_float();
+    found.keys = own.keys().download();
+    found.sums = own.sums().download_float();
+    found.sums.resize(rows * stride);
+    // What nothing shows was never set.
+    for (std::size_t i = 0; i < found.sums.size(); ++i) {
+      const std::size_t column = i % stride;
+      if (column >= particles.count || found.keys[column] == kCulled) found.sums[i] = 0.0F;
+    }
+    return found;
+  }
+  void make(std::size_t count) {
+    shards.clear();
+    for (unsigned s = 0; s < count; ++s) shards.push_back(shard_of(particles.count, rows * stride, s));
+  }
+  /// The tree over [first, first + size), on the host; no value: no shard shows the particle.
+  std::optional<float> expected(
+      std::size_t first, std::size_t end, std::size_t row, std::size_t i, float share) {
+    if (first >= shards.size()) return {};
+    if (end - first == 1) {
+      if (shards[first].keys[i] == kCulled) return {};
+      return share * shards[first].grads[row * stride + i];
+    }
+    const std::size_t middle = first + (end - first) / 2;
+    const auto left = expected(first, middle, row, i, share), right = expected(middle, end, row, i, share);
+    if (left && right) return *left + *right;
+    return left ? left : right;
+  }
+};
+
+TEST_F(ShardSumTest, IsThatOfABinaryTree) {
+  // Of a number that is no power of two, the tree of the next one without what is not there.
+  for (const std::size_t count : {1U, 2U, 3U, 4U, 6U, 7U}) {
+    make(count);
+    const Found found = total(1);
+    const auto share = static_cast<float>(1.0 / 3.0);
+    std::size_t shown = 0;
+    for (std::size_t i = 0; i < particles.count; ++i) {
+      for (std::size_t row = 0; row < rows; ++row) {
+        const auto wanted = expected(0, 8, row, i, share);
+        ASSERT_EQ(found.keys[i], wanted ? 0U : kCulled) << i;
+        if (wanted) {
+          ASSERT_EQ(found.sums[row * stride + i], *wanted) << count << ": " << row << " " << i;
+        }
+        shown += wanted ? 1U : 0U;
+      }
+      const auto error = expected(0, 8, 0, i, 1.0F);
+      ASSERT_EQ(found.errors[i], error ? 0.5F + *error : 0.5F) << i;
+    }
+    EXPECT_GT(shown, rows * particles.count / 2);
   }
 }
 
-TEST_F(ShardSumTest, PackedAddsTheSameBits) {
-  EXPECT_TRUE(sum({0, 1, 2}, true) == sum({0, 1, 2}, false));
-  EXPECT_FALSE(sum({2, 1, 0}, true) == sum({0, 1, 2}, true));  // the order shows
+TEST_F(ShardSumTest, HasTheSameBitsHoweverItIsShared) {
+  for (const std::size_t count : {2U, 4U, 5U, 8U}) {
+    make(count);
+    const Found alone = total(1);
+    for (std::size_t ranks = 2; ranks <= count; ++ranks) {
+      for (std::size_t rank = 0; rank < ranks; ++rank) {
+        const Found found = total(ranks, rank);
+        ASSERT_TRUE(found.sums == alone.sums) << count << " shards, rank " << rank << " of " << ranks;
+        ASSERT_TRUE(found.errors == alone.errors);
+        ASSERT_TRUE(found.keys == alone.keys);
+      }
+    }
+    std::swap(shards.front(), shards.back());
+    if (count > 2) {
+      EXPECT_FALSE(total(1).sums == alone.sums);  // the order shows
+    }
+  }
 }
 
-TEST_F(ShardSumTest, ColumnsAreThoseThatAreShown) {
-  Buffer<std::uint32_t> from(device, "keys", shards[0].keys);
-  EXPECT_EQ(ShardSum::columns_of(from), shards[0].columns);
+TEST_F(ShardSumTest, WholeNodesAreSent) {
+  make(8);
+  EXPECT_EQ(total(2).nodes, 1U);
+  EXPECT_EQ(total(4).nodes, 3U);
+  EXPECT_EQ(total(3).nodes, 4U);  // [2, 4), [4, 5) and [5, 6), [6, 8)
 }
 
-TEST_F(ShardSumTest, ErrorsAndWholeMatricesAreAddedToo) {
+TEST_F(ShardSumTest, TakesNoMorePlacesThanAreTold) {
+  for (std::size_t count = 2; count <= 9; ++count) {
+    make(count);
+    for (std::size_t ranks = 1; ranks <= count; ++ranks) {
+      for (std::size_t rank = 0; rank < ranks; ++rank) {
+        ASSERT_LE(total(ranks, rank).places, ShardSum::most_nodes(count))
+            << count << ": " << rank << " of " << ranks;
+      }
+    }
+  }
+}
+
+TEST_F(ShardSumTest, WholeMatricesAreAddedToo) {
+  make(1);
+  const std::vector<float> from(shards[0].grads.begin(), shards[0].grads.begin() + 1000);
   ShardSum stage(device, Precision::kFloat);
-  stage.start(particles);
-  const Shard& shard = shards[1];
-  std::vector<float> errors(shard.grads.begin(),
-                            shard.grads.begin() + static_cast<std::ptrdiff_t>(particles.count));
-  stage.set_columns(shard.columns);
-  RealBuffer one = buffer(std::vector<float>(particles.count, 1.0F)), other = buffer(one.download_float());
-  stage.add_errors(buffer(errors), one);
-  stage.add_packed_errors(stage.pack(buffer(errors), 1), other);
-  EXPECT_EQ(one.download_float(), other.download_float());
-  for (std::size_t i = 0; i < particles.count; ++i) {
-    ASSERT_EQ(one.download_float()[i], shard.keys[i] == kCulled ? 1.0F : 1.0F + errors[i]) << i;
-  }
-  RealBuffer sum = buffer(std::vector<float>(particles.count, 2.0F));
-  stage.add_all(errors, 0.5, sum);
+  RealBuffer sum = buffer(std::vector<float>(from.size(), 2.0F));
+  stage.add_all(from, 0.5, sum);
   const std::vector<float> all = sum.download_float();
-  for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i], std::fma(0.5F, errors[i], 2.0F)) << i;
+  for (std::size_t i = 0; i < all.size(); ++i) ASSERT_EQ(all[i], std::fma(0.5F, from[i], 2.0F)) << i;
 }
 
-TEST_F(ShardSumTest, OtherSizesAreRefused) {
+TEST_F(ShardSumTest, OthersAreRefused) {
+  make(2);
   ShardSum stage(device, Precision::kFloat);
-  stage.start(particles);
-  const std::vector<std::uint32_t> beyond{particles.count};
-  EXPECT_THROW(stage.set_columns(beyond), Error);
-  stage.set_columns(shards[0].columns);
-  EXPECT_THROW(stage.add_packed(std::vector<float>(3), 1.0), Error);
-  EXPECT_THROW(stage.add(buffer(std::vector<float>(3)), 1.0), Error);
+  stage.start(particles, false);
+  const Buffer<std::uint32_t> keys(device, "keys", shards[0].keys);
+  EXPECT_THROW(stage.add(0, keys, buffer(std::vector<float>(3)), 1.0), Error);
+  const auto refused = [&](const ShardSum::Packed& other) {
+    ShardSum own(device, Precision::kFloat);
+    own.start(particles, false);
+    own.add(0, keys, buffer(shards[0].grads), 1.0);
+    EXPECT_THROW(own.total({&other, 1}), Error);
+  };
+  const std::vector<std::uint32_t> first{0}, beyond{particles.count};
+  const std::vector<float> values(rows), fewer(rows - 1);
+  refused({0, 1, first, values});  // there already
+  refused({2, 1, first, values});  // one is missing
+  refused({1, 1, beyond, values});
+  refused({1, 1, first, fewer});
 }
 
 }  // namespace

@@ -1,48 +1,99 @@
-// shard_sum.cl - gradients of frames, one frame after the other. Launcher: host/render/train/shard_sum.cpp
-// A matrix [rows][stride] has a column for each particle; a frame has a say in some of them alone, which are
-// listed. No column is listed twice, so no two work-items touch one number: what a sum is depends on the order of
-// the launches, and on nothing else.
+// shard_sum.cl - gradients of the frames of one step, by a tree. Launcher: host/render/train/shard_sum.cpp
+// A matrix [rows][stride] has a column for each particle; a frame, or the sum of some, has a say in those alone
+// whose key is not all ones. No launch touches a number twice, and every addition is one rounding of two numbers
+// that stand somewhere: what a sum is depends on what is added to what, and on nothing else.
 #include "math/lanes.h"
 
-/// in  order[count]: columns
+/// V columns per work-item: takes `share` times what stands in a matrix over into a sum where that has none yet,
+/// and adds it elsewhere.
+/// in  from_keys[particles], from[rows][stride]
+/// io  keys[particles]: of the sum; with `mark` 0 where `from` has a say, too
+///     sum[first + rows][stride], from row `first` on
+__kernel void add_shown(const uint particles,
+                        const uint stride,
+                        const uint rows,
+                        const uint first,
+                        const uint mark,
+                        const real share,
+                        __global const uint* from_keys,
+                        __global const real* from,
+                        __global uint* keys,
+                        __global real* sum) {
+  const uint column = get_global_id(0) * V;
+  if (column >= particles) return;
+  real shown[V], stood[V];
+  uint any_shown = 0;
+  for (uint lane = 0; lane < V; ++lane) {
+    const uint i = min(column + lane, particles - 1);
+    const uint is_shown = column + lane < particles && from_keys[i] != 0xffffffffu;
+    shown[lane] = is_shown ? R(1.0) : R(0.0);
+    stood[lane] = keys[i] != 0xffffffffu ? R(1.0) : R(0.0);
+    any_shown |= is_shown;
+  }
+  if (!any_shown) return;
+  const I is_shown = LDV(shown) > R(0.5), has_stood = LDV(stood) > R(0.5);
+  for (uint row = 0; row < rows; ++row) {
+    const ulong to = (ulong)(first + row) * stride + column;
+    const F more = share * LDV(from + (ulong)row * stride + column);
+    const F old = LDV(sum + to);
+    STV(sum + to, SEL(is_shown, SEL(has_stood, old + more, more), old));
+  }
+  if (!mark) return;
+  for (uint lane = 0; lane < V; ++lane) {
+    if (shown[lane] > R(0.5)) keys[column + lane] = 0;
+  }
+}
+
+/// V of the columns in order[count] per work-item.
 /// out packed[rows][count]: what stands in them
 __kernel void pack_columns(const uint count,
                            const uint rows,
                            const uint stride,
                            __global const uint* order,
-                           __global const real* from,
+                           __global const real* sum,
                            __global real* packed) {
-  const uint k = get_global_id(0);
-  if (k >= count) return;
-  const uint i = order[k];
-  for (uint row = 0; row < rows; ++row) packed[(ulong)row * count + k] = from[(ulong)row * stride + i];
-}
-
-/// Adds `share` times the columns of a frame, each sum rounded once.
-/// in  order[count], not read without `listed`: then the columns are 0, 1, ...
-///     from: [rows][count] where they are `packed`, else [rows][stride]
-/// io  sum[rows][stride]
-__kernel void add_columns(const uint count,
-                          const uint rows,
-                          const uint stride,
-                          const uint listed,
-                          const uint packed,
-                          const real share,
-                          __global const uint* order,
-                          __global const real* from,
-                          __global real* sum) {
-  const uint k = get_global_id(0);
-  if (k >= count) return;
-  const uint i = listed ? order[k] : k;
-  const uint at = packed ? k : i, width = packed ? count : stride;
+  const uint first = get_global_id(0) * V;
   for (uint row = 0; row < rows; ++row) {
-    const ulong to = (ulong)row * stride + i;
-    sum[to] = fma(share, from[(ulong)row * width + at], sum[to]);
+    for (uint k = first; k < min(first + V, count); ++k) {
+      packed[(ulong)row * count + k] = sum[(ulong)row * stride + order[k]];
+    }
   }
 }
 
-/// keys[i] = 0 of all that are listed: some frame shows them.
-__kernel void mark_columns(const uint count, __global const uint* order, __global uint* keys) {
-  const uint k = get_global_id(0);
-  if (k < count) keys[order[k]] = 0;
+/// The same the other way round, as add_shown() with a share of 1 and all rows.
+/// in  packed[rows][count]
+/// io  keys[particles], sum[rows][stride]
+__kernel void add_packed(const uint count,
+                         const uint rows,
+                         const uint stride,
+                         __global const uint* order,
+                         __global const real* packed,
+                         __global uint* keys,
+                         __global real* sum) {
+  const uint first = get_global_id(0) * V;
+  for (uint row = 0; row < rows; ++row) {
+    for (uint k = first; k < min(first + V, count); ++k) {
+      const ulong to = (ulong)row * stride + order[k];
+      const real more = packed[(ulong)row * count + k];
+      sum[to] = keys[order[k]] != 0xffffffffu ? sum[to] + more : more;
+    }
+  }
+  for (uint k = first; k < min(first + V, count); ++k) keys[order[k]] = 0;
+}
+
+/// sum[i] += sums[row][i] of the particles that `keys` show.
+__kernel void add_row(const uint particles,
+                      const uint stride,
+                      const uint row,
+                      __global const uint* keys,
+                      __global const real* sums,
+                      __global real* sum) {
+  const uint i = get_global_id(0);
+  if (i < particles && keys[i] != 0xffffffffu) sum[i] += sums[(ulong)row * stride + i];
+}
+
+/// sum[i] += share from[i], rounded once.
+__kernel void add_all(const uint count, const real share, __global const real* from, __global real* sum) {
+  const uint i = get_global_id(0);
+  if (i < count) sum[i] = fma(share, from[i], sum[i]);
 }

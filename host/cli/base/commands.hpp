@@ -4,6 +4,7 @@
 // stdout, everything else to stderr.
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "host/cli/base/command.hpp"
 #include "host/cli/base/progress.hpp"
@@ -23,6 +24,9 @@ struct Globals {
   std::string commit;                    // that the program was built from; may be empty
   Kept* kept = nullptr;                  // by a process of many commands, which shows their progress itself
 };
+
+/// Of --device: "0,2" are two of them, anything else is one.
+[[nodiscard]] std::vector<std::string> devices_of(const std::string& request);
 
 /// As asked for; nothing beside data as JSON, nor of one command of many.
 [[nodiscard]] ProgressStyle progress_style(const Globals& globals);

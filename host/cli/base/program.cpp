@@ -1,5 +1,7 @@
 #include "host/cli/base/program.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <exception>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -57,6 +59,20 @@ ProgressStyle progress_style(const Globals& globals) {
   if (globals.kept != nullptr) return ProgressStyle::kQuiet;
   if (globals.json_progress) return ProgressStyle::kJson;
   return globals.json ? ProgressStyle::kQuiet : simuli::progress_style();
+}
+
+std::vector<std::string> devices_of(const std::string& request) {
+  std::vector<std::string> devices;
+  for (std::size_t begin = 0; begin <= request.size();) {
+    const std::size_t end = std::min(request.find(',', begin), request.size());
+    devices.push_back(request.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  const bool are_numbers = std::all_of(devices.begin(), devices.end(), [](const std::string& device) {
+    return !device.empty() &&
+           std::all_of(device.begin(), device.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  });
+  return are_numbers ? devices : std::vector<std::string>{request};
 }
 
 void refuse_absent(const std::string& what, const std::string& option) {

@@ -1,7 +1,6 @@
 #include "host/cli/train/launched_ranks.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <dlfcn.h>
 #include <filesystem>
@@ -36,20 +35,22 @@ class MpiRanks final : public LaunchedRanks {
   [[nodiscard]] std::size_t rank() const override { return rank_; }
   [[nodiscard]] std::size_t size() const override { return size_; }
 
-  [[nodiscard]] std::vector<Bytes> all_gather(std::span<const std::byte> own) override {
+  [[nodiscard]] std::span<const Message> all_gather(Message own) override {
     const std::uint64_t count = own.size();
     std::vector<std::uint64_t> counts(size_);
     need(calls_.gather(&count, sizeof count, counts.data()));
-    std::vector<Bytes> all(size_);
+    others_.resize(size_);
+    messages_.assign(size_, own);
     for (std::size_t from = 0; from < size_; ++from) {
-      if (from == rank_) {
-        all[from].assign(own.begin(), own.end());
-      } else {
-        all[from].resize(counts[from]);
+      void* data = const_cast<std::byte*>(own.data());  // who sends is not written to
+      if (from != rank_) {
+        others_[from].resize(counts[from]);
+        messages_[from] = others_[from];
+        data = others_[from].data();
       }
-      need(calls_.broadcast(all[from].data(), counts[from], static_cast<int>(from)));
+      need(calls_.broadcast(data, counts[from], static_cast<int>(from)));
     }
-    return all;
+    return messages_;
   }
   void finish() override { calls_.finish(); }
 
@@ -59,6 +60,8 @@ class MpiRanks final : public LaunchedRanks {
   }
   const MpiCalls& calls_;
   std::size_t rank_ = 0, size_ = 1;
+  std::vector<Bytes> others_;  // their memory is used again
+  std::vector<Message> messages_;
 };
 
 #ifdef SIMULI_MPI_MODULE
@@ -81,20 +84,6 @@ std::unique_ptr<LaunchedRanks> launched_ranks(const Environment& environment) {
   const Shard own = rank_in(environment);
   if (own.count <= 1) return nullptr;
   return std::make_unique<MpiRanks>(mpi(), own);
-}
-
-std::vector<std::string> devices_of(const std::string& request) {
-  std::vector<std::string> devices;
-  for (std::size_t begin = 0; begin <= request.size();) {
-    const std::size_t end = std::min(request.find(',', begin), request.size());
-    devices.push_back(request.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  const bool are_numbers = std::all_of(devices.begin(), devices.end(), [](const std::string& device) {
-    return !device.empty() &&
-           std::all_of(device.begin(), device.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-  });
-  return are_numbers ? devices : std::vector<std::string>{request};
 }
 
 std::string device_of_rank(const std::vector<std::string>& devices, const Environment& environment) {

@@ -23,8 +23,6 @@ class LaunchedRanks : public Ranks {
 /// the environment says.
 [[nodiscard]] std::unique_ptr<LaunchedRanks> launched_ranks(const Environment& environment);
 
-/// Of `request` (--device), the devices of ranks: "0,2" are two of them, anything else is one.
-[[nodiscard]] std::vector<std::string> devices_of(const std::string& request);
 /// The one of a rank that shares its machine with others (OMPI_COMM_WORLD_LOCAL_RANK, MPI_LOCALRANKID,
 /// SLURM_LOCALID), each of which takes the next.
 [[nodiscard]] std::string device_of_rank(const std::vector<std::string>& devices,

@@ -261,17 +261,16 @@ void add_structure(const Device& device, Tally& tally, const Counts& counts, con
   }
 }
 
-/// The sum over the shards of a step, of the larger set.
-void add_shards(const Device& device, Tally& tally, const Counts& counts, const Scene& scene) {
-  const auto matrix = [](std::uint64_t particles, const GaussianSet& set) {
-    const ParticleSizes sizes = ParticleSizes::of(particles, set.sh_degree, 0);
-    return sizes.rows * sizes.stride;
-  };
-  tally.add("shards",
-            ShardBuffers(device),
-            {.particles = counts.most(),
-             .parameters = std::max(matrix(counts.camera, scene.camera), matrix(counts.lidar, scene.lidar)),
-             .packs = true});
+/// The sums over the shards of a step.
+void add_shards(
+    const Device& device, Tally& tally, const Counts& counts, const Scene& scene, std::size_t shards) {
+  // Of the set whose matrix is the larger one.
+  const ParticleSizes camera = ParticleSizes::of(counts.camera, scene.camera.sh_degree, 0);
+  const ParticleSizes lidar = ParticleSizes::of(counts.lidar, scene.lidar.sh_degree, 0);
+  const ParticleSizes& set = camera.rows * camera.stride > lidar.rows * lidar.stride ? camera : lidar;
+  const ShardSizes sizes{counts.most(), set.stride, set.rows + 1, true};
+  tally.add("shards", ShardBuffers(device), sizes);
+  tally.add("shards", ShardNodeBuffers(device), sizes, ShardSum::most_nodes(shards));
 }
 
 }  // namespace
@@ -298,7 +297,9 @@ MemoryNeed training_memory(const Device& device,
   if (options.beside.weight > 0.0 && counts.images.frames > 0 && counts.camera > 0 && counts.lidar > 0)
     add_beside(tally, counts, log.cameras.size());
   add_structure(device, tally, counts, options);
-  if (options.shards.count > 1) add_shards(device, tally, counts, scene);
+  if (options.shards.count > 1) {
+    add_shards(device, tally, counts, scene, static_cast<std::size_t>(options.shards.count));
+  }
   std::sort(need.items.begin(), need.items.end(), [](const MemoryItem& a, const MemoryItem& b) {
     return a.bytes > b.bytes;
   });

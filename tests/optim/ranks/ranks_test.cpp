@@ -1,6 +1,7 @@
 // Ranks in threads: what they tell each other, and how they end.
 #include "optim/ranks/ranks.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <gtest/gtest.h>
 #include <vector>
@@ -21,10 +22,11 @@ TEST(Ranks, EveryRankGetsWhatEachHasGiven) {
   run_rank_threads(kRanks, [&](Ranks& ranks) {
     for (std::size_t round = 0; round < kRounds; ++round) {
       // Of each rank another number of bytes, of some none.
-      const auto all = ranks.all_gather(bytes_of((ranks.rank() * round) % 7, ranks.rank() + round));
+      const Ranks::Bytes own = bytes_of((ranks.rank() * round) % 7, ranks.rank() + round);
+      const auto all = ranks.all_gather(own);
       bool is_right = all.size() == kRanks;
       for (std::size_t r = 0; is_right && r < kRanks; ++r) {
-        is_right = all[r] == bytes_of((r * round) % 7, r + round);
+        is_right = std::ranges::equal(all[r], bytes_of((r * round) % 7, r + round));
       }
       right += is_right ? 1 : 0;
     }
@@ -91,6 +93,17 @@ TEST(Ranks, WhatIsSentComesBackAndShorterBytesAreRefused) {
   EXPECT_TRUE(none.empty());
   EXPECT_EQ(text, "a");
   EXPECT_THROW(reader.get(found), Error);
+  RankWriter again{Ranks::Bytes(bytes)};
+  const std::span<float> room = again.room<float>(2);
+  room[0] = 2.5F;
+  room[1] = -0.0F;
+  const Ranks::Bytes viewed = again.take();
+  EXPECT_EQ(viewed.size(), sizeof(std::uint64_t) + 2 * sizeof(float));
+  RankReader view(viewed);
+  const std::span<const float> values = view.view<float>();
+  ASSERT_EQ(values.size(), 2U);
+  EXPECT_EQ(values[0], 2.5F);
+  EXPECT_THROW((void)view.view<float>(), Error);
   RankReader cut(std::span<const std::byte>(bytes.data(), 20));
   EXPECT_THROW(cut.get(found), Error);
 }
