@@ -18,10 +18,7 @@ class LruCache {
   /// The entry under `key`, made by `make()` unless it is here. `bytes_of(entry)` is its size.
   template <class Make, class BytesOf>
   std::shared_ptr<const T> get(const Key& key, const Make& make, const BytesOf& bytes_of) {
-    if (const auto found = where_.find(key); found != where_.end()) {
-      entries_.splice(entries_.begin(), entries_, found->second);
-      return found->second->value;
-    }
+    if (auto found = find(key)) return found;
     auto value = std::make_shared<const T>(make());
     const std::size_t bytes = bytes_of(*value);
     if (bytes > budget_bytes_) return value;
@@ -34,6 +31,13 @@ class LruCache {
     where_[key] = entries_.begin();
     used_bytes_ += bytes;
     return value;
+  }
+  /// The entry under `key`, now the one used last; null: not here.
+  [[nodiscard]] std::shared_ptr<const T> find(const Key& key) {
+    const auto found = where_.find(key);
+    if (found == where_.end()) return nullptr;
+    entries_.splice(entries_.begin(), entries_, found->second);
+    return found->second->value;
   }
   [[nodiscard]] std::size_t used_bytes() const { return used_bytes_; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }

@@ -45,6 +45,7 @@ struct SweepFrame {
 };
 
 struct CameraMask;  // camera_mask.hpp
+class FrameFiles;   // frame_files.hpp
 
 /// A picture of what is never the scene in those of one camera: the vehicle's own hood, a frame. What is not
 /// 0 in its first channel is neither learned from nor compared with.
@@ -69,6 +70,8 @@ struct Log {
   std::vector<LogMask> masks = {};
   /// By camera what its masks hide, as read_masks() found it.
   std::map<std::string, std::shared_ptr<const CameraMask>> hidden = {};
+  /// Where frames are kept once read; null: nowhere.
+  std::shared_ptr<FrameFiles> files = {};
 
   [[nodiscard]] const LogCamera& camera(const std::string& camera_name) const;  // Error{kInput}
   [[nodiscard]] const LogLidar& lidar(const std::string& lidar_name) const;     // Error{kInput}

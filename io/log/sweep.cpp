@@ -10,6 +10,7 @@
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/log/log.hpp"
+#include "io/log/sweep_file.hpp"
 #include "io/picture/codec/picture_codec.hpp"
 #include "io/picture/exr_header.hpp"
 
@@ -79,9 +80,14 @@ void validate(const fs::path& file, Sweep& sweep) {
 
 }  // namespace
 
-Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
+SweepShape sweep_shape(const LidarModel& lidar) {
+  const std::size_t rows = row_count(lidar);
+  return {name_of(lidar), rows, ray_count(lidar) / rows};
+}
+
+Sweep read_recorded_sweep(const fs::path& file, const SweepShape& shape) {
   need_regular_file(file);
-  const std::size_t rows = row_count(lidar), count = ray_count(lidar), columns = count / rows;
+  const std::size_t rows = shape.rows, columns = shape.columns, count = rows * columns;
   require_sound_exr_header(file);
   // By format, not by name: for a file that isn't OpenEXR the library would try every other decoder it has.
   std::string failure;
@@ -93,7 +99,7 @@ Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
     throw_input_error(file.string(),
                       "rows x columns",
                       fmt::format("{} x {}", layout.height, layout.width),
-                      fmt::format("{} x {} of lidar {}", rows, columns, name_of(lidar)));
+                      fmt::format("{} x {} of lidar {}", rows, columns, shape.lidar));
   }
   const std::vector<std::string>& names = layout.channel_names;
   std::array<std::size_t, kChannels.size()> place{};  // of our channels in the file, which sorts by name
@@ -118,6 +124,10 @@ Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = pixels[i * kChannels.size() + place[c]];
   }
   validate(file, sweep);
+  return sweep;
+}
+
+Sweep with_biases(Sweep sweep, const fs::path& file, const LidarModel& lidar) {
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;
     const float distance_m = distance_of(lidar, sweep.rays, i, sweep.range[i]);
@@ -125,13 +135,17 @@ Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
       refuse_value(file,
                    "range_m",
                    i,
-                   layout.width,
+                   sweep.rays.columns,
                    sweep.range[i],
                    fmt::format("more than the row's bias of {} m", sweep.range[i] - distance_m));
     }
     sweep.range[i] = distance_m;
   }
   return sweep;
+}
+
+Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
+  return with_biases(read_recorded_sweep(file, sweep_shape(lidar)), file, lidar);
 }
 
 void write_sweep(const fs::path& file, const Sweep& sweep) {

@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <variant>
 
+#include "io/log/frame_files.hpp"
 #include "optim/init/posed_frames.hpp"
 
 namespace simuli {
@@ -100,8 +101,10 @@ SweepSeries load_series(const Log& log, const HeldOutRule& rule) {
   const Lidar* const lidar = finest_lidar(log);
   if (lidar == nullptr) return series;
   series.lidar = *lidar;
-  for (const SweepFrame* frame : training_frames(log.sweeps, rule)) {
-    if (frame->lidar != lidar->name) continue;
+  std::vector<const SweepFrame*> frames = training_frames(log.sweeps, rule);
+  std::erase_if(frames, [&](const SweepFrame* frame) { return frame->lidar != lidar->name; });
+  expect(log, frames);
+  for (const SweepFrame* frame : frames) {
     PosedSweep posed = load_sweep(log, *frame, series.scene_origin);
     SeriesSweep& sweep = series.sweeps.emplace_back();
     sweep.time_start_s = frame->time_start_s;

@@ -24,9 +24,8 @@ Camera scaled_camera(const Camera& camera, double scale) {
   return camera.resized(side(camera.width), side(camera.height));
 }
 
-Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) {
-  const Camera& model = log.camera(frame.camera).model;
-  const std::filesystem::path file = log.folder / frame.file;
+/// The picture as its file has it, `scaled`'s size.
+static Image read_scaled(const std::filesystem::path& file, const Camera& model, const Camera& scaled) {
   Image image = read_image(file);
   if (image.width != model.width || image.height != model.height) {
     throw_input_error(file.string(),
@@ -34,12 +33,7 @@ Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) 
                       fmt::format("{} x {}", image.width, image.height),
                       fmt::format("{} x {} as camera {}", model.width, model.height, model.name));
   }
-  const auto mask = log.hidden.find(frame.camera);
-  const auto hidden_in = [&](Image picture) {
-    if (mask != log.hidden.end()) hide(*mask->second, picture);
-    return picture;
-  };
-  if (scaled.width == image.width && scaled.height == image.height) return hidden_in(std::move(image));
+  if (scaled.width == image.width && scaled.height == image.height) return image;
   if (scaled.width > image.width || scaled.height > image.height) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("image scale: found {} x {} px of a recorded {} x {}, allowed at most as many",
@@ -48,7 +42,31 @@ Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) 
                             image.width,
                             image.height));
   }
-  return hidden_in(resize_area(image, scaled.width, scaled.height));
+  return resize_area(image, scaled.width, scaled.height);
+}
+
+FrameFiles::Wish wish_of(const Log& log, const ImageFrame& frame, const Camera& scaled) {
+  const std::filesystem::path file = log.folder / frame.file;
+  return {
+      fmt::format("{} {} {}", file.string(), scaled.width, scaled.height),
+      [file, model = log.camera(frame.camera).model, scaled] { return read_scaled(file, model, scaled); }};
+}
+
+void expect(const Log& log, const std::vector<const ImageFrame*>& frames, double image_scale) {
+  if (log.files == nullptr) return;
+  std::vector<FrameFiles::Wish> wishes;
+  for (const ImageFrame* frame : frames) {
+    wishes.push_back(wish_of(log, *frame, scaled_camera(log.camera(frame->camera).model, image_scale)));
+  }
+  log.files->expect(std::move(wishes));
+}
+
+Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled) {
+  const FrameFiles::Wish wish = wish_of(log, frame, scaled);
+  Image image = std::get<Image>(log.files == nullptr ? wish.read() : *log.files->get(wish));
+  const auto mask = log.hidden.find(frame.camera);
+  if (mask != log.hidden.end()) hide(*mask->second, image);
+  return image;
 }
 
 Shot shot_of(const Log& log, const ImageFrame& frame) {

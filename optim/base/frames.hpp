@@ -8,6 +8,7 @@
 
 #include "host/render/scene/view.hpp"
 #include "host/scene/scene.hpp"
+#include "io/log/frame_files.hpp"
 #include "io/log/log.hpp"
 #include "io/picture/image.hpp"
 
@@ -20,6 +21,11 @@ namespace simuli {
 /// kHiddenValue wherever the camera's masks hide anything.
 /// Error{kInput} when the file's size is not the log camera's, Error{kUsage} when `scaled` is larger.
 [[nodiscard]] Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled);
+
+/// Says that these are loaded next at that scale, in this order (log.files).
+void expect(const Log& log, const std::vector<const ImageFrame*>& frames, double image_scale);
+/// What load_image() reads of a frame's file.
+[[nodiscard]] FrameFiles::Wish wish_of(const Log& log, const ImageFrame& frame, const Camera& scaled);
 
 /// Where the frame's sensor was when it was taken.
 [[nodiscard]] Shot shot_of(const Log& log, const ImageFrame& frame);

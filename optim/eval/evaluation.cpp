@@ -10,6 +10,7 @@
 
 #include "host/base/fields.hpp"
 #include "host/render/options/validate.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/returns_near.hpp"
@@ -251,7 +252,7 @@ void Evaluation::Run::pool_pixels(const ImageFrame& frame,
 
 void Evaluation::Run::time_sweep(const SweepFrame& frame) {
   const LidarModel& lidar = of_.log_.lidar(frame.lidar).model;
-  const Sensor sensor = Sensor(lidar).with_rays(read_sweep(of_.log_.folder / frame.file, lidar).rays);
+  const Sensor sensor = Sensor(lidar).with_rays(read_sweep(of_.log_, frame, lidar).rays);
   const Shot shot = shot_of(of_.log_, frame);
   const double seconds = time_render(
       of_.device(), [&] { return of_.on_device_.render(sensor, shot); }, of_.options_.timed_renders);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/init/initialize_views.hpp"
 
@@ -33,7 +34,7 @@ void ReturnsNear::place(std::size_t index) {
   if (placed_ == index) return;
   const SweepFrame& frame = log_.sweeps[index];
   const LidarModel& lidar = log_.lidar(frame.lidar).model;
-  const Sweep sweep = read_sweep(log_.folder / frame.file, lidar);
+  const Sweep sweep = read_sweep(log_, frame, lidar);
   const View view = view_of(log_, scene_, frame);
   p_scene_.clear();
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {

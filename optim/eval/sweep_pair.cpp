@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/render/scene/readings.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -16,7 +17,7 @@ bool is_met(const SweepPair& pair, std::size_t ray) {
 SweepPair render_sweep(SceneOnDevice& scene, const Log& log, const SweepFrame& frame) {
   const LidarModel& lidar = log.lidar(frame.lidar).model;
   SweepPair pair;
-  pair.recorded = read_sweep(log.folder / frame.file, lidar);
+  pair.recorded = read_sweep(log, frame, lidar);
   const Sensor sensor = Sensor(lidar).with_rays(pair.recorded.rays);
   pair.simulated = scene.render(sensor, shot_of(log, frame)).results();
   return pair;

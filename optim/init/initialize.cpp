@@ -12,7 +12,9 @@
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
+#include "io/log/frame_files.hpp"
 #include "io/splat/ply.hpp"
+#include "optim/base/frames.hpp"
 #include "optim/init/beyond/initialize_depth.hpp"
 #include "optim/init/beyond/initialize_walls.hpp"
 #include "optim/init/initialize_actors.hpp"
@@ -198,6 +200,7 @@ class Initialisation {
 /// Returns become one point per voxel, those in actors' boxes points of the actors.
 void Initialisation::read_returns() {
   VoxelGrid grid(options_.voxel_m);
+  expect(log_, sweeps_);
   for (const SweepFrame* frame : sweeps_) {
     add_points(
         load_sweep(log_, *frame, scene_.origin), frame->time_start_s, frame->time_end_s, grid, *actors_);
@@ -215,6 +218,7 @@ void Initialisation::read_returns() {
 void Initialisation::drop_moving() {
   std::vector<PointVotes> votes(points_.size());
   const PointBlocks blocks(points_);
+  expect(log_, sweeps_);
   for (const SweepFrame* frame : sweeps_) {
     const PosedSweep s = load_sweep(log_, *frame, scene_.origin);
     // A list has no neighbouring rays to look through: it has no word on what moved.
@@ -280,6 +284,7 @@ void Initialisation::take_colours() {
                kInfinitelyFar_m);
   looks_.resize(points_.size() + actors_->camera_count());
   const PointBlocks blocks(points_);
+  expect(log_, images_, frames_.image_scale);
   for (const ImageFrame* frame : images_) {
     const auto [image, view] = load_view(log_, *frame, scene_.origin, frames_.image_scale);
     views_.push_back(view);

@@ -1,5 +1,6 @@
 #include "optim/init/posed_frames.hpp"
 
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -21,7 +22,7 @@ Eigen::Vector3d scene_origin(const Trajectory& world_from_rig) {
 PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin) {
   const LogLidar& lidar = log.lidar(frame.lidar);
   return {lidar.model,
-          read_sweep(log.folder / frame.file, lidar.model),
+          read_sweep(log, frame),
           shifted(log.world_from_rig.at(frame.time_start_s) * lidar.rig_from_lidar, origin),
           shifted(log.world_from_rig.at(frame.time_end_s) * lidar.rig_from_lidar, origin)};
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <variant>
 
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -66,8 +67,9 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, const FrameSe
     const auto per_row =
         static_cast<std::size_t>(std::lround(lidar.columns * kTurn_rad / lidar.azimuth_span));
     std::vector<Cell> cells(lidar.rows.size() * per_row);
+    expect(log, sweeps);
     for (const SweepFrame* frame : sweeps) {
-      const Sweep sweep = read_sweep(log.folder / frame->file, lidar);
+      const Sweep sweep = read_sweep(log, *frame, lidar);
       for (std::size_t i = 0; i < sweep.range.size(); ++i) {
         const std::size_t row = i / static_cast<std::size_t>(lidar.columns);
         if (lidar.rows[row].elevation > -kBelowHorizon_rad) continue;

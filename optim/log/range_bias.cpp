@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/base/parallel.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/base/metrics.hpp"
 #include "optim/points/point_tree.hpp"
@@ -64,7 +65,7 @@ std::vector<Hit> hits_of(const Log& log, const LogLidar& mounted, const std::vec
   std::vector<Hit> hits;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     const SweepFrame& frame = log.sweeps[sweeps[s]];
-    const Sweep sweep = read_sweep(log.folder / frame.file, lidar);
+    const Sweep sweep = read_sweep(log, frame, lidar);
     Pose start = log.world_from_rig.at(frame.time_start_s) * mounted.rig_from_lidar;
     Pose end = log.world_from_rig.at(frame.time_end_s) * mounted.rig_from_lidar;
     start.translation -= origin;

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -23,7 +24,7 @@ std::optional<double> find_range_limit(const Log& log, const LogLidar& lidar, co
   for (const std::size_t index : HeldOutRule(log, frames).training(log.sweeps)) {
     const SweepFrame& frame = log.sweeps[index];
     if (frame.lidar != name_of(lidar.model)) continue;
-    const Sweep sweep = read_sweep(log.folder / frame.file, lidar.model);
+    const Sweep sweep = read_sweep(log, frame, lidar.model);
     for (const float range : sweep.range) largest = std::max(largest, range);
     const double nearest = static_cast<double>(largest) - 2.0 * kLast_m;
     const auto is_near = [nearest](float range) { return range == 0.0F || range < nearest; };

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -69,7 +70,7 @@ void SupportSamples::add_sweep(SceneOnDevice& scene,
                                const SweepFrame& frame,
                                std::size_t step) {
   const LidarModel& lidar = log.lidar(frame.lidar).model;
-  const Sweep recorded = read_sweep(log.folder / frame.file, lidar);
+  const Sweep recorded = read_sweep(log, frame, lidar);
   const Frame taken = scene.render(Sensor(lidar).with_rays(recorded.rays), shot_of(log, frame));
   const std::vector<float> known = support_on.of(taken, scene.scene());
   const RayResults& rays = taken.results();

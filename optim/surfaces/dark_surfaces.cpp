@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "host/scene/ground/ground_mesh.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/init/initialize_sets.hpp"
 #include "optim/surfaces/dark_still.hpp"
 
@@ -150,7 +151,9 @@ static PointSet still_points(const Log& log,
                              const Scene& scene) {
   const GroundMap ground = ground_of(scene);
   DarkStill dark(ground, voxel_m);
+  expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) dark.add_dropped(load_sweep(log, *frame, scene.origin));
+  expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) dark.add_returned(load_sweep(log, *frame, scene.origin));
   return dark.points();
 }
@@ -171,6 +174,7 @@ std::size_t add_dark_surfaces(const Log& log,
   }
   if (scene.actors.empty() || options.dark_voxel_m == 0.0) return count;
   DarkSurfaces dark(scene.actors, options.dark_voxel_m, scene.origin);
+  expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) {
     dark.add(load_sweep(log, *frame, scene.origin), frame->time_start_s, frame->time_end_s);
   }

@@ -191,6 +191,7 @@ struct TrainOptions {
   PoseOptions poses;
   std::size_t memory_bytes = 0;
   std::size_t cache_bytes = std::size_t{2} << 30U;
+  std::size_t host_cache_bytes = std::size_t{2} << 30U;
 };
 
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
@@ -228,6 +229,11 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
         at_least(0),
         "of the device, that the training may need; 0: all it has");
   field("cache_bytes", o.cache_bytes, at_least(0), "of frames kept on the device, pictures and sweeps each");
+  field("host_cache_bytes",
+        o.host_cache_bytes,
+        at_least(0),
+        "of frames kept on the host as they were read; a quarter of its memory and an eighth of "
+        "--host-memory at most");
   field.part("", o.render);
 }
 

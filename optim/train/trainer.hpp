@@ -123,6 +123,7 @@ class Trainer {
                                  std::vector<TrainedDrop::Function>* taught);
   void note_picture(std::size_t index, std::span<const double> losses);
   void note_sweep(std::size_t index, std::span<const double> losses);
+  void read_ahead();
   void step_camera(double progress);
   void step_lidar(double progress);
   /// The camera set along a sweep's rays.

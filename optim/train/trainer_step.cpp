@@ -28,6 +28,7 @@ void Trainer::step() {
   if (prunes_now) look_over_sweeps();
   structure_.find_anchors(status_.iteration, prunes_now);
   if (mended_.is_due(status_.iteration, options_.iterations)) mend();
+  read_ahead();
   if (!images_.empty() && camera_.particles.count > 0) step_camera(progress);
   if (const FixedView* const mended = mended_.turn(status_.iteration)) step_mended(*mended, progress);
   const bool is_beside_turn = options_.beside.weight > 0.0 && status_.iteration % options_.beside.every == 0;
@@ -43,6 +44,20 @@ void Trainer::step() {
   if (options_.length.automatic && status_.iteration == options_.iterations) end_stage();
   status_.camera_particles = camera_.particles.count;
   status_.lidar_particles = lidar_.particles.count;
+}
+
+/// What the next iterations take first; of sweeps those of the LiDAR set, as depth's are the same ones.
+void Trainer::read_ahead() {
+  const auto next = [this](FrameOrder& order, int turn) {
+    constexpr std::uint64_t kFrames = 4;
+    const auto shards = static_cast<std::uint64_t>(options_.shards.count);
+    std::vector<std::size_t> frames;
+    for (std::uint64_t k = 0; !order.empty() && k < std::max(kFrames, shards); ++k) {
+      frames.push_back(order.at((static_cast<std::uint64_t>(turn) + 1) * shards + k));
+    }
+    return frames;
+  };
+  truth_.expect(next(images_, status_.iteration), next(sweeps_, status_.iteration / options_.lidar_every));
 }
 
 void Trainer::end_stage() {

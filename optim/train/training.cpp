@@ -14,6 +14,7 @@
 #include "host/runtime/cache/tuning.hpp"
 #include "io/base/state_file.hpp"
 #include "io/base/temporary.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 #include "optim/fill/fill_behind.hpp"
@@ -85,6 +86,7 @@ Training::Training(const Device& device, Log log, const TrainingOptions& options
       options_(checked(options)) {
   need_shards(ranks, options_);
   need_uncut(options_);
+  log_.files = std::make_shared<FrameFiles>(frame_budget(options_));
 }
 
 void Training::need_shards(const Ranks& ranks, const TrainingOptions& options) {

@@ -1,9 +1,11 @@
 #include "optim/train/truth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "io/log/camera_mask.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {
@@ -47,7 +49,21 @@ void TruthCache::set_range_biases(const std::string& name, const std::vector<dou
 
 Sweep TruthCache::stated(std::size_t index) const {
   const SweepFrame& frame = log_.sweeps[index];
-  return read_sweep(log_.folder / frame.file, lidar(frame.lidar));
+  return read_sweep(log_, frame, lidar(frame.lidar));
+}
+
+void TruthCache::expect(const std::vector<std::size_t>& images, const std::vector<std::size_t>& sweeps) {
+  if (log_.files == nullptr) return;
+  std::vector<FrameFiles::Wish> wishes;
+  for (std::size_t k = 0; k < std::max(images.size(), sweeps.size()); ++k) {
+    if (k < images.size() && !images_.find(images[k])) {
+      const ImageFrame& frame = log_.images[images[k]];
+      wishes.push_back(wish_of(log_, frame, models_.at(frame.camera)));
+    }
+    if (k < sweeps.size() && !sweeps_.find(sweeps[k]))
+      wishes.push_back(wish_of(log_, log_.sweeps[sweeps[k]]));
+  }
+  if (!wishes.empty()) log_.files->expect(std::move(wishes));
 }
 
 const SensorRays& TruthCache::camera_rays(const std::string& name) {
@@ -76,7 +92,7 @@ std::vector<bool> TruthCache::hidden_pixels(const ImageFrame& frame) const {
     nearest = &sweep;
   }
   if (nearest == nullptr) return {};
-  const Sweep sweep = read_sweep(log_.folder / nearest->file, lidar(nearest->lidar));
+  const Sweep sweep = read_sweep(log_, *nearest, lidar(nearest->lidar));
   const View view = view_of(log_, scene_, frame);
   const ImageView image_view(
       models_.at(frame.camera), view.scene_from_sensor_start, view.scene_from_sensor_end);

@@ -42,6 +42,8 @@ class TruthCache {
   /// Index into log.images or log.sweeps. Error{kInput} when the file can't be read.
   std::shared_ptr<const ImageTruth> image(std::size_t index);
   std::shared_ptr<const SweepTruth> sweep(std::size_t index);
+  /// Says that these are asked for next, in this order: files of what is not kept are read meanwhile.
+  void expect(const std::vector<std::size_t>& images, const std::vector<std::size_t>& sweeps);
   /// A sweep as its file states it, its ranges corrected by the biases of lidar().
   [[nodiscard]] Sweep stated(std::size_t index) const;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/base/spread.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"
 
@@ -41,7 +42,7 @@ CameraPoseReport find_camera_pose(const Log& log,
   std::vector<Returns> sweeps;
   for (const SweepFrame& frame : log.sweeps) {
     if (frame.lidar != lidar) continue;
-    const Sweep sweep = read_sweep(log.folder / frame.file, sensor.model);
+    const Sweep sweep = read_sweep(log, frame, sensor.model);
     const std::vector<DepthEdge> found = depth_edges(sweep, sensor, frame.time_start_s, frame.time_end_s);
     scene.edges.insert(scene.edges.end(), found.begin(), found.end());
     sweeps.push_back(returns_of(sweep, sensor, frame.time_start_s, frame.time_end_s));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "io/log/frame_files.hpp"
 
 namespace simuli::calibration {
 namespace {
@@ -37,11 +38,15 @@ AlignReport align_log(const Log& log,
   AlignReport report;
   std::vector<Returns> sweeps;
   std::vector<Returns> reversed;
+  std::vector<const SweepFrame*> frames;
   for (const SweepFrame& frame : log.sweeps) {
-    if (frame.lidar != model.name) continue;
-    sweeps.push_back(returns_of(log, frame));
+    if (frame.lidar == model.name) frames.push_back(&frame);
+  }
+  expect(log, frames);
+  for (const SweepFrame* frame : frames) {
+    sweeps.push_back(returns_of(log, *frame));
     report.returns += sweeps.back().size();
-    if (reversed.size() < options.spin_sweeps) reversed.push_back(returns_of(log, frame, true));
+    if (reversed.size() < options.spin_sweeps) reversed.push_back(returns_of(log, *frame, true));
   }
   report.sweeps = sweeps.size();
   if (sweeps.size() < 2) {

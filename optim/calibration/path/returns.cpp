@@ -1,5 +1,7 @@
 #include "optim/calibration/path/returns.hpp"
 
+#include "io/log/frame_files.hpp"
+
 namespace simuli::calibration {
 namespace {
 
@@ -32,7 +34,7 @@ Returns returns_of(
 
 Returns returns_of(const Log& log, const SweepFrame& frame, bool reversed) {
   const LogLidar& lidar = log.lidar(frame.lidar);
-  const Sweep sweep = read_sweep(log.folder / frame.file, lidar.model);
+  const Sweep sweep = read_sweep(log, frame);
   return returns_of(sweep, lidar, frame.time_start_s, frame.time_end_s, reversed);
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/base/parallel.hpp"
+#include "optim/base/frames.hpp"
 #include "optim/init/posed_frames.hpp"
 
 namespace simuli {
@@ -199,6 +200,7 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
     for (const ImageFrame* frame : images) {
       if (frame->camera == camera.model.name) frames.push_back(frame);
     }
+    expect(log, frames, image_scale);
     std::deque<Loaded> window;  // frames [first, next)
     std::size_t first = 0, next = 0;
     for (std::size_t k = 0; k < frames.size(); ++k) {

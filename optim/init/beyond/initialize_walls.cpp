@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/base/parallel.hpp"
+#include "optim/base/frames.hpp"
 #include "optim/init/posed_frames.hpp"
 
 namespace simuli {
@@ -180,6 +181,7 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
   };
   std::vector<WallLooks> looks(columns.size() * steps);
   const PointBlocks blocks(points);
+  if (!columns.empty()) expect(log, images, image_scale);
   for (const ImageFrame* frame : images) {
     if (columns.empty()) {
       step();

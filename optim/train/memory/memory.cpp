@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "cl/shared/layout.h"
 #include "host/base/error.hpp"
@@ -304,6 +305,26 @@ MemoryNeed training_memory(const Device& device,
     return a.bytes > b.bytes;
   });
   return need;
+}
+
+std::size_t frame_budget(const TrainingOptions& options) {
+  std::size_t budget = options.train.host_cache_bytes;
+  const std::size_t limit = options.stretches.host_memory_bytes;
+  if (limit > 0) budget = std::min(budget, limit / 8);
+  const long pages = sysconf(_SC_PHYS_PAGES), page_bytes = sysconf(_SC_PAGE_SIZE);
+  if (pages <= 0 || page_bytes <= 0) return budget;
+  return std::min(budget, static_cast<std::size_t>(pages) * static_cast<std::size_t>(page_bytes) / 4);
+}
+
+std::uint64_t frame_bytes(const Log& log, const FrameSelection& frames) {
+  constexpr std::uint64_t kOfPixel = 3 * sizeof(float), kOfRay = 5 * sizeof(float);
+  std::uint64_t bytes = 0;
+  for (const ImageFrame& frame : log.images) {
+    const Camera camera = scaled_camera(log.camera(frame.camera).model, frames.image_scale);
+    bytes += kOfPixel * static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
+  }
+  for (const SweepFrame& frame : log.sweeps) bytes += kOfRay * ray_count(log.lidar(frame.lidar).model);
+  return bytes;
 }
 
 void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options) {

@@ -34,6 +34,12 @@ struct MemoryNeed {
                                          const Scene& scene,
                                          const TrainingOptions& options);
 
+/// Of the host, for frames as their files decode (host_cache_bytes): a quarter of its memory at most, and an
+/// eighth of what it is limited to.
+[[nodiscard]] std::size_t frame_budget(const TrainingOptions& options);
+/// What all frames of a log take there.
+[[nodiscard]] std::uint64_t frame_bytes(const Log& log, const FrameSelection& frames);
+
 /// Error{kDevice} with the numbers when that is more than train.memory_bytes, or than the device has, or
 /// when one buffer would be larger than the device allows.
 void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);

@@ -67,6 +67,8 @@ class Planner {
     own_.init.drop_moving = false;
     own_.init.sweep_depth = options.init.sweep_depth && log.sweeps.empty();
     for (const Actor& actor : log.actors) keys_ += static_cast<double>(actor.track.size());
+    frames_ =
+        static_cast<double>(std::min<std::uint64_t>(frame_budget(options), frame_bytes(log, options.frames)));
     short_m_ = std::min(kShort_m, path.length_m() / 3.0);
     long_m_ = std::min(kLong_m, path.length_m());
     const Content few = content_of(short_m_);
@@ -91,7 +93,8 @@ class Planner {
     }
     const bool shares = device_.info().is_cpu;  // the device's memory is the host's
     const double always = kProgramBytes + kKeyBytes * keys_ +
-                          kFrameBytes * static_cast<double>(log_.images.size() + log_.sweeps.size());
+                          kFrameBytes * static_cast<double>(log_.images.size() + log_.sweeps.size()) +
+                          frames_;
     Content all = long_ + (path_.length_m() - long_m_) * per_m_;
     // Each stretch has a camera set of its own, which reaches beyond it.
     all.camera = std::max(all.camera, path_.length_m() / length_m * middle.camera);
@@ -147,6 +150,7 @@ class Planner {
   std::size_t actors_ = 0;
   int camera_degree_ = 0, lidar_degree_ = 0;
   double keys_ = 0.0;
+  double frames_ = 0.0;  // bytes of those that are kept as they were read
   double short_m_ = 0.0, long_m_ = 0.0;
   Content long_, per_m_;
 };
