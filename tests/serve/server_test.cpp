@@ -1,5 +1,6 @@
 // The service over loopback.
 #include "tests/host/expect_error.hpp"
+#include "tests/serve/metrics_text.hpp"
 #include "tests/serve/server_fixture.hpp"
 
 namespace simuli::serve {
@@ -197,17 +198,51 @@ TEST_F(ServerTest, MoreThanItsWorkersWait) {
   {
     std::vector<std::jthread> clients;
     for (int k = 0; k < 8; ++k) {
-      clients.emplace_back([&] {
+      clients.emplace_back([&, k] {
         const auto stub = NreService::NewStub(channel_to(server_->address()));
         grpc::ClientContext context;
         proto::RGBRenderReturn reply;
-        const grpc::Status status = stub->render_rgb(&context, picture_request("front", 0.5, 0.5), &reply);
+        const double time_s = 0.5 + 0.01 * k;  // none asks for another one's
+        const grpc::Status status =
+            stub->render_rgb(&context, picture_request("front", time_s, time_s), &reply);
         EXPECT_TRUE(status.ok()) << status.error_code() << ": " << status.error_message();
         if (status.ok()) ++answered;
       });
     }
   }
   EXPECT_EQ(answered, 8);
+}
+
+TEST_F(ServerTest, RendersWhatSeveralAskForOnce) {
+  std::atomic<bool> is_held = true;
+  std::jthread holder = hold_device(is_held);
+  const auto counted = [&] { return test::MetricsText(server_->metrics()); };
+  const double before = counted().value("simuli_frames_total{result=\"rendered\"}");
+  const proto::RGBRenderRequest request = picture_request("front", 0.5, 0.5);
+  std::atomic<int> right = 0;
+  {
+    std::vector<std::string> replies(6);
+    {
+      std::vector<std::jthread> clients;
+      for (std::size_t k = 0; k < replies.size(); ++k) {
+        clients.emplace_back([&, k] {
+          const auto stub = NreService::NewStub(channel_to(server_->address()));
+          grpc::ClientContext context;
+          proto::RGBRenderReturn reply;
+          if (stub->render_rgb(&context, request, &reply).ok()) replies[k] = reply.image_bytes();
+        });
+      }
+      while (counted().value("simuli_device_queue") < 1.0) std::this_thread::sleep_for(milliseconds(5));
+      std::this_thread::sleep_for(milliseconds(300));  // until the others have come, too
+      is_held = false;
+    }
+    const std::string wanted = rendered(request);
+    for (const std::string& reply : replies) right += reply == wanted ? 1 : 0;
+  }
+  EXPECT_EQ(right, 6);
+  EXPECT_EQ(counted().value("simuli_requests_shared"), 5.0);
+  // The holder's, theirs, and the one they are compared with.
+  EXPECT_LE(counted().value("simuli_frames_total{result=\"rendered\"}"), before + 3.0);
 }
 
 TEST_F(ServerTest, TellsItsHealthAndDrains) {

@@ -50,6 +50,28 @@ TEST(Turns, WhoGivesUpLeavesTheLine) {
   static_cast<void>(turns.take());
 }
 
+TEST(Turns, PlacesAreHadByOneAtATime) {
+  const Turns turns(3);
+  std::array<std::atomic<int>, 3> users{};
+  std::atomic<bool> is_shared = false;
+  {
+    std::vector<std::jthread> callers;
+    for (int i = 0; i < 8; ++i) {
+      callers.emplace_back([&] {
+        for (int round = 0; round < 50; ++round) {
+          const Turns::Turn turn = turns.take();
+          if (++users.at(turn.place()) > 1) is_shared = true;
+          std::this_thread::yield();
+          --users.at(turn.place());
+        }
+      });
+    }
+  }
+  EXPECT_FALSE(is_shared);
+  EXPECT_EQ(turns.free(), 3U);
+  EXPECT_EQ(turns.take().place(), 0U);
+}
+
 TEST(SceneSources, AreNamed) {
   const auto sources =
       scene_sources({"a/drive.scene/", "b/street.scene", "night=b/drive.scene", "./x=y/z.ply"});
@@ -107,6 +129,73 @@ TEST_F(Session, GivesMemoryBackWithAScene) {
     if (round == 1) most = session.device().memory().now;
   }
   EXPECT_LE(session.device().memory().now, most);
+}
+
+TEST_F(Session, SeveralDevicesShareABatch) {
+  const std::string path = (scratch_ / "small.scene").string();
+  constexpr std::size_t kFrames = 12;
+  const auto rendered = [&](std::size_t devices) {
+    SessionOptions options;
+    options.scenes = scene_sources({"a=" + path});
+    options.devices.assign(devices, "");
+    RenderSession session(options);
+    const auto scene = session.open("a");
+    std::vector<FrameJob> jobs;
+    for (std::size_t i = 0; i < kFrames; ++i) {
+      const double time_s = 0.5 + 0.01 * static_cast<double>(i);
+      jobs.push_back({scene->cameras()[0], recorded_shot("front", time_s, time_s)});
+    }
+    session.render(*scene, jobs);
+    // By others than the first as well, sooner or later.
+    std::atomic<bool> is_done = false;
+    std::vector<std::jthread> callers;
+    for (std::size_t k = 1; k < devices; ++k) {
+      callers.emplace_back([&] {
+        while (!is_done) {
+          std::array<FrameJob, 1> job{FrameJob{scene->cameras()[0], recorded_shot("front", 0.5, 0.5)}};
+          session.render(*scene, job);
+          EXPECT_FALSE(job[0].bytes.empty());
+        }
+      });
+    }
+    for (std::size_t k = 1; k < devices; ++k) {
+      while (session.device(k).memory().peak == 0) {
+        std::array<FrameJob, 1> job{FrameJob{scene->cameras()[0], recorded_shot("front", 0.5, 0.5)}};
+        session.render(*scene, job);
+      }
+    }
+    is_done = true;
+    callers.clear();
+    std::vector<std::string> bytes;
+    for (FrameJob& job : jobs) {
+      EXPECT_EQ(job.error, nullptr);
+      bytes.push_back(std::move(job.bytes));
+    }
+    return bytes;
+  };
+  const std::vector<std::string> one = rendered(1), three = rendered(3);
+  EXPECT_EQ(three, one);
+  EXPECT_NE(one.front(), one.back());
+}
+
+TEST_F(Session, GivenUpOnSeveralDevicesEndsOnAll) {
+  SessionOptions options;
+  options.scenes = scene_sources({"a=" + (scratch_ / "small.scene").string()});
+  options.devices = {"", ""};
+  RenderSession session(options);
+  const auto scene = session.open("a");
+  std::atomic<int> frames = 0;
+  std::vector<FrameJob> jobs;
+  for (std::size_t i = 0; i < 50; ++i) {
+    jobs.push_back({scene->cameras()[0], recorded_shot("front", 0.5, 0.5), [&](const Frame& f) {
+                      f.wait();
+                      ++frames;
+                    }});
+  }
+  expect_refusal(RefusalKind::kCancelled, "cancelled", [&] {
+    session.render(*scene, jobs, [&] { return frames > 4; });
+  });
+  EXPECT_LT(frames, 12);
 }
 
 TEST_F(Session, TellsOfScenesThatAreNone) {

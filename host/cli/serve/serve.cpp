@@ -47,7 +47,7 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   need_safe(command);
   serve::SessionOptions of_session;
   of_session.scenes = serve::scene_sources(command.scenes);
-  of_session.device = globals.device;
+  of_session.devices = devices_of(globals.device);
   of_session.render = options_of(globals.quality);
   fields_of(of_session.render).apply(command.settings);
   of_session.cache_size = static_cast<std::size_t>(command.cache_size);

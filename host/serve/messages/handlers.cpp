@@ -156,7 +156,7 @@ void Handlers::get_server_config(proto::ServerConfig& reply) const {
   auto& config = *reply.mutable_server_config();
   for (const auto& [key, value] : options_.told) config[key] = value;
   config["version"] = version();
-  config["device"] = session_.device().info().label();
+  config["device"] = session_.devices();
   config["cache-size"] = fmt::format("{}", session_.cache_size());
   config["enable-editing-actors"] = options_.allows_edits ? "true" : "false";
 }

@@ -71,6 +71,8 @@ class Handlers {
                          const proto::AggregatedRenderRequest& request,
                          proto::AggregatedRenderReturn& reply) const;
 
+  /// What was answered under the same number holds for the same request.
+  [[nodiscard]] std::uint64_t edition() const { return session_.edition(); }
   /// What is counted, and what there is at the moment.
   [[nodiscard]] Metrics& metrics() const { return session_.metrics(); }
   [[nodiscard]] std::vector<Gauge> gauges() const { return session_.gauges(); }

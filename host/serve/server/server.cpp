@@ -10,6 +10,7 @@
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/serve/session/refusal.hpp"
+#include "host/serve/session/shared_work.hpp"
 #include "io/base/file.hpp"
 #include "nurec_sensorsim.grpc.pb.h"
 #include "sensorsim.grpc.pb.h"
@@ -71,8 +72,8 @@ struct End {
 template <class Base>
 class Sensorsim final : public Base::Service {
  public:
-  Sensorsim(const Handlers& handlers, const Turns& workers, End& end)
-      : handlers_(handlers), workers_(workers), end_(end) {}
+  Sensorsim(const Handlers& handlers, const Turns& workers, SharedWork& rendering, End& end)
+      : handlers_(handlers), workers_(workers), rendering_(rendering), end_(end) {}
 
   Status get_version(ServerContext* /*c*/,
                      const proto_common::Empty* /*q*/,
@@ -148,24 +149,31 @@ class Sensorsim final : public Base::Service {
     });
   }
   Status render_rgb(ServerContext* c, const proto::RGBRenderRequest* q, proto::RGBRenderReturn* r) override {
-    return worked("render_rgb", c, *r, [&](const Call& call) { handlers_.render_rgb(call, *q, *r); });
+    return shared("render_rgb", c, *q, *r, [&](const Call& call, proto::RGBRenderReturn& reply) {
+      handlers_.render_rgb(call, *q, reply);
+    });
   }
   Status batch_render_rgb(ServerContext* c,
                           const proto::BatchRGBRenderRequest* q,
                           proto::BatchRGBRenderReturn* r) override {
-    return worked(
-        "batch_render_rgb", c, *r, [&](const Call& call) { handlers_.batch_render_rgb(call, *q, *r); });
+    return shared("batch_render_rgb", c, *q, *r, [&](const Call& call, proto::BatchRGBRenderReturn& reply) {
+      handlers_.batch_render_rgb(call, *q, reply);
+    });
   }
   Status render_lidar(ServerContext* c,
                       const proto::LidarRenderRequest* q,
                       proto::LidarRenderReturn* r) override {
-    return worked("render_lidar", c, *r, [&](const Call& call) { handlers_.render_lidar(call, *q, *r); });
+    return shared("render_lidar", c, *q, *r, [&](const Call& call, proto::LidarRenderReturn& reply) {
+      handlers_.render_lidar(call, *q, reply);
+    });
   }
   Status render_aggregated(ServerContext* c,
                            const proto::AggregatedRenderRequest* q,
                            proto::AggregatedRenderReturn* r) override {
-    return worked(
-        "render_aggregated", c, *r, [&](const Call& call) { handlers_.render_aggregated(call, *q, *r); });
+    return shared(
+        "render_aggregated", c, *q, *r, [&](const Call& call, proto::AggregatedRenderReturn& reply) {
+          handlers_.render_aggregated(call, *q, reply);
+        });
   }
 
  private:
@@ -189,18 +197,44 @@ class Sensorsim final : public Base::Service {
   }
   template <class Reply, class Work>
   Status worked(const char* name, const ServerContext* context, const Reply& reply, const Work& work) const {
+    return told(name, reply, [&] { in_turn(call_of(*context), work); });
+  }
+  template <class Work>
+  void in_turn(const Call& call, const Work& work) const {
+    const Stopwatch watch;
+    const Turns::Turn worker = workers_.take(call.is_given_up);
+    handlers_.metrics().add_time(Stage::kWorkerWait, watch.seconds());
+    need_wanted(call.is_given_up);
+    work(call);
+  }
+  /// One answer for all who ask the same of the same scenes meanwhile.
+  template <class Request, class Reply, class Work>
+  Status shared(const char* name,
+                const ServerContext* context,
+                const Request& request,
+                Reply& reply,
+                const Work& work) const {
     return told(name, reply, [&] {
-      const Call call = call_of(*context);
-      const Stopwatch watch;
-      const Turns::Turn worker = workers_.take(call.is_given_up);
-      handlers_.metrics().add_time(Stage::kWorkerWait, watch.seconds());
-      need_wanted(call.is_given_up);
-      work(call);
+      Call call = call_of(*context);
+      const std::string key =
+          fmt::format("{} {} {}\n", name, handlers_.edition(), call.lidar) + request.SerializeAsString();
+      const IsGivenUp own = call.is_given_up;
+      const SharedWork::Result result = rendering_.get(
+          key,
+          [&](const IsGivenUp& nobody_waits) {
+            const auto made = std::make_shared<Reply>();
+            call.is_given_up = nobody_waits;
+            in_turn(call, [&](const Call& of_all) { work(of_all, *made); });
+            return made;
+          },
+          own);
+      reply = *static_cast<const Reply*>(result.get());
     });
   }
 
   const Handlers& handlers_;
   const Turns& workers_;
+  SharedWork& rendering_;
   End& end_;
 };
 
@@ -242,12 +276,13 @@ struct Server::Impl {
         options(with),
         workers(with.max_workers),
         end{with.allows_shut_down},
-        nre(handlers, workers, end),
-        nurec(handlers, workers, end) {}
+        nre(handlers, workers, rendering, end),
+        nurec(handlers, workers, rendering, end) {}
 
   const Handlers& handlers;
   ServerOptions options;
   Turns workers;
+  SharedWork rendering;  // by either name
   End end;
   Sensorsim<NreService> nre;
   Sensorsim<NurecService> nurec;
@@ -305,6 +340,9 @@ std::string Server::metrics() const {
   gauges.push_back({"simuli_requests_in_work",
                     "Requests that a worker has.",
                     static_cast<double>(impl_->options.max_workers - workers.free())});
+  gauges.push_back({"simuli_requests_shared",
+                    "Requests that were answered by what another one was rendered for.",
+                    static_cast<double>(impl_->rendering.shared())});
   return impl_->handlers.metrics().text(gauges);
 }
 

@@ -16,16 +16,30 @@
 namespace simuli::serve {
 
 RenderSession::RenderSession(SessionOptions options)
-    : options_(std::move(options)), device_(Device::best(options_.device)), picture_bytes_(device_) {
+    : options_(std::move(options)),
+      slots_(std::make_shared<std::vector<std::unique_ptr<Slot>>>()),
+      turns_(options_.devices.size()) {
   validate(options_.render);
+  if (options_.devices.empty()) throw Error(ErrorKind::kUsage, "devices: found none, allowed at least one");
+  for (const std::string& request : options_.devices) slots_->push_back(std::make_unique<Slot>(request));
 }
 
 RenderSession::~RenderSession() = default;
 
-/// What is on the device goes in a turn of its own, whoever holds the scene last.
+std::string RenderSession::devices() const {
+  std::vector<std::string> labels;
+  for (const auto& slot : *slots_) labels.push_back(slot->device.info().label());
+  return fmt::format("{}", fmt::join(labels, ", "));
+}
+
+/// What is on a device goes while nobody uses that one, whoever holds the scene last.
 RenderSession::ScenePtr RenderSession::owned(std::unique_ptr<ServedScene> scene) const {
-  return {scene.release(), [turns = turns_, device = device_](ServedScene* last) {
-            const Turns::Turn turn = turns.take();
+  scene->on_devices_.resize(slots_->size());
+  return {scene.release(), [slots = slots_](ServedScene* last) {
+            for (std::size_t i = 0; i < slots->size(); ++i) {
+              const std::lock_guard lock((*slots)[i]->mutex);
+              last->on_devices_[i].reset();
+            }
             delete last;
           }};
 }
@@ -133,6 +147,7 @@ void RenderSession::replace(const std::string& id, ScenePtr scene, const std::op
   promise.set_value(std::move(scene));
   std::list<Kept> dropped;  // goes when mutex_ is free again
   const std::lock_guard lock(mutex_);
+  ++edition_;
   if (edit) {
     edits_[id].push_back(*edit);
   } else {
@@ -145,14 +160,20 @@ void RenderSession::replace(const std::string& id, ScenePtr scene, const std::op
 
 std::vector<Gauge> RenderSession::gauges() const {
   const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
+  std::uint64_t bytes = 0, peak_bytes = 0, limit_bytes = 0;
+  for (const auto& slot : *slots_) {
+    bytes += slot->bytes;
+    peak_bytes += slot->peak_bytes;
+    limit_bytes += slot->device.info().global_bytes;
+  }
   return {
       {"simuli_scenes_kept", "Scenes in memory.", number(kept().size())},
       {"simuli_scenes_kept_limit", "Scenes that are kept in memory at most.", number(cache_size())},
-      {"simuli_device_queue", "Requests that wait for the device.", number(turns_.waiting())},
-      {"simuli_device_busy", "Whether the device is at work.", turns_.free() == 0 ? 1.0 : 0.0},
-      {"simuli_device_memory_bytes", "Device memory in use behind the last frame.", number(device_bytes_)},
-      {"simuli_device_memory_peak_bytes", "The most that was in use.", number(device_peak_bytes_)},
-      {"simuli_device_memory_limit_bytes", "What the device has.", number(device_.info().global_bytes)},
+      {"simuli_device_queue", "Requests that wait for a device.", number(turns_.waiting())},
+      {"simuli_device_busy", "Devices that are at work.", number(slots_->size() - turns_.free())},
+      {"simuli_device_memory_bytes", "Device memory in use behind the last frames.", number(bytes)},
+      {"simuli_device_memory_peak_bytes", "The most that was in use.", number(peak_bytes)},
+      {"simuli_device_memory_limit_bytes", "What the devices have.", number(limit_bytes)},
   };
 }
 
@@ -164,11 +185,37 @@ std::vector<std::string> RenderSession::kept() const {
 }
 
 void RenderSession::render(ServedScene& scene, std::span<FrameJob> jobs, const IsGivenUp& is_given_up) {
+  std::atomic<std::size_t> next{0};
+  std::vector<std::future<void>> others;
+  for (std::size_t device = 1; device < std::min(slots_->size(), jobs.size()); ++device) {
+    others.push_back(std::async(std::launch::async, [&] { render_on_one(scene, jobs, next, is_given_up); }));
+  }
+  std::exception_ptr failure;
+  const auto unless_failed = [&failure](const auto& work) {
+    try {
+      work();
+    } catch (...) {
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  unless_failed([&] { render_on_one(scene, jobs, next, is_given_up); });
+  for (std::future<void>& other : others) unless_failed([&] { other.get(); });
+  if (failure) std::rethrow_exception(failure);
+}
+
+void RenderSession::render_on_one(ServedScene& scene,
+                                  std::span<FrameJob> jobs,
+                                  std::atomic<std::size_t>& next,
+                                  const IsGivenUp& is_given_up) {
   Stopwatch watch;
   const Turns::Turn turn = turns_.take(is_given_up);
   metrics_.add_time(Stage::kDeviceWait, watch.seconds());
+  if (next >= jobs.size()) return;  // others have had them meanwhile
   watch = {};
-  if (!scene.on_device_) scene.on_device_.emplace(device_, scene.scene_, options_.render);
+  Slot& slot = *(*slots_)[turn.place()];
+  const std::lock_guard lock(slot.mutex);
+  auto& on_device = scene.on_devices_[turn.place()];
+  if (!on_device) on_device.emplace(slot.device, scene.scene_, options_.render);
   struct Coming {
     FrameJob& job;
     Frame frame;
@@ -191,17 +238,18 @@ void RenderSession::render(ServedScene& scene, std::span<FrameJob> jobs, const I
       metrics_.count_frame(false);
     }
   };
-  for (FrameJob& job : jobs) {
+  for (std::size_t i = next++; i < jobs.size(); i = next++) {
+    FrameJob& job = jobs[i];
     need_wanted(is_given_up);
     try {
-      Coming next{job, scene.on_device_->render(job.sensor, job.shot), {}};
+      Coming started{job, on_device->render(job.sensor, job.shot), {}};
       if (job.take) {
-        next.frame.fetch();
+        started.frame.fetch();
       } else {
-        next.bytes.emplace(picture_bytes_.start(next.frame, job.order));
+        started.bytes.emplace(slot.picture_bytes.start(started.frame, job.order));
       }
       take();
-      coming.emplace(std::move(next));
+      coming.emplace(std::move(started));
     } catch (...) {
       job.error = std::current_exception();
       metrics_.count_frame(false);
@@ -209,8 +257,8 @@ void RenderSession::render(ServedScene& scene, std::span<FrameJob> jobs, const I
   }
   take();
   metrics_.add_time(Stage::kRendering, watch.seconds());
-  device_bytes_ = device_.memory().now;
-  device_peak_bytes_ = device_.memory().peak;
+  slot.bytes = slot.device.memory().now;
+  slot.peak_bytes = slot.device.memory().peak;
 }
 
 }  // namespace simuli::serve

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes and the one device that renders them, for any number of callers.
+// Scenes and the devices that render them, for any number of callers.
 #include <atomic>
 #include <cstdint>
 #include <exception>
@@ -23,9 +23,9 @@ namespace simuli::serve {
 
 struct SessionOptions {
   std::vector<SceneSource> scenes;
-  std::string device;          // as Device::best() takes it
-  RenderOptions render = {};   // of all frames
-  std::size_t cache_size = 4;  // scenes that are kept: those used last
+  std::vector<std::string> devices = {""};  // each as Device::best() takes it; at least one
+  RenderOptions render = {};                // of all frames
+  std::size_t cache_size = 4;               // scenes that are kept: those used last
 };
 
 /// One frame of a batch. What goes wrong with it stays with it.
@@ -33,7 +33,8 @@ struct FrameJob {
   Sensor sensor;
   Shot shot;
   /// Gets the frame when it is rendered, while the device is the caller's: copies what it needs, and keeps
-  /// no frame. Empty: a picture, whose bytes are all that comes to the host.
+  /// no frame. With several devices from several threads. Empty: a picture, whose bytes are all that comes to
+  /// the host.
   std::function<void(const Frame&)> take = {};
   PixelOrder order = PixelOrder::kPlanar;
   std::string bytes = {};
@@ -52,7 +53,11 @@ class RenderSession {
   /// In the order of the command line.
   [[nodiscard]] const std::vector<SceneSource>& sources() const { return options_.scenes; }
   [[nodiscard]] std::size_t cache_size() const { return options_.cache_size; }
-  [[nodiscard]] const Device& device() const { return device_; }
+  [[nodiscard]] const Device& device(std::size_t number = 0) const { return slots_->at(number)->device; }
+  /// The devices' labels, one behind the other.
+  [[nodiscard]] std::string devices() const;
+  /// Grows with every edit of any scene: what was rendered under the same number is of the same scenes.
+  [[nodiscard]] std::uint64_t edition() const { return edition_; }
   [[nodiscard]] Metrics& metrics() const { return metrics_; }
   /// Of scenes, the device's queue and its memory, as it was behind the last frame.
   [[nodiscard]] std::vector<Gauge> gauges() const;
@@ -71,8 +76,8 @@ class RenderSession {
   /// Names of those that are kept, the last used first.
   [[nodiscard]] std::vector<std::string> kept() const;
 
-  /// Renders the frames in their order, one on its way while the one before is taken. Refusal{kCancelled}
-  /// while it waits for the device, and between frames.
+  /// Renders the frames on all devices that are free, each in the order of those that it gets, one on its way
+  /// while the one before is taken. Refusal{kCancelled} while it waits for a device, and between frames.
   void render(ServedScene& scene, std::span<FrameJob> jobs, const IsGivenUp& is_given_up = never_given_up);
 
  private:
@@ -90,12 +95,26 @@ class RenderSession {
   [[nodiscard]] std::shared_future<ScenePtr> keep(const SceneSource& source);
   void forget(const std::string& id);
 
+  /// One of the devices, used by who has the turn of its number; `mutex` is also of who lets go a scene
+  /// there.
+  struct Slot {
+    explicit Slot(const std::string& request) : device(Device::best(request)), picture_bytes(device) {}
+    Device device;
+    PictureBytes picture_bytes;
+    std::mutex mutex;
+    std::atomic<std::uint64_t> bytes{0}, peak_bytes{0};  // as they were behind the last frame
+  };
+  /// Takes frames from `next` on, until there are no more, on one device.
+  void render_on_one(ServedScene& scene,
+                     std::span<FrameJob> jobs,
+                     std::atomic<std::size_t>& next,
+                     const IsGivenUp& is_given_up);
+
   SessionOptions options_;
-  Device device_;
-  PictureBytes picture_bytes_;
-  Turns turns_{1};
+  std::shared_ptr<std::vector<std::unique_ptr<Slot>>> slots_;  // also of those who hold a scene
+  Turns turns_;
   mutable Metrics metrics_;
-  std::atomic<std::uint64_t> device_bytes_{0}, device_peak_bytes_{0};  // the device is asked in a turn alone
+  std::atomic<std::uint64_t> edition_{0};
   mutable std::mutex mutex_;
   std::list<Kept> kept_;                                 // last used first
   std::map<std::string, std::vector<SceneEdit>> edits_;  // by scene

@@ -79,7 +79,7 @@ class ServedScene {
   std::shared_ptr<const Scene> original_;  // of one that is edited
   std::set<std::string> external_, inserted_;
   SceneClock clock_;
-  std::optional<SceneOnDevice> on_device_;
+  std::vector<std::optional<SceneOnDevice>> on_devices_;  // by RenderSession's devices
   mutable std::mutex lidars_mutex_;
   mutable std::map<std::string, Sensor> lidars_;  // that were asked for
 };

@@ -1,6 +1,7 @@
 #include "host/serve/session/turns.hpp"
 
 #include <chrono>
+#include <set>
 
 #include "host/serve/session/refusal.hpp"
 
@@ -21,10 +22,12 @@ void need_wanted(const IsGivenUp& is_given_up) {
 struct Turns::Turn::Queue {
   std::mutex mutex;
   std::condition_variable changed;
-  std::size_t free;
+  std::set<std::size_t> free;
   std::list<int> waiting;  // who came first stands first; the numbers say nothing
 
-  explicit Queue(std::size_t places) : free(places) {}
+  explicit Queue(std::size_t places) {
+    for (std::size_t place = 0; place < places; ++place) free.insert(place);
+  }
 };
 
 Turns::Turns(std::size_t places) : queue_(std::make_shared<Turn::Queue>(places)) {}
@@ -33,7 +36,7 @@ Turns::Turn::~Turn() {
   if (!queue_) return;
   {
     const std::lock_guard lock(queue_->mutex);
-    ++queue_->free;
+    queue_->free.insert(place_);
   }
   queue_->changed.notify_all();
 }
@@ -45,7 +48,7 @@ std::size_t Turns::waiting() const {
 
 std::size_t Turns::free() const {
   const std::lock_guard lock(queue_->mutex);
-  return queue_->free;
+  return queue_->free.size();
 }
 
 Turns::Turn Turns::take(const IsGivenUp& is_given_up) const {
@@ -53,7 +56,7 @@ Turns::Turn Turns::take(const IsGivenUp& is_given_up) const {
   Turn::Queue& queue = *queue_;
   std::unique_lock lock(queue.mutex);
   const auto place = queue.waiting.insert(queue.waiting.end(), 0);
-  while (queue.free == 0 || queue.waiting.begin() != place) {
+  while (queue.free.empty() || queue.waiting.begin() != place) {
     queue.changed.wait_for(lock, kAskAgain);
     if (!is_given_up()) continue;
     queue.waiting.erase(place);
@@ -62,11 +65,12 @@ Turns::Turn Turns::take(const IsGivenUp& is_given_up) const {
     give_up();
   }
   queue.waiting.erase(place);
-  --queue.free;
-  const bool has_more = queue.free > 0 && !queue.waiting.empty();
+  const std::size_t taken = *queue.free.begin();
+  queue.free.erase(queue.free.begin());
+  const bool has_more = !queue.free.empty() && !queue.waiting.empty();
   lock.unlock();
   if (has_more) queue.changed.notify_all();
-  return Turn(queue_);
+  return {queue_, taken};
 }
 
 }  // namespace simuli::serve

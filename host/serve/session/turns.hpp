@@ -30,12 +30,15 @@ class Turns {
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
     ~Turn();
+    /// Which of the places, from 0: the first that was free.
+    [[nodiscard]] std::size_t place() const { return place_; }
 
    private:
     friend class Turns;
     struct Queue;
-    explicit Turn(std::shared_ptr<Queue> queue) : queue_(std::move(queue)) {}
+    Turn(std::shared_ptr<Queue> queue, std::size_t place) : queue_(std::move(queue)), place_(place) {}
     std::shared_ptr<Queue> queue_;
+    std::size_t place_;
   };
 
   /// Waits for a place. Refusal{kCancelled} once `is_given_up` says so, which is asked some 50 times a
