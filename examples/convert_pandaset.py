@@ -1,10 +1,10 @@
-"""convert_pandaset.py SEQUENCE OUT [EXTRINSICS.json]: PandaSet for `simuli import points OUT -o drive.log`.
+"""convert_pandaset.py SEQUENCE OUT [EXTRINSICS.json | lidar]: PandaSet for `simuli import points OUT -o drive.log`.
 
 Needs NumPy and pandas. After the data set's devkit (github.com/scaleapi/pandaset-devkit, README): points stand in
 the world, the vehicle's motion taken off, with their own times t; d is 0 for the Pandar64, which is converted, and 1
-for the PandarGT, which is not. Boxes: dimensions x is the width, y the length. NeuRAD's reader reports that the
-LiDAR poses of the data set are not right and takes the front camera's with the published mounting instead:
-EXTRINSICS.json, the 4 x 4 matrix camera_from_lidar as rows, does that here; without it lidar/poses.json is believed.
+for the PandarGT, which is not. Boxes: dimensions x is the width, y the length. lidar/poses.json holds no poses of the
+LiDAR (of sequence 002 a point 1.8 m below it), so that they come from the front camera's and the mounting that the
+devkit publishes; EXTRINSICS.json, the 4 x 4 matrix camera_from_lidar as rows: another one; "lidar" believes the file.
 The rig stands where the LiDAR does, turned about z by the multiple of 90 degrees that makes it drive forward.
 """
 import json
@@ -17,6 +17,9 @@ import pandas as pd
 from points_folder import Folder, Path, camera, lidar, matrix, spin
 
 TABLE, COLUMNS = "ncore_pandaset_pandar64", 1800
+# The devkit's docs/static_extrinsic_calibration.yaml, front_camera: the camera from the Pandar64.
+CAMERA_FROM_LIDAR = matrix([0.016213200031258722, 0.0030578899383849464, 0.7114721800418571, -0.7025205466606356],
+                           [0.0002585796504896516, -0.03907777167811011, -0.0440125762408362])
 
 
 def read_poses(folder):
@@ -41,10 +44,12 @@ def forward(poses):
 
 def main(sequence, out, extrinsics=None):
     sequence = pathlib.Path(sequence)
-    if extrinsics is None:
+    if extrinsics == "lidar":
         times_ns, poses = read_poses(sequence / "lidar")
     else:
-        camera_from_lidar = np.array(json.loads(pathlib.Path(extrinsics).read_text()), float)
+        camera_from_lidar = CAMERA_FROM_LIDAR
+        if extrinsics is not None:
+            camera_from_lidar = np.array(json.loads(pathlib.Path(extrinsics).read_text()), float)
         times_ns, poses = read_poses(sequence / "camera" / "front_camera")
         poses = [m @ camera_from_lidar for m in poses]
     sensor_from_rig = forward(poses)

@@ -10,6 +10,7 @@ from PIL import Image
 
 simuli, examples, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
 sys.path.insert(0, str(examples))
+import convert_pandaset  # noqa: E402
 import points_folder as pf  # noqa: E402
 
 START_NS, TURNS, ROOM_M, RAYS = 1_600_000_000_000_000_000, 3, 12.0, 600
@@ -103,27 +104,35 @@ def pandaset():
 
     write(root / "lidar", np.eye(4))
     looks_along_y = pf.matrix([np.sqrt(0.5), -np.sqrt(0.5), 0, 0], [0, 0.5, -0.3])
+    published = np.linalg.inv(convert_pandaset.CAMERA_FROM_LIDAR)
+    assert published[1, 2] < -0.999, published  # that camera looks back along the LiDAR's y
     write(root / "camera" / "front_camera", looks_along_y)
     (root / "camera" / "front_camera" / "intrinsics.json").write_text(json.dumps({"fx": 9, "fy": 9, "cx": 3.5,
                                                                                   "cy": 2.5}))
     for i in range(TURNS):
         jpeg(root / "camera" / "front_camera" / f"{i:02}.jpg")
     (work / "camera_from_lidar.json").write_text(json.dumps(np.linalg.inv(looks_along_y).tolist()))
-    for extra in ([], [str(work / "camera_from_lidar.json")]):
-        out = work / f"pandaset_{len(extra)}"
-        subprocess.run([sys.executable, examples / "convert_pandaset.py", root, out, *extra], check=True,
+    for extra in ("lidar", str(work / "camera_from_lidar.json"), ""):
+        if not extra:  # a camera where the devkit has it, and poses of the LiDAR that are none
+            looks_along_y = published
+            write(root / "camera" / "front_camera", published)
+            write(root / "lidar", pf.matrix([1, 0, 0, 0], [0, 0, -1.8]))
+        name = f"pandaset_{pathlib.Path(extra).stem}"
+        out = work / name
+        subprocess.run([sys.executable, examples / "convert_pandaset.py", root, out, *filter(None, [extra])], check=True,
                        stdout=subprocess.DEVNULL)
-        said = imported(out, work / f"pandaset_{len(extra)}.log")
+        said = imported(out, work / f"{name}.log")
         assert said["points"] == TURNS * 64 * RAYS, said
         assert said["unplaced"] == 0 and said["returned"] > 0.99 * said["points"], said
-        log = json.loads((work / f"pandaset_{len(extra)}.log" / "log.json").read_text())
+        log = json.loads((work / f"{name}.log" / "log.json").read_text())
         assert log["lidars"][0]["spin"] == "clockwise"
         first, last = (np.array(p["position_m"]) for p in (log["world_from_rig"][0], log["world_from_rig"][-1]))
         assert np.allclose(first, 0, atol=1e-6) and np.allclose(last, [2.0, 0, 0], atol=1e-5), last
         mount = log["cameras"][0]["rig_from_camera"]
-        assert np.allclose(mount["position_m"], [0.5, 0, -0.3], atol=1e-5), mount
+        place, axis = looks_along_y[:3, 3], looks_along_y[:3, 2]  # the rig's x is the LiDAR's y
+        assert np.allclose(mount["position_m"], [place[1], -place[0], place[2]], atol=1e-5), mount
         looks = pf.matrix(mount["rotation_wxyz"], [0, 0, 0])[:3, 2]
-        assert np.allclose(looks, [1, 0, 0], atol=1e-5), looks
+        assert np.allclose(looks, [axis[1], -axis[0], axis[2]], atol=1e-5), looks
         assert log["actors"][0]["length_m"] == 4.5 and len(log["actors"][0]["track"]) == TURNS
 
 
