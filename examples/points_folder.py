@@ -105,8 +105,11 @@ class Folder:
                      "world_from_rig": [], "images": [], "sweeps": [], "actors": []}
 
     def sweep(self, name, xyz, intensity, time_s, start_ns, end_ns):
+        """`time_s` of all sweeps or of none: then None, and no such column."""
         file = f"points/{len(self.json['sweeps']):06}.bin"
-        np.column_stack([xyz, np.clip(intensity, 0, 1), time_s]).astype("<f4").tofile(self.path / file)
+        columns = [xyz, np.clip(intensity, 0, 1)] + ([] if time_s is None else [time_s])
+        self.json["point_columns"] = COLUMNS if time_s is not None else COLUMNS[:-1]
+        np.column_stack(columns).astype("<f4").tofile(self.path / file)
         self.json["sweeps"].append({"lidar": name, "file": file, "time_start_ns": int(start_ns),
                                     "time_end_ns": int(end_ns)})
 
