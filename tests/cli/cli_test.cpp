@@ -95,7 +95,14 @@ TEST_F(Cli, InputErrorsNameWhatWasFoundAndExitWith3) {
   fs::create_directory(folder_ / "broken.log");
   std::ofstream(folder_ / "broken.log" / "log.json") << "{\"name\": ";
   expect_failure("info broken.log", kInput, "log.json");
-  expect_failure("import kitti nowhere -o x.log", kInput, "nowhere");
+  for (const char* part : {"", " --frames 10:29", " --first 10"})
+    expect_failure(fmt::format("import kitti nowhere -o x.log{}", part), kInput, "nowhere");
+  for (const char* frames : {"3", "3:", "a:9", "1:2:3", "-1:2"}) {
+    expect_failure(fmt::format("import kitti nowhere -o x.log --frames={}", frames),
+                   kUsage,
+                   fmt::format("--frames: found \"{}\", allowed a:b", frames));
+  }
+  expect_failure("import kitti360 nowhere -o x.log --frames 1:2 --last 2", kUsage, "--frames");
   EXPECT_FALSE(fs::exists(folder_ / "x.log"));
 }
 

@@ -1,9 +1,11 @@
+#include <charconv>
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/base/error.hpp"
 #include "host/base/split.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
@@ -54,6 +56,31 @@ std::string runs_text(const std::vector<std::size_t>& numbers) {
   return text;
 }
 
+/// --frames a:b, and its ends each by itself.
+template <class Options>
+void add_frames(Command command, const std::shared_ptr<Options>& options, const char* whose) {
+  command
+      .option(
+          "--frames",
+          [options](const std::string& text) {
+            const std::size_t colon = text.find(':');
+            const auto number = [&](std::size_t from, std::size_t to, std::size_t& value) {
+              const char* const end = text.data() + to;
+              return std::from_chars(text.data() + from, end, value) == std::from_chars_result{end, {}};
+            };
+            if (colon == std::string::npos || !number(0, colon, options->first) ||
+                !number(colon + 1, text.size(), options->last)) {
+              throw Error(ErrorKind::kUsage,
+                          fmt::format("--frames: found \"{}\", allowed a:b, numbers of frames", text));
+            }
+          },
+          "a:b, numbers of the first and the last frame")
+      .shown_as("A:B", "");
+  command.option("--first", options->first, "number of the first frame; default: 0").excludes("--frames");
+  command.option("--last", options->last, fmt::format("number of the last frame; default: {}", whose))
+      .excludes("--frames");
+}
+
 void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
   run_import<KittiReport>(
       "kitti",
@@ -65,6 +92,16 @@ void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
                                    gaps.sensor,
                                    gaps.frames.size(),
                                    runs_text(gaps.frames));
+        }
+        for (const KittiGaps& gaps : r.disordered) {
+          std::cerr << fmt::format("{}: the clock runs backwards; {} of the frames are left out: {}\n",
+                                   gaps.sensor,
+                                   gaps.frames.size(),
+                                   runs_text(gaps.frames));
+        }
+        for (const KittiJump& jump : r.jumps) {
+          std::cerr << fmt::format(
+              "{}: {:.3g} s pass before frame {}\n", jump.sensor, jump.step_s, jump.frame);
         }
         print_report(r);
       });
@@ -198,7 +235,7 @@ void add_import(Command app, const Globals& globals) {
   import.require_command();
 
   const auto options = std::make_shared<KittiOptions>();
-  Command kitti = import.command("kitti", "KITTI raw drive: colour cameras, HDL-64E, oxts");
+  Command kitti = import.command("kitti", "KITTI raw drive: cameras, HDL-64E, oxts");
   kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent")
       .required()
       .reads();
@@ -207,10 +244,9 @@ void add_import(Command app, const Globals& globals) {
       .option(
           "--cameras",
           [options](const std::string& names) { options->cameras = split(names, ','); },
-          "of image_02 (left) and image_03 (right), parted by commas")
+          "of image_02 (left), image_03 (right) and the grey ones image_00 and image_01, parted by commas")
       .shown_as("NAME,...", "image_02");
-  kitti.option("--first", options->first, "number of the first frame; default: 0");
-  kitti.option("--last", options->last, "number of the last frame; default: the drive's");
+  add_frames(kitti, options, "the drive's");
   kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts")
       .reads();
   kitti
@@ -232,8 +268,7 @@ void add_import(Command app, const Globals& globals) {
       .reads();
   sequence.option("-o,--output", kitti360->output, "log folder to write").required().makes();
   sequence.option("--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
-  sequence.option("--first", kitti360->first, "number of the first frame; default: 0");
-  sequence.option("--last", kitti360->last, "number of the last frame; default: the sequence's");
+  add_frames(sequence, kitti360, "the sequence's");
   sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table")
       .reads();
   sequence.run([kitti360, &globals] { import_kitti360_sequence(*kitti360, globals); });

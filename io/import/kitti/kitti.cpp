@@ -27,7 +27,7 @@ struct Recorder {
   std::string name;
   fs::path folder;
   std::string ending;
-  std::vector<std::size_t> present, absent;  // of the frames that are asked for
+  std::vector<std::size_t> present, absent, disordered;  // of the frames that are asked for
 
   [[nodiscard]] fs::path file(std::size_t frame) const {
     return folder / "data" / fmt::format("{:010}.{}", frame, ending);
@@ -86,11 +86,22 @@ void find_frames(Recorder& recorder, const Frames& frames) {
                     fmt::format("at least one NNNNNNNNNN.{} with something in it", recorder.ending));
 }
 
+/// Takes frames away whose times are out of order.
+void leave_out(Recorder& recorder, const std::vector<std::size_t>& frames) {
+  for (const std::size_t frame : frames) {
+    const auto found = std::lower_bound(recorder.present.begin(), recorder.present.end(), frame);
+    if (found == recorder.present.end() || *found != frame) continue;
+    recorder.present.erase(found);
+    recorder.disordered.push_back(frame);
+  }
+}
+
 /// Times of all frames of the drive from the sensor's file of that name. Those of the present ones are as
-/// recorded; a line that is blank or not there belongs to a lost frame, which lies between its neighbours.
-std::vector<std::int64_t> read_times(const Recorder& recorder, const char* name, std::size_t count) {
+/// recorded; a line that is blank or not there belongs to a lost frame, which lies between its neighbours,
+/// and so does one that is out of order.
+std::vector<std::int64_t> read_times(Recorder& recorder, const char* name, std::size_t count) {
   const fs::path file = recorder.folder / name;
-  const std::vector<std::optional<std::int64_t>> lines = read_lines_ns(file);
+  std::vector<std::optional<std::int64_t>> lines = read_lines_ns(file);
   const std::size_t needed = recorder.present.back() + 1;
   if (lines.size() < needed) {
     throw_input_error(file.string(),
@@ -105,16 +116,13 @@ std::vector<std::int64_t> read_times(const Recorder& recorder, const char* name,
                       "nothing",
                       fmt::format("the time of {}", recorder.file(frame).filename().string()));
   }
+  leave_out(recorder, take_disordered(lines));
+  if (recorder.present.empty())
+    throw_input_error(file.string(), "times", "none of the frames' in order", "times that rise");
   std::vector<std::int64_t> times;
   std::size_t before = count;  // the last frame with a time
   for (std::size_t i = 0; i < std::min(count, lines.size()); ++i) {
     if (!lines[i]) continue;
-    if (before < i && *lines[i] < *lines[before]) {
-      throw_input_error(file.string(),
-                        fmt::format("line {}", i + 1),
-                        "a time before that of the line above",
-                        "lines in order of time");
-    }
     // Before the first one, and from it on if there is no other, in KITTI's rhythm.
     const bool is_first = before == count;
     const std::int64_t step =
@@ -132,7 +140,7 @@ struct SweepNs {
   std::vector<std::int64_t> start, forward, end;
 };
 
-SweepNs read_sweep_times(const Recorder& velodyne, std::size_t count) {
+SweepNs read_sweep_times(Recorder& velodyne, std::size_t count) {
   SweepNs times{read_times(velodyne, "timestamps_start.txt", count),
                 read_times(velodyne, "timestamps.txt", count),
                 read_times(velodyne, "timestamps_end.txt", count)};
@@ -146,28 +154,56 @@ SweepNs read_sweep_times(const Recorder& velodyne, std::size_t count) {
   return times;
 }
 
-/// Seconds of a turn, on average.
+/// Where more time passed between two frames that follow each other than the others have between them: the
+/// places in `present` behind it.
+std::vector<std::size_t> jumps_of(const Recorder& recorder, const std::vector<std::int64_t>& times) {
+  constexpr std::int64_t kMost_ns = 500'000'000;
+  const std::vector<std::size_t>& frames = recorder.present;
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    steps.push_back((times[frames[i]] - times[frames[i - 1]]) /
+                    static_cast<std::int64_t>(frames[i] - frames[i - 1]));
+  }
+  if (steps.empty()) return {};
+  std::vector<std::int64_t> sorted = steps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  std::vector<std::size_t> jumps;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto between = static_cast<std::int64_t>(frames[i + 1] - frames[i]);
+    if ((steps[i] - *middle) * between > kMost_ns) jumps.push_back(i + 1);
+  }
+  return jumps;
+}
+
+/// Seconds of a turn, on average. What passed in jumps are no turns.
 double turn_s(const Recorder& velodyne, const SweepNs& times) {
-  const std::size_t first = velodyne.present.front(), last = velodyne.present.back();
-  return static_cast<double>(times.end[last] - times.start[first]) * 1e-9 /
-         static_cast<double>(last - first + 1);
+  const std::vector<std::size_t>& frames = velodyne.present;
+  std::int64_t ns = times.end[frames.back()] - times.start[frames.front()];
+  std::size_t turns = frames.back() - frames.front() + 1;
+  for (const std::size_t i : jumps_of(velodyne, times.start)) {
+    ns -= times.start[frames[i]] - times.start[frames[i - 1]];
+    turns -= frames[i] - frames[i - 1];
+  }
+  return static_cast<double>(ns) * 1e-9 / static_cast<double>(turns);
 }
 
 std::vector<Recorder> cameras_of(const KittiOptions& options, const fs::path& drive) {
   std::vector<Recorder> cameras;
   const std::vector<std::string> left = {"image_02"};
   for (const std::string& name : options.cameras.empty() ? left : options.cameras) {
-    const bool is_grey = name == "image_00" || name == "image_01";
-    if (name != "image_02" && name != "image_03") {
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("cameras: found \"{}\", allowed image_02, image_03{}",
-                              name,
-                              is_grey ? " (image_00 and image_01 see no colours)" : ""));
+    const bool is_known =
+        name.size() == 8 && name.starts_with("image_0") && name.back() >= '0' && name.back() <= '3';
+    if (!is_known) {
+      throw Error(
+          ErrorKind::kUsage,
+          fmt::format("cameras: found \"{}\", allowed image_00 and image_01 (grey), image_02, image_03",
+                      name));
     }
     const bool is_twice = std::any_of(
         cameras.begin(), cameras.end(), [&](const Recorder& camera) { return camera.name == name; });
     if (is_twice) throw Error(ErrorKind::kUsage, fmt::format("cameras: found {} twice, allowed once", name));
-    cameras.push_back({name, drive / name, "png", {}, {}});
+    cameras.push_back({name, drive / name, "png", {}, {}, {}});
   }
   return cameras;
 }
@@ -201,7 +237,7 @@ Log import_kitti(const KittiOptions& options,
   std::vector<Recorder> recorders = cameras_of(options, drive);
   std::vector<std::string> names;
   for (const Recorder& camera : recorders) names.push_back(camera.name);
-  recorders.push_back({"velodyne", drive / "velodyne_points", "bin", {}, {}});
+  recorders.push_back({"velodyne", drive / "velodyne_points", "bin", {}, {}, {}});
   std::size_t count = 0;
   for (const Recorder& recorder : recorders) count = std::max(count, count_by_number(recorder));
   if (count == 0) {
@@ -210,12 +246,13 @@ Log import_kitti(const KittiOptions& options,
   }
   const Frames frames = frames_of(options, count);
   for (Recorder& recorder : recorders) find_frames(recorder, frames);
-  const Recorder& velodyne = recorders.back();
+  Recorder& velodyne = recorders.back();
   const SweepNs times = read_sweep_times(velodyne, count);
   const bool from_oxts = options.poses.empty() && !options.without_poses;
   need_calibration(drive.parent_path(), from_oxts, drive);
   const Calibration calibration = read_calibration(drive.parent_path(), from_oxts, names);
 
+  KittiReport counts;
   Log log;
   log.name = name_from(drive.filename().string());
   std::vector<std::vector<std::int64_t>> picture_ns;
@@ -228,10 +265,12 @@ Log import_kitti(const KittiOptions& options,
   const bool to_the_end = frames.last + 1 == count;
   Frames path = frames.with_margin(kPathMargin);
   if (to_the_end) path.last = KittiOptions{}.last;
+  Recorder oxts{"oxts", {}, {}, {}, {}, {}};
   if (options.without_poses) {
     log.world_from_rig = Trajectory({{0.0, Pose{}}, {seconds(times.end[frames.last]), Pose{}}});
   } else if (from_oxts) {
-    log.world_from_rig = read_oxts(drive, frames, path, calibration.velo_from_imu, log.start_ns);
+    log.world_from_rig =
+        read_oxts(drive, frames, path, calibration.velo_from_imu, log.start_ns, oxts.absent, oxts.disordered);
   } else {
     log.world_from_rig = read_pose_file(options.poses, times.forward, log.start_ns, path);
   }
@@ -243,9 +282,18 @@ Log import_kitti(const KittiOptions& options,
     }
     log.actors = read_tracking(options.tracking, calibration.rect00_from_velo, sweeps);
   }
-  KittiReport counts;
-  for (const Recorder& recorder : recorders) {
+  for (std::size_t i = 0; i < recorders.size(); ++i) {
+    const std::vector<std::int64_t>& ns = i < picture_ns.size() ? picture_ns[i] : times.start;
+    for (const std::size_t at : jumps_of(recorders[i], ns)) {
+      const std::size_t frame = recorders[i].present[at], before = recorders[i].present[at - 1];
+      counts.jumps.push_back({recorders[i].name, frame, static_cast<double>(ns[frame] - ns[before]) * 1e-9});
+    }
+  }
+  std::vector<Recorder> all = recorders;
+  all.push_back(oxts);
+  for (const Recorder& recorder : all) {
     if (!recorder.absent.empty()) counts.gaps.push_back({recorder.name, recorder.absent});
+    if (!recorder.disordered.empty()) counts.disordered.push_back({recorder.name, recorder.disordered});
   }
   log.cameras = calibration.cameras;
   std::vector<fs::path> sweeps;

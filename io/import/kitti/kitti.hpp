@@ -23,7 +23,8 @@ struct KittiOptions {
   bool without_poses = false;
   /// Beam table to read the sweeps with, of a sensor that turns clockwise; empty: the built-in kitti_hdl64e.
   std::filesystem::path lidar = {};
-  /// Of the colour cameras "image_02" (left) and "image_03"; empty: the left one.
+  /// Of the colour cameras "image_02" (left) and "image_03" and the grey ones "image_00" and "image_01";
+  /// empty: the left one that sees colours.
   std::vector<std::string> cameras = {};
   /// Numbers of the frames, both ends among them; the largest number: up to the drive's end.
   std::size_t first = 0, last = std::numeric_limits<std::size_t>::max();
@@ -35,6 +36,13 @@ struct KittiGaps {
   std::vector<std::size_t> frames;
 };
 
+/// Where a sensor's clock jumped or it stood still for a while: between `frame` and the one before it.
+struct KittiJump {
+  std::string sensor;
+  std::size_t frame = 0;
+  double step_s = 0.0;
+};
+
 /// What became of the points; shares are of these counts.
 struct KittiReport {
   std::size_t points = 0;              // in the sweeps' files
@@ -43,14 +51,18 @@ struct KittiReport {
   std::size_t rays = 0;                // of all firing grids
   std::size_t returned = 0;            // rays with a return: points - unplaced
   double azimuth_shift_max_rad = 0.0;  // farthest that a measured ray lies from its column's even spacing
-  std::vector<KittiGaps> gaps;         // of the sensors that have any
+  std::vector<KittiGaps> gaps;         // of the sensors that have any, and of oxts
+  std::vector<KittiGaps> disordered;   // left out: times that are not between those before and behind
+  std::vector<KittiJump> jumps;        // steps of at least half a second more than is usual
 };
 
-/// Imports frames of a KITTI raw drive (colour cameras, HDL-64E, oxts) and writes the log folder. The rig's
+/// Imports frames of a KITTI raw drive (cameras, HDL-64E, oxts) and writes the log folder. The rig's
 /// frame is the velodyne's, the world's is that at the first pose. The output appears complete or not at all.
 /// `progress(done, total)` is called after every frame. A picture or a sweep that is not there, or a sweep's
-/// file without a byte, is a gap of that sensor; drives have them. Error{kInput} naming the file for anything
-/// else that is missing, truncated or not a number, and for a sensor that recorded none of the frames.
+/// file without a byte, or a record of oxts that is not there, is a gap of that sensor; drives have them.
+/// Where times run backwards, as few frames as possible are left out for the others to be in order.
+/// Error{kInput} naming the file for anything else that is missing, truncated or not a number, and for a
+/// sensor that recorded none of the frames.
 Log import_kitti(const KittiOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress = {},
                  KittiReport* report = nullptr);

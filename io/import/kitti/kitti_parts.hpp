@@ -29,7 +29,9 @@ namespace simuli::kitti {
 /// One "YYYY-MM-DD HH:MM:SS[.fraction]" per line as nanoseconds since 1970, none where the line is blank, as
 /// for sweeps that were lost; Error{kInput} names the line.
 [[nodiscard]] std::vector<std::optional<std::int64_t>> read_lines_ns(const std::filesystem::path& file);
-/// The same without the blank lines.
+/// Takes away what is not in the longest sequence of rising times, and returns the places where it stood.
+[[nodiscard]] std::vector<std::size_t> take_disordered(std::vector<std::optional<std::int64_t>>& times_ns);
+/// read_lines_ns() without the blank lines.
 [[nodiscard]] std::vector<std::int64_t> read_timestamps_ns(const std::filesystem::path& file);
 /// "key: value" lines. Error{kInput} for a line without a key and for a key that stands twice.
 [[nodiscard]] std::map<std::string, std::string> read_key_lines(const std::filesystem::path& file);
@@ -90,12 +92,15 @@ struct GeodeticPose {
 [[nodiscard]] Pose ecef_from_imu(const GeodeticPose& pose);
 
 /// world_from_velo at the oxts timestamps of the frames' records, and of those up to `beside` where they are
-/// there; world is the velodyne frame at the first. Seconds count from start_ns.
+/// there; world is the velodyne frame at the first. Seconds count from start_ns. Of the frames, those without
+/// a record become `absent`, those whose times are out of order `disordered`.
 [[nodiscard]] Trajectory read_oxts(const std::filesystem::path& drive,
                                    const Frames& frames,
                                    const Frames& beside,
                                    const Pose& velo_from_imu,
-                                   std::int64_t start_ns);
+                                   std::int64_t start_ns,
+                                   std::vector<std::size_t>& absent,
+                                   std::vector<std::size_t>& disordered);
 
 /// world_from_velo at t_sweep_forward (seconds of day) from a pose file, of the frames that it has among
 /// `frames`; the date comes from `forward_ns`, the recorded time of each sweep of the drive, which

@@ -87,14 +87,19 @@ Trajectory read_oxts(const fs::path& drive,
                      const Frames& frames,
                      const Frames& beside,
                      const Pose& velo_from_imu,
-                     std::int64_t start_ns) {
+                     std::int64_t start_ns,
+                     std::vector<std::size_t>& absent,
+                     std::vector<std::size_t>& disordered) {
   const fs::path times_file = drive / "oxts" / "timestamps.txt";
-  const std::vector<std::optional<std::int64_t>> times_ns = read_lines_ns(times_file);
+  std::vector<std::optional<std::int64_t>> times_ns = read_lines_ns(times_file);
   if (times_ns.size() <= frames.last) {
     throw_input_error(times_file.string(),
                       "lines",
                       fmt::format("{}", times_ns.size()),
                       fmt::format("at least {}, one per frame", frames.last + 1));
+  }
+  for (const std::size_t i : take_disordered(times_ns)) {
+    if (frames.has(i)) disordered.push_back(i);
   }
   const Pose imu_from_velo = velo_from_imu.inverse();
   std::vector<TimedPose> poses;
@@ -102,16 +107,24 @@ Trajectory read_oxts(const fs::path& drive,
   for (std::size_t i = beside.first; i < times_ns.size() && i <= beside.last; ++i) {
     const fs::path record = drive / "oxts" / "data" / fmt::format("{:010}.txt", i);
     // Records beside the frames only continue the path: it ends where the first is missing.
-    std::error_code absent;
-    if (!frames.has(i) && !fs::exists(record, absent)) {
+    std::error_code failed;
+    const bool is_record = fs::exists(record, failed);
+    if (!frames.has(i) && !is_record) {
       if (i > frames.last) break;
       poses.clear();
       continue;
     }
-    if (!times_ns[i]) continue;  // lost: the path goes on between its neighbours
+    if (!is_record) absent.push_back(i);
+    if (!is_record || !times_ns[i]) continue;  // lost: the path goes on between its neighbours
     const Pose ecef_from_velo = ecef_from_imu(read_record(record)) * imu_from_velo;
     if (poses.empty()) world_from_ecef = ecef_from_velo.inverse();
     poses.push_back({static_cast<double>(*times_ns[i] - start_ns) * 1e-9, world_from_ecef * ecef_from_velo});
+  }
+  if (poses.empty()) {
+    throw_input_error((drive / "oxts" / "data").string(),
+                      "records",
+                      fmt::format("none of {} to {}", frames.first, frames.last),
+                      "at least one NNNNNNNNNN.txt with a time");
   }
   return with_context("reading " + times_file.string(), [&] { return Trajectory(std::move(poses)); });
 }

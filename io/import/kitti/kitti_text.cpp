@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
+#include <limits>
 #include <sstream>
 #include <string_view>
 
@@ -83,6 +85,34 @@ std::vector<std::optional<std::int64_t>> read_lines_ns(const fs::path& file) {
     times_ns.back() = ns;
   }
   return times_ns;
+}
+
+std::vector<std::size_t> take_disordered(std::vector<std::optional<std::int64_t>>& times_ns) {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  // Of the rising sequences of each length, where the one with the earliest end ends; what goes before each
+  // time.
+  std::vector<std::size_t> ends, before(times_ns.size(), kNone);
+  for (std::size_t i = 0; i < times_ns.size(); ++i) {
+    if (!times_ns[i]) continue;
+    const auto end =
+        std::lower_bound(ends.begin(), ends.end(), *times_ns[i], [&](std::size_t a, std::int64_t t) {
+          return *times_ns[a] < t;
+        });
+    if (end != ends.begin()) before[i] = *std::prev(end);
+    if (end == ends.end())
+      ends.push_back(i);
+    else
+      *end = i;
+  }
+  std::vector<bool> is_kept(times_ns.size(), false);
+  for (std::size_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) is_kept[i] = true;
+  std::vector<std::size_t> taken;
+  for (std::size_t i = 0; i < times_ns.size(); ++i) {
+    if (!times_ns[i] || is_kept[i]) continue;
+    times_ns[i].reset();
+    taken.push_back(i);
+  }
+  return taken;
 }
 
 std::vector<std::int64_t> read_timestamps_ns(const fs::path& file) {

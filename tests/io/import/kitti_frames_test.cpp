@@ -1,5 +1,7 @@
 // Which frames and cameras of a KITTI drive are imported, and what is lost in it.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
@@ -63,6 +65,74 @@ TEST(KittiImport, LostSweepsAndPicturesAreGaps) {
       {"velodyne_points/data: frames: found none of 0 to 2", "with something in it"});
 }
 
+/// Three times of a file; KittiFolder's are 60 ms, 160 ms and 260 ms after the drive's start.
+std::string times_at(const std::vector<int>& times_ms) {
+  std::string text;
+  for (const int ms : times_ms)
+    text += fmt::format("2011-09-26 23:59:{:02}.{:03}000000\n", 30 + ms / 1000, ms % 1000);
+  return text;
+}
+
+/// Clocks are set while they run. As few frames as possible go; what is left is as recorded.
+TEST(KittiImport, LeavesOutWhatIsOutOfOrder) {
+  const Scratch scratch;
+  const KittiFolder folder(scratch);
+  const std::string drive = KittiFolder::name(), sweeps = drive + "/velodyne_points/";
+  folder.write(drive + "/image_02/timestamps.txt", times_at({160, 60, 260}));
+  folder.write(sweeps + "timestamps_start.txt",
+               times_at({0, 9000, 200}));  // one far ahead, not all behind it
+  folder.write(sweeps + "timestamps.txt", times_at({50, 9050, 250}));
+  folder.write(sweeps + "timestamps_end.txt", times_at({100, 9100, 300}));
+  folder.write(drive + "/oxts/timestamps.txt", times_at({50, 40, 250}));
+  KittiReport report;
+  const Log log = import_kitti({folder.drive(), "", scratch / "drive.log"}, {}, &report);
+  EXPECT_TRUE(report.gaps.empty());
+  ASSERT_EQ(report.disordered.size(), 3U);
+  EXPECT_EQ(report.disordered[0].sensor, "image_02");
+  EXPECT_EQ(report.disordered[0].frames.size(), 1U);
+  EXPECT_EQ(report.disordered[1].sensor, "velodyne");
+  EXPECT_EQ(report.disordered[1].frames, std::vector<std::size_t>{1});
+  EXPECT_EQ(report.disordered[2].sensor, "oxts");
+  EXPECT_EQ(report.disordered[2].frames.size(), 1U);
+  EXPECT_EQ(log.images.size(), 2U);
+  ASSERT_EQ(log.sweeps.size(), 2U);
+  EXPECT_EQ(log.world_from_rig.poses().size(), 2U);
+  EXPECT_NEAR(log.lidars[0].with_rows().sweep_s, 0.1, 1e-9);
+
+  // Records of the path may be lost, too.
+  fs::remove(folder / (drive + "/oxts/data/0000000002.txt"));
+  folder.write(drive + "/oxts/timestamps.txt", times_at({50, 150, 250}));
+  KittiReport lost;
+  const Log less = import_kitti({folder.drive(), "", scratch / "less.log"}, {}, &lost);
+  ASSERT_EQ(lost.gaps.size(), 1U);
+  EXPECT_EQ(lost.gaps[0].sensor, "oxts");
+  EXPECT_EQ(lost.gaps[0].frames, std::vector<std::size_t>{2});
+  EXPECT_EQ(less.world_from_rig.poses().size(), 2U);
+}
+
+/// A recorder that paused: nothing is lost, and what passed meanwhile is no turn of the LiDAR.
+TEST(KittiImport, TellsJumpsOfTheClock) {
+  const Scratch scratch;
+  const KittiFolder folder(scratch);
+  const std::string drive = KittiFolder::name(), sweeps = drive + "/velodyne_points/";
+  folder.write(drive + "/image_02/timestamps.txt", times_at({60, 160, 9260}));
+  folder.write(sweeps + "timestamps_start.txt", times_at({0, 100, 9200}));
+  folder.write(sweeps + "timestamps.txt", times_at({50, 150, 9250}));
+  folder.write(sweeps + "timestamps_end.txt", times_at({100, 200, 9300}));
+  folder.write(drive + "/oxts/timestamps.txt", times_at({55, 155, 9255}));
+  KittiReport report;
+  const Log log = import_kitti({folder.drive(), "", scratch / "drive.log"}, {}, &report);
+  EXPECT_EQ(log.sweeps.size(), 3U);
+  EXPECT_EQ(log.images.size(), 3U);
+  EXPECT_TRUE(report.disordered.empty());
+  ASSERT_EQ(report.jumps.size(), 2U);
+  EXPECT_EQ(report.jumps[0].sensor, "image_02");
+  EXPECT_EQ(report.jumps[1].sensor, "velodyne");
+  EXPECT_EQ(report.jumps[1].frame, 2U);
+  EXPECT_NEAR(report.jumps[1].step_s, 9.1, 1e-9);
+  EXPECT_NEAR(log.lidars[0].with_rows().sweep_s, 0.1, 1e-9);
+}
+
 TEST(KittiImport, TakesAPartOfADrive) {
   const Scratch scratch;
   const KittiFolder folder(scratch);
@@ -93,19 +163,31 @@ TEST(KittiImport, TakesAPartOfADrive) {
   refuse_part(2, 1, "frames: found 2 to 1");
 }
 
-TEST(KittiImport, TakesTheColourCamerasThatAreNamed) {
+TEST(KittiImport, TakesTheCamerasThatAreNamed) {
   const Scratch scratch;
   const KittiFolder folder(scratch);
-  folder.write("calib_cam_to_cam.txt",
-               read_file(folder / "calib_cam_to_cam.txt") +
-                   "S_rect_03: 12 8\nP_rect_03: 10 0 6 -5 0 10 4 0 0 0 1 0\n");
-  const std::string left = KittiFolder::name() + "/image_02", right = KittiFolder::name() + "/image_03";
-  fs::copy(folder / left, folder / right, fs::copy_options::recursive);
-  const Log log = import_kitti(
-      {.drive = folder.drive(), .output = scratch / "drive.log", .cameras = {"image_02", "image_03"}});
-  ASSERT_EQ(log.cameras.size(), 2U);
-  ASSERT_EQ(log.images.size(), 6U);
-  EXPECT_EQ(log.images[1].camera, "image_03");
+  std::string calibration = read_file(folder / "calib_cam_to_cam.txt");
+  const std::string left = KittiFolder::name() + "/image_02";
+  const std::vector<std::string> cameras = {"image_02", "image_03", "image_00", "image_01"};
+  for (const auto& [number, baseline] : {std::pair("00", "0"), {"01", "-5.5"}, {"03", "-5"}}) {
+    const std::string name = std::string("image_") + number;
+    fs::copy(folder / left, folder / (KittiFolder::name() + "/" + name), fs::copy_options::recursive);
+    calibration +=
+        fmt::format("S_rect_{}: 12 8\nP_rect_{}: 10 0 6 {} 0 10 4 0 0 0 1 0\n", number, number, baseline);
+    if (name == "image_03") continue;
+    for (int i = 0; i < KittiFolder::kFrames; ++i) {  // of one channel
+      write_image(folder / (KittiFolder::name() + fmt::format("/{}/data/{:010}.png", name, i)),
+                  Image(12, 8, 1));
+    }
+  }
+  folder.write("calib_cam_to_cam.txt", calibration);
+  const Log log =
+      import_kitti({.drive = folder.drive(), .output = scratch / "drive.log", .cameras = cameras});
+  ASSERT_EQ(log.cameras.size(), 4U);
+  ASSERT_EQ(log.images.size(), 12U);
+  for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(log.images[c].camera, cameras[c]);
+  const Image grey = read_image(log.folder / log.images[2].file);
+  EXPECT_EQ(grey.width, 12);
   // 0.05 m and -0.5 m off camera 0 along x of the cameras: the right one stands 0.55 m to the left's right.
   const Pose left_from_right =
       log.camera("image_02").rig_from_camera.inverse() * log.camera("image_03").rig_from_camera;
@@ -120,9 +202,9 @@ TEST(KittiImport, TakesTheColourCamerasThatAreNamed) {
       EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
     }
   };
-  refuse_cameras({"image_00"},
-                 "found \"image_00\", allowed image_02, image_03 (image_00 and image_01 see no");
-  refuse_cameras({"left"}, "found \"left\", allowed image_02, image_03");
+  for (const char* name : {"left", "image_04", "image_002"})
+    refuse_cameras(
+        {name}, fmt::format("found \"{}\", allowed image_00 and image_01 (grey), image_02, image_03", name));
   refuse_cameras({"image_03", "image_03"}, "image_03 twice");
 }
 
