@@ -12,7 +12,9 @@ namespace simuli {
 
 namespace {
 
-constexpr const char* kAllowed = "a .tfrecord of frames (Waymo Open Dataset, Perception, version 1)";
+constexpr const char* kAllowed =
+    "a .tfrecord of frames (Waymo Open Dataset, Perception, version 1; "
+    "examples/convert_waymo2.py makes one of version 2)";
 
 }  // namespace
 
