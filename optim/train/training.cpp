@@ -350,10 +350,7 @@ const TrainStatus& Training::status() const {
   return state.trainer && !state.is_cut() ? state.trainer->status() : state.status;
 }
 
-Scene Training::scene() const {
-  const State& state = prepared();
-  return state.merged ? *state.merged : state.trainer->scene();
-}
+Scene Training::scene() const { return prepared().merged ? *state_->merged : state_->trainer->scene(); }
 
 SceneFile Training::result() const& { return completed(with_sensors(scene())); }
 
