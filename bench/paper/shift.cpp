@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <numbers>
 #include <optional>
+#include <utility>
 
+#include "bench/paper/seen.hpp"
 #include "host/base/stopwatch.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
@@ -60,6 +62,20 @@ Log record(const Street& street, Log log, const Place& place, const std::filesys
   }
   write_frames(log, street);
   return log;
+}
+
+/// Of all pictures there.
+SeenErrors errors_by_seen(const SeenBefore& seen_before, const Log& there, Evaluation& evaluation) {
+  SeenErrors errors;
+  for (std::size_t i = 0; i < there.images.size(); ++i) {
+    const ImageFrame& image = there.images[i];
+    const PicturePair pair = evaluation.picture(i);
+    errors.add(pair.rendered,
+               pair.recorded,
+               seen_before.of(
+                   there.camera(image.camera), there.world_from_rig, image.time_start_s, image.time_end_s));
+  }
+  return errors;
 }
 
 /// Whether support's constants were fitted to what is seen from there.
@@ -163,6 +179,8 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
   note(fmt::format("trained on the street, {} iterations", options.iterations));
 
   const Street world(street.contents());
+  const SeenBefore seen_before(world, street.contents().car, log);
+  std::optional<SeenErrors> on_path;
   ShiftResult result;
   SupportBesideErrors support(device, scene);
   const EvalOptions all{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};
@@ -170,12 +188,21 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
     const Log there = record(world, log, place, scratch.path() / place.name);
     Evaluation evaluation(device, scene, there, all);
     const EvalReport report = evaluation.run();
-    const auto add = [&](const char* metric, double value, const char* unit) {
+    const auto add = [&](const std::string& metric, double value, const char* unit) {
       result.rows.push_back({fmt::format("shift/{}/{}", place.name, metric), value, unit, 0.0});
     };
     if (!place.other_lidar) {
       add("psnr_db", report.psnr_db, "dB");
       add("ssim", report.ssim, "of 1");
+      const SeenErrors errors = errors_by_seen(seen_before, there, evaluation);
+      if (!on_path) on_path = errors;  // the first place
+      for (const auto& [kind, seen] : {std::pair("never_seen", Seen::kNever),
+                                       std::pair("coarsely_seen", Seen::kCoarsely),
+                                       std::pair("well_seen", Seen::kWell)}) {
+        add(fmt::format("{}/share", kind), errors.share(seen), "of 1");
+        if (errors.share(seen) > 0.0) add(fmt::format("{}/psnr_db", kind), errors.psnr_db(seen), "dB");
+      }
+      add("psnr_of_seen_as_on_path_db", errors.psnr_of_seen_as_in_db(*on_path), "dB");
     }
     if (!place.other_camera) {
       add("distance_median_cm", 100.0 * report.lidar.distance_median_m, "cm");

@@ -29,6 +29,9 @@ struct ShiftResult {
 /// side, 1 m higher, turned by 15 and 30 degrees to either side, and with another camera or LiDAR in its
 /// place.
 ///   shift/<place>/<psnr_db|ssim|distance_median_cm|raydrop_accuracy|chamfer_m>   means over all frames
+///   shift/<place>/<never_seen|coarsely_seen|well_seen>/<share|psnr_db>   pixels by what training pictures show
+///     of them (seen.hpp), all pictures together
+///   shift/<place>/psnr_of_seen_as_on_path_db   mean over all pictures, were what is seen as good as there
 ///   shift/<place|all>/support_<pixels|rays>/<mean|right|rank_correlation>   support beside true errors; the
 ///     latter over all places but the path itself, on which its constants were fitted
 ///   shift/all/support_<pixels|rays>/<0.0 ... 0.9>/<share|support|right>   the curve: of those whose support
