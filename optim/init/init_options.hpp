@@ -30,8 +30,9 @@ struct InitOptions {
   double max_scale_m = 0.5;
   bool sweep_depth = true;
   int sweep_cell_px = 4;
-  bool walls = true;        // see beyond/initialize_walls.hpp
-  bool drop_moving = true;  // see initialize_moving.hpp
+  bool walls = true;           // see beyond/initialize_walls.hpp
+  double lidar_walls_m = 3.0;  // see beyond/walls_upward.hpp
+  bool drop_moving = true;     // see initialize_moving.hpp
   bool actors = true;
   double actor_min_travel_m = 1.0;
   double actor_voxel_m = 0.05;
@@ -124,6 +125,12 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field("init.walls",
         o.walls,
         "camera particles also on walls above the laser's reach, as far as pictures agree on them");
+  field(
+      "init.lidar_walls_m",
+      o.lidar_walls_m,
+      range(0.0, 50.0),
+      "m by which walls go on above what the laser reached, for LiDARs that look higher, unless rays passed "
+      "there; 0: none does");
   field("init.drop_moving", o.drop_moving, "leave out points that other sweeps look through");
   field("init.environment_width",
         o.environment_width,
@@ -145,7 +152,8 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field("init.dark_still_m",
         o.dark_still_m,
         zero_or(range(0.02, 1.0)),
-        "m, the same of what stands still, where the ground would have answered the rays that drop; 0: not at all");
+        "m, the same of what stands still, where the ground would have answered the rays that drop; 0: not "
+        "at all");
   field("init.register_tracks", o.register_tracks, "correct the actors' tracks by what the laser measured");
 }
 
@@ -165,6 +173,7 @@ struct InitReport {
   std::size_t joined_points = 0;  // voxels that no picture shows apart from others
   std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
   std::size_t wall_points = 0;    // on walls above the laser's reach
+  std::size_t unmet_points = 0;   // on walls above the laser's reach, for LiDARs that look higher
   std::size_t lidar_cells = 0;    // voxels of the background's LiDAR set, grown where that costs nothing
   std::size_t lidar_thinned = 0;  // of those, left out to keep to max_lidar
   std::size_t camera_thinned = 0;

@@ -17,6 +17,7 @@
 #include "optim/base/frames.hpp"
 #include "optim/init/beyond/initialize_depth.hpp"
 #include "optim/init/beyond/initialize_walls.hpp"
+#include "optim/init/beyond/walls_upward.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/init/initialize_environment.hpp"
 #include "optim/init/initialize_moving.hpp"
@@ -157,6 +158,8 @@ class Initialisation {
     read_returns();
     if (options_.drop_moving) drop_moving();
     place_lidar_set();
+    out_.unmet = walls_upward(log_, sweeps_, scene_.origin, points_, options_, [this] { step(); });
+    report_.unmet_points = static_cast<std::size_t>(out_.unmet.size());
     add_points_of_pictures();
     take_colours();
     place_camera_set();
@@ -176,7 +179,7 @@ class Initialisation {
     ++files_;
     if (!progress_) return;
     progress_(files_,
-              (options_.drop_moving ? 2 : 1) * sweeps_.size() +
+              (1 + (options_.drop_moving ? 1 : 0) + (options_.lidar_walls_m > 0.0 ? 1 : 0)) * sweeps_.size() +
                   (1 + (options_.sweep_depth ? 1 : 0) + (options_.walls ? 1 : 0)) * images_.size());
   }
 
@@ -371,6 +374,7 @@ InitReport& InitReport::operator+=(const InitReport& other) {
   joined_points += other.joined_points;
   depth_points += other.depth_points;
   wall_points += other.wall_points;
+  unmet_points += other.unmet_points;
   lidar_cells += other.lidar_cells;
   lidar_thinned += other.lidar_thinned;
   camera_thinned += other.camera_thinned;

@@ -15,6 +15,7 @@ namespace simuli {
 struct SceneInit {
   Scene scene;
   MovingSpace moving;  // empty unless drop_moving
+  GaussianSet unmet;   // of the LiDAR set, for when it has been trained: no ray meets it, so none keeps it
   InitReport report;
 };
 

@@ -12,9 +12,9 @@ namespace {
 constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it either way
 /// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
 constexpr float kHitLogit = 1.5F;
-constexpr float kDarkOpacityLogit = 2.0F;    // 0.88: no distance ever pulls it up
-constexpr float kUnseenOpacityLogit = 2.0F;  // 0.88
-constexpr double kFlatRatio = 0.2;           // thickness of a particle on a plane over its width
+constexpr float kUntaughtOpacityLogit = 2.0F;  // 0.88: no distance ever pulls it up
+constexpr float kUnseenOpacityLogit = 2.0F;    // 0.88
+constexpr double kFlatRatio = 0.2;             // thickness of a particle on a plane over its width
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
 constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells
@@ -72,17 +72,27 @@ GaussianSet lidar_set(const PointSet& points,
   return set;
 }
 
-GaussianSet dark_set(const PointSet& points, const InitOptions& options) {
+/// Opaque LiDAR particles on points, of which rays return, or not.
+static GaussianSet opaque_set(const PointSet& points, bool returns, const InitOptions& options) {
   GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
   const std::vector<LocalShape> shapes = local_shapes(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     set_on_point(set, points, i, shapes[i], 0.0, options.lidar_scale, options);
     set.sh(0)(static_cast<Eigen::Index>(i), 0) = (points.intensity[i] - 0.5F) / kSh0;
   }
-  set.sh(0).col(1).setConstant(-kHitLogit / kSh0);
-  set.sh(0).col(2).setConstant(kHitLogit / kSh0);
-  set.opacity_logit().setConstant(kDarkOpacityLogit);
+  const float hit_logit = returns ? kHitLogit : -kHitLogit;
+  set.sh(0).col(1).setConstant(hit_logit / kSh0);
+  set.sh(0).col(2).setConstant(-hit_logit / kSh0);
+  set.opacity_logit().setConstant(kUntaughtOpacityLogit);
   return set;
+}
+
+GaussianSet dark_set(const PointSet& points, const InitOptions& options) {
+  return opaque_set(points, false, options);
+}
+
+GaussianSet unmet_set(const PointSet& points, const InitOptions& options) {
+  return opaque_set(points, true, options);
 }
 
 GaussianSet camera_set(const PointSet& points,

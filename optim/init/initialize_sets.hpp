@@ -20,6 +20,9 @@ namespace simuli {
 /// The same of what gives no light back: rays that meet it drop.
 [[nodiscard]] GaussianSet dark_set(const PointSet& points, const InitOptions& options);
 
+/// The same of what no ray has met: opaque from the start, since none teaches it.
+[[nodiscard]] GaussianSet unmet_set(const PointSet& points, const InitOptions& options);
+
 /// A camera particle on every point, coloured by `looks`.
 [[nodiscard]] GaussianSet camera_set(const PointSet& points,
                                      const std::vector<PointLook>& looks,

@@ -20,6 +20,7 @@
 #include "optim/fill/fill_behind.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_actors.hpp"
+#include "optim/init/initialize_sets.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
 #include "optim/report/judgement.hpp"
@@ -42,10 +43,7 @@ static void if_there_is_room(F&& make) {
   }
 }
 
-static void fill_behind(const Device& device,
-                        const Log& log,
-                        const TrainingOptions& options,
-                        SceneFile& file) {
+static void fill(const Device& device, const Log& log, const TrainingOptions& options, SceneFile& file) {
   if (!options.fill.fill) return;
   const FillRecipe recipe{options.frames, options.init, options.train.render};
   if_there_is_room([&] { fill_behind_actors(device, log, recipe, file); });
@@ -64,6 +62,7 @@ struct Training::State {
   std::size_t current = 0;
   Log log;  // of the current stretch
   std::unique_ptr<Trainer> trainer;
+  GaussianSet unmet;  // joins what that has trained (SceneInit)
   StretchParts done;
   MeanRayDrop ray_drop;  // of those
   std::optional<Scene> merged;
@@ -223,6 +222,7 @@ void Training::start(const Progress& progress) {
   begin.report.dark_points = add_dark_surfaces(log, own.frames, own.init, begin.scene);
   begin.report.lidar_particles += begin.report.dark_points;
   report_.init += begin.report;
+  state.unmet = std::move(begin.unmet);
   if (state.current > 0) begin.scene.ray_drop = state.ray_drop.mean();
   state.trainer =
       std::make_unique<Trainer>(device_, log, std::move(begin.scene), own, std::move(begin.moving), ranks_);
@@ -305,7 +305,7 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
     TrainReport report = run_one(on_step, checkpoints);
     SceneFile own = with_sensors(state.trainer->scene());
     state.trainer.reset();  // the device has room for what comes
-    fill_behind(device_, state.log, own_options(), own);
+    fill(device_, state.log, own_options(), own);
     StretchScene part{
         owned(std::move(own.scene), state.parting(options_), state.current), std::move(own.lidars), report};
     if (!own_file.empty()) write_stretch(own_file, own_identity(), part);
@@ -366,6 +366,7 @@ SceneFile Training::result() && {
 SceneFile Training::with_sensors(Scene scene) const {
   SceneFile file{std::move(scene), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
   if (const Trainer* const trainer = prepared().trainer.get()) {
+    if (prepared().unmet.size() > 0) append(file.scene.lidar, prepared().unmet, 0);
     const SensorOffsets& offsets = trainer->sensor_offsets();
     for (LogCamera& camera : file.cameras) {
       camera.rig_from_camera = moved_by(offsets, camera.model.name, camera.rig_from_camera);
@@ -389,7 +390,7 @@ SceneFile Training::completed(SceneFile file) const {
                                  .version = version(),
                                  .device = device_.info().label(),
                                  .driver = device_.info().driver_version};
-  if (!prepared().is_cut()) fill_behind(device_, log_, options_, file);
+  if (!prepared().is_cut()) fill(device_, log_, options_, file);
   if_there_is_room(
       [&] { file.support = record_support(device_, log_, file, options_.frames, options_.train.render); });
   return file;

@@ -137,12 +137,14 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
                             found.continued))
       << fmt::format(
              "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
-             "there), LiDAR set {} particles ({} of them on surfaces that return nothing)\n",
+             "there), LiDAR set {} particles ({} of them on surfaces that return nothing; and {} on walls "
+             "above)\n",
              r.camera_particles,
              init.shell_particles,
              init.filled_particles,
              r.lidar_particles,
-             init.dark_points)
+             init.dark_points,
+             init.unmet_points)
       << fmt::format(
              "  {} relocated, {} new, {} pruned; ranges of rows corrected by up to {:.1f} cm; anchors {:.1f} "
              "cm away; share of the time: anchoring "

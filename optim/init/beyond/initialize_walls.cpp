@@ -60,7 +60,10 @@ std::vector<std::vector<std::size_t>> same_walls(const std::vector<WallColumn>& 
   return out;
 }
 
-/// Those with enough others of the same wall beside them: hedges and trees have upright places, too.
+}  // namespace
+
+double wall_cell_m(double voxel_m) { return std::max(2.0 * voxel_m, kFinest_m); }
+
 std::vector<WallColumn> columns_of_walls(const std::vector<WallColumn>& columns, double cell_m) {
   const double least = kLeastAlong * 2.0 * kStreak_m / cell_m;
   const std::vector<std::vector<std::size_t>> same = same_walls(columns);
@@ -71,12 +74,25 @@ std::vector<WallColumn> columns_of_walls(const std::vector<WallColumn>& columns,
   return out;
 }
 
-}  // namespace
+std::vector<double> heights_of_walls(const std::vector<WallColumn>& columns,
+                                     const std::vector<double>& tops) {
+  const std::vector<std::vector<std::size_t>> same = same_walls(columns);
+  std::vector<double> out(columns.size());
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    std::vector<double> around;
+    for (const std::size_t other : same[k]) around.push_back(tops[other]);
+    const auto half = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+    std::nth_element(around.begin(), half, around.end());
+    out[k] = *half;
+  }
+  return out;
+}
 
 std::vector<WallColumn> wall_columns(const PointSet& points, double cell_m) {
   struct Upright {
     Eigen::Vector3f p;
     Eigen::Vector2f normal;
+    float intensity;
   };
   std::map<std::array<int, 2>, std::vector<Upright>> cells;
   const std::vector<LocalShape> shapes = local_shapes(points);
@@ -88,19 +104,20 @@ std::vector<WallColumn> wall_columns(const PointSet& points, double cell_m) {
     const auto cell = [cell_m](float x) {
       return static_cast<int>(std::floor(static_cast<double>(x) / cell_m));
     };
-    cells[{cell(p.x()), cell(p.y())}].push_back({p, normal.head<2>()});
+    cells[{cell(p.x()), cell(p.y())}].push_back({p, normal.head<2>(), points.intensity[i]});
   }
   std::vector<WallColumn> out;
   for (const auto& [cell, all] : cells) {
     float top = all.front().p.z();
     for (const Upright& one : all) top = std::max(top, one.p.z());
-    float low = top;
+    float low = top, intensity = 0.0F;
     Eigen::Vector2f place = Eigen::Vector2f::Zero(), normal = Eigen::Vector2f::Zero();
     std::size_t count = 0;
     for (const Upright& one : all) {
       if (one.p.z() < top - static_cast<float>(kTopReach_m)) continue;
       place += one.p.head<2>();
       low = std::min(low, one.p.z());
+      intensity += one.intensity;
       normal += one.normal.dot(normal) < 0.0F ? Eigen::Vector2f(-one.normal) : one.normal;
       ++count;
     }
@@ -109,7 +126,8 @@ std::vector<WallColumn> wall_columns(const PointSet& points, double cell_m) {
     if (!is_wall) continue;
     out.push_back({(place / static_cast<float>(count)).cast<double>(),
                    normal.normalized().cast<double>(),
-                   static_cast<double>(top)});
+                   static_cast<double>(top),
+                   intensity / static_cast<float>(count)});
   }
   return out;
 }
@@ -171,7 +189,7 @@ std::size_t wall_steps(const std::vector<std::optional<Eigen::Vector3f>>& agreed
 }
 
 std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& step) const {
-  const double cell_m = std::max(2.0 * voxel_m, kFinest_m);
+  const double cell_m = wall_cell_m(voxel_m);
   const std::vector<WallColumn> columns = columns_of_walls(wall_columns(points, cell_m), cell_m);
   const auto steps = static_cast<std::size_t>(kHighest_m / cell_m);
   const auto gap = static_cast<std::size_t>(std::lround(kGap_m / cell_m));
@@ -230,15 +248,11 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
     tops[k] = columns[k].top_m + static_cast<double>(wall_steps(agreed, gap)) * cell_m;
   }
   // A wall is as high as most of its columns say.
-  const std::vector<std::vector<std::size_t>> same = same_walls(columns);
+  const std::vector<double> heights = heights_of_walls(columns, tops);
   PointSet above;
   std::vector<Eigen::Vector3f> found;
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    std::vector<double> around;
-    for (const std::size_t other : same[k]) around.push_back(tops[other]);
-    const auto half = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-    std::nth_element(around.begin(), half, around.end());
-    for (std::size_t s = 0; s < steps && place(k, s).z() <= *half + 1e-6; ++s)
+    for (std::size_t s = 0; s < steps && place(k, s).z() <= heights[k] + 1e-6; ++s)
       found.push_back(place(k, s).cast<float>());
   }
   above.position.resize(3, static_cast<Eigen::Index>(found.size()));

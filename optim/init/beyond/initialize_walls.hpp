@@ -21,9 +21,17 @@ struct WallColumn {
   Eigen::Vector2d place_m;  // scene x, y
   Eigen::Vector2d normal;   // unit, horizontal; to either side
   double top_m = 0.0;       // scene z
+  float intensity = 0.0F;   // mean
 };
 /// Columns of upright points, one per square of side cell_m that holds enough of them, by square.
 [[nodiscard]] std::vector<WallColumn> wall_columns(const PointSet& points, double cell_m);
+/// Side of those squares, and how far apart places above are, of points in voxels of voxel_m.
+[[nodiscard]] double wall_cell_m(double voxel_m);
+/// Those with enough others of the same wall beside them: hedges and trees have upright places, too.
+[[nodiscard]] std::vector<WallColumn> columns_of_walls(const std::vector<WallColumn>& columns, double cell_m);
+/// Of each column the median top (scene z) of its wall within 1.5 m to either side. tops: [columns]
+[[nodiscard]] std::vector<double> heights_of_walls(const std::vector<WallColumn>& columns,
+                                                   const std::vector<double>& tops);
 
 /// What pictures show of one place: the colours of the nearest looks at it.
 class WallLooks {

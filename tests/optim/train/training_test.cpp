@@ -47,6 +47,25 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   EXPECT_EQ(training.report().train.last.iteration, 12);
 }
 
+/// Pruned while training, they would not be there: no ray meets them.
+TEST_F(TrainingTest, WallsAboveTheLaserJoinWhatWasTrained) {
+  TrainingOptions o = options(4);
+  o.init.voxel_m = 0.2;
+  const GaussianSet above = initialize_scene(log_, o.frames, o.init).unmet;
+  ASSERT_GT(above.size(), 0);
+  Training training(Device::best(), log_, o);
+  training.run();
+  EXPECT_EQ(training.report().init.unmet_points, static_cast<std::size_t>(above.size()));
+  const Eigen::Index trained = training.scene().lidar.size();
+  const Scene scene = training.result().scene;
+  ASSERT_EQ(scene.lidar.size(), trained + above.size());
+  EXPECT_EQ(scene.lidar.mean().bottomRows(above.size()), above.mean());
+  o.init.lidar_walls_m = 0.0;
+  Training without(Device::best(), log_, o);
+  without.run();
+  EXPECT_EQ(without.result().scene.lidar.size(), trained);
+}
+
 TEST_F(TrainingTest, ADivergedOneIsNoScene) {
   TrainingOptions o = options(40);
   o.train.camera.sh = 100.0;
