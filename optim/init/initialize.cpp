@@ -12,7 +12,6 @@
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
-#include "io/log/frame_files.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/init/beyond/initialize_depth.hpp"
@@ -221,7 +220,6 @@ void Initialisation::read_returns() {
 void Initialisation::drop_moving() {
   std::vector<PointVotes> votes(points_.size());
   const PointBlocks blocks(points_);
-  expect(log_, sweeps_);
   for (const SweepFrame* frame : sweeps_) {
     const PosedSweep s = load_sweep(log_, *frame, scene_.origin);
     // A list has no neighbouring rays to look through: it has no word on what moved.

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "host/base/parallel.hpp"
+#include "io/log/frame_files.hpp"
 #include "optim/init/initialize_sets.hpp"
 
 namespace simuli {
@@ -147,6 +148,7 @@ GaussianSet walls_upward(const Log& log,
                          const std::function<void()>& step) {
   if (options.lidar_walls_m == 0.0) return unmet_set({}, options);
   WallsUpward walls(points, options.voxel_m, options.lidar_walls_m);
+  expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) {
     walls.look_through(load_sweep(log, *frame, origin));
     step();
