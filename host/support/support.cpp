@@ -30,7 +30,7 @@ struct SupportBuffers : BufferTable<SupportSizes> {
   Reals views{*this, "support_places", [](const SupportSizes&) { return std::uint64_t{kPlace}; }};
   Reals grids{*this, "support_grids", [](const SupportSizes&) { return std::uint64_t{kGrid}; }};
   Reals cells{*this, "support_cells", [](const SupportSizes&) { return std::uint64_t{4}; }};
-  Reals trust{*this, "support_trust", [](const SupportSizes&) { return std::uint64_t{8}; }};
+  Reals trust{*this, "support_trust", [](const SupportSizes&) { return std::uint64_t{10}; }};
   Reals support{*this, "support", [](const SupportSizes& s) { return s.slots; }};
 };
 
@@ -118,8 +118,8 @@ double rays_per_rad_of(const Sensor& sensor) {
 
 const SupportTrust& support_trust(SetKind kind) {
   // Fitted to the street (400 iterations) on its path and 1.5 m to either side of it: bench/RESULTS.md.
-  static const SupportTrust camera{-7.93, 2.29, -0.71, 0.51, -1.33, -1.05, -0.84, 0.0};
-  static const SupportTrust lidar{-5.40, 0.13, -0.38, 0.56, -1.33, 0.0, -0.64, -0.64};
+  static const SupportTrust camera{-7.93, 2.29, -0.71, 0.51, -1.33, -1.05, -0.84, 0.0, 0.0, 0.0};
+  static const SupportTrust lidar{-2.52, 0.0, 0.0, 0.0, -1.00, 0.0, -0.95, -3.10, 4.50, -1.67};
   return kind == SetKind::kCamera ? camera : lidar;
 }
 
@@ -222,8 +222,8 @@ std::vector<float> SupportOnDevice::of(const Frame& frame, const Scene& scene, c
   b.views.assign(with.places);
   b.grids.assign(with.grids);
   const SupportTrust& t = support_trust(kind);
-  b.trust.assign(
-      std::vector<double>{t.constant, t.looks, t.angle, t.scale, t.error, t.contrast, t.edge, t.doubt});
+  b.trust.assign(std::vector<double>{
+      t.constant, t.looks, t.angle, t.scale, t.error, t.contrast, t.edge, t.doubt, t.drop, t.apart});
   const shared::FrameParams& frame_params = rays.grid().frame;
   b.support.reserve(frame_params.slots);
   const std::size_t slots_of_item = kRun * static_cast<std::size_t>(stage.lanes);

@@ -19,12 +19,13 @@ using ActorCopies = std::map<std::string, std::string>;
 /// Tells of every ray of a frame, in [0, 1], how well what it shows is known from the frames that the scene
 /// was made of: from how many of them its point was seen, from how near in angle, how finely, how wrong the
 /// scene is there in the recorded frames and how much goes on there; of a LiDAR also how sure it is that the
-/// ray returns. A pixel's is the share of pixels alike whose colour is within kSupportColour of the truth
-/// (mean of the channels), a LiDAR ray's that of rays which return within kSupportRange_m of the truth, or
-/// rightly don't: as measured on the demo's street off its path (docs/METHOD.md section 16). 0 where no
-/// recorded frame saw what is shown. The frame stays as it is: its bits are the same with support and
-/// without.
-/// Four neighbours (pixels of a row, firings of a beam) are told by one of them.
+/// ray returns, or does not, and from one distance. A pixel's is the share of pixels alike whose colour is
+/// within kSupportColour of the truth (mean of the channels), a LiDAR ray's that of rays which return within
+/// kSupportRange_m of the truth, or rightly don't: as measured on the demo's street off its path
+/// (docs/METHOD.md section 16). 0 where no recorded frame saw what is shown. The frame stays as it is: its
+/// bits are the same with support and without. Of four
+/// neighbours (pixels of a row, firings of a beam) one is looked up in recorded frames; whether a LiDAR's
+/// rays return is told of each by itself.
 class SupportOnDevice {
  public:
   /// Error{kUsage} without a record: the scene was trained before there were any, or not at all.
@@ -58,9 +59,10 @@ inline constexpr std::size_t kMostSupportViews = 8;
 
 /// The logarithm of the odds is a constant plus these times looks / (looks + 3), the least angle (its chord)
 /// to a ray that saw the point, the finest look over this one (at most 1), mean ln of error and of contrast,
-/// the depth of the cells over the distance, and 4 p (1 - p) of a ray's drop probability p.
+/// the depth of the cells over the distance, and of a LiDAR's ray 4 p (1 - p) and p, its drop probability,
+/// and x / (x + 1 cm), x by how much the mean and the median of where its light comes from differ.
 struct SupportTrust {
-  double constant, looks, angle, scale, error, contrast, edge, doubt;
+  double constant, looks, angle, scale, error, contrast, edge, doubt, drop, apart;
 };
 [[nodiscard]] const SupportTrust& support_trust(SetKind kind);
 

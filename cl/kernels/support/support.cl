@@ -17,9 +17,10 @@
 #define NEAR_ANGLE R(0.1)    // rad: a view that looks along another direction tells less
 #define SEEN_ALONE R(1e-3)   // the least that it tells
 #define LOOKS R(3.0)         // half of what further looks add
+#define APART_M R(0.01)      // half of what it tells when a ray's median and mean distance differ by more
 #define LEAST_EXPONENT R(-80.0)
 
-// Neighbours along a slot row that are told alike, and which of them tells, unless it has no ray.
+// Neighbours along a slot row that are looked up alike, and which of them is, unless it has no ray.
 #define RUN 4
 #define TELLING 1
 
@@ -111,13 +112,26 @@ FN void look(__global const real* place,
   told->edge = fma(weight, depth, told->edge);
 }
 
-/// V runs of RUN slots per work-item, each told by one of its rays: cells are no finer. Where a ray's light comes from is looked up in the views that were recorded.
+/// What it says of LiDAR rays whether, and from where, they return: of the logarithm of odds.
+FN F return_odds(__global const real* out, uint s, const uint* slot, __global const real* trust) {
+  const F logit = VMAX(VMIN(gathered(out + SIM_O_DROP * s, slot), (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
+  const F drop = R(1.0) / (R(1.0) + exp_lanes(-logit));
+  const F opacity = R(1.0) - gathered(out + SIM_O_TRANSMITTANCE * s, slot);
+  const I met = opacity > R(0.5);
+  const F mean = gathered(out + SIM_O_DISTANCE * s, slot) / SEL(met, opacity, (F)R(1.0));
+  const F apart = SEL(met, fabs(gathered(out + SIM_O_MEDIAN * s, slot) - mean), (F)R(0.0));
+  const F odds = fma(R(4.0) * drop * (R(1.0) - drop), (F)trust[7], drop * trust[8]);
+  return fma(apart / (apart + APART_M), (F)trust[9], odds);
+}
+
+/// V runs of RUN slots per work-item. Where a ray's light comes from is looked up in the views that were recorded, for
+/// one ray of a run, since cells are no finer; whether a LiDAR's rays return is told of each by itself.
 /// in  sensor_ray[7][slots]; out[6|7][slots] as blended; sensor[2][PLACE]: at the frame's start and end, in the
 ///     scene's axes; boxes[actors][PLACE]: to the actor's axes, half its size behind; views[actors + 1][count][PLACE]:
 ///     from the scene's axes (of actors: from the actor's) to the view's, 1 behind where it has them at all, then
 ///     how many times larger they were;
-///     grids[count][GRID]; cells; trust[8]: of the logarithm of odds, a constant, by looks, angle, scale, error,
-///     contrast, edge, doubt whether a ray returns
+///     grids[count][GRID]; cells; trust[10]: of the logarithm of odds, a constant, by looks, angle, scale, error,
+///     contrast, edge, and of LiDARs doubt whether a ray returns, drop, how far median and mean are apart
 /// out support[slots]: in [0, 1]
 __kernel void support(const FrameParams frame,
                       const uint actors,
@@ -193,19 +207,17 @@ __kernel void support(const FrameParams frame,
   odds = fma(told.error * inv_weight, (F)trust[4], odds);
   odds = fma(told.contrast * inv_weight, (F)trust[5], odds);
   odds = fma(told.edge * inv_weight, (F)trust[6], odds);
-  if (drops) {
-    const F logit = VMAX(VMIN(gathered(out + SIM_O_DROP * s, slot), (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
-    const F drop = R(1.0) / (R(1.0) + exp_lanes(-logit));
-    odds = fma(R(4.0) * drop * (R(1.0) - drop), (F)trust[7], odds);
-  }
-  odds = VMAX(VMIN(odds, (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
   const F at_all = R(1.0) - exp_lanes(VMAX(told.looks * R(-4.0), (F)LEAST_EXPONENT));
   const I known = AND(is_one, told.looks > R(0.0));
-  const F found = SEL(known, at_all / (R(1.0) + exp_lanes(-odds)), (F)R(0.0));
-  real each[V];
-  STV(each, found);
-  for (uint lane = 0; lane < V; ++lane) {
-    const uint run = slot[lane] / RUN * RUN;
-    for (uint k = 0; k < RUN; ++k) support[run + k] = each[lane];
+  for (uint k = 0; k < RUN; ++k) {
+    uint own[V];
+    for (uint lane = 0; lane < V; ++lane) own[lane] = slot[lane] / RUN * RUN + k;
+    // Where views look is alike for neighbours; whether and how surely a LiDAR's ray returns is its own.
+    F of_ray = odds;
+    if (drops) of_ray += return_odds(out, s, own, trust);
+    const F clamped = VMAX(VMIN(of_ray, (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
+    real each[V];
+    STV(each, SEL(known, at_all / (R(1.0) + exp_lanes(-clamped)), (F)R(0.0)));
+    for (uint lane = 0; lane < V; ++lane) support[own[lane]] = each[lane];
   }
 }
