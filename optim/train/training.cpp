@@ -85,7 +85,8 @@ Training::Training(const Device& device, Log log, const TrainingOptions& options
       options_(checked(options)) {
   need_shards(ranks, options_);
   need_uncut(options_);
-  log_.files = std::make_shared<FrameFiles>(frame_budget(options_));
+  // Ranks may be of one machine.
+  if (!log_.files) log_.files = std::make_shared<FrameFiles>(frame_budget(options_) / ranks.size());
 }
 
 void Training::need_shards(const Ranks& ranks, const TrainingOptions& options) {
