@@ -211,9 +211,9 @@ TEST_P(Support, IsThatOfASequentialLoopInDouble) {
       for (std::size_t each = slot - 1; each < slot + 3; ++each) {
         if (ray_at(each) < 0) continue;
         const auto i = static_cast<std::size_t>(ray_at(each));
-        const double support = wanted[i].support(told);
-        run_off += std::abs(static_cast<double>(found[i]) - support) > tolerance ? 1 : 0;
-        known += support > 0.01 ? 1 : 0;
+        const double trusted = wanted[i].support(told);
+        run_off += std::abs(static_cast<double>(found[i]) - trusted) > tolerance ? 1 : 0;
+        known += trusted > 0.01 ? 1 : 0;
       }
       off += run_off > 0 ? 1 : 0;
     }
