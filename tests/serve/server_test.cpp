@@ -232,8 +232,9 @@ TEST_F(ServerTest, RendersWhatSeveralAskForOnce) {
           if (stub->render_rgb(&context, request, &reply).ok()) replies[k] = reply.image_bytes();
         });
       }
-      while (counted().value("simuli_device_queue") < 1.0) std::this_thread::sleep_for(milliseconds(5));
-      std::this_thread::sleep_for(milliseconds(300));  // until the others have come, too
+      for (int i = 0; i < 6000 && counted().value("simuli_requests_shared") < 5.0; ++i) {
+        std::this_thread::sleep_for(milliseconds(5));
+      }
       is_held = false;
     }
     const std::string wanted = rendered(request);

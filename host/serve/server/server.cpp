@@ -340,9 +340,10 @@ std::string Server::metrics() const {
   gauges.push_back({"simuli_requests_in_work",
                     "Requests that a worker has.",
                     static_cast<double>(impl_->options.max_workers - workers.free())});
-  gauges.push_back({"simuli_requests_shared",
-                    "Requests that were answered by what another one was rendered for.",
-                    static_cast<double>(impl_->rendering.shared())});
+  gauges.push_back(
+      {"simuli_requests_shared",
+       "Requests that came while another one was rendered for, in the same words, and got its answer.",
+       static_cast<double>(impl_->rendering.shared())});
   return impl_->handlers.metrics().text(gauges);
 }
 

@@ -23,6 +23,7 @@ SharedWork::Result SharedWork::get(const std::string& key, const Work& work, con
       known = std::make_shared<Task>();
     } else {
       ++known->wanting;
+      ++shared_;
     }
     task = known;
   }
@@ -61,10 +62,6 @@ SharedWork::Result SharedWork::wait_for(const std::shared_ptr<Task>& task, const
       --task->wanting;
     }
     need_wanted(is_given_up);
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    ++shared_;
   }
   return task->result.get();
 }

@@ -21,7 +21,7 @@ class SharedWork {
   /// The result of `work`, or of another caller's under the same key, and what that throws.
   /// Refusal{kCancelled} once `is_given_up` says so, which ends the work when nobody else waits for it.
   [[nodiscard]] Result get(const std::string& key, const Work& work, const IsGivenUp& is_given_up);
-  /// Results that somebody got of another one's work.
+  /// Callers so far who found another one's work under way.
   [[nodiscard]] std::size_t shared() const;
 
  private:
