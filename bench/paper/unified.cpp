@@ -86,14 +86,15 @@ class UnifiedTrainer {
       // The LiDAR's own features; the geometry is moved once, below.
       std::vector<double> rates = row_rates(options_.lidar, lidar_.particles.sh_degree, progress);
       std::fill(rates.begin(), rates.begin() + kShRow, 0.0);
-      lidar_.adam.run(lidar_.particles, lidar_.grads, sweep.buffers().projected.keys, rates);
+      lidar_.adam.run(lidar_.particles, lidar_.grads, sweep.buffers().projected.keys, {rates});
     }
     keys_.upload(std::span<const std::uint32_t>(keys));
     camera_.grads.upload(std::span<const float>(grads));
     camera_.adam.run(camera_.particles,
                      camera_.grads,
                      keys_,
-                     row_rates(options_.camera, camera_.particles.sh_degree, progress));
+                     {row_rates(options_.camera, camera_.particles.sh_degree, progress),
+                      row_epsilons(camera_.particles.sh_degree, look_.harmonics_epsilon())});
     const std::vector<float> params = camera_.particles.params.download_float();
     lidar_.particles.params.as_float().upload_at(0, std::span<const float>(params).first(kShRow * stride));
   }

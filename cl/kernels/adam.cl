@@ -5,7 +5,7 @@
 /// frame culled have no gradient: they keep parameters and moments, and cost one look at their key.
 /// in  keys[particles]: 0xffffffff for a culled particle, not read when `dense`; grads[rows][stride]
 ///     first: where the matrix starts in params and moments
-///     rate[rows]: learning rate of each row; the bias corrections come from the host as
+///     rate[rows], epsilon[rows]: of each row; the bias corrections come from the host as
 ///     inv_bias1 = 1 / (1 - beta1^t) and inv_bias2 = 1 / (1 - beta2^t) (Kingma and Ba, algorithm 1)
 /// A gradient that is not finite (or above 1e30) moves nothing and is counted in rejected[0].
 __kernel void adam(const uint particles,
@@ -15,11 +15,11 @@ __kernel void adam(const uint particles,
                    const uint first,
                    __global const uint* keys,
                    __global const real* rate,
+                   __global const real* epsilon,
                    const real beta1,
                    const real beta2,
                    const real inv_bias1,
                    const real inv_bias2,
-                   const real epsilon,
                    __global const real* grads,
                    __global real* first_moment,
                    __global real* second_moment,
@@ -47,7 +47,7 @@ __kernel void adam(const uint particles,
     const F v0 = LDV(second_moment + at);
     const F m = fma((F)beta1, m0, (R(1.0) - beta1) * g);
     const F v = fma((F)beta2, v0, (R(1.0) - beta2) * g * g);
-    const F step = rate[row] * (m * inv_bias1) / (sqrt(v * inv_bias2) + epsilon);
+    const F step = rate[row] * (m * inv_bias1) / (sqrt(v * inv_bias2) + epsilon[row]);
     STV(first_moment + at, SEL(live, m, m0));
     STV(second_moment + at, SEL(live, v, v0));
     const F p = LDV(params + at);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/render/train/adam.hpp"
 #include "host/scene/splitmix.hpp"
 
 namespace simuli {
@@ -31,6 +32,12 @@ std::size_t FrameOrder::at(std::uint64_t iteration) {
   const std::uint64_t epoch = iteration / frames_.size();
   if (epoch != epoch_) shuffle(epoch);
   return shuffled_[iteration % frames_.size()];
+}
+
+std::vector<double> row_epsilons(int sh_degree, double colour_epsilon) {
+  std::vector<double> row(static_cast<std::size_t>(param_rows(sh_degree)), kAdamEpsilon);
+  for (std::size_t k = kShRow; k < row.size(); ++k) row[k] += colour_epsilon;
+  return row;
 }
 
 std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress) {

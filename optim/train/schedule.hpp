@@ -59,6 +59,10 @@ constexpr void visit_fields(LearningRates& o, F&& field) {
   field("rate.final_share", o.final_share, above(0.0, 1.0), "of all but the positions' rates, at the end");
 }
 
+/// Adam's epsilon of each parameter row [param_rows(sh_degree)]: `colour_epsilon` of those that state
+/// colours, else none.
+[[nodiscard]] std::vector<double> row_epsilons(int sh_degree, double colour_epsilon);
+
 /// The rate of each parameter row [param_rows(sh_degree)] at `progress` in [0, 1] of the training.
 [[nodiscard]] std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress);
 

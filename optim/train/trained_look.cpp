@@ -20,6 +20,16 @@ ColorGrids starting_grids(const Log& log, const Scene& scene, const std::vector<
   return ColorGrids::identity(kGridSize[0], kGridSize[1], kGridSize[2], std::move(frames));
 }
 
+/// Of the pictures at training size.
+double mean_pixels(const Log& log, const std::vector<std::size_t>& images, double image_scale) {
+  double sum = 0.0;
+  for (const std::size_t i : images) {
+    const Camera camera = scaled_camera(log.camera(log.images[i].camera).model, image_scale);
+    sum += static_cast<double>(camera.width) * static_cast<double>(camera.height);
+  }
+  return sum / static_cast<double>(images.size());
+}
+
 }  // namespace
 
 TrainedLook::TrainedLook(const Device& device,
@@ -35,7 +45,9 @@ TrainedLook::TrainedLook(const Device& device,
                                      AdamStage(device, kFloat, reals)});
   }
   const std::vector<std::size_t> images = HeldOutRule(log, options.frames).training(log.images);
-  if (!options_.color_grids || images.empty()) return;
+  if (images.empty()) return;
+  colour_epsilon_ = options_.least_px / (3.0 * mean_pixels(log, images, options.frames.image_scale));
+  if (!options_.color_grids) return;
   ColorGrids frames = starting_grids(log, scene, images);
   std::vector<std::size_t> of_image(log.images.size(), 0);
   for (std::size_t k = 0; k < images.size(); ++k) of_image[images[k]] = k;
@@ -93,7 +105,7 @@ void TrainedLook::step_environment(std::uint64_t iteration, double progress) {
   if (!environment_) return;
   Environment& e = *environment_;
   const double rate = std::pow(options_.final_share, progress) * options_.environment_rate;
-  e.adam.run_dense(e.buffers.texture, e.grads, 0, rate, iteration + 1);
+  e.adam.run_dense(e.buffers.texture, e.grads, 0, rate, iteration + 1, kAdamEpsilon + colour_epsilon_);
 }
 
 TrainedLook::Gradients TrainedLook::gradients() const {

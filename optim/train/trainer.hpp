@@ -99,7 +99,8 @@ class Trainer {
     const LearningRates& rates;
     const ParticleWeights& weights;
     double progress;
-    bool errors;  // are collected
+    double colour_epsilon;  // of the harmonics
+    bool errors;            // are collected
   };
   /// Of a frame: whose it is, and when.
   struct FrameTimes {

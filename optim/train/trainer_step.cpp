@@ -69,12 +69,18 @@ void Trainer::end_stage() {
 
 Trainer::Turn Trainer::camera_turn(double progress) {
   const bool errors = structure_.collects_errors(kCameraSet, status_.iteration);
-  return {camera_, kCameraSet, options_.camera, options_.camera_particles, progress, errors};
+  return {camera_,
+          kCameraSet,
+          options_.camera,
+          options_.camera_particles,
+          progress,
+          look_.harmonics_epsilon(),
+          errors};
 }
 
 Trainer::Turn Trainer::lidar_turn(double progress) {
   const bool errors = structure_.collects_errors(kLidarSet, status_.iteration);
-  return {lidar_, kLidarSet, options_.lidar, options_.lidar_particles, progress, errors};
+  return {lidar_, kLidarSet, options_.lidar, options_.lidar_particles, progress, 0.0, errors};
 }
 
 void Trainer::step_camera(double progress) {
@@ -262,7 +268,11 @@ std::optional<PoseGradient> Trainer::differentiate(const Turn& turn,
 
 void Trainer::take_step(const Turn& turn, const RealBuffer& grads, const Buffer<std::uint32_t>& keys) {
   TrainedSet& set = turn.set;
-  set.adam.run(set.particles, grads, keys, row_rates(turn.rates, set.particles.sh_degree, turn.progress));
+  const int degree = set.particles.sh_degree;
+  set.adam.run(set.particles,
+               grads,
+               keys,
+               {row_rates(turn.rates, degree, turn.progress), row_epsilons(degree, turn.colour_epsilon)});
 }
 
 void Trainer::descend(const Turn& turn, Pass& pass, const FrameTimes& frame) {

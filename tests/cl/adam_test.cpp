@@ -18,8 +18,8 @@ struct Textbook {
   std::vector<double> params, first, second;
   int steps = 0;
 
-  void step(const std::vector<double>& gradients, const std::vector<double>& rate, std::size_t stride) {
-    constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-15;
+  void step(const std::vector<double>& gradients, const AdamRows& rows, std::size_t stride) {
+    constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
     ++steps;
     first.resize(params.size(), 0.0);
     second.resize(params.size(), 0.0);
@@ -29,7 +29,8 @@ struct Textbook {
       second[i] = kBeta2 * second[i] + (1.0 - kBeta2) * g * g;
       const double m = first[i] / (1.0 - std::pow(kBeta1, steps));
       const double v = second[i] / (1.0 - std::pow(kBeta2, steps));
-      params[i] -= rate[i / stride] * m / (std::sqrt(v) + kEpsilon);
+      const double epsilon = rows.epsilon.empty() ? 1e-15 : rows.epsilon[i / stride];
+      params[i] -= rows.rate[i / stride] * m / (std::sqrt(v) + epsilon);
     }
   }
 };
@@ -45,8 +46,11 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
   AdamStage adam(device, particles);
   const std::vector<double> start = particles.params.download_double();
   Textbook expected{start, {}, {}};
-  std::vector<double> rate;
-  for (int row = 0; row < param_rows(set.sh_degree); ++row) rate.push_back(1e-3 * (row % 4));
+  AdamRows rows;
+  for (int row = 0; row < param_rows(set.sh_degree); ++row) {
+    rows.rate.push_back(1e-3 * (row % 4));
+    rows.epsilon.push_back(row % 3 == 0 ? 0.1 : 1e-15);  // gradients are of 1e-5 to 20
+  }
 
   // These never get a number: NaN and infinities move nothing and leave no trace in the moments.
   const std::size_t stride = particles.stride;
@@ -68,12 +72,12 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
     g[bad[1]] = std::numeric_limits<double>::infinity();
     g[bad[2]] = -std::numeric_limits<double>::infinity();
     grads.assign(std::span<const double>(g));
-    adam.run(particles, grads, keys, rate);
+    adam.run(particles, grads, keys, rows);
     for (std::size_t i = 0; i < g.size(); ++i) {
       // Padding is as good as culled.
       if (i % stride >= visible.size() || visible[i % stride] != 1U) g[i] = 0.0;
     }
-    expected.step(g, rate, stride);
+    expected.step(g, rows, stride);
   }
   const std::vector<double> found = particles.params.download_double();
   // Twenty sums, each rounded against the parameter, and the rounding of the steps themselves.
@@ -108,7 +112,7 @@ TEST_P(Adam, DenseStepsMoveTheirPartAlone) {
     for (double& value : g) value = static_cast<double>(static_cast<float>(random.normal()));
     grads.assign(std::span<const double>(g));
     adam.run_dense(params, grads, at, kRate, number);
-    book.step(g, {kRate}, kPart);
+    book.step(g, {{kRate}}, kPart);
   };
   step(last, 2 * kPart, 1);
   step(last, 2 * kPart, 2);

@@ -53,7 +53,7 @@ Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& sh
   adam.run(particles,
            grads,
            pass.buffers().projected.keys,
-           std::vector<double>(static_cast<std::size_t>(param_rows(set.sh_degree)), 1e-3));
+           {std::vector<double>(static_cast<std::size_t>(param_rows(set.sh_degree)), 1e-3)});
   EXPECT_EQ(adam.rejected(), 0U);
   step.params = particles.params.download_float();
   return step;

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kBeta1 = 0.9;
 constexpr double kBeta2 = 0.999;
-constexpr double kEpsilon = 1e-15;  // gradients of means over many rays are tiny: epsilon must not damp them
 
 }  // namespace
 
@@ -31,14 +30,18 @@ AdamStage::AdamStage(const Device& device, Precision precision, std::size_t para
 void AdamStage::run(ParticleBuffers& particles,
                     const RealBuffer& grads,
                     const Buffer<std::uint32_t>& keys,
-                    const std::vector<double>& rate) {
+                    const AdamRows& rows) {
   ++iteration_;
   const Matrix all{particles.count, particles.stride, 0, false};
-  launch(all, keys, rate, iteration_, grads, particles.params);
+  launch(all, keys, rows, iteration_, grads, particles.params);
 }
 
-void AdamStage::run_dense(
-    RealBuffer& params, const RealBuffer& grads, std::size_t first, double rate, std::uint64_t step) {
+void AdamStage::run_dense(RealBuffer& params,
+                          const RealBuffer& grads,
+                          std::size_t first,
+                          double rate,
+                          std::uint64_t step,
+                          double epsilon) {
   const std::size_t count = grads.count();
   if (count % 16 != 0 || first + count > params.count() || params.count() != buffers_.first_moment.count()) {
     throw Error(ErrorKind::kInternal, "Adam: gradients for other parameters");
@@ -46,7 +49,7 @@ void AdamStage::run_dense(
   const auto columns = static_cast<std::uint32_t>(count);
   launch({columns, columns, static_cast<std::uint32_t>(first), true},
          buffers_.rejected,
-         {rate},
+         {{rate}, {epsilon}},
          step,
          grads,
          params);
@@ -54,17 +57,19 @@ void AdamStage::run_dense(
 
 void AdamStage::launch(const Matrix& matrix,
                        const Buffer<std::uint32_t>& keys,
-                       const std::vector<double>& rate,
+                       const AdamRows& rows,
                        std::uint64_t step,
                        const RealBuffer& grads,
                        RealBuffer& params) {
-  buffers_.rate.assign(rate);
+  const std::size_t count = rows.rate.size();
+  buffers_.rate.assign(rows.rate);
+  buffers_.epsilon.assign(rows.epsilon.empty() ? std::vector<double>(count, kAdamEpsilon) : rows.epsilon);
   const auto t = static_cast<double>(step);
   const std::size_t items = matrix.stride / static_cast<std::size_t>(lanes_);
   adam_.run_over(items,
                  {{"particles", matrix.columns},
                   {"stride", matrix.stride},
-                  {"rows", static_cast<std::uint32_t>(rate.size())},
+                  {"rows", static_cast<std::uint32_t>(count)},
                   {"dense", matrix.dense ? 1U : 0U},
                   {"first", matrix.first},
                   {"keys", keys},
@@ -72,7 +77,6 @@ void AdamStage::launch(const Matrix& matrix,
                   {"beta2", kBeta2},
                   {"inv_bias1", 1.0 / (1.0 - std::pow(kBeta1, t))},
                   {"inv_bias2", 1.0 / (1.0 - std::pow(kBeta2, t))},
-                  {"epsilon", kEpsilon},
                   {"grads", grads},
                   {"params", params},
                   buffers_});

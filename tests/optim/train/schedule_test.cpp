@@ -67,6 +67,14 @@ TEST(RowRates, EachGroupHasItsRate) {
   EXPECT_NEAR(row_rates(rates, 0, 1.0)[kOpacityRow], 0.01 * rates.opacity, 1e-15);
 }
 
+TEST(RowEpsilons, AreOfColoursAlone) {
+  const std::vector<double> rows = row_epsilons(1, 1e-6);
+  ASSERT_EQ(rows.size(), static_cast<std::size_t>(param_rows(1)));
+  for (int row = 0; row < param_rows(1); ++row) {
+    EXPECT_NEAR(rows[static_cast<std::size_t>(row)], row < kShRow ? 0.0 : 1e-6, 1e-14) << row;
+  }
+}
+
 TEST(LruCache, DropsWhatWasUsedLongestAgo) {
   LruCache<int> cache(100);
   int made = 0;

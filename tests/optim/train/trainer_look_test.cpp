@@ -1,4 +1,5 @@
 // Environment, colour grids and the losses beside them, in training.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -79,6 +80,34 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
   for (std::size_t c = 0; c < 3; ++c)
     EXPECT_NEAR(learned.texels[ahead + c], first_guess.texels[ahead + c], 0.15);
   EXPECT_GT(report.last.psnr_db, 15.0);
+}
+
+/// Adam takes as long steps by a trace of a gradient as by all of it: texels of which pictures show a
+/// hundredth of a pixel would take on whatever is missing before them.
+TEST_F(TrainerLook, WhatPicturesHardlyShowKeepsItsColours) {
+  Scene start = scene_with_environment();
+  start.camera.opacity_logit().setConstant(6.0F);
+  const auto moved = [&](double least_px) {
+    TrainingOptions o = options(8);
+    o.train.look.least_px = least_px;
+    Trainer trainer(Device::best(), log_, start, o);
+    EXPECT_EQ(trainer.run().rejected_gradients, 0U);
+    const std::vector<float> texels = trainer.scene().environment.texels;
+    std::vector<float> out;
+    for (std::size_t i = 0; i < texels.size(); ++i) {
+      const float way = std::abs(texels[i] - start.environment.texels[i]);
+      if (way > 0.0F) out.push_back(way);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  };
+  const std::vector<float> all = moved(0.0), shown = moved(1.0);
+  ASSERT_GT(all.size(), 100U);
+  const auto at = [](const std::vector<float>& sorted, double share) {
+    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  };
+  EXPECT_LT(10.0F * at(shown, 0.1), at(all, 0.1));   // hardly shown
+  EXPECT_GT(1.5F * at(shown, 0.95), at(all, 0.95));  // shown well
 }
 
 TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
