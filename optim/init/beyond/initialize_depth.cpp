@@ -19,7 +19,11 @@ constexpr int kPatchReach = 2;  // px of the halved picture: patches of 5 x 5
 constexpr int kPatch = (2 * kPatchReach + 1) * (2 * kPatchReach + 1);
 constexpr int kDistances = 64;          // steps of inverse distance
 constexpr float kWorstCost = 0.10F;     // mean difference of grey values above which nothing matches
-constexpr float kSameCost = 0.01F;      // costs this close are noise: the farther distance is taken
+constexpr float kSameCost = 0.001F;     // costs this close are the same: the farther distance is taken
+constexpr float kSameShare = 0.2F;      // of the best cost, on top: what is left there is noise
+constexpr std::size_t kReach = 8;       // pictures before and after
+constexpr double kApart_m = 0.5;        // between two of them, or
+constexpr double kApart_rad = 0.1;      // turned by that: others tell little more
 constexpr std::size_t kLeastViews = 2;  // that must agree
 
 using Patch = std::array<float, kPatch>;
@@ -132,10 +136,28 @@ std::optional<Eigen::Vector3d> find_point(const SweepPicture& picture,
   }
   const float best = *std::min_element(costs.begin(), costs.end());
   if (!(best <= kWorstCost)) return std::nullopt;
-  const auto first =
-      std::find_if(costs.begin(), costs.end(), [best](float c) { return c <= best + kSameCost; });
+  const auto first = std::find_if(
+      costs.begin(), costs.end(), [best](float c) { return c <= (1.0F + kSameShare) * best + kSameCost; });
   if (first == costs.begin()) return std::nullopt;
   return rays.origin[0] + distance_of(static_cast<int>(first - costs.begin())) * rays.direction[0];
+}
+
+/// Those that are apart from the one before them.
+std::vector<const ImageFrame*> apart(const Log& log,
+                                     const LogCamera& camera,
+                                     const std::vector<const ImageFrame*>& images) {
+  std::vector<const ImageFrame*> out;
+  Pose last;
+  for (const ImageFrame* frame : images) {
+    if (frame->camera != camera.model.name) continue;
+    const Pose pose = log.world_from_rig.at(middle_s(*frame)) * camera.rig_from_camera;
+    const bool is_apart = out.empty() || (pose.translation - last.translation).norm() >= kApart_m ||
+                          pose.rotation.angularDistance(last.rotation) >= kApart_rad;
+    if (!is_apart) continue;
+    out.push_back(frame);
+    last = pose;
+  }
+  return out;
 }
 
 }  // namespace
@@ -188,7 +210,6 @@ std::vector<Eigen::Vector3d> sweep_depths(const SweepPicture& picture,
 }
 
 std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>& step) const {
-  constexpr std::size_t kReach = 2;  // pictures before and after
   struct Loaded {
     SweepPicture picture;
     Coverage coverage;
@@ -196,10 +217,7 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
   VoxelGrid grid(2.0 * voxel_m);
   const PointBlocks blocks(points);
   for (const LogCamera& camera : log.cameras) {
-    std::vector<const ImageFrame*> frames;
-    for (const ImageFrame* frame : images) {
-      if (frame->camera == camera.model.name) frames.push_back(frame);
-    }
+    const std::vector<const ImageFrame*> frames = apart(log, camera, images);
     expect(log, frames, image_scale);
     std::deque<Loaded> window;  // frames [first, next)
     std::size_t first = 0, next = 0;
@@ -222,6 +240,10 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
       for (const Eigen::Vector3d& p : sweep_depths(here.picture, others, here.coverage)) grid.add(p, 0.0);
       step();
     }
+    const auto all = std::count_if(images.begin(), images.end(), [&camera](const ImageFrame* frame) {
+      return frame->camera == camera.model.name;
+    });
+    for (std::size_t k = frames.size(); k < static_cast<std::size_t>(all); ++k) step();
   }
   const PointSet found = grid.averages();
   points.append(found);

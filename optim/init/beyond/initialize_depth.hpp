@@ -1,6 +1,7 @@
 #pragma once
-// Depth of what pictures see and no laser reaches (tree tops, upper floors): a plane sweep over the pictures
-// taken just before and after.
+// Depth of what pictures see and no laser reaches (tree tops, upper floors): a plane sweep over pictures
+// taken before and after, so far apart that they tell of it: ahead of a camera that drives on, things hardly
+// move.
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>

@@ -1,8 +1,10 @@
 #include "optim/init/beyond/initialize_depth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <gtest/gtest.h>
+#include <random>
 #include <vector>
 
 namespace simuli {
@@ -28,18 +30,21 @@ float texture(double x, double y) {
          b * ((1 - a) * at(k, l + 1) + a * at(k + 1, l + 1));
 }
 
-/// The wall z = kWall_m, textured or plain, seen by a camera at (x, 0, 0) that looks along z.
-SweepPicture see_wall(double x, bool textured) {
-  const ImageView view(camera(),
-                       {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}},
-                       {Eigen::Quaterniond::Identity(), {x, 0.0, 0.0}});
+/// The wall z = kWall_m, textured or plain, seen by a camera at (x, 0, z) that looks along z. `noise`:
+/// standard deviation of its values, other ones for each `seed`.
+SweepPicture see_wall(double x, bool textured, double z = 0.0, double noise = 0.0, std::uint32_t seed = 0) {
+  const Pose at{Eigen::Quaterniond::Identity(), {x, 0.0, z}};
+  const ImageView view(camera(), at, at);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> off(0.0, std::max(noise, 1e-9));
   Image image(160, 120, 3);
   for (int row = 0; row < 120; ++row) {
     for (int column = 0; column < 160; ++column) {
       const Eigen::Vector3d d = camera().unproject({column + 0.5, row + 0.5});
-      const double t = kWall_m / d.z();
+      const double t = (kWall_m - z) / d.z();
       const float grey = textured ? texture(x + t * d.x(), t * d.y()) : 0.5F;
-      for (int c = 0; c < 3; ++c) image.at(column, row, c) = grey;
+      const auto value = static_cast<float>(static_cast<double>(grey) + off(random));
+      for (int c = 0; c < 3; ++c) image.at(column, row, c) = value;
     }
   }
   return sweep_picture(view, image);
@@ -62,6 +67,36 @@ TEST(SweepDepths, PlainSurfacesHaveNoDistance) {
   const SweepPicture left = see_wall(-1.0, false), middle = see_wall(0.0, false),
                      right = see_wall(1.0, false);
   EXPECT_TRUE(sweep_depths(middle, {&left, &right}, coverage(false)).empty());
+}
+
+/// As a camera sees them that drives towards them.
+TEST(SweepDepths, PicturesFarApartTellOfWhatIsAhead) {
+  const auto found = [](double step_m) {
+    std::vector<SweepPicture> pictures;
+    for (int i = -4; i <= 4; ++i) pictures.push_back(see_wall(0.0, true, step_m * i));
+    std::vector<const SweepPicture*> others;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      if (i != 4) others.push_back(&pictures[i]);
+    }
+    std::size_t near = 0;
+    for (const Eigen::Vector3d& p : sweep_depths(pictures[4], others, coverage(false))) {
+      near += std::abs(p.z() - kWall_m) < 1.5 ? 1U : 0U;
+    }
+    return near;
+  };
+  EXPECT_GT(found(0.8), 150U);
+  EXPECT_LT(3 * found(0.02), found(0.8));
+}
+
+TEST(SweepDepths, NoiseHasNoDistance) {
+  std::vector<SweepPicture> pictures;
+  for (std::uint32_t i = 0; i < 9; ++i) pictures.push_back(see_wall(0.5 * i - 2.0, false, 0.0, 0.02, i));
+  std::vector<const SweepPicture*> others;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    if (i != 4) others.push_back(&pictures[i]);
+  }
+  const auto points = sweep_depths(pictures[4], others, coverage(false));
+  EXPECT_LT(points.size(), 30U);  // of 300 cells
 }
 
 TEST(SweepDepths, CoveredCellsAndTooFewPicturesGiveNothing) {
