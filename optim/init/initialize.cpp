@@ -14,6 +14,7 @@
 #include "host/base/fields.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/init/beyond/dark_surfaces.hpp"
 #include "optim/init/beyond/initialize_depth.hpp"
 #include "optim/init/beyond/initialize_walls.hpp"
 #include "optim/init/beyond/walls_upward.hpp"
@@ -111,22 +112,6 @@ double farthest_m(const PointSet& points, const Trajectory& trajectory, const Ei
   return farthest;
 }
 
-/// The mean colour of the upper half of the shell: what the set lets through is the sky, as far as is known.
-std::array<float, 3> sky_colour(const std::vector<FarShell::Patch>& patches) {
-  std::vector<float> heights;
-  for (const FarShell::Patch& patch : patches) heights.push_back(patch.direction.z());
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  float count = 0.0F;
-  for (const FarShell::Patch& patch : patches) {
-    if (patch.direction.z() < *middle) continue;
-    sum += patch.colour;
-    count += 1.0F;
-  }
-  return {sum.x() / count, sum.y() / count, sum.z() / count};
-}
-
 /// One initialisation, step by step: what the steps share.
 class Initialisation {
  public:
@@ -159,6 +144,7 @@ class Initialisation {
     place_lidar_set();
     out_.unmet = walls_upward(log_, sweeps_, scene_.origin, points_, options_, [this] { step(); });
     report_.unmet_points = static_cast<std::size_t>(out_.unmet.size());
+    place_dark_surfaces();
     add_points_of_pictures();
     take_colours();
     place_camera_set();
@@ -169,6 +155,7 @@ class Initialisation {
   void read_returns();
   void drop_moving();
   void place_lidar_set();
+  void place_dark_surfaces();
   void add_points_of_pictures();
   void take_colours();
   void place_camera_set();
@@ -253,6 +240,18 @@ void Initialisation::place_lidar_set() {
   report_.lidar_cells = cells.size();
   report_.lidar_particles = static_cast<std::size_t>(scene_.lidar.size());
   report_.lidar_thinned = cells.size() - kept.size();
+}
+
+/// What sends nothing back stands in rays' way, and pictures show it.
+void Initialisation::place_dark_surfaces() {
+  const std::vector<PointSet> dark = dark_points(log_, sweeps_, options_, scene_);
+  for (std::size_t owner = 0; owner < dark.size(); ++owner) {
+    if (dark[owner].size() == 0) continue;
+    append(scene_.lidar, dark_set(dark[owner], options_), static_cast<std::uint32_t>(owner));
+    report_.dark_points += dark[owner].size();
+  }
+  report_.lidar_particles += report_.dark_points;
+  points_.append(dark[0]);
 }
 
 /// Points for the camera set alone: the log's own, those in the holes that no laser fills, and those whose

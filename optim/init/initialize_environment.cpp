@@ -64,6 +64,21 @@ void fill_by_rows(Level& level) {
 
 }  // namespace
 
+std::array<float, 3> sky_colour(const std::vector<FarShell::Patch>& patches) {
+  std::vector<float> heights;
+  for (const FarShell::Patch& patch : patches) heights.push_back(patch.direction.z());
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  float count = 0.0F;
+  for (const FarShell::Patch& patch : patches) {
+    if (patch.direction.z() < *middle) continue;
+    sum += patch.colour;
+    count += 1.0F;
+  }
+  return {sum.x() / count, sum.y() / count, sum.z() / count};
+}
+
 EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int width) {
   constexpr float kPi = std::numbers::pi_v<float>;
   const int height = width / 2;

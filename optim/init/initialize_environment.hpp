@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <vector>
 
 #include "host/scene/appearance.hpp"
@@ -12,5 +13,8 @@ namespace simuli {
 /// that has one. Grey without a patch.
 /// `width` is even.
 [[nodiscard]] EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int width);
+/// The mean colour of the upper half of the patches: what a set lets through is the sky, as far as is known.
+/// There must be one.
+[[nodiscard]] std::array<float, 3> sky_colour(const std::vector<FarShell::Patch>& patches);
 
 }  // namespace simuli

@@ -26,7 +26,6 @@
 #include "optim/report/judgement.hpp"
 #include "optim/stretch/stretch_parts.hpp"
 #include "optim/support/record_support.hpp"
-#include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/memory/stretch_plan.hpp"
 #include "optim/train/trainer.hpp"
 
@@ -220,8 +219,6 @@ void Training::start(const Progress& progress) {
         log_of(log_, options_.frames, *state.path, state.stretches[state.current], options_.stretches);
   const Log& log = state.is_cut() ? state.log : log_;
   SceneInit begin = initialize_scene(log, own.frames, own.init, progress);
-  begin.report.dark_points = add_dark_surfaces(log, own.frames, own.init, begin.scene);
-  begin.report.lidar_particles += begin.report.dark_points;
   report_.init += begin.report;
   state.unmet = std::move(begin.unmet);
   if (state.current > 0) begin.scene.ray_drop = state.ray_drop.mean();

@@ -89,8 +89,15 @@ float colour_of(const GaussianSet& set, Eigen::Index row, int channel) {
   return 0.5F + kSh0 * set.sh(0)(row, channel);
 }
 
+/// One ray in ten drops in this log, as glass would have it.
+InitOptions without_dark_surfaces() {
+  InitOptions options;
+  options.dark_still_m = 0.0;
+  return options;
+}
+
 TEST_F(InitializeScene, LidarParticlesLieOnTheWall) {
-  const SceneInit init = initialize_scene(log_, kFullSize, {});
+  const SceneInit init = initialize_scene(log_, kFullSize, without_dark_surfaces());
   const GaussianSet& set = init.scene.lidar;
   EXPECT_EQ(init.scene.origin, Eigen::Vector3d(1e6, -2e5, 50.0));  // whole metres
   EXPECT_EQ(init.report.points, 2U * 64U * 180U * 9U / 10U);
@@ -118,8 +125,21 @@ TEST_F(InitializeScene, LidarParticlesLieOnTheWall) {
   EXPECT_GT(flat, init.report.lidar_particles * 9 / 10);
 }
 
+TEST_F(InitializeScene, BothSetsHaveWhatSendsNothingBack) {
+  const SceneInit all = initialize_scene(log_, kFullSize, {}),
+                  some = initialize_scene(log_, kFullSize, without_dark_surfaces());
+  const auto dark = static_cast<Eigen::Index>(all.report.dark_points);
+  ASSERT_GT(dark, 0);
+  EXPECT_EQ(all.scene.lidar.size(), some.scene.lidar.size() + dark);
+  EXPECT_EQ(all.report.lidar_particles, some.report.lidar_particles + all.report.dark_points);
+  EXPECT_EQ(all.report.camera_particles - all.report.shell_particles + all.report.unseen_points +
+                all.report.joined_points + all.report.camera_thinned,
+            all.report.voxels + all.report.dark_points);
+  EXPECT_EQ(some.report.dark_points, 0U);
+}
+
 TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
-  InitOptions options;
+  InitOptions options = without_dark_surfaces();
   options.camera_scale = 0.5;
   const SceneInit init = initialize_scene(log_, kFullSize, options);
   const GaussianSet& set = init.scene.camera;
@@ -168,7 +188,7 @@ TEST_F(InitializeScene, TheShellCoversWhatTheLaserDoesNotReach) {
 }
 
 TEST_F(InitializeScene, SameLogAndOptionsGiveTheSameBits) {
-  InitOptions options;
+  InitOptions options = without_dark_surfaces();
   options.max_camera = 300;
   options.max_lidar = 50;
   options.max_shell = 10;

@@ -5,7 +5,6 @@
 #include "optim/base/frames.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/path/refined_path.hpp"
-#include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/memory/memory.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
@@ -23,7 +22,6 @@ class ReadOnceTest : public test::SmallStreet {
     o.train.iterations = 24;
     o.train.cache_bytes = 1;
     SceneInit init = initialize_scene(log, o.frames, o.init);
-    (void)add_dark_surfaces(log, o.frames, o.init, init.scene);
     Trainer trainer(Device::best(), log, std::move(init.scene), o);
     (void)trainer.run();
     return trainer.scene();

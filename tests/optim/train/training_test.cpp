@@ -8,7 +8,6 @@
 #include "host/render/options/quality.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/log/sensor_learning.hpp"
-#include "optim/surfaces/dark_surfaces.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/small_street.hpp"
@@ -39,7 +38,6 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   training.run();
   const Log log = with_learned_sensors(log_, o.frames, o.sensors);
   SceneInit start = initialize_scene(log, o.frames, o.init);
-  (void)add_dark_surfaces(log, o.frames, o.init, start.scene);
   Trainer trainer(Device::best(), log, std::move(start.scene), o, std::move(start.moving));
   (void)trainer.run();
   expect_same(training.scene(), trainer.scene());

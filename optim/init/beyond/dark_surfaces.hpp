@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/scene/scene.hpp"
-#include "io/log/frame_selection.hpp"
+#include "io/log/log.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/points/points.hpp"
@@ -60,11 +60,12 @@ class DarkSurfaces {
   std::vector<Box> boxes_;
 };
 
-/// Particles of the LiDAR set that stand in rays' way where such surfaces are, of what stands still
-/// (dark_still.hpp) and of actors, behind those that there are. Returns how many. Error{kInput} when a sweep can't be read.
-std::size_t add_dark_surfaces(const Log& log,
-                              const FrameSelection& frames,
-                              const InitOptions& options,
-                              Scene& scene);
+/// Such surfaces of what stands still (dark_still.hpp; scene frame), then of each actor of `scene` (its
+/// frame): [1 + actors] sets of points, of intensity 0. `scene` has its LiDAR set. Error{kInput} when a sweep
+/// can't be read.
+[[nodiscard]] std::vector<PointSet> dark_points(const Log& log,
+                                                const std::vector<const SweepFrame*>& sweeps,
+                                                const InitOptions& options,
+                                                const Scene& scene);
 
 }  // namespace simuli

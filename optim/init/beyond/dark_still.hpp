@@ -11,6 +11,13 @@
 
 namespace simuli {
 
+/// Room that something on the move takes up while a sweep is taken, centred on its own frame.
+struct MovingBox {
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();  // m
+  Pose scene_from_box_start;                       // as the sweep begins
+  Pose scene_from_box_end;
+};
+
 /// What the rays of all sweeps say of the space above the ground, in voxels. First the rays that drop, of all
 /// sweeps; then those that return, of all sweeps.
 class DarkStill {
@@ -19,8 +26,9 @@ class DarkStill {
   DarkStill(const GroundMap& ground, double voxel_m);
   ~DarkStill();
 
-  /// Rays that drop, and would meet ground that is known within kGround_m. Rays in blind arcs say nothing.
-  void add_dropped(const PosedSweep& posed);
+  /// Rays that drop, and would meet ground that is known within kGround_m. Rays in blind arcs say nothing,
+  /// nor do those that come through one of `boxes`: what drove there may have sent nothing back.
+  void add_dropped(const PosedSweep& posed, const std::vector<MovingBox>& boxes = {});
   /// Rays that return came through all that lies before it.
   void add_returned(const PosedSweep& posed);
   /// Where rays that dropped first meet a voxel from which at least kLeastShare of the rays that reached it

@@ -1,4 +1,4 @@
-#include "optim/surfaces/dark_surfaces.hpp"
+#include "optim/init/beyond/dark_surfaces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,31 +8,14 @@
 
 #include "host/scene/ground/ground_mesh.hpp"
 #include "io/log/frame_files.hpp"
-#include "optim/init/initialize_sets.hpp"
-#include "optim/surfaces/dark_still.hpp"
+#include "optim/init/beyond/dark_still.hpp"
+#include "optim/init/beyond/way_inside.hpp"
 
 namespace simuli {
 namespace {
 
 /// Before a return there is nothing in its way, but for what a track and a thick surface are off.
-constexpr double kMargin_m = 0.2;
-
-/// Where a ray is inside a box around the origin, shares of `direction`; first >= last: nowhere.
-std::pair<double, double> inside(const Eigen::Vector3d& origin,
-                                 const Eigen::Vector3d& direction,
-                                 const Eigen::Vector3d& half) {
-  double first = 0.0, last = std::numeric_limits<double>::infinity();
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    if (direction[k] == 0.0) {
-      if (std::abs(origin[k]) > half[k]) return {1.0, 0.0};
-      continue;
-    }
-    const double a = (-half[k] - origin[k]) / direction[k], b = (half[k] - origin[k]) / direction[k];
-    first = std::max(first, std::min(a, b));
-    last = std::min(last, std::max(a, b));
-  }
-  return {first, last};
-}
+constexpr double kOffSurface_m = 0.2;
 
 }  // namespace
 
@@ -84,8 +67,8 @@ void DarkSurfaces::add_ray(std::size_t actor,
   const Pose actor_from_scene = scene_from_actor.inverse();
   const Eigen::Vector3d o = actor_from_scene * origin, d = actor_from_scene.rotation * direction;
   const bool returns = range_m > 0.0;
-  auto [first, last] = inside(o, d, box.half);
-  if (returns) last = std::min(last, range_m - kMargin_m);
+  auto [first, last] = way_inside(o, d, box.half);
+  if (returns) last = std::min(last, range_m - kOffSurface_m);
   if (!(first < last) || !std::isfinite(last)) return;
   const Way way{(o + first * d).cast<float>(), (o + last * d).cast<float>()};
   walk(box, way, [&](std::size_t voxel, const Eigen::Vector3d&) {
@@ -144,6 +127,24 @@ std::vector<PointSet> DarkSurfaces::points() const {
   return out;
 }
 
+/// Of the actors that are there during a sweep.
+static std::vector<MovingBox> boxes_during(const Scene& scene, const SweepFrame& frame) {
+  constexpr double kWider_m = 0.2;  // to each side: tracks are off
+  std::vector<MovingBox> out;
+  for (const Actor& actor : scene.actors) {
+    if (!actor.is_there(frame.time_start_s) && !actor.is_there(frame.time_end_s)) continue;
+    const auto scene_from_actor = [&](double time_s) {
+      Pose pose = actor.at(time_s);
+      pose.translation -= scene.origin;
+      return pose;
+    };
+    out.push_back({(0.5 * actor.size_m).array() + kWider_m,
+                   scene_from_actor(frame.time_start_s),
+                   scene_from_actor(frame.time_end_s)});
+  }
+  return out;
+}
+
 /// Of what stands still.
 static PointSet still_points(const Log& log,
                              const std::vector<const SweepFrame*>& sweeps,
@@ -152,35 +153,31 @@ static PointSet still_points(const Log& log,
   const GroundMap ground = ground_of(scene);
   DarkStill dark(ground, voxel_m);
   expect(log, sweeps);
-  for (const SweepFrame* frame : sweeps) dark.add_dropped(load_sweep(log, *frame, scene.origin));
+  for (const SweepFrame* frame : sweeps) {
+    dark.add_dropped(load_sweep(log, *frame, scene.origin), boxes_during(scene, *frame));
+  }
   expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) dark.add_returned(load_sweep(log, *frame, scene.origin));
   return dark.points();
 }
 
-std::size_t add_dark_surfaces(const Log& log,
-                              const FrameSelection& frames,
-                              const InitOptions& options,
-                              Scene& scene) {
-  const std::vector<const SweepFrame*> sweeps = training_frames(log.sweeps, HeldOutRule(log, frames));
-  std::size_t count = 0;
-  const auto add = [&](const PointSet& points, std::uint32_t owner) {
-    if (points.size() == 0) return;
-    append(scene.lidar, dark_set(points, options), owner);
-    count += points.size();
-  };
+std::vector<PointSet> dark_points(const Log& log,
+                                  const std::vector<const SweepFrame*>& sweeps,
+                                  const InitOptions& options,
+                                  const Scene& scene) {
+  std::vector<PointSet> out(1 + scene.actors.size());
   if (options.dark_still_m > 0.0 && scene.lidar.size() > 0) {
-    add(still_points(log, sweeps, options.dark_still_m, scene), 0);
+    out[0] = still_points(log, sweeps, options.dark_still_m, scene);
   }
-  if (scene.actors.empty() || options.dark_voxel_m == 0.0) return count;
+  if (scene.actors.empty() || options.dark_voxel_m == 0.0) return out;
   DarkSurfaces dark(scene.actors, options.dark_voxel_m, scene.origin);
   expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) {
     dark.add(load_sweep(log, *frame, scene.origin), frame->time_start_s, frame->time_end_s);
   }
-  const std::vector<PointSet> points = dark.points();
-  for (std::size_t i = 0; i < points.size(); ++i) add(points[i], static_cast<std::uint32_t>(i + 1));
-  return count;
+  std::vector<PointSet> of_actors = dark.points();
+  std::move(of_actors.begin(), of_actors.end(), out.begin() + 1);
+  return out;
 }
 
 }  // namespace simuli

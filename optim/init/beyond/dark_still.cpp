@@ -1,4 +1,4 @@
-#include "optim/surfaces/dark_still.hpp"
+#include "optim/init/beyond/dark_still.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,14 @@
 #include <unordered_set>
 #include <variant>
 
+#include "optim/init/beyond/way_inside.hpp"
+
 namespace simuli {
 namespace {
 
-constexpr double kNearest_m = 1.5;        // from the sensor: not the vehicle itself
+using Eigen::Vector3d;
+
+constexpr double kOffVehicle_m = 1.5;     // from the sensor: not the vehicle itself
 constexpr double kStep_m = 0.25;          // along a ray, on the way to the ground
 constexpr double kDown = 0.02;            // of a ray's direction: how far down it looks at least
 constexpr double kAboveGround_m = 0.3;    // along a ray: what is nearer to the ground may be the ground
@@ -39,7 +43,7 @@ double way_out_m(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double side
   return out_m;
 }
 
-/// Calls visit(origin, direction, range_m) in the scene for all rays of a sweep but those in blind arcs.
+/// Calls visit(ray, origin, direction, range_m) in the scene for all rays of a sweep but those in blind arcs.
 template <class Visit>
 void each_ray(const PosedSweep& posed, Visit&& visit) {
   const Sweep& sweep = posed.sweep;
@@ -54,7 +58,7 @@ void each_ray(const PosedSweep& posed, Visit&& visit) {
     const Eigen::Vector3d origin = scene_from_lidar * ray_origin(posed.lidar, sweep.rays, i);
     const Eigen::Vector3d direction =
         scene_from_lidar.rotation * Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
-    visit(origin, direction, static_cast<double>(sweep.range[i]));
+    visit(i, origin, direction, static_cast<double>(sweep.range[i]));
   }
 }
 
@@ -105,11 +109,20 @@ DarkStill::DarkStill(const GroundMap& ground, double voxel_m)
 
 DarkStill::~DarkStill() = default;
 
-void DarkStill::add_dropped(const PosedSweep& posed) {
-  each_ray(posed, [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double range_m) {
+void DarkStill::add_dropped(const PosedSweep& posed, const std::vector<MovingBox>& boxes) {
+  const std::vector<float>& shares = posed.sweep.rays.time_fraction;
+  each_ray(posed, [&](std::size_t ray, const Vector3d& origin, const Vector3d& direction, double range_m) {
     if (range_m > 0.0 || direction.z() > -kDown) return;
+    const auto meets = [&](const MovingBox& box) {
+      const Pose scene_from_box = interpolate(box.scene_from_box_start, box.scene_from_box_end, shares[ray]);
+      const Pose box_from_scene = scene_from_box.inverse();
+      const auto [first, last] =
+          way_inside(box_from_scene * origin, box_from_scene.rotation * direction, box.half);
+      return first < last && first < kGround_m;
+    };
+    if (std::any_of(boxes.begin(), boxes.end(), meets)) return;
     double from_m = 0.0;
-    for (double t = kNearest_m; t < kGround_m; t += kStep_m) {
+    for (double t = kOffVehicle_m; t < kGround_m; t += kStep_m) {
       const Eigen::Vector3d p = origin + t * direction;
       const auto ground_z = ground_.height_m(p.x(), p.y());
       if (!ground_z) continue;
@@ -128,9 +141,9 @@ void DarkStill::add_dropped(const PosedSweep& posed) {
 }
 
 void DarkStill::add_returned(const PosedSweep& posed) {
-  each_ray(posed, [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double range_m) {
+  each_ray(posed, [&](std::size_t, const Vector3d& origin, const Vector3d& direction, double range_m) {
     if (!(range_m > 0.0)) return;
-    const Way way{origin, direction, kNearest_m, std::min(range_m - kBeforeReturn_m, kGround_m)};
+    const Way way{origin, direction, kOffVehicle_m, std::min(range_m - kBeforeReturn_m, kGround_m)};
     votes_->walk(way, true, [&](Key voxel, const Eigen::Vector3d&) {
       const auto found = votes_->of.find(voxel);
       if (found != votes_->of.end()) ++found->second.through;

@@ -1,5 +1,5 @@
 // A pane that stands beside a road, seen by a LiDAR that drives past it.
-#include "optim/surfaces/dark_still.hpp"
+#include "optim/init/beyond/dark_still.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -29,10 +29,19 @@ GroundMap flat_ground() {
   return ground;
 }
 
+/// Half as long as the pane, around its left half, and as it drives on before each sweep's rays.
+MovingBox box_before_pane() {
+  MovingBox box{{0.5 * kHalf_m, 0.5, 1.0}, {}, {}};
+  box.scene_from_box_start.translation = {-0.5 * kHalf_m, kPane_m, 1.0};
+  box.scene_from_box_end = box.scene_from_box_start;
+  return box;
+}
+
 struct Situation {
   bool is_dark = true;             // else light comes through the pane
   bool has_ground_returns = true;  // else the ground answers nobody: all rays drop
   std::vector<BlindArc> blind = {};
+  std::vector<MovingBox> boxes = {};
 };
 
 PointSet found(const Situation& situation) {
@@ -64,7 +73,7 @@ PointSet found(const Situation& situation) {
         posed.sweep.range.push_back(static_cast<float>(returns ? ground_m : 0.0));
         posed.sweep.intensity.push_back(0.5F);
       }
-      drops ? dark.add_dropped(posed) : dark.add_returned(posed);
+      drops ? dark.add_dropped(posed, situation.boxes) : dark.add_returned(posed);
     }
   }
   return dark.points();
@@ -94,6 +103,22 @@ TEST(DarkStill, BlindRaysSayNothing) {
   Situation blind;
   for (int row = 0; row < 24; ++row) blind.blind.push_back({row, 0.0, 2.0 * std::numbers::pi});
   EXPECT_EQ(found(blind).size(), 0U);
+}
+
+TEST(DarkStill, RaysThroughWhatDrivesSayNothing) {
+  const auto on_pane = [](const PointSet& points, bool left) {
+    std::size_t count = 0;
+    for (Eigen::Index i = 0; i < points.position.cols(); ++i) {
+      const Eigen::Vector3f p = points.position.col(i);
+      if (std::abs(p.y() - kPane_m) > 3.0 * kVoxel_m || std::abs(p.x()) > kHalf_m - kVoxel_m) continue;
+      count += (p.x() < -kVoxel_m) == left ? 1 : 0;
+    }
+    return count;
+  };
+  const PointSet all = found({}), some = found({.boxes = {box_before_pane()}});
+  ASSERT_GT(on_pane(all, true), 10U);
+  EXPECT_EQ(on_pane(some, true), 0U);
+  EXPECT_GT(2 * on_pane(some, false), on_pane(all, false));
 }
 
 TEST(DarkStill, TheSkySaysNothing) {
