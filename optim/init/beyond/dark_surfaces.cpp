@@ -17,6 +17,12 @@ namespace {
 /// Before a return there is nothing in its way, but for what a track and a thick surface are off.
 constexpr double kOffSurface_m = 0.2;
 
+Pose scene_from_actor(const Actor& actor, double time_s, const Eigen::Vector3d& scene_origin) {
+  Pose pose = actor.at(time_s);
+  pose.translation -= scene_origin;
+  return pose;
+}
+
 }  // namespace
 
 bool DarkSurfaces::Votes::is_dark() const {
@@ -82,14 +88,10 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
   const Sweep& sweep = posed.sweep;
   const auto* const lidar = std::get_if<Lidar>(&posed.lidar);
   const double duration_s = time_end_s - time_start_s;
-  const auto scene_from_actor = [&](std::size_t actor, double time_s) {
-    Pose pose = actors_[actor].at(time_s);
-    pose.translation -= scene_origin_;
-    return pose;
-  };
   for (std::size_t a = 0; a < actors_.size(); ++a) {
     if (!actors_[a].is_there(time_start_s) && !actors_[a].is_there(time_end_s)) continue;
-    const Pose start = scene_from_actor(a, time_start_s), end = scene_from_actor(a, time_end_s);
+    const Pose start = scene_from_actor(actors_[a], time_start_s, scene_origin_),
+               end = scene_from_actor(actors_[a], time_end_s, scene_origin_);
     const Eigen::Vector3d middle = 0.5 * (start.translation + end.translation);
     const double reach_m = boxes_[a].half.norm() + 0.5 * (end.translation - start.translation).norm();
     for (std::size_t i = 0; i < sweep.range.size(); ++i) {
@@ -106,7 +108,8 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
         const auto row = static_cast<int>(i / static_cast<std::size_t>(lidar->columns));
         if (is_blind(*lidar, row, sweep.rays.azimuth[i])) continue;
       }
-      add_ray(a, scene_from_actor(a, time_start_s + share * duration_s), origin, direction, sweep.range[i]);
+      const double time_s = time_start_s + share * duration_s;
+      add_ray(a, scene_from_actor(actors_[a], time_s, scene_origin_), origin, direction, sweep.range[i]);
     }
   }
 }
@@ -133,14 +136,9 @@ static std::vector<MovingBox> boxes_during(const Scene& scene, const SweepFrame&
   std::vector<MovingBox> out;
   for (const Actor& actor : scene.actors) {
     if (!actor.is_there(frame.time_start_s) && !actor.is_there(frame.time_end_s)) continue;
-    const auto scene_from_actor = [&](double time_s) {
-      Pose pose = actor.at(time_s);
-      pose.translation -= scene.origin;
-      return pose;
-    };
     out.push_back({(0.5 * actor.size_m).array() + kWider_m,
-                   scene_from_actor(frame.time_start_s),
-                   scene_from_actor(frame.time_end_s)});
+                   scene_from_actor(actor, frame.time_start_s, scene.origin),
+                   scene_from_actor(actor, frame.time_end_s, scene.origin)});
   }
   return out;
 }

@@ -29,8 +29,8 @@ GroundMap flat_ground() {
   return ground;
 }
 
-/// Half as long as the pane, around its left half, and as it drives on before each sweep's rays.
-MovingBox box_before_pane() {
+/// Around the half of the pane at negative x, during all sweeps.
+MovingBox box_around_half() {
   MovingBox box{{0.5 * kHalf_m, 0.5, 1.0}, {}, {}};
   box.scene_from_box_start.translation = {-0.5 * kHalf_m, kPane_m, 1.0};
   box.scene_from_box_end = box.scene_from_box_start;
@@ -115,7 +115,7 @@ TEST(DarkStill, RaysThroughWhatDrivesSayNothing) {
     }
     return count;
   };
-  const PointSet all = found({}), some = found({.boxes = {box_before_pane()}});
+  const PointSet all = found({}), some = found({.boxes = {box_around_half()}});
   ASSERT_GT(on_pane(all, true), 10U);
   EXPECT_EQ(on_pane(some, true), 0U);
   EXPECT_GT(2 * on_pane(some, false), on_pane(all, false));
