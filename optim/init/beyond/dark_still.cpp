@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <variant>
 
+#include "optim/init/beyond/dark_votes.hpp"
 #include "optim/init/beyond/way_inside.hpp"
 
 namespace simuli {
@@ -65,16 +66,8 @@ void each_ray(const PosedSweep& posed, Visit&& visit) {
 }  // namespace
 
 struct DarkStill::Votes {
-  struct Of {
-    std::uint32_t dropped = 0;  // rays that reached it and didn't return
-    std::uint32_t through = 0;  // that returned from behind
-    [[nodiscard]] bool is_dark() const {
-      return dropped >= kFewest &&
-             static_cast<double>(dropped) >= kLeastShare * static_cast<double>(dropped + through);
-    }
-  };
   double voxel_m;
-  std::unordered_map<Key, Of> of;
+  std::unordered_map<Key, DarkVotes> of;
   std::unordered_set<Key> blocks;  // with a voxel that has votes
 
   [[nodiscard]] double block_m() const { return voxel_m * static_cast<double>(kBlockVoxels); }

@@ -31,14 +31,11 @@ class DarkStill {
   void add_dropped(const PosedSweep& posed, const std::vector<MovingBox>& boxes = {});
   /// Rays that return came through all that lies before it.
   void add_returned(const PosedSweep& posed);
-  /// Where rays that dropped first meet a voxel from which at least kLeastShare of the rays that reached it
-  /// did, and kFewest of them. One point per voxel, of intensity 0.
+  /// Where rays that dropped first meet a dark voxel (DarkVotes). One point per voxel, of intensity 0.
   [[nodiscard]] PointSet points() const;
 
   static constexpr double kGround_m = 25.0;  // nearer even asphalt answers
   static constexpr double kHeight_m = 2.2;   // above the ground, of what is looked at
-  static constexpr double kLeastShare = 0.75;
-  static constexpr std::uint32_t kFewest = 4;
 
   DarkStill(const DarkStill&) = delete;
   DarkStill& operator=(const DarkStill&) = delete;

@@ -25,11 +25,6 @@ Pose scene_from_actor(const Actor& actor, double time_s, const Eigen::Vector3d& 
 
 }  // namespace
 
-bool DarkSurfaces::Votes::is_dark() const {
-  return dropped >= kFewest &&
-         static_cast<double>(dropped) >= kLeastShare * static_cast<double>(dropped + through);
-}
-
 DarkSurfaces::DarkSurfaces(std::vector<Actor> actors, double voxel_m, const Eigen::Vector3d& scene_origin)
     : actors_(std::move(actors)), voxel_m_(voxel_m), scene_origin_(scene_origin) {
   for (const Actor& actor : actors_) {

@@ -6,6 +6,7 @@
 
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
+#include "optim/init/beyond/dark_votes.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/points/points.hpp"
@@ -20,19 +21,11 @@ class DarkSurfaces {
 
   /// The rays of a sweep that pass a box before they return, or don't. Rays in blind arcs say nothing.
   void add(const PosedSweep& posed, double time_start_s, double time_end_s);
-  /// Of each actor, in its frame: where rays that dropped first meet a voxel from which at least kLeastShare
-  /// of the rays that reached it did, and kFewest of them. One point per voxel, of intensity 0.
+  /// Of each actor, in its frame: where rays that dropped first meet a dark voxel (DarkVotes). One point per
+  /// voxel, of intensity 0.
   [[nodiscard]] std::vector<PointSet> points() const;
 
-  static constexpr double kLeastShare = 0.75;
-  static constexpr std::uint32_t kFewest = 4;
-
  private:
-  struct Votes {
-    std::uint32_t dropped = 0;  // rays that reached it and didn't return
-    std::uint32_t through = 0;  // that returned from behind
-    [[nodiscard]] bool is_dark() const;
-  };
   /// A ray in the actor's frame, from where it enters the box to where it leaves.
   struct Way {
     Eigen::Vector3f from, to;
@@ -40,7 +33,7 @@ class DarkSurfaces {
   struct Box {
     Eigen::Vector3d half;   // m
     Eigen::Array3i voxels;  // along each axis
-    std::vector<Votes> votes;
+    std::vector<DarkVotes> votes;
     std::vector<Way> dropped;
   };
 
