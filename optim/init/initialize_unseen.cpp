@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nanoflann.hpp>
 
 #include "host/base/parallel.hpp"
-#include "optim/points/point_tree.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr std::size_t kNeighbours = 8;
-constexpr float kAlike = 0.1F;        // of intensity: neighbours that differ by more hardly count
-constexpr float kLeastAlike = 1e-3F;  // but where there is no other, they do
-constexpr float kBlur_m = 0.05F;      // nearer neighbours do not count for more
+constexpr std::size_t kNeighbours = 64;
+// What makes points as unlike as so many metres between them: a quarter turn of their surface, all of the
+// intensity there is, a metre of height.
+constexpr float kTurned_m = 5.0F, kBrighter_m = 30.0F, kHigher = 4.0F;
+constexpr float kBlur_m = 0.5F;  // what is nearer does not count for more
 
 /// Views far enough apart that one between two of them would show little else.
 std::vector<const ImageView*> apart(const std::vector<ImageView>& views, double least_m) {
@@ -37,20 +38,43 @@ std::array<Eigen::Vector3d, 4> moves_of(const ImageView& view, double off_path_m
   return {Eigen::Vector3d::Zero(), off_path_m * left, -off_path_m * left, off_path_m * up};
 }
 
-Eigen::Vector3f colour_near(const Eigen::Vector3f& point,
-                            float intensity,
-                            const PointTree& tree,
-                            const PointSet& seen,
-                            const std::vector<Eigen::Vector3f>& colours) {
-  std::array<std::uint32_t, kNeighbours> index{};
+/// Where points lie, how they reflect and how they face, such that the distance of two tells how unlike they
+/// are, m. [points]
+constexpr int kLikeness = 10;
+using Likeness = Eigen::Matrix<float, Eigen::Dynamic, kLikeness, Eigen::RowMajor>;
+using LikenessTree = nanoflann::KDTreeEigenMatrixAdaptor<Likeness, kLikeness, nanoflann::metric_L2_Simple>;
+
+Likeness likeness_of(const PointSet& points,
+                     const std::vector<LocalShape>& shapes,
+                     const std::vector<std::uint32_t>& some) {
+  Likeness out(static_cast<Eigen::Index>(some.size()), kLikeness);
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    const std::uint32_t i = some[k];
+    const Eigen::Vector3f p = points.position.col(i);
+    // A normal's sign says nothing: its products with itself. What is no plane faces all ways alike.
+    const Eigen::Vector3f n = shapes[i].scene_from_local * Eigen::Vector3f::UnitZ();
+    Eigen::Matrix3f facing = Eigen::Matrix3f::Identity() / 3.0F;
+    if (shapes[i].planar) facing = n * n.transpose();
+    const float diagonal = kTurned_m / std::sqrt(2.0F);
+    out.row(static_cast<Eigen::Index>(k)) << p.x(), p.y(), kHigher * p.z(), kBrighter_m * points.intensity[i],
+        diagonal * facing(0, 0), diagonal * facing(1, 1), diagonal * facing(2, 2), kTurned_m * facing(0, 1),
+        kTurned_m * facing(0, 2), kTurned_m * facing(1, 2);
+  }
+  return out;
+}
+
+/// The mean colour of what is most alike.
+Eigen::Vector3f colour_alike(const float* query,
+                             const LikenessTree& tree,
+                             const std::vector<Eigen::Vector3f>& colours) {
+  std::array<Eigen::Index, kNeighbours> index{};
   std::array<float, kNeighbours> distance2{};
-  const std::size_t found = tree.knnSearch(point.data(), kNeighbours, index.data(), distance2.data());
+  const std::size_t found = tree.index->knnSearch(query, kNeighbours, index.data(), distance2.data());
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   float total = 0.0F;
   for (std::size_t k = 0; k < found; ++k) {
-    const float unlike = (seen.intensity[index[k]] - intensity) / kAlike;
-    const float weight = (std::exp(-unlike * unlike) + kLeastAlike) / (distance2[k] + kBlur_m * kBlur_m);
-    sum += weight * colours[index[k]];
+    const float weight = std::pow(distance2[k] + kBlur_m * kBlur_m, -1.5F);
+    sum += weight * colours[static_cast<std::size_t>(index[k])];
     total += weight;
   }
   return sum / total;
@@ -88,20 +112,23 @@ UnseenPoints unseen_points(const PointSet& points,
     }
   });
 
-  const PointSet known = points.subset(seen);
+  const std::vector<LocalShape> shapes = local_shapes(points);
   std::vector<Eigen::Vector3f> colours;
   for (const std::uint32_t i : seen) colours.push_back(looks[i].colour);
-  const CloudView cloud{known};
-  PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-  tree.buildIndex();
+  const Likeness known = likeness_of(points, shapes, seen);
+  const LikenessTree tree(kLikeness, known, 16);
   std::vector<std::uint32_t> kept;
   for (std::size_t k = 0; k < unseen.size(); ++k) {
     if (!std::isfinite(near[k].range_m)) continue;
-    const std::uint32_t i = unseen[k];
-    kept.push_back(i);
+    kept.push_back(unseen[k]);
     out.looks.push_back(near[k]);
-    out.looks.back().colour = colour_near(points.position.col(i), points.intensity[i], tree, known, colours);
   }
+  const Likeness wanted = likeness_of(points, shapes, kept);
+  parallel_ranges(kept.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      out.looks[k].colour = colour_alike(wanted.row(static_cast<Eigen::Index>(k)).data(), tree, colours);
+    }
+  });
   out.points = points.subset(kept);
   return out;
 }

@@ -13,8 +13,8 @@ namespace simuli {
 /// side, or above.
 struct UnseenPoints {
   PointSet points;
-  /// As seen from the nearest of those views; the colour is that of the nearest points that pictures show,
-  /// those of like intensity before others.
+  /// As seen from the nearest of those views; the colour is that of the nearest points that pictures show and
+  /// that face, reflect and lie high alike.
   std::vector<PointLook> looks;
 };
 

@@ -66,6 +66,27 @@ TEST(UnseenPoints, HaveTheColourOfWhatIsNearAndReflectsAlike) {
   EXPECT_LT(unseen.looks[1].colour.maxCoeff(), 0.05F);
 }
 
+TEST(UnseenPoints, HaveTheColourOfASurfaceThatFacesAlike) {
+  // A pavement goes on behind a parked car; its red rear is much nearer than what pictures show of the
+  // pavement.
+  Points some;
+  const Eigen::Vector3f red{0.6F, 0.1F, 0.1F}, grey{0.5F, 0.5F, 0.5F};
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      const float a = 0.1F * static_cast<float>(i), b = 0.1F * static_cast<float>(k);
+      some.add_seen({9, a, b - 1.0F}, 0.5F, red);
+      some.add_seen({12.0F + a, b, -1.0F}, 0.5F, grey);
+      some.add({9.3F + a, b, -1.0F}, 0.5F);
+    }
+  }
+  const UnseenPoints unseen = unseen_points(some.points, some.looks, {view()}, 1.0);
+  ASSERT_EQ(unseen.points.size(), 64U);
+  std::size_t greyish = 0;  // those at a rim have too few neighbours for a plane
+  for (const PointLook& look : unseen.looks)
+    greyish += (look.colour - grey).norm() < (look.colour - red).norm();
+  EXPECT_GE(greyish, 60U);
+}
+
 TEST(UnseenPoints, AreNoneWithoutAColourOrAView) {
   Points some;
   some.add({10, 0, 0}, 0.5F);
