@@ -90,11 +90,12 @@ class UnifiedTrainer {
     }
     keys_.upload(std::span<const std::uint32_t>(keys));
     camera_.grads.upload(std::span<const float>(grads));
-    camera_.adam.run(camera_.particles,
-                     camera_.grads,
-                     keys_,
-                     {row_rates(options_.camera, camera_.particles.sh_degree, progress),
-                      row_epsilons(camera_.particles.sh_degree, look_.harmonics_epsilon())});
+    camera_.adam.run(
+        camera_.particles,
+        camera_.grads,
+        keys_,
+        {row_rates(options_.camera, camera_.particles.sh_degree, progress),
+         row_epsilons(camera_.particles.sh_degree, look_.harmonics_epsilon(camera_.particles.count))});
     const std::vector<float> params = camera_.particles.params.download_float();
     lidar_.particles.params.as_float().upload_at(0, std::span<const float>(params).first(kShRow * stride));
   }

@@ -73,7 +73,7 @@ struct LookOptions {
   double environment_variation = 0.0;
   double grid_variation = 10.0;
   double grid_drift = 0.001;
-  double least_px = 0.3;
+  double least_share = 0.6;
 };
 template <class F>
 constexpr void visit_fields(LookOptions& o, F&& field) {
@@ -94,11 +94,13 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
         o.grid_drift,
         at_least(0.0),
         "of the mean squared difference of grids to the identity");
-  field("look.least_px",
-        o.least_px,
+  field("look.least_share",
+        o.least_share,
         at_least(0.0),
-        "px of a training picture that a particle or a texel must fill for its colours to move at half their "
-        "rate: what no picture shows, but for a trace, keeps the colours that it began with; 0: all move");
+        "of what a particle has of a picture that all share alike: what fills it moves its colours at half "
+        "their "
+        "rate, and what no picture shows, but for a trace, keeps those that it began with; texels of the "
+        "environment likewise; 0: all move");
 }
 
 /// Weights of terms that hold for every particle of a set, each a mean over it.

@@ -20,16 +20,6 @@ ColorGrids starting_grids(const Log& log, const Scene& scene, const std::vector<
   return ColorGrids::identity(kGridSize[0], kGridSize[1], kGridSize[2], std::move(frames));
 }
 
-/// Of the pictures at training size.
-double mean_pixels(const Log& log, const std::vector<std::size_t>& images, double image_scale) {
-  double sum = 0.0;
-  for (const std::size_t i : images) {
-    const Camera camera = scaled_camera(log.camera(log.images[i].camera).model, image_scale);
-    sum += static_cast<double>(camera.width) * static_cast<double>(camera.height);
-  }
-  return sum / static_cast<double>(images.size());
-}
-
 }  // namespace
 
 TrainedLook::TrainedLook(const Device& device,
@@ -46,7 +36,6 @@ TrainedLook::TrainedLook(const Device& device,
   }
   const std::vector<std::size_t> images = HeldOutRule(log, options.frames).training(log.images);
   if (images.empty()) return;
-  colour_epsilon_ = options_.least_px / (3.0 * mean_pixels(log, images, options.frames.image_scale));
   if (!options_.color_grids) return;
   ColorGrids frames = starting_grids(log, scene, images);
   std::vector<std::size_t> of_image(log.images.size(), 0);
@@ -58,6 +47,14 @@ TrainedLook::TrainedLook(const Device& device,
                        std::move(buffers),
                        RealBuffer(device, "colour grid gradients", kFloat),
                        AdamStage(device, kFloat, reals)});
+}
+
+double TrainedLook::colour_epsilon(std::size_t parts) const {
+  return options_.least_share / (3.0 * static_cast<double>(parts));
+}
+
+double TrainedLook::harmonics_epsilon(std::size_t particles) const {
+  return static_cast<double>(kSh0) * colour_epsilon(particles);
 }
 
 const EnvironmentBuffers* TrainedLook::environment() const {
@@ -105,7 +102,8 @@ void TrainedLook::step_environment(std::uint64_t iteration, double progress) {
   if (!environment_) return;
   Environment& e = *environment_;
   const double rate = std::pow(options_.final_share, progress) * options_.environment_rate;
-  e.adam.run_dense(e.buffers.texture, e.grads, 0, rate, iteration + 1, kAdamEpsilon + colour_epsilon_);
+  const auto texels = static_cast<std::size_t>(e.buffers.width) * static_cast<std::size_t>(e.buffers.height);
+  e.adam.run_dense(e.buffers.texture, e.grads, 0, rate, iteration + 1, kAdamEpsilon + colour_epsilon(texels));
 }
 
 TrainedLook::Gradients TrainedLook::gradients() const {

@@ -25,9 +25,10 @@ class TrainedLook {
   TrainedLook(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);
 
   [[nodiscard]] const EnvironmentBuffers* environment() const;
-  /// Adam's epsilon for harmonics of colours: what a loss asks of them where they fill look.least_px pixels
-  /// of a training picture of mean size. Adam takes as long steps by traces of a gradient as by all of it.
-  [[nodiscard]] double harmonics_epsilon() const { return static_cast<double>(kSh0) * colour_epsilon_; }
+  /// Adam's epsilon for harmonics of colours: what a loss asks of them where they fill look.least_share of
+  /// what each of so many particles has of a picture. Adam takes as long steps by traces of a gradient as by
+  /// all of it.
+  [[nodiscard]] double harmonics_epsilon(std::size_t particles) const;
   /// The pass through the grid of picture `image` (an index into log.images).
   void grade(Pass& pass, std::size_t image);
   /// Takes dL/d(graded picture) back to dL/d(outputs), and leaves the gradients of grid and environment.
@@ -57,6 +58,8 @@ class TrainedLook {
  private:
   void step_grid(std::size_t image, std::uint64_t picture, double progress);
   void step_environment(std::uint64_t iteration, double progress);
+  /// Of colours [0,1] as they are, of one of so many parts of a picture.
+  [[nodiscard]] double colour_epsilon(std::size_t parts) const;
   struct Environment {
     EnvironmentBuffers buffers;
     RealBuffer grads;
@@ -71,7 +74,6 @@ class TrainedLook {
   };
 
   LookOptions options_;
-  double colour_epsilon_ = 0.0;  // of colours [0,1] as they are
   std::optional<Environment> environment_;
   std::optional<Grids> grids_;
 };

@@ -74,7 +74,7 @@ Trainer::Turn Trainer::camera_turn(double progress) {
           options_.camera,
           options_.camera_particles,
           progress,
-          look_.harmonics_epsilon(),
+          look_.harmonics_epsilon(camera_.particles.count),
           errors};
 }
 

@@ -86,9 +86,9 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
 /// hundredth of a pixel would take on whatever is missing before them.
 TEST_F(TrainerLook, WhatPicturesHardlyShowKeepsItsColours) {
   Scene start = scene_with_environment();
-  const auto moves = [&](double least_px) {
+  const auto moves = [&](double least_share) {
     TrainingOptions o = options(8);
-    o.train.look.least_px = least_px;
+    o.train.look.least_share = least_share;
     Trainer trainer(Device::best(), log_, start, o);
     EXPECT_EQ(trainer.run().rejected_gradients, 0U);
     std::vector<float> out = trainer.scene().environment.texels;
