@@ -67,7 +67,7 @@ TEST_F(TrainerStateTest, AnInjectedPoseErrorIsWonBack) {
   // A scene learned from the true mounting; then the camera sits 6 cm and 1.5 degrees from where the log
   // says. (Colours first painted from a wrong mounting hide it: nothing in one camera's pictures is against
   // them.)
-  TrainingOptions learned = options(200);
+  TrainingOptions learned = options(300);
   learned.train.densify.every = 0;
   learned.train.poses.camera = false;
   Trainer teacher(Device::best(), log_, initial_scene(), learned);
