@@ -97,10 +97,9 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
   field("look.least_share",
         o.least_share,
         at_least(0.0),
-        "of what a particle has of a picture that all share alike: what fills it moves its colours at half "
-        "their "
-        "rate, and what no picture shows, but for a trace, keeps those that it began with; texels of the "
-        "environment likewise; 0: all move");
+        "of what a particle has of a picture that all share alike: what fills it moves its colours at "
+        "half their rate, and what no picture shows, but for a trace, keeps those that it began with; "
+        "texels of the environment likewise; 0: all move");
 }
 
 /// Weights of terms that hold for every particle of a set, each a mean over it.

@@ -35,8 +35,7 @@ TrainedLook::TrainedLook(const Device& device,
                                      AdamStage(device, kFloat, reals)});
   }
   const std::vector<std::size_t> images = HeldOutRule(log, options.frames).training(log.images);
-  if (images.empty()) return;
-  if (!options_.color_grids) return;
+  if (images.empty() || !options_.color_grids) return;
   ColorGrids frames = starting_grids(log, scene, images);
   std::vector<std::size_t> of_image(log.images.size(), 0);
   for (std::size_t k = 0; k < images.size(); ++k) of_image[images[k]] = k;
