@@ -313,19 +313,18 @@ void Initialisation::take_colours() {
 void Initialisation::place_camera_set() {
   auto actor_looks = actors_->split(looks_, points_.size());
   looks_.resize(points_.size());
-  UnseenPoints unseen = unseen_points(points_, looks_, views_, options_.off_path_m);
-  report_.unseen_points = keep_seen(points_, looks_) - unseen.points.size();
+  const UnseenSurfaces unseen = unseen_surfaces(points_, looks_, views_, options_);
+  report_.unseen_points = keep_seen(points_, looks_) - unseen.points;
   report_.joined_points = join_by_footprint(points_, looks_, options_.voxel_m, options_.camera_voxel_px);
   report_.camera_thinned = keep_some(points_, looks_, options_.max_camera, frames_.seed);
-  report_.joined_points +=
-      join_by_footprint(unseen.points, unseen.looks, options_.voxel_m, options_.camera_voxel_px);
-  report_.camera_thinned +=
-      keep_some(unseen.points, unseen.looks, options_.max_camera - points_.size(), frames_.seed);
+  report_.joined_points += unseen.points - unseen.cells.size();
+  const auto unseen_kept = thin(unseen.cells.size(), options_.max_camera - points_.size(), frames_.seed);
+  report_.camera_thinned += unseen.cells.size() - unseen_kept.size();
 
   const std::vector<FarShell::Patch> patches = shell_->patches(options_.shell_open_share);
   const auto shell_kept = thin(patches.size(), options_.max_shell, frames_.seed);
   scene_.camera = camera_set(points_, looks_, options_);
-  append(scene_.camera, unseen_set(unseen.points, unseen.looks, options_), 0);
+  append(scene_.camera, unseen_set(unseen, unseen_kept, options_), 0);
   append(scene_.camera, shell_set(*shell_, patches, shell_kept, options_), 0);
   for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
     PointSet seen = actors_->camera_points()[i];
@@ -338,7 +337,7 @@ void Initialisation::place_camera_set() {
     scene_.environment = environment_of(sky_->patches(options_.shell_open_share), options_.environment_width);
   }
   report_.shell_particles = shell_kept.size();
-  report_.filled_particles = unseen.points.size();
+  report_.filled_particles = unseen_kept.size();
   report_.camera_particles = static_cast<std::size_t>(scene_.camera.size());
   report_.shell_distance_m = shell_->distance_m();
 }

@@ -107,10 +107,19 @@ GaussianSet camera_set(const PointSet& points,
   return set;
 }
 
-GaussianSet unseen_set(const PointSet& points,
-                       const std::vector<PointLook>& looks,
+GaussianSet unseen_set(const UnseenSurfaces& surfaces,
+                       const std::vector<std::uint32_t>& kept,
                        const InitOptions& options) {
-  GaussianSet set = camera_set(points, looks, options);
+  GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t row = 0; row < kept.size(); ++row) {
+    const SurfaceShape& shape = surfaces.shapes[kept[row]];
+    set_shape(set,
+              static_cast<Eigen::Index>(row),
+              surfaces.cells[kept[row]].mean,
+              shape.scene_from_local,
+              shape.scale_m.cast<double>());
+    set_colour(set, row, surfaces.colours[kept[row]]);
+  }
   set.opacity_logit().setConstant(kUnseenOpacityLogit);
   return set;
 }

@@ -5,6 +5,7 @@
 
 #include "host/scene/gaussians.hpp"
 #include "optim/init/initialize.hpp"
+#include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"
 #include "optim/points/points.hpp"
 #include "optim/points/surface_cells.hpp"
@@ -28,9 +29,9 @@ namespace simuli {
                                      const std::vector<PointLook>& looks,
                                      const InitOptions& options);
 
-/// The same where no picture shows them: what no picture's loss teaches is opaque from the start.
-[[nodiscard]] GaussianSet unseen_set(const PointSet& points,
-                                     const std::vector<PointLook>& looks,
+/// One on each of the cells at the indices `kept`: opaque from the start, since no picture teaches it.
+[[nodiscard]] GaussianSet unseen_set(const UnseenSurfaces& surfaces,
+                                     const std::vector<std::uint32_t>& kept,
                                      const InitOptions& options);
 
 /// The shell's `patches` at the indices `kept` as camera particles.

@@ -15,6 +15,15 @@ constexpr std::size_t kNeighbours = 64;
 // intensity there is, a metre of height.
 constexpr float kTurned_m = 5.0F, kBrighter_m = 30.0F, kHigher = 4.0F;
 constexpr float kBlur_m = 0.5F;  // what is nearer does not count for more
+// Who may lend a colour. What a picture shows between two rows of returns past a parked car's rear is the
+// road's to the laser, and red: of points that few pictures show, or each otherwise, too many carry another's
+// colour.
+constexpr std::uint32_t kWitnesses = 3;
+constexpr float kAlike = 0.25F;  // of [0,1], how much a channel may differ between pictures
+// Cells finer than the LiDAR set's, as borders between colours are seen and borders between distances are
+// not; their particles wider, as none learns to close a gap.
+constexpr double kFlatSide_m = 0.2;
+constexpr double kCellScale = 0.7;  // standard deviation over the distance to the next one
 
 /// Views far enough apart that one between two of them would show little else.
 std::vector<const ImageView*> apart(const std::vector<ImageView>& views, double least_m) {
@@ -38,38 +47,73 @@ std::array<Eigen::Vector3d, 4> moves_of(const ImageView& view, double off_path_m
   return {Eigen::Vector3d::Zero(), off_path_m * left, -off_path_m * left, off_path_m * up};
 }
 
-/// Where points lie, how they reflect and how they face, such that the distance of two tells how unlike they
-/// are, m. [points]
-constexpr int kLikeness = 10;
-using Likeness = Eigen::Matrix<float, Eigen::Dynamic, kLikeness, Eigen::RowMajor>;
-using LikenessTree = nanoflann::KDTreeEigenMatrixAdaptor<Likeness, kLikeness, nanoflann::metric_L2_Simple>;
-
-Likeness likeness_of(const PointSet& points,
-                     const std::vector<LocalShape>& shapes,
-                     const std::vector<std::uint32_t>& some) {
-  Likeness out(static_cast<Eigen::Index>(some.size()), kLikeness);
-  for (std::size_t k = 0; k < some.size(); ++k) {
-    const std::uint32_t i = some[k];
-    const Eigen::Vector3f p = points.position.col(i);
-    // A normal's sign says nothing: its products with itself. What is no plane faces all ways alike.
-    const Eigen::Vector3f n = shapes[i].scene_from_local * Eigen::Vector3f::UnitZ();
-    Eigen::Matrix3f facing = Eigen::Matrix3f::Identity() / 3.0F;
-    if (shapes[i].planar) facing = n * n.transpose();
-    const float diagonal = kTurned_m / std::sqrt(2.0F);
-    out.row(static_cast<Eigen::Index>(k)) << p.x(), p.y(), kHigher * p.z(), kBrighter_m * points.intensity[i],
-        diagonal * facing(0, 0), diagonal * facing(1, 1), diagonal * facing(2, 2), kTurned_m * facing(0, 1),
-        kTurned_m * facing(0, 2), kTurned_m * facing(1, 2);
+/// Whether one of the views would have a point in its picture, from where it is or was moved to.
+class MovedViews {
+ public:
+  MovedViews(const std::vector<ImageView>& views, double off_path_m) : some_(apart(views, 0.5 * off_path_m)) {
+    for (const ImageView* view : some_) moves_.push_back(moves_of(*view, off_path_m));
   }
+  [[nodiscard]] bool show(const Eigen::Vector3d& p_scene) const {
+    for (std::size_t v = 0; v < some_.size(); ++v) {
+      for (const Eigen::Vector3d& move : moves_[v]) {
+        Eigen::Vector2d pixel;
+        double range_m = 0.0;
+        if (some_[v]->project(p_scene - move, pixel, range_m)) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  std::vector<const ImageView*> some_;
+  std::vector<std::array<Eigen::Vector3d, 4>> moves_;
+};
+
+/// Where something lies, how it reflects and how it faces, such that the distance of two tells how unlike
+/// they are, m.
+constexpr int kLikeness = 10;
+using Likeness = Eigen::Matrix<float, 1, kLikeness>;
+using Likenesses = Eigen::Matrix<float, Eigen::Dynamic, kLikeness, Eigen::RowMajor>;
+using LikenessTree = nanoflann::KDTreeEigenMatrixAdaptor<Likenesses, kLikeness, nanoflann::metric_L2_Simple>;
+
+Likeness likeness(const Eigen::Vector3f& p,
+                  float intensity,
+                  bool planar,
+                  const Eigen::Quaternionf& scene_from_local) {
+  // A normal's sign says nothing: its products with itself. What is no plane faces all ways alike.
+  Eigen::Matrix3f facing = Eigen::Matrix3f::Identity() / 3.0F;
+  if (planar) {
+    const Eigen::Vector3f n = scene_from_local * Eigen::Vector3f::UnitZ();
+    facing = n * n.transpose();
+  }
+  const float diagonal = kTurned_m / std::sqrt(2.0F);
+  Likeness out;
+  out << p.x(), p.y(), kHigher * p.z(), kBrighter_m * intensity, diagonal * facing(0, 0),
+      diagonal * facing(1, 1), diagonal * facing(2, 2), kTurned_m * facing(0, 1), kTurned_m * facing(0, 2),
+      kTurned_m * facing(1, 2);
   return out;
 }
 
+/// The points that may lend their colour: `seen`, but for those that are hardly seen, unless all are.
+std::vector<std::uint32_t> lenders_of(const std::vector<std::uint32_t>& seen,
+                                      const std::vector<PointLook>& looks,
+                                      std::size_t views) {
+  const auto least = static_cast<std::uint32_t>(std::min<std::size_t>(kWitnesses, views));
+  std::vector<std::uint32_t> out;
+  for (const std::uint32_t i : seen) {
+    const PointLook& look = looks[i];
+    if (look.images >= least && look.colours.sizes().maxCoeff() < kAlike) out.push_back(i);
+  }
+  return out.empty() ? seen : out;
+}
+
 /// The mean colour of what is most alike.
-Eigen::Vector3f colour_alike(const float* query,
+Eigen::Vector3f colour_alike(const Likeness& query,
                              const LikenessTree& tree,
                              const std::vector<Eigen::Vector3f>& colours) {
   std::array<Eigen::Index, kNeighbours> index{};
   std::array<float, kNeighbours> distance2{};
-  const std::size_t found = tree.index->knnSearch(query, kNeighbours, index.data(), distance2.data());
+  const std::size_t found = tree.index->knnSearch(query.data(), kNeighbours, index.data(), distance2.data());
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   float total = 0.0F;
   for (std::size_t k = 0; k < found; ++k) {
@@ -82,54 +126,62 @@ Eigen::Vector3f colour_alike(const float* query,
 
 }  // namespace
 
-UnseenPoints unseen_points(const PointSet& points,
-                           const std::vector<PointLook>& looks,
-                           const std::vector<ImageView>& views,
-                           double off_path_m) {
+UnseenSurfaces unseen_surfaces(const PointSet& points,
+                               const std::vector<PointLook>& looks,
+                               const std::vector<ImageView>& views,
+                               const InitOptions& options) {
   std::vector<std::uint32_t> seen, unseen;
   for (std::size_t i = 0; i < looks.size(); ++i) {
     (std::isfinite(looks[i].range_m) ? seen : unseen).push_back(static_cast<std::uint32_t>(i));
   }
-  UnseenPoints out;
-  if (seen.empty() || !(off_path_m > 0.0)) return out;
+  UnseenSurfaces out;
+  if (seen.empty() || !(options.off_path_m > 0.0)) return out;
 
-  std::vector<PointLook> near(unseen.size());
-  const std::vector<const ImageView*> some = apart(views, 0.5 * off_path_m);
-  std::vector<std::array<Eigen::Vector3d, 4>> moves;
-  for (const ImageView* view : some) moves.push_back(moves_of(*view, off_path_m));
+  const MovedViews moved(views, options.off_path_m);
+  std::vector<std::uint8_t> shown(unseen.size());
   parallel_ranges(unseen.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const Eigen::Vector3d p = points.position.col(unseen[k]).cast<double>();
-      for (std::size_t v = 0; v < some.size(); ++v) {
-        for (const Eigen::Vector3d& move : moves[v]) {
-          Eigen::Vector2d pixel;
-          double range_m = 0.0;
-          if (!some[v]->project(p - move, pixel, range_m) || range_m >= near[k].range_m) continue;
-          near[k].range_m = static_cast<float>(range_m);
-          near[k].footprint_m = static_cast<float>(range_m * some[v]->pixel_size_at_1m());
-        }
-      }
+      shown[k] = moved.show(points.position.col(unseen[k]).cast<double>()) ? 1 : 0;
     }
   });
-
-  const std::vector<LocalShape> shapes = local_shapes(points);
-  std::vector<Eigen::Vector3f> colours;
-  for (const std::uint32_t i : seen) colours.push_back(looks[i].colour);
-  const Likeness known = likeness_of(points, shapes, seen);
-  const LikenessTree tree(kLikeness, known, 16);
   std::vector<std::uint32_t> kept;
   for (std::size_t k = 0; k < unseen.size(); ++k) {
-    if (!std::isfinite(near[k].range_m)) continue;
-    kept.push_back(unseen[k]);
-    out.looks.push_back(near[k]);
+    if (shown[k] != 0) kept.push_back(unseen[k]);
   }
-  const Likeness wanted = likeness_of(points, shapes, kept);
-  parallel_ranges(kept.size(), [&](std::size_t begin, std::size_t end) {
+  if (kept.empty()) return out;
+  const PointSet own = points.subset(kept);
+  out.points = own.size();
+  out.cells = surface_cells(own,
+                            {options.voxel_m,
+                             options.lidar_voxel_rad,
+                             std::min(options.flat_side_m, kFlatSide_m),
+                             options.flat_m,
+                             options.flat_alike});
+  out.shapes = surface_shapes(
+      own,
+      out.cells,
+      {options.voxel_m, kCellScale, options.min_scale_m, options.max_scale_m, options.lidar_thin_m});
+
+  const std::vector<LocalShape> shapes = local_shapes(points);
+  const std::vector<std::uint32_t> lenders = lenders_of(seen, looks, views.size());
+  std::vector<Eigen::Vector3f> colours;
+  Likenesses known(static_cast<Eigen::Index>(lenders.size()), kLikeness);
+  for (std::size_t k = 0; k < lenders.size(); ++k) {
+    const std::uint32_t i = lenders[k];
+    colours.push_back(looks[i].colour);
+    known.row(static_cast<Eigen::Index>(k)) =
+        likeness(points.position.col(i), points.intensity[i], shapes[i].planar, shapes[i].scene_from_local);
+  }
+  const LikenessTree tree(kLikeness, known, 16);
+  out.colours.resize(out.cells.size());
+  parallel_ranges(out.cells.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      out.looks[k].colour = colour_alike(wanted.row(static_cast<Eigen::Index>(k)).data(), tree, colours);
+      const SurfaceCell& cell = out.cells[k];
+      const SurfaceShape& shape = out.shapes[k];
+      out.colours[k] = colour_alike(
+          likeness(cell.mean, cell.intensity, shape.planar, shape.scene_from_local), tree, colours);
     }
   });
-  out.points = points.subset(kept);
   return out;
 }
 

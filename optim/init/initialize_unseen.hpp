@@ -1,27 +1,33 @@
 #pragma once
 // What the laser met and no picture shows: the far side of what stood before it, and what lies just outside
 // the pictures. It comes into sight when a camera leaves the recorded path.
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
+#include "optim/init/init_options.hpp"
 #include "optim/init/initialize_views.hpp"
 #include "optim/points/points.hpp"
+#include "optim/points/surface_cells.hpp"
+#include "optim/points/surface_shapes.hpp"
 
 namespace simuli {
 
-/// Points without a look that one of the views would have in its picture were it up to off_path_m to either
-/// side, or above.
-struct UnseenPoints {
-  PointSet points;
-  /// As seen from the nearest of those views; the colour is that of the nearest points that pictures show and
-  /// that face, reflect and lie high alike.
-  std::vector<PointLook> looks;
+/// The surfaces of points without a look that one of the views would have in its picture were it up to
+/// options.off_path_m to either side, or above. No picture will ever mend them: they are made closed, as the
+/// LiDAR set's are.
+struct UnseenSurfaces {
+  std::vector<SurfaceCell> cells;
+  std::vector<SurfaceShape> shapes;      // [cells]
+  std::vector<Eigen::Vector3f> colours;  // [cells], of what pictures show nearby that faces, reflects and
+                                         // lies high alike
+  std::size_t points = 0;                // that the cells stand for
 };
 
-/// `looks`: [points]. Nothing when no point has a look, or off_path_m is 0.
-[[nodiscard]] UnseenPoints unseen_points(const PointSet& points,
-                                         const std::vector<PointLook>& looks,
-                                         const std::vector<ImageView>& views,
-                                         double off_path_m);
+/// `looks`: [points], by the pictures of `views`. Nothing when no point has a look, or off_path_m is 0.
+[[nodiscard]] UnseenSurfaces unseen_surfaces(const PointSet& points,
+                                             const std::vector<PointLook>& looks,
+                                             const std::vector<ImageView>& views,
+                                             const InitOptions& options);
 
 }  // namespace simuli

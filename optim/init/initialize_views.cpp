@@ -212,11 +212,14 @@ Coverage look_at_points(const ImageView& view,
   // ... then the colour of every point that nothing nearer hides.
   for (const Seen& s : seen) {
     PointLook& look = looks[s.index];
-    if (!(s.range_m < look.range_m)) continue;
     if (nearest.hide(s.pixel.cast<double>(), static_cast<double>(s.range_m))) continue;
+    const Eigen::Vector3f colour = sample_bilinear(image, s.pixel.cast<double>());
+    ++look.images;
+    look.colours.extend(colour);
+    if (!(s.range_m < look.range_m)) continue;
     look.range_m = s.range_m;
     look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
-    look.colour = sample_bilinear(image, s.pixel.cast<double>());
+    look.colour = colour;
   }
   return coverage;
 }

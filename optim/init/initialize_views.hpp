@@ -1,6 +1,7 @@
 #pragma once
 // Views of the initialisation: which image sees which point in which colour, and what no point covers.
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -53,11 +54,13 @@ class ImageView {
   std::shared_ptr<const Hidden> hidden_;  // null: nothing is
 };
 
-/// The closest look at a point over all images so far.
+/// The closest look at a point over all images so far, and what all of them have shown.
 struct PointLook {
   float range_m = std::numeric_limits<float>::infinity();  // +inf: not seen
   float footprint_m = 0.0F;                                // side of a pixel at that range
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();        // [0,1]
+  std::uint32_t images = 0;                                // that show it
+  Eigen::AlignedBox3f colours = {};                        // of all of them
 };
 
 /// Cells of a picture into which at least one point falls.

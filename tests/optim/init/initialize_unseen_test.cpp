@@ -1,8 +1,9 @@
 #include "optim/init/initialize_unseen.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <limits>
+#include <vector>
 
 namespace simuli {
 namespace {
@@ -16,6 +17,8 @@ ImageView view() {
   return {camera, pose, pose};
 }
 
+constexpr std::uint32_t kViews = 3;
+
 struct Points {
   PointSet points;
   std::vector<PointLook> looks;
@@ -27,13 +30,23 @@ struct Points {
     points.append(one);
     looks.emplace_back();
   }
-  void add_seen(const Eigen::Vector3f& position, float intensity, const Eigen::Vector3f& colour) {
+  void add_seen(const Eigen::Vector3f& position,
+                float intensity,
+                const Eigen::Vector3f& colour,
+                std::uint32_t images = kViews,
+                const Eigen::Vector3f& other_colour = Eigen::Vector3f::Constant(NAN)) {
     add(position, intensity);
-    looks.back() = {position.norm(), 0.01F * position.norm(), colour};
+    looks.back() = {position.norm(), 0.01F * position.norm(), colour, images, Eigen::AlignedBox3f(colour)};
+    if (other_colour.allFinite()) looks.back().colours.extend(other_colour);
+  }
+  [[nodiscard]] UnseenSurfaces unseen(double off_path_m, std::size_t views = kViews) const {
+    InitOptions options;
+    options.off_path_m = off_path_m;
+    return unseen_surfaces(points, looks, std::vector<ImageView>(views, view()), options);
   }
 };
 
-TEST(UnseenPoints, AreThoseThatAMoveToTheSideOrUpBringsIntoThePicture) {
+TEST(UnseenSurfaces, AreThoseThatAMoveToTheSideOrUpBringsIntoThePicture) {
   Points some;
   some.add_seen({10, 0, 0}, 0.5F, {0.2F, 0.4F, 0.6F});
   some.add({10, 0, -1}, 0.5F);  // in the picture, hidden by something
@@ -43,30 +56,37 @@ TEST(UnseenPoints, AreThoseThatAMoveToTheSideOrUpBringsIntoThePicture) {
   some.add({10, 9, 0}, 0.5F);   // too far to the left
   some.add({10, 0, -6}, 0.5F);  // below: no camera sinks into the road
   some.add({-10, 0, 0}, 0.5F);  // behind
-  const UnseenPoints unseen = unseen_points(some.points, some.looks, {view()}, 3.0);
-  ASSERT_EQ(unseen.points.size(), 4U);
-  EXPECT_EQ(unseen.points.position, some.points.position.middleCols(1, 4));
-  for (const PointLook& look : unseen.looks) {
-    EXPECT_LT((look.colour - Eigen::Vector3f(0.2F, 0.4F, 0.6F)).norm(), 1e-6F);
-    EXPECT_GE(look.range_m, 10.0F);
-    EXPECT_FLOAT_EQ(look.footprint_m, 0.01F * look.range_m);
+  const UnseenSurfaces unseen = some.unseen(3.0);
+  EXPECT_EQ(unseen.points, 4U);
+  ASSERT_EQ(unseen.cells.size(), 4U);
+  ASSERT_EQ(unseen.shapes.size(), 4U);
+  for (Eigen::Index i = 1; i < 5; ++i) {
+    const Eigen::Vector3f wanted = some.points.position.col(i);
+    EXPECT_TRUE(std::any_of(unseen.cells.begin(), unseen.cells.end(), [&](const SurfaceCell& cell) {
+      return cell.mean == wanted;
+    })) << i;
   }
-  EXPECT_EQ(unseen_points(some.points, some.looks, {view()}, 0.0).points.size(), 0U);
+  for (const Eigen::Vector3f& colour : unseen.colours) {
+    EXPECT_LT((colour - Eigen::Vector3f(0.2F, 0.4F, 0.6F)).norm(), 1e-6F);
+  }
+  EXPECT_EQ(some.unseen(0.0).cells.size(), 0U);
 }
 
-TEST(UnseenPoints, HaveTheColourOfWhatIsNearAndReflectsAlike) {
+TEST(UnseenSurfaces, HaveTheColourOfWhatIsNearAndReflectsAlike) {
   Points some;
   some.add_seen({10, 0, 0}, 0.1F, {0, 0, 0});     // asphalt
   some.add_seen({10, 0.3F, 0}, 0.9F, {1, 1, 1});  // a marking
   some.add({10, 0.1F, 0}, 0.9F);                  // nearer to the asphalt, as bright as the marking
   some.add({10, 0.2F, 0}, 0.1F);
-  const UnseenPoints unseen = unseen_points(some.points, some.looks, {view()}, 1.0);
-  ASSERT_EQ(unseen.points.size(), 2U);
-  EXPECT_GT(unseen.looks[0].colour.minCoeff(), 0.95F);
-  EXPECT_LT(unseen.looks[1].colour.maxCoeff(), 0.05F);
+  const UnseenSurfaces unseen = some.unseen(1.0);
+  ASSERT_EQ(unseen.cells.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const bool is_marking = unseen.cells[i].intensity > 0.5F;
+    EXPECT_NEAR(unseen.colours[i].mean(), is_marking ? 1.0F : 0.0F, 0.05F);
+  }
 }
 
-TEST(UnseenPoints, HaveTheColourOfASurfaceThatFacesAlike) {
+TEST(UnseenSurfaces, HaveTheColourOfASurfaceThatFacesAlike) {
   // A pavement goes on behind a parked car; its red rear is much nearer than what pictures show of the
   // pavement.
   Points some;
@@ -79,20 +99,72 @@ TEST(UnseenPoints, HaveTheColourOfASurfaceThatFacesAlike) {
       some.add({9.3F + a, b, -1.0F}, 0.5F);
     }
   }
-  const UnseenPoints unseen = unseen_points(some.points, some.looks, {view()}, 1.0);
-  ASSERT_EQ(unseen.points.size(), 64U);
+  const UnseenSurfaces unseen = some.unseen(1.0);
+  EXPECT_EQ(unseen.points, 64U);
+  ASSERT_GE(unseen.cells.size(), 9U);
   std::size_t greyish = 0;  // those at a rim have too few neighbours for a plane
-  for (const PointLook& look : unseen.looks)
-    greyish += (look.colour - grey).norm() < (look.colour - red).norm();
-  EXPECT_GE(greyish, 60U);
+  for (const Eigen::Vector3f& colour : unseen.colours) {
+    greyish += (colour - grey).norm() < (colour - red).norm();
+  }
+  EXPECT_GE(10 * greyish, 9 * unseen.colours.size());
 }
 
-TEST(UnseenPoints, AreNoneWithoutAColourOrAView) {
+TEST(UnseenSurfaces, AreClosed) {
+  // A row of returns every 0.4 m: none teaches a particle to close the gaps, so each is made as wide as they
+  // are.
+  Points some;
+  some.add_seen({8, 0, -1}, 0.5F, {0.5F, 0.5F, 0.5F});
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 20; ++k) {
+      some.add({10.05F + 0.4F * static_cast<float>(i), 0.1F * static_cast<float>(k) - 0.95F, -1.0F}, 0.5F);
+    }
+  }
+  some.points.sight.resize(some.points.size());
+  for (std::size_t i = 1; i < some.points.size(); ++i) {
+    const Eigen::Vector3f p = some.points.position.col(static_cast<Eigen::Index>(i));
+    const Eigen::Vector3f d = p.normalized();
+    const auto step_to = [&](const Eigen::Vector3f& next) -> Eigen::Vector3f {
+      return next.normalized() - next.normalized().dot(d) * d;
+    };
+    some.points.sight[i] = {p.norm(),
+                            d,
+                            step_to(p + 0.1F * Eigen::Vector3f::UnitY()),
+                            step_to(p + 0.4F * Eigen::Vector3f::UnitX())};
+  }
+  const UnseenSurfaces unseen = some.unseen(1.0);
+  ASSERT_GE(unseen.cells.size(), 80U);
+  std::size_t wide = 0;
+  for (const SurfaceShape& shape : unseen.shapes) {
+    wide += shape.planar && shape.scale_m.maxCoeff() > 0.6F * 0.4F && shape.scale_m.minCoeff() < 0.02F;
+  }
+  EXPECT_GE(10 * wide, 9 * unseen.shapes.size());
+}
+
+TEST(UnseenSurfaces, TakeNoColourFromWhatIsHardlySeen) {
+  Points some;
+  const Eigen::Vector3f red{0.6F, 0.1F, 0.1F}, grey{0.5F, 0.5F, 0.5F};
+  some.add_seen({10, 0.1F, -1}, 0.5F, red, kViews - 1);  // seen past a red rear, between two rows of returns
+  some.add_seen({10, 0.2F, -1}, 0.5F, red, kViews, grey);
+  some.add_seen({14, 0, -1}, 0.5F, grey, kViews, {0.6F, 0.6F, 0.6F});
+  some.add({10, 0, -1}, 0.5F);
+  ASSERT_EQ(some.unseen(1.0).colours.size(), 1U);
+  EXPECT_LT((some.unseen(1.0).colours[0] - grey).norm(), 1e-6F);
+  // With as few pictures as these, one look in each is all that there can be ...
+  some.looks[2] = {};
+  ASSERT_EQ(some.unseen(1.0, kViews - 1).colours.size(), 2U);
+  EXPECT_LT((some.unseen(1.0, kViews - 1).colours[0] - red).norm(), 1e-6F);
+  // ... and with nothing better, what is hardly seen is all that is known.
+  some.looks[0] = {};
+  ASSERT_EQ(some.unseen(1.0).colours.size(), 3U);
+  EXPECT_LT((some.unseen(1.0).colours[0] - red).norm(), 1e-6F);
+}
+
+TEST(UnseenSurfaces, AreNoneWithoutAColourOrAView) {
   Points some;
   some.add({10, 0, 0}, 0.5F);
-  EXPECT_EQ(unseen_points(some.points, some.looks, {view()}, 3.0).points.size(), 0U);
+  EXPECT_EQ(some.unseen(3.0).cells.size(), 0U);
   some.add_seen({10, 1, 0}, 0.5F, {1, 1, 1});
-  EXPECT_EQ(unseen_points(some.points, some.looks, {}, 3.0).points.size(), 0U);
+  EXPECT_EQ(some.unseen(3.0, 0).cells.size(), 0U);
 }
 
 }  // namespace

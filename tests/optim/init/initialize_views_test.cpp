@@ -95,6 +95,9 @@ TEST(LookAtPoints, TheClosestImageGivesTheColour) {
     }
     EXPECT_EQ(looks[0].range_m, 6.0F);
     EXPECT_EQ(looks[0].colour.x(), 1.0F);
+    EXPECT_EQ(looks[0].images, 2U);
+    EXPECT_EQ(looks[0].colours.min(), Eigen::Vector3f::Zero());
+    EXPECT_EQ(looks[0].colours.max(), Eigen::Vector3f(1, 1, 0));
   }
 }
 
