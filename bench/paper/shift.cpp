@@ -174,6 +174,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
   const Log log = synth_street(street);
   std::vector<std::string> settings = options.settings;
   settings.push_back("image_scale=1");
+  settings.push_back("held_out_every=0");  // what is scored is elsewhere
   settings.push_back(fmt::format("iterations={}", options.iterations));
   const SceneFile scene = fit(device, log, training_options("", settings));
   note(fmt::format("trained on the street, {} iterations", options.iterations));

@@ -27,10 +27,10 @@ struct ShiftResult {
 
 /// The street's scene from where it was never recorded, beside the truth there: the rig 0.5 to 3 m to either
 /// side, 1 m higher, turned by 15 and 30 degrees to either side, and with another camera or LiDAR in its
-/// place.
+/// place. All recorded frames are trained on.
 ///   shift/<place>/<psnr_db|ssim|distance_median_cm|raydrop_accuracy|chamfer_m>   means over all frames
-///   shift/<place>/<never_seen|coarsely_seen|well_seen>/<share|psnr_db>   pixels by what training pictures show
-///     of them (seen.hpp), all pictures together
+///   shift/<place>/<never_seen|coarsely_seen|well_seen>/<share|psnr_db>   pixels by what the recorded
+///     pictures show of them (seen.hpp), all pictures together
 ///   shift/<place>/psnr_of_seen_as_on_path_db   mean over all pictures, were what is seen as good as there
 ///   shift/<place|all>/support_<pixels|rays>/<mean|right|rank_correlation>   support beside true errors; the
 ///     latter over all places but the path itself, on which its constants were fitted
