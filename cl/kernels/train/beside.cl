@@ -4,7 +4,14 @@
 #include "shared/layout.h"
 
 #define OPAQUE R(0.2)  // light that goes on behind a surface, at most: mixed distances are nobody's
+#define OPEN R(0.95)   // light that goes on where nothing stands, at least
 #define SAME R(0.03)   // of the distance: what stands that near to a surface is part of it
+// Where no laser met anything: from how near what stands there may be, m, at how many distances the picture is asked,
+// evenly by 1/distance, and how far channels may differ there.
+#define NEAREST R(4.0)
+#define FARTHEST R(1e5)
+#define LOOKS 16
+#define ALIKE R(0.04)
 
 /// m; negative where no surface stands alone in the way.
 FN real surface_distance(__global const real* out, uint slots, uint slot) {
@@ -13,8 +20,45 @@ FN real surface_distance(__global const real* out, uint slots, uint slot) {
   return out[SIM_O_DISTANCE * slots + slot] / (R(1.0) - passes);
 }
 
+FN bool is_open(__global const real* out, uint slots, uint slot) {
+  return out[SIM_O_TRANSMITTANCE * slots + slot] > OPEN;
+}
+
+/// Between the four pixels around a place in the picture; false unless all of them are known.
+FN bool colour_at(__global const real* picture,
+                  __global const int* slot_of_ray,
+                  uint slots,
+                  uint width,
+                  uint height,
+                  real column,
+                  real row,
+                  real* colour) {
+  const real u = clamp(column - R(0.5), R(0.0), (real)(width - 1));
+  const real v = clamp(row - R(0.5), R(0.0), (real)(height - 1));
+  const uint x0 = (uint)u, y0 = (uint)v;
+  const uint x1 = min(x0 + 1, width - 1), y1 = min(y0 + 1, height - 1);
+  const int around[4] = {slot_of_ray[y0 * width + x0],
+                         slot_of_ray[y0 * width + x1],
+                         slot_of_ray[y1 * width + x0],
+                         slot_of_ray[y1 * width + x1]};
+  for (int k = 0; k < 4; ++k) {
+    if (around[k] < 0 || !(picture[around[k]] >= R(0.0))) return false;
+  }
+  const real right = u - (real)x0, down = v - (real)y0;
+  for (int c = 0; c < 3; ++c) {
+    __global const real* from = picture + (ulong)c * slots;
+    const real top = fma(right, from[around[1]] - from[around[0]], from[around[0]]);
+    const real bottom = fma(right, from[around[3]] - from[around[2]], from[around[2]]);
+    colour[c] = fma(down, bottom - top, top);
+  }
+  return true;
+}
+
 /// V slots per work-item: where their rays meet surfaces, where the recorded picture shows that place, and, if what it
 /// shows there is as far away as the place is, in which colour: between the four pixels around it, all of them known.
+/// Where rays meet nothing (sky, and what stands above the lasers' reach), the colour that the picture shows of all
+/// places along the ray, from NEAREST on, if it is one: whatever stands there, at whatever distance, has it. Places that
+/// it looks past, at a surface behind them, are empty; of those that it has a surface before nobody knows.
 /// in  frame, now, world_ray[3|6|7][slots], met[5][slots]: the view beside, as it was rendered of the surfaces;
 ///     recorded, seen[5][slots]: the same of the view that was recorded; slot_of_ray[height][width], -1: no ray;
 ///     picture[3][slots]: recorded, negative: not known
@@ -33,50 +77,60 @@ __kernel void beside(const FrameParams frame,
   const uint i = get_global_id(0) * V;
   const uint s = frame.slots;
   if (i >= s) return;
-  F d[3], p[3], q[3], x, y;
+  F d[3];
   for (int k = 0; k < 3; ++k) d[k] = LDV(world_ray + k * s + i);
-  real distance[V], away[V], column[V], row[V], usable[V];
-  for (uint lane = 0; lane < V; ++lane) distance[lane] = surface_distance(met, s, i + lane);
-  const F far = LDV(distance);
-  I valid = AND(is_ray(d[0], d[1], d[2]), far > R(0.0));
-  for (int k = 0; k < 3; ++k) {
-    p[k] = fma(far, d[k], (F)(now->centre_ref[k] - recorded->centre_ref[k]));
-#if ORIGINS
-    p[k] += LDV(world_ray + (3 + k) * s + i);
-#endif
-  }
-  project_at_own_time(recorded, STANDS, p, (F)(R(0.5) * (real)width), (F)R(0.5), &x, &y, &valid);
-  valid = AND(valid, AND(AND(x >= R(0.0), x < (F)(real)width), AND(y >= R(0.0), y < (F)(real)height)));
-  STV(column, SEL(valid, x, (F)R(0.0)));
-  STV(row, SEL(valid, y, (F)R(0.0)));
-  sensor_from_world_point(recorded, p, time_of(recorded, x, y), q);
-  STV(away, sqrt(fma(q[0], q[0], fma(q[1], q[1], q[2] * q[2]))));
-  STV(usable, SEL(valid, (F)R(1.0), (F)R(0.0)));
+  const I is_one = is_ray(d[0], d[1], d[2]);
+  real colour[V][3], distance[V];
+  bool is_asked[V], is_free[V];
   for (uint lane = 0; lane < V; ++lane) {
-    real colour[3] = {R(-1.0), R(-1.0), R(-1.0)};
-    if (usable[lane] > R(0.0)) {
-      const int at = slot_of_ray[(uint)row[lane] * width + (uint)column[lane]];
-      const real there = at < 0 ? R(-1.0) : surface_distance(seen, s, (uint)at);
-      if (there > R(0.0) && fabs(there - away[lane]) <= SAME * away[lane]) {
-        const real u = clamp(column[lane] - R(0.5), R(0.0), (real)(width - 1));
-        const real v = clamp(row[lane] - R(0.5), R(0.0), (real)(height - 1));
-        const uint x0 = (uint)u, y0 = (uint)v;
-        const uint x1 = min(x0 + 1, width - 1), y1 = min(y0 + 1, height - 1);
-        const int slots[4] = {slot_of_ray[y0 * width + x0],
-                              slot_of_ray[y0 * width + x1],
-                              slot_of_ray[y1 * width + x0],
-                              slot_of_ray[y1 * width + x1]};
-        bool known = true;
-        for (int k = 0; k < 4; ++k) known = known && slots[k] >= 0 && picture[slots[k]] >= R(0.0);
-        const real right = u - (real)x0, down = v - (real)y0;
-        for (int c = 0; c < 3 && known; ++c) {
-          __global const real* from = picture + (ulong)c * s;
-          const real top = fma(right, from[slots[1]] - from[slots[0]], from[slots[0]]);
-          const real bottom = fma(right, from[slots[3]] - from[slots[2]], from[slots[2]]);
-          colour[c] = fma(down, bottom - top, top);
-        }
-      }
+    distance[lane] = surface_distance(met, s, i + lane);
+    is_free[lane] = is_open(met, s, i + lane);
+    is_asked[lane] = is_free[lane] || distance[lane] > R(0.0);
+    if (is_free[lane]) distance[lane] = FARTHEST;
+    for (int c = 0; c < 3; ++c) colour[lane][c] = R(-1.0);
+  }
+  bool goes_on = true;
+  for (int look = 0; look < LOOKS && goes_on; ++look) {
+    F p[3], q[3], x, y;
+    real away[V], column[V], row[V], usable[V];
+    const F far = LDV(distance);
+    I valid = AND(is_one, far > R(0.0));
+    for (int k = 0; k < 3; ++k) {
+      p[k] = fma(far, d[k], (F)(now->centre_ref[k] - recorded->centre_ref[k]));
+#if ORIGINS
+      p[k] += LDV(world_ray + (3 + k) * s + i);
+#endif
     }
-    for (int c = 0; c < 3; ++c) shown[(ulong)c * s + i + lane] = colour[c];
+    project_at_own_time(recorded, STANDS, p, (F)(R(0.5) * (real)width), (F)R(0.5), &x, &y, &valid);
+    valid = AND(valid, AND(AND(x >= R(0.0), x < (F)(real)width), AND(y >= R(0.0), y < (F)(real)height)));
+    STV(column, SEL(valid, x, (F)R(0.0)));
+    STV(row, SEL(valid, y, (F)R(0.0)));
+    sensor_from_world_point(recorded, p, time_of(recorded, x, y), q);
+    STV(away, sqrt(fma(q[0], q[0], fma(q[1], q[1], q[2] * q[2]))));
+    STV(usable, SEL(valid, (F)R(1.0), (F)R(0.0)));
+    goes_on = false;
+    for (uint lane = 0; lane < V; ++lane) {
+      if (!is_asked[lane]) continue;
+      const int at = usable[lane] > R(0.0) ? slot_of_ray[(uint)row[lane] * width + (uint)column[lane]] : -1;
+      const real there = at < 0 ? R(-1.0) : surface_distance(seen, s, (uint)at);
+      const bool is_past = is_free[lane] && look > 0 && there > (R(1.0) + SAME) * away[lane];
+      if (!is_past) {
+        const bool is_it = is_free[lane] ? at >= 0 && is_open(seen, s, (uint)at)
+                                         : there > R(0.0) && fabs(there - away[lane]) <= SAME * away[lane];
+        real found[3];
+        bool is_known = is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);
+        for (int c = 0; c < 3 && is_known && look > 0; ++c) is_known = fabs(found[c] - colour[lane][c]) <= ALIKE;
+        if (look == 0 || !is_known) {
+          for (int c = 0; c < 3; ++c) colour[lane][c] = is_known ? found[c] : R(-1.0);
+        }
+        is_asked[lane] = is_known && is_free[lane];
+      }
+      if (!is_asked[lane]) continue;
+      goes_on = true;
+      distance[lane] = NEAREST * (real)(LOOKS - 1) / (real)(look + 1);
+    }
+  }
+  for (uint lane = 0; lane < V; ++lane) {
+    for (int c = 0; c < 3; ++c) shown[(ulong)c * s + i + lane] = colour[lane][c];
   }
 }

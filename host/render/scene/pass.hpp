@@ -79,7 +79,8 @@ class Pass {
   void keep_surfaces(SeenSurfaces& seen);
   /// Of a camera's frame of surfaces, beside one of the same camera that was kept and has recorded
   /// `picture`: what the picture shows of what each ray meets, -1 where it shows something else there, or
-  /// nothing. Surfaces let a fifth of the light through at most.
+  /// nothing. Surfaces let a fifth of the light through at most. Of rays that meet nothing: the one colour
+  /// that the picture shows of all places along them from 4 m on, if it is one (METHOD section 10).
   void show_from(const SeenSurfaces& recorded, const RayValues& picture, RayValues& shown);
 
   /// The sensor; grid().ray_of_slot is the map from the device's order to that of rays (-1: no ray).

@@ -10,8 +10,8 @@ class BesideStage {
  public:
   BesideStage(const Device& device, const Variant& variant);
   /// `made`: the view beside, rendered of the same surfaces by the same rays as `recorded`, whose picture is
-  /// picture[3][slots], negative: not known. shown[3][slots]: the colour of what each ray meets, -1 where the
-  /// picture shows something else there, or nothing.
+  /// picture[3][slots], negative: not known. shown[3][slots]: the colour of what each ray meets, or of all
+  /// that it could meet, -1 where the picture does not tell.
   void run(const shared::FrameParams& frame,
            const RayGrid& grid,
            const Buffer<std::int32_t>& slot_of_ray,
