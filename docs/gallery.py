@@ -111,7 +111,7 @@ PICTURES = {
     "pandar": lambda: above(f"pandar/hesai_pandar128_{FRAME}.npz"),
     "fisheye": lambda: beside(photo(f"fisheye/tum_vi_cam0_{FRAME}.png", (400, 400)), known()),
     "rolling": lambda: beside(photo("rolling/rolling_000000.png", HALF), photo("frozen/front_000000.png", HALF)),
-    "shift": lambda: beside(photo(f"outputs/front_{FRAME}.png", THIRD), photo(f"shift/front_{FRAME}.png", THIRD),
+    "shift": lambda: beside(photo(f"shift_alone/front_{FRAME}.png", THIRD), photo(f"shift/front_{FRAME}.png", THIRD),
                             photo(f"shifted.log/images/front_{FRAME}.png", THIRD)),
     "removed": front("removed"),
     "twin": front("twin"),
