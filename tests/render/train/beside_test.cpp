@@ -128,15 +128,43 @@ std::optional<float> colour_of_all(const Camera& camera,
   return colour;
 }
 
+/// Two views of a set's surfaces, and what the picture recorded in the one shows of the other's, [3][rays].
+struct Beside {
+  Seen recorded, beside;
+  std::vector<double> found;
+};
+
+Beside show_beside(const Device& device,
+                   const SensorRays& rays,
+                   const ParticleBuffers& particles,
+                   const std::vector<float>& picture,
+                   const View& view,
+                   const Eigen::Vector3d& aside_m) {
+  Beside out{{view, {}}, {view, {}}, {}};
+  const Pose aside{Eigen::Quaterniond::Identity(), aside_m};
+  out.beside.view.scene_from_sensor_start = view.scene_from_sensor_start * aside;
+  out.beside.view.scene_from_sensor_end = view.scene_from_sensor_end * aside;
+
+  Renderer renderer(device, {});
+  SeenSurfaces surfaces(device, Precision::kFloat);
+  Pass there = renderer.render(particles, rays, out.recorded.view);
+  out.recorded.rays = there.results();
+  there.keep_surfaces(surfaces);
+  RayValues shown(rays, 3, "shown");
+  Pass here = renderer.render(particles, rays, out.beside.view);
+  out.beside.rays = here.results();
+  here.show_from(surfaces, RayValues(rays, picture, 3), shown);
+  out.found = test::by_ray(rays, shown.slots().download_double());
+  return out;
+}
+
 class FromBeside : public testing::TestWithParam<test::SceneCase> {};
 
 TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
   const Device device = Device::best();
-  const RenderOptions options;
-  Renderer renderer(device, options);
   const test::Shot shot = test::shot_of(GetParam(), kWidth, kHeight);
   const Camera& camera = shot.camera;
-  const SensorRays rays = shot.on(device, options);
+  const SensorRays rays = shot.on(device, RenderOptions());
   const ParticleBuffers particles(
       device,
       test::set_for(
@@ -155,21 +183,8 @@ TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
     picture[pixels + i] = is_known[i] ? (y + 0.5F) / kHeight : -1.0F;
     picture[2 * pixels + i] = is_known[i] ? 0.25F : -1.0F;
   }
-  Seen recorded{shot.view, {}}, beside{shot.view, {}};
-  const Pose aside{Eigen::Quaterniond::Identity(), {0.15, 0.05, 0.0}};
-  beside.view.scene_from_sensor_start = beside.view.scene_from_sensor_start * aside;
-  beside.view.scene_from_sensor_end = beside.view.scene_from_sensor_end * aside;
-
-  SeenSurfaces surfaces(device, Precision::kFloat);
-  Pass there = renderer.render(particles, rays, recorded.view);
-  recorded.rays = there.results();
-  there.keep_surfaces(surfaces);
-  RayValues shown(rays, 3, "shown");
-  Pass here = renderer.render(particles, rays, beside.view);
-  beside.rays = here.results();
-  here.show_from(surfaces, RayValues(rays, picture, 3), shown);
-
-  const std::vector<double> found = test::by_ray(rays, shown.slots().download_double());
+  const auto [recorded, beside, found] =
+      show_beside(device, rays, particles, picture, shot.view, Eigen::Vector3d{0.15, 0.05, 0.0});
   std::size_t told = 0, hidden = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     const Eigen::Vector2d pixel(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
@@ -197,11 +212,9 @@ TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
 
 TEST_P(FromBeside, WhereNothingStandsIsWhatIsSeenThereAtAnyDistance) {
   const Device device = Device::best();
-  const RenderOptions options;
-  Renderer renderer(device, options);
   const test::Shot shot = test::shot_of(GetParam(), kWidth, kHeight);
   const Camera& camera = shot.camera;
-  const SensorRays rays = shot.on(device, options);
+  const SensorRays rays = shot.on(device, RenderOptions());
   const ParticleBuffers particles(
       device,
       test::set_for(
@@ -218,21 +231,8 @@ TEST_P(FromBeside, WhereNothingStandsIsWhatIsSeenThereAtAnyDistance) {
     if (x < 8) picture[pixels + i] = picture[2 * pixels + i] = -1.0F;
   }
   const std::vector<float> red(picture.begin(), picture.begin() + static_cast<std::ptrdiff_t>(pixels));
-  Seen recorded{shot.view, {}}, beside{shot.view, {}};
-  const Pose aside{Eigen::Quaterniond::Identity(), {1.0, 0.05, 0.0}};
-  beside.view.scene_from_sensor_start = beside.view.scene_from_sensor_start * aside;
-  beside.view.scene_from_sensor_end = beside.view.scene_from_sensor_end * aside;
-
-  SeenSurfaces surfaces(device, Precision::kFloat);
-  Pass there = renderer.render(particles, rays, recorded.view);
-  recorded.rays = there.results();
-  there.keep_surfaces(surfaces);
-  RayValues shown(rays, 3, "shown");
-  Pass here = renderer.render(particles, rays, beside.view);
-  beside.rays = here.results();
-  here.show_from(surfaces, RayValues(rays, picture, 3), shown);
-
-  const std::vector<double> found = test::by_ray(rays, shown.slots().download_double());
+  const auto [recorded, beside, found] =
+      show_beside(device, rays, particles, picture, shot.view, Eigen::Vector3d{1.0, 0.05, 0.0});
   std::size_t told = 0, not_told = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     if (beside.surface_m(i) > 0.0) continue;
