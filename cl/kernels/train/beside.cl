@@ -41,9 +41,9 @@ FN bool colour_at(__global const real* picture,
                          slot_of_ray[y0 * width + x1],
                          slot_of_ray[y1 * width + x0],
                          slot_of_ray[y1 * width + x1]};
-  for (int k = 0; k < 4; ++k) {
-    if (around[k] < 0 || !(picture[around[k]] >= R(0.0))) return false;
-  }
+  bool known = true;  // loops without a way out: GPUs keep their arrays in registers
+  for (int k = 0; k < 4; ++k) known = known && around[k] >= 0 && picture[around[k]] >= R(0.0);
+  if (!known) return false;
   const real right = u - (real)x0, down = v - (real)y0;
   for (int c = 0; c < 3; ++c) {
     __global const real* from = picture + (ulong)c * slots;
@@ -117,11 +117,14 @@ __kernel void beside(const FrameParams frame,
       if (!is_past) {
         const bool is_it = is_free[lane] ? at >= 0 && is_open(seen, s, (uint)at)
                                          : there > R(0.0) && fabs(there - away[lane]) <= SAME * away[lane];
-        real found[3];
+        real found[3] = {R(0.0), R(0.0), R(0.0)};
         bool is_known = is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);
-        for (int c = 0; c < 3 && is_known && look > 0; ++c) is_known = fabs(found[c] - colour[lane][c]) <= ALIKE;
-        if (look == 0 || !is_known) {
-          for (int c = 0; c < 3; ++c) colour[lane][c] = is_known ? found[c] : R(-1.0);
+        for (int c = 0; c < 3; ++c) {
+          is_known = is_known && (look == 0 || fabs(found[c] - colour[lane][c]) <= ALIKE);
+        }
+        for (int c = 0; c < 3; ++c) {
+          const real first = look == 0 ? found[c] : colour[lane][c];
+          colour[lane][c] = is_known ? first : R(-1.0);
         }
         is_asked[lane] = is_known && is_free[lane];
       }
