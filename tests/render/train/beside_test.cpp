@@ -128,52 +128,44 @@ std::optional<float> colour_of_all(const Camera& camera,
   return colour;
 }
 
-/// Two views of a set's surfaces, and what the picture recorded in the one shows of the other's, [3][rays].
-struct Beside {
-  Seen recorded, beside;
-  std::vector<double> found;
+class FromBeside : public testing::TestWithParam<test::SceneCase> {
+ protected:
+  /// Two views of a set's surfaces, and what the picture recorded in the one shows of the other's, [3][rays].
+  struct Beside {
+    Seen recorded, beside;
+    std::vector<double> found;
+  };
+  [[nodiscard]] Beside show_beside(const test::SetRecipe& recipe,
+                                   const std::vector<float>& picture,
+                                   const Eigen::Vector3d& aside_m) const {
+    const ParticleBuffers particles(device_, test::set_for(GetParam(), recipe, 11), Precision::kFloat);
+    Beside out{{shot_.view, {}}, {shot_.view, {}}, {}};
+    const Pose aside{Eigen::Quaterniond::Identity(), aside_m};
+    out.beside.view.scene_from_sensor_start = shot_.view.scene_from_sensor_start * aside;
+    out.beside.view.scene_from_sensor_end = shot_.view.scene_from_sensor_end * aside;
+
+    Renderer renderer(device_, {});
+    SeenSurfaces surfaces(device_, Precision::kFloat);
+    Pass there = renderer.render(particles, rays_, out.recorded.view);
+    out.recorded.rays = there.results();
+    there.keep_surfaces(surfaces);
+    RayValues shown(rays_, 3, "shown");
+    Pass here = renderer.render(particles, rays_, out.beside.view);
+    out.beside.rays = here.results();
+    here.show_from(surfaces, RayValues(rays_, picture, 3), shown);
+    out.found = test::by_ray(rays_, shown.slots().download_double());
+    return out;
+  }
+
+  const Device device_ = Device::best();
+  const test::Shot shot_ = test::shot_of(GetParam(), kWidth, kHeight);
+  const SensorRays rays_ = shot_.on(device_, RenderOptions());
 };
 
-Beside show_beside(const Device& device,
-                   const SensorRays& rays,
-                   const ParticleBuffers& particles,
-                   const std::vector<float>& picture,
-                   const View& view,
-                   const Eigen::Vector3d& aside_m) {
-  Beside out{{view, {}}, {view, {}}, {}};
-  const Pose aside{Eigen::Quaterniond::Identity(), aside_m};
-  out.beside.view.scene_from_sensor_start = view.scene_from_sensor_start * aside;
-  out.beside.view.scene_from_sensor_end = view.scene_from_sensor_end * aside;
-
-  Renderer renderer(device, {});
-  SeenSurfaces surfaces(device, Precision::kFloat);
-  Pass there = renderer.render(particles, rays, out.recorded.view);
-  out.recorded.rays = there.results();
-  there.keep_surfaces(surfaces);
-  RayValues shown(rays, 3, "shown");
-  Pass here = renderer.render(particles, rays, out.beside.view);
-  out.beside.rays = here.results();
-  here.show_from(surfaces, RayValues(rays, picture, 3), shown);
-  out.found = test::by_ray(rays, shown.slots().download_double());
-  return out;
-}
-
-class FromBeside : public testing::TestWithParam<test::SceneCase> {};
-
 TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
-  const Device device = Device::best();
-  const test::Shot shot = test::shot_of(GetParam(), kWidth, kHeight);
-  const Camera& camera = shot.camera;
-  const SensorRays rays = shot.on(device, RenderOptions());
-  const ParticleBuffers particles(
-      device,
-      test::set_for(
-          GetParam(),
-          {.count = 400, .scale_min = 0.2, .scale_max = 1.0, .opacity_min = 0.8, .opacity_max = 0.99},
-          11),
-      Precision::kFloat);
+  const Camera& camera = shot_.camera;
   // Colours that tell where a pixel is, so that those between pixels are what they should be; some unknown.
-  const std::size_t pixels = rays.grid().rays;
+  const std::size_t pixels = rays_.grid().rays;
   std::vector<float> picture(3 * pixels);
   std::vector<bool> is_known(pixels, true);
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -184,7 +176,9 @@ TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
     picture[2 * pixels + i] = is_known[i] ? 0.25F : -1.0F;
   }
   const auto [recorded, beside, found] =
-      show_beside(device, rays, particles, picture, shot.view, Eigen::Vector3d{0.15, 0.05, 0.0});
+      show_beside({.count = 400, .scale_min = 0.2, .scale_max = 1.0, .opacity_min = 0.8, .opacity_max = 0.99},
+                  picture,
+                  {0.15, 0.05, 0.0});
   std::size_t told = 0, hidden = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     const Eigen::Vector2d pixel(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
@@ -211,19 +205,9 @@ TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
 }
 
 TEST_P(FromBeside, WhereNothingStandsIsWhatIsSeenThereAtAnyDistance) {
-  const Device device = Device::best();
-  const test::Shot shot = test::shot_of(GetParam(), kWidth, kHeight);
-  const Camera& camera = shot.camera;
-  const SensorRays rays = shot.on(device, RenderOptions());
-  const ParticleBuffers particles(
-      device,
-      test::set_for(
-          GetParam(),
-          {.count = 25, .scale_min = 0.3, .scale_max = 1.0, .opacity_min = 0.97, .opacity_max = 0.99},
-          11),
-      Precision::kFloat);
+  const Camera& camera = shot_.camera;
   // A house before the sky, a part of the picture unknown; the sky pales a little to one side.
-  const std::size_t pixels = rays.grid().rays;
+  const std::size_t pixels = rays_.grid().rays;
   std::vector<float> picture(3 * pixels, 0.5F);
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::size_t x = i % kWidth;
@@ -232,7 +216,9 @@ TEST_P(FromBeside, WhereNothingStandsIsWhatIsSeenThereAtAnyDistance) {
   }
   const std::vector<float> red(picture.begin(), picture.begin() + static_cast<std::ptrdiff_t>(pixels));
   const auto [recorded, beside, found] =
-      show_beside(device, rays, particles, picture, shot.view, Eigen::Vector3d{1.0, 0.05, 0.0});
+      show_beside({.count = 25, .scale_min = 0.3, .scale_max = 1.0, .opacity_min = 0.97, .opacity_max = 0.99},
+                  picture,
+                  {1.0, 0.05, 0.0});
   std::size_t told = 0, not_told = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     if (beside.surface_m(i) > 0.0) continue;
