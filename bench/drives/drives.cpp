@@ -58,15 +58,6 @@ bool has_boxes(const Log& log, const TrainingOptions& options) {
   return !moving_actors(log.actors, options.init.actor_min_travel_m).empty();
 }
 
-std::string frames_text(const FrameSelection& frames) {
-  std::string text = frames.held_out_every > 0 ? fmt::format("every {}th", frames.held_out_every) : "";
-  if (frames.held_out_last > 0.0) {
-    text += fmt::format(
-        "{}the last {:.3g} % of the path", text.empty() ? "" : " and ", 100.0 * frames.held_out_last);
-  }
-  return text;
-}
-
 /// One training of a drive.
 struct Case {
   const Drive* drive;
@@ -184,7 +175,7 @@ class Drives {
   void run(const Case& c) {
     std::optional<Keeper> before;
     for (const TrainingOptions& options : c.stages) {
-      DriveRow row{c.drive->name, c.labels, frames_text(options.frames), own_lines(options), {}};
+      DriveRow row{c.drive->name, c.labels, held_out_text(options.frames), own_lines(options), {}};
       const Keeper keeper(place_of(row, options), identity_of(c, options, before));
       if (std::optional<DriveRow> kept = keeper.row()) {
         teller_.skip(options.train.iterations - (before ? done_ : 0));

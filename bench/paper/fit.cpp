@@ -29,6 +29,7 @@ SceneFile fit(const Device& device, const Log& log, const TrainingOptions& optio
 EvalReport compare(const Device& device, const Log& log, const SceneFile& scene, EvalOptions options) {
   if (scene.training) {
     options.held_out_every = scene.training->frames.held_out_every;
+    options.held_out_middle = scene.training->frames.held_out_middle;
     options.held_out_last = scene.training->frames.held_out_last;
   }
   return Evaluation(device, scene, log, options).run();

@@ -29,7 +29,7 @@ constexpr int kWidth_px = 640, kHeight_px = 360;
 struct DemoCommand {
   std::string output;  // empty: a new folder below the temporary one
   int iterations = 300;
-  double held_out_last = 0.0;
+  FrameSelection frames{.image_scale = 1.0};
 };
 
 void demo(const DemoCommand& command, const Globals& globals) {
@@ -40,8 +40,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
   TrainingOptions options;
   options.train.render = training_options_of(globals.quality);
   options.train.iterations = command.iterations;
-  options.frames.image_scale = 1.0;
-  options.frames.held_out_last = command.held_out_last;
+  options.frames = command.frames;
   const TrainingOptions allowed = checked(options);  // before anything is made
   // All or nothing, like every folder that is written.
   std::optional<EvalReport> report;
@@ -94,7 +93,13 @@ void add_demo(Command app, const Globals& globals) {
   Command sub = app.command("demo", "the whole system on an embedded street, in two minutes");
   sub.option("-o,--output", command->output, "folder to make; default: a new temporary one").makes();
   sub.option("--iterations", command->iterations, "of training").with_default();
-  sub.option("--held-out-last", command->held_out_last, "keep that share of the path, too, for evaluation")
+  sub.option("--held-out-middle",
+             command->frames.held_out_middle,
+             "keep that share of the path, around its middle, too, for evaluation")
+      .with_default();
+  sub.option("--held-out-last",
+             command->frames.held_out_last,
+             "keep that share of the path, at its end, too, for evaluation")
       .with_default();
   sub.run([command, &globals] { demo(*command, globals); });
 }

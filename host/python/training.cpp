@@ -106,9 +106,10 @@ py::dict evaluate(const std::string& scene,
   }();
   py::dict out;
   out["frames"] = to_string(r.frames.kind);
-  out["held_out_every"] = r.frames.held_out_every;
-  out["held_out_last"] = r.frames.held_out_last;
-  out["image_scale"] = r.frames.image_scale;
+  out["held_out_every"] = r.frames.asked.held_out_every;
+  out["held_out_middle"] = r.frames.asked.held_out_middle;
+  out["held_out_last"] = r.frames.asked.held_out_last;
+  out["image_scale"] = r.frames.asked.image_scale;
   put_scores(out, r);
   const auto part = [](const std::optional<EvalScores>& scores) -> py::object {
     if (!scores) return py::none();
@@ -117,6 +118,7 @@ py::dict evaluate(const std::string& scene,
     return of_part;
   };
   out["between"] = part(r.between);
+  out["middle"] = part(r.middle);
   out["beyond"] = part(r.beyond);
   return out;
 }

@@ -1,9 +1,11 @@
 #pragma once
 // Which frames of a log a scene is made from, and at which size: the same for its start, its training and,
 // unless asked otherwise, its evaluation.
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "host/base/allowed.hpp"
@@ -14,6 +16,7 @@ namespace simuli {
 struct FrameSelection {
   double image_scale = 0.5;
   int held_out_every = 5;
+  double held_out_middle = 0.0;
   double held_out_last = 0.0;
   std::uint64_t seed = 1;  // of the frames' order, and of which points go when there are too many
 };
@@ -26,6 +29,10 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
         o.held_out_every,
         zero_or(at_least(2)),
         "every so many frames, one is kept for evaluation; 0: none is");
+  field("held_out_middle",
+        o.held_out_middle,
+        range(0.0, 0.9),
+        "share of the path, around its middle, whose frames are kept for evaluation, too");
   field("held_out_last",
         o.held_out_last,
         range(0.0, 0.9),
@@ -33,16 +40,25 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
   field("seed", o.seed, at_least(0), "of the frames' order and of thinning");
 }
 
+/// "every 5. frame, the last 20 % of the path": what is held out; empty: nothing.
+[[nodiscard]] std::string held_out_text(const FrameSelection& frames);
+
+/// The same of all frames.
+[[nodiscard]] FrameSelection nothing_held_out(FrameSelection frames);
+
 /// What a frame is to a training.
 enum class FrameUse {
   kTraining,
   kBetween,  // held out, training frames before and behind: what a scene makes of what it saw
+  kMiddle,   // held out in a stretch of the path that training saw from either end alone
   kBeyond,   // held out at the end of the path, where training read nothing: what it makes of the rest
 };
 
 /// The one rule by which frames of a log are held out: with held_out_every = N those with index % N == N - 1;
 /// with held_out_last those that end when the rig has that share of its path, by length, still before it, or
-/// later. Both together hold out what either does; a frame behind the cut is kBeyond whatever its index.
+/// later; with held_out_middle those during which it is in the part of that share around the path's middle.
+/// Together they hold out what any does; a frame behind the cut is kBeyond and one in the middle kMiddle
+/// whatever its index.
 class HeldOutRule {
  public:
   /// Error{kInput} when a share of a path is asked for that is 0 m long.
@@ -52,6 +68,7 @@ class HeldOutRule {
   template <class Frame>
   [[nodiscard]] FrameUse use(std::size_t index, const Frame& frame) const {
     if (frame.time_end_s > cut_s_) return FrameUse::kBeyond;
+    if (frame.time_end_s > middle_s_[0] && frame.time_start_s < middle_s_[1]) return FrameUse::kMiddle;
     return every_ > 0 && index % every_ == every_ - 1 ? FrameUse::kBetween : FrameUse::kTraining;
   }
   /// Indices of the frames that training reads, and of all others.
@@ -76,6 +93,7 @@ class HeldOutRule {
 
   std::size_t every_;
   double cut_s_ = std::numeric_limits<double>::infinity();
+  std::array<double, 2> middle_s_{cut_s_, cut_s_};  // from, until
 };
 
 }  // namespace simuli

@@ -38,6 +38,7 @@ Json to_json(const TrainingRecord& r) {
   return {{"log", {{"name", r.log_name}, {"hash", r.log_hash}}},
           {"image_scale", r.frames.image_scale},
           {"held_out_every", r.frames.held_out_every},
+          {"held_out_middle", r.frames.held_out_middle},
           {"held_out_last", r.frames.held_out_last},
           {"seed", r.frames.seed},
           {"iterations", r.iterations},
@@ -58,7 +59,8 @@ TrainingRecord training_from_json(JsonObject& object) {
   });
   r.frames.image_scale = object.number("image_scale", 0.0, 1.0);
   r.frames.held_out_every = static_cast<int>(object.integer("held_out_every", 0, kMost));
-  // Scenes made before there was such a rule are without.
+  // Scenes made before there were such rules are without.
+  if (object.has("held_out_middle")) r.frames.held_out_middle = object.number("held_out_middle", 0.0, 1.0);
   if (object.has("held_out_last")) r.frames.held_out_last = object.number("held_out_last", 0.0, 1.0);
   r.frames.seed = read_seed(object, "seed");
   r.iterations = static_cast<int>(object.integer("iterations", 0, kMost));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "host/base/error.hpp"
 #include "host/base/fields.hpp"
@@ -46,18 +45,10 @@ void take_uses(EvalFrames& frames, const Log& log, const FrameSelection& made) {
 
 /// What is asked for instead of the training's own rule: wholly, or not at all.
 void take_rule(const EvalOptions& options, FrameSelection& as) {
-  if (!options.held_out_every && !options.held_out_last) return;
+  if (!options.held_out_every && !options.held_out_middle && !options.held_out_last) return;
   as.held_out_every = options.held_out_every.value_or(0);
+  as.held_out_middle = options.held_out_middle.value_or(0.0);
   as.held_out_last = options.held_out_last.value_or(0.0);
-}
-
-std::string which_frames(const EvalFrames& frames) {
-  std::vector<std::string> which;
-  if (frames.held_out_every > 0) which.push_back(fmt::format("every {}. frame", frames.held_out_every));
-  if (frames.held_out_last > 0.0) {
-    which.push_back(fmt::format("frames of the last {:.3g} % of the path", 100.0 * frames.held_out_last));
-  }
-  return which.empty() ? "all frames" : fmt::format("{}", fmt::join(which, " and "));
 }
 
 }  // namespace
@@ -81,10 +72,13 @@ const char* to_string(FrameKind kind) {
 bool EvalFrames::has(FrameUse use) const { return count_of(*this, use) > 0; }
 
 std::string EvalFrames::label() const {
-  const std::string which = which_frames(*this);
+  const std::string rule = held_out_text(asked), which = rule.empty() ? "all frames" : rule;
   switch (kind) {
     case FrameKind::kHeldOut:
-      return has(FrameUse::kBetween) ? "held-out frames" : "held-out frames at the end of the path";
+      if (has(FrameUse::kBetween)) return "held-out frames";
+      if (!has(FrameUse::kBeyond)) return "held-out frames in the middle of the path";
+      return has(FrameUse::kMiddle) ? "held-out frames in the middle and at the end of the path"
+                                    : "held-out frames at the end of the path";
     case FrameKind::kTraining:
       return "training frames";
     case FrameKind::kMixed:
@@ -101,14 +95,13 @@ EvalFrames select_eval_frames(const Log& log, const SceneFile& scene, const Eval
   const TrainingRecord* const made = scene.training ? &*scene.training : nullptr;
   const bool other_log = made != nullptr && made->log_hash != log_hash(log);
   FrameSelection as = made != nullptr ? made->frames : FrameSelection{};
-  if (other_log) as.held_out_every = 0, as.held_out_last = 0.0;
+  if (other_log) as = nothing_held_out(as);
   as.image_scale = options.image_scale.value_or(as.image_scale);
   take_rule(options, as);
   check_fields(as);
-  EvalFrames frames{
-      .held_out_every = as.held_out_every, .held_out_last = as.held_out_last, .image_scale = as.image_scale};
+  EvalFrames frames{.asked = as};
   const HeldOutRule rule(log, as);
-  const bool all = as.held_out_every == 0 && !(as.held_out_last > 0.0);  // else what the rule holds out
+  const bool all = held_out_text(as).empty();  // else what the rule holds out
   frames.images = all ? rule.training(log.images) : rule.held_out(log.images);
   frames.sweeps = all ? rule.training(log.sweeps) : rule.held_out(log.sweeps);
   if (frames.images.empty() && frames.sweeps.empty()) {

@@ -22,9 +22,8 @@ enum class FrameKind {
 
 struct EvalFrames {
   FrameKind kind = FrameKind::kUnknown;
-  int held_out_every = 0;                             // every that many frames ...
-  double held_out_last = 0.0;                         // ... and those of that share of the path; 0, 0: all
-  double image_scale = 1.0;                           // pictures are compared at this size
+  FrameSelection asked = {};                          // size of the pictures, and what is compared; nothing
+                                                      // held out: all frames
   std::vector<std::size_t> images = {}, sweeps = {};  // indices into the log's
   /// [log.images], [log.sweeps]: what each frame was to the scene's training; empty unless kind is kHeldOut.
   std::vector<FrameUse> image_uses = {}, sweep_uses = {};

@@ -10,11 +10,12 @@ namespace simuli {
 struct EvalOptions {
   std::optional<double> image_scale =
       {};  // of the compared pictures over the recorded; nothing: as in training
-  // Nothing in both: the frames that were not trained on. One that is there asks for a rule of its own, in
-  // which the other counts as 0; both 0: all frames.
-  std::optional<int> held_out_every = {};    // every N-th frame
-  std::optional<double> held_out_last = {};  // share of the path, at its end
-  int timed_renders = 5;                     // behind a first one that warms up
+  // Nothing in all three: the frames that were not trained on. One that is there asks for a rule of its own,
+  // in which the others count as 0; all 0: all frames.
+  std::optional<int> held_out_every = {};      // every N-th frame
+  std::optional<double> held_out_middle = {};  // share of the path, around its middle
+  std::optional<double> held_out_last = {};    // share of the path, at its end
+  int timed_renders = 5;                       // behind a first one that warms up
   double actor_min_travel_m = 1.0;
   RenderOptions render = {};
 };
@@ -24,6 +25,7 @@ template <class F>
 constexpr void visit_fields(EvalOptions& o, F&& field) {
   field.keyless(o.image_scale);  // checked as those of a FrameSelection
   field.keyless(o.held_out_every);
+  field.keyless(o.held_out_middle);
   field.keyless(o.held_out_last);
   field("timed_renders", o.timed_renders, at_least(1), "of each sensor, for its speed");
   field("actor_min_travel_m",

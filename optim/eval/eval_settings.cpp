@@ -10,12 +10,17 @@ namespace {
 struct Told {
   double image_scale = 0.0;
   int held_out_every = -1;
+  double held_out_middle = -1.0;
   double held_out_last = -1.0;
 };
 template <class F>
 constexpr void visit_fields(Told& o, F&& field) {
   field("image_scale", o.image_scale, above(0.0, 1.0), "size of the compared pictures over the recorded");
   field("held_out_every", o.held_out_every, zero_or(at_least(2)), "every N-th frame; 0: all");
+  field("held_out_middle",
+        o.held_out_middle,
+        range(0.0, 0.9),
+        "frames of that share of the path, around its middle");
   field("held_out_last", o.held_out_last, range(0.0, 0.9), "frames of that share of the path, at its end");
 }
 
@@ -31,6 +36,7 @@ EvalOptions eval_options(const std::string& quality, const std::vector<std::stri
   fields.apply(settings, "settings");
   if (told.image_scale > 0.0) options.image_scale = told.image_scale;
   if (told.held_out_every >= 0) options.held_out_every = told.held_out_every;
+  if (told.held_out_middle >= 0.0) options.held_out_middle = told.held_out_middle;
   if (told.held_out_last >= 0.0) options.held_out_last = told.held_out_last;
   check(options);
   return options;

@@ -135,6 +135,7 @@ class Evaluation::Run {
         kinds_(kinds_of(actors_)),
         all_(kinds_),
         between_(kinds_),
+        middle_(kinds_),
         beyond_(kinds_) {
     report_.frames = of.frames_;
     report_.device = of.on_device_.device().info().label();
@@ -144,10 +145,7 @@ class Evaluation::Run {
     images();
     sweeps();
     static_cast<EvalScores&>(report_) = all_.scores();
-    if (of_.frames_.has(FrameUse::kBetween) && of_.frames_.has(FrameUse::kBeyond)) {
-      report_.between = between_.scores();
-      report_.beyond = beyond_.scores();
-    }
+    take_uses();
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(report_);
   }
@@ -155,6 +153,7 @@ class Evaluation::Run {
  private:
   void images();
   void sweeps();
+  void take_uses();
   [[nodiscard]] PictureScore score_picture(const ImageFrame& frame, ErrorPools& pools);
   [[nodiscard]] SweepScore score_sweep(const SweepFrame& frame, ErrorPools& pools);
   void pool_pixels(const ImageFrame& frame, const Image& rendered, const Image& truth, ErrorPools& pools);
@@ -173,6 +172,10 @@ class Evaluation::Run {
     return pools.by_kind[static_cast<std::size_t>(kind - kinds_.begin())];
   }
   [[nodiscard]] ErrorPools pools() const { return ErrorPools(kinds_.empty() ? 0 : kinds_.size() + 1); }
+  [[nodiscard]] ScoreSums& sums_of(FrameUse use) {
+    if (use == FrameUse::kBeyond) return beyond_;
+    return use == FrameUse::kMiddle ? middle_ : between_;
+  }
   /// `uses`: of the frames, as EvalFrames has them.
   template <class Score>
   void add(const Score& score,
@@ -180,7 +183,7 @@ class Evaluation::Run {
            const std::vector<FrameUse>& uses,
            std::size_t index) {
     all_.add(score, pools);
-    if (!uses.empty()) (uses[index] == FrameUse::kBeyond ? beyond_ : between_).add(score, pools);
+    if (!uses.empty()) sums_of(uses[index]).add(score, pools);
     ++done_;
     if (progress_) progress_(done_, of_.frames_.images.size() + of_.frames_.sweeps.size());
   }
@@ -189,11 +192,22 @@ class Evaluation::Run {
   const Progress& progress_;
   std::vector<Actor> actors_;  // of the log, as recorded
   std::vector<std::string> kinds_;
-  ScoreSums all_, between_, beyond_;
+  ScoreSums all_, between_, middle_, beyond_;
   ReturnsNear returns_near_{of_.log_, of_.scene_.scene};
   EvalReport report_;
   std::size_t done_ = 0;
 };
+
+/// Each use by itself, when frames of several are compared.
+void Evaluation::Run::take_uses() {
+  const EvalFrames& frames = of_.frames_;
+  const std::array<FrameUse, 3> uses{FrameUse::kBetween, FrameUse::kMiddle, FrameUse::kBeyond};
+  const std::array<std::optional<EvalScores>*, 3> parts{&report_.between, &report_.middle, &report_.beyond};
+  if (std::count_if(uses.begin(), uses.end(), [&](FrameUse use) { return frames.has(use); }) < 2) return;
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (frames.has(uses[i])) *parts[i] = sums_of(uses[i]).scores();
+  }
+}
 
 void Evaluation::Run::time_picture(const ImageFrame& frame) {
   const Camera model = of_.camera(frame);
@@ -322,7 +336,7 @@ Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const Eva
       on_device_(device, borrowed(scene_.scene), options.render) {}
 
 Camera Evaluation::camera(const ImageFrame& frame) const {
-  return scaled_camera(log_.camera(frame.camera).model, frames_.image_scale);
+  return scaled_camera(log_.camera(frame.camera).model, frames_.asked.image_scale);
 }
 
 EvalReport Evaluation::run(const Progress& progress) { return Run(*this, progress).run(); }

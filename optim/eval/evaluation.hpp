@@ -18,8 +18,8 @@ namespace simuli {
 
 struct EvalReport : EvalScores {
   EvalFrames frames;  // that were compared
-  /// Of held-out frames that are of both uses: each by itself; else nothing.
-  std::optional<EvalScores> between, beyond;
+  /// Of held-out frames that are of several uses: each use by itself; else nothing.
+  std::optional<EvalScores> between, middle, beyond;
   /// Each of frames.images and frames.sweeps by itself, in their order.
   std::vector<PictureScore> picture_scores;
   std::vector<SweepScore> sweep_scores;

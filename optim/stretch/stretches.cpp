@@ -261,12 +261,6 @@ std::vector<int> ends_of(int iterations, const std::vector<std::size_t>& picture
   return ends;
 }
 
-FrameSelection all_of(FrameSelection frames) {
-  frames.held_out_every = 0;
-  frames.held_out_last = 0.0;
-  return frames;
-}
-
 Log log_of(const Log& log,
            const FrameSelection& frames,
            const DrivenPath& path,

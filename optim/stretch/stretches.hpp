@@ -51,9 +51,6 @@ class DrivenPath {
 /// Behind which of a drive's iterations each stretch ends that has so many training pictures: in proportion.
 [[nodiscard]] std::vector<int> ends_of(int iterations, const std::vector<std::size_t>& pictures);
 
-/// The selection of a log that has no frames but those to be trained on.
-[[nodiscard]] FrameSelection all_of(FrameSelection frames);
-
 /// The log with the training frames (of `frames`) of a stretch alone, and with some of those up to overlap_m
 /// before and behind it: of each sensor as many as show it, added up by the share of what they show that is
 /// of it, times `beside`; what a stretch shows from afar is theirs to say. Of the actors it has those that

@@ -181,7 +181,7 @@ void Training::prepare_stretches() {
   const auto part = [&](const Stretch& stretch) {
     return log_of(log_, options_.frames, *state.path, stretch, options_.stretches);
   };
-  const FrameSelection all = all_of(options_.frames);
+  const FrameSelection all = nothing_held_out(options_.frames);
   log_.lidars = with_learned_sensors(part(state.stretches.front()), all, options_.sensors).lidars;
   std::vector<std::size_t> frames;
   for (const Stretch& stretch : state.stretches) {
@@ -199,7 +199,7 @@ TrainingOptions Training::own_options() const {
   const State& state = *state_;
   if (!state.is_cut()) return own;
   const int iterations = state.ends[state.current] - state.begun();
-  own.frames = all_of(options_.frames);
+  own.frames = nothing_held_out(options_.frames);
   own.init.actor_min_travel_m = 0.0;
   if (own.init.shell_distance_m == 0.0)
     own.init.shell_distance_m = shell_distance_m(state.path->farthest_m() + kSight_m);

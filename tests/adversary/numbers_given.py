@@ -38,10 +38,10 @@ def options_with_numbers() -> list[tuple[list[str], str]]:
     return [
         *[([*render, *at], o) for o in ("--scale", "--fps", "--duration", "--lane-shift", "--speed")],
         *[([*sweep, *at], o) for o in ("--duration", "--lane-shift", "--scale")],
-        *[(train, o) for o in ("--iterations", "--seed", "--checkpoint-every", "--held-out", "--held-out-last", "--scale", "--view")],
+        *[(train, o) for o in ("--iterations", "--seed", "--checkpoint-every", "--held-out", "--held-out-middle", "--held-out-last", "--scale", "--view")],
         (["train", "s.log", "-o", "out.scene", "--iterations", "1", *SMALL], "--max-seconds"),
         *[(street, o) for o in ("--speed", "--seed", "--frames", "--image-width", "--image-height", "--lidar-columns")],
-        *[(["eval", "s.scene", "s.log"], o) for o in ("--scale", "--held-out", "--held-out-last", "--repeats")],
+        *[(["eval", "s.scene", "s.log"], o) for o in ("--scale", "--held-out", "--held-out-middle", "--held-out-last", "--repeats")],
         *[(["tile", "velodyne_vlp16"], o) for o in ("--elevation-tiles", "--rays")],
         (["tile", "velodyne_vlp16", "--tune"], "--particles"),
         (["actors", "s.log"], "--held-out"),

@@ -90,7 +90,7 @@ TEST_F(DrivesTest, ALogWithBoxesIsTrainedOnWithThemAndWithout) {
       table.find("| held-out frames | small, boxes of the log, 32 x 18 px | small, 32 x 18 px |\n| --- |"),
       std::string::npos)
       << table;
-  EXPECT_NE(table.find("| every 5th: 1 + 1 |"), std::string::npos) << table;
+  EXPECT_NE(table.find("| every 5. frame: 1 + 1 |"), std::string::npos) << table;
   EXPECT_NE(table.find("`init.voxel_m=0.3 iterations=3`"), std::string::npos) << table;
   const nlohmann::json json = nlohmann::json::parse(to_json(rows));
   EXPECT_EQ(json.at(1).at("psnr_db"), rows[1].value("psnr_db"));

@@ -14,17 +14,10 @@ namespace simuli::cli {
 
 namespace {
 
-std::string held_out_text(const FrameSelection& f) {
-  std::string text = f.held_out_every > 0 ? fmt::format("every {}. frame", f.held_out_every) : "";
-  if (f.held_out_last > 0.0) {
-    text += fmt::format("{}the last {:.3g} % of the path", text.empty() ? "" : ", ", 100.0 * f.held_out_last);
-  }
-  return text.empty() ? "nothing" : text;
-}
-
 /// Those that a training of that quality does not have by itself, but for what has a line of its own.
 std::string settings_text(const TrainingRecord& r) {
-  const std::set<std::string> told{"image_scale", "held_out_every", "held_out_last", "seed", "iterations"};
+  const std::set<std::string> told{
+      "image_scale", "held_out_every", "held_out_middle", "held_out_last", "seed", "iterations"};
   const std::vector<std::string> lines =
       lines_of(training_options(find_quality(r.quality) ? r.quality : "", {}));
   const std::set<std::string> defaults(lines.begin(), lines.end());
@@ -40,13 +33,14 @@ std::string settings_text(const TrainingRecord& r) {
 
 std::vector<RecordLine> record_lines(const TrainingRecord& r) {
   const FrameSelection& f = r.frames;
+  const std::string held_out = held_out_text(f);
   const std::string iterations = r.iterations == r.planned_iterations
                                      ? fmt::format("{}", r.iterations)
                                      : fmt::format("{} of {}", r.iterations, r.planned_iterations);
   return {{"log", fmt::format("{} ({})", r.log_name, r.log_hash)},
           {"iterations", iterations},
           {"size of pictures", fmt::format("{} of the recorded", f.image_scale)},
-          {"held out", held_out_text(f)},
+          {"held out", held_out.empty() ? "nothing" : held_out},
           {"seed", fmt::format("{}", f.seed)},
           {"quality", r.quality},
           {"settings", settings_text(r)},

@@ -46,7 +46,8 @@ EvalSupport eval_support(const Evaluation& evaluation) {
   SupportSamples pixels, rays;
   for (const std::size_t index : evaluation.frames().images) {
     const ImageFrame& frame = log.images[index];
-    const Camera camera = scaled_camera(log.camera(frame.camera).model, evaluation.frames().image_scale);
+    const Camera camera =
+        scaled_camera(log.camera(frame.camera).model, evaluation.frames().asked.image_scale);
     pixels.add_picture(scene, support, log, frame, camera, kEvalSupportStep);
   }
   for (const std::size_t index : evaluation.frames().sweeps) {

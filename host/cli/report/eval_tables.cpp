@@ -37,9 +37,9 @@ TextTable table_of_uses(const EvalReport& r) {
                    "Chamfer m",
                    "intensity RMS"},
                   {}};
-  if (!r.between) return table;
-  table.rows = {score_cells("between training frames", *r.between),
-                score_cells("at the end of the path", *r.beyond)};
+  if (r.between) table.rows.push_back(score_cells("between training frames", *r.between));
+  if (r.middle) table.rows.push_back(score_cells("in the middle of the path", *r.middle));
+  if (r.beyond) table.rows.push_back(score_cells("at the end of the path", *r.beyond));
   return table;
 }
 

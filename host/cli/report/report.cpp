@@ -78,7 +78,7 @@ void add_settings(HtmlReport& html,
       {"edits", text.edits.empty() ? "none" : fmt::format("{}", fmt::join(text.edits, " "))},
       {"compared",
        fmt::format("{}, {} pictures and {} sweeps", frames.label(), report.images, report.sweeps)},
-      {"size of pictures", fmt::format("{} of the recorded", frames.image_scale)},
+      {"size of pictures", fmt::format("{} of the recorded", frames.asked.image_scale)},
       {"quality", quality_names()[static_cast<std::size_t>(globals.quality)]},
       {"unlike in training", unlike.empty() ? "nothing" : fmt::format("{}", fmt::join(unlike, ", "))},
       {"device", evaluation.device().info().label()},
@@ -195,7 +195,8 @@ void add_times(HtmlReport& html, const Evaluation& evaluation, SceneOnDevice& sc
   html.heading("Time on the device, by kernel");
   if (!log.images.empty() && scene.scene().camera.size() > 0) {
     const ImageFrame& frame = log.images.front();
-    const Camera camera = scaled_camera(log.camera(frame.camera).model, evaluation.frames().image_scale);
+    const Camera camera =
+        scaled_camera(log.camera(frame.camera).model, evaluation.frames().asked.image_scale);
     html.paragraph(fmt::format("A picture of {}, {} x {} px:", frame.camera, camera.width, camera.height));
     html.table(header, kernel_times(scene, Sensor(camera), shot_of(log, frame)));
   }

@@ -280,15 +280,17 @@ std::vector<MetricLine> metric_lines(const EvalReport& r) {
 void print_eval(const EvalReport& r, const SceneFile& scene, bool json, const EvalSupport* support) {
   if (json) {
     Json out = {{"frames", to_string(r.frames.kind)},
-                {"held_out_every", r.frames.held_out_every},
-                {"held_out_last", r.frames.held_out_last},
-                {"image_scale", r.frames.image_scale}};
+                {"held_out_every", r.frames.asked.held_out_every},
+                {"held_out_middle", r.frames.asked.held_out_middle},
+                {"held_out_last", r.frames.asked.held_out_last},
+                {"image_scale", r.frames.asked.image_scale}};
     out.update(json_of(r));
     Json pictures = Json::array(), sweeps = Json::array();
     for (const PictureScore& score : r.picture_scores) pictures.push_back(json_of(score));
     for (const SweepScore& score : r.sweep_scores) sweeps.push_back(json_of(score));
     out.update(Json{{"by_picture", pictures}, {"by_sweep", sweeps}});
     out.update(Json{{"between", r.between ? json_of(*r.between) : Json()},
+                    {"middle", r.middle ? json_of(*r.middle) : Json()},
                     {"beyond", r.beyond ? json_of(*r.beyond) : Json()},
                     {"camera_mp_per_s", r.camera_mp_per_s},
                     {"lidar_mr_per_s", r.lidar_mr_per_s},

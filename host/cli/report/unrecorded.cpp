@@ -34,7 +34,7 @@ Take take_of(const Evaluation& evaluation, const ImageFrame& frame) {
   const Log& log = evaluation.log();
   const LogCamera& camera = log.camera(frame.camera);
   return {&frame,
-          Sensor(scaled_camera(camera.model, evaluation.frames().image_scale), camera.rig_from_camera),
+          Sensor(scaled_camera(camera.model, evaluation.frames().asked.image_scale), camera.rig_from_camera),
           shot_of(log, frame)};
 }
 

@@ -286,6 +286,9 @@ void add_train(Command app, const Globals& globals) {
   add("--max-seconds", command->options.train.max_seconds, "stop training early after this time; 0: never");
   add("--scale", command->options.frames.image_scale, "size of the training pictures over the recorded");
   add("--held-out", command->options.frames.held_out_every, "keep every N-th frame for evaluation; 0: none");
+  add("--held-out-middle",
+      command->options.frames.held_out_middle,
+      "keep the frames of that share of the path, around its middle, for evaluation, too");
   add("--held-out-last",
       command->options.frames.held_out_last,
       "keep the frames of that share of the path, at its end, for evaluation, too");

@@ -60,7 +60,7 @@ class Planner {
  public:
   Planner(const Device& device, const Log& log, const TrainingOptions& options, const DrivenPath& path)
       : device_(device), log_(log), options_(options), path_(path) {
-    own_.frames = all_of(options.frames);
+    own_.frames = nothing_held_out(options.frames);
     own_.init = options.init;
     own_.train = options.train;
     // Not asked of the pieces: it costs more than it would tell, unless no sweep does.

@@ -124,7 +124,7 @@ TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
   const EvalFrames frames = select_eval_frames(log_, scene);
   EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
   EXPECT_EQ(frames.label(), "held-out frames");
-  EXPECT_EQ(frames.image_scale, 0.5);
+  EXPECT_EQ(frames.asked.image_scale, 0.5);
   EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 5}));
   EXPECT_EQ(frames.sweeps, (std::vector<std::size_t>{2, 5}));
   const EvalReport report = Evaluation(Device::best(), scene, log_).run();
@@ -191,6 +191,30 @@ TEST_F(EvaluationTest, TheEndOfThePathIsToldApart) {
   EXPECT_TRUE(third.has(FrameUse::kBeyond));
   EXPECT_EQ(select_eval_frames(log_, scene, {.held_out_every = 2}).kind, FrameKind::kMixed);  // 1, 3, 5
   EXPECT_EQ(select_eval_frames(log_, scene, {.held_out_every = 0}).images.size(), 6U);
+}
+
+TEST_F(EvaluationTest, TheMiddleOfThePathIsToldApart) {
+  // Of six frames along an even path the middle third is 2 and 3.
+  const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = 5, .held_out_middle = 0.3});
+  const EvalFrames frames = select_eval_frames(log_, scene);
+  EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 3, 4}));
+  EXPECT_EQ(frames.image_uses[3], FrameUse::kMiddle);
+  const EvalReport r = Evaluation(Device::best(), scene, log_).run();
+  ASSERT_TRUE(r.between && r.middle && !r.beyond);
+  EXPECT_EQ(r.between->images, 1U);
+  EXPECT_EQ(r.middle->images, 2U);
+  EXPECT_NEAR(r.psnr_db, (r.between->psnr_db + 2.0 * r.middle->psnr_db) / 3.0, 1e-9);
+  const EvalFrames middle = select_eval_frames(log_, scene, {.held_out_middle = 0.3});
+  EXPECT_EQ(middle.images, (std::vector<std::size_t>{2, 3}));
+  EXPECT_EQ(middle.label(), "held-out frames in the middle of the path");
+  // Both stretches and no frame between: two parts, and the label names both.
+  const SceneFile both =
+      trained_on(log_, initial_scene(), {.held_out_every = 0, .held_out_middle = 0.3, .held_out_last = 0.1});
+  const EvalReport parts = Evaluation(Device::best(), both, log_).run();
+  EXPECT_TRUE(!parts.between && parts.middle && parts.beyond);
+  EXPECT_EQ(parts.frames.label(), "held-out frames in the middle and at the end of the path");
+  // What the middle of another path holds is mixed with what this training read.
+  EXPECT_EQ(select_eval_frames(log_, scene, {.held_out_middle = 0.6}).kind, FrameKind::kMixed);
 }
 
 TEST_F(EvaluationTest, RangesShareOutAllReturns) {

@@ -141,6 +141,7 @@ TEST(Options, OfFramesAreCheckedByKey) {
   refused("held_out_every: found 1, allowed 0, or 2 or more", [](auto& o) { o.held_out_every = 1; });
   refused("held_out_every: found -5", [](auto& o) { o.held_out_every = -5; });
   refused("held_out_last: found 1, allowed 0 to 0.9", [](auto& o) { o.held_out_last = 1.0; });
+  refused("held_out_middle: found 1, allowed 0 to 0.9", [](auto& o) { o.held_out_middle = 1.0; });
   refused("held_out_last: found nan", [](auto& o) { o.held_out_last = kNaN; });
   refused("image_scale: found 0, allowed above 0, at most 1", [](auto& o) { o.image_scale = 0.0; });
   refused("image_scale: found nan", [](auto& o) { o.image_scale = kNaN; });
