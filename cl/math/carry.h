@@ -4,12 +4,18 @@
 #include "math/gaussian.h"
 #include "math/sensor.h"
 
-/// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p half-way through the frame;
-/// STANDS in place of a particle: of a point that stands there.
-#define STANDS ((const Gaussian*)0)
+/// In place of a particle, for points that stand where they are. No null pointer: AMD's compiler, whose private one is
+/// not 0, keeps whatever it is compared with in memory.
+FN void stand_still(Gaussian* g) {
+#if ACTORS
+  g->actor.any = 0;
+#endif
+}
+
+/// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p half-way through the frame.
 FN void sensor_from_particle_point(__global const SensorConstants* sensor, const Gaussian* g, const F* p, F t, F* out) {
 #if ACTOR_MOTION
-  if (g != STANDS && g->actor.any) {
+  if (g->actor.any) {
     F turn[9], moved[3];
     actor_turn(&g->actor, t, turn);
     actor_carry(&g->actor, turn, t, p, moved);

@@ -22,7 +22,7 @@ FN F unrolled(__global const SensorConstants* sensor, F x, F anchor) {
 #endif
 }
 
-/// Image at its own time of the point of particle g (or STANDS) that is at o_ref + p half-way, x being unrolled near
+/// Image at its own time of the point of particle g that is at o_ref + p half-way, x being unrolled near
 /// the anchor; the search starts at time t. `valid` is cleared in lanes where the point has no image, or no time was found in
 /// SHUTTER_ITERATIONS looks. A lane that has settled stays as it is: results don't depend on the neighbours.
 FN void project_at_own_time(__global const SensorConstants* sensor,

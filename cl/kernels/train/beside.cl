@@ -89,6 +89,8 @@ __kernel void beside(const FrameParams frame,
     if (is_free[lane]) distance[lane] = FARTHEST;
     for (int c = 0; c < 3; ++c) colour[lane][c] = R(-1.0);
   }
+  Gaussian stands;
+  stand_still(&stands);
   bool goes_on = true;
   for (int look = 0; look < LOOKS && goes_on; ++look) {
     F p[3], q[3], x, y;
@@ -101,7 +103,7 @@ __kernel void beside(const FrameParams frame,
       p[k] += LDV(world_ray + (3 + k) * s + i);
 #endif
     }
-    project_at_own_time(recorded, STANDS, p, (F)(R(0.5) * (real)width), (F)R(0.5), &x, &y, &valid);
+    project_at_own_time(recorded, &stands, p, (F)(R(0.5) * (real)width), (F)R(0.5), &x, &y, &valid);
     valid = AND(valid, AND(AND(x >= R(0.0), x < (F)(real)width), AND(y >= R(0.0), y < (F)(real)height)));
     STV(column, SEL(valid, x, (F)R(0.0)));
     STV(row, SEL(valid, y, (F)R(0.0)));
