@@ -211,8 +211,10 @@ void train_launched(const TrainCommand& command,
                     const Globals& globals,
                     LaunchedRanks& ranks) {
   const auto end = [&ranks](int exit_code, const std::string& line) {
+    // The launcher kills those that are left when one has ended: said before any can be gone.
+    if (ranks.is_first()) std::cerr << "simuli: " << line << std::endl;
     ranks.finish();
-    throw Ended(exit_code, ranks.is_first() ? line : "");
+    throw Ended(exit_code, "");
   };
   try {
     need_same(ranks,
