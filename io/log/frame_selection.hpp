@@ -43,7 +43,7 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
 /// "every 5. frame, the last 20 % of the path": what is held out; empty: nothing.
 [[nodiscard]] std::string held_out_text(const FrameSelection& frames);
 
-/// The same of all frames.
+/// The same selection, but that every frame is trained on.
 [[nodiscard]] FrameSelection nothing_held_out(FrameSelection frames);
 
 /// What a frame is to a training.
