@@ -21,7 +21,7 @@ import numpy as np
 import torch
 
 ALPHA_CUT, TRANSMITTANCE_CUT, ALPHA_MAX = 1 / 255, 1e-4, 0.999
-CAMERA_FILTER_PX2 = 0.3
+CAMERA_FILTER_PX2 = 1 / 12
 SWEEP_S = 0.1
 RAYS_AT_ONCE, PARTICLES_AT_ONCE = 128, 2048  # their products stay in cache
 # Float against double: directions are off by 6e-8, responses at the cut may go the other way.

@@ -226,8 +226,8 @@ Picture picture_of(const Camera& camera, bool moving) {
   picture.shot = test::shot_of(scene_case, camera.width, camera.height);
   picture.shot.camera = camera;
   test::SetRecipe recipe{.count = 500, .low = {-6, -6, -6}, .high = {6, 6, 6}};
-  recipe.scale_min = 0.05;
-  recipe.scale_max = 0.25;
+  recipe.scale_min = 0.12;  // from half of a coarse pixel up
+  recipe.scale_max = 0.28;
   picture.set = test::set_for(scene_case, recipe, 5);
   for (Eigen::Index i = 0; i < picture.set.size(); ++i) {
     auto mean = picture.set.mean().row(i);

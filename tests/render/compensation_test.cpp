@@ -42,6 +42,7 @@ TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
     RenderOptions options = paper_options();
     options.precision = GetParam();
     options.alpha_cut = 1e-6;
+    options.camera_filter_px2 = 0.3;  // wide enough to tell
     const auto alpha = [&](bool compensated) {
       RenderOptions chosen = options;
       chosen.camera_compensation = chosen.lidar_compensation = compensated;

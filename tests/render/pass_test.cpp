@@ -1,5 +1,6 @@
 // What a pass refuses, each with one line of Error{kUsage}, and what it keeps alive.
 #include <algorithm>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <string>
 #include <utility>
@@ -81,8 +82,9 @@ TEST_F(Passes, OutliveTheirRendererRaysAndParticles) {
 TEST_F(Passes, AreNotOfThingsMadeWithOtherOptions) {
   RenderOptions wide, unculled;
   wide.camera_filter_px2 = 1.0;
+  const std::string own = fmt::format("{}", RenderOptions{}.camera_filter_px2);
   unculled.culling = Culling::kOff;
-  refused("rays: camera_filter_px2: found 1, allowed 0.3 as the renderer's",
+  refused("rays: camera_filter_px2: found 1, allowed " + own + " as the renderer's",
           [&] { (void)renderer_.render(camera_set_, picture_.on(device_, wide), picture_.view); });
   refused("rays: culling: found off, allowed on as the renderer's",
           [&] { (void)renderer_.render(lidar_set_, sweep_.on(device_, unculled), sweep_.view); });

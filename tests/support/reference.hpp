@@ -17,13 +17,13 @@
 namespace simuli::reference {
 
 struct Options {
-  double alpha_cut = 1.0 / 255.0;    // contributions below it are left out
-  double transmittance_cut = 1e-4;   // a ray ends when its transmittance is below it
-  double filter_variance_px2 = 0.3;  // camera footprint filter
-  int shutter_iterations = 4;        // looks for a sigma point's own time when the sensor moves
-  bool ignore_box = false;           // the response is not clipped to the unscented box
-  bool per_ray_order = false;        // order by tau of each ray instead of by particle range
-  bool per_ray_features = false;     // SH along each ray instead of towards the particle's centre
+  double alpha_cut = 1.0 / 255.0;           // contributions below it are left out
+  double transmittance_cut = 1e-4;          // a ray ends when its transmittance is below it
+  double filter_variance_px2 = 1.0 / 12.0;  // camera footprint filter: of a square pixel
+  int shutter_iterations = 4;               // looks for a sigma point's own time when the sensor moves
+  bool ignore_box = false;                  // the response is not clipped to the unscented box
+  bool per_ray_order = false;               // order by tau of each ray instead of by particle range
+  bool per_ray_features = false;            // SH along each ray instead of towards the particle's centre
 };
 
 /// A GaussianSet in double, parameters by ParamRow as there: finite differences perturb it directly.

@@ -41,8 +41,8 @@ TEST(CameraFootprint, OfASmallParticleIsItsScaledCovariance) {
   const Footprint f = camera_footprint(small_at({1.0, -0.5, 10.0}));
   const double focal = 60.0;
   const double range2 = 101.25;
-  const double variance = 1e-4 + 0.3 * range2 / (focal * focal);
-  EXPECT_NEAR(f.filter_variance, 0.3 * range2 / (focal * focal), kSingle);
+  const double variance = 1e-4 + range2 / (12.0 * focal * focal);
+  EXPECT_NEAR(f.filter_variance, range2 / (12.0 * focal * focal), kSingle);
   EXPECT_NEAR(f.filtered_scale.x(), std::sqrt(variance), kSingle);
   EXPECT_NEAR(f.mean.x(), 50.0 + 6.0, 0.01);  // the second-order shift is f x s^2 / z^3
   EXPECT_NEAR(f.mean.y(), 40.0 - 3.0, 0.01);

@@ -48,7 +48,7 @@ TEST(Reference, IsotropicParticleHasTheResponseOfItsDistanceFromTheRay) {
   Options options;
   options.ignore_box = true;
   const std::vector<RayResult> results = render(set, sensor, options, kBackground);
-  const double variance = 0.3 * 0.3 + 0.3 * 25.0 / (camera.fx * camera.fx);
+  const double variance = 0.3 * 0.3 + 25.0 / (12.0 * camera.fx * camera.fx);
   int seen = 0;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {

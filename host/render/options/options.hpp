@@ -124,7 +124,7 @@ struct RenderOptions {
   int shutter_iterations = 4;  // where a point's own time isn't found, extents are bounds
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
-  double camera_filter_px2 = 0.3;
+  double camera_filter_px2 = 1.0 / 12.0;  // of a square pixel
   double detail = 0.0;
   double camera_near_m = 0.01;
   bool camera_compensation = false;
