@@ -104,7 +104,7 @@ struct Rig {
   }
   /// Variance of the footprint per squared metre of range.
   [[nodiscard]] double kappa() const {
-    if (kind == SetKind::kCamera) return RenderOptions{}.camera_filter_px2 / (camera.fx * camera.fx);
+    if (kind == SetKind::kCamera) return kPixelVariance_px2 / (camera.fx * camera.fx);
     const double tangent = std::tan(lidar.beam_divergence / 2.0);
     return lidar.divergence_variance * tangent * tangent;
   }

@@ -14,7 +14,7 @@ set(SIMULI_PUBLIC_base
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/scene/pose.hpp host/scene/mounting.hpp host/scene/gaussians.hpp host/scene/appearance.hpp host/scene/actor.hpp
-  host/scene/ray_drop.hpp host/scene/owners/vistas.hpp host/scene/scene.hpp host/scene/owners/occluders.hpp
+  host/scene/ray_drop.hpp host/scene/pixel_footprint.hpp host/scene/owners/vistas.hpp host/scene/scene.hpp host/scene/owners/occluders.hpp
   host/scene/edit.hpp host/scene/owners/moment.hpp)
 set(SIMULI_PUBLIC_sensors
   "Cameras, LiDARs and the paths that carry them."

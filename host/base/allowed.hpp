@@ -10,9 +10,9 @@ namespace simuli {
 struct Allowed {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
-  bool above = false;    // the least itself is not allowed
-  bool or_zero = false;  // 0 is, wherever the bounds are
-  bool even = false;     // even numbers alone
+  bool above = false;                                      // the least itself is not allowed
+  double also = std::numeric_limits<double>::quiet_NaN();  // is, wherever the bounds are
+  bool even = false;                                       // even numbers alone
 
   [[nodiscard]] bool holds(double value) const;
   /// "0 or more", "above 0, at most 1", "0, or 8 to 7200 and even".
@@ -26,10 +26,11 @@ struct Allowed {
 [[nodiscard]] constexpr Allowed above(double least, double most) {
   return {.least = least, .most = most, .above = true};
 }
-[[nodiscard]] constexpr Allowed zero_or(Allowed other) {
-  other.or_zero = true;
+[[nodiscard]] constexpr Allowed either(double also, Allowed other) {
+  other.also = also;
   return other;
 }
+[[nodiscard]] constexpr Allowed zero_or(Allowed other) { return either(0.0, other); }
 [[nodiscard]] constexpr Allowed even(Allowed other) {
   other.even = true;
   return other;

@@ -15,13 +15,13 @@ namespace simuli {
 
 bool Allowed::holds(double value) const {
   if (!std::isfinite(value)) return false;
-  if (or_zero && value == 0.0) return true;
+  if (value == also) return true;
   if (even && std::fmod(value, 2.0) != 0.0) return false;
   return (above ? value > least : value >= least) && value <= most;
 }
 
 std::string Allowed::text() const {
-  std::string text = or_zero ? "0, or " : "";
+  std::string text = std::isnan(also) ? "" : fmt::format("{}, or ", also);
   const bool has_least = std::isfinite(least), has_most = std::isfinite(most);
   if (!has_least && !has_most) {
     text += "any finite number";

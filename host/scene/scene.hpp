@@ -8,6 +8,7 @@
 #include "host/scene/appearance.hpp"
 #include "host/scene/gaussians.hpp"
 #include "host/scene/owners/vistas.hpp"
+#include "host/scene/pixel_footprint.hpp"
 #include "host/scene/ray_drop.hpp"
 
 namespace simuli {
@@ -30,6 +31,8 @@ struct Scene {
   /// drop logit for the LiDAR set (a ray through empty space returns nothing).
   std::array<float, 3> camera_background{0.0F, 0.0F, 0.0F};
   std::array<float, 3> lidar_background{0.0F, -4.0F, 4.0F};
+  /// px^2, variance of a pixel's footprint that the camera set was trained with, and is drawn with.
+  double camera_filter_px2 = kPixelVariance_px2;
 };
 
 }  // namespace simuli

@@ -34,6 +34,9 @@ constexpr int kSceneVersionOfShapes = 2;     // has actors that are not rigid
 constexpr int kSceneVersionOfOccluders = 3;  // has particles behind and instead of actors
 constexpr int kSceneVersionOfVistas = 4;     // has what cameras see from stretches of the path alone
 constexpr int kSceneVersionOfHidden = 5;     // whose actors hide something of it
+constexpr int kSceneVersionOfWidth = 6;      // whose pixels are not as wide as 3DGS takes them
+constexpr const char* kFilterKey = "camera_filter_px2";
+constexpr double kWidestFilter_px2 = 100.0;
 constexpr const char* kSceneName = "scene.json";
 constexpr const char* kCameraName = "camera.ply";
 constexpr const char* kLidarName = "lidar.ply";
@@ -157,7 +160,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     if (format != kSceneFormat) {
       throw_input_error(file, "format", '"' + format + '"', fmt::format("\"{}\"", kSceneFormat));
     }
-    (void)root.integer("version", kSceneVersion, kSceneVersionOfHidden);
+    (void)root.integer("version", kSceneVersion, kSceneVersionOfWidth);
     SceneFile& scene = contents.scene;
     scene.scene.name = root.text("name");
     if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
@@ -166,6 +169,8 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     contents.lidar_set = root.object("lidar_set", read_set);
     scene.scene.camera_background = contents.camera_set.background;
     scene.scene.lidar_background = contents.lidar_set.background;
+    scene.scene.camera_filter_px2 =
+        root.has(kFilterKey) ? root.number(kFilterKey, 0.0, kWidestFilter_px2) : kSplatVariance_px2;
     read_appearance(root, scene.scene);
     read_sensors(root, scene.cameras, scene.lidars);
     if (root.has("ray_drop")) scene.scene.ray_drop = root.objects("ray_drop", read_ray_drop);
@@ -182,6 +187,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
 
 /// The oldest program that can read it knows this one.
 int version_of(const Scene& scene) {
+  if (scene.camera_filter_px2 != kSplatVariance_px2) return kSceneVersionOfWidth;
   const auto hides = [](const Vista& vista) { return !vista.occluders.empty(); };
   if (std::any_of(scene.vistas.begin(), scene.vistas.end(), hides)) return kSceneVersionOfHidden;
   if (!scene.vistas.empty()) return kSceneVersionOfVistas;
@@ -200,6 +206,9 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
             {"origin_m", {origin.x(), origin.y(), origin.z()}},
             {"camera_set", set_to_json(scene.scene.camera, scene.scene.camera_background)},
             {"lidar_set", set_to_json(scene.scene.lidar, scene.scene.lidar_background)}};
+  if (scene.scene.camera_filter_px2 != kSplatVariance_px2) {
+    root[kFilterKey] = scene.scene.camera_filter_px2;
+  }
   add_appearance(root, scene.scene);
   if (!scene.scene.ray_drop.empty()) root["ray_drop"] = to_json(scene.scene.ray_drop);
   if (scene.training) root["training"] = to_json(*scene.training);

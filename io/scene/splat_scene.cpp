@@ -64,6 +64,7 @@ SceneFile scene_of_splats(GaussianSet splats, const fs::path& file, const SplatP
   Scene& scene = out.scene;
   scene.name = name_from(file.stem().string());
   scene.camera = std::move(splats);
+  scene.camera_filter_px2 = kSplatVariance_px2;
   if (!scene.camera.actor.empty()) {
     throw_input_error(
         file.string(), "actor", "particles of actors, in frames of their own", "the scene's folder");

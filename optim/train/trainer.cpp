@@ -229,6 +229,7 @@ Trainer::Trainer(const Device& device,
   if (images_.empty() && sweeps_.empty()) {
     throw_input_error(log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
+  scene_.camera_filter_px2 = renderer_.options().camera_filter_px2;
   prepare_shapes(scene_.actors, options_.actor_shapes);
   if (has_shards()) sum_.emplace(device, Precision::kFloat);
   if (options_.length.automatic) options_.iterations = length_.first();

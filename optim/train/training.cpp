@@ -330,6 +330,7 @@ void Training::end_stretch(StretchScene part, const std::filesystem::path& file)
   if (state.current < state.stretches.size()) return;
   const auto read = [&](std::size_t i) -> const StretchScene& { return state.done.part(i, log_); };
   state.merged = merged(state.done.count(), read, log_.actors, state.parting(options_));
+  state.merged->camera_filter_px2 = camera_filter_px2(options_.train.render);
   state.done = {};
   TrainReport& all = report_.train;
   const HeldOutRule rule(log_, options_.frames);

@@ -89,6 +89,9 @@ TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
   EXPECT_EQ(held_out.err.find("warning"), std::string::npos) << held_out.err;
   const Outcome unlike = eval("s.scene s.log --set render.extent=unscented");
   EXPECT_NE(unlike.err.find("render.extent=unscented (trained with exact)"), std::string::npos) << unlike.err;
+  const Outcome wide = eval("s.scene s.log --set render.camera_filter_px2=0.3");
+  EXPECT_NE(wide.err.find("render.camera_filter_px2=0.3 (trained with 0.0833"), std::string::npos)
+      << wide.err;
   // One frame, however small the step after it would be.
   const Outcome draft = run("render s.scene --quality draft --sensor front --times 0:0:1e-300 -o draft");
   EXPECT_NE(draft.err.find("render.sh_degree=0 (trained with 3)"), std::string::npos) << draft.err;

@@ -96,6 +96,7 @@ TEST(ActorsInALog, AreRefusedWhenTheyAreNone) {
 
 SceneFile scene_with_actors() {
   SceneFile file;
+  file.scene.camera_filter_px2 = kSplatVariance_px2;  // what the first version could read
   file.scene.name = "street";
   file.scene.actors = two_cars();
   file.scene.camera = GaussianSet(SetKind::kCamera, 1, 4);

@@ -27,6 +27,7 @@ SceneFile some_scene() {
     for (Eigen::Index i = 0; i < set->params.size(); ++i)
       set->params.data()[i] = 0.3F + 0.01F * static_cast<float>(i);
   }
+  scene.camera_filter_px2 = kSplatVariance_px2;  // what the first version could read
   scene.camera_background = {0.1F, 0.2F, 0.3F};
   scene.lidar_background = {0.0F, -3.7F, 4.5F};
   scene.ray_drop = {{"top", RayDrop::start()}, {"front", RayDrop::of_logits()}};
@@ -74,6 +75,23 @@ TEST(SceneFolder, OccludersComeBackWithWhatTheyHide) {
   EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 2, 3}));
   written.scene.camera.actor = {0, 2, 4};
   expect_input_error([&] { write_scene(scratch / "wrong", written); }, {"vertex 2: actor", "4", "0 to 3"});
+}
+
+TEST(SceneFolder, SaysHowWideThePixelsWereThatItWasTrainedWith) {
+  const Scratch scratch;
+  SceneFile written = some_scene();
+  write_scene(scratch / "wide", written);
+  const std::string silent = read_file(scratch / "wide" / "scene.json");
+  EXPECT_EQ(silent.find("camera_filter_px2"), std::string::npos);  // as older versions wrote it
+  EXPECT_EQ(read_scene(scratch / "wide").scene.camera_filter_px2, 0.3);
+  written.scene.camera_filter_px2 = kPixelVariance_px2;
+  write_scene(scratch / "own", written);
+  const std::string text = read_file(scratch / "own" / "scene.json");
+  EXPECT_NE(text.find("\"version\": 6"), std::string::npos);
+  EXPECT_EQ(read_scene(scratch / "own").scene.camera_filter_px2, kPixelVariance_px2);
+  write_file_atomically(scratch / "own" / "scene.json",
+                        replaced(text, "\"camera_filter_px2\": 0.0", "\"camera_filter_px2\": -0.0"));
+  expect_input_error([&] { (void)read_scene(scratch / "own"); }, {"camera_filter_px2", "0 to 100"});
 }
 
 TEST(SceneFolder, VistasComeBackWithTheirPaths) {
@@ -182,7 +200,7 @@ TEST(SceneFolder, BadSceneFilesAreRefused) {
   refused("\"sh_degree\": 2", "\"sh_degree\": 2, \"degrees\": 2", {"camera_set", "degrees"});
   refused("\"origin_m\"", "\"origin_cm\"", {"origin"});
   refused("simuli scene", "other scene", {"format", "other scene"});
-  refused("\"version\": 1", "\"version\": 6", {"version", "6", "1 to 5"});
+  refused("\"version\": 1", "\"version\": 7", {"version", "7", "1 to 6"});
   refused("\"gaussians\": 3", "\"gaussians\": 4", {"camera.ply", "3 Gaussians", "4"});
   refused("\"gaussians\": 3", "\"gaussians\": \"3\"", {"camera_set.gaussians"});
   refused("\"sh_degree\": 2", "\"sh_degree\": 1", {"camera.ply", "SH degree", "found 2"});

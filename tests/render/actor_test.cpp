@@ -68,8 +68,7 @@ std::vector<double> brute_transmittance(const GaussianSet& set, const test::Shot
       const Pose middle =
           interpolate(shot.view.scene_from_sensor_start, shot.view.scene_from_sensor_end, 0.5);
       const Vector3d in_scene = actor == 0 ? mean : Vector3d(at(shot.view.actors[actor - 1], 0.5) * mean);
-      const double kappa =
-          camera ? RenderOptions{}.camera_filter_px2 / std::pow(shot.camera.focal_px(), 2) : 0.0;
+      const double kappa = camera ? kPixelVariance_px2 / std::pow(shot.camera.focal_px(), 2) : 0.0;
       const double widen = kappa * (in_scene - middle.translation).squaredNorm();
       const Vector3d scale = ((2.0 * p.segment<3>(kLogScaleRow).transpose().array()).exp() + widen).sqrt();
       const Eigen::Matrix3d unit_from_actor =

@@ -82,7 +82,7 @@ TEST_F(Passes, OutliveTheirRendererRaysAndParticles) {
 TEST_F(Passes, AreNotOfThingsMadeWithOtherOptions) {
   RenderOptions wide, unculled;
   wide.camera_filter_px2 = 1.0;
-  const std::string own = fmt::format("{}", RenderOptions{}.camera_filter_px2);
+  const std::string own = fmt::format("{}", kPixelVariance_px2);
   unculled.culling = Culling::kOff;
   refused("rays: camera_filter_px2: found 1, allowed " + own + " as the renderer's",
           [&] { (void)renderer_.render(camera_set_, picture_.on(device_, wide), picture_.view); });

@@ -55,7 +55,10 @@ std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOpt
     const std::size_t equals = line.find('=');
     if (equals != std::string::npos) trained[line.substr(0, equals)] = line.substr(equals + 1);
   }
+  // What it was trained with may have been left to it, too.
+  trained["render.camera_filter_px2"] = fmt::format("{}", scene.scene.camera_filter_px2);
   RenderOptions own = options;
+  own.camera_filter_px2 = camera_filter_px2(options, scene.scene.camera_filter_px2);
   const Fields fields = fields_of(own);
   for (const Field& field : fields.all()) {
     const auto known = trained.find(field.key);

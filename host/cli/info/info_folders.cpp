@@ -253,6 +253,7 @@ void print_scene(const SceneFile& file, bool json) {
                   {"origin_m", {scene.origin.x(), scene.origin.y(), scene.origin.z()}},
                   {"camera_set", set_json(scene.camera)},
                   {"lidar_set", set_json(scene.lidar)},
+                  {"camera_filter_px2", scene.camera_filter_px2},
                   {"trajectory", trajectory_json(file.world_from_rig)},
                   {"sensors", sensors_json(SensorRig(file))},
                   {"recorded_frames", recorded_json(file.recorded_frames)},
@@ -262,7 +263,9 @@ void print_scene(const SceneFile& file, bool json) {
                   {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
-            << set_text("lidar", scene.lidar) << trajectory_text(file.world_from_rig)
+            << set_text("lidar", scene.lidar)
+            << fmt::format("  pixels widen the camera set by {:.4f} px2\n", scene.camera_filter_px2)
+            << trajectory_text(file.world_from_rig)
             << sensors_text(file.cameras, file.lidars, file.recorded_frames)
             << actors_text(scene.actors, file.world_from_rig, nullptr) << vistas_text(scene)
             << occluders_text(scene);

@@ -5,6 +5,7 @@
 
 #include "host/base/allowed.hpp"
 #include "host/base/precision.hpp"
+#include "host/scene/pixel_footprint.hpp"
 
 namespace simuli {
 
@@ -108,6 +109,10 @@ constexpr void visit_fields(RayMaskSize& o, F&& field) {
         "rows of equally many beams, else of equal intervals of elevation");
 }
 
+/// RenderOptions::camera_filter_px2: what the scene was trained with (Scene::camera_filter_px2), which is
+/// part of what its particles mean; where there is no scene, and in training, kPixelVariance_px2.
+inline constexpr double kOfScene = -1.0;
+
 /// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
 /// unless asked (Quality::kBalanced). They are the paper's but for the extents (paper_options()).
 struct RenderOptions {
@@ -124,7 +129,7 @@ struct RenderOptions {
   int shutter_iterations = 4;  // where a point's own time isn't found, extents are bounds
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
-  double camera_filter_px2 = 1.0 / 12.0;  // of a square pixel
+  double camera_filter_px2 = kOfScene;
   double detail = 0.0;
   double camera_near_m = 0.01;
   bool camera_compensation = false;
@@ -194,8 +199,9 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
   field("render.transmittance_cut", o.transmittance_cut, range(0.0, 0.5), "of 1: a ray is done below it");
   field("render.camera_filter_px2",
         o.camera_filter_px2,
-        range(0.0, 100.0),
-        "px^2, variance of a pixel's footprint");
+        either(kOfScene, range(0.0, 100.0)),
+        "px^2, variance of a pixel's footprint; -1: what the scene was trained with, in training a square "
+        "pixel's 1/12");
   field(
       "render.detail",
       o.detail,
@@ -235,6 +241,12 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         "LiDARs: also the distance at which half the light is gone; trainings never do");
   field.part("", o.ray_mask);
   field.keyless(o.shape);  // follows from the device
+}
+
+/// px^2, of frames with these options in a scene that was trained with `of_scene`.
+[[nodiscard]] constexpr double camera_filter_px2(const RenderOptions& options,
+                                                 double of_scene = kPixelVariance_px2) {
+  return options.camera_filter_px2 == kOfScene ? of_scene : options.camera_filter_px2;
 }
 
 /// The paper's choices: extents from boxes, at which responses are clipped.

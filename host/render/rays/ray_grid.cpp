@@ -160,7 +160,7 @@ RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
   m.time_y = camera.exposure_fraction({0.0, 1.0}) - m.time_c;
   m.time_step = std::abs(m.time_x) + std::abs(m.time_y);
   m.rays_per_rad = camera.focal_px();
-  m.kappa = options.camera_filter_px2 / (camera.focal_px() * camera.focal_px());
+  m.kappa = camera_filter_px2(options) / (camera.focal_px() * camera.focal_px());
   m.t_min = options.camera_near_m;
   m.t_max = 1e6;
   m.period = wraps ? camera.width : 0.0;

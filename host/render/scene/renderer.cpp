@@ -17,6 +17,7 @@ namespace {
 
 RenderOptions resolve(const Device& device, RenderOptions options) {
   validate(options);
+  options.camera_filter_px2 = camera_filter_px2(options);
   if (options.shape.lanes == 0) options.shape = lane_shape_of(device, options.precision);
   const LaneShape& s = options.shape;
   if (s.lanes * s.vectors * s.work_items != SIM_TILE_RAYS) {

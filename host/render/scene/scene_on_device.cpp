@@ -184,7 +184,8 @@ struct SceneOnDevice::State {
 
   /// Renders; everything stays on the device, and with the pass.
   Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request, Drawing what) {
-    const RenderOptions& o = request.options ? *request.options : options;
+    RenderOptions o = request.options ? *request.options : options;
+    o.camera_filter_px2 = camera_filter_px2(o, scene->camera_filter_px2);
     const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
     View view = view_of(*scene, shot, kind);
     view.camera_median = request.camera_median;

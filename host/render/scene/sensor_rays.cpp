@@ -31,7 +31,7 @@ RayMaskSize of_some_rays(RayMaskSize size, const RayGrid& grid) {
 SensorRays::State::State(const Device& on, RayGrid rays, const RenderOptions& options)
     : device(on),
       precision(options.precision),
-      camera_filter_px2(options.camera_filter_px2),
+      camera_filter_px2(simuli::camera_filter_px2(options)),
       camera_near_m(options.camera_near_m),
       culling(options.culling),
       marks(rays.type == SensorType::kLidar && options.culling != Culling::kOff),
@@ -154,10 +154,8 @@ void SensorRays::need_made_with(const RenderOptions& options) const {
   const auto bits = [](Precision p) { return p == Precision::kDouble ? "double" : "float"; };
   need(s.precision == options.precision, "precision", bits(s.precision), bits(options.precision));
   if (s.grid.type == SensorType::kCamera) {
-    need(s.camera_filter_px2 == options.camera_filter_px2,
-         "camera_filter_px2",
-         s.camera_filter_px2,
-         options.camera_filter_px2);
+    const double filter_px2 = camera_filter_px2(options);
+    need(s.camera_filter_px2 == filter_px2, "camera_filter_px2", s.camera_filter_px2, filter_px2);
     need(s.camera_near_m == options.camera_near_m, "camera_near_m", s.camera_near_m, options.camera_near_m);
     return;
   }

@@ -98,6 +98,16 @@ TEST_F(TrainingTest, TheSceneSaysHowItWasMade) {
   EXPECT_FALSE(record.version.empty());
 }
 
+TEST_F(TrainingTest, TheSceneIsDrawnWithTheWidthOfPixelsThatItWasTrainedWith) {
+  TrainingOptions o = options(2);
+  for (const double asked : {kOfScene, 0.3}) {
+    o.train.render.camera_filter_px2 = asked;
+    Training training(Device::best(), log_, o);
+    training.run();
+    EXPECT_EQ(training.result().scene.camera_filter_px2, asked == kOfScene ? kPixelVariance_px2 : asked);
+  }
+}
+
 TEST_F(TrainingTest, AScenesOwnBundleIsNamed) {
   EXPECT_EQ(options(1).train.render.extent, Extent::kExact);  // as `simuli train` does
   TrainingOptions o = options(0);

@@ -294,6 +294,30 @@ TEST(SceneOnDevice, QualitiesShareAScene) {
   EXPECT_THROW(SceneOnDevice(device, test::two_cars(), odd), Error);
 }
 
+TEST(SceneOnDevice, PixelsAreAsWideAsTheSceneWasTrainedWithUnlessAsked) {
+  const Device device = Device::best();
+  const auto with = [&](double of_scene, double asked) {
+    Scene scene = test::two_cars();
+    scene.camera_filter_px2 = of_scene;
+    RenderOptions options;
+    options.camera_filter_px2 = asked;
+    SceneOnDevice on_device(device, std::move(scene), options);
+    return on_device.render(test::camera(), shot_of(test::camera(), 0.1)).results();
+  };
+  const RayResults own = with(0.3, kOfScene);
+  expect_same(own, with(kPixelVariance_px2, 0.3));
+  expect_same(with(kPixelVariance_px2, kOfScene), with(0.3, kPixelVariance_px2));
+  EXPECT_NE(own.transmittance, with(0.3, kPixelVariance_px2).transmittance);
+  // The scene that is looked at may change.
+  Scene other = test::two_cars();
+  other.camera_filter_px2 = 0.3;
+  SceneOnDevice changing(device, test::two_cars());
+  const Shot shot = shot_of(test::camera(), 0.1);
+  (void)changing.render(test::camera(), shot);
+  changing.set_scene(std::move(other));
+  expect_same(changing.render(test::camera(), shot).results(), own);
+}
+
 TEST(SceneOnDevice, PicturesHaveWhatTheirSceneHasBesideParticles) {
   const Device device = Device::best();
   const Sensor camera = test::camera();
