@@ -129,6 +129,10 @@ TEST_F(SplatCli, ImportPlacesASplat) {
   ASSERT_EQ(run("import splat red.ply -o y.scene").exit_code, 0);
   EXPECT_EQ(simuli::read_scene(folder_ / "y.scene").scene.camera.params,
             simuli::read_scene(folder_ / "red.ply").scene.camera.params);
+  // As wide as the programs that make splats take a pixel.
+  for (const char* scene : {"red.ply", "y.scene"})
+    EXPECT_EQ(simuli::read_scene(folder_ / scene).scene.camera_filter_px2, 0.3) << scene;
+  EXPECT_NE(run("info y.scene").out.find("pixels widen the camera set by 0.3000 px2"), std::string::npos);
   expect_failure("import splat red.ply -o y.scene", kInput, "y.scene");
   expect_failure("import splat red.ply -o z.scene --pose 1,2,3", kUsage, "--pose: found \"1,2,3\"");
   expect_failure("import splat red.ply -o z.scene --metres-per-unit 0", kUsage, "--metres-per-unit");
