@@ -14,6 +14,7 @@ inline SceneFile small_scene(const Eigen::Vector3d& origin = Eigen::Vector3d::Ze
   Scene& scene = file.scene;
   scene.name = "small";
   scene.origin = origin;
+  scene.camera_filter_px2 = kSplatVariance_px2;  // its few pixels show the particle whole
   scene.camera = GaussianSet(SetKind::kCamera, 0, 1);
   scene.lidar = GaussianSet(SetKind::kLidar, 0, 1);
   for (GaussianSet* set : {&scene.camera, &scene.lidar}) {

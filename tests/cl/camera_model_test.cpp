@@ -226,8 +226,8 @@ Picture picture_of(const Camera& camera, bool moving) {
   picture.shot = test::shot_of(scene_case, camera.width, camera.height);
   picture.shot.camera = camera;
   test::SetRecipe recipe{.count = 500, .low = {-6, -6, -6}, .high = {6, 6, 6}};
-  recipe.scale_min = 0.12;  // from half of a coarse pixel up
-  recipe.scale_max = 0.28;
+  recipe.scale_min = 0.05;
+  recipe.scale_max = 0.25;
   picture.set = test::set_for(scene_case, recipe, 5);
   for (Eigen::Index i = 0; i < picture.set.size(); ++i) {
     auto mean = picture.set.mean().row(i);
@@ -240,14 +240,16 @@ Picture picture_of(const Camera& camera, bool moving) {
 /// Compares a picture with the reference without boxes, which knows neither tiles nor sigma points.
 void expect_reference(const Picture& picture, std::size_t least_covered) {
   const Device device = Device::best();
-  Renderer renderer(device, paper_options());
+  RenderOptions options = paper_options();
+  options.camera_filter_px2 = kSplatVariance_px2;  // so that what is below a coarse pixel meets its ray
+  Renderer renderer(device, options);
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
   const RayResults results = renderer.render(particles, rays, picture.shot.view).results();
   const auto& background = picture.shot.view.background;
   const auto expected = reference::render(reference::Particles(picture.set),
                                           picture.shot.reference(),
-                                          {.ignore_box = true},
+                                          {.filter_variance_px2 = kSplatVariance_px2, .ignore_box = true},
                                           {static_cast<double>(background[0]),
                                            static_cast<double>(background[1]),
                                            static_cast<double>(background[2])});

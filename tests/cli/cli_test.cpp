@@ -48,7 +48,7 @@ TEST_F(Cli, SetHelpListsKeysWithDefaultsRangesAndMeanings) {
   EXPECT_NE(line_of(train.out, "init.voxel_m").find("m, side of a voxel"), std::string::npos);
   EXPECT_NE(line_of(train.out, "render.extent").find(" exact "), std::string::npos);
   const Outcome draft = run("eval --set help --quality draft");
-  EXPECT_TRUE(std::regex_search(line_of(draft.out, "render.shutter_iterations"), std::regex(" 1 +0 to 64 ")));
+  EXPECT_NE(line_of(draft.out, "render.shutter_iterations").find(" 1          0 to 64"), std::string::npos);
   EXPECT_NE(line_of(draft.out, "render.sh_storage").find(" half "), std::string::npos);
   EXPECT_EQ(line_of(draft.out, "init.voxel_m"), "");
   const Outcome render = run("--json render --set help");
