@@ -49,6 +49,7 @@ typedef real F;
 typedef int I;
 #define LDV(p) (*(p))
 #define STV(p, v) (*(p) = (v))
+#define TO_INTS(v) ((int)(v))
 #define SEL(c, a, b) ((c) ? (a) : (b))
 #define ANY(c) (c)
 #define AND(a, b) ((a) && (b))
@@ -65,6 +66,7 @@ typedef LANES_CAT(int, V) I;
 #endif
 #define LDV(p) LANES_CAT(vload, V)(0, (p))
 #define STV(p, v) LANES_CAT(vstore, V)((v), 0, (p))
+#define TO_INTS(v) LANES_CAT(convert_int, V)(v)
 #define SEL(c, a, b) ((c) ? (a) : (b))
 #define AND(a, b) ((a) & (b))
 #define OR(a, b) ((a) | (b))

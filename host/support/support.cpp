@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -16,34 +17,40 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kPlace = 16, kGrid = 8;  // reals, as in the kernel
-constexpr std::size_t kRun = 4;                // slots told alike
+constexpr std::size_t kPlace = 16;  // reals, as in the kernel
+constexpr std::uint32_t kRun = 4;   // slots told alike
 constexpr double kBoxMargin_m = 0.1;
 
 struct SupportSizes {
-  std::uint64_t slots = 0;
+  std::uint64_t rays = 0;
 };
 struct SupportBuffers : BufferTable<SupportSizes> {
   using BufferTable::BufferTable;
-  Reals sensor{*this, "support_sensor", [](const SupportSizes&) { return 2 * std::uint64_t{kPlace}; }};
-  Reals boxes{*this, "support_boxes", [](const SupportSizes&) { return std::uint64_t{kPlace}; }};
-  Reals views{*this, "support_places", [](const SupportSizes&) { return std::uint64_t{kPlace}; }};
-  Reals grids{*this, "support_grids", [](const SupportSizes&) { return std::uint64_t{kGrid}; }};
+  Reals asked{*this, "support_asked", [](const SupportSizes&) { return 2 * std::uint64_t{kPlace}; }};
   Reals cells{*this, "support_cells", [](const SupportSizes&) { return std::uint64_t{4}; }};
-  Reals trust{*this, "support_trust", [](const SupportSizes&) { return std::uint64_t{10}; }};
-  Reals support{*this, "support", [](const SupportSizes& s) { return s.slots; }};
+  Reals support{*this, "support", [](const SupportSizes& s) { return s.rays; }};
 };
 
 void append_place(std::vector<double>& to,
-                  const Pose& pose,
-                  double factor,
+                  const Eigen::Matrix3d& rotation,
+                  const Eigen::Vector3d& translation,
                   const std::array<double, 4>& behind) {
-  const Eigen::Matrix3d rotation = factor * pose.rotation.toRotationMatrix();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) to.push_back(rotation(row, column));
   }
-  to.insert(to.end(), pose.translation.begin(), pose.translation.end());
+  to.insert(to.end(), translation.begin(), translation.end());
   to.insert(to.end(), behind.begin(), behind.end());
+}
+void append_place(std::vector<double>& to, const Pose& pose, const std::array<double, 4>& behind) {
+  append_place(to, pose.rotation.toRotationMatrix(), pose.translation, behind);
+}
+/// A recorded view, from axes in which lengths were `factor` times theirs then.
+void append_view(std::vector<double>& to, const Pose& view_from_axes, double factor) {
+  const Pose axes_from_view = view_from_axes.inverse();
+  append_place(to,
+               factor * view_from_axes.rotation.toRotationMatrix(),
+               axes_from_view.translation / factor,
+               {1.0, factor});
 }
 
 Pose moved(Pose pose, const Eigen::Vector3d& by_m) {
@@ -85,7 +92,7 @@ Comparison comparison(const SupportRecord& record,
                                static_cast<double>(first_cells[v]),
                                grid.rays_per_rad / rays_now})
       out.grids.push_back(value);
-    append_place(out.places, moved(record.views[v].world_from_view, -centre).inverse(), 1.0, {1.0, 1.0});
+    append_view(out.places, moved(record.views[v].world_from_view, -centre).inverse(), 1.0);
   }
   const std::vector<ActorView> now = actors_during(scene.actors, shot, centre);
   for (std::size_t a = 0; a < now.size(); ++a) {
@@ -93,18 +100,17 @@ Comparison comparison(const SupportRecord& record,
     const Actor& actor = scene.actors[a];
     const Pose pose = interpolate(now[a].scene_from_actor_start, now[a].scene_from_actor_end, 0.5);
     const Eigen::Vector3d half = 0.5 * actor.size_m + Eigen::Vector3d::Constant(kBoxMargin_m);
-    append_place(out.boxes, pose.inverse(), 1.0, {half.x(), half.y(), half.z()});
+    append_place(out.boxes, pose.inverse(), {half.x(), half.y(), half.z()});
     ++out.actors;
     const Actor* const recorded = recorded_actor(record, actor.name, copies);
     for (const std::size_t v : views) {
       const SupportView& view = record.views[v];
       if (recorded == nullptr || !recorded->is_there(view.time_s)) {
-        append_place(out.places, {}, 1.0, {0.0, 1.0});
+        append_place(out.places, {}, {0.0, 1.0});
         continue;
       }
       const double factor = recorded->size_m.x() / actor.size_m.x();
-      append_place(
-          out.places, view.world_from_view.inverse() * recorded->at(view.time_s), factor, {1.0, factor});
+      append_view(out.places, view.world_from_view.inverse() * recorded->at(view.time_s), factor);
     }
   }
   return out;
@@ -112,6 +118,22 @@ Comparison comparison(const SupportRecord& record,
 
 double rays_per_rad_of(const Sensor& sensor) {
   return sensor.is_camera() ? rays_per_rad(sensor.camera()) : rays_per_rad(sensor.lidar());
+}
+
+/// Rows of a camera's pixels that are told alike, so that this is a quarter of a recorded cell.
+std::uint32_t stacked_rows(const SupportRecord& record,
+                           const std::vector<std::size_t>& views,
+                           const Sensor& sensor) {
+  if (!sensor.is_camera()) return 1;
+  double cell_px = std::numeric_limits<double>::infinity();
+  for (const std::size_t v : views) {
+    const SupportGrid& grid = record.sensors[record.views[v].sensor].grid;
+    cell_px = std::min(cell_px, rays_per_rad_of(sensor) / grid.rows_per_unit);
+  }
+  constexpr double kNearly = 0.9;
+  std::uint32_t stack = 1;
+  while (stack < kRun && cell_px * cell_px > kNearly * 4.0 * 2.0 * stack * kRun) stack *= 2;
+  return stack;
 }
 
 }  // namespace
@@ -175,13 +197,23 @@ struct SupportOnDevice::State {
     std::optional<Stage>& stage = precision == Precision::kFloat ? single : twice;
     if (stage) return *stage;
     stage.emplace(device, precision);
-    std::vector<float> cells;
+    std::vector<double> cells;
     cells.reserve(4 * record->cells.size() + 4);
-    for (const SupportCell& c : record->cells) {
-      for (const float value : {c.nearest_m, c.farthest_m, c.log_error, c.log_contrast})
-        cells.push_back(value);
+    for (std::size_t v = 0; v < record->views.size(); ++v) {
+      const SupportSensor& sensor = record->sensors[record->views[v].sensor];
+      const SupportTrust& trust = support_trust(sensor.kind);
+      for (std::size_t i = first_cells[v]; i < first_cells[v] + sensor.grid.cells(); ++i) {
+        const SupportCell& c = record->cells[i];
+        const double nearest = c.nearest_m, farthest = c.farthest_m;
+        const double depth = (farthest - nearest) / std::max(farthest, 1e-6);
+        cells.insert(cells.end(),
+                     {nearest,
+                      farthest,
+                      trust.error * c.log_error + trust.contrast * c.log_contrast + trust.edge * depth,
+                      0.0});
+      }
     }
-    if (cells.empty()) cells.resize(4, 0.0F);
+    if (cells.empty()) cells.resize(4, 0.0);
     stage->buffers.cells.assign(cells);
     return *stage;
   }
@@ -206,47 +238,40 @@ std::vector<float> SupportOnDevice::of(const Frame& frame, const Scene& scene, c
   const Eigen::Vector3d centre = shot.pose_at(0.5).translation;
   const std::vector<std::size_t> views = support_views_around(*s.record, kind, centre);
   const SensorRays& rays = FrameAccess::rays(frame);
-  std::vector<float> out(rays.grid().rays, 0.0F);
-  if (views.empty()) return out;
+  const RayGrid& grid = rays.grid();
+  if (views.empty()) return std::vector<float>(grid.rays, 0.0F);
 
   const RealBuffer& outputs = FrameAccess::buffers(frame).outputs;
   State::Stage& stage = s.stage(outputs.precision());
   SupportBuffers& b = stage.buffers;
   const Comparison with =
       comparison(*s.record, views, s.first_cells, rays_per_rad_of(sensor), shot, centre, scene, copies);
-  std::vector<double> places;
-  append_place(places, moved(shot.world_from_sensor_start, -centre), 1.0, {});
-  append_place(places, moved(shot.world_from_sensor_end, -centre), 1.0, {});
-  b.sensor.assign(places);
-  b.boxes.assign(with.boxes.empty() ? std::vector<double>(kPlace, 0.0) : with.boxes);
-  b.views.assign(with.places);
-  b.grids.assign(with.grids);
+  std::vector<double> asked;
+  append_place(asked, moved(shot.world_from_sensor_start, -centre), {});
+  append_place(asked, moved(shot.world_from_sensor_end, -centre), {});
   const SupportTrust& t = support_trust(kind);
-  b.trust.assign(std::vector<double>{
-      t.constant, t.looks, t.angle, t.scale, t.error, t.contrast, t.edge, t.doubt, t.drop, t.apart});
-  const shared::FrameParams& frame_params = rays.grid().frame;
-  b.support.reserve(frame_params.slots);
-  const std::size_t slots_of_item = kRun * static_cast<std::size_t>(stage.lanes);
-  stage.kernel.run_over((frame_params.slots + slots_of_item - 1) / slots_of_item,
-                        {{"frame", frame_params},
+  asked.insert(asked.end(), {t.constant, t.looks, t.angle, t.scale, t.doubt, t.drop, t.apart, 0.0});
+  for (const std::vector<double>* part : {&with.grids, &with.boxes, &with.places})
+    asked.insert(asked.end(), part->begin(), part->end());
+  b.asked.assign(asked);
+  b.support.reserve(grid.rays);
+  if (grid.without_ray > 0) b.support.fill(0.0);
+  const std::uint32_t stack = stacked_rows(*s.record, views, sensor);
+  const std::size_t slots_of_item = std::size_t{kRun} * stack * static_cast<std::size_t>(stage.lanes);
+  stage.kernel.run_over((grid.frame.slots + slots_of_item - 1) / slots_of_item,
+                        {{"frame", grid.frame},
                          {"actors", with.actors},
                          {"count", static_cast<std::uint32_t>(views.size())},
                          {"drops", std::uint32_t{sensor.is_camera() ? 0U : 1U}},
+                         {"stack", stack},
+                         {"in_rows", std::uint32_t{sensor.is_camera() && grid.without_ray == 0 ? 1U : 0U}},
                          {"sensor_ray", rays.buffers().sensor_ray},
+                         {"ray_of_slot", rays.map().ray_of_slot},
                          {"out", outputs},
-                         {"sensor", b.sensor},
-                         {"boxes", b.boxes},
-                         {"views", b.views},
-                         {"grids", b.grids},
+                         {"asked", b.asked},
                          {"cells", b.cells},
-                         {"trust", b.trust},
                          {"support", b.support}});
-  const std::vector<float> by_slot = b.support.download_float();
-  for (std::size_t slot = 0; slot < frame_params.slots; ++slot) {
-    const std::int32_t ray = rays.grid().ray_of_slot[slot];
-    if (ray >= 0) out[static_cast<std::size_t>(ray)] = by_slot[slot];
-  }
-  return out;
+  return b.support.download_float();
 }
 
 Image SupportOnDevice::image_of(const Frame& frame, const Scene& scene, const ActorCopies& copies) {

@@ -24,7 +24,8 @@ using ActorCopies = std::map<std::string, std::string>;
 /// kSupportRange_m of the truth, or rightly don't: as measured on the demo's street off its path
 /// (docs/METHOD.md section 16). 0 where no recorded frame saw what is shown. The frame stays as it is: its
 /// bits are the same with support and without. Of four neighbours (pixels of a row, firings of a beam) one is
-/// looked up in recorded frames; whether a LiDAR's rays return is told of each by itself.
+/// looked up in recorded frames, of pictures finer than those of up to 4 x 4 pixels, at most a quarter of one
+/// of the record's cells; whether a LiDAR's rays return is told of each by itself.
 class SupportOnDevice {
  public:
   /// Error{kUsage} without a record: the scene was trained before there were any, or not at all.

@@ -3,14 +3,12 @@
 
 #if V == 1
 #define TO_FLOATS(v) ((float)(v))
-#define TO_INTS(v) ((int)(v))
 #define BYTES_FROM(v) ((uchar)(v))
 typedef float Floats;
 typedef int Ints;
 typedef uchar Bytes;
 #else
 #define TO_FLOATS(v) LANES_CAT(convert_float, V)(v)
-#define TO_INTS(v) LANES_CAT(convert_int, V)(v)
 #define BYTES_FROM(v) LANES_CAT(convert_uchar, V)(v)
 typedef LANES_CAT(float, V) Floats;
 typedef LANES_CAT(int, V) Ints;

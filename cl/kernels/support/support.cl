@@ -2,14 +2,13 @@
 #include "math/elementary.h"
 #include "shared/layout.h"
 
-// Reals of a place (of the ray's sensor, of a recorded view, of an actor's box): a 3x3 rotation row-major, then a
-// translation, then what each says.
+// Reals of a place (of the ray's sensor, of an actor's box): a 3x3 rotation row-major, then a translation, then what
+// each says. Of a recorded view: the rotation, then where it stood in the axes that it is told from.
 #define PLACE 16
 // Reals of a recorded view's grid: first column, columns per unit, first row, rows per unit, columns, rows, where
 // its cells begin, its rays per radian over those of the sensor now.
 #define GRID 8
-// Reals of a cell: nearest and farthest distance (m), ln of the error, ln of the contrast there.
-#define CELL 4
+#define TRUST 8
 
 #define FAR_M R(1e6)         // where rays that meet nothing end
 #define SAME R(0.03)         // of the distance: what lies that far off a cell's is seen there all the same,
@@ -20,17 +19,28 @@
 #define APART_M R(0.01)      // half of what it tells when a ray's median and mean distance differ by more
 #define LEAST_EXPONENT R(-80.0)
 
-// Neighbours along a slot row that are looked up alike, and which of them is, unless it has no ray.
+// Neighbours along a slot row that are looked up alike, and which of them is, unless it has no ray; with them those of
+// `stack` slot rows.
 #define RUN 4
 #define TELLING 1
+#define ROW_RUNS (SIM_SLOT_ROW / RUN)
+#define SLOT_OF_RUN(run, stack) ((run) / ROW_RUNS * SIM_SLOT_ROW * (stack) + (run) % ROW_RUNS * RUN)
 
 FN int has_ray(__global const real* sensor_ray, uint s, uint slot) {
   return sensor_ray[slot] != R(0.0) || sensor_ray[s + slot] != R(0.0) || sensor_ray[2 * s + slot] != R(0.0);
 }
 
-FN F gathered(__global const real* from, const uint* slot) {
+/// What each run's telling slot has.
+FN F of_runs(__global const real* from, const uint* telling) {
   real each[V];
-  for (uint lane = 0; lane < V; ++lane) each[lane] = from[slot[lane]];
+  for (uint lane = 0; lane < V; ++lane) each[lane] = from[telling[lane]];
+  return LDV(each);
+}
+/// The same where that is slot TELLING of each, from the first slot of the first run on.
+FN F of_whole_runs(__global const real* from, uint stack) {
+  real each[V];
+#pragma unroll
+  for (uint lane = 0; lane < V; ++lane) each[lane] = from[SLOT_OF_RUN(lane, stack) + TELLING];
   return LDV(each);
 }
 
@@ -51,10 +61,10 @@ FN F dot_lanes(const F* a, const F* b) { return fma(a[0], b[0], fma(a[1], b[1], 
 
 /// What views have told of the points so far.
 typedef struct {
-  F looks;     // how many have them
-  F angle;     // the least angle (its chord) between today's ray and one that has them
-  F scale;     // the finest look over today's, at most 1
-  F weight, error, contrast, edge;  // sums by weight
+  F looks;         // how many have them
+  F angle2;        // the least angle (its chord, squared) between today's ray and one that has them
+  F scale;         // the finest look over today's, at most 1
+  F weight, odds;  // sums by weight
 } Told;
 
 /// Adds what one view tells of the points p along d, `range` off; a view of another state of the world has 0 in
@@ -67,102 +77,126 @@ FN void look(__global const real* place,
              const F* d,
              F range,
              Told* told) {
-  F y[3], e[3];
-  place_point(place, p, y);
-  place_vector(place, d, e);
+  F from_view[3], y[3];
+  for (int k = 0; k < 3; ++k) from_view[k] = p[k] - place[9 + k];
+  place_vector(place, from_view, y);
   const F flat2 = fma(y[0], y[0], y[1] * y[1]);
+  const F flat = VMAX(sqrt(flat2), (F)R(1e-9));
   const F away = VMAX(sqrt(fma(y[2], y[2], flat2)), (F)R(1e-6));
+  const F around = VMAX(fabs(y[0]) + fabs(y[1]), (F)R(1e-9));
+  // 1 - cos of the angle between today's ray and the view's, times `away`.
+  const F bend = VMAX(fma(dot_lanes(from_view, d), (F)-place[13], away), (F)R(0.0));
+  const F near = fma(bend, (F)(R(2.0) / (NEAR_ANGLE * NEAR_ANGLE)), away);
+  const F inv_away = R(1.0) / away, along = away / near;
   // Columns along the sides of the square |x| + |y| = 1, from behind by the right to the front: no arctangent.
-  const F side = y[1] / VMAX(fabs(y[0]) + fabs(y[1]), (F)R(1e-9));
+  const F side = y[1] / around;
   const F behind = SEL(y[1] >= R(0.0), R(2.0) - side, -R(2.0) - side);
   const F column = (SEL(y[0] >= R(0.0), side, behind) - grid[0]) * grid[1];
-  const F row = (grid[2] - y[2] / VMAX(sqrt(flat2), (F)R(1e-9))) * grid[3];
+  const F row = (grid[2] - y[2] / flat) * grid[3];
   I seen = AND(AND(column >= R(0.0), column < grid[4]), AND(row >= R(0.0), row < grid[5]));
   seen = AND(seen, on);
   if (!ANY(seen)) return;
-  real at_column[V], at_row[V], lo[V], hi[V], log_error[V], log_contrast[V];
-  STV(at_column, SEL(seen, column, (F)R(0.0)));
-  STV(at_row, SEL(seen, row, (F)R(0.0)));
-  for (int lane = 0; lane < V; ++lane) {
-    const uint cell = (uint)grid[6] + (uint)at_row[lane] * (uint)grid[4] + (uint)at_column[lane];
-    const REAL_VECTOR(4) c = vload4(cell, cells);
+  real lo[V], hi[V], of_cell[V];
+  int cell[V];
+  STV(cell, TO_INTS(SEL(seen, row, (F)R(0.0))) * (int)grid[4] + TO_INTS(SEL(seen, column, (F)R(0.0))));
+#pragma unroll
+  for (uint lane = 0; lane < V; ++lane) {
+    const REAL_VECTOR(4) c = vload4((uint)grid[6] + cell[lane], cells);
     lo[lane] = c.s0;
     hi[lane] = c.s1;
-    log_error[lane] = c.s2;
-    log_contrast[lane] = c.s3;
+    of_cell[lane] = c.s2;
   }
   const F nearest = LDV(lo), farthest = LDV(hi);
   const F gap = VMAX(VMAX(nearest * (R(1.0) - SAME) - away, away - farthest * (R(1.0) + SAME)), (F)R(0.0));
-  const F share = VMIN(gap / (away * OTHER), (F)R(1.0));
+  const F share = VMIN(gap * inv_away * (R(1.0) / OTHER), (F)R(1.0));
   const F left = fma(-share, share, (F)R(1.0));
   const F has = SEL(AND(seen, farthest > R(0.0)), left * left, (F)R(0.0));
-  const F cosine = dot_lanes(y, e) / (away * place[13]);
-  const F angle = sqrt(VMAX(fma(cosine, (F)R(-2.0), (F)R(2.0)), (F)R(0.0)));
-  const F scale = VMIN(range * grid[7] / away, (F)R(1.0));
-  const F off = angle * (R(1.0) / NEAR_ANGLE);
-  const F along = R(1.0) / fma(off, off, (F)R(1.0));
+  const F angle2 = R(2.0) * bend * inv_away;
+  const F scale = VMIN(range * grid[7] * inv_away, (F)R(1.0));
   const F weight = has * fma(along * along, scale, (F)SEEN_ALONE);
   told->looks += has;
-  told->angle = SEL(has > R(0.5), VMIN(told->angle, angle), told->angle);
+  told->angle2 = SEL(has > R(0.5), VMIN(told->angle2, angle2), told->angle2);
   told->scale = VMAX(told->scale, has * scale);
   told->weight += weight;
-  told->error = fma(weight, LDV(log_error), told->error);
-  told->contrast = fma(weight, LDV(log_contrast), told->contrast);
-  const F depth = (farthest - nearest) / VMAX(farthest, (F)R(1e-6));
-  told->edge = fma(weight, depth, told->edge);
+  told->odds = fma(weight, LDV(of_cell), told->odds);
 }
 
-/// What it says of LiDAR rays whether, and from where, they return: of the logarithm of odds.
-FN F return_odds(__global const real* out, uint s, const uint* slot, __global const real* trust) {
-  const F logit = VMAX(VMIN(gathered(out + SIM_O_DROP * s, slot), (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
+/// What it says of V LiDAR rays whether, and from where, they return: of the logarithm of odds. `out`: of the first.
+FN F return_odds(__global const real* out, uint s, __global const real* trust) {
+  const F logit = VMAX(VMIN(LDV(out + SIM_O_DROP * s), (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
   const F drop = R(1.0) / (R(1.0) + exp_lanes(-logit));
-  const F opacity = R(1.0) - gathered(out + SIM_O_TRANSMITTANCE * s, slot);
+  const F opacity = R(1.0) - LDV(out + SIM_O_TRANSMITTANCE * s);
   const I met = opacity > R(0.5);
-  const F mean = gathered(out + SIM_O_DISTANCE * s, slot) / SEL(met, opacity, (F)R(1.0));
-  const F apart = SEL(met, fabs(gathered(out + SIM_O_MEDIAN * s, slot) - mean), (F)R(0.0));
-  const F odds = fma(R(4.0) * drop * (R(1.0) - drop), (F)trust[7], drop * trust[8]);
-  return fma(apart / (apart + APART_M), (F)trust[9], odds);
+  const F mean = LDV(out + SIM_O_DISTANCE * s) / SEL(met, opacity, (F)R(1.0));
+  const F apart = SEL(met, fabs(LDV(out + SIM_O_MEDIAN * s) - mean), (F)R(0.0));
+  const F odds = fma(R(4.0) * drop * (R(1.0) - drop), (F)trust[4], drop * trust[5]);
+  return fma(apart / (apart + APART_M), (F)trust[6], odds);
 }
 
-/// V runs of RUN slots per work-item. Where a ray's light comes from is looked up in the views that were recorded, for
-/// one ray of a run, since cells are no finer; whether a LiDAR's rays return is told of each by itself.
-/// in  sensor_ray[7][slots]; out[6|7][slots] as blended; sensor[2][PLACE]: at the frame's start and end, in the
-///     scene's axes; boxes[actors][PLACE]: to the actor's axes, half its size behind; views[actors + 1][count][PLACE]:
-///     from the scene's axes (of actors: from the actor's) to the view's, 1 behind where it has them at all, then
-///     how many times larger they were;
-///     grids[count][GRID]; cells; trust[10]: of the logarithm of odds, a constant, by looks, angle, scale, error,
-///     contrast, edge, and of LiDARs doubt whether a ray returns, drop, how far median and mean are apart
-/// out support[slots]: in [0, 1]
+/// V runs of RUN slots in each of `stack` slot rows per work-item. Where a ray's light comes from is looked up in the
+/// views that were recorded, for one ray of a run, since cells are no finer; whether a LiDAR's rays return is told of
+/// each by itself.
+/// in  sensor_ray[7][slots]; ray_of_slot[slots], -1: none; out[6|7][slots] as blended;
+///     asked: sensor[2][PLACE]: at the frame's start and end, in the scene's axes; trust[8]: of the logarithm of odds a
+///     constant, by looks, angle, scale, and of LiDARs doubt whether a ray returns, drop, how far median and mean are
+///     apart; grids[count][GRID]; boxes[actors][PLACE]: to the actor's axes, half its size behind;
+///     views[actors + 1][count][PLACE]: from the scene's axes (of actors: from the actor's) to the view's, 1 behind
+///     where it has them at all, then how many times larger they were;
+///     cells[][4]: nearest and farthest distance (m), what its error, contrast and depth add to the logarithm of odds
+/// out support[rays]: in [0, 1], of those that have a slot
 __kernel void support(const FrameParams frame,
                       const uint actors,
                       const uint count,
                       const uint drops,
+                      const uint stack,
+                      const uint in_rows,
                       __global const real* sensor_ray,
+                      __global const int* ray_of_slot,
                       __global const real* out,
-                      __global const real* sensor,
-                      __global const real* boxes,
-                      __global const real* views,
-                      __global const real* grids,
+                      __global const real* asked,
                       __global const real* cells,
-                      __global const real* trust,
                       __global real* support) {
-  const uint begin = get_global_id(0) * V * RUN;
+  const uint first_run = get_global_id(0) * V;
   const uint s = frame.slots;
-  if (begin >= s) return;
-  uint slot[V];
-  for (uint lane = 0; lane < V; ++lane) {
-    // The last run again where there are no more.
-    const uint run = min(begin + lane * RUN, s - RUN);
-    slot[lane] = run + TELLING;
-    for (uint k = 0; k < RUN && !has_ray(sensor_ray, s, slot[lane]); ++k) slot[lane] = run + k;
+  const uint runs = s / (RUN * stack);
+  if (first_run >= runs) return;
+  const uint begin = SLOT_OF_RUN(first_run, stack);
+  __global const real* sensor = asked;
+  __global const real* trust = sensor + 2 * PLACE;
+  __global const real* grids = trust + TRUST;
+  __global const real* boxes = grids + count * GRID;
+  __global const real* views = boxes + actors * PLACE;
+  F ray[3], origin[3], from[3], to[3], d[3], p[3], t, transmittance, along;
+  I is_one = (I)0;
+  const uint telling_row = begin + stack / 2 * SIM_SLOT_ROW;
+  if (first_run + V <= runs) {
+    for (int k = 0; k < 3; ++k) ray[k] = of_whole_runs(sensor_ray + k * s + telling_row, stack);
+    is_one = is_ray(ray[0], ray[1], ray[2]);
   }
-  F ray[3], origin[3], from[3], to[3], d[3], p[3];
-  for (int k = 0; k < 3; ++k) {
-    ray[k] = gathered(sensor_ray + k * s, slot);
-    origin[k] = gathered(sensor_ray + (3 + k) * s, slot);
+  if (!ANY(NOT(is_one))) {
+    for (int k = 0; k < 3; ++k) origin[k] = of_whole_runs(sensor_ray + (3 + k) * s + telling_row, stack);
+    t = of_whole_runs(sensor_ray + 6 * s + telling_row, stack);
+    transmittance = of_whole_runs(out + SIM_O_TRANSMITTANCE * s + telling_row, stack);
+    along = of_whole_runs(out + SIM_O_DISTANCE * s + telling_row, stack);
+  } else {
+    uint telling[V];
+    for (uint lane = 0; lane < V; ++lane) {
+      // The last run again where there are no more.
+      const uint run = SLOT_OF_RUN(min(first_run + lane, runs - 1), stack);
+      telling[lane] = run + stack / 2 * SIM_SLOT_ROW + TELLING;
+      for (uint k = 0; k < RUN * stack && !has_ray(sensor_ray, s, telling[lane]); ++k) {
+        telling[lane] = run + k / RUN * SIM_SLOT_ROW + k % RUN;
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      ray[k] = of_runs(sensor_ray + k * s, telling);
+      origin[k] = of_runs(sensor_ray + (3 + k) * s, telling);
+    }
+    t = of_runs(sensor_ray + 6 * s, telling);
+    transmittance = of_runs(out + SIM_O_TRANSMITTANCE * s, telling);
+    along = of_runs(out + SIM_O_DISTANCE * s, telling);
+    is_one = is_ray(ray[0], ray[1], ray[2]);
   }
-  const F t = gathered(sensor_ray + 6 * s, slot);
-  const I is_one = is_ray(ray[0], ray[1], ray[2]);
   // Within a frame a sensor turns by so little that the straight way between the two is as good as the arc.
   place_vector(sensor, ray, from);
   place_vector(sensor + PLACE, ray, to);
@@ -170,16 +204,15 @@ __kernel void support(const FrameParams frame,
   const F inv_length = R(1.0) / sqrt(SEL(is_one, dot_lanes(d, d), (F)R(1.0)));
   place_point(sensor, origin, from);
   place_point(sensor + PLACE, origin, to);
-  const F opacity = R(1.0) - gathered(out + SIM_O_TRANSMITTANCE * s, slot);
+  const F opacity = R(1.0) - transmittance;
   const I met = opacity > R(0.5);
-  const F distance = gathered(out + SIM_O_DISTANCE * s, slot) / SEL(met, opacity, (F)R(1.0));
-  const F range = SEL(met, distance, (F)FAR_M);
+  const F range = SEL(met, along / SEL(met, opacity, (F)R(1.0)), (F)FAR_M);
   for (int k = 0; k < 3; ++k) {
     d[k] *= inv_length;
     p[k] = fma(range, d[k], fma(t, to[k] - from[k], from[k]));
   }
 
-  Told told = {(F)R(0.0), (F)R(2.0), (F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
+  Told told = {(F)R(0.0), (F)R(4.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
   I free = is_one;  // of actors, so far
   for (uint a = 0; a < actors; ++a) {
     __global const real* box = boxes + a * PLACE;
@@ -199,25 +232,43 @@ __kernel void support(const FrameParams frame,
     for (uint v = 0; v < count; ++v) look(views + v * PLACE, grids + v * GRID, cells, free, p, d, range, &told);
   }
 
-  const F inv_weight = R(1.0) / VMAX(told.weight, (F)R(1e-9));
-  F odds = (F)trust[0];
+  F odds = fma(told.odds, R(1.0) / VMAX(told.weight, (F)R(1e-9)), (F)trust[0]);
   odds = fma(told.looks / (told.looks + LOOKS), (F)trust[1], odds);
-  odds = fma(told.angle, (F)trust[2], odds);
+  odds = fma(sqrt(told.angle2), (F)trust[2], odds);
   odds = fma(told.scale, (F)trust[3], odds);
-  odds = fma(told.error * inv_weight, (F)trust[4], odds);
-  odds = fma(told.contrast * inv_weight, (F)trust[5], odds);
-  odds = fma(told.edge * inv_weight, (F)trust[6], odds);
   const F at_all = R(1.0) - exp_lanes(VMAX(told.looks * R(-4.0), (F)LEAST_EXPONENT));
   const I known = AND(is_one, told.looks > R(0.0));
+  real odds_of[V], all_of[V];
+  STV(odds_of, odds);
+  STV(all_of, SEL(known, at_all, (F)R(0.0)));
+#pragma unroll
   for (uint k = 0; k < RUN; ++k) {
-    uint own[V];
-    for (uint lane = 0; lane < V; ++lane) own[lane] = slot[lane] / RUN * RUN + k;
-    // Where views look is alike for neighbours; whether and how surely a LiDAR's ray returns is its own.
-    F of_ray = odds;
-    if (drops) of_ray += return_odds(out, s, own, trust);
-    const F clamped = VMAX(VMIN(of_ray, (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
-    real each[V];
-    STV(each, SEL(known, at_all / (R(1.0) + exp_lanes(-clamped)), (F)R(0.0)));
-    for (uint lane = 0; lane < V; ++lane) support[own[lane]] = each[lane];
+    if (first_run + k * V / RUN >= runs) return;
+    real odds_each[V], all_each[V];
+#pragma unroll
+    for (uint lane = 0; lane < V; ++lane) {
+      odds_each[lane] = odds_of[(k * V + lane) / RUN];
+      all_each[lane] = all_of[(k * V + lane) / RUN];
+    }
+    for (uint row = 0; row < stack; ++row) {
+      const uint first = begin + SLOT_OF_RUN(k * V / RUN, stack) + k * V % RUN + row * SIM_SLOT_ROW;
+      // Where views look is alike for neighbours; whether and how surely a LiDAR's ray returns is its own.
+      F of_ray = LDV(odds_each);
+      if (drops) of_ray += return_odds(out + first, s, trust);
+      const F clamped = VMAX(VMIN(of_ray, (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
+      const F found = LDV(all_each) / (R(1.0) + exp_lanes(-clamped));
+      const int ray = ray_of_slot[first];
+      if (in_rows && ray_of_slot[first + V - 1] - ray == V - 1) {
+        if (ray >= 0) STV(support + ray, found);
+        continue;
+      }
+      real each[V];
+      STV(each, found);
+#pragma unroll
+      for (uint lane = 0; lane < V; ++lane) {
+        const int own = ray_of_slot[first + lane];
+        if (own >= 0) support[own] = each[lane];
+      }
+    }
   }
 }

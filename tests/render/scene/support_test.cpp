@@ -189,38 +189,68 @@ class Support : public testing::TestWithParam<bool> {
   [[nodiscard]] static Sensor sensor() { return GetParam() ? still_camera() : still_lidar(); }
 };
 
-TEST_P(Support, IsThatOfASequentialLoopInDouble) {
+/// The slots whose rays share what is looked up for one of them: runs of 4 in each of `stack` slot rows.
+std::vector<std::size_t> alike(std::size_t run, std::size_t stack) {
+  std::vector<std::size_t> slots;
+  for (std::size_t row = 0; row < stack; ++row) {
+    for (std::size_t k = 0; k < 4; ++k) slots.push_back(run + row * SIM_SLOT_ROW + k);
+  }
+  return slots;
+}
+
+/// The kernel against a sequential loop; `stack`: slot rows that share what is looked up.
+void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::size_t stack) {
   RenderOptions twice;
   twice.precision = Precision::kDouble;
   for (const auto& [options, tolerance] : {std::pair{twice, 2e-4}, std::pair{RenderOptions{}, 2e-3}}) {
     SceneOnDevice scene(Device::best(), wall_and_actor(), options);
-    const SupportRecord record = recorded(scene, sensor(), {0.0, 0.3, -0.5, 1.0, -1.5});
+    const SupportRecord record = recorded(scene, recording, {0.0, 0.3, -0.5, 1.0, -1.5});
     SupportOnDevice support = on_device(scene, record);
-    const Frame frame = scene.render(sensor(), shot_beside(sensor(), 0.4, 0.1));
+    const Frame frame = scene.render(sensor, shot_beside(sensor, 0.4, 0.1));
     const std::vector<float> found = support.of(frame, scene.scene());
     const std::vector<Expected> wanted = expected(record, frame, scene.scene());
     ASSERT_EQ(found.size(), wanted.size());
-    std::size_t off = 0, known = 0;
-    // One of four neighbours is looked up for all.
+    std::size_t off = 0, known = 0, compared = 0;
     const RayGrid& grid = FrameAccess::grid(frame);
     const auto ray_at = [&](std::size_t slot) { return grid.ray_of_slot[slot]; };
-    for (std::size_t slot = 1; slot + 2 < grid.ray_of_slot.size(); slot += 4) {
-      if (ray_at(slot) < 0) continue;
-      const Expected& told = wanted[static_cast<std::size_t>(ray_at(slot))];
+    for (std::size_t run = 0; run < grid.ray_of_slot.size(); run += 4) {
+      if (run / SIM_SLOT_ROW % stack != 0) continue;
+      // The second of the middle row's is looked up, or where there is none the first that is one.
+      const std::vector<std::size_t> slots = alike(run, stack);
+      std::size_t telling = slots[stack / 2 * 4 + 1];
+      for (std::size_t k = 0; k < slots.size() && ray_at(telling) < 0; ++k) telling = slots[k];
+      if (ray_at(telling) < 0) continue;
+      const Expected& told = wanted[static_cast<std::size_t>(ray_at(telling))];
       std::size_t run_off = 0;
-      for (std::size_t each = slot - 1; each < slot + 3; ++each) {
-        if (ray_at(each) < 0) continue;
-        const auto i = static_cast<std::size_t>(ray_at(each));
+      for (const std::size_t slot : slots) {
+        if (ray_at(slot) < 0) continue;
+        const auto i = static_cast<std::size_t>(ray_at(slot));
         const double trusted = wanted[i].support(told);
         run_off += std::abs(static_cast<double>(found[i]) - trusted) > tolerance ? 1 : 0;
         known += trusted > 0.01 ? 1 : 0;
+        ++compared;
       }
       off += run_off > 0 ? 1 : 0;
     }
+    EXPECT_EQ(compared, found.size());
     // At the edge of a cell the two may look into neighbours.
-    EXPECT_LE(off, found.size() / 50);
+    EXPECT_LE(off * stack, found.size() / 50);
     EXPECT_GT(known, found.size() / 20);
   }
+}
+
+TEST_P(Support, IsThatOfASequentialLoopInDouble) { expect_as_sequential(sensor(), sensor(), 1); }
+
+TEST(SupportOfFinerPictures, IsLookedUpFourTimesInACell) {
+  const Sensor recording = still_camera();
+  const auto of_size = [&](int width, int height) {
+    return Sensor(recording.camera().resized(width, height), recording.rig_from_sensor());
+  };
+  expect_as_sequential(recording, of_size(36, 24), 1);
+  expect_as_sequential(recording, of_size(72, 48), 2);
+  expect_as_sequential(recording, of_size(96, 64), 4);
+  expect_as_sequential(
+      recording, of_size(201, 131), 4);  // more than four times; its last tiles are not whole
 }
 
 TEST_P(Support, RisesWithLooks) {
