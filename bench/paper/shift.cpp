@@ -107,7 +107,12 @@ class SupportBesideErrors {
     add_curve("support_pixels", reliability(pixels_, kSupportColour), rows);
     add_curve("support_rays", reliability(rays_, kSupportRange_m), rows);
     const LogCamera& camera = log.cameras.front();
-    add_cost("support_pixels", Sensor(camera.model), shot_of(log, log.images.front()), rows);
+    const Shot shot = shot_of(log, log.images.front());
+    add_cost("support_pixels", Sensor(camera.model), shot, rows);
+    for (const int finer : {2, 4}) {
+      const Camera larger = camera.model.resized(finer * camera.model.width, finer * camera.model.height);
+      add_cost(fmt::format("support_pixels/{}_px_wide", larger.width), Sensor(larger), shot, rows);
+    }
     add_cost("support_rays", Sensor(log.lidars.front().model), shot_of(log, log.sweeps.front()), rows);
   }
 
@@ -138,7 +143,7 @@ class SupportBesideErrors {
     }
   }
   /// Of the time of a frame whose results stay on the device.
-  void add_cost(const char* name, const Sensor& sensor, const Shot& shot, std::vector<Row>& rows) {
+  void add_cost(const std::string& name, const Sensor& sensor, const Shot& shot, std::vector<Row>& rows) {
     constexpr int kTimes = 15;
     std::vector<double> frames, supports;
     for (int i = 0; i < kTimes; ++i) {
