@@ -257,9 +257,9 @@ __kernel void support(const FrameParams frame,
       if (drops) of_ray += return_odds(out + first, s, trust);
       const F clamped = VMAX(VMIN(of_ray, (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
       const F found = LDV(all_each) / (R(1.0) + exp_lanes(-clamped));
-      const int ray = ray_of_slot[first];
-      if (in_rows && ray_of_slot[first + V - 1] - ray == V - 1) {
-        if (ray >= 0) STV(support + ray, found);
+      const int first_ray = ray_of_slot[first];
+      if (in_rows && ray_of_slot[first + V - 1] - first_ray == V - 1) {
+        if (first_ray >= 0) STV(support + first_ray, found);
         continue;
       }
       real each[V];
