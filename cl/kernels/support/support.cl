@@ -33,17 +33,10 @@ FN int has_ray(__global const real* sensor_ray, uint s, uint slot) {
 /// What each run's telling slot has.
 FN F of_runs(__global const real* from, const uint* telling) {
   real each[V];
+#pragma unroll
   for (uint lane = 0; lane < V; ++lane) each[lane] = from[telling[lane]];
   return LDV(each);
 }
-/// The same where that is slot TELLING of each, from the first slot of the first run on.
-FN F of_whole_runs(__global const real* from, uint stack) {
-  real each[V];
-#pragma unroll
-  for (uint lane = 0; lane < V; ++lane) each[lane] = from[SLOT_OF_RUN(lane, stack) + TELLING];
-  return LDV(each);
-}
-
 FN void place_point(__global const real* place, const F* p, F* out) {
   for (int k = 0; k < 3; ++k) {
     const F rest = fma(p[2], (F)place[3 * k + 2], (F)place[9 + k]);
@@ -166,37 +159,30 @@ __kernel void support(const FrameParams frame,
   __global const real* grids = trust + TRUST;
   __global const real* boxes = grids + count * GRID;
   __global const real* views = boxes + actors * PLACE;
-  F ray[3], origin[3], from[3], to[3], d[3], p[3], t, transmittance, along;
-  I is_one = (I)0;
-  const uint telling_row = begin + stack / 2 * SIM_SLOT_ROW;
-  if (first_run + V <= runs) {
-    for (int k = 0; k < 3; ++k) ray[k] = of_whole_runs(sensor_ray + k * s + telling_row, stack);
-    is_one = is_ray(ray[0], ray[1], ray[2]);
+  F ray[3], origin[3], from[3], to[3], d[3], p[3];
+  uint telling[V];
+#pragma unroll
+  for (uint lane = 0; lane < V; ++lane) {
+    // The last run again where there are no more.
+    const uint run = min(first_run + lane, runs - 1);
+    telling[lane] = SLOT_OF_RUN(run, stack) + stack / 2 * SIM_SLOT_ROW + TELLING;
   }
-  if (!ANY(NOT(is_one))) {
-    for (int k = 0; k < 3; ++k) origin[k] = of_whole_runs(sensor_ray + (3 + k) * s + telling_row, stack);
-    t = of_whole_runs(sensor_ray + 6 * s + telling_row, stack);
-    transmittance = of_whole_runs(out + SIM_O_TRANSMITTANCE * s + telling_row, stack);
-    along = of_whole_runs(out + SIM_O_DISTANCE * s + telling_row, stack);
-  } else {
-    uint telling[V];
+  for (int k = 0; k < 3; ++k) ray[k] = of_runs(sensor_ray + k * s, telling);
+  I is_one = is_ray(ray[0], ray[1], ray[2]);
+  if (ANY(NOT(is_one))) {
     for (uint lane = 0; lane < V; ++lane) {
-      // The last run again where there are no more.
       const uint run = SLOT_OF_RUN(min(first_run + lane, runs - 1), stack);
-      telling[lane] = run + stack / 2 * SIM_SLOT_ROW + TELLING;
       for (uint k = 0; k < RUN * stack && !has_ray(sensor_ray, s, telling[lane]); ++k) {
         telling[lane] = run + k / RUN * SIM_SLOT_ROW + k % RUN;
       }
     }
-    for (int k = 0; k < 3; ++k) {
-      ray[k] = of_runs(sensor_ray + k * s, telling);
-      origin[k] = of_runs(sensor_ray + (3 + k) * s, telling);
-    }
-    t = of_runs(sensor_ray + 6 * s, telling);
-    transmittance = of_runs(out + SIM_O_TRANSMITTANCE * s, telling);
-    along = of_runs(out + SIM_O_DISTANCE * s, telling);
+    for (int k = 0; k < 3; ++k) ray[k] = of_runs(sensor_ray + k * s, telling);
     is_one = is_ray(ray[0], ray[1], ray[2]);
   }
+  for (int k = 0; k < 3; ++k) origin[k] = of_runs(sensor_ray + (3 + k) * s, telling);
+  const F t = of_runs(sensor_ray + 6 * s, telling);
+  const F opacity = R(1.0) - of_runs(out + SIM_O_TRANSMITTANCE * s, telling);
+  const F along = of_runs(out + SIM_O_DISTANCE * s, telling);
   // Within a frame a sensor turns by so little that the straight way between the two is as good as the arc.
   place_vector(sensor, ray, from);
   place_vector(sensor + PLACE, ray, to);
@@ -204,7 +190,6 @@ __kernel void support(const FrameParams frame,
   const F inv_length = R(1.0) / sqrt(SEL(is_one, dot_lanes(d, d), (F)R(1.0)));
   place_point(sensor, origin, from);
   place_point(sensor + PLACE, origin, to);
-  const F opacity = R(1.0) - transmittance;
   const I met = opacity > R(0.5);
   const F range = SEL(met, along / SEL(met, opacity, (F)R(1.0)), (F)FAR_M);
   for (int k = 0; k < 3; ++k) {
