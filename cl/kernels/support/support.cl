@@ -37,6 +37,7 @@ FN F of_runs(__global const real* from, const uint* telling) {
   for (uint lane = 0; lane < V; ++lane) each[lane] = from[telling[lane]];
   return LDV(each);
 }
+
 FN void place_point(__global const real* place, const F* p, F* out) {
   for (int k = 0; k < 3; ++k) {
     const F rest = fma(p[2], (F)place[3 * k + 2], (F)place[9 + k]);
@@ -135,7 +136,8 @@ FN F return_odds(__global const real* out, uint s, __global const real* trust) {
 ///     apart; grids[count][GRID]; boxes[actors][PLACE]: to the actor's axes, half its size behind;
 ///     views[actors + 1][count][PLACE]: from the scene's axes (of actors: from the actor's) to the view's, 1 behind
 ///     where it has them at all, then how many times larger they were;
-///     cells[][4]: nearest and farthest distance (m), what its error, contrast and depth add to the logarithm of odds
+///     cells[][4]: nearest and farthest distance (m), what its error, contrast and depth add to the logarithm of odds,
+///     0
 /// out support[rays]: in [0, 1], of those that have a slot
 __kernel void support(const FrameParams frame,
                       const uint actors,
@@ -243,6 +245,7 @@ __kernel void support(const FrameParams frame,
       const F clamped = VMAX(VMIN(of_ray, (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
       const F found = LDV(all_each) / (R(1.0) + exp_lanes(-clamped));
       const int first_ray = ray_of_slot[first];
+      // Pictures without holes: between a row's first pixel and its last are all others (checking each costs a tenth).
       if (in_rows && ray_of_slot[first + V - 1] - first_ray == V - 1) {
         if (first_ray >= 0) STV(support + first_ray, found);
         continue;

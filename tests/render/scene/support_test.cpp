@@ -249,8 +249,8 @@ TEST(SupportOfFinerPictures, IsLookedUpFourTimesInACell) {
   expect_as_sequential(recording, of_size(36, 24), 1);
   expect_as_sequential(recording, of_size(72, 48), 2);
   expect_as_sequential(recording, of_size(96, 64), 4);
-  expect_as_sequential(
-      recording, of_size(201, 131), 4);  // more than four times; its last tiles are not whole
+  // More than four times; its last tiles are not whole.
+  expect_as_sequential(recording, of_size(201, 131), 4);
 }
 
 TEST_P(Support, RisesWithLooks) {
