@@ -253,6 +253,27 @@ TEST(SupportOfFinerPictures, IsLookedUpFourTimesInACell) {
   expect_as_sequential(recording, of_size(201, 131), 4);
 }
 
+TEST(SupportOfHoles, IsNoneThoughAPictureBeforeHadSome) {
+  const auto fisheye = [](double max_angle_rad) {
+    Camera camera = still_camera().camera();
+    camera.lens = Lens(LensKind::kOpencvFisheye, {0.0, 0.0, 0.0, 0.0, max_angle_rad});
+    return Sensor(camera, still_camera().rig_from_sensor());
+  };
+  const Sensor whole = fisheye(1.2), narrow = fisheye(0.3);
+  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SupportOnDevice support = on_device(scene, recorded(scene, whole, {0.0}));
+  const std::vector<float> before = support.of(scene.render(whole, at_origin(whole)), scene.scene());
+  const std::vector<float> found = support.of(scene.render(narrow, at_origin(narrow)), scene.scene());
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const int width = narrow.camera().width, x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
+    if (!narrow.camera().unproject({x + 0.5, y + 0.5}).isZero(0.0)) continue;
+    EXPECT_EQ(found[i], 0.0F) << i;
+    known += before[i] > 0.0F ? 1 : 0;
+  }
+  EXPECT_GT(known, 100U);
+}
+
 TEST_P(Support, RisesWithLooks) {
   SceneOnDevice scene(Device::best(), wall_and_actor());
   const Frame frame = scene.render(sensor(), at_origin(sensor()));
