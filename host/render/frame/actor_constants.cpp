@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "cl/shared/sensor_constants.h"
 
 namespace simuli {
