@@ -38,13 +38,13 @@ SeenBefore::SeenBefore(const TracedWorld& street, const std::optional<StreetCar>
   }
 }
 
-SeenBefore::Place SeenBefore::place(const TracedWorld& street,
-                                    const Picture& picture,
-                                    const Vector2d& pixel) {
+SeenBefore::Surface SeenBefore::place(const TracedWorld& street,
+                                      const Picture& picture,
+                                      const Vector2d& pixel) {
   const Vector3d origin = picture.world_from_camera.translation;
   const Vector3d direction =
       (picture.world_from_camera.rotation * picture.camera.unproject(pixel)).normalized();
-  Place out;
+  Surface out;
   out.hit = street.trace(origin, direction, picture.time_s, kSeeFar_m);
   out.time_s = picture.time_s;
   out.at = direction;
@@ -54,7 +54,7 @@ SeenBefore::Place SeenBefore::place(const TracedWorld& street,
   return out;
 }
 
-std::optional<double> SeenBefore::share(const Picture& picture, const Place& place) const {
+std::optional<double> SeenBefore::share(const Picture& picture, const Surface& place) const {
   const Vector3d origin = picture.world_from_camera.translation;
   Vector3d at = place.at;
   if (place.hit.on_car && car_) at += car_->position(picture.time_s) - car_->position(place.time_s);
@@ -92,7 +92,7 @@ std::vector<Seen> SeenBefore::of(const LogCamera& camera,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
           const Vector2d pixel(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);
-          const Place shown = place(street_, here, pixel);
+          const Surface shown = place(street_, here, pixel);
           for (const Picture& picture : pictures_) {
             const std::optional<double> found = share(picture, shown);
             if (found) out[i] = std::max(out[i], *found >= kLeastShare ? Seen::kWell : Seen::kCoarsely);

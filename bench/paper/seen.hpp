@@ -40,17 +40,17 @@ class SeenBefore {
     double time_s = 0.0;
   };
   /// A surface, or the sky, as a pixel of area_m2 on it meets it.
-  struct Place {
+  struct Surface {
     StreetHit hit;
     Eigen::Vector3d at = Eigen::Vector3d::Zero();  // world, m; of the sky the direction to it
     double time_s = 0.0;
     double area_m2 = 0.0;
   };
-  [[nodiscard]] static Place place(const TracedWorld& street,
-                                   const Picture& picture,
-                                   const Eigen::Vector2d& pixel);
+  [[nodiscard]] static Surface place(const TracedWorld& street,
+                                     const Picture& picture,
+                                     const Eigen::Vector2d& pixel);
   /// How many pixels the picture spends on it, of those that are spent there; none: it isn't seen.
-  [[nodiscard]] std::optional<double> share(const Picture& picture, const Place& place) const;
+  [[nodiscard]] std::optional<double> share(const Picture& picture, const Surface& place) const;
 
   const TracedWorld& street_;
   std::optional<StreetCar> car_;

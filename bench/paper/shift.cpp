@@ -15,15 +15,15 @@ namespace simuli::bench {
 namespace {
 
 /// What is other than when the scene was recorded.
-struct Place {
+struct RigPlacement {
   std::string name;
   double left_m = 0.0, up_m = 0.0, turn_deg = 0.0;
   bool other_camera = false, other_lidar = false;
   bool is_shown = false;
 };
 
-std::vector<Place> places() {
-  std::vector<Place> all;
+std::vector<RigPlacement> places() {
+  std::vector<RigPlacement> all;
   for (const double left_m : {0.0, 0.5, 1.0, 2.0, 3.0, -0.5, -1.0, -2.0, -3.0}) {
     const bool is_shown = left_m == 0.0 || left_m == 1.0 || left_m == 3.0;
     all.push_back({.name = fmt::format("left_{}_m", left_m), .left_m = left_m, .is_shown = is_shown});
@@ -39,7 +39,7 @@ std::vector<Place> places() {
   return all;
 }
 
-Trajectory moved(const Trajectory& world_from_rig, const Place& place) {
+Trajectory moved(const Trajectory& world_from_rig, const RigPlacement& place) {
   const double turn_rad = place.turn_deg * std::numbers::pi / 180.0;
   const Pose rig_from_moved{Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ())),
                             {0.0, place.left_m, place.up_m}};
@@ -49,7 +49,7 @@ Trajectory moved(const Trajectory& world_from_rig, const Place& place) {
 }
 
 /// The log of the same drive as it would have been recorded there.
-Log record(const Street& street, Log log, const Place& place, const std::filesystem::path& folder) {
+Log record(const Street& street, Log log, const RigPlacement& place, const std::filesystem::path& folder) {
   log.folder = folder;
   log.world_from_rig = moved(log.world_from_rig, place);
   LogCamera& camera = log.cameras.front();
@@ -79,7 +79,7 @@ SeenErrors errors_by_seen(const SeenBefore& seen_before, const Log& there, Evalu
 }
 
 /// Whether support's constants were fitted to what is seen from there.
-bool is_fitted(const Place& place) { return place.name == "left_0_m"; }
+bool is_fitted(const RigPlacement& place) { return place.name == "left_0_m"; }
 
 /// Support beside true errors, over all places but those fitted to.
 class SupportBesideErrors {
@@ -87,7 +87,7 @@ class SupportBesideErrors {
   SupportBesideErrors(const Device& device, const SceneFile& scene)
       : device_(device), scene_(device, borrowed(scene.scene)), support_(device, scene.support) {}
 
-  void add(const Place& place, const Log& log, std::vector<Row>& rows) {
+  void add(const RigPlacement& place, const Log& log, std::vector<Row>& rows) {
     constexpr std::size_t kEvery = 4, kStep = 5;  // frames; pixels and rays
     SupportSamples pixels, rays;
     for (std::size_t i = 0; i < log.images.size() && !place.other_lidar; i += kEvery) {
@@ -190,7 +190,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
   ShiftResult result;
   SupportBesideErrors support(device, scene);
   const EvalOptions all{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};
-  for (const Place& place : places()) {
+  for (const RigPlacement& place : places()) {
     const Log there = record(world, log, place, scratch.path() / place.name);
     Evaluation evaluation(device, scene, there, all);
     const EvalReport report = evaluation.run();

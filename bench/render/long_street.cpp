@@ -149,13 +149,13 @@ class LongDrive {
   double length_m_;
 };
 
-class Place {
+class StreetPosition {
  public:
-  Place(Renderers& renderers,
-        const SensorRays& rays,
-        const SensorRays& detail_rays,
-        const Street& street,
-        double share)
+  StreetPosition(Renderers& renderers,
+                 const SensorRays& rays,
+                 const SensorRays& detail_rays,
+                 const Street& street,
+                 double share)
       : renderers_(renderers),
         rays_(rays),
         detail_rays_(detail_rays),
@@ -273,10 +273,10 @@ std::vector<Row> run_long_street(const std::string& device_request,
     const SensorRays rays = bench_rays(device, kind, renderers.usual.options());
     const SensorRays detail_rays = bench_rays(device, kind, renderers.detail.options());
     const Street usual(device, kind, options, kShort_m);
-    Place(renderers, rays, detail_rays, usual, 0.5).add_rows(options.frames, rows);
+    StreetPosition(renderers, rays, detail_rays, usual, 0.5).add_rows(options.frames, rows);
     const Street street(device, kind, options, options.length_m);
     for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-      Place(renderers, rays, detail_rays, street, share).add_rows(options.frames, rows);
+      StreetPosition(renderers, rays, detail_rays, street, share).add_rows(options.frames, rows);
     }
   }
   return rows;

@@ -38,7 +38,7 @@ int run(const std::vector<std::string>& arguments) {
   SessionOptions of_session;
   of_session.scenes = scene_sources({"scene=" + arguments[0]});
   RenderSession session(of_session);
-  const Handlers handlers(session, Hoods(), "");
+  const Handlers handlers(session, EgoMasks(), "");
   ServerOptions of_server;
   of_server.port = 0;
   Server server(handlers, of_server);

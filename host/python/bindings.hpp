@@ -17,24 +17,24 @@ namespace simuli::python {
 
 namespace py = pybind11;
 
-/// Whose turn it is on a device: its calls release the GIL, and another thread may come in between.
-using Turns = std::shared_ptr<std::recursive_mutex>;
+/// Held while a device is used: its calls release the GIL, and another thread may come in between.
+using DeviceMutex = std::shared_ptr<std::recursive_mutex>;
 
 /// Releases the GIL, then waits for the device; for as long as it lives. Recursive, so that a callback of a
 /// training may render.
-class Turn {
+class DeviceLock {
  public:
-  explicit Turn(const Turns& turns) : turns_(turns), lock_(*turns_) {}
+  explicit DeviceLock(const DeviceMutex& mutex) : mutex_(mutex), lock_(*mutex_) {}
 
  private:
   py::gil_scoped_release release_;
-  Turns turns_;
+  DeviceMutex mutex_;
   std::unique_lock<std::recursive_mutex> lock_;
 };
 
 struct PyDevice {
   Device device;
-  Turns turns = std::make_shared<std::recursive_mutex>();
+  DeviceMutex mutex = std::make_shared<std::recursive_mutex>();
 };
 /// None: the best there is; a text: Device::best() of it; or a Device.
 [[nodiscard]] PyDevice device_of(const py::object& device);
@@ -75,13 +75,13 @@ void add_training(py::module_& m);
 /// A frame in Python. Whatever shows its memory keeps it alive.
 class PyFrame : public std::enable_shared_from_this<PyFrame> {
  public:
-  PyFrame(Frame frame, Turns turns) : frame_(std::move(frame)), turns_(std::move(turns)) {}
+  PyFrame(Frame frame, DeviceMutex mutex) : frame_(std::move(frame)), mutex_(std::move(mutex)) {}
   PyFrame(const PyFrame&) = delete;
   PyFrame& operator=(const PyFrame&) = delete;
   ~PyFrame();
 
   [[nodiscard]] const Frame& frame() const { return *frame_; }
-  [[nodiscard]] Turn turn() const { return Turn(turns_); }
+  [[nodiscard]] DeviceLock lock() const { return DeviceLock(mutex_); }
 
   [[nodiscard]] py::object values(const std::string& name);
   [[nodiscard]] py::object points();
@@ -92,7 +92,7 @@ class PyFrame : public std::enable_shared_from_this<PyFrame> {
   [[nodiscard]] std::vector<float> computed(const std::string& name) const;
 
   std::optional<Frame> frame_;
-  Turns turns_;
+  DeviceMutex mutex_;
   std::map<std::string, std::shared_ptr<const std::vector<float>>> computed_;
   std::shared_ptr<const std::vector<Eigen::Vector3d>> points_;
 };

@@ -16,7 +16,7 @@ std::uintptr_t number_of(const void* handle) { return reinterpret_cast<std::uint
 }  // namespace
 
 PyFrame::~PyFrame() {
-  const Turn turn(turns_);
+  const DeviceLock lock(mutex_);
   frame_.reset();
 }
 
@@ -56,7 +56,7 @@ py::object PyFrame::values(const std::string& name) {
   std::vector<py::ssize_t> shape = shape_of(frame().sensor());
   const std::vector<float>* values = nullptr;
   {
-    const Turn turn(turns_);
+    const DeviceLock lock(mutex_);
     if (name == "transmittance") {
       values = &frame().results().transmittance;
     } else if (name == "distance_sum_m") {
@@ -80,7 +80,7 @@ py::object PyFrame::points() {
   std::vector<py::ssize_t> shape = shape_of(frame().sensor());
   shape.push_back(3);
   {
-    const Turn turn(turns_);
+    const DeviceLock lock(mutex_);
     if (!points_) points_ = std::make_shared<const std::vector<Eigen::Vector3d>>(frame().points());
   }
   return array_on(shared_from_this(), points_->data()->data(), std::move(shape));
@@ -88,7 +88,7 @@ py::object PyFrame::points() {
 
 py::dict PyFrame::cloud(const std::string& in) const {
   const auto cloud = [&] {
-    const Turn turn(turns_);
+    const DeviceLock lock(mutex_);
     return std::make_shared<const PointCloud>(
         point_cloud(frame(), {.frame = point_frame(in), .coordinates = ColumnType::kDouble}));
   }();
@@ -107,7 +107,7 @@ py::dict PyFrame::cloud(const std::string& in) const {
 
 py::dict PyFrame::memory() const {
   const simuli_frame_memory m = [&] {
-    const Turn turn(turns_);
+    const DeviceLock lock(mutex_);
     return opencl::memory(frame());
   }();
   py::dict out;
@@ -134,21 +134,21 @@ void add_frames(py::module_& m) {
       .def_property_readonly(
           "is_ready",
           [](const PyFrame& f) {
-            const Turn turn = f.turn();
+            const DeviceLock lock = f.lock();
             return f.frame().is_ready();
           },
           "whether its results can be had without waiting")
       .def(
           "wait",
           [](const PyFrame& f) {
-            const Turn turn = f.turn();
+            const DeviceLock lock = f.lock();
             f.frame().wait();
           },
           "Until the device has made it.")
       .def(
           "fetch",
           [](const PyFrame& f) {
-            const Turn turn = f.turn();
+            const DeviceLock lock = f.lock();
             f.frame().fetch();
           },
           "Starts bringing its results to the host; does not wait.")

@@ -15,7 +15,7 @@ class PyScene {
           const std::string& quality,
           const std::vector<std::string>& settings)
       : device_(device_of(device)) {
-    const Turn turn(device_.turns);
+    const DeviceLock lock(device_.mutex);
     const RenderOptions options = render_options(quality, settings);
     file_ = read_scene(folder);
     rig_ = SensorRig(file_);
@@ -25,7 +25,7 @@ class PyScene {
   PyScene(const PyScene&) = delete;
   PyScene& operator=(const PyScene&) = delete;
   ~PyScene() {
-    const Turn turn(device_.turns);
+    const DeviceLock lock(device_.mutex);
     support_.reset();
     on_device_.reset();
   }
@@ -85,14 +85,14 @@ class PyScene {
     for (std::size_t i = 0; i < times.values.size(); ++i) {
       const auto start = is_placed ? std::optional(poses[i]) : std::nullopt;
       frames.push_back(queue(used, shot_of(used, start, {}, times.values[i], edits), request));
-      const Turn turn(device_.turns);
+      const DeviceLock lock(device_.mutex);
       frames.back()->frame().fetch();
     }
     return frames;
   }
 
   void change(const std::function<void(Scene&)>& f) {
-    const Turn turn(device_.turns);
+    const DeviceLock lock(device_.mutex);
     Scene changed = *scene_;
     f(changed);
     scene_ = std::make_shared<const Scene>(std::move(changed));
@@ -146,7 +146,7 @@ class PyScene {
       to->assign(values.begin(), values.end());
     }
     const auto found = [&] {
-      const Turn turn(device_.turns);
+      const DeviceLock lock(device_.mutex);
       return std::make_shared<const Eigen::MatrixXf>(on_device_->gradients(frame.frame(), given));
     }();
     return on_matrix(found, *found);
@@ -154,7 +154,7 @@ class PyScene {
 
   [[nodiscard]] py::object support(const PyFrame& frame, const ActorCopies& copies) {
     const auto found = [&] {
-      const Turn turn(device_.turns);
+      const DeviceLock lock(device_.mutex);
       if (!support_) support_.emplace(device_.device, file_.support);
       return std::make_shared<const std::vector<float>>(support_->of(frame.frame(), *scene_, copies));
     }();
@@ -233,8 +233,8 @@ class PyScene {
   [[nodiscard]] std::shared_ptr<PyFrame> queue(const Sensor& sensor,
                                                const Shot& shot,
                                                const FrameRequest& request) {
-    const Turn turn(device_.turns);
-    return std::make_shared<PyFrame>(on_device_->render(sensor, shot, request), device_.turns);
+    const DeviceLock lock(device_.mutex);
+    return std::make_shared<PyFrame>(on_device_->render(sensor, shot, request), device_.mutex);
   }
 
   PyDevice device_;

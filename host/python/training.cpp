@@ -17,7 +17,7 @@ py::dict train(const std::string& log,
                const py::object& device) {
   const PyDevice on = device_of(device);
   const TrainReport report = [&] {
-    const Turn turn(on.turns);
+    const DeviceLock lock(on.mutex);
     Training training(on.device, read_log(log), training_options(quality, settings));
     const TrainReport& done = training
                                   .run([&](const TrainStatus& status) {
@@ -101,7 +101,7 @@ py::dict evaluate(const std::string& scene,
                   const py::object& device) {
   const PyDevice on = device_of(device);
   const EvalReport r = [&] {
-    const Turn turn(on.turns);
+    const DeviceLock lock(on.mutex);
     return Evaluation(on.device, read_scene(scene), read_log(log), eval_options(quality, settings)).run();
   }();
   py::dict out;

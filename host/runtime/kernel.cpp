@@ -122,7 +122,7 @@ Kernel::Kernel(const Program& program, std::string name) : program_(program), na
   });
 }
 
-std::uint32_t Kernel::find_place(const char* name, const PassedType& type, bool offered) const {
+std::uint32_t Kernel::find_slot(const char* name, const PassedType& type, bool offered) const {
   const auto found = std::find_if(declaration_->begin(),
                                   declaration_->end(),
                                   [&](const ArgumentDeclaration& argument) { return argument.name == name; });
@@ -153,23 +153,23 @@ std::uint32_t Kernel::find_place(const char* name, const PassedType& type, bool 
   return static_cast<std::uint32_t>(found - declaration_->begin());
 }
 
-std::uint32_t Kernel::place_of(const char* name, const PassedType& type, bool offered) {
-  if (at_ < places_.size() && places_[at_].name == name && places_[at_].type == &type) {
-    return places_[at_++].index;
+std::uint32_t Kernel::slot_of(const char* name, const PassedType& type, bool offered) {
+  if (at_ < slots_.size() && slots_[at_].name == name && slots_[at_].type == &type) {
+    return slots_[at_++].index;
   }
   // Another list than the last time.
   is_complete_ = false;
-  places_.resize(at_);
-  const std::uint32_t index = find_place(name, type, offered);
-  places_.push_back({name, &type, index});
+  slots_.resize(at_);
+  const std::uint32_t index = find_slot(name, type, offered);
+  slots_.push_back({name, &type, index});
   ++at_;
   return index;
 }
 
 void Kernel::need_all() const {
   std::vector<int> bound(declaration_->size(), 0);
-  for (const Place& place : places_) {
-    if (place.index != kUnused) ++bound[place.index];
+  for (const ArgumentSlot& slot : slots_) {
+    if (slot.index != kUnused) ++bound[slot.index];
   }
   for (std::size_t i = 0; i < bound.size(); ++i) {
     if (bound[i] == 1) continue;
@@ -203,7 +203,7 @@ void Kernel::set_memory(std::uint32_t index, const detail::Memory& memory) {
 }
 
 void Kernel::offer(const char* name, const PassedType& type, const detail::Memory& memory) {
-  const std::uint32_t index = place_of(name, type, true);
+  const std::uint32_t index = slot_of(name, type, true);
   if (index != kUnused) set_memory(index, memory);
 }
 
@@ -212,7 +212,7 @@ void Kernel::bind(const Binding& binding) {
     binding.offer_(binding.group_, *this);
     return;
   }
-  const std::uint32_t index = place_of(binding.name_, *binding.type_, false);
+  const std::uint32_t index = slot_of(binding.name_, *binding.type_, false);
   if (binding.memory_ != nullptr) {
     set_memory(index, *binding.memory_);
   } else if (binding.type_ == &detail::kPassedLocal) {
@@ -232,9 +232,9 @@ void Kernel::run(const Range& global, const Range& local, std::initializer_list<
   if (global.empty()) return;
   at_ = 0;
   for (const Binding& binding : arguments) bind(binding);
-  if (!is_complete_ || at_ != places_.size()) {
+  if (!is_complete_ || at_ != slots_.size()) {
     is_complete_ = false;
-    places_.resize(at_);
+    slots_.resize(at_);
     need_all();
     is_complete_ = true;
   }

@@ -155,15 +155,15 @@ class Kernel {
     void operator()(_cl_kernel* kernel) const noexcept;
   };
   /// Where the last list's bindings went, in their order; kUnused: a group's that has no argument here.
-  struct Place {
+  struct ArgumentSlot {
     const char* name = nullptr;
     const detail::PassedType* type = nullptr;
     std::uint32_t index = 0;
   };
   static constexpr std::uint32_t kUnused = 0xffffffffU;
 
-  std::uint32_t place_of(const char* name, const detail::PassedType& type, bool offered);
-  std::uint32_t find_place(const char* name, const detail::PassedType& type, bool offered) const;
+  std::uint32_t slot_of(const char* name, const detail::PassedType& type, bool offered);
+  std::uint32_t find_slot(const char* name, const detail::PassedType& type, bool offered) const;
   void need_all() const;
   void bind(const Binding& binding);
   void set(std::uint32_t index, std::size_t bytes, const void* value);
@@ -175,9 +175,9 @@ class Kernel {
   std::unique_ptr<_cl_kernel, Release> kernel_;
   const KernelDeclaration* declaration_;  // of the program
   std::size_t group_ = 0;                 // of run_over(); 0: not asked yet
-  std::vector<Place> places_;
+  std::vector<ArgumentSlot> slots_;
   std::size_t at_ = 0;        // of the launch under way
-  bool is_complete_ = false;  // places_ has every argument once
+  bool is_complete_ = false;  // slots_ has every argument once
 };
 
 }  // namespace simuli

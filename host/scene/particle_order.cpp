@@ -44,21 +44,21 @@ std::uint64_t coherent_code(const Eigen::RowVector3f& mean) {
 }
 
 std::vector<Eigen::Index> coherent_order(const GaussianSet& set) {
-  struct Place {
+  struct SortKey {
     std::uint32_t actor;
     std::uint64_t code;
-    [[nodiscard]] auto operator<=>(const Place&) const = default;
+    [[nodiscard]] auto operator<=>(const SortKey&) const = default;
   };
-  std::vector<Place> places(static_cast<std::size_t>(set.size()));
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    places[i] = {set.actor.empty() ? 0U : set.actor[i],
-                 coherent_code(set.mean().row(static_cast<Eigen::Index>(i)))};
+  std::vector<SortKey> keys(static_cast<std::size_t>(set.size()));
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    keys[i] = {set.actor.empty() ? 0U : set.actor[i],
+               coherent_code(set.mean().row(static_cast<Eigen::Index>(i)))};
   }
-  std::vector<Eigen::Index> order(places.size());
+  std::vector<Eigen::Index> order(keys.size());
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  if (std::is_sorted(places.begin(), places.end())) return order;
-  std::stable_sort(order.begin(), order.end(), [&places](Eigen::Index a, Eigen::Index b) {
-    return places[static_cast<std::size_t>(a)] < places[static_cast<std::size_t>(b)];
+  if (std::is_sorted(keys.begin(), keys.end())) return order;
+  std::stable_sort(order.begin(), order.end(), [&keys](Eigen::Index a, Eigen::Index b) {
+    return keys[static_cast<std::size_t>(a)] < keys[static_cast<std::size_t>(b)];
   });
   return order;
 }

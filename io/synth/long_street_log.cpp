@@ -31,7 +31,7 @@ void check_long_options(const LongStreetOptions& o) {
   check_street_rig(o);
 }
 
-struct Place {
+struct Mount {
   const char* name;
   double yaw_deg;
   Vector3d at_m;
@@ -41,13 +41,13 @@ struct Place {
 };
 
 std::vector<LogCamera> cameras_of(const LongStreetOptions& o) {
-  const std::array<Place, 4> places{{{"front", 0.0, {1.4, 0.05, 1.5}},
+  const std::array<Mount, 4> places{{{"front", 0.0, {1.4, 0.05, 1.5}},
                                      {"left", 65.0, {1.2, 0.5, 1.5}},
                                      {"right", -65.0, {1.2, -0.5, 1.5}},
                                      {"rear", 180.0, {-1.6, 0.0, 1.4}}}};
   std::vector<LogCamera> cameras;
   for (int i = 0; i < o.cameras; ++i) {
-    const Place& place = places[static_cast<std::size_t>(i)];
+    const Mount& place = places[static_cast<std::size_t>(i)];
     LogCamera camera = street_front_camera(o.image_width, o.image_height, o.rolling_shutter);
     camera.model.name = place.name;
     camera.rig_from_camera = {(place.yaw() * camera.rig_from_camera.rotation).normalized(), place.at_m};
@@ -57,12 +57,12 @@ std::vector<LogCamera> cameras_of(const LongStreetOptions& o) {
 }
 
 std::vector<LogLidar> lidars_of(const LongStreetOptions& o) {
-  const std::array<Place, 3> places{{{"top", 0.0, {0.0, 0.0, 1.9}},
+  const std::array<Mount, 3> places{{{"top", 0.0, {0.0, 0.0, 1.9}},
                                      {"front_low", 0.0, {2.0, 0.0, 0.6}},
                                      {"rear_low", 180.0, {-2.0, 0.0, 0.6}}}};
   std::vector<LogLidar> lidars;
   for (int i = 0; i < o.lidars; ++i) {
-    const Place& place = places[static_cast<std::size_t>(i)];
+    const Mount& place = places[static_cast<std::size_t>(i)];
     LogLidar lidar = street_top_lidar(o.lidar_columns);
     std::visit([&](auto& model) { model.name = place.name; }, lidar.model);
     lidar.rig_from_lidar = {Eigen::Quaterniond(place.yaw()), place.at_m};

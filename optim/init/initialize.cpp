@@ -41,7 +41,7 @@ void add_points(
   const auto time_of = [&](float fraction) { return time_start_s + fraction * (time_end_s - time_start_s); };
   const auto [first, last] =
       std::minmax_element(sweep.rays.time_fraction.begin(), sweep.rays.time_fraction.end());
-  const std::vector<ActorPoints::Place> places = actors.places(time_of(*first), time_of(*last));
+  const std::vector<ActorPoints::ActorBall> places = actors.places(time_of(*first), time_of(*last));
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;  // fired, nothing came back
     const double azimuth = sweep.rays.azimuth[i];

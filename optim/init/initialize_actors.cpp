@@ -146,9 +146,9 @@ Pose ActorPoints::scene_from_actor(std::size_t actor, double time_s) const {
   return pose;
 }
 
-std::vector<ActorPoints::Place> ActorPoints::places(double first_s, double last_s) const {
+std::vector<ActorPoints::ActorBall> ActorPoints::places(double first_s, double last_s) const {
   constexpr double kSlack_m = 1e-3;  // far above what doubles lose
-  std::vector<Place> out;
+  std::vector<ActorBall> out;
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     const std::vector<KeyPose>& track = actors_[i].track;
     if (track.empty()) continue;
@@ -169,7 +169,7 @@ std::vector<ActorPoints::Place> ActorPoints::places(double first_s, double last_
 bool ActorPoints::add(const Eigen::Vector3d& p_scene,
                       double time_s,
                       double intensity,
-                      const std::vector<Place>& places) {
+                      const std::vector<ActorBall>& places) {
   for (const auto& [i, middle, radius_m] : places) {
     if ((p_scene - middle).squaredNorm() > radius_m * radius_m || !actors_[i].is_there(time_s)) continue;
     const Eigen::Vector3d half = half_m(i);

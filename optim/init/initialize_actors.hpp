@@ -29,16 +29,19 @@ class ActorPoints {
               const Eigen::Vector3d& scene_origin);
 
   /// A ball, scene frame, outside of which no return of a while is an actor's.
-  struct Place {
+  struct ActorBall {
     std::size_t actor = 0;
     Eigen::Vector3d middle;
     double radius_m = 0.0;
   };
   /// Of the actors that are there at any time from first_s to last_s, in their order.
-  [[nodiscard]] std::vector<Place> places(double first_s, double last_s) const;
+  [[nodiscard]] std::vector<ActorBall> places(double first_s, double last_s) const;
   /// Takes a return at time_s, a time of the places', if it is in a box or below its lower rim; false: it is
   /// of the background.
-  bool add(const Eigen::Vector3d& p_scene, double time_s, double intensity, const std::vector<Place>& places);
+  bool add(const Eigen::Vector3d& p_scene,
+           double time_s,
+           double intensity,
+           const std::vector<ActorBall>& places);
   /// Ends adding: the points of each actor, in its frame. What a box takes near the ground, as the points
   /// around tell it, goes to `background` instead: a wheel stands on the road.
   void finish(VoxelGrid& background);

@@ -252,7 +252,7 @@ StretchScene read_stretch(const std::filesystem::path& path, const std::string& 
 }
 
 const StretchScene& StretchParts::part(std::size_t index, const Log& log) {
-  const Kept& kept = kept_.at(index);
+  const StoredPart& kept = kept_.at(index);
   if (kept.file.empty()) return kept.part;
   read_ = {};
   read_ = read_stretch(kept.file, kept.settings, log);

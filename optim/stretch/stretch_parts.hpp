@@ -39,12 +39,12 @@ class StretchParts {
   [[nodiscard]] const StretchScene& part(std::size_t index, const Log& log);
 
  private:
-  struct Kept {
+  struct StoredPart {
     StretchScene part;
     std::filesystem::path file;  // empty: it is in memory
     std::string settings;
   };
-  std::vector<Kept> kept_;
+  std::vector<StoredPart> kept_;
   StretchScene read_;
 };
 

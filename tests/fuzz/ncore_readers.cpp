@@ -114,7 +114,7 @@ void read_sensors_of(const Sequence& sequence) {
     JsonObject intrinsics(at->file(), "", attributes);
     const RayGrid grid(lidar_from_intrinsics(intrinsics, name));
     for (const FrameTime& time : Sequence::frames(place)) {
-      const Place frame = place / ("frames/" + std::to_string(time.end_us));
+      const ZarrGroup frame = place / ("frames/" + std::to_string(time.end_us));
       std::size_t left_out = 0;
       Sweep sweep = grid.sweep(read_rays(frame, left_out), time, frame.file(), left_out);
       grid.restore(read_exact(frame), sweep);

@@ -20,7 +20,7 @@ class ServedEdits : public test::Served {
     allow();
   }
   void allow(HandlerOptions options = {.allows_edits = true}) {
-    handlers_ = std::make_unique<Handlers>(*session_, Hoods(), "0123abc", std::move(options));
+    handlers_ = std::make_unique<Handlers>(*session_, EgoMasks(), "0123abc", std::move(options));
   }
   /// 3 m to the left of the car's track.
   [[nodiscard]] std::vector<KeyPose> beside() const {

@@ -201,7 +201,7 @@ TEST_F(ServedFuzz, Sweeps) {
 }
 
 TEST_F(ServedFuzz, Edits) {
-  const Handlers handlers(*session_, Hoods(), "", {.allows_edits = true, .most_more_particles = 1000});
+  const Handlers handlers(*session_, EgoMasks(), "", {.allows_edits = true, .most_more_particles = 1000});
   proto::EditAssetsRequest edits;
   edits.set_scene_id(test::kSceneId);
   proto::ReplaceAssetAction& replace = *edits.add_replace();

@@ -8,7 +8,7 @@
 #include "host/render/scene/readings.hpp"
 #include "host/serve/messages/render_message.hpp"
 #include "io/picture/image.hpp"
-#include "tests/serve/hood_picture.hpp"
+#include "tests/serve/ego_mask_picture.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {

@@ -83,7 +83,7 @@ class Served : public testing::Test {
   void SetUp() override {
     write_scene(scratch_ / "small.scene", served_file());
     session_ = std::make_unique<serve::RenderSession>(options());
-    handlers_ = std::make_unique<serve::Handlers>(*session_, serve::Hoods(), "0123abc");
+    handlers_ = std::make_unique<serve::Handlers>(*session_, serve::EgoMasks(), "0123abc");
     scene_ = session_->open(kSceneId);
     file_ = read_scene(scratch_ / "small.scene");
     rig_ = SensorRig(file_);

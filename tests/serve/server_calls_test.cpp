@@ -42,7 +42,7 @@ TEST_F(ServerTest, CountsWhatItDoes) {
 
 TEST_F(ServerTest, EditsUnderBothNames) {
   handlers_ = std::make_unique<Handlers>(
-      *session_, Hoods(), "", HandlerOptions{.allows_edits = true, .told = {{"max-workers", "4"}}});
+      *session_, EgoMasks(), "", HandlerOptions{.allows_edits = true, .told = {{"max-workers", "4"}}});
   start({});
   const auto nurec = NurecService::NewStub(channel_);
   proto::EditAssetsRequest edits;
@@ -92,7 +92,7 @@ TEST_F(ServerTest, ShutsDownWhereThatIsAllowed) {
 /// Addresses in a list, as simulators take them: calls go to one after the other, and all answer alike.
 TEST_F(ServerTest, ReplicasAreAListOfAddresses) {
   RenderSession second_session(options());
-  const Handlers second_handlers(second_session, Hoods(), "0123abc");
+  const Handlers second_handlers(second_session, EgoMasks(), "0123abc");
   ServerOptions second_options;
   second_options.port = 0;
   const Server second(second_handlers, second_options);

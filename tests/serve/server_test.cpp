@@ -127,7 +127,7 @@ TEST_F(ServerTest, StatusesAreTheProtocols) {
   start({});
   scene_.reset();
   session_ = std::make_unique<RenderSession>(options());
-  handlers_ = std::make_unique<Handlers>(*session_, Hoods(), "");
+  handlers_ = std::make_unique<Handlers>(*session_, EgoMasks(), "");
   start({});
   grpc::ClientContext context;
   proto::AvailableCamerasRequest request;

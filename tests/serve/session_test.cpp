@@ -14,15 +14,15 @@ namespace {
 using test::expect_refusal;
 using Session = test::Served;
 
-TEST(Turns, AreTakenInOrder) {
-  const Turns turns(1);
+TEST(FairQueue, AreTakenInOrder) {
+  const FairQueue turns(1);
   std::vector<int> order;
   std::vector<std::jthread> callers;
   {
-    const Turns::Turn first = turns.take();
+    const FairQueue::Ticket first = turns.take();
     for (int i = 0; i < 5; ++i) {
       callers.emplace_back([&, i] {
-        const Turns::Turn turn = turns.take();
+        const FairQueue::Ticket turn = turns.take();
         order.push_back(i);
       });
       std::this_thread::sleep_for(std::chrono::milliseconds(30));  // until it stands in line
@@ -33,10 +33,10 @@ TEST(Turns, AreTakenInOrder) {
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3, 4}));
 }
 
-TEST(Turns, WhoGivesUpLeavesTheLine) {
-  const Turns turns(2);
-  std::optional<Turns::Turn> one = turns.take();
-  const Turns::Turn two = turns.take();
+TEST(FairQueue, WhoGivesUpLeavesTheLine) {
+  const FairQueue turns(2);
+  std::optional<FairQueue::Ticket> one = turns.take();
+  const FairQueue::Ticket two = turns.take();
   std::atomic<bool> is_given_up = false;
   std::jthread waiting([&] {
     expect_refusal(RefusalKind::kCancelled, "cancelled", [&] {
@@ -50,8 +50,8 @@ TEST(Turns, WhoGivesUpLeavesTheLine) {
   static_cast<void>(turns.take());
 }
 
-TEST(Turns, PlacesAreHadByOneAtATime) {
-  const Turns turns(3);
+TEST(FairQueue, PlacesAreHadByOneAtATime) {
+  const FairQueue turns(3);
   std::array<std::atomic<int>, 3> users{};
   std::atomic<bool> is_shared = false;
   {
@@ -59,7 +59,7 @@ TEST(Turns, PlacesAreHadByOneAtATime) {
     for (int i = 0; i < 8; ++i) {
       callers.emplace_back([&] {
         for (int round = 0; round < 50; ++round) {
-          const Turns::Turn turn = turns.take();
+          const FairQueue::Ticket turn = turns.take();
           if (++users.at(turn.place()) > 1) is_shared = true;
           std::this_thread::yield();
           --users.at(turn.place());

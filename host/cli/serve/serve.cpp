@@ -29,7 +29,7 @@ struct ServeCommand {
   int max_workers = 4;
   int metrics_port = -1;  // none
   double drain_s = 60.0;
-  std::string hoods;
+  std::string ego_masks;
   std::vector<std::string> settings;
 };
 
@@ -51,7 +51,8 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   of_session.render = options_of(globals.quality);
   fields_of(of_session.render).apply(command.settings);
   of_session.cache_size = static_cast<std::size_t>(command.cache_size);
-  const serve::Hoods hoods = command.hoods.empty() ? serve::Hoods() : serve::Hoods(command.hoods);
+  const serve::EgoMasks ego_masks =
+      command.ego_masks.empty() ? serve::EgoMasks() : serve::EgoMasks(command.ego_masks);
   serve::RenderSession session(of_session);
   // Who is told where to ask finds what fits in memory there, and scenes that can't be read are told here.
   const std::size_t first = std::min(session.sources().size(), session.cache_size());
@@ -59,9 +60,9 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   serve::HandlerOptions of_handlers;
   of_handlers.allows_edits = command.allows_edits;
   of_handlers.told = {{"max-workers", fmt::format("{}", command.max_workers)},
-                      {"egocar-hood-dir", command.hoods},
+                      {"egocar-hood-dir", command.ego_masks},
                       {"set", fmt::format("{}", fmt::join(command.settings, " "))}};
-  const serve::Handlers handlers(session, hoods, globals.commit, of_handlers);
+  const serve::Handlers handlers(session, ego_masks, globals.commit, of_handlers);
   serve::ServerOptions of_server = command.server;
   of_server.max_workers = static_cast<std::size_t>(command.max_workers);
   const InterruptionPoint interruption("what was begun is finished; a second signal ends it");
@@ -106,7 +107,7 @@ void add_serve(Command app, const Globals& globals) {
              "with --insecure on --host")
       .range(0, 65535);
   sub.option("--egocar-hood-dir",
-             command->hoods,
+             command->ego_masks,
              "pictures of the own vehicle, with alpha: RIG/CAMERA.png, laid over where requests ask for it");
   sub.flag("--enable-editing-actors",
            command->allows_edits,

@@ -195,13 +195,13 @@ fs::path driver_cache_folder() {
 
 namespace {
 
-struct Kept {
+struct Installed {
   std::mutex mutex;
   std::vector<void (*)()> installs;
 };
 
-Kept& kept() {
-  static Kept all;
+Installed& kept() {
+  static Installed all;
   return all;
 }
 

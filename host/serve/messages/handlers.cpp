@@ -50,8 +50,11 @@ void add_pose(proto_common::Trajectory& trajectory, std::uint64_t time_us, const
 
 }  // namespace
 
-Handlers::Handlers(RenderSession& session, Hoods hoods, std::string commit, HandlerOptions options)
-    : session_(session), hoods_(std::move(hoods)), commit_(std::move(commit)), options_(std::move(options)) {}
+Handlers::Handlers(RenderSession& session, EgoMasks ego_masks, std::string commit, HandlerOptions options)
+    : session_(session),
+      ego_masks_(std::move(ego_masks)),
+      commit_(std::move(commit)),
+      options_(std::move(options)) {}
 
 void Handlers::get_version(proto_common::VersionId& reply) const {
   reply.set_version_id(fmt::format("simuli {}", version()));
@@ -97,7 +100,7 @@ void Handlers::get_available_trajectories(const Call& call,
 }
 
 void Handlers::get_available_ego_masks(proto::AvailableEgoMasksReturn& reply) const {
-  for (const HoodId& id : hoods_.ids()) {
+  for (const EgoMaskId& id : ego_masks_.ids()) {
     proto::EgoMaskId& mask = *reply.add_ego_mask_metadata()->mutable_ego_mask_id();
     mask.set_camera_logical_id(id.camera);
     mask.set_rig_config_id(id.rig);
@@ -175,20 +178,20 @@ std::string Handlers::encoded(Picture& picture) const {
   if (picture.error) std::rethrow_exception(picture.error);
   const Stopwatch watch;
   std::string bytes;
-  if (picture.code.hood) {
-    hoods_.lay_over(picture.under_mask, *picture.code.hood);
+  if (picture.code.ego_mask) {
+    ego_masks_.lay_over(picture.under_mask, *picture.code.ego_mask);
     bytes = serve::encoded(picture.under_mask, picture.code);
   } else {
     const Camera& camera = picture.job->sensor.camera();
     bytes = serve::encoded(std::move(picture.job->bytes), camera.width, camera.height, picture.code);
   }
-  metrics().add_time(Stage::kEncoding, watch.seconds());
+  metrics().add_time(RequestStage::kEncoding, watch.seconds());
   return bytes;
 }
 
 Handlers::Picture Handlers::prepare(const Call& call, const proto::RGBRenderRequest& request) const {
   Picture picture;
-  picture.code = picture_code(request, hoods_);
+  picture.code = picture_code(request, ego_masks_);
   picture.scene = session_.open(request.scene_id(), call.is_given_up);
   const ServedScene& scene = *picture.scene;
   const Camera camera = requested_camera(scene, request);
@@ -210,7 +213,7 @@ void Handlers::render(const Call& call, std::span<Picture> pictures) const {
       Picture& picture = pictures[i];
       if (!picture.job || picture.scene.get() != &scene) continue;
       done[i] = true;
-      if (picture.code.hood) {
+      if (picture.code.ego_mask) {
         picture.job->take = [&picture](const Frame& frame) { picture.under_mask = frame.image(); };
       }
       jobs.push_back(std::move(*picture.job));

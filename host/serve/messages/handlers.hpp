@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/serve/messages/camera_message.hpp"
-#include "host/serve/session/hoods.hpp"
+#include "host/serve/session/ego_masks.hpp"
 #include "host/serve/session/render_session.hpp"
 
 namespace simuli::serve {
@@ -30,7 +30,7 @@ struct HandlerOptions {
 class Handlers {
  public:
   /// `commit`: of the program, may be empty. The session outlives this.
-  Handlers(RenderSession& session, Hoods hoods, std::string commit, HandlerOptions options = {});
+  Handlers(RenderSession& session, EgoMasks ego_masks, std::string commit, HandlerOptions options = {});
 
   void get_version(proto_common::VersionId& reply) const;
   void get_available_scenes(proto_common::AvailableScenesReturn& reply) const;
@@ -84,7 +84,7 @@ class Handlers {
   void render(const Call& call, std::span<Picture> pictures) const;
 
   RenderSession& session_;
-  Hoods hoods_;
+  EgoMasks ego_masks_;
   std::string commit_;
   HandlerOptions options_;
 };

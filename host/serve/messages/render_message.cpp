@@ -66,7 +66,7 @@ Camera requested_camera(const ServedScene& scene, const proto::RGBRenderRequest&
   return camera.width == columns && camera.height == rows ? camera : camera.resized(columns, rows);
 }
 
-PictureCode picture_code(const proto::RGBRenderRequest& request, const Hoods& hoods) {
+PictureCode picture_code(const proto::RGBRenderRequest& request, const EgoMasks& ego_masks) {
   PictureCode code;
   code.format = request.image_format();
   const auto found = [&] { return fmt::format("{}", static_cast<int>(request.image_format())); };
@@ -90,8 +90,8 @@ PictureCode picture_code(const proto::RGBRenderRequest& request, const Hoods& ho
   }
   if (quality > 0.0F) code.quality = std::max(1, static_cast<int>(std::lround(quality)));
   if (!request.insert_ego_mask()) return code;
-  code.hood = HoodId{request.ego_mask_id().rig_config_id(), request.ego_mask_id().camera_logical_id()};
-  hoods.need(*code.hood);
+  code.ego_mask = EgoMaskId{request.ego_mask_id().rig_config_id(), request.ego_mask_id().camera_logical_id()};
+  ego_masks.need(*code.ego_mask);
   return code;
 }
 

@@ -7,7 +7,7 @@
 #include "host/render/outputs/picture_bytes.hpp"
 #include "host/render/scene/frame.hpp"
 #include "host/serve/messages/shot_message.hpp"
-#include "host/serve/session/hoods.hpp"
+#include "host/serve/session/ego_masks.hpp"
 
 namespace simuli::serve {
 
@@ -25,11 +25,11 @@ inline constexpr double kMostPixelsTogether = 4.0 * kMostPixels;
 struct PictureCode {
   proto::ImageFormat format = proto::PNG;
   int quality = 95;  // of JPEG
-  std::optional<HoodId> hood;
+  std::optional<EgoMaskId> ego_mask;
 };
 /// Refusal{kInvalid}, Refusal{kUnimplemented} for formats that are not written, Refusal{kNotFound} for a mask
 /// that there is not.
-[[nodiscard]] PictureCode picture_code(const proto::RGBRenderRequest& request, const Hoods& hoods);
+[[nodiscard]] PictureCode picture_code(const proto::RGBRenderRequest& request, const EgoMasks& ego_masks);
 
 /// Pictures without a mask are bytes when they leave the device.
 [[nodiscard]] PixelOrder order_of(const PictureCode& code);

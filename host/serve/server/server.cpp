@@ -72,7 +72,7 @@ struct End {
 template <class Base>
 class Sensorsim final : public Base::Service {
  public:
-  Sensorsim(const Handlers& handlers, const Turns& workers, SharedWork& rendering, End& end)
+  Sensorsim(const Handlers& handlers, const FairQueue& workers, SharedWork& rendering, End& end)
       : handlers_(handlers), workers_(workers), rendering_(rendering), end_(end) {}
 
   Status get_version(ServerContext* /*c*/,
@@ -202,8 +202,8 @@ class Sensorsim final : public Base::Service {
   template <class Work>
   void in_turn(const Call& call, const Work& work) const {
     const Stopwatch watch;
-    const Turns::Turn worker = workers_.take(call.is_given_up);
-    handlers_.metrics().add_time(Stage::kWorkerWait, watch.seconds());
+    const FairQueue::Ticket worker = workers_.take(call.is_given_up);
+    handlers_.metrics().add_time(RequestStage::kWorkerWait, watch.seconds());
     need_wanted(call.is_given_up);
     work(call);
   }
@@ -233,7 +233,7 @@ class Sensorsim final : public Base::Service {
   }
 
   const Handlers& handlers_;
-  const Turns& workers_;
+  const FairQueue& workers_;
   SharedWork& rendering_;
   End& end_;
 };
@@ -281,7 +281,7 @@ struct Server::Impl {
 
   const Handlers& handlers;
   ServerOptions options;
-  Turns workers;
+  FairQueue workers;
   SharedWork rendering;  // by either name
   End end;
   Sensorsim<NreService> nre;
@@ -332,7 +332,7 @@ std::string Server::address() const { return address_of(impl_->options.host, imp
 bool Server::is_shut_down_asked_for() const { return impl_->end.is_asked_for; }
 
 std::string Server::metrics() const {
-  const Turns& workers = impl_->workers;
+  const FairQueue& workers = impl_->workers;
   std::vector<Gauge> gauges = impl_->handlers.gauges();
   gauges.push_back({"simuli_requests_waiting",
                     "Requests that wait for a worker.",

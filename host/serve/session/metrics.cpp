@@ -47,7 +47,7 @@ void Metrics::count_call(const std::string& call,
   of_call.reply_bytes += reply_bytes;
 }
 
-void Metrics::add_time(Stage stage, double seconds) {
+void Metrics::add_time(RequestStage stage, double seconds) {
   const std::lock_guard lock(mutex_);
   stages_[static_cast<std::size_t>(stage)].add(seconds);
 }

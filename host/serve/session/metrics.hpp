@@ -10,7 +10,7 @@
 namespace simuli::serve {
 
 /// Where the time of a request goes.
-enum class Stage { kWorkerWait, kSceneRead, kDeviceWait, kRendering, kEncoding };
+enum class RequestStage { kWorkerWait, kSceneRead, kDeviceWait, kRendering, kEncoding };
 
 /// Durations in s, by how long they are.
 class Histogram {
@@ -41,7 +41,7 @@ class Metrics {
                   const std::string& status,
                   double seconds,
                   std::uint64_t reply_bytes);
-  void add_time(Stage stage, double seconds);
+  void add_time(RequestStage stage, double seconds);
   void count_frame(bool is_rendered);
   void count_hit();
   void count_load();
@@ -58,7 +58,7 @@ class Metrics {
   };
   mutable std::mutex mutex_;
   std::map<std::string, OfCall> calls_;
-  std::array<Histogram, 5> stages_;  // by Stage
+  std::array<Histogram, 5> stages_;  // by RequestStage
   std::uint64_t rendered_ = 0, failed_ = 0;
   std::uint64_t hits_ = 0, loads_ = 0, evictions_ = 0;
 };

@@ -18,7 +18,7 @@ namespace simuli::serve {
 RenderSession::RenderSession(SessionOptions options)
     : options_(std::move(options)),
       slots_(std::make_shared<std::vector<std::unique_ptr<Slot>>>()),
-      turns_(options_.devices.size()) {
+      queue_(options_.devices.size()) {
   validate(options_.render);
   if (options_.devices.empty()) throw Error(ErrorKind::kUsage, "devices: found none, allowed at least one");
   for (const std::string& request : options_.devices) slots_->push_back(std::make_unique<Slot>(request));
@@ -55,8 +55,8 @@ RenderSession::ScenePtr RenderSession::read(const SceneSource& source) const {
   return owned(std::move(scene));
 }
 
-std::list<RenderSession::Kept> RenderSession::keep_front(Kept scene) {
-  std::list<Kept> dropped;
+std::list<RenderSession::CachedScene> RenderSession::keep_front(CachedScene scene) {
+  std::list<CachedScene> dropped;
   kept_.push_front(std::move(scene));
   while (kept_.size() > std::max<std::size_t>(options_.cache_size, 1)) {
     dropped.splice(dropped.end(), kept_, std::prev(kept_.end()));
@@ -67,18 +67,18 @@ std::list<RenderSession::Kept> RenderSession::keep_front(Kept scene) {
 
 void RenderSession::forget(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  kept_.remove_if([&](const Kept& k) { return k.id == id; });
+  kept_.remove_if([&](const CachedScene& k) { return k.id == id; });
 }
 
 std::shared_future<RenderSession::ScenePtr> RenderSession::keep(const SceneSource& source) {
   std::promise<ScenePtr> promise;
   std::shared_future<ScenePtr> scene;
-  std::list<Kept> dropped;  // goes when nothing is locked any more
+  std::list<CachedScene> dropped;  // goes when nothing is locked any more
   bool is_ours = false;
   {
     const std::lock_guard lock(mutex_);
     const auto kept =
-        std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.id == source.id; });
+        std::find_if(kept_.begin(), kept_.end(), [&](const CachedScene& k) { return k.id == source.id; });
     if (kept != kept_.end()) {
       kept_.splice(kept_.begin(), kept_, kept);
       metrics_.count_hit();
@@ -93,7 +93,7 @@ std::shared_future<RenderSession::ScenePtr> RenderSession::keep(const SceneSourc
     try {
       const Stopwatch watch;
       promise.set_value(read(source));
-      metrics_.add_time(Stage::kSceneRead, watch.seconds());
+      metrics_.add_time(RequestStage::kSceneRead, watch.seconds());
       metrics_.count_load();
     } catch (...) {
       forget(source.id);
@@ -145,7 +145,7 @@ void RenderSession::restore(const std::string& id, const IsGivenUp& is_given_up)
 void RenderSession::replace(const std::string& id, ScenePtr scene, const std::optional<SceneEdit>& edit) {
   std::promise<ScenePtr> promise;
   promise.set_value(std::move(scene));
-  std::list<Kept> dropped;  // goes when mutex_ is free again
+  std::list<CachedScene> dropped;  // goes when mutex_ is free again
   const std::lock_guard lock(mutex_);
   ++edition_;
   if (edit) {
@@ -153,7 +153,8 @@ void RenderSession::replace(const std::string& id, ScenePtr scene, const std::op
   } else {
     edits_.erase(id);
   }
-  const auto kept = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.id == id; });
+  const auto kept =
+      std::find_if(kept_.begin(), kept_.end(), [&](const CachedScene& k) { return k.id == id; });
   if (kept != kept_.end()) dropped.splice(dropped.end(), kept_, kept);
   dropped.splice(dropped.end(), keep_front({id, promise.get_future().share()}));
 }
@@ -169,8 +170,8 @@ std::vector<Gauge> RenderSession::gauges() const {
   return {
       {"simuli_scenes_kept", "Scenes in memory.", number(kept().size())},
       {"simuli_scenes_kept_limit", "Scenes that are kept in memory at most.", number(cache_size())},
-      {"simuli_device_queue", "Requests that wait for a device.", number(turns_.waiting())},
-      {"simuli_device_busy", "Devices that are at work.", number(slots_->size() - turns_.free())},
+      {"simuli_device_queue", "Requests that wait for a device.", number(queue_.waiting())},
+      {"simuli_device_busy", "Devices that are at work.", number(slots_->size() - queue_.free())},
       {"simuli_device_memory_bytes", "Device memory in use behind the last frames.", number(bytes)},
       {"simuli_device_memory_peak_bytes", "The most that was in use.", number(peak_bytes)},
       {"simuli_device_memory_limit_bytes", "What the devices have.", number(limit_bytes)},
@@ -180,7 +181,7 @@ std::vector<Gauge> RenderSession::gauges() const {
 std::vector<std::string> RenderSession::kept() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> ids;
-  for (const Kept& k : kept_) ids.push_back(k.id);
+  for (const CachedScene& k : kept_) ids.push_back(k.id);
   return ids;
 }
 
@@ -208,13 +209,13 @@ void RenderSession::render_on_one(ServedScene& scene,
                                   std::atomic<std::size_t>& next,
                                   const IsGivenUp& is_given_up) {
   Stopwatch watch;
-  const Turns::Turn turn = turns_.take(is_given_up);
-  metrics_.add_time(Stage::kDeviceWait, watch.seconds());
+  const FairQueue::Ticket ticket = queue_.take(is_given_up);
+  metrics_.add_time(RequestStage::kDeviceWait, watch.seconds());
   if (next >= jobs.size()) return;  // others have had them meanwhile
   watch = {};
-  Slot& slot = *(*slots_)[turn.place()];
+  Slot& slot = *(*slots_)[ticket.place()];
   const std::lock_guard lock(slot.mutex);
-  auto& on_device = scene.on_devices_[turn.place()];
+  auto& on_device = scene.on_devices_[ticket.place()];
   if (!on_device) on_device.emplace(slot.device, scene.scene_, options_.render);
   struct Coming {
     FrameJob& job;
@@ -256,7 +257,7 @@ void RenderSession::render_on_one(ServedScene& scene,
     }
   }
   take();
-  metrics_.add_time(Stage::kRendering, watch.seconds());
+  metrics_.add_time(RequestStage::kRendering, watch.seconds());
   slot.bytes = slot.device.memory().now;
   slot.peak_bytes = slot.device.memory().peak;
 }

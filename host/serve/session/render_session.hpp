@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "host/render/outputs/picture_bytes.hpp"
+#include "host/serve/session/fair_queue.hpp"
 #include "host/serve/session/metrics.hpp"
 #include "host/serve/session/served_scene.hpp"
-#include "host/serve/session/turns.hpp"
 
 namespace simuli::serve {
 
@@ -81,21 +81,21 @@ class RenderSession {
   void render(ServedScene& scene, std::span<FrameJob> jobs, const IsGivenUp& is_given_up = never_given_up);
 
  private:
-  struct Kept {
+  struct CachedScene {
     std::string id;
     std::shared_future<ScenePtr> scene;
   };
   [[nodiscard]] ScenePtr owned(std::unique_ptr<ServedScene> scene) const;
   [[nodiscard]] ScenePtr read(const SceneSource& source) const;
   /// What is kept under this name from now on; mutex_ is the caller's. Returns what goes for it.
-  [[nodiscard]] std::list<Kept> keep_front(Kept scene);
+  [[nodiscard]] std::list<CachedScene> keep_front(CachedScene scene);
   /// An edit more, or without one all taken back.
   void replace(const std::string& id, ScenePtr scene, const std::optional<SceneEdit>& edit);
   /// A scene that is kept from here on, and read by now, or by another caller soon.
   [[nodiscard]] std::shared_future<ScenePtr> keep(const SceneSource& source);
   void forget(const std::string& id);
 
-  /// One of the devices, used by who has the turn of its number; `mutex` is also of who lets go a scene
+  /// One of the devices, used by who has the ticket of its number; `mutex` is also of who lets go a scene
   /// there.
   struct Slot {
     explicit Slot(const std::string& request) : device(Device::best(request)), picture_bytes(device) {}
@@ -112,11 +112,11 @@ class RenderSession {
 
   SessionOptions options_;
   std::shared_ptr<std::vector<std::unique_ptr<Slot>>> slots_;  // also of those who hold a scene
-  Turns turns_;
+  FairQueue queue_;
   mutable Metrics metrics_;
   std::atomic<std::uint64_t> edition_{0};
   mutable std::mutex mutex_;
-  std::list<Kept> kept_;                                 // last used first
+  std::list<CachedScene> kept_;                          // last used first
   std::map<std::string, std::vector<SceneEdit>> edits_;  // by scene
   std::mutex edit_mutex_;                                // one after the other; before mutex_
 };

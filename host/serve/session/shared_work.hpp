@@ -7,7 +7,7 @@
 #include <mutex>
 #include <string>
 
-#include "host/serve/session/turns.hpp"
+#include "host/serve/session/fair_queue.hpp"
 
 namespace simuli::serve {
 

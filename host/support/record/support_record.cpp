@@ -15,10 +15,10 @@ constexpr int kCellPixels = 4, kMostCameraColumns = 80;
 constexpr int kCellFirings = 4, kMostLidarColumns = 240, kMostLidarRows = 64;
 constexpr double kSteepest = 8.0;  // rows end there, 83 degrees up or down
 
-struct Place {
+struct GridPosition {
   double column = 0.0, row = 0.0;
 };
-Place place_of(const Eigen::Vector3d& d) {
+GridPosition position_of(const Eigen::Vector3d& d) {
   const double side = d.y() / std::max(std::abs(d.x()) + std::abs(d.y()), 1e-9);
   const double behind = d.y() >= 0.0 ? 2.0 - side : -2.0 - side;
   return {d.x() >= 0.0 ? side : behind, d.z() / std::max(std::hypot(d.x(), d.y()), 1e-9)};
@@ -28,7 +28,7 @@ Place place_of(const Eigen::Vector3d& d) {
 class Extent {
  public:
   void add(const Eigen::Vector3d& direction) {
-    const Place p = place_of(direction);
+    const GridPosition p = position_of(direction);
     left_ = std::min(left_, p.column), right_ = std::max(right_, p.column);
     low_ = std::min(low_, p.row), high_ = std::max(high_, p.row);
   }
@@ -77,7 +77,7 @@ SupportGrid grid_of_list(const RayList& list) {
 }  // namespace
 
 std::size_t SupportGrid::cell_of(const Eigen::Vector3d& direction) const {
-  const Place p = place_of(direction);
+  const GridPosition p = position_of(direction);
   const double column = (p.column - first_column) * columns_per_unit,
                row = (first_row - p.row) * rows_per_unit;
   if (!(column >= 0.0 && column < columns && row >= 0.0 && row < rows)) return cells();

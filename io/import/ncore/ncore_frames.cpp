@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint64_t kLastStamp_us = 4'000'000'000'000'000;  // 2096
 
 template <class T>
-std::vector<T> numbers(const Place& place, const char* type, const std::vector<std::size_t>& shape) {
+std::vector<T> numbers(const ZarrGroup& place, const char* type, const std::vector<std::size_t>& shape) {
   const ZarrArray array = read_zarr_array(*place.store, place.path);
   if (array.type != type || array.shape != shape) {
     throw_input_error(place.file(),
@@ -31,7 +31,7 @@ std::vector<T> numbers(const Place& place, const char* type, const std::vector<s
   return out;
 }
 
-std::size_t count_of(const Place& group, const char* key) {
+std::size_t count_of(const ZarrGroup& group, const char* key) {
   const Json attributes = group.attributes();
   const auto found = attributes.find(key);
   constexpr std::uint64_t kMost = std::uint64_t{1} << 24U;
@@ -42,13 +42,13 @@ std::size_t count_of(const Place& group, const char* key) {
 
 }  // namespace
 
-RayBundle read_rays(const Place& frame, std::size_t& echoes) {
-  const Place bundle = frame / "ray_bundle", all = frame / "ray_bundle_returns";
+RayBundle read_rays(const ZarrGroup& frame, std::size_t& echoes) {
+  const ZarrGroup bundle = frame / "ray_bundle", all = frame / "ray_bundle_returns";
   const std::size_t n = count_of(bundle, "n_rays"), returns = count_of(all, "n_returns");
   RayBundle out;
   out.direction = numbers<float>(bundle / "direction", "<f4", {n, 3});
   out.timestamp_us = numbers<std::uint64_t>(bundle / "timestamp_us", "<u8", {n});
-  const Place element = bundle / "model_element";
+  const ZarrGroup element = bundle / "model_element";
   if (element.is_there()) out.element = numbers<std::uint16_t>(element, "<u2", {n, 2});
   const auto distance = numbers<float>(all / "distance_m", "<f4", {returns, n}),
              intensity = numbers<float>(all / "intensity", "<f4", {returns, n});
@@ -87,8 +87,8 @@ RayBundle read_rays(const Place& frame, std::size_t& echoes) {
   return out;
 }
 
-Exact read_exact(const Place& frame) {
-  const Place data = frame / "generic_data", ray = data / kExactRay;
+Exact read_exact(const ZarrGroup& frame) {
+  const ZarrGroup data = frame / "generic_data", ray = data / kExactRay;
   if (!ray.is_there() || !(data / kExactValues).is_there()) return {};
   const ZarrArray rays = read_zarr_array(*ray.store, ray.path);
   if (rays.shape.size() != 1) throw_input_error(ray.file(), "shape", "another", "a list");
@@ -162,7 +162,7 @@ std::vector<Actor> actors_of(const Sequence& sequence,
   std::set<std::string> names;
   const PoseTable& poses = sequence.poses();
   for (const auto& [name, place] : sequence.instances("cuboids")) {
-    const Place group = place / "cuboids";
+    const ZarrGroup group = place / "cuboids";
     if (!group.is_there()) continue;
     const Json attributes = group.attributes(), ours = ours_of(place.attributes());
     JsonObject root(group.file(), "", attributes);

@@ -80,7 +80,7 @@ class Importer {
   }
 
  private:
-  [[nodiscard]] const Place& place(const char* kind, const std::string& name) const {
+  [[nodiscard]] const ZarrGroup& place(const char* kind, const std::string& name) const {
     return sequence_.instances(kind).at(name);
   }
   [[nodiscard]] std::vector<FrameTime> frames_of(const char* kind, const std::string& name) const {
@@ -108,7 +108,7 @@ class Importer {
 
   /// The sensor that export_ncore() has left at a component; damage there is no matter.
   template <class Read>
-  [[nodiscard]] auto left_sensor(const Place& at, const Read& read) const
+  [[nodiscard]] auto left_sensor(const ZarrGroup& at, const Read& read) const
       -> std::optional<decltype(read(std::declval<JsonObject&>()))> {
     const Json ours = ours_of(at.attributes());
     const auto found = ours.find("sensor");
@@ -174,7 +174,7 @@ class Importer {
   }
 
   /// Times of a frame in the log; false when it lies beside the path.
-  bool span(const Place& frame, const FrameTime& time, double& start_s, double& end_s) {
+  bool span(const ZarrGroup& frame, const FrameTime& time, double& start_s, double& end_s) {
     const Json meta = (frame / "generic_data").attributes();
     const auto ours = meta.find("simuli");
     const std::vector<double> times_s = sequence_.times_of(
@@ -191,8 +191,8 @@ class Importer {
     std::size_t number = 0;
     for (const FrameTime& time : frames_of("cameras", camera.name)) {
       step();
-      const Place frame = place("cameras", camera.name) / fmt::format("frames/{}", time.end_us),
-                  image = frame / "image";
+      const ZarrGroup frame = place("cameras", camera.name) / fmt::format("frames/{}", time.end_us),
+                      image = frame / "image";
       double start_s = 0.0, end_s = 0.0;
       if (!span(frame, time, start_s, end_s)) continue;
       if (camera.shutter == ShutterKind::kGlobal) end_s = start_s;  // all of it at its start, as NCore has it
@@ -224,7 +224,7 @@ class Importer {
     std::size_t number = 0;
     for (const FrameTime& time : frames_of("lidars", name)) {
       step();
-      const Place frame = place("lidars", name) / fmt::format("frames/{}", time.end_us);
+      const ZarrGroup frame = place("lidars", name) / fmt::format("frames/{}", time.end_us);
       SweepFrame out{name, fmt::format("sweeps/{}_{:06}.exr", name, number), 0.0, 0.0};
       if (!span(frame, time, out.time_start_s, out.time_end_s)) continue;
       if (time.end_us == time.start_us) throw_input_error(frame.file(), "end", "its start", "a later time");

@@ -90,7 +90,7 @@ Sequence::Sequence(std::unique_ptr<const ZarrStore> store) : file_(store->name()
 
 void Sequence::add_poses() {
   for (const auto& [name, place] : instances("poses")) {
-    const Place still = place / "static_poses", moving = place / "dynamic_poses";
+    const ZarrGroup still = place / "static_poses", moving = place / "dynamic_poses";
     poses_.add_static(still.attributes(), still.file());
     poses_.add_dynamic(moving.attributes(), moving.file());
   }
@@ -125,7 +125,7 @@ void Sequence::add(std::unique_ptr<const ZarrStore> opened) {
 void Sequence::add_components(const ZarrStore& store) {
   for (const std::string& kind : store.children("")) {
     for (const std::string& name : store.children(kind)) {
-      const Place place{&store, zarr_key(kind, name)};
+      const ZarrGroup place{&store, zarr_key(kind, name)};
       const Json attributes = place.attributes();
       const auto version = attributes.find("component_version");
       if (version == attributes.end() || *version != kComponentVersion) {
@@ -138,21 +138,21 @@ void Sequence::add_components(const ZarrStore& store) {
   }
 }
 
-const std::map<std::string, Place>& Sequence::instances(const std::string& kind) const {
-  static const std::map<std::string, Place> none;
+const std::map<std::string, ZarrGroup>& Sequence::instances(const std::string& kind) const {
+  static const std::map<std::string, ZarrGroup> none;
   const auto found = components_.find(kind);
   return found == components_.end() ? none : found->second;
 }
 
-std::optional<Place> Sequence::find(const std::string& kind, const std::string& group) const {
+std::optional<ZarrGroup> Sequence::find(const std::string& kind, const std::string& group) const {
   for (const auto& [name, place] : instances(kind)) {
     if ((place / group).is_there()) return place / group;
   }
   return std::nullopt;
 }
 
-std::vector<FrameTime> Sequence::frames(const Place& sensor) {
-  const Place frames = sensor / "frames";
+std::vector<FrameTime> Sequence::frames(const ZarrGroup& sensor) {
+  const ZarrGroup frames = sensor / "frames";
   const Json attributes = frames.attributes();
   const auto times = attributes.find("frames_timestamps_us");
   if (times == attributes.end() || !times->is_array())
@@ -173,7 +173,7 @@ std::vector<FrameTime> Sequence::frames(const Place& sensor) {
 std::vector<std::string> Sequence::in_order(const std::string& kind) const {
   std::vector<std::string> out;
   const auto known = ours_.find(kind);
-  const std::map<std::string, Place>& all = instances(kind);
+  const std::map<std::string, ZarrGroup>& all = instances(kind);
   const auto add = [&](const std::string& name) {
     if (all.contains(name) && std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
   };

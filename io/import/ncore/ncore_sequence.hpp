@@ -17,11 +17,11 @@
 namespace simuli::ncore {
 
 /// A group of a store.
-struct Place {
+struct ZarrGroup {
   const ZarrStore* store = nullptr;
   std::string path;
 
-  [[nodiscard]] Place operator/(const std::string& name) const { return {store, zarr_key(path, name)}; }
+  [[nodiscard]] ZarrGroup operator/(const std::string& name) const { return {store, zarr_key(path, name)}; }
   [[nodiscard]] std::string file() const { return store->name() + ": " + path; }
   [[nodiscard]] Json attributes() const { return zarr_attributes(*store, path); }
   [[nodiscard]] bool is_there() const { return is_group(*store, path) || is_array(*store, path); }
@@ -40,11 +40,11 @@ class Sequence {
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const std::string& id() const { return id_; }
   /// Instances of a kind ("cameras"), by name. Error{kInput} for one that is there twice.
-  [[nodiscard]] const std::map<std::string, Place>& instances(const std::string& kind) const;
+  [[nodiscard]] const std::map<std::string, ZarrGroup>& instances(const std::string& kind) const;
   /// Times of the frames of a sensor, in time's order.
-  [[nodiscard]] static std::vector<FrameTime> frames(const Place& sensor);
+  [[nodiscard]] static std::vector<FrameTime> frames(const ZarrGroup& sensor);
   /// The first component of a kind that has this group.
-  [[nodiscard]] std::optional<Place> find(const std::string& kind, const std::string& group) const;
+  [[nodiscard]] std::optional<ZarrGroup> find(const std::string& kind, const std::string& group) const;
 
   [[nodiscard]] const PoseTable& poses() const { return poses_; }
   [[nodiscard]] const Clock& clock() const { return clock_; }
@@ -68,7 +68,7 @@ class Sequence {
 
   std::string file_, id_;
   std::vector<std::unique_ptr<const ZarrStore>> stores_;
-  std::map<std::string, std::map<std::string, Place>> components_;  // by kind and instance
+  std::map<std::string, std::map<std::string, ZarrGroup>> components_;  // by kind and instance
   PoseTable poses_;
   Json ours_;
   Clock clock_;
@@ -83,9 +83,9 @@ class Sequence {
                                            std::size_t& unposed);
 
 /// Rays of a LiDAR's frame, of several returns the first; the others are counted in `echoes`.
-[[nodiscard]] RayBundle read_rays(const Place& frame, std::size_t& echoes);
+[[nodiscard]] RayBundle read_rays(const ZarrGroup& frame, std::size_t& echoes);
 /// What of them was exact; empty where the frame doesn't tell.
-[[nodiscard]] Exact read_exact(const Place& frame);
+[[nodiscard]] Exact read_exact(const ZarrGroup& frame);
 
 /// A unit quaternion of four numbers; nothing for anything else.
 [[nodiscard]] std::optional<Eigen::Quaterniond> rotation_from(const Json& wxyz);

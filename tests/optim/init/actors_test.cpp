@@ -121,7 +121,7 @@ TEST(ActorPoints, TakeReturnsWhereTheyAreMeanwhile) {
   EXPECT_TRUE(points.places(0.0, 0.8).empty());
   EXPECT_TRUE(points.places(3.2, 4.0).empty());
   for (const double from_s : {0.5, 1.2, 1.9, 2.05}) {
-    const std::vector<ActorPoints::Place> places = points.places(from_s, from_s + 1.0);
+    const std::vector<ActorPoints::ActorBall> places = points.places(from_s, from_s + 1.0);
     ASSERT_EQ(places.size(), 1U);
     for (double time_s = std::max(from_s, 0.95); time_s < std::min(from_s + 1.0, 3.05); time_s += 0.05) {
       const Vector3d middle = actor.at(time_s).translation;

@@ -11,28 +11,28 @@
 
 namespace simuli::serve {
 
-struct HoodId {
+struct EgoMaskId {
   std::string rig;
   std::string camera;  // its name
-  auto operator<=>(const HoodId&) const = default;
+  auto operator<=>(const EgoMaskId&) const = default;
 };
 
 /// A folder of them: RIG/CAMERA.png, with alpha. Safe to use from any thread.
-class Hoods {
+class EgoMasks {
  public:
   /// None at all.
-  Hoods() = default;
+  EgoMasks() = default;
   /// Reads them. Error{kInput} for a folder or a picture that can't be read.
-  explicit Hoods(const std::filesystem::path& folder);
+  explicit EgoMasks(const std::filesystem::path& folder);
 
-  [[nodiscard]] std::vector<HoodId> ids() const;
+  [[nodiscard]] std::vector<EgoMaskId> ids() const;
   /// Refusal{kNotFound} naming those there are.
-  void need(const HoodId& id) const;
+  void need(const EgoMaskId& id) const;
   /// Lays one over a picture of three channels and any size, to which it is scaled.
-  void lay_over(Image& picture, const HoodId& id) const;
+  void lay_over(Image& picture, const EgoMaskId& id) const;
 
  private:
-  std::map<HoodId, Image> hoods_;  // colours times alpha, alpha
+  std::map<EgoMaskId, Image> ego_masks_;  // colours times alpha, alpha
 };
 
 }  // namespace simuli::serve

@@ -1,5 +1,5 @@
 #pragma once
-// Turns at something that only so many callers use at a time.
+// A queue for something that only so many callers use at a time.
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
@@ -18,39 +18,39 @@ using IsGivenUp = std::function<bool()>;
 void need_wanted(const IsGivenUp& is_given_up);
 
 /// Up to `places` callers at a time, in the order in which they came. A handle: copies mean the same queue.
-class Turns {
+class FairQueue {
  public:
-  explicit Turns(std::size_t places);
+  explicit FairQueue(std::size_t places);
 
   /// A place, until it is destroyed. Move-only.
-  class Turn {
+  class Ticket {
    public:
-    Turn(Turn&&) noexcept = default;
-    Turn& operator=(Turn&&) = delete;
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-    ~Turn();
+    Ticket(Ticket&&) noexcept = default;
+    Ticket& operator=(Ticket&&) = delete;
+    Ticket(const Ticket&) = delete;
+    Ticket& operator=(const Ticket&) = delete;
+    ~Ticket();
     /// Which of the places, from 0: the first that was free.
     [[nodiscard]] std::size_t place() const { return place_; }
 
    private:
-    friend class Turns;
+    friend class FairQueue;
     struct Queue;
-    Turn(std::shared_ptr<Queue> queue, std::size_t place) : queue_(std::move(queue)), place_(place) {}
+    Ticket(std::shared_ptr<Queue> queue, std::size_t place) : queue_(std::move(queue)), place_(place) {}
     std::shared_ptr<Queue> queue_;
     std::size_t place_;
   };
 
   /// Waits for a place. Refusal{kCancelled} once `is_given_up` says so, which is asked some 50 times a
   /// second.
-  [[nodiscard]] Turn take(const IsGivenUp& is_given_up = never_given_up) const;
+  [[nodiscard]] Ticket take(const IsGivenUp& is_given_up = never_given_up) const;
   /// Callers without a place.
   [[nodiscard]] std::size_t waiting() const;
   /// Places that nobody has.
   [[nodiscard]] std::size_t free() const;
 
  private:
-  std::shared_ptr<Turn::Queue> queue_;
+  std::shared_ptr<Ticket::Queue> queue_;
 };
 
 }  // namespace simuli::serve

@@ -1,4 +1,4 @@
-#include "host/serve/session/hoods.hpp"
+#include "host/serve/session/ego_masks.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -25,37 +25,37 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return entries;
 }
 
-Image multiplied_by_alpha(Image hood) {
-  for (std::size_t i = 0; i < hood.data.size(); i += 4) {
-    for (std::size_t c = 0; c < 3; ++c) hood.data[i + c] *= hood.data[i + 3];
+Image multiplied_by_alpha(Image mask) {
+  for (std::size_t i = 0; i < mask.data.size(); i += 4) {
+    for (std::size_t c = 0; c < 3; ++c) mask.data[i + c] *= mask.data[i + 3];
   }
-  return hood;
+  return mask;
 }
 
 }  // namespace
 
-Hoods::Hoods(const fs::path& folder) {
+EgoMasks::EgoMasks(const fs::path& folder) {
   for (const fs::path& rig : entries_of(folder)) {
     std::error_code ignored;
     if (!fs::is_directory(rig, ignored)) continue;
     for (const fs::path& file : entries_of(rig)) {
       if (file.extension() != ".png") continue;
-      hoods_.emplace(HoodId{rig.filename().string(), file.stem().string()},
-                     multiplied_by_alpha(read_image_with_alpha(file)));
+      ego_masks_.emplace(EgoMaskId{rig.filename().string(), file.stem().string()},
+                         multiplied_by_alpha(read_image_with_alpha(file)));
     }
   }
 }
 
-std::vector<HoodId> Hoods::ids() const {
-  std::vector<HoodId> ids;
-  for (const auto& [id, hood] : hoods_) ids.push_back(id);
+std::vector<EgoMaskId> EgoMasks::ids() const {
+  std::vector<EgoMaskId> ids;
+  for (const auto& [id, mask] : ego_masks_) ids.push_back(id);
   return ids;
 }
 
-void Hoods::need(const HoodId& id) const {
-  if (hoods_.contains(id)) return;
+void EgoMasks::need(const EgoMaskId& id) const {
+  if (ego_masks_.contains(id)) return;
   std::vector<std::string> known;
-  for (const auto& [there, hood] : hoods_) known.push_back(there.rig + '/' + there.camera);
+  for (const auto& [there, mask] : ego_masks_) known.push_back(there.rig + '/' + there.camera);
   throw Refusal(RefusalKind::kNotFound,
                 fmt::format("ego_mask_id: found {}/{}, allowed {}",
                             id.rig,
@@ -64,17 +64,17 @@ void Hoods::need(const HoodId& id) const {
                                           : fmt::format("{}", fmt::join(known, ", "))));
 }
 
-void Hoods::lay_over(Image& picture, const HoodId& id) const {
+void EgoMasks::lay_over(Image& picture, const EgoMaskId& id) const {
   need(id);
-  const Image& stored = hoods_.at(id);
+  const Image& stored = ego_masks_.at(id);
   const bool fits = stored.width == picture.width && stored.height == picture.height;
   const Image scaled = fits ? Image() : resize_area(stored, picture.width, picture.height);
-  const Image& hood = fits ? stored : scaled;
-  for (std::size_t i = 0; i < hood.data.size() / 4; ++i) {
-    const float passed = 1.0F - hood.data[4 * i + 3];
+  const Image& mask = fits ? stored : scaled;
+  for (std::size_t i = 0; i < mask.data.size() / 4; ++i) {
+    const float passed = 1.0F - mask.data[4 * i + 3];
     for (std::size_t c = 0; c < 3; ++c) {
       float& value = picture.data[3 * i + c];
-      value = std::clamp(hood.data[4 * i + c] + passed * value, 0.0F, 1.0F);
+      value = std::clamp(mask.data[4 * i + c] + passed * value, 0.0F, 1.0F);
     }
   }
 }

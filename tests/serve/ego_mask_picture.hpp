@@ -6,7 +6,7 @@ namespace simuli::test {
 
 /// A picture of 2 x 2 pixels with alpha, and the folder for it: opaque red and half white on top, nothing
 /// below.
-void write_hood(const std::filesystem::path& file);
+void write_ego_mask(const std::filesystem::path& file);
 
 /// A stored picture's 8-bit values: [height][width][channels], by the library that writes pictures, which
 /// reads formats that the program does not.

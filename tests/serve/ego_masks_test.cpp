@@ -1,34 +1,34 @@
-#include "host/serve/session/hoods.hpp"
+#include "host/serve/session/ego_masks.hpp"
 
 #include <gtest/gtest.h>
 
 #include "host/serve/messages/render_message.hpp"
-#include "tests/serve/hood_picture.hpp"
+#include "tests/serve/ego_mask_picture.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {
 namespace {
 
 using test::expect_refusal;
-using Hood = test::Served;
+using EgoMask = test::Served;
 
-TEST_F(Hood, LiesOverThePicture) {
-  test::write_hood(scratch_ / "hoods" / "rig" / "front.png");
-  const Hoods hoods(scratch_ / "hoods");
-  ASSERT_EQ(hoods.ids(), (std::vector<HoodId>{{"rig", "front"}}));
+TEST_F(EgoMask, LiesOverThePicture) {
+  test::write_ego_mask(scratch_ / "ego_masks" / "rig" / "front.png");
+  const EgoMasks ego_masks(scratch_ / "ego_masks");
+  ASSERT_EQ(ego_masks.ids(), (std::vector<EgoMaskId>{{"rig", "front"}}));
   Image picture(4, 4, 3);
   std::fill(picture.data.begin(), picture.data.end(), 0.25F);
-  hoods.lay_over(picture, {"rig", "front"});
+  ego_masks.lay_over(picture, {"rig", "front"});
   EXPECT_EQ(picture.at(1, 1, 0), 1.0F);
   EXPECT_EQ(picture.at(1, 1, 1), 0.0F);
   EXPECT_NEAR(picture.at(3, 0, 1), 128.0 / 255.0 + 0.25 * 127.0 / 255.0, 1e-6);
   EXPECT_EQ(picture.at(0, 3, 2), 0.25F);
-  expect_refusal(RefusalKind::kNotFound, "allowed rig/front", [&] { hoods.need({"rig", "rear"}); });
+  expect_refusal(RefusalKind::kNotFound, "allowed rig/front", [&] { ego_masks.need({"rig", "rear"}); });
 }
 
-TEST_F(Hood, IsListedAndAskedFor) {
-  test::write_hood(scratch_ / "hoods" / "rig" / "front.png");
-  const Handlers handlers(*session_, Hoods(scratch_ / "hoods"), "");
+TEST_F(EgoMask, IsListedAndAskedFor) {
+  test::write_ego_mask(scratch_ / "ego_masks" / "rig" / "front.png");
+  const Handlers handlers(*session_, EgoMasks(scratch_ / "ego_masks"), "");
   proto::AvailableEgoMasksReturn masks;
   handlers.get_available_ego_masks(masks);
   ASSERT_EQ(masks.ego_mask_metadata_size(), 1);
@@ -46,12 +46,12 @@ TEST_F(Hood, IsListedAndAskedFor) {
             plain.image_bytes().substr(lower_half, lower_half));
 }
 
-TEST_F(Hood, FoldersAreRead) {
-  EXPECT_TRUE(Hoods().ids().empty());
-  test::expect_input_error([&] { static_cast<void>(Hoods(scratch_ / "nowhere")); }, {"nowhere", "folder"});
+TEST_F(EgoMask, FoldersAreRead) {
+  EXPECT_TRUE(EgoMasks().ids().empty());
+  test::expect_input_error([&] { static_cast<void>(EgoMasks(scratch_ / "nowhere")); }, {"nowhere", "folder"});
   std::filesystem::create_directories(scratch_ / "bad" / "rig");
   static_cast<void>(scratch_.file("bad/rig/front.png", "no picture"));
-  test::expect_input_error([&] { static_cast<void>(Hoods(scratch_ / "bad")); }, {"front.png", "picture"});
+  test::expect_input_error([&] { static_cast<void>(EgoMasks(scratch_ / "bad")); }, {"front.png", "picture"});
 }
 
 }  // namespace

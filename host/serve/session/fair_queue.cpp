@@ -1,4 +1,4 @@
-#include "host/serve/session/turns.hpp"
+#include "host/serve/session/fair_queue.hpp"
 
 #include <chrono>
 #include <set>
@@ -19,7 +19,7 @@ void need_wanted(const IsGivenUp& is_given_up) {
   if (is_given_up()) give_up();
 }
 
-struct Turns::Turn::Queue {
+struct FairQueue::Ticket::Queue {
   std::mutex mutex;
   std::condition_variable changed;
   std::set<std::size_t> free;
@@ -30,9 +30,9 @@ struct Turns::Turn::Queue {
   }
 };
 
-Turns::Turns(std::size_t places) : queue_(std::make_shared<Turn::Queue>(places)) {}
+FairQueue::FairQueue(std::size_t places) : queue_(std::make_shared<Ticket::Queue>(places)) {}
 
-Turns::Turn::~Turn() {
+FairQueue::Ticket::~Ticket() {
   if (!queue_) return;
   {
     const std::lock_guard lock(queue_->mutex);
@@ -41,19 +41,19 @@ Turns::Turn::~Turn() {
   queue_->changed.notify_all();
 }
 
-std::size_t Turns::waiting() const {
+std::size_t FairQueue::waiting() const {
   const std::lock_guard lock(queue_->mutex);
   return queue_->waiting.size();
 }
 
-std::size_t Turns::free() const {
+std::size_t FairQueue::free() const {
   const std::lock_guard lock(queue_->mutex);
   return queue_->free.size();
 }
 
-Turns::Turn Turns::take(const IsGivenUp& is_given_up) const {
+FairQueue::Ticket FairQueue::take(const IsGivenUp& is_given_up) const {
   constexpr std::chrono::milliseconds kAskAgain{20};
-  Turn::Queue& queue = *queue_;
+  Ticket::Queue& queue = *queue_;
   std::unique_lock lock(queue.mutex);
   const auto place = queue.waiting.insert(queue.waiting.end(), 0);
   while (queue.free.empty() || queue.waiting.begin() != place) {

@@ -1,5 +1,5 @@
 // By itself: the picture library's headers and protobuf's don't go together.
-#include "tests/serve/hood_picture.hpp"
+#include "tests/serve/ego_mask_picture.hpp"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 namespace simuli::test {
 
-void write_hood(const std::filesystem::path& file) {
+void write_ego_mask(const std::filesystem::path& file) {
   std::filesystem::create_directories(file.parent_path());
   const std::vector<unsigned char> pixels{255, 0, 0, 255, 255, 255, 255, 128, 9, 9, 9, 0, 9, 9, 9, 0};
   OIIO::ImageSpec spec(2, 2, 4, OIIO::TypeDesc::UINT8);
