@@ -1,5 +1,6 @@
 #include "host/sensors/lens.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
