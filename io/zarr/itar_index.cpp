@@ -24,6 +24,8 @@ std::uint64_t little_endian(std::string_view bytes) {
 }
 
 /// As much of CBOR as the index is made of: a map of text to arrays of text or numbers, none inside another.
+/// nlohmann's from_cbor() calls itself for each array inside another: 200 kB of them, which XZ packs into a few
+/// hundred bytes, end the process.
 class Cbor {
  public:
   enum Major : unsigned { kNumber = 0, kText = 3, kArray = 4, kMap = 5 };

@@ -4,7 +4,7 @@
 
 namespace simuli::cli {
 
-/// In quotes in which bash, zsh and fish change nothing.
+/// In quotes in which bash changes nothing.
 [[nodiscard]] inline std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);

@@ -27,13 +27,8 @@ void visit_commands(const CommandText& program,
 void add_completion(CommandLine& line) {
   const auto shell = std::make_shared<std::string>();
   const Command completion = line.root().command("completion", "a script that completes commands in a shell");
-  completion.option("SHELL", *shell, "which shell is to read it").required().one_of({"bash", "zsh", "fish"});
-  completion.run([shell, &line] {
-    const CommandText text = line.text();
-    std::cout << (*shell == "bash"  ? bash_completion(text)
-                  : *shell == "zsh" ? zsh_completion(text)
-                                    : fish_completion(text));
-  });
+  completion.option("SHELL", *shell, "which shell is to read it").required().one_of({"bash"});
+  completion.run([&line] { std::cout << bash_completion(line.text()); });
 }
 
 void add_manual(CommandLine& line) {

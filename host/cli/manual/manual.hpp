@@ -1,5 +1,5 @@
 #pragma once
-// The program's commands and options as shells and man read them, from the descriptions that make the help.
+// The program's commands and options as bash and man read them, from the descriptions that make the help.
 #include <functional>
 #include <string>
 #include <vector>
@@ -8,10 +8,8 @@
 
 namespace simuli::cli {
 
-/// Scripts that complete the program's name, commands, options and values, for each shell to read.
+/// A script that completes the program's name, commands, options and values, for bash to read.
 [[nodiscard]] std::string bash_completion(const CommandText& program);
-[[nodiscard]] std::string zsh_completion(const CommandText& program);
-[[nodiscard]] std::string fish_completion(const CommandText& program);
 /// Section 1, in the macros of man(7); `version` as --version tells it.
 [[nodiscard]] std::string man_page(const CommandText& program, const std::string& version);
 
