@@ -318,10 +318,6 @@ def all_commands():
         add(f"fit/{name}", f"fit lens tum_vi_cam0 --model {name} -o lens.json --json > fit.json")
     add("export", "export {train/default}/out.scene -o camera.ply", "export {train/default}/out.scene -o camera.spz",
         "export {train/default}/out.scene --lidar -o lidar.ply", "export camera.spz -o back.ply")
-    for name in ("hesai_pandar64", "robosense_bpearl", "{lidars/files}/rows.json", "{lidars/files}/rays.json"):
-        stem = pathlib.Path(name).stem
-        add(f"tile/{stem}", f"tile {name} -o tiles.png --json > tile.json",
-            f"tile {name} --elevation-tiles 6 --rays 96 -o asked.png --json > asked.json")
     add("info", describe_sensors, "info sensors > sensors.txt", "info {street}/out.log --json > log.json",
         "info {train/default}/out.scene --json > scene.json")
     add("import/points", write_points, "import points . -o out.log")

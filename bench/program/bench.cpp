@@ -21,7 +21,6 @@
 #include "bench/peers/peers.hpp"
 #include "bench/program/report.hpp"
 #include "bench/program/shift_picture.hpp"
-#include "bench/program/trade_picture.hpp"
 #include "bench/render/agreement.hpp"
 #include "bench/render/long_street.hpp"
 #include "bench/render/sensor_errors.hpp"
@@ -55,7 +54,7 @@ struct BenchCommand {
   bool peers = false;
   bool shift = false;
   std::vector<std::string> settings;  // measured by the trade beside the qualities
-  std::string picture;                // of the trade's front, of the shift's places
+  std::string picture;                // of the shift's places
   std::string report;                 // HTML file to write; empty: none
   int table = 0;                      // 0: none
   int figure = 0;                     // 0: none
@@ -91,8 +90,9 @@ void run_trade(const BenchCommand& command, const Globals& globals, const Note& 
     validate(options.own);
   }
   const std::vector<TradePoint> points = run_trade(globals.device, options, note);
-  if (!command.picture.empty()) write_image(command.picture, trade_picture(points));
-  if (!command.report.empty()) write_report(command.report, "simuli bench --trade", trade_rows(points));
+  if (!command.report.empty()) {
+    write_report(command.report, "simuli bench --trade", trade_rows(points), front_charts(points));
+  }
   std::cout << (globals.json ? to_json(trade_rows(points)) : trade_table(points));
 }
 
@@ -278,7 +278,7 @@ void add_bench(const Command& command, const Globals& globals) {
       "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
   command.option("--picture",
                  options->picture,
-                 "--trade: a PNG of time and error, with the front; --shift: of renders beside the truth");
+                 "--shift: a PNG of renders beside the truth");
   const auto fields = [options, &globals] {
     options->trade_options.own = options_of(globals.quality);
     return fields_of(options->trade_options.own);

@@ -1,15 +1,22 @@
 #include "bench/program/report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <map>
+#include <utility>
 
 #include "host/base/version.hpp"
 #include "host/cli/draw/html_report.hpp"
 
 namespace simuli::bench {
 
-void write_report(const std::filesystem::path& file, const std::string& title, const std::vector<Row>& rows) {
+void write_report(const std::filesystem::path& file,
+                  const std::string& title,
+                  const std::vector<Row>& rows,
+                  const std::vector<Chart>& charts) {
   HtmlReport html(title, std::string("simuli ") + version());
+  for (const Chart& chart : charts) html.chart(chart.title, chart.x_label, chart.series);
   std::vector<std::vector<std::string>> cells;
   std::string table;
   const auto flush = [&] {
@@ -29,6 +36,26 @@ void write_report(const std::filesystem::path& file, const std::string& title, c
   }
   flush();
   html.write(file);
+}
+
+std::vector<Chart> front_charts(const std::vector<TradePoint>& points) {
+  std::map<std::string, std::map<double, double>> fronts;  // by sensor: error of a time
+  std::vector<Chart> charts;
+  for (const TradePoint& p : points) {
+    // The reference's error is 0 by definition: its logarithm has no place.
+    if (p.on_front && p.error > 0.0) fronts[p.sensor][p.times_balanced.median] = p.error;
+  }
+  for (const auto& [sensor, front] : fronts) {
+    ChartSeries line{"front", {}, {}};
+    for (const auto& [times, error] : front) {
+      line.x.push_back(std::log10(times));
+      line.y.push_back(std::log10(error));
+    }
+    charts.push_back({sensor + ": log10 of the error (colours of 1, distances in m)",
+                      "log10 of the frame's time, balanced is 0",
+                      {std::move(line)}});
+  }
+  return charts;
 }
 
 }  // namespace simuli::bench

@@ -25,7 +25,6 @@ void add_commands(CommandLine& line, const Globals& globals) {
   add_render(root, globals);
   add_serve(root, globals);
   add_synth(root, globals);
-  add_tile(root, globals);
   add_train(root, globals);
   add_view(root, globals);
 }

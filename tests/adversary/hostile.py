@@ -167,7 +167,6 @@ def reading_commands() -> dict[str, list[str]]:
         "export": ["export", "X", "-o", "out.ply"],
         "export ply": ["export", "X.ply", "-o", "out.ply"],
         "export spz": ["export", "X.spz", "-o", "out.ply"],
-        "tile": ["tile", "X"],
         "mask": ["mask", "s.log", "front:X", "-o", "out.log"],
         "view": ["view", "X", "--port", "0"],
         "fit beams": ["fit", "beams", "X"],

@@ -40,7 +40,6 @@ def command_lines(trial: Trial) -> dict[str, tuple[list[str], str]]:
         "train": (["train", "s.log", "-o", "out.scene", "--iterations", "20", *SMALL], "out.scene"),
         "train again": (["train", "s.log", "-o", "out.scene", "--iterations", "20", "--overwrite", *SMALL], "out.scene"),
         "actors": (["actors", "s.log", "-o", "out.log", "--set", "actors.min_sweeps=4"], "out.log"),
-        "tile": (["tile", "velodyne_vlp16", "-o", "out.png"], "out.png"),
         "fit beams": (["fit", "beams", sweeps, "-o", "out.json"], "out.json"),
         "fit lens": (["fit", "lens", "tum_vi_cam0", "--model", "ftheta_angle_to_radius", "-o", "out.json"], "out.json"),
     }  # fmt: skip

@@ -42,8 +42,6 @@ def options_with_numbers() -> list[tuple[list[str], str]]:
         (["train", "s.log", "-o", "out.scene", "--iterations", "1", *SMALL], "--max-seconds"),
         *[(street, o) for o in ("--speed", "--seed", "--frames", "--image-width", "--image-height", "--lidar-columns")],
         *[(["eval", "s.scene", "s.log"], o) for o in ("--scale", "--held-out", "--held-out-middle", "--held-out-last", "--repeats")],
-        *[(["tile", "velodyne_vlp16"], o) for o in ("--elevation-tiles", "--rays")],
-        (["tile", "velodyne_vlp16", "--tune"], "--particles"),
         (["actors", "s.log"], "--held-out"),
         *[(["align", "s.log"], o) for o in ("--prior-position", "--prior-rotation")],
         (["demo", "-o", "out"], "--iterations"),

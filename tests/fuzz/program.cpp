@@ -134,14 +134,13 @@ void add_commands(const std::vector<std::string>& arguments,
                   cli::CommandLine& line,
                   const cli::Globals& globals) {
   using Add = void (*)(cli::Command, const cli::Globals&);
-  constexpr std::array<std::pair<std::string_view, Add>, 10> kCommands{{{"actors", cli::add_actors},
+  constexpr std::array<std::pair<std::string_view, Add>, 9> kCommands{{{"actors", cli::add_actors},
                                                                         {"devices", cli::add_devices},
                                                                         {"eval", cli::add_eval},
                                                                         {"export", cli::add_export},
                                                                         {"import", cli::add_import},
                                                                         {"info", cli::add_info},
                                                                         {"render", cli::add_render},
-                                                                        {"tile", cli::add_tile},
                                                                         {"train", cli::add_train},
                                                                         {"view", cli::add_view}}};
   const auto is_named = [&](const auto& command) {

@@ -56,7 +56,6 @@ void add_mask(Command app, const Globals& globals);
 void add_render(Command app, const Globals& globals);
 void add_serve(Command app, const Globals& globals);
 void add_synth(Command app, const Globals& globals);
-void add_tile(Command app, const Globals& globals);
 void add_train(Command app, const Globals& globals);
 void add_view(Command app, const Globals& globals);
 

@@ -17,9 +17,7 @@
 #include "host/cli/report/curves.hpp"
 #include "host/cli/report/eval_tables.hpp"
 #include "host/cli/report/pair_pictures.hpp"
-#include "host/cli/report/tile_picture.hpp"
 #include "host/cli/report/unrecorded.hpp"
-#include "host/render/rays/ray_grid.hpp"
 #include "host/render/scene/scene_on_device.hpp"
 #include "optim/base/frames.hpp"
 
@@ -190,7 +188,6 @@ std::vector<std::vector<std::string>> kernel_times(SceneOnDevice& scene,
 
 void add_times(HtmlReport& html, const Evaluation& evaluation, SceneOnDevice& scene) {
   const Log& log = evaluation.log();
-  const RenderOptions& options = evaluation.options().render;
   const std::vector<std::string> header{"kernel", "ms a frame", "launches"};
   html.heading("Time on the device, by kernel");
   if (!log.images.empty() && scene.scene().camera.size() > 0) {
@@ -205,9 +202,6 @@ void add_times(HtmlReport& html, const Evaluation& evaluation, SceneOnDevice& sc
   const Sensor lidar(log.lidar(frame.lidar).model);
   html.paragraph(fmt::format("A sweep of {}, {} rays:", frame.lidar, lidar.ray_count()));
   html.table(header, kernel_times(scene, lidar, shot_of(log, frame)));
-  html.heading("How the LiDAR's rays fall into tiles");
-  html.picture(tile_picture(make_ray_grid(scene.device(), lidar.lidar(), lidar.rays(), options), frame.lidar),
-               frame.lidar + ": the beam pattern, the tiles over it, the rays of each tile");
 }
 
 }  // namespace
