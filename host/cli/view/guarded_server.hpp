@@ -1,6 +1,7 @@
 #pragma once
 // The library's server behind limits of its own: it waits for each client as long as that takes, one thread
 // each, so that a few slow ones keep out everybody else.
+#include <Eigen/Core>  // before httplib.h, with which <resolv.h> makes a macro of a name of Eigen's
 #include <httplib.h>
 #include <memory>
 
