@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bench/paper/seen.hpp"
+#include "bench/street/detailed_street.hpp"
 #include "host/base/stopwatch.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
@@ -175,7 +176,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
   const ScratchFolder scratch("simuli_bench");
   StreetOptions street;
   street.output = scratch.path() / "street.log";
-  street.detailed = options.detailed;
+  if (options.detailed) street.detail = &detailed_street();
   const Log log = synth_street(street);
   std::vector<std::string> settings = options.settings;
   settings.push_back("image_scale=1");

@@ -12,7 +12,7 @@ namespace simuli::bench {
 struct ShiftOptions {
   int iterations = 400;               // of the training
   std::vector<std::string> settings;  // "key=value" of the training, beside the defaults
-  bool detailed = false;              // the detailed street (StreetContents) instead of the plain one
+  bool detailed = false;              // detailed_street() instead of the plain one
 };
 
 struct ShiftResult {

@@ -258,7 +258,7 @@ void add_bench(const Command& command, const Globals& globals) {
                "sensors");
   command.flag("--detailed",
                options->shift_options.detailed,
-               "--shift: on the street of `simuli synth street --detailed`");
+               "--shift: on a richer street: leaves, railings, kerbs, shops, vans, worn markings");
   command.option("--agreement",
                  options->agreement,
                  "every ray of a camera and a LiDAR frame against FILE, which another OpenCL "
@@ -276,9 +276,7 @@ void add_bench(const Command& command, const Globals& globals) {
       .range(10.0, 10'000.0);
   command.option(
       "--report", options->report, "HTML file to write: the rows, a table for each thing measured");
-  command.option("--picture",
-                 options->picture,
-                 "--shift: a PNG of renders beside the truth");
+  command.option("--picture", options->picture, "--shift: a PNG of renders beside the truth");
   const auto fields = [options, &globals] {
     options->trade_options.own = options_of(globals.quality);
     return fields_of(options->trade_options.own);

@@ -57,7 +57,7 @@ void add_synth(Command app, const Globals& globals) {
   const auto all = std::make_shared<SynthCommand>();
   StreetOptions* const options = &all->street;
   Command street = command.command("street", "a street with one moving car");
-  street.option("-o,--output", options->output, "log folder to write").required().makes();
+  street.option("-o,--output", options->output, "log folder to write").required();
   const auto add = [&](const char* name, auto& value, const char* text) {
     return street.option(name, value, text).with_default();
   };
@@ -79,16 +79,9 @@ void add_synth(Command app, const Globals& globals) {
   street.flag("--moving-car,!--no-moving-car", options->moving_car, "something drives; default: yes");
   street.flag("--walker", options->walking_person, "somebody walks across the street; not with --length");
   length.excludes("--walker");
-  const Option detailed = street.flag("--detailed",
-                                      options->detailed,
-                                      "a richer street: leaves, railings, kerbs, shops, vans, worn markings; "
-                                      "not with --length");
   street.flag("--rolling-shutter", options->rolling_shutter, "20 ms top to bottom instead of global");
-  street.run([all, length, cameras, lidars, detailed, &globals] {
+  street.run([all, length, cameras, lidars, &globals] {
     const bool is_long = length.is_given();
-    if (is_long && detailed.is_given()) {
-      throw Error(ErrorKind::kUsage, "--detailed: found with --length, allowed without it");
-    }
     if (!is_long) need_long(cameras, "--cameras");
     if (!is_long) need_long(lidars, "--lidars");
     synth(*all, is_long, globals);

@@ -15,6 +15,7 @@
 
 namespace simuli {
 
+struct StreetDetail;
 struct StreetWorld;
 
 /// What a ray meets first.
@@ -89,9 +90,7 @@ struct StreetContents {
   std::optional<StreetCar> car = StreetCar{};
   bool thin_poles = false;  // 1.6 to 4 cm across, along both pavements
   std::optional<StreetWalker> walker = std::nullopt;
-  /// Trees of leaves and branches, kerbs that are lowered, poles, railings and bins, vehicles of several
-  /// kinds, worn markings, houses with balconies, shops and finer textures: io/synth/street_detail.hpp.
-  bool detailed = false;
+  const StreetDetail* detail = nullptr;  // beside what the plain street has; null: nothing
 };
 
 class Street : public TracedWorld {
@@ -122,8 +121,8 @@ struct StreetOptions {
   StreetWalker walker{};         // how it walks
   bool rolling_shutter = false;  // 20 ms top to bottom instead of a global shutter
   std::uint64_t seed = 1;
-  bool detailed = false;  // as StreetContents
-  int threads = 0;        // 0: one per core; the result is the same for any number
+  const StreetDetail* detail = nullptr;  // as StreetContents
+  int threads = 0;                       // 0: one per core; the result is the same for any number
 
   [[nodiscard]] StreetContents contents() const;
 };

@@ -1,4 +1,4 @@
-// The tree of boxes that rays go through the detailed street by.
+// The tree of boxes that rays go through streets of many solids by.
 #include <algorithm>
 #include <array>
 

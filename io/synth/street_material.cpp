@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/synth/street_detail.hpp"
 #include "io/synth/street_pattern.hpp"
 #include "io/synth/street_world.hpp"
 
@@ -124,10 +123,10 @@ StreetBays street_bays(const StreetSolid& house) {
   return {count, width / count};
 }
 
-StreetSurface street_plain_surface(const StreetSolid& solid,
-                                   const Vector3d& point,
-                                   const Vector3d& normal,
-                                   std::uint64_t seed) {
+StreetSurface street_surface(const StreetSolid& solid,
+                             const Vector3d& point,
+                             const Vector3d& normal,
+                             std::uint64_t seed) {
   switch (solid.material) {
     case StreetMaterial::kAsphalt:
       return asphalt(solid, point, seed);
@@ -150,17 +149,8 @@ StreetSurface street_plain_surface(const StreetSolid& solid,
     case StreetMaterial::kLeaves:
       return scaled(solid.tint, solid.reflectance, 1.0 + 0.35 * noise(point * 2.2, seed));
     default:
-      return scaled(solid.tint, solid.reflectance, 1.0);  // the detailed street's alone
+      return scaled(solid.tint, solid.reflectance, 1.0);  // of a detail alone
   }
-}
-
-StreetSurface street_surface(const StreetSolid& solid,
-                             const Vector3d& point,
-                             const Vector3d& normal,
-                             std::uint64_t seed,
-                             double footprint_m) {
-  return solid.style == 0 ? street_plain_surface(solid, point, normal, seed)
-                          : street_detail_surface(solid, point, normal, seed, footprint_m);
 }
 
 Vector3d street_sky(const Vector3d& direction) {

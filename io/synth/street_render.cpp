@@ -79,7 +79,7 @@ StreetContents StreetOptions::contents() const {
   return {.seed = seed,
           .car = moving_car ? std::optional(car) : std::nullopt,
           .walker = walking_person ? std::optional(walker) : std::nullopt,
-          .detailed = detailed};
+          .detail = detail};
 }
 
 Pose street_sway(double driven_m) {

@@ -302,7 +302,9 @@ StreetHit Street::trace(const Vector3d& origin,
   constexpr double kPixel_rad = 0.0053, kLeastCosine = 0.3;
   const double footprint_m =
       kPixel_rad * nearest.range / std::max(std::abs(nearest.normal.dot(direction)), kLeastCosine);
-  const StreetSurface surface = street_surface(*met, point, nearest.normal, world_->seed, footprint_m);
+  const StreetSurface surface =
+      met->style == 0 ? street_surface(*met, point, nearest.normal, world_->seed)
+                      : world_->detail->surface(*met, point, nearest.normal, world_->seed, footprint_m);
   hit.colour = (surface.albedo * street_light(nearest.normal)).cwiseMax(0.0).cwiseMin(1.0);
   hit.reflectance = surface.reflectance;
   return hit;

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "io/synth/street.hpp"
-#include "io/synth/street_detail.hpp"
 
 namespace simuli {
 namespace {
@@ -200,8 +199,9 @@ StreetWorld build_street_world(const StreetContents& contents) {
   // Patterns of boxes along the whole street start at the world's origin.
   for (StreetSolid& solid : world.ground) solid.centre.setZero();
   if (contents.car) add_street_car(world.car, Eigen::Vector3d::Zero(), {0.88, 0.62, 0.10});
-  if (contents.detailed) {
-    add_street_detail(world);
+  world.detail = contents.detail;
+  if (world.detail != nullptr) {
+    world.detail->add(world);
     world.index.emplace(world.solids);
   } else {
     sort_into_slices(world);

@@ -25,7 +25,7 @@ enum class StreetMaterial {
   kSign,
   kBark,
   kLeaves,
-  // Of the detailed street alone; their patterns are in io/synth/street_detail_*.cpp.
+  // Of a detail alone (bench/street), whose patterns they are.
   kStone,
   kPainted,
   kStriped,
@@ -45,9 +45,9 @@ enum class StreetShape { kBox, kPole, kSphere, kRod, kCutBox, kPlate };
 
 /// One solid. Box: low and high corners. Pole (vertical cylinder): axis through centre from low.z to high.z.
 /// Sphere: centre and radius. `centre` is also where the patterns start.
-/// The detailed street has more. Rod: all within radius of the line from centre to centre + axis. Cut box:
-/// what of the box has axis . p <= radius (m, world), axis of length 1. Plate: no thickness, across x, with
-/// axis.x() sides of which each is `radius` from its middle, one of them below; no sides: round.
+/// A detail (bench/street) has more. Rod: all within radius of the line from centre to centre + axis. Cut
+/// box: what of the box has axis . p <= radius (m, world), axis of length 1. Plate: no thickness, across x,
+/// with axis.x() sides of which each is `radius` from its middle, one of them below; no sides: round.
 struct StreetSolid {
   StreetShape shape = StreetShape::kBox;
   StreetMaterial material = StreetMaterial::kAsphalt;
@@ -58,7 +58,7 @@ struct StreetSolid {
   Eigen::Vector3d tint = Eigen::Vector3d::Ones();    // base colour
   double reflectance = 0.0;                          // base, [0,1]
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();    // as the shape has it
-  std::uint32_t style = 0;                           // 0: plain; else which variety of the detailed material
+  std::uint32_t style = 0;                           // 0: plain; else which variety of a detail's material
 };
 
 struct StreetSurface {
@@ -96,6 +96,21 @@ class StreetIndex {
   std::vector<std::uint32_t> order_;
 };
 
+struct StreetWorld;
+
+/// What makes a plain street a richer one.
+struct StreetDetail {
+  /// Adds and changes solids; those that are not of plain materials get a style.
+  void (*add)(StreetWorld& world);
+  /// As street_surface(), for solids with a style. Patterns finer than footprint_m, the width of a pixel
+  /// there, show as their mean.
+  StreetSurface (*surface)(const StreetSolid& solid,
+                           const Eigen::Vector3d& point,
+                           const Eigen::Vector3d& normal,
+                           std::uint64_t seed,
+                           double footprint_m);
+};
+
 /// All solids that stand still, sorted into slices of the street along x, and the moving car in its own frame
 /// (origin under its middle, x forward).
 struct StreetWorld {
@@ -104,7 +119,8 @@ struct StreetWorld {
   std::vector<StreetSolid> solids;
   std::vector<std::vector<std::uint32_t>> slices;  // indices into solids
   std::vector<StreetSolid> car;                    // empty: no moving car
-  std::optional<StreetIndex> index;                // instead of slices, where there are many solids
+  const StreetDetail* detail = nullptr;
+  std::optional<StreetIndex> index;  // instead of slices, where there is detail: many solids
 
   static constexpr double kSliceLength_m = 8.0;
   static constexpr double kFirstSlice_m = -64.0;
@@ -168,19 +184,12 @@ struct StreetBays {
 [[nodiscard]] bool street_lane_marking(double x, double y);
 
 [[nodiscard]] StreetWorld build_street_world(const StreetContents& contents);
-/// Colour and reflectance of `solid` at `point` (in the solid's frame, on the surface with that normal).
-/// Patterns of the detailed street that are finer than footprint_m, the width of a pixel there, show as their
-/// mean; the plain street has none so fine.
+/// Colour and reflectance of `solid`, without a style, at `point` (in the solid's frame, on the surface with
+/// that normal). No pattern is finer than a pixel.
 [[nodiscard]] StreetSurface street_surface(const StreetSolid& solid,
                                            const Eigen::Vector3d& point,
                                            const Eigen::Vector3d& normal,
-                                           std::uint64_t seed,
-                                           double footprint_m = 0.0);
-/// The same for solids without a style.
-[[nodiscard]] StreetSurface street_plain_surface(const StreetSolid& solid,
-                                                 const Eigen::Vector3d& point,
-                                                 const Eigen::Vector3d& normal,
-                                                 std::uint64_t seed);
+                                           std::uint64_t seed);
 [[nodiscard]] Eigen::Vector3d street_sky(const Eigen::Vector3d& direction);
 
 }  // namespace simuli

@@ -17,9 +17,6 @@ TEST_F(Cli, UsageErrorsAreOneLineAndExitWith2) {
   expect_failure("info generic64 --no-such-option", kUsage, "--no-such-option");
   expect_failure("synth street", kUsage, "--output");
   expect_failure("synth street -o x.log --frames many", kUsage, "--frames");
-  expect_failure("synth street -o x.log --detailed --length 100",
-                 kUsage,
-                 "--detailed: found with --length, allowed without it");
   expect_failure("info generic64 row", kUsage, "generic64 is a sensor");
   expect_failure("render s.scene --sensor front -o x.mp4 --fps 1e300", kUsage, "--fps");
   expect_failure("render s.scene --sensor front -o x --speed nan", kUsage, "--speed");

@@ -30,6 +30,41 @@ StreetOptions small_options(const std::filesystem::path& output) {
   return options;
 }
 
+/// Rays from along the drive to all sides: the ray's number decides which.
+struct Ray {
+  Vector3d origin, direction;
+};
+Ray ray_of(int i) {
+  const double share = i * 0.6180339887498949, turn = i * 0.7548776662466927, up = i * 0.5698402909980532;
+  const auto fraction = [](double x) { return x - std::floor(x); };
+  const double azimuth = 6.283185307179586 * fraction(turn), z = 0.9 * fraction(up) - 0.45;
+  const double flat = std::sqrt(1.0 - z * z);
+  return {{260.0 * fraction(share), 1.5 * std::sin(0.1 * i) - 0.5, 1.9},
+          {flat * std::cos(azimuth), flat * std::sin(azimuth), z}};
+}
+
+TEST(Street, IsAsItAlwaysWas) {
+  const Street street;
+  double range = 0.0, reflectance = 0.0;
+  Vector3d colour = Vector3d::Zero(), normal = Vector3d::Zero();
+  constexpr int kRays = 20000;
+  for (int i = 0; i < kRays; ++i) {
+    const Ray ray = ray_of(i);
+    const StreetHit hit = street.trace(ray.origin, ray.direction, 0.7, kFarAway_m);
+    range += hit.range;
+    reflectance += hit.reflectance;
+    colour += hit.colour;
+    normal += hit.normal.cwiseAbs();
+  }
+  // Rounding of sines differs between libraries.
+  constexpr double kSame = 1e-7;
+  EXPECT_NEAR(range / kRays, 11.555953322941, kSame);
+  EXPECT_NEAR(reflectance / kRays, 0.285933484373, kSame);
+  EXPECT_NEAR(colour.x() / kRays, 0.393244908632, kSame);
+  EXPECT_NEAR(colour.z() / kRays, 0.374211104225, kSame);
+  EXPECT_NEAR(normal.x() / kRays, 0.095978750156, kSame);
+}
+
 TEST(Street, RoadLiesAtZeroAndPavementAKerbHigher) {
   const Street street;
   const StreetHit road = street.trace({10.0, -1.0, 2.0}, -Vector3d::UnitZ(), 0.0, kFarAway_m);

@@ -1,13 +1,13 @@
 #pragma once
 // Inside the detailed synthetic street: what stands there beside the plain one's houses, lamps and trunks,
-// and what it looks like. Included by io/synth/street_*.cpp alone.
+// and what it looks like.
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
 #include "io/synth/street_world.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 
 // What is where across the street, m from its middle. Nothing higher than paint stands within 3.4 m: there
 // the rig drives, in its lane and beside it.
@@ -88,9 +88,6 @@ struct StreetPlan {
   static constexpr double kRampHalf_m = 1.7;  // half of what is lowered
 };
 
-/// Makes a plain street a detailed one, with numbers of its own: houses, lamps, trunks and places of parked
-/// cars stay as they are.
-void add_street_detail(StreetWorld& world);
 void add_detail_kerbs(StreetSide& to, const StreetPlan& plan);
 void add_detail_tree(StreetSide& to, const StreetSolid& trunk);
 /// A low wall of leaves.
@@ -101,12 +98,12 @@ void add_detail_house(StreetSide& to, StreetSolid& house);
 /// What stands along the pavement's edge.
 void add_detail_furniture(StreetSide& to, const StreetPlan& plan);
 
-/// As street_surface(), for solids with a style.
-[[nodiscard]] StreetSurface street_detail_surface(const StreetSolid& solid,
-                                                  const Eigen::Vector3d& point,
-                                                  const Eigen::Vector3d& normal,
-                                                  std::uint64_t seed,
-                                                  double footprint_m);
+/// StreetDetail::surface.
+[[nodiscard]] StreetSurface detail_surface(const StreetSolid& solid,
+                                           const Eigen::Vector3d& point,
+                                           const Eigen::Vector3d& normal,
+                                           std::uint64_t seed,
+                                           double footprint_m);
 [[nodiscard]] StreetSurface detail_road(const StreetSolid& solid,
                                         const Eigen::Vector3d& point,
                                         std::uint64_t seed,
@@ -128,4 +125,4 @@ void add_detail_furniture(StreetSide& to, const StreetPlan& plan);
                                            std::uint64_t seed,
                                            double footprint_m);
 
-}  // namespace simuli
+}  // namespace simuli::bench

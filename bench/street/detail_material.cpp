@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string_view>
 
-#include "io/synth/street_detail.hpp"
-#include "io/synth/street_pattern.hpp"
+#include "bench/street/detail.hpp"
+#include "bench/street/detail_pattern.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -298,7 +298,7 @@ StreetSurface detail_vehicle(
   }
 }
 
-StreetSurface street_detail_surface(
+StreetSurface detail_surface(
     const StreetSolid& s, const Vector3d& p, const Vector3d& normal, std::uint64_t seed, double footprint_m) {
   switch (s.material) {
     case StreetMaterial::kAsphalt:
@@ -351,7 +351,7 @@ StreetSurface street_detail_surface(
     case StreetMaterial::kSign:
       break;
   }
-  return street_plain_surface(s, p, normal, seed);
+  return street_surface(s, p, normal, seed);
 }
 
-}  // namespace simuli
+}  // namespace simuli::bench

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "io/synth/street_detail.hpp"
+#include "bench/street/detail.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -82,4 +82,4 @@ void add_detail_hedge(StreetSide& to, double x0, double x1, double y0, double y1
   }
 }
 
-}  // namespace simuli
+}  // namespace simuli::bench

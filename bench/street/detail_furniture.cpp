@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "bench/street/detail.hpp"
 #include "io/synth/street.hpp"
-#include "io/synth/street_detail.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -234,4 +234,4 @@ void add_detail_furniture(StreetSide& to, const StreetPlan& plan) {
   }
 }
 
-}  // namespace simuli
+}  // namespace simuli::bench

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/synth/street_detail.hpp"
-#include "io/synth/street_pattern.hpp"
+#include "bench/street/detail.hpp"
+#include "bench/street/detail_pattern.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -216,4 +216,4 @@ StreetSurface detail_pavement(
   return scaled(s.tint, s.reflectance, (0.86 + 0.26 * slab) * dirt * new_slab * spots * (1.0 - 0.4 * joint));
 }
 
-}  // namespace simuli
+}  // namespace simuli::bench

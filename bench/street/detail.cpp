@@ -1,14 +1,15 @@
 // Makes the plain synthetic street a detailed one: the parts that solids are added by, and what is taken from
 // the plain street; kerbs.
-#include "io/synth/street_detail.hpp"
+#include "bench/street/detail.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "bench/street/detailed_street.hpp"
 #include "io/synth/street.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -206,7 +207,9 @@ void add_detail_kerbs(StreetSide& to, const StreetPlan& plan) {
   run(from, kDetailEnd_m);
 }
 
-void add_street_detail(StreetWorld& world) {
+namespace {
+
+void add_detail(StreetWorld& world) {
   for (StreetSolid& solid : world.ground) {
     solid.style = 1;
     if (solid.material != StreetMaterial::kPavement) continue;
@@ -245,4 +248,11 @@ void add_street_detail(StreetWorld& world) {
   world.solids.insert(world.solids.end(), added.begin(), added.end());
 }
 
-}  // namespace simuli
+}  // namespace
+
+const StreetDetail& detailed_street() {
+  static constexpr StreetDetail kDetail{.add = add_detail, .surface = detail_surface};
+  return kDetail;
+}
+
+}  // namespace simuli::bench

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "io/synth/street_detail.hpp"
+#include "bench/street/detail.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -242,4 +242,4 @@ void add_detail_house(StreetSide& to, StreetSolid& house) {
   if (to.chance(0.7)) add_roof(to, h);
 }
 
-}  // namespace simuli
+}  // namespace simuli::bench

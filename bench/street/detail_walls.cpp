@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 
-#include "io/synth/street_detail.hpp"
-#include "io/synth/street_pattern.hpp"
+#include "bench/street/detail.hpp"
+#include "bench/street/detail_pattern.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -192,4 +192,4 @@ StreetSurface detail_facade(
   return bare;
 }
 
-}  // namespace simuli
+}  // namespace simuli::bench

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "io/synth/street_detail.hpp"
+#include "bench/street/detail.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -192,4 +192,4 @@ void add_detail_vehicle(StreetSide& to, const Vector3d& at, bool is_low) {
   add_passenger_car(to, at_least(4.50), kind > 0.72, kind > 0.3 && kind < 0.45);
 }
 
-}  // namespace simuli
+}  // namespace simuli::bench

@@ -1,4 +1,6 @@
-// The detailed street, and that the plain one is what it was.
+// The detailed street.
+#include "bench/street/detailed_street.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -7,7 +9,7 @@
 #include "io/synth/street_world.hpp"
 #include "tests/io/scratch.hpp"
 
-namespace simuli {
+namespace simuli::bench {
 namespace {
 
 using Eigen::Vector3d;
@@ -27,30 +29,9 @@ Ray ray_of(int i) {
           {flat * std::cos(azimuth), flat * std::sin(azimuth), z}};
 }
 
-TEST(DetailedStreet, PlainStreetIsAsItWas) {
-  const Street street;
-  double range = 0.0, reflectance = 0.0;
-  Vector3d colour = Vector3d::Zero(), normal = Vector3d::Zero();
-  constexpr int kRays = 20000;
-  for (int i = 0; i < kRays; ++i) {
-    const Ray ray = ray_of(i);
-    const StreetHit hit = street.trace(ray.origin, ray.direction, 0.7, kFar_m);
-    range += hit.range;
-    reflectance += hit.reflectance;
-    colour += hit.colour;
-    normal += hit.normal.cwiseAbs();
-  }
-  // Of the street before there was a detailed one. Rounding of sines differs between libraries.
-  constexpr double kSame = 1e-7;
-  EXPECT_NEAR(range / kRays, 11.555953322941, kSame);
-  EXPECT_NEAR(reflectance / kRays, 0.285933484373, kSame);
-  EXPECT_NEAR(colour.x() / kRays, 0.393244908632, kSame);
-  EXPECT_NEAR(colour.z() / kRays, 0.374211104225, kSame);
-  EXPECT_NEAR(normal.x() / kRays, 0.095978750156, kSame);
-}
-
 TEST(DetailedStreet, PicturesAndSweepsAreTheSameAgainAndByAnyThreads) {
-  const Street street({.detailed = true}), again({.detailed = true}), other({.seed = 2, .detailed = true});
+  const Street street({.detail = &detailed_street()}), again({.detail = &detailed_street()}),
+      other({.seed = 2, .detail = &detailed_street()});
   const Log log = street_log({.output = {}, .image_width = 64, .image_height = 36, .lidar_columns = 120});
   const auto picture = [&](const Street& of, int threads) {
     return render_street(of, log.cameras.front(), log.world_from_rig, 0.05, 0.05, threads).data;
@@ -68,7 +49,7 @@ TEST(DetailedStreet, PicturesAndSweepsAreTheSameAgainAndByAnyThreads) {
 }
 
 TEST(DetailedStreet, IndexFindsWhatTestingEverySolidFinds) {
-  const StreetWorld world = build_street_world({.detailed = true});
+  const StreetWorld world = build_street_world({.detail = &detailed_street()});
   ASSERT_TRUE(world.index.has_value());
   EXPECT_GT(world.solids.size(), 5000U);
   int met = 0;
@@ -89,7 +70,7 @@ TEST(DetailedStreet, IndexFindsWhatTestingEverySolidFinds) {
 }
 
 TEST(DetailedStreet, SolidsLieWithinTheirBounds) {
-  const StreetWorld world = build_street_world({.detailed = true});
+  const StreetWorld world = build_street_world({.detail = &detailed_street()});
   for (std::size_t i = 0; i < world.solids.size(); ++i) {
     const StreetSolid& solid = world.solids[i];
     ASSERT_TRUE((solid.low.array() <= solid.high.array()).all());
@@ -112,7 +93,7 @@ TEST(DetailedStreet, SolidsLieWithinTheirBounds) {
 
 /// What a ray meets, another from elsewhere meets, too, or something before it.
 TEST(DetailedStreet, EveryEyeMeetsTheSameSurfaces) {
-  const Street street({.car = std::nullopt, .detailed = true});
+  const Street street({.car = std::nullopt, .detail = &detailed_street()});
   const Log log = street_log({});
   int open = 0, same_range = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -144,7 +125,7 @@ TEST(DetailedStreet, EveryEyeMeetsTheSameSurfaces) {
 
 TEST(DetailedStreet, NothingStandsWhereTheRigDrivesOrIsMovedTo) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const Street street({.seed = seed, .car = std::nullopt, .detailed = true});
+    const Street street({.seed = seed, .car = std::nullopt, .detail = &detailed_street()});
     // Its lane, 3 m to the left, its sway and half its width; up to the LiDAR above its roof.
     for (double y = -1.75 - 0.3 - 0.95; y <= -1.75 + 3.0 + 0.3 + 0.95; y += 0.05) {
       for (double z = 0.25; z <= 2.1; z += 0.05) {
@@ -182,7 +163,7 @@ std::pair<double, double> gradients(const Image& picture) {
 }
 
 TEST(DetailedStreet, PicturesShowMore) {
-  const Street plain, detailed({.detailed = true});
+  const Street plain, detailed({.detail = &detailed_street()});
   const Log log = street_log({.output = {}, .image_width = 320, .image_height = 180});
   for (const double time_s : {0.1, 0.9, 1.7}) {
     const auto gradients_of = [&](const Street& street) {
@@ -196,10 +177,11 @@ TEST(DetailedStreet, PicturesShowMore) {
 }
 
 TEST(DetailedStreet, LidarMeetsThinThings) {
-  const StreetWorld world = build_street_world({.detailed = true});
+  const StreetWorld world = build_street_world({.detail = &detailed_street()});
   const Log log = street_log({});
   const LogLidar& lidar = log.lidars.front();
-  const Sweep sweep = scan_street(Street({.detailed = true}), lidar, log.world_from_rig, 0.5, 0.6);
+  const Sweep sweep =
+      scan_street(Street({.detail = &detailed_street()}), lidar, log.world_from_rig, 0.5, 0.6);
   int thin = 0, leaves = 0;
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;
@@ -226,7 +208,7 @@ TEST(DetailedStreet, LidarMeetsThinThings) {
 
 /// Patterns finer than a pixel end as their mean, not as noise of the rays.
 TEST(DetailedStreet, WhatPixelsCannotTellApartIsEven) {
-  const StreetWorld world = build_street_world({.detailed = true});
+  const StreetWorld world = build_street_world({.detail = &detailed_street()});
   int walls = 0;
   for (const StreetSolid& house : world.solids) {
     constexpr std::uint32_t kBrick = 1;
@@ -238,7 +220,7 @@ TEST(DetailedStreet, WhatPixelsCannotTellApartIsEven) {
       for (int i = 0; i < kSteps; ++i) {  // up a pier, between windows
         const Vector3d point(house.low.x() + 0.08, house.high.y(), 1.9 + 0.004 * i);
         const double red =
-            street_surface(house, point, Vector3d::UnitY(), world.seed, footprint_m).albedo.x();
+            world.detail->surface(house, point, Vector3d::UnitY(), world.seed, footprint_m).albedo.x();
         sum += red;
         change += i == 0 ? 0.0 : std::abs(red - last);
         last = red;
@@ -262,7 +244,7 @@ TEST(DetailedStreet, ItsLogIsThatOfThePlainStreetButForWhatIsSeen) {
   options.image_width = 48;
   options.image_height = 27;
   options.lidar_columns = 60;
-  options.detailed = true;
+  options.detail = &detailed_street();
   const Log log = synth_street(options);
   const Image picture = read_image(log.folder / log.images.front().file);
   const ImageFrame& image = log.images.front();
@@ -274,7 +256,7 @@ TEST(DetailedStreet, ItsLogIsThatOfThePlainStreetButForWhatIsSeen) {
   for (std::size_t i = 0; i < truth.data.size(); ++i) {
     ASSERT_NEAR(picture.data[i], truth.data[i], 0.5 / 255.0 + 1e-4);
   }
-  options.detailed = false;
+  options.detail = nullptr;
   options.output = scratch / "plain";
   const Log plain = synth_street(options);
   EXPECT_NE(read_image(plain.folder / image.file).data, picture.data);
@@ -284,4 +266,4 @@ TEST(DetailedStreet, ItsLogIsThatOfThePlainStreetButForWhatIsSeen) {
 }
 
 }  // namespace
-}  // namespace simuli
+}  // namespace simuli::bench
