@@ -27,9 +27,9 @@ import sys
 import tempfile
 import time
 
-import batch_kills
-
-ENVIRONMENT = batch_kills.clean_environment(
+LAUNCHERS = ("OMPI_", "PMI_", "PMIX_", "SLURM_")
+ENVIRONMENT = dict(
+    {name: value for name, value in os.environ.items() if not name.startswith(LAUNCHERS)},
     OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
     OMPI_MCA_btl_vader_single_copy_mechanism="none", POCL_MAX_PTHREAD_COUNT="1")
 
@@ -39,7 +39,23 @@ def launched(ranks, command):
 
 
 def run(command, folder, **more):
-    return batch_kills.run(command, folder, env={**ENVIRONMENT, **more})
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          env={**ENVIRONMENT, **more})
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}: {done.stderr.strip()}")
+    return done.stdout
+
+
+def children(pid):
+    found = []
+    for status in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = status.read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid:
+            found.append(int(status.parent.name))
+    return found
 
 
 def scene_hash(scene):
@@ -115,7 +131,7 @@ def kills(args):
                 try:
                     process.wait(random.uniform(0.2, 0.9) * duration)
                 except subprocess.TimeoutExpired:
-                    victims = batch_kills.children(process.pid) if ranks > 1 else [process.pid]
+                    victims = children(process.pid) if ranks > 1 else [process.pid]
                     if victims:
                         os.kill(random.choice(victims), signal.SIGKILL)
                         killed += 1

@@ -173,17 +173,17 @@ void actors(const ActorsCommand& command, const Globals& globals) {
 void add_actors(Command app, const Globals& globals) {
   const auto command = std::make_shared<ActorsCommand>();
   Command sub = app.command("actors", "find what moves through a log from its LiDAR alone");
-  sub.option("LOG", command->log, "log folder").required().reads();
-  sub.option("-o,--output",
-             command->output,
-             "log folder to write, with what is found in place of the log's own actors; default: report only")
-      .makes();
+  sub.option("LOG", command->log, "log folder").required();
+  sub.option(
+      "-o,--output",
+      command->output,
+      "log folder to write, with what is found in place of the log's own actors; default: report only");
   sub.flag(
       "--keep-labels",
       command->keeps_labels,
       "keep the log's own actors, as a training does: what has no label is added, and what is seen before "
       "and after a label continues it");
-  sub.option("--compare", command->labelled, "log whose labels what is found is compared with").reads();
+  sub.option("--compare", command->labelled, "log whose labels what is found is compared with");
   sub.option("--held-out",
              command->frames.held_out_every,
              "leave out every N-th sweep, as a training does; 0: none")

@@ -91,7 +91,7 @@ void demo(const DemoCommand& command, const Globals& globals) {
 void add_demo(Command app, const Globals& globals) {
   const auto command = std::make_shared<DemoCommand>();
   Command sub = app.command("demo", "the whole system on an embedded street, in two minutes");
-  sub.option("-o,--output", command->output, "folder to make; default: a new temporary one").makes();
+  sub.option("-o,--output", command->output, "folder to make; default: a new temporary one");
   sub.option("--iterations", command->iterations, "of training").with_default();
   sub.option("--held-out-middle",
              command->frames.held_out_middle,

@@ -8,7 +8,6 @@
 
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/base/kept.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/eval_support.hpp"
@@ -36,7 +35,7 @@ void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
   fields_of(command.options).apply(command.settings);
   check(command.options);
-  SceneFile file = read_scene(globals, command.scene);
+  SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, command.options.render);
   apply(command.edits, file);
   Log log = read_log(command.log);
@@ -69,10 +68,8 @@ void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
   Command sub =
       app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required().reads();
-  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another")
-      .required()
-      .reads();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
+  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
   const Option scale =
       sub.option("--scale", command->scale, "size of the compared pictures over the recorded")
           .shown_as("FLOAT", "as in training");
@@ -93,8 +90,7 @@ void add_eval(Command app, const Globals& globals) {
   add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.option("--report",
              command->report,
-             "HTML file to write: metrics, curves, pictures, points to turn, settings, times")
-      .makes();
+             "HTML file to write: metrics, curves, pictures, points to turn, settings, times");
   sub.flag("--support", command->support, "also how well support (docs/RENDERS.md) foretells the errors");
   add_edit_options(sub, command->edits);
   sub.run([command, scale, held_out, held_out_middle, held_out_last, &globals] {

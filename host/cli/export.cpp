@@ -14,7 +14,6 @@
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
-#include "host/cli/base/kept.hpp"
 #include "host/scene/owners/moment.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/export/drive_archive.hpp"
@@ -56,8 +55,8 @@ Export of_splats(const ExportCommand& command) {
   return {command.lidar ? read_gaussians_ply(command.input, SetKind::kLidar) : read_splats(command.input)};
 }
 
-Export of_scene(const ExportCommand& command, const Globals& globals) {
-  SceneFile file = read_scene(globals, command.input);
+Export of_scene(const ExportCommand& command) {
+  SceneFile file = read_scene(command.input);
   apply(command.edits, file);
   const Scene& scene = file.scene;
   const GaussianSet& all = command.lidar ? scene.lidar : scene.camera;
@@ -81,7 +80,7 @@ void tell_left_out(const std::vector<std::string>& left_out) {
 }
 
 void export_drive(const ExportCommand& command, const Globals& globals) {
-  SceneFile scene = read_scene(globals, command.input);
+  SceneFile scene = read_scene(command.input);
   apply(command.edits, scene);
   const std::string id = scene_id_of(command.input);
   const DriveArchive archive = write_drive_archive(command.output, scene, id);
@@ -139,7 +138,7 @@ void run_export(const ExportCommand& command, const Globals& globals) {
   if (command.drive) {
     throw Error(ErrorKind::kUsage, "--drive: found no scene's folder, allowed one: other files have no path");
   }
-  const Export exported = is_folder ? of_scene(command, globals) : of_splats(command);
+  const Export exported = is_folder ? of_scene(command) : of_splats(command);
   write_splats(command.output, exported.set, {exported.axes, command.compress});
   tell_left_out(exported.left_out);
   if (globals.json) {
@@ -160,13 +159,11 @@ void add_export(Command app, const Globals& globals) {
   sub.option("INPUT",
              command->input,
              "scene folder, .ply (also SuperSplat's compressed), .spz or .glb; a log folder for NCore")
-      .required()
-      .reads();
+      .required();
   sub.option("-o,--output",
              command->output,
              ".ply, .spz, .glb (glTF), .usda or .usdz (OpenUSD); of a log .zarr or .zarr.itar (NCore)")
-      .required()
-      .makes();
+      .required();
   const Option at = sub.option(
       "--at", command->at_s, "with its actors where they are then, s of the log; default: without them");
   sub.flag("--compress", command->compress, "in .glb: particles as SPZ, a tenth of the size");

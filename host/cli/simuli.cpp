@@ -10,7 +10,6 @@ void add_commands(CommandLine& line, const Globals& globals) {
   root.require_command();
   add_actors(root, globals);
   add_align(root, globals);
-  add_batch(root, globals, add_commands);
   add_bench(line);
   add_completion(line);
   add_demo(root, globals);

@@ -171,42 +171,6 @@ TEST_F(CommandTest, AnswersNeedNothingElse) {
   EXPECT_EQ(runs_, 1);
 }
 
-TEST(CommandLineWork, TellsWhatTheGivenOptionsNameAndRunsNothing) {
-  int runs = 0;
-  bool goes_on = false;
-  std::string output, other, input;
-  std::vector<std::string> parts;
-  const auto work_of = [&](std::vector<const char*> arguments) {
-    CommandLine line("program", "", [] { return std::string("1"); });
-    line.root().require_command();
-    const Command sub = line.root().command("make", "makes something");
-    sub.option("INPUT", input, "what is read").required().reads();
-    sub.option("-o", output, "what is made").makes(".part");
-    sub.option("--also", other, "what is made, too").makes();
-    sub.option("--parts", parts, "PATH:NAME").reads([](const std::string& given) {
-      return given.substr(0, given.find(':'));
-    });
-    sub.flag("--resume", goes_on, "goes on").goes_on();
-    sub.run([&] { ++runs; });
-    arguments.insert(arguments.begin(), "program");
-    return line.work(static_cast<int>(arguments.size()), arguments.data());
-  };
-  using Paths = std::vector<std::string>;
-  const Work all = work_of({"make", "in", "--also", "b", "-o", "a/", "--parts", "c:d", ":e", "--resume"});
-  EXPECT_EQ(all.makes, (Paths{"a/", "b"}));
-  EXPECT_EQ(all.unfinished, (Paths{"a.part"}));
-  EXPECT_EQ(all.reads, (Paths{"in", "c"}));
-  EXPECT_TRUE(all.goes_on);
-  const Work least = work_of({"make", "in"});
-  EXPECT_TRUE(least.makes.empty() && least.unfinished.empty());
-  EXPECT_FALSE(least.goes_on);
-  for (const std::vector<const char*>& arguments :
-       std::vector<std::vector<const char*>>{{"make"}, {"mak", "in"}, {"make", "--help"}, {"--version"}}) {
-    EXPECT_THROW(static_cast<void>(work_of(arguments)), Error) << arguments.front();
-  }
-  EXPECT_EQ(runs, 0);
-}
-
 TEST_F(CommandTest, ForeignCommandsGetAllArgumentsButTheirName) {
   ASSERT_TRUE(parse({"--device", "far", "--json", "far", "--help", "draw", "--", "far"}));
   EXPECT_EQ(foreign_, (std::vector<std::string>{"--device", "far", "--json", "--help", "draw", "--", "far"}));

@@ -16,12 +16,7 @@ namespace simuli::cli {
 
 /// By option, as the library that reads arguments has no place for them.
 struct OptionMarks {
-  using PathIn = std::function<std::string(const std::string&)>;
   std::map<const CLI::Option*, std::function<std::vector<std::string>()>> completions;
-  std::map<const CLI::Option*, std::string> made;  // with what is unfinished behind it
-  std::map<const CLI::Option*, PathIn> read;
-  std::set<const CLI::Option*> going_on;
-  bool is_only_asked = false;  // nothing is run
 };
 
 namespace {
@@ -143,26 +138,6 @@ std::string shared_options(const CLI::App& command) {
   return formatter->make_group("Options of every command", false, shown);
 }
 
-/// Adds what the given options of a command name, and those of the command that it was followed by.
-void add_work(const CLI::App& app, const OptionMarks& marks, Work& work) {
-  for (const CLI::Option* const option : app.get_options()) {
-    const auto made = marks.made.find(option);
-    const auto read = marks.read.find(option);
-    for (const std::string& given : option->results()) {
-      if (made != marks.made.end()) {
-        work.makes.push_back(given);
-        const std::string name = given.substr(0, given.find_last_not_of('/') + 1);
-        if (!made->second.empty()) work.unfinished.push_back(name + made->second);
-      }
-      if (read == marks.read.end()) continue;
-      const std::string path = read->second ? read->second(given) : given;
-      if (!path.empty()) work.reads.push_back(path);
-    }
-    if (option->count() > 0 && marks.going_on.contains(option)) work.goes_on = true;
-  }
-  for (const CLI::App* const command : app.get_subcommands()) add_work(*command, marks, work);
-}
-
 /// Leaves the library's parsing with what is to be run instead.
 struct Answer {
   std::function<void()> run;
@@ -248,21 +223,6 @@ Option& Option::excludes(const std::string& name) {
   return *this;
 }
 
-Option& Option::makes(const std::string& unfinished) {
-  marks_->made[option_] = unfinished;
-  return *this;
-}
-
-Option& Option::reads(OptionMarks::PathIn path) {
-  marks_->read[option_] = std::move(path);
-  return *this;
-}
-
-Option& Option::goes_on() {
-  marks_->going_on.insert(option_);
-  return *this;
-}
-
 bool Option::is_given() const { return option_->count() > 0; }
 
 template <OptionValue T>
@@ -321,11 +281,7 @@ void Command::require_command() const { app_->require_subcommand(1); }
 
 void Command::take_anything() const { app_->allow_extras()->fallthrough(false); }
 
-void Command::run(std::function<void()> work) const {
-  app_->callback([marks = marks_, work = std::move(work)] {
-    if (!marks->is_only_asked) work();
-  });
-}
+void Command::run(std::function<void()> work) const { app_->callback(std::move(work)); }
 
 struct CommandLine::Impl {
   CLI::App app;
@@ -367,7 +323,6 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   const int at = impl_->command_at(argc, argv);
   const auto foreign = at < argc ? impl_->foreign.find(std::string_view(argv[at])) : impl_->foreign.end();
   if (foreign != impl_->foreign.end()) {
-    if (impl_->marks.is_only_asked) return true;
     std::vector<std::string> arguments(argv + 1, argv + argc);
     arguments.erase(arguments.begin() + (at - 1));
     foreign->second(arguments);
@@ -377,24 +332,16 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const Answer& answer) {
-    if (!impl_->marks.is_only_asked) answer.run();
+    answer.run();
     return false;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // --help, --version
-      if (!impl_->marks.is_only_asked) app.exit(error);
+      app.exit(error);
       return false;
     }
     throw Error(ErrorKind::kUsage, refusal(app, error));
   }
   return true;
-}
-
-Work CommandLine::work(int argc, const char* const* argv) {
-  impl_->marks.is_only_asked = true;
-  if (!parse(argc, argv)) throw Error(ErrorKind::kUsage, "found a question, allowed a command to run");
-  Work work;
-  add_work(impl_->app, impl_->marks, work);
-  return work;
 }
 
 }  // namespace simuli::cli

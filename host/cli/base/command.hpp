@@ -28,14 +28,6 @@ concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::files
     std::same_as<T, int> || std::same_as<T, std::int64_t> || std::same_as<T, std::size_t> ||
     std::same_as<T, double> || std::same_as<T, std::vector<std::string>>;
 
-/// For Option::reads(): values that may also be a name of something else than a file.
-[[nodiscard]] inline std::string file_unless_name(const std::string& given) {
-  const std::filesystem::path path(given);
-  std::error_code ignored;
-  const bool is_path = path.has_parent_path() || path.has_extension();
-  return is_path || std::filesystem::is_regular_file(path, ignored) ? given : std::string();
-}
-
 /// One option of a command; what is said of it holds for the option, however often this is copied.
 class Option {
  public:
@@ -62,16 +54,6 @@ class Option {
   Option& answers(const std::string& value, std::function<void()> answer);
   /// Not together with the option of that name, which stands before this one.
   Option& excludes(const std::string& name);
-
-  // What CommandLine::work() tells of it.
-  /// Its value is a file or folder that the command makes. Whoever is stopped leaves one of that name with
-  /// `unfinished` behind it, if that says something.
-  Option& makes(const std::string& unfinished = "");
-  /// Its value is a file or folder that the command reads; or what `path`
-  /// finds in it, which may be nothing.
-  Option& reads(std::function<std::string(const std::string&)> path = {});
-  /// The command goes on from what is unfinished.
-  Option& goes_on();
 
   /// Whether the command line has it.
   [[nodiscard]] bool is_given() const;
@@ -100,14 +82,6 @@ struct CommandText {
   std::string help;
   std::vector<OptionText> options;
   std::vector<CommandText> commands;
-};
-
-/// What a command line would do, in paths as it gives them.
-struct Work {
-  std::vector<std::string> makes;
-  std::vector<std::string> unfinished;  // what it may leave instead when it is stopped
-  std::vector<std::string> reads;
-  bool goes_on = false;  // from what is unfinished
 };
 
 /// A command, or the program itself as the one above all. A handle: copies mean the same command.
@@ -140,13 +114,6 @@ class Command {
   OptionMarks* marks_;
 };
 
-/// Words behind a program's name as main() gets them, for as long as these are there.
-[[nodiscard]] inline std::vector<const char*> arguments_of(const std::vector<std::string>& words) {
-  std::vector<const char*> arguments{""};
-  for (const std::string& word : words) arguments.push_back(word.c_str());
-  return arguments;
-}
-
 /// The arguments of a program: its own options, before or behind a command's name, and its commands.
 class CommandLine {
  public:
@@ -165,10 +132,6 @@ class CommandLine {
   /// Runs the command that is named; false when only help, the version or an answer was asked for, and
   /// printed. Error{kUsage} for arguments that are not allowed.
   bool parse(int argc, const char* const* argv);
-  /// What parse() of these would do; nothing is run, by this object for good. Error{kUsage} as there, and
-  /// where only help, the version or an answer is asked for.
-  [[nodiscard]] Work work(int argc, const char* const* argv);
-
   /// All that the help tells.
   [[nodiscard]] CommandText text() const;
 

@@ -2,7 +2,6 @@
 // The commands of the program, one file each. A command adds itself to the program; what it runs does the
 // work and throws Error, which run_program() turns into one line on stderr and an exit code. Data goes to
 // stdout, everything else to stderr.
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,8 +11,6 @@
 
 namespace simuli::cli {
 
-class Kept;
-
 /// Options that every command takes, before or behind its name.
 struct Globals {
   std::string device;                    // part of an OpenCL device's name; empty: the best one
@@ -22,13 +19,12 @@ struct Globals {
   bool json_progress = false;            // progress as JSON lines
   bool verbose = false;                  // tell times on stderr
   std::string commit;                    // that the program was built from; may be empty
-  Kept* kept = nullptr;                  // by a process of many commands, which shows their progress itself
 };
 
 /// Of --device: "0,2" are two of them, anything else is one.
 [[nodiscard]] std::vector<std::string> devices_of(const std::string& request);
 
-/// As asked for; nothing beside data as JSON, nor of one command of many.
+/// As asked for; nothing beside data as JSON.
 [[nodiscard]] ProgressStyle progress_style(const Globals& globals);
 
 /// Error{kUsage}: `what` needs a build with that CMake option.
@@ -38,10 +34,6 @@ void add_absent(Command app, const std::string& name, const std::string& help, c
 
 void add_actors(Command app, const Globals& globals);
 void add_align(Command app, const Globals& globals);
-/// Of commands that `add` adds.
-void add_batch(Command app,
-               const Globals& globals,
-               std::function<void(CommandLine& line, const Globals& globals)> add);
 void add_bench(CommandLine& line);
 void add_completion(CommandLine& line);
 void add_demo(Command app, const Globals& globals);

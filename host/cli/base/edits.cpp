@@ -65,24 +65,16 @@ void add_edit_options(Command sub, Edits& edits) {
   const auto add = [&](const char* name, std::vector<std::string>& to, const char* text) {
     return sub.option(name, to, text);
   };
-  const auto part = [](std::size_t i) {
-    return [i](const std::string& edit) {
-      const std::vector<std::string> parts = split(edit, ':');
-      return i < parts.size() ? parts[i] : std::string();
-    };
-  };
   add("--add",
       edits.add,
       "SCENE:ACTOR[:NAME], an actor of another scene; then give it a --track. SPLAT:NAME, all of a .ply or "
-      ".spz: it stands where the path begins; then --resize, --move and --turn it, or give it a --track")
-      .reads(part(0));
+      ".spz: it stands where the path begins; then --resize, --move and --turn it, or give it a --track");
   add("--duplicate", edits.duplicate, "ACTOR:NAME, a second one of the same");
   add("--mirror",
       edits.mirror,
       "ACTOR, of which one side alone was recorded: the other shows it mirrored; nothing where both were");
   add("--resize", edits.resize, "ACTOR:FACTOR, so many times as large; it stands where it stood");
-  add("--track", edits.track, "ACTOR:LOG[:ACTOR], the track of an actor of that log instead of its own")
-      .reads(part(1));
+  add("--track", edits.track, "ACTOR:LOG[:ACTOR], the track of an actor of that log instead of its own");
   add("--retime", edits.retime, "ACTOR:RATE[:DELAY_S], its track RATE times as fast, DELAY_S later");
   add("--move", edits.move, "ACTOR:FORWARD,LEFT,UP, metres in the actor's own frame");
   add("--turn", edits.turn, "ACTOR:DEGREES, to its left, about its own up");

@@ -56,7 +56,6 @@ void add_globals(Command root, Globals& globals) {
 }
 
 ProgressStyle progress_style(const Globals& globals) {
-  if (globals.kept != nullptr) return ProgressStyle::kQuiet;
   if (globals.json_progress) return ProgressStyle::kJson;
   return globals.json ? ProgressStyle::kQuiet : simuli::progress_style();
 }

@@ -263,8 +263,8 @@ void align(const AlignCommand& command, const Globals& globals) {
 void add_align(Command app, const Globals& globals) {
   const auto command = std::make_shared<AlignCommand>();
   Command sub = app.command("align", "find a log's path from its LiDAR alone, and its cameras' places");
-  sub.option("LOG", command->log, "log folder").required().reads();
-  sub.option("-o,--output", command->output, "log folder to write; default: report only").makes();
+  sub.option("LOG", command->log, "log folder").required();
+  sub.option("-o,--output", command->output, "log folder to write; default: report only");
   sub.option("--lidar", command->align.lidar, "name of the LiDAR; default: the log's first");
   sub.flag("--prior", command->align.use_prior, "believe the log's own poses (GNSS/IMU) as far as follows");
   sub.option("--prior-position", command->align.prior_sigma_m, "their standard deviation, m")

@@ -256,10 +256,9 @@ void add_fit(Command app, const Globals& globals) {
       .option("DIR",
               beams->folder,
               "folder of sweeps: *.bin, float32 x y z reflectance; or a recording of ROS 2, with --topic")
-      .required()
-      .reads();
+      .required();
   table.option("--topic", beams->topic, "of a recording: its clouds, measured at rest or not");
-  table.option("-o,--output", beams->output, "LiDAR file to write").makes();
+  table.option("-o,--output", beams->output, "LiDAR file to write");
   table.option("--name", beams->name, "of the sensor").with_default();
   table.option("--sweeps", beams->most_sweeps, "evenly taken, at most").with_default();
   table.option("--spin-hz", beams->spin_hz, "turns per second, for the spin direction")
@@ -269,10 +268,10 @@ void add_fit(Command app, const Globals& globals) {
 
   const auto lens = std::make_shared<LensCommand>();
   Command model = fit.command("lens", "a camera in terms of another lens model");
-  model.option("TARGET", lens->target, "built-in camera, camera file, or a log").required().reads();
+  model.option("TARGET", lens->target, "built-in camera, camera file, or a log").required();
   model.option("SENSOR", lens->sensor, "camera of that log");
   model.option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...").required();
-  model.option("-o,--output", lens->output, "camera file to write").makes();
+  model.option("-o,--output", lens->output, "camera file to write");
   model.run([lens, &globals] { fit_lens(*lens, globals); });
 }
 

@@ -126,7 +126,7 @@ void add_photos(Command command,
                 const std::shared_ptr<Options>& options,
                 const Globals& globals,
                 const Run& run) {
-  command.option("-o,--output", options->output, "log folder to write").required().makes();
+  command.option("-o,--output", options->output, "log folder to write").required();
   command
       .option("--metres-per-unit",
               options->metres_per_unit,
@@ -236,10 +236,8 @@ void add_import(Command app, const Globals& globals) {
 
   const auto options = std::make_shared<KittiOptions>();
   Command kitti = import.command("kitti", "KITTI raw drive: cameras, HDL-64E, oxts");
-  kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent")
-      .required()
-      .reads();
-  kitti.option("-o,--output", options->output, "log folder to write").required().makes();
+  kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent").required();
+  kitti.option("-o,--output", options->output, "log folder to write").required();
   kitti
       .option(
           "--cameras",
@@ -247,44 +245,37 @@ void add_import(Command app, const Globals& globals) {
           "of image_02 (left), image_03 (right) and the grey ones image_00 and image_01, parted by commas")
       .shown_as("NAME,...", "image_02");
   add_frames(kitti, options, "the drive's");
-  kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts")
-      .reads();
-  kitti
-      .option("--tracking",
-              options->tracking,
-              "label file of the tracking benchmark with this drive's boxes: actors")
-      .reads();
+  kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
+  kitti.option("--tracking",
+               options->tracking,
+               "label file of the tracking benchmark with this drive's boxes: actors");
   kitti.flag("--no-poses", options->without_poses, "a rig at rest; simuli align finds the path")
       .excludes("--poses");
-  kitti.option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table")
-      .reads();
+  kitti.option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
   kitti.run([options, &globals] { import_kitti_drive(*options, globals); });
 
   const auto kitti360 = std::make_shared<Kitti360Options>();
   Command sequence =
       import.command("kitti360", "frames of KITTI-360: perspective and fisheye cameras, HDL-64E");
-  sequence.option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..")
-      .required()
-      .reads();
-  sequence.option("-o,--output", kitti360->output, "log folder to write").required().makes();
+  sequence.option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..").required();
+  sequence.option("-o,--output", kitti360->output, "log folder to write").required();
   sequence.option("--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
   add_frames(sequence, kitti360, "the sequence's");
-  sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table")
-      .reads();
+  sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
   sequence.run([kitti360, &globals] { import_kitti360_sequence(*kitti360, globals); });
 
   const auto nuscenes = std::make_shared<NuscenesOptions>();
   Command scene = import.command("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
-  scene.option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps").required().reads();
-  scene.option("-o,--output", nuscenes->output, "log folder to write").required().makes();
+  scene.option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps").required();
+  scene.option("-o,--output", nuscenes->output, "log folder to write").required();
   scene.option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
   scene.option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
   scene.run([nuscenes, &globals] { import_nuscenes_scene(*nuscenes, globals); });
 
   const auto waymo = std::make_shared<WaymoOptions>();
   Command segment = import.command("waymo", "a segment of the Waymo Open Dataset: cameras, LiDAR TOP, boxes");
-  segment.option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)").required().reads();
-  segment.option("-o,--output", waymo->output, "log folder to write").required().makes();
+  segment.option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)").required();
+  segment.option("-o,--output", waymo->output, "log folder to write").required();
   segment.run([waymo, &globals] { import_waymo_segment(*waymo, globals); });
 
   add_import_ros2(import, globals);
@@ -293,31 +284,26 @@ void add_import(Command app, const Globals& globals) {
   const auto points = std::make_shared<PointsOptions>();
   Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");
   bare.option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")
-      .required()
-      .reads();
-  bare.option("-o,--output", points->output, "log folder to write").required().makes();
+      .required();
+  bare.option("-o,--output", points->output, "log folder to write").required();
   bare.run([points, &globals] { import_point_drive(*points, globals); });
 
   const auto colmap = std::make_shared<ColmapOptions>();
   Command sub = import.command("colmap", "a COLMAP model with its photographs");
-  sub.option("DIR", colmap->model, "folder of cameras.bin or .txt, or one above its sparse/0")
-      .required()
-      .reads();
-  sub.option("--images", colmap->images, "folder of the photographs; default: images, near the model")
-      .reads();
+  sub.option("DIR", colmap->model, "folder of cameras.bin or .txt, or one above its sparse/0").required();
+  sub.option("--images", colmap->images, "folder of the photographs; default: images, near the model");
   add_photos(sub, "colmap", colmap, globals, import_colmap);
 
   const auto nerfstudio = std::make_shared<NerfstudioOptions>();
   sub = import.command("nerfstudio", "posed photographs of a transforms.json");
-  sub.option("FILE", nerfstudio->transforms, "transforms.json, or its folder").required().reads();
+  sub.option("FILE", nerfstudio->transforms, "transforms.json, or its folder").required();
   add_photos(sub, "nerfstudio", nerfstudio, globals, import_nerfstudio);
 
   const auto splat = std::make_shared<SplatCommand>();
   sub = import.command("splat", "a file of splats as a scene: .ply (also SuperSplat's compressed), .spz");
   sub.option("FILE", splat->file, "its LiDAR set becomes the particles' geometry, as bright as they are")
-      .required()
-      .reads();
-  sub.option("-o,--output", splat->output, "scene folder to write").required().makes();
+      .required();
+  sub.option("-o,--output", splat->output, "scene folder to write").required();
   sub.option("--axes", splat->axes, "what is up in the file")
       .one_of({"y-down", "y-up", "z-up"})
       .with_default();

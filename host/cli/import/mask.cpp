@@ -70,7 +70,7 @@ void add_mask(Command app, const Globals& globals) {
   const auto command = std::make_shared<MaskCommand>();
   Command sub = app.command(
       "mask", "hide in a log what its pictures show of the vehicle itself, from training and scores");
-  sub.option("LOG", command->log, "log folder").required().reads();
+  sub.option("LOG", command->log, "log folder").required();
   sub.option("MASK",
              command->masks,
              "CAMERA:FILE, a picture of the camera's shape: what is not 0 in it is hidden. A camera may have "
@@ -78,8 +78,7 @@ void add_mask(Command app, const Globals& globals) {
       .required();
   sub.option(
          "-o,--output", command->output, "log folder to write, pictures and sweeps shared with the other one")
-      .required()
-      .makes();
+      .required();
   sub.run([command, &globals] { mask(*command, globals); });
 }
 

@@ -38,9 +38,8 @@ void add_import_ncore(Command import, const Globals& globals) {
   sub.option("PATH",
              options.sequence,
              ".zarr folder, .zarr.itar, a folder of several, or the .json that lists them")
-      .required()
-      .reads();
-  sub.option("-o,--output", options.output, "log folder to write").required().makes();
+      .required();
+  sub.option("-o,--output", options.output, "log folder to write").required();
 
   sub.option(
          "--cameras",

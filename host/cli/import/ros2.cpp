@@ -100,8 +100,8 @@ void add_import_ros2(Command import, const Globals& globals) {
   const auto command = std::make_shared<Ros2Command>();
   Ros2Options& options = command->options;
   Command sub = import.command("mcap", "a recording of ROS 2: clouds, pictures, transforms");
-  sub.option("FILE", options.recording, ".mcap or .db3, or a folder of such").required().reads();
-  sub.option("-o,--output", options.output, "log folder to write").required().makes();
+  sub.option("FILE", options.recording, ".mcap or .db3, or a folder of such").required();
+  sub.option("-o,--output", options.output, "log folder to write").required();
   sub.option(
          "--lidar",
          command->lidars,

@@ -117,7 +117,6 @@ void add_info(Command app, const Globals& globals) {
           "may end in "
           "@COLUMNSxHZ), or \"sensors\" for the list of them")
       .required()
-      .reads(file_unless_name)
       .completed_by([] {
         std::vector<std::string> names = builtin_sensor_names();
         names.emplace_back(kAllSensors);

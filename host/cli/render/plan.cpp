@@ -88,9 +88,7 @@ std::vector<FrameSpan> spans_within(const std::vector<FrameSpan>& spans, const T
 }  // namespace
 
 void add_plan_options(Command sub, PlanOptions& options) {
-  sub.option("--trajectory", options.trajectory, "recorded: the scene's own, or a log folder")
-      .with_default()
-      .reads([](const std::string& given) { return given == kRecorded ? std::string() : given; });
+  sub.option("--trajectory", options.trajectory, "recorded: the scene's own, or a log folder").with_default();
   sub.option(
       "--times", options.times, "t0:t1:dt, frame starts in s of the log; default: the recorded frames");
   sub.option("--frames", options.frames, "a:b, first and last of the sensor's recorded frames, from 0");

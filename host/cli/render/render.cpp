@@ -15,7 +15,6 @@
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
-#include "host/cli/base/kept.hpp"
 #include "host/cli/base/provenance.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/base/video.hpp"
@@ -244,7 +243,7 @@ void render(RenderCommand command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
   validate(options);
-  SceneFile file = read_scene(globals, command.scene);
+  SceneFile file = read_scene(command.scene);
   warn_unlike_training(file, options);
   apply(command.edits, file);
   const Drive drive = read_drive(command.scene, file, command.plan);
@@ -259,9 +258,7 @@ void render(RenderCommand command, const Globals& globals) {
   std::size_t frames = 0, done = 0;
   for (const SensorPlan& view : views) frames += view.plan.spans.size();
 
-  std::optional<SceneOnDevice> own;
-  const bool is_as_read = lines_of(command.edits).empty();
-  SceneOnDevice& scene = on_device(globals, own, std::move(file.scene), options, is_as_read);
+  SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
   FileProgress progress("render", globals);
   const auto on_frame = [&, tell = progress.callback()] { tell(++done, frames); };
   if (command.as_log) {
@@ -312,7 +309,7 @@ void render(RenderCommand command, const Globals& globals) {
 void add_render(Command app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
   Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required().reads();
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
   add_sensor_options(sub, command->sensors);
   sub.option(
          "-o,--output",
@@ -320,8 +317,7 @@ void add_render(Command app, const Globals& globals) {
          "folder to make: pictures, or clouds and range pictures, and frames.json; of several sensors in "
          "a folder each; or a video.mp4; or a recording of ROS 2, drive.mcap, by default of all sensors of "
          "the scene")
-      .required()
-      .makes();
+      .required();
   add_file_options(sub, command->files);
   sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
       .range(kLeastRate, kMostRate);

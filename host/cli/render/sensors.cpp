@@ -70,11 +70,8 @@ void add_sensor_options(Command sub, SensorOptions& options) {
              "a sensor of the scene; or a built-in camera or LiDAR, or one of a file, in its place; again "
              "for more")
       .one_at_a_time()
-      .reads(file_unless_name)
       .completed_by(builtin_sensor_names);
-  sub.option("--rig", options.rig, "file of sensors and their mountings, all rendered")
-      .excludes("--sensor")
-      .reads();
+  sub.option("--rig", options.rig, "file of sensors and their mountings, all rendered").excludes("--sensor");
   sub.option("--mount",
              options.mount,
              "X,Y,Z,ROLL,PITCH,YAW on the rig, m and degrees; x forward, y left, z up, pitch down, yaw left")

@@ -1,10 +1,14 @@
 #include "host/cli/train/launched_ranks.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <dlfcn.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <optional>
+#include <string_view>
+#include <system_error>
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
@@ -19,7 +23,7 @@ namespace fs = std::filesystem;
 
 class MpiRanks final : public LaunchedRanks {
  public:
-  MpiRanks(const MpiCalls& calls, Shard expected) : calls_(calls) {
+  MpiRanks(const MpiCalls& calls, LauncherRank expected) : calls_(calls) {
     int rank = 0, size = 0;
     need(calls_.start(&rank, &size));
     rank_ = static_cast<std::size_t>(rank);
@@ -64,6 +68,23 @@ class MpiRanks final : public LaunchedRanks {
   std::vector<Message> messages_;
 };
 
+[[noreturn]] void refuse_variable(const char* name, const std::string& found, const std::string& allowed) {
+  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", name, found, allowed));
+}
+
+/// The number in a variable; nothing where it is not set.
+std::optional<std::size_t> number_in(const Environment& environment, const char* name) {
+  const char* const text = environment(name);
+  if (text == nullptr || *text == '\0') return std::nullopt;
+  std::size_t value = 0;
+  const std::string_view digits(text);
+  const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (result.ec != std::errc{} || result.ptr != digits.data() + digits.size()) {
+    refuse_variable(name, text, "a whole number from 0 on");
+  }
+  return value;
+}
+
 #ifdef SIMULI_MPI_MODULE
 const MpiCalls& mpi() {
   const fs::path module = fs::read_symlink("/proc/self/exe").parent_path() / SIMULI_MPI_MODULE;
@@ -80,8 +101,30 @@ const MpiCalls& mpi() { refuse_absent("train under a launcher of MPI", "SIMULI_M
 
 }  // namespace
 
+LauncherRank rank_in(const Environment& environment) {
+  struct Launcher {
+    const char* rank;
+    const char* size;
+  };
+  // PMIX_RANK last: launchers that set it and another pair say the size there.
+  for (const Launcher& launcher : {Launcher{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                                   Launcher{"PMI_RANK", "PMI_SIZE"},
+                                   Launcher{"PMIX_RANK", "SLURM_NTASKS"}}) {
+    const std::optional<std::size_t> rank = number_in(environment, launcher.rank);
+    if (!rank) continue;
+    const std::optional<std::size_t> size = number_in(environment, launcher.size);
+    if (!size) refuse_variable(launcher.size, "", fmt::format("a number beside {}", launcher.rank));
+    if (*rank >= *size) {
+      refuse_variable(
+          launcher.rank, fmt::format("{}", *rank), fmt::format("less than {}, {}", launcher.size, *size));
+    }
+    return {*rank, *size};
+  }
+  return {};
+}
+
 std::unique_ptr<LaunchedRanks> launched_ranks(const Environment& environment) {
-  const Shard own = rank_in(environment);
+  const LauncherRank own = rank_in(environment);
   if (own.count <= 1) return nullptr;
   return std::make_unique<MpiRanks>(mpi(), own);
 }

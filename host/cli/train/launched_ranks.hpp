@@ -1,13 +1,25 @@
 #pragma once
 // The processes that a launcher of MPI has started, for one training.
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "host/cli/batch/shard.hpp"
 #include "optim/ranks/ranks.hpp"
 
 namespace simuli::cli {
+
+/// The value of an environment variable; null where there is none.
+using Environment = std::function<const char*(const char* name)>;
+
+struct LauncherRank {
+  std::size_t index = 0;  // below count
+  std::size_t count = 1;
+};
+/// The rank of mpirun or srun that this is (OMPI_COMM_WORLD_RANK and _SIZE; PMI_RANK and PMI_SIZE; PMIX_RANK,
+/// with SLURM_NTASKS); one of one without them. Error{kUsage} for what does not fit together.
+[[nodiscard]] LauncherRank rank_in(const Environment& environment);
 
 /// Exit code of ranks that can't give the same bits.
 inline constexpr int kRanksDifferExit = 7;

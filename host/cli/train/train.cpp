@@ -245,10 +245,7 @@ void train_on_ranks(TrainCommand command, const Globals& globals) {
   command.outputs.checkpoints.file = checkpoint_beside(command.output);
   const std::vector<std::string> devices = devices_of(globals.device);
   const Environment environment = [](const char* name) { return std::getenv(name); };
-  // A job of a batch is its process's own.
-  const std::unique_ptr<LaunchedRanks> launched =
-      globals.kept == nullptr ? launched_ranks(environment) : nullptr;
-  if (launched != nullptr) {
+  if (const std::unique_ptr<LaunchedRanks> launched = launched_ranks(environment)) {
     const std::string own = device_of_rank(devices, environment);
     return train_launched(
         command, [own] { return Device::best(own); }, globals, *launched);
@@ -275,8 +272,8 @@ void train_on_ranks(TrainCommand command, const Globals& globals) {
 void add_train(Command app, const Globals& globals) {
   const auto command = std::make_shared<TrainCommand>();
   Command sub = app.command("train", "fit a scene to a log");
-  sub.option("LOG", command->log, "log folder").required().reads();
-  sub.option("-o,--output", command->output, "scene folder to write").required().makes(".checkpoint");
+  sub.option("LOG", command->log, "log folder").required();
+  sub.option("-o,--output", command->output, "scene folder to write").required();
   const auto add = [&](const char* name, auto& value, const char* text) {
     sub.option(name, value, text).with_default();
   };
@@ -317,17 +314,15 @@ void add_train(Command app, const Globals& globals) {
   sub.flag("--resume",
            command->outputs.resume,
            "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "
-           "training that has kept it: the rates of what is left are those of the longer training")
-      .goes_on();
+           "training that has kept it: the rates of what is left are those of the longer training");
   sub.option("--fixer",
              command->options.fixer_command,
              "program, with arguments, that mends pictures from beside the path for the scene to learn from: "
              "docs/FIXERS.md");
-  sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times")
-      .makes();
+  sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
   sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
       .range(0, 65535);
-  sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file").makes();
+  sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
   const auto fields = [command, &globals] {
     command->options.train.render = training_options_of(globals.quality);
     return fields_of(command->options);
