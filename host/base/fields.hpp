@@ -86,7 +86,7 @@ struct EnumValue {
 struct Field {
   std::string key;
   std::variant<double*, int*, std::size_t*, bool*, EnumValue> value;
-  Allowed range;                     // of numbers
+  Allowed range;                   // of numbers
   std::vector<std::string> names;  // of an enum's values
   std::string help;                // unit and meaning
 

@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/refuse.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -25,8 +26,7 @@ namespace fs = std::filesystem;
   const int error = errno;
   std::error_code ignored;
   if (!fs::exists(program, ignored)) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("bench: found no {}, allowed a build with -D SIMULI_BENCH=ON", program));
+    throw_usage_error("bench", fmt::format("no {}", program), "a build with -D SIMULI_BENCH=ON");
   }
   throw Error(ErrorKind::kInput, fmt::format("{}: {}", program, std::strerror(error)));
 }

@@ -14,6 +14,7 @@
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/scene/owners/moment.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/export/drive_archive.hpp"
@@ -50,7 +51,7 @@ struct Export {
 /// A splat file as it is: read_scene() would turn it.
 Export of_splats(const ExportCommand& command) {
   if (command.is_moment || !lines_of(command.edits).empty()) {
-    throw Error(ErrorKind::kUsage, "INPUT: found a file of splats, allowed a scene with --at and with edits");
+    throw_usage_error("INPUT", "a file of splats", "a scene with --at and with edits");
   }
   return {command.lidar ? read_gaussians_ply(command.input, SetKind::kLidar) : read_splats(command.input)};
 }
@@ -111,7 +112,7 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
 void export_log(const ExportCommand& command, const Globals& globals) {
   if (command.is_moment || command.drive || command.lidar || command.compress ||
       !lines_of(command.edits).empty()) {
-    throw Error(ErrorKind::kUsage, "INPUT: found a log, allowed a scene with edits and with options");
+    throw_usage_error("INPUT", "a log", "a scene with edits and with options");
   }
   const Log log = read_log(command.input);
   FileProgress progress("export", globals);
@@ -136,7 +137,7 @@ void run_export(const ExportCommand& command, const Globals& globals) {
   const bool is_folder = std::filesystem::is_directory(command.input, ignored);
   if (command.drive && is_folder) return export_drive(command, globals);
   if (command.drive) {
-    throw Error(ErrorKind::kUsage, "--drive: found no scene's folder, allowed one: other files have no path");
+    throw_usage_error("--drive", "no scene's folder", "one: other files have no path");
   }
   const Export exported = is_folder ? of_scene(command) : of_splats(command);
   write_splats(command.output, exported.set, {exported.axes, command.compress});

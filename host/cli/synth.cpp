@@ -4,6 +4,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/file_progress.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/info/info.hpp"
 #include "io/synth/long_street.hpp"
 #include "io/synth/street.hpp"
@@ -45,7 +46,7 @@ void synth(const SynthCommand& command, bool is_long, const Globals& globals) {
 /// Error{kUsage} where it is given to the short street.
 void need_long(const Option& option, const char* name) {
   if (!option.is_given()) return;
-  throw Error(ErrorKind::kUsage, fmt::format("{}: found without --length, allowed with it", name));
+  throw_usage_error(name, "without --length", "with it");
 }
 
 }  // namespace

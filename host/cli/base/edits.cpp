@@ -1,6 +1,5 @@
 #include "host/cli/base/edits.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <iostream>
@@ -9,6 +8,8 @@
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
 #include "host/base/split.hpp"
+#include "host/cli/base/numbers.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/scene/edit.hpp"
 #include "host/scene/placement.hpp"
 #include "host/support/record/mirror.hpp"
@@ -18,10 +19,6 @@ namespace simuli::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void refuse(const char* option, const std::string& found, const char* allowed) {
-  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", option, found, allowed));
-}
 
 /// `text` parted at ':' into `least` to `most` parts that say something.
 std::vector<std::string> parts_of(
@@ -35,29 +32,15 @@ std::vector<std::string> parts_of(
 }
 
 double number(const char* option, const std::string& text, const char* allowed) {
-  double value = 0.0;
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc{} || result.ptr != text.data() + text.size() || !std::isfinite(value)) {
-    refuse(option, text, allowed);
-  }
-  return value;
-}
-
-/// Parted by commas.
-template <int N>
-Eigen::Vector<double, N> numbers(const char* option, const std::string& text, const char* allowed) {
-  const std::vector<std::string> parts = split(text, ',');
-  if (parts.size() != static_cast<std::size_t>(N)) refuse(option, text, allowed);
-  Eigen::Vector<double, N> values;
-  for (int k = 0; k < N; ++k) values[k] = number(option, parts[static_cast<std::size_t>(k)], allowed);
-  return values;
+  return parse_numbers(option, text, 1, ',', allowed).front();
 }
 
 }  // namespace
 
 Mounting parse_mounting(const char* option, const std::string& text) {
-  const Eigen::Vector<double, 6> v =
-      numbers<6>(option, text, "X,Y,Z,ROLL,PITCH,YAW, finite numbers, m and degrees");
+  const std::vector<double> values =
+      parse_numbers(option, text, 6, ',', "X,Y,Z,ROLL,PITCH,YAW, finite numbers, m and degrees");
+  const Eigen::Map<const Eigen::Vector<double, 6>> v(values.data());
   return {v.head<3>(), v[3], v[4], v[5]};
 }
 
@@ -138,11 +121,10 @@ void apply(const Edits& edits, SceneFile& file) {
   }
   for (const std::string& name : edits.mirror) {
     if (file.support == nullptr) {
-      throw Error(
-          ErrorKind::kUsage,
-          fmt::format("--mirror: found \"{}\" of a scene that does not say which sides of actors were seen, "
-                      "allowed of one trained since there is support: train it anew",
-                      name));
+      throw_usage_error(
+          "--mirror",
+          fmt::format("\"{}\" of a scene that does not say which sides of actors were seen", name),
+          "one of a scene with support: train it anew");
     }
     const std::map<std::string, std::string> copies = copies_of(edits);
     const auto original = copies.find(name);
@@ -172,7 +154,8 @@ void apply(const Edits& edits, SceneFile& file) {
   for (const std::string& edit : edits.move) {
     constexpr const char* kAllowed = "ACTOR:FORWARD,LEFT,UP in metres";
     const auto parts = parts_of("--move", edit, 2, 2, kAllowed);
-    move_actor(scene, parts[0], numbers<3>("--move", parts[1], kAllowed));
+    const std::vector<double> by_m = parse_numbers("--move", parts[1], 3, ',', kAllowed);
+    move_actor(scene, parts[0], Eigen::Map<const Eigen::Vector3d>(by_m.data()));
   }
   for (const std::string& edit : edits.turn) {
     constexpr const char* kAllowed = "ACTOR:DEGREES, a finite number";

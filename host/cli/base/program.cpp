@@ -15,6 +15,7 @@
 #include "host/base/version.hpp"
 #include "host/cli/base/crash.hpp"
 #include "host/cli/base/interrupt.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/runtime/cache/disk_cache.hpp"
 #include "host/runtime/device.hpp"
 
@@ -43,7 +44,7 @@ void add_globals(Command root, Globals& globals) {
           [&globals, names](const std::string& name) {
             const auto quality = find_quality(name);
             if (!quality) {
-              throw Error(ErrorKind::kUsage, fmt::format("--quality: found {}, allowed {}", name, names));
+              throw_usage_error("--quality", name, names);
             }
             globals.quality = *quality;
           },
@@ -75,8 +76,7 @@ std::vector<std::string> devices_of(const std::string& request) {
 }
 
 void refuse_absent(const std::string& what, const std::string& option) {
-  throw Error(ErrorKind::kUsage,
-              fmt::format("{}: found a build without it, allowed one with -D {}=ON", what, option));
+  throw_usage_error(what, "a build without it", fmt::format("one with -D {}=ON", option));
 }
 
 void add_absent(Command app, const std::string& name, const std::string& help, const std::string& option) {

@@ -1,12 +1,36 @@
 #include "host/cli/base/settings.hpp"
 
 #include <iostream>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 #include "host/cli/base/json_text.hpp"
-#include "io/base/fields_json.hpp"
+#include "io/base/json_reader.hpp"
 
 namespace simuli::cli {
+namespace {
+
+/// What Fields::help() tells, as [{"key", "default", "allowed", "help"}...].
+Json help_json(const Fields& fields) {
+  Json rows = Json::array();
+  for (const Field& field : fields.all()) {
+    const Json preset = std::visit(
+        [&](const auto& value) -> Json {
+          if constexpr (std::is_same_v<decltype(value), const EnumValue&>) {
+            return field.text();
+          } else {
+            return *value;
+          }
+        },
+        field.value);
+    rows.push_back(
+        {{"key", field.key}, {"default", preset}, {"allowed", field.allowed()}, {"help", field.help}});
+  }
+  return rows;
+}
+
+}  // namespace
 
 void add_settings(Command command,
                   std::vector<std::string>& settings,

@@ -12,6 +12,7 @@
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/base/progress.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "io/base/output.hpp"
 #include "io/log/log_json.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"
@@ -202,10 +203,10 @@ void apply(const CameraResult& result, Log& log) {
 void align(const AlignCommand& command, const Globals& globals) {
   Log log = read_log(command.log);
   if (command.keep_path && command.cameras.empty()) {
-    throw Error(ErrorKind::kUsage, "--keep-path: found no --camera, allowed together with at least one");
+    throw_usage_error("--keep-path", "no --camera", "together with at least one");
   }
   if (command.apply_cameras && (command.cameras.empty() || command.output.empty())) {
-    throw Error(ErrorKind::kUsage, "--apply-cameras: found no --camera or no --output, allowed with both");
+    throw_usage_error("--apply-cameras", "no --camera or no --output", "with both");
   }
   for (const std::string& name : command.cameras) (void)log.camera(name);
   if (!command.output.empty()) need_new_path(command.output);  // known now, not after minutes of work

@@ -11,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/json_text.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/sensors/camera.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/import/ros2/ros2_clouds.hpp"
@@ -190,7 +191,7 @@ Camera camera_by_name(const LensCommand& command) {
   }
   const Log log = read_log(command.target);
   if (command.sensor.empty()) {
-    throw Error(ErrorKind::kUsage, fmt::format("SENSOR: found none, allowed a camera of {}", command.target));
+    throw_usage_error("SENSOR", "none", "a camera of " + command.target);
   }
   return log.camera(command.sensor).model;
 }

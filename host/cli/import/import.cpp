@@ -10,6 +10,7 @@
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/edits.hpp"
 #include "host/cli/base/json_text.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/import/run_import.hpp"
 #include "host/scene/placement.hpp"
 #include "io/base/output.hpp"
@@ -70,8 +71,7 @@ void add_frames(Command command, const std::shared_ptr<Options>& options, const 
             };
             if (colon == std::string::npos || !number(0, colon, options->first) ||
                 !number(colon + 1, text.size(), options->last)) {
-              throw Error(ErrorKind::kUsage,
-                          fmt::format("--frames: found \"{}\", allowed a:b, numbers of frames", text));
+              refuse("--frames", text, "a:b, numbers of frames");
             }
           },
           "a:b, numbers of the first and the last frame")

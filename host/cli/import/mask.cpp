@@ -13,6 +13,7 @@
 #include "host/base/names.hpp"
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/json_text.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "io/base/output.hpp"
 #include "io/log/camera_mask.hpp"
 #include "io/log/log.hpp"
@@ -32,7 +33,7 @@ struct MaskCommand {
 void put_mask(Log& log, const std::string& given, std::map<std::string, fs::path>& files) {
   const std::size_t colon = given.find(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == given.size())
-    throw Error(ErrorKind::kUsage, fmt::format("CAMERA:FILE: found {}, allowed front:hood.png", given));
+    throw_usage_error("CAMERA:FILE", given, "front:hood.png");
   const std::string camera = given.substr(0, colon);
   const fs::path file = given.substr(colon + 1);
   (void)read_camera_mask(file, log.camera(camera).model);

@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/base/split.hpp"
 #include "host/cli/base/edits.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/import/run_import.hpp"
 #include "io/import/ros2/ros2_log.hpp"
 #include "io/scene/sensor_rig.hpp"
@@ -34,8 +35,7 @@ std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
   const double readout_s = parts.size() == 2 ? std::strtod(parts[1].c_str(), &end) : 0.0;
   if (parts.size() != 2 || end == parts[1].c_str() || *end != '\0' ||
       !(readout_s > 0.0 && readout_s <= 1.0)) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--shutter: found \"{}\", allowed TOPIC:KIND:SECONDS, to 1", text));
+    refuse("--shutter", text, "TOPIC:KIND:SECONDS, to 1");
   }
   try {
     return {topic, {shutter_from_string(parts[0], "--shutter", topic), readout_s}};
@@ -81,7 +81,7 @@ std::pair<std::string, std::string> parted(const char* option,
                                            const char* first) {
   const std::size_t place = text.find(at);
   if (place == 0 || place == std::string::npos || place + 1 == text.size()) {
-    throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}{}...", option, text, first, at));
+    refuse(option, text, fmt::format("{}{}...", first, at));
   }
   return {text.substr(0, place), text.substr(place + 1)};
 }
@@ -90,8 +90,7 @@ Lidar lidar_table(const std::string& name) {
   const Sensor sensor = named_sensor(name);
   const auto* table = sensor.is_camera() ? nullptr : std::get_if<Lidar>(&sensor.lidar());
   if (table == nullptr) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--lidar: found \"{}\", allowed a LiDAR with rows (simuli info sensors)", name));
+    refuse("--lidar", name, "a LiDAR with rows (simuli info sensors)");
   }
   return *table;
 }

@@ -5,6 +5,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/split.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/draw/pictures.hpp"
 #include "io/archive/npz.hpp"
 #include "io/base/file.hpp"
@@ -40,8 +41,7 @@ std::vector<CameraOutput> parse_outputs(const std::string& text, bool is_camera)
     const CameraOutput output = camera_output(name);
     if (!is_camera && output != CameraOutput::kRgb && output != CameraOutput::kActors &&
         output != CameraOutput::kSupport) {
-      throw Error(ErrorKind::kUsage,
-                  fmt::format("--outputs: found \"{}\" of a LiDAR, allowed actors, support", name));
+      throw_usage_error("--outputs", fmt::format("\"{}\" of a LiDAR", name), "actors, support");
     }
     if (!has(outputs, output)) outputs.push_back(output);
   }
@@ -58,9 +58,7 @@ void need_shares(const std::vector<CameraOutput>& outputs) {
     if (output == CameraOutput::kRgb || output == CameraOutput::kActors || output == CameraOutput::kOpacity ||
         output == CameraOutput::kSupport)
       continue;
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--values png: found the output {}, allowed rgb, opacity, actors, support",
-                            name_of(output)));
+    throw_usage_error("--values png", "the output " + name_of(output), "rgb, opacity, actors, support");
   }
 }
 

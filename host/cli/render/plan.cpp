@@ -6,7 +6,8 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/cli/render/numbers.hpp"
+#include "host/cli/base/numbers.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli::cli {

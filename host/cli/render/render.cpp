@@ -16,6 +16,7 @@
 #include "host/cli/base/file_progress.hpp"
 #include "host/cli/base/json_text.hpp"
 #include "host/cli/base/provenance.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/base/video.hpp"
 #include "host/cli/render/frame_files.hpp"
@@ -93,10 +94,27 @@ std::unique_ptr<const RecordedViews> recorded_views(const RenderCommand& command
   return views;
 }
 
-/// Whether each sensor has a folder of its own in the output's.
-bool has_folders(const RenderCommand& command) {
-  if (command.as_log || is_bag(command.output)) return false;
-  return !command.sensors.rig.empty() || command.sensors.names.size() > 1;
+/// What the frames become.
+enum class OutputKind { kFolder, kFolders, kLog, kVideo, kRecording };
+
+/// Of options that do not go together Error{kUsage}.
+OutputKind kind_of(const RenderCommand& command) {
+  const std::string quoted = '"' + command.output + '"';
+  if (is_bag(command.output)) {
+    need_options_of_bags(command.files);
+    if (command.as_log) throw_usage_error("--as-log", "with an .mcap file", "with a folder");
+    return OutputKind::kRecording;
+  }
+  if (command.files.images == "raw") throw_usage_error("--images", "\"raw\" for a folder", "png, jpeg, exr");
+  if (is_video(command.output)) {
+    if (command.as_log) throw_usage_error("--as-log", "with " + quoted, "with a folder");
+    if (command.files.outputs != FileOptions{}.outputs)
+      throw_usage_error("--outputs", "with " + quoted, "with a folder: a video shows rgb");
+    return OutputKind::kVideo;
+  }
+  if (command.as_log) return OutputKind::kLog;
+  const bool has_many = !command.sensors.rig.empty() || command.sensors.names.size() > 1;
+  return has_many ? OutputKind::kFolders : OutputKind::kFolder;
 }
 
 /// One sensor, and its frames.
@@ -113,8 +131,8 @@ std::vector<SensorPlan> views_of(const Drive& drive, const SceneFile& file, cons
   return views;
 }
 
-fs::path folder_of(const SensorPlan& view, const RenderCommand& command) {
-  return has_folders(command) ? fs::path(command.output) / view.sensor.name() : fs::path(command.output);
+fs::path folder_of(const SensorPlan& view, OutputKind kind, const fs::path& output) {
+  return kind == OutputKind::kFolders ? output / view.sensor.name() : output;
 }
 
 /// Pictures or clouds, and frames.json, into a folder that there is.
@@ -140,6 +158,34 @@ void write_frames(SceneOnDevice& scene,
     on_frame();
   }
   write_frames_file(folder / "frames.json", record);
+}
+
+void write_rendered_folder(SceneOnDevice& scene,
+                           const std::vector<SensorPlan>& views,
+                           OutputKind kind,
+                           const RenderCommand& command,
+                           const FramesRecord& record,
+                           const std::shared_ptr<const SupportRecord>& seen,
+                           const RecordedViews* recorded,
+                           const std::function<void()>& on_frame) {
+  std::vector<FrameFiles> files;
+  for (const SensorPlan& view : views) files.emplace_back(command.files, view.sensor, view.plan, recorded);
+  std::optional<SupportOnDevice> support_on;
+  std::optional<SupportSource> support;
+  const ActorCopies copies = copies_of(command.edits);
+  if (std::any_of(files.begin(), files.end(), [](const FrameFiles& f) { return f.needs_support(); })) {
+    support_on.emplace(scene.device(), seen);
+    support.emplace(SupportSource{*support_on, scene.scene(), copies});
+  }
+  write_folder_atomically(command.output, [&](const fs::path& folder) {
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      const fs::path to = folder_of(views[k], kind, folder);
+      fs::create_directories(to);
+      FramesRecord own = record;
+      own.sensor = views[k].sensor;
+      write_frames(scene, views[k], files[k], std::move(own), to, support ? &*support : nullptr, on_frame);
+    }
+  });
 }
 
 void write_rendered_log(SceneOnDevice& scene,
@@ -196,50 +242,43 @@ void write_rendered_bag(SceneOnDevice& scene,
   });
 }
 
+void write_video(SceneOnDevice& scene,
+                 const SensorPlan& view,
+                 const RenderCommand& command,
+                 const RecordedViews* recorded,
+                 const std::function<void()>& on_frame) {
+  Video video(command.output, frame_rate(view.plan, command));
+  const FrameRequest request{.camera_median = recorded != nullptr};
+  for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+    video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i), request), recorded));
+    on_frame();
+  }
+  video.finish();
+}
+
 void print_outcome(const RenderCommand& command,
-                   const Globals& globals,
+                   OutputKind kind,
+                   bool json,
                    const std::vector<SensorPlan>& views,
                    const std::string& device) {
-  if (!globals.json) {
-    for (const SensorPlan& view : views) {
-      std::cout << fmt::format("{} frames of {} in {}\n",
-                               view.plan.spans.size(),
-                               view.sensor.name(),
-                               folder_of(view, command).string());
-    }
-    return;
-  }
   nlohmann::ordered_json sensors = nlohmann::ordered_json::array();
   for (const SensorPlan& view : views) {
-    sensors.push_back({{"folder", folder_of(view, command).string()},
-                       {"sensor", view.sensor.name()},
-                       {"frames", view.plan.spans.size()}});
+    const std::string folder = folder_of(view, kind, command.output).string();
+    const std::size_t frames = view.plan.spans.size();
+    if (!json) std::cout << fmt::format("{} frames of {} in {}\n", frames, view.sensor.name(), folder);
+    sensors.push_back({{"folder", folder}, {"sensor", view.sensor.name()}, {"frames", frames}});
   }
-  nlohmann::ordered_json out = has_folders(command) || views.size() > 1
-                                   ? nlohmann::ordered_json{{"sensors", sensors}}
-                                   : sensors.front();
+  if (!json) return;
+  const bool is_list = kind == OutputKind::kFolders || views.size() > 1;
+  nlohmann::ordered_json out =
+      is_list ? nlohmann::ordered_json{{"sensors", std::move(sensors)}} : std::move(sensors.front());
   out["device"] = device;
   std::cout << json_text(out) << '\n';
 }
 
 void render(RenderCommand command, const Globals& globals) {
-  if (is_video(command.output) && command.as_log) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--as-log: found with \"{}\", allowed with a folder", command.output));
-  }
-  if (is_bag(command.output)) {
-    need_options_of_bags(command.files);
-    if (command.as_log)
-      throw Error(ErrorKind::kUsage, "--as-log: found with an .mcap file, allowed with a folder");
-  } else if (command.files.images == "raw") {
-    throw Error(ErrorKind::kUsage, "--images: found \"raw\" for a folder, allowed png, jpeg, exr");
-  }
-  command.sensors.are_all = command.as_log || is_bag(command.output);
-  if (is_video(command.output) && command.files.outputs != FileOptions{}.outputs) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--outputs: found with \"{}\", allowed with a folder: a video shows rgb",
-                            command.output));
-  }
+  const OutputKind kind = kind_of(command);
+  command.sensors.are_all = kind == OutputKind::kLog || kind == OutputKind::kRecording;
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
   validate(options);
@@ -248,11 +287,9 @@ void render(RenderCommand command, const Globals& globals) {
   apply(command.edits, file);
   const Drive drive = read_drive(command.scene, file, command.plan);
   const std::vector<SensorPlan> views = views_of(drive, file, command);
-  if (is_video(command.output) && views.size() > 1) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("-o: found \"{}\" for {} sensors, allowed a folder, or one sensor",
-                            command.output,
-                            views.size()));
+  if (kind == OutputKind::kVideo && views.size() > 1) {
+    throw_usage_error(
+        "-o", fmt::format("\"{}\" for {} sensors", command.output, views.size()), "a folder, or one sensor");
   }
   const std::unique_ptr<const RecordedViews> recorded = recorded_views(command, file);
   std::size_t frames = 0, done = 0;
@@ -261,47 +298,29 @@ void render(RenderCommand command, const Globals& globals) {
   SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
   FileProgress progress("render", globals);
   const auto on_frame = [&, tell = progress.callback()] { tell(++done, frames); };
-  if (command.as_log) {
-    write_rendered_log(scene, views, command, on_frame);
-  } else if (is_bag(command.output)) {
-    write_rendered_bag(scene, views, drive.start_ns, command, recorded.get(), on_frame);
-  } else if (is_video(command.output)) {
-    const SensorPlan& view = views.front();
-    Video video(command.output, frame_rate(view.plan, command));
-    for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
-      const FrameRequest request{.camera_median = recorded != nullptr};
-      video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i), request), recorded.get()));
-      on_frame();
-    }
-    video.finish();
-  } else {
-    std::vector<FrameFiles> files;
-    for (const SensorPlan& view : views)
-      files.emplace_back(command.files, view.sensor, view.plan, recorded.get());
-    std::optional<SupportOnDevice> support_on;
-    std::optional<SupportSource> support;
-    const ActorCopies copies = copies_of(command.edits);
-    if (std::any_of(files.begin(), files.end(), [](const FrameFiles& f) { return f.needs_support(); })) {
-      support_on.emplace(scene.device(), file.support);
-      support.emplace(SupportSource{*support_on, scene.scene(), copies});
-    }
-    write_folder_atomically(command.output, [&](const fs::path& folder) {
-      for (std::size_t k = 0; k < views.size(); ++k) {
-        const Sensor& sensor = views[k].sensor;
-        const fs::path to = has_folders(command) ? folder / sensor.name() : folder;
-        fs::create_directories(to);
-        write_frames(scene,
-                     views[k],
-                     files[k],
-                     record_of(command, globals, options, sensor, scene),
-                     to,
-                     support ? &*support : nullptr,
-                     on_frame);
-      }
-    });
+  switch (kind) {
+    case OutputKind::kLog:
+      write_rendered_log(scene, views, command, on_frame);
+      break;
+    case OutputKind::kRecording:
+      write_rendered_bag(scene, views, drive.start_ns, command, recorded.get(), on_frame);
+      break;
+    case OutputKind::kVideo:
+      write_video(scene, views.front(), command, recorded.get(), on_frame);
+      break;
+    case OutputKind::kFolder:
+    case OutputKind::kFolders:
+      write_rendered_folder(scene,
+                            views,
+                            kind,
+                            command,
+                            record_of(command, globals, options, views.front().sensor, scene),
+                            file.support,
+                            recorded.get(),
+                            on_frame);
   }
   progress.finish();
-  print_outcome(command, globals, views, scene.device().info().label());
+  print_outcome(command, kind, globals.json, views, scene.device().info().label());
 }
 
 }  // namespace

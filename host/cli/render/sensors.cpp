@@ -8,7 +8,8 @@
 
 #include "host/base/image.hpp"
 #include "host/cli/base/edits.hpp"
-#include "host/cli/render/numbers.hpp"
+#include "host/cli/base/numbers.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {

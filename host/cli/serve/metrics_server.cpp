@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/view/guarded_server.hpp"
 #include "host/cli/view/loopback.hpp"
 
@@ -45,11 +46,9 @@ MetricsServer::MetricsServer(const std::string& host, int port, std::function<st
   const bool is_bound = port == 0 ? (impl_->port = server.bind_to_any_port(host)) > 0
                                   : server.bind_to_port(host, impl_->port = port);
   if (!is_bound) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--metrics-port: found {} on {}, which can't be bound, allowed a free one, or 0 "
-                            "for any",
-                            port,
-                            host));
+    throw_usage_error("--metrics-port",
+                      fmt::format("{} on {}, which can't be bound", port, host),
+                      "a free one, or 0 for any");
   }
   server.widen_backlog();
   impl_->thread = std::thread([this] { impl_->server.listen_after_bind(); });

@@ -12,6 +12,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/commands.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/train/mpi_calls.h"
 
 namespace simuli::cli {
@@ -19,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::kInternal, "MPI: " + what); }
+[[noreturn]] void fail(const std::string& what) { throw Error(ErrorKind::kInternal, "MPI: " + what); }
 
 class MpiRanks final : public LaunchedRanks {
  public:
@@ -29,12 +30,11 @@ class MpiRanks final : public LaunchedRanks {
     rank_ = static_cast<std::size_t>(rank);
     size_ = static_cast<std::size_t>(size);
     if (rank_ == expected.index && size_ == expected.count) return;
-    refuse(
-        fmt::format("found rank {} of {}, expected {} of {} by the launcher's environment: of another MPI?",
-                    rank_,
-                    size_,
-                    expected.index,
-                    expected.count));
+    fail(fmt::format("found rank {} of {}, expected {} of {} by the launcher's environment: of another MPI?",
+                     rank_,
+                     size_,
+                     expected.index,
+                     expected.count));
   }
   [[nodiscard]] std::size_t rank() const override { return rank_; }
   [[nodiscard]] std::size_t size() const override { return size_; }
@@ -60,17 +60,13 @@ class MpiRanks final : public LaunchedRanks {
 
  private:
   static void need(int failed) {
-    if (failed != 0) refuse(fmt::format("found its error {}, expected none", failed));
+    if (failed != 0) fail(fmt::format("found its error {}, expected none", failed));
   }
   const MpiCalls& calls_;
   std::size_t rank_ = 0, size_ = 1;
   std::vector<Bytes> others_;  // their memory is used again
   std::vector<Message> messages_;
 };
-
-[[noreturn]] void refuse_variable(const char* name, const std::string& found, const std::string& allowed) {
-  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", name, found, allowed));
-}
 
 /// The number in a variable; nothing where it is not set.
 std::optional<std::size_t> number_in(const Environment& environment, const char* name) {
@@ -80,7 +76,7 @@ std::optional<std::size_t> number_in(const Environment& environment, const char*
   const std::string_view digits(text);
   const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (result.ec != std::errc{} || result.ptr != digits.data() + digits.size()) {
-    refuse_variable(name, text, "a whole number from 0 on");
+    refuse(name, text, "a whole number from 0 on");
   }
   return value;
 }
@@ -90,9 +86,9 @@ const MpiCalls& mpi() {
   const fs::path module = fs::read_symlink("/proc/self/exe").parent_path() / SIMULI_MPI_MODULE;
   // What MPI loads by itself looks for MPI's symbols among everybody's.
   void* const handle = dlopen(module.c_str(), RTLD_NOW | RTLD_GLOBAL);
-  if (handle == nullptr) refuse(dlerror());
+  if (handle == nullptr) fail(dlerror());
   auto* const calls = reinterpret_cast<SimuliMpiCalls*>(dlsym(handle, "simuli_mpi_calls"));
-  if (calls == nullptr) refuse(dlerror());
+  if (calls == nullptr) fail(dlerror());
   return *calls();
 }
 #else
@@ -113,10 +109,9 @@ LauncherRank rank_in(const Environment& environment) {
     const std::optional<std::size_t> rank = number_in(environment, launcher.rank);
     if (!rank) continue;
     const std::optional<std::size_t> size = number_in(environment, launcher.size);
-    if (!size) refuse_variable(launcher.size, "", fmt::format("a number beside {}", launcher.rank));
+    if (!size) refuse(launcher.size, "", fmt::format("a number beside {}", launcher.rank));
     if (*rank >= *size) {
-      refuse_variable(
-          launcher.rank, fmt::format("{}", *rank), fmt::format("less than {}, {}", launcher.size, *size));
+      refuse(launcher.rank, fmt::format("{}", *rank), fmt::format("less than {}, {}", launcher.size, *size));
     }
     return {*rank, *size};
   }

@@ -16,6 +16,7 @@
 #include "host/cli/base/commands.hpp"
 #include "host/cli/base/interrupt.hpp"
 #include "host/cli/base/program.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/base/settings.hpp"
 #include "host/cli/report/report.hpp"
 #include "host/cli/report/training.hpp"
@@ -52,8 +53,7 @@ void take_iterations(const std::string& text, TrainOptions& options) {
   const Fields fields = fields_of(options);
   const Field& iterations = *fields.find("iterations");
   if (iterations.set(text)) return;
-  throw Error(ErrorKind::kUsage,
-              fmt::format("--iterations: found {}, allowed auto, or {}", text, iterations.allowed()));
+  throw_usage_error("--iterations", text, "auto, or " + iterations.allowed());
 }
 
 /// "6GB", "512MiB" or a number of bytes.
@@ -77,8 +77,7 @@ std::size_t memory_size(const char* option, const std::string& text) {
   if (const double bytes = is_size ? number * found->second : 0.0; bytes >= 1.0 && bytes <= kMost) {
     return static_cast<std::size_t>(bytes);
   }
-  throw Error(ErrorKind::kUsage,
-              fmt::format("{}: found {}, allowed a size above 0: 6GB, 512MiB, or bytes", option, text));
+  throw_usage_error(option, text, "a size above 0: 6GB, 512MiB, or bytes");
 }
 
 /// With what held-out frames say; of all frames when none was held out.

@@ -6,6 +6,7 @@
 
 #include "host/base/error.hpp"
 #include "host/cli/base/quoted.hpp"
+#include "host/cli/base/refuse.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -18,10 +19,6 @@ std::string shell_word(const std::string& word) {
   };
   if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
   return quoted(word);
-}
-
-[[noreturn]] void refuse(const std::string& found, const char* allowed) {
-  throw Error(ErrorKind::kUsage, fmt::format("command: found {}, allowed {}", found, allowed));
 }
 
 std::set<std::string> actors_of(const Edits& edits) {
@@ -43,12 +40,13 @@ std::string command_of(const ViewRequest& request,
   const bool is_turned = sensor.is_camera() && (request.yaw_rad != 0.0 || request.pitch_rad != 0.0);
   if (shift.x() != 0.0 || shift.z() != 0.0 || is_turned ||
       (sensor.is_camera() && request.scene_from_camera)) {
-    refuse("another place or direction", "the recorded path, and a shift to the left of it");
+    throw_usage_error(
+        "command", "another place or direction", "the recorded path, and a shift to the left of it");
   }
   const bool is_marked = request.layer == ViewLayer::kUnseen;
   const bool is_support = request.layer == ViewLayer::kSupport;
   if (request.layer != ViewLayer::kColour && !is_marked && !is_support)
-    refuse("a layer", "colour, unseen, support");
+    throw_usage_error("command", "a layer", "colour, unseen, support");
   std::string line = "simuli render";
   const auto add = [&line](const std::string& option, const std::string& value) {
     line += ' ' + option + ' ' + shell_word(value);
@@ -69,7 +67,9 @@ std::string command_of(const ViewRequest& request,
   const std::set<std::string> edited_before = actors_of(source.edits);
   const auto edit = [&](const std::string& option, const std::string& actor, const std::string& how) {
     if (edited_before.count(actor) > 0) {
-      refuse("an edit of " + actor + ", which the viewer's command line edits, too", "one of the two");
+      throw_usage_error("command",
+                        "an edit of " + actor + ", which the viewer's command line edits, too",
+                        "one of the two");
     }
     add(option, how.empty() ? actor : actor + ':' + how);
   };

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "host/base/error.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/view/guarded_server.hpp"
 #include "host/cli/view/loopback.hpp"
 #include "host/cli/view/page.hpp"
@@ -193,10 +194,9 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
   const bool bound = options.port == 0 ? (impl_->port = server.bind_to_any_port(options.host)) > 0
                                        : server.bind_to_port(options.host, options.port);
   if (!bound) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("--port: found {} on {}, which can't be bound, allowed a free one, or 0 for any",
-                            options.port,
-                            options.host));
+    throw_usage_error("--port",
+                      fmt::format("{} on {}, which can't be bound", options.port, options.host),
+                      "a free one, or 0 for any");
   }
   server.widen_backlog();
   impl_->thread = std::thread([this] { impl_->server.listen_after_bind(); });

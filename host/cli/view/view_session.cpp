@@ -18,6 +18,7 @@
 #include "host/base/names.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/cli/base/edits.hpp"
+#include "host/cli/base/refuse.hpp"
 #include "host/cli/view/view_layers.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/scene/placement.hpp"
@@ -71,8 +72,7 @@ std::size_t actor_at(const Eigen::Vector3d& point,
 RenderOptions options_named(const std::string& quality) {
   const std::optional<Quality> known = find_quality(quality);
   if (known) return options_of(*known);
-  throw Error(ErrorKind::kUsage,
-              fmt::format("quality: found \"{}\", allowed {}", quality, fmt::join(quality_names(), ", ")));
+  refuse("quality", quality, fmt::format("{}", fmt::join(quality_names(), ", ")));
 }
 
 /// `wanted`, or with a number behind it where the scene has one of that name.
@@ -169,13 +169,12 @@ void ViewSession::change(const std::function<std::string(Scene&)>& how) {
   {
     const std::lock_guard lock(progress_mutex_);
     if (progress_.training) {
-      throw Error(ErrorKind::kUsage, "scene: found one that is being trained, allowed a finished one");
+      throw_usage_error("scene", "one that is being trained", "a finished one");
     }
   }
   const std::lock_guard lock(mutex_);
   if (added_.size() == kMostAdded) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("actors: found {} that were added, allowed no more", added_.size()));
+    throw_usage_error("actors", fmt::format("{} that were added", added_.size()), "no more");
   }
   Scene scene = scene_.scene();
   const std::string option = how(scene);
@@ -219,7 +218,7 @@ std::string ViewSession::add(const std::string& file_name, const std::string& by
 
 std::string ViewSession::command(const ViewRequest& request) const {
   if (source_.scene.empty()) {
-    throw Error(ErrorKind::kUsage, "command: found a scene that is being trained, allowed one on disk");
+    throw_usage_error("command", "a scene that is being trained", "one on disk");
   }
   const std::lock_guard lock(mutex_);
   const Trajectory& path = file_.world_from_rig;

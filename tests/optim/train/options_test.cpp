@@ -6,7 +6,6 @@
 
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
-#include "io/base/fields_json.hpp"
 #include "optim/eval/eval_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/train/training_options.hpp"
@@ -151,33 +150,6 @@ TEST(Options, OfEvaluationAreCheckedByKey) {
   const auto refused = expect_checked<EvalOptions>;
   refused("timed_renders: found 0, allowed 1 or more", [](auto& o) { o.timed_renders = 0; });
   refused("render.sh_error: found 0", [](auto& o) { o.render.sh_error = 0.0; });
-}
-
-TEST(Options, SurviveJson) {
-  TrainOptions options;
-  options.camera.opacity = 0.1 + 0.2;
-  options.render.sh_degree = ShDegree::kAuto;
-  options.densify.cap = std::size_t{1} << 60U;
-  options.mask_moving = true;
-  const Json json = parse_json(json_of(fields_of(options)).dump(), "scene.json");
-  const auto read = [](const Json& from) {
-    TrainOptions to;
-    JsonObject object("scene.json", "training", from);
-    object.read_and_finish([&](JsonObject& o) { read_fields(o, fields_of(to)); });
-    return to;
-  };
-  EXPECT_EQ(lines_of(read(json)), lines_of(options));
-  EXPECT_EQ(lines_of(read(Json::object())), lines_of(TrainOptions{}));
-  const auto refused = [&](const char* text, const std::string& message) {
-    expect_error(ErrorKind::kInput, message, [&] { (void)read(parse_json(text, "scene.json")); });
-  };
-  refused(R"({"camera.rate.opacity": -1})",
-          "scene.json: training.camera.rate.opacity: found -1, allowed 0 or more");
-  refused(R"({"camera.rate.opacity": "1"})", "training.camera.rate.opacity: found \"1\"");
-  refused(R"({"densify.cap": 1.5})", "training.densify.cap: found 1.5, allowed 0 or more (whole)");
-  refused(R"({"render.sh_degree": 3})", "training.render.sh_degree: found 3, allowed 0, 1, 2, 3, auto");
-  refused(R"({"mask_moving": 1})", "training.mask_moving: found 1, allowed true, false");
-  refused(R"({"render.nothing": 1})", "render.nothing");
 }
 
 }  // namespace

@@ -1,22 +1,19 @@
-#include "host/cli/render/numbers.hpp"
+#include "host/cli/base/numbers.hpp"
 
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/cli/base/refuse.hpp"
 
 namespace simuli::cli {
-
-void refuse(const std::string& what, const std::string& found, const std::string& allowed) {
-  throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", what, found, allowed));
-}
 
 std::vector<double> parse_numbers(const char* option,
                                   const std::string& text,
                                   std::size_t count,
-                                  char separator) {
+                                  char separator,
+                                  const std::string& allowed) {
   std::vector<double> values;
   const char* at = text.data();
   const char* end = at + text.size();
@@ -30,7 +27,9 @@ std::vector<double> parse_numbers(const char* option,
     if (at == end || *at != separator) break;
     ++at;
   }
-  refuse(option, text, fmt::format("{} finite numbers parted by '{}'", count, separator));
+  refuse(option,
+         text,
+         allowed.empty() ? fmt::format("{} finite numbers parted by '{}'", count, separator) : allowed);
 }
 
 }  // namespace simuli::cli

@@ -6,13 +6,12 @@
 
 namespace simuli::cli {
 
-/// Error{kUsage}.
-[[noreturn]] void refuse(const std::string& what, const std::string& found, const std::string& allowed);
-
-/// `count` finite numbers parted by `separator`; refused as `option`'s otherwise.
+/// `count` finite numbers parted by `separator`; refused as `option`'s otherwise, which allows what `allowed`
+/// says, or such numbers where it says nothing.
 [[nodiscard]] std::vector<double> parse_numbers(const char* option,
                                                 const std::string& text,
                                                 std::size_t count,
-                                                char separator);
+                                                char separator,
+                                                const std::string& allowed = "");
 
 }  // namespace simuli::cli
