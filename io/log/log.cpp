@@ -13,6 +13,7 @@
 #include "io/base/json_reader.hpp"
 #include "io/log/camera_mask.hpp"
 #include "io/log/log_json.hpp"
+#include "io/log/new_log.hpp"
 #include "io/picture/image.hpp"
 
 namespace simuli {
@@ -222,27 +223,22 @@ Json to_json(const Log& log) {
 void write_log(const Log& log) { write_file_atomically(log.folder / "log.json", text_of(log)); }
 
 Log copy_log(const Log& log, const fs::path& folder, const std::map<std::string, fs::path>& files) {
-  Log out;
-  write_folder_atomically(folder, [&](const fs::path& temporary) {
+  Log copy = log;
+  return make_log(folder, copy, [&] {
     const auto bring = [&](const std::string& file) {
       const auto elsewhere = files.find(file);
       const fs::path from = elsewhere == files.end() ? log.folder / file : elsewhere->second;
-      fs::create_directories((temporary / file).parent_path());
+      const fs::path to = copy.folder / file;
+      fs::create_directories(to.parent_path());
       std::error_code failed;
-      if (elsewhere == files.end()) fs::create_hard_link(from, temporary / file, failed);
-      if (failed || elsewhere != files.end()) write_file_atomically(temporary / file, read_file(from));
+      if (elsewhere == files.end()) fs::create_hard_link(from, to, failed);
+      if (failed || elsewhere != files.end()) write_file_atomically(to, read_file(from));
     };
     for (const ImageFrame& frame : log.images) bring(frame.file);
     for (const SweepFrame& frame : log.sweeps) bring(frame.file);
     if (!log.points.empty()) bring(log.points);
     for (const LogMask& mask : log.masks) bring(mask.file);
-    Log copy = log;
-    copy.folder = temporary;
-    write_log(copy);
-    out = read_log(temporary);  // what was written is what the next command will read
   });
-  out.folder = folder;
-  return out;
 }
 
 void sort_by_time(Log& log) {

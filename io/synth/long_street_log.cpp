@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "io/base/file.hpp"
+#include "io/log/new_log.hpp"
 #include "io/synth/long_street.hpp"
 #include "io/synth/street_sensors.hpp"
 #include "io/synth/street_world.hpp"
@@ -182,31 +182,26 @@ Log synth_long_street(const LongStreetOptions& options,
   Log log = log_on(street, options);
   street.set_traffic(log.actors);
   const Trajectory& path = log.world_from_rig;
-  write_folder_atomically(options.output, [&](const std::filesystem::path& folder) {
-    std::filesystem::create_directories(folder / "images");
-    std::filesystem::create_directories(folder / "sweeps");
+  return make_log(options.output, log, [&] {
     for (int i = 0; i < options.frames; ++i) {
       const auto at = static_cast<std::size_t>(i);
       for (std::size_t c = 0; c < log.cameras.size(); ++c) {
         const ImageFrame& image = log.images[at * log.cameras.size() + c];
-        write_image(folder / image.file,
+        write_image(log.folder / image.file,
                     render_street(
                         street, log.cameras[c], path, image.time_start_s, image.time_end_s, options.threads));
       }
       for (std::size_t l = 0; l < log.lidars.size(); ++l) {
         const SweepFrame& sweep = log.sweeps[at * log.lidars.size() + l];
         write_sweep(
-            folder / sweep.file,
+            log.folder / sweep.file,
             scan_street(street, log.lidars[l], path, sweep.time_start_s, sweep.time_end_s, options.threads));
       }
       constexpr double kKept_m = 500.0;
       street.forget_beyond(speed_of(options) * kStreetFramePeriod_s * i, kKept_m);
       if (progress) progress(at + 1, static_cast<std::size_t>(options.frames));
     }
-    log.folder = folder;
-    write_log(log);
   });
-  return read_log(options.output);  // the last bits of a rotation are those that a file gives back
 }
 
 }  // namespace simuli

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "io/base/file.hpp"
+#include "io/log/new_log.hpp"
 #include "io/synth/street.hpp"
 #include "io/synth/street_sensors.hpp"
 
@@ -232,22 +232,17 @@ Log synth_street(const StreetOptions& options,
   const LogCamera& camera = log.cameras.front();
   const LogLidar& lidar = log.lidars.front();
   const Trajectory& path = log.world_from_rig;
-  write_folder_atomically(options.output, [&](const std::filesystem::path& folder) {
-    std::filesystem::create_directories(folder / "images");
-    std::filesystem::create_directories(folder / "sweeps");
+  return make_log(options.output, log, [&] {
     for (std::size_t i = 0; i < log.images.size(); ++i) {
       const ImageFrame& image = log.images[i];
-      write_image(folder / image.file,
+      write_image(log.folder / image.file,
                   render_street(street, camera, path, image.time_start_s, image.time_end_s, options.threads));
       const SweepFrame& sweep = log.sweeps[i];
-      write_sweep(folder / sweep.file,
+      write_sweep(log.folder / sweep.file,
                   scan_street(street, lidar, path, sweep.time_start_s, sweep.time_end_s, options.threads));
       if (progress) progress(i + 1, log.images.size());
     }
-    log.folder = folder;
-    write_log(log);
   });
-  return read_log(options.output);  // the last bits of a rotation are those that a file gives back
 }
 
 }  // namespace simuli

@@ -9,9 +9,9 @@
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
-#include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
+#include "io/log/new_log.hpp"
 
 namespace simuli {
 namespace {
@@ -301,33 +301,26 @@ Log import_kitti(const KittiOptions& options,
   log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, turn_s(velodyne, times)), counts),
                  Pose{}}};  // the rig's frame is the velodyne's
 
-  Log imported;
-  write_folder_atomically(options.output, [&](const fs::path& folder) {
-    log.folder = folder;
-    fs::create_directory(folder / "images");
-    fs::create_directory(folder / "sweeps");
+  Log imported = make_log(options.output, log, [&] {
     const Lidar& lidar = log.lidars[0].with_rows();
     for (std::size_t i = frames.first; i <= frames.last; ++i) {
       for (std::size_t c = 0; c < log.cameras.size(); ++c) {
         if (!recorders[c].has(i)) continue;
         const Camera& camera = log.cameras[c].model;
         const std::string file = fmt::format("images/{}_{:010}.png", camera.name, i);
-        copy_picture(recorders[c].file(i), folder / file, camera, "S_rect_" + camera.name.substr(6));
+        copy_picture(recorders[c].file(i), log.folder / file, camera, "S_rect_" + camera.name.substr(6));
         const double time_s = seconds(picture_ns[c][i]);
         log.images.push_back({camera.name, file, time_s, time_s});
       }
       if (velodyne.has(i)) {
         const std::string file = fmt::format("sweeps/{:010}.exr", i);
-        write_sweep(folder / file, read_turn(velodyne.file(i), lidar, counts));
+        write_sweep(log.folder / file, read_turn(velodyne.file(i), lidar, counts));
         log.sweeps.push_back({lidar.name, file, seconds(times.start[i]), seconds(times.end[i])});
       }
       if (progress) progress(i - frames.first + 1, frames.last - frames.first + 1);
     }
     sort_by_time(log);
-    write_log(log);
-    imported = read_log(folder);  // what was written is what the next command will read
   });
-  imported.folder = options.output;
   if (report != nullptr) *report = counts;
   return imported;
 }

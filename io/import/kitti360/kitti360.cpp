@@ -11,10 +11,10 @@
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
-#include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/import/kitti360/kitti360_parts.hpp"
+#include "io/log/new_log.hpp"
 
 namespace simuli {
 namespace {
@@ -195,35 +195,27 @@ Log import_kitti360(const Kitti360Options& options,
                    Pose{}}};  // the rig's frame is the velodyne's
   }
 
-  Log written;
-  write_folder_atomically(options.output, [&](const fs::path& folder) {
-    log.folder = folder;
-    fs::create_directory(folder / "images");
-    fs::create_directory(folder / "sweeps");
+  return make_log(options.output, log, [&] {
     const auto step = [&] {
       if (progress) progress(++done, total);
     };
     for (const Recording& sweep : sweeps) {
       const Lidar& lidar = log.lidars[0].with_rows();
       const std::string file = fmt::format("sweeps/{:010}.exr", sweep.frame);
-      write_sweep(folder / file, kitti::read_turn(sweep.file, lidar, report.points));
+      write_sweep(log.folder / file, kitti::read_turn(sweep.file, lidar, report.points));
       log.sweeps.push_back({lidar.name, file, sweep.start_s, sweep.end_s});
       step();
     }
     for (std::size_t c = 0; c < cameras.size(); ++c) {
       for (const Recording& picture : pictures[c]) {
         const std::string file = fmt::format("images/{}_{:010}.png", names[c], picture.frame);
-        copy_picture(picture.file, folder / file, log.cameras[c].model, "calibration");
+        copy_picture(picture.file, log.folder / file, log.cameras[c].model, "calibration");
         log.images.push_back({names[c], file, picture.start_s, picture.end_s});
         step();
       }
     }
     sort_by_time(log);
-    write_log(log);
-    written = read_log(folder);  // what was written is what the next command will read
   });
-  written.folder = options.output;
-  return written;
 }
 
 }  // namespace simuli

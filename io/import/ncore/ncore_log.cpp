@@ -11,6 +11,7 @@
 #include "io/base/file.hpp"
 #include "io/import/ncore/ncore_sequence.hpp"
 #include "io/log/log_json.hpp"
+#include "io/log/new_log.hpp"
 #include "io/ncore/models.hpp"
 #include "io/picture/image.hpp"
 
@@ -61,22 +62,19 @@ class Importer {
     log_.actors = actors_of(sequence_, path_, options.world_frame, options.rig_frame, report_.unposed);
   }
 
-  Log write(const fs::path& folder, const std::function<void(std::size_t, std::size_t)>& progress) {
-    log_.folder = folder;
-    fs::create_directory(folder / "images");
-    fs::create_directory(folder / "sweeps");
+  Log write(const std::function<void(std::size_t, std::size_t)>& progress) {
     std::size_t total = 0, done = 0;
     for (const LogCamera& camera : log_.cameras) total += frames_of("cameras", camera.model.name).size();
     for (const LogLidar& lidar : log_.lidars) total += frames_of("lidars", name_of(lidar.model)).size();
     const auto step = [&] {
       if (progress) progress(++done, total);
     };
-    for (const LogCamera& camera : log_.cameras) add_pictures(camera.model, step);
-    for (LogLidar& lidar : log_.lidars) add_sweeps(lidar, step);
-    for (const LogCamera& camera : log_.cameras) add_masks(camera.model.name);
-    sort_by_time(log_);
-    write_log(log_);
-    return read_log(folder);  // what was written is what the next command will read
+    return make_log(options_.output, log_, [&] {
+      for (const LogCamera& camera : log_.cameras) add_pictures(camera.model, step);
+      for (LogLidar& lidar : log_.lidars) add_sweeps(lidar, step);
+      for (const LogCamera& camera : log_.cameras) add_masks(camera.model.name);
+      sort_by_time(log_);
+    });
   }
 
  private:
@@ -304,12 +302,7 @@ class Importer {
 Log import_ncore(const NcoreOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress,
                  NcoreReport& report) {
-  Importer importer(options, report);
-  Log written;
-  write_folder_atomically(options.output,
-                          [&](const fs::path& folder) { written = importer.write(folder, progress); });
-  written.folder = options.output;
-  return written;
+  return Importer(options, report).write(progress);
 }
 
 }  // namespace simuli

@@ -18,6 +18,7 @@
 #include "io/base/json_reader.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
+#include "io/log/new_log.hpp"
 
 namespace simuli {
 namespace {
@@ -275,11 +276,7 @@ Log import_nuscenes(const NuscenesOptions& options,
         {nuscenes::lidar_of(files, kLidar), t.mounted.at(turns.front()->calibration).rig_from_sensor}};
   }
 
-  Log written;
-  write_folder_atomically(options.output, [&](const fs::path& folder) {
-    log.folder = folder;
-    fs::create_directory(folder / "images");
-    fs::create_directory(folder / "sweeps");
+  return make_log(options.output, log, [&] {
     std::size_t done = 0;
     const auto step = [&] {
       if (progress) progress(++done, pictures.size() + turns.size());
@@ -287,7 +284,7 @@ Log import_nuscenes(const NuscenesOptions& options,
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const Recording& r = *pictures[i];
       const std::string file = fmt::format("images/{}_{:06}.jpg", r.channel, i);
-      copy_picture(options.root / r.file, folder / file, log.camera(r.channel).model, "sample_data.json");
+      copy_picture(options.root / r.file, log.folder / file, log.camera(r.channel).model, "sample_data.json");
       log.images.push_back({r.channel, file, seconds(&r), seconds(&r)});
       step();
     }
@@ -298,18 +295,14 @@ Log import_nuscenes(const NuscenesOptions& options,
           (log.world_from_rig.at(starts_s[i]) * mount).inverse() * (log.world_from_rig.at(ends_s[i]) * mount);
       const Sweep sweep =
           nuscenes::read_turn(options.root / turns[i]->file, log.lidars[0].with_rows(), start_from_end);
-      write_sweep(folder / file, sweep);
+      write_sweep(log.folder / file, sweep);
       report.rays += sweep.range.size();
       report.returned += static_cast<std::size_t>(
           std::count_if(sweep.range.begin(), sweep.range.end(), [](float r) { return r > 0.0F; }));
       log.sweeps.push_back({kLidar, file, starts_s[i], ends_s[i]});
       step();
     }
-    write_log(log);
-    written = read_log(folder);  // what was written is what the next command will read
   });
-  written.folder = options.output;
-  return written;
 }
 
 }  // namespace simuli

@@ -11,7 +11,7 @@
 #include "host/base/names.hpp"
 #include "host/base/spread.hpp"
 #include "host/scene/mounting.hpp"
-#include "io/base/file.hpp"
+#include "io/log/new_log.hpp"
 #include "io/splat/cloud_file.hpp"
 
 namespace simuli {
@@ -118,27 +118,20 @@ Log write_photo_log(PhotoSet set,
   log.name = name_from((fs::current_path() / output).lexically_normal().stem().string());
   log.world_from_rig = Trajectory(std::move(path));
   for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kForwardFromCamera, {0, 0, 0}}});
-  Log written;
-  write_folder_atomically(output, [&](const fs::path& folder) {
-    log.folder = folder;
-    fs::create_directory(folder / "images");
+  return make_log(output, log, [&] {
     for (std::size_t i = 0; i < set.photos.size(); ++i) {
       const Photo& photo = set.photos[i];
       const Camera& camera = set.cameras[photo.camera];
       const std::string file = fmt::format("images/{:06}{}", i, photo.file.extension().string());
-      copy_picture(photo.file, folder / file, camera, "camera " + camera.name);
+      copy_picture(photo.file, log.folder / file, camera, "camera " + camera.name);
       log.images.push_back({camera.name, file, static_cast<double>(i), static_cast<double>(i)});
       if (progress) progress(i + 1, set.photos.size());
     }
     if (!set.points.empty()) {
       log.points = "points.ply";
-      write_points(set, farthest_m, folder / log.points, report);
+      write_points(set, farthest_m, log.folder / log.points, report);
     }
-    write_log(log);
-    written = read_log(folder);  // what was written is what the next command will read
   });
-  written.folder = output;
-  return written;
 }
 
 }  // namespace simuli

@@ -15,6 +15,7 @@
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"
+#include "io/log/new_log.hpp"
 
 namespace simuli {
 namespace {
@@ -187,10 +188,7 @@ Log import_points(const PointsOptions& options,
   Layout layout;
   Log log = read_description(options.folder, layout);
   const fs::path source = options.folder / "points.json";
-  Log written;
-  write_folder_atomically(options.output, [&](const fs::path& folder) {
-    fs::create_directory(folder / "images");
-    fs::create_directory(folder / "sweeps");
+  return make_log(options.output, log, [&] {
     const std::size_t total = log.images.size() + log.sweeps.size();
     std::size_t done = 0;
     const auto step = [&] {
@@ -203,7 +201,7 @@ Log import_points(const PointsOptions& options,
       std::vector<MeasuredPoint> points = read_points(options.folder / sweep.file, layout, lidar);
       if (layout.in_world) put_into_sensor(points, sweep, log);
       sweep.file = fmt::format("sweeps/{:06}.exr", i);
-      write_sweep(folder / sweep.file, grid_points(points, lidar, report));
+      write_sweep(log.folder / sweep.file, grid_points(points, lidar, report));
       step();
     }
     if (static_cast<double>(report.unplaced) > kMostUnplaced * static_cast<double>(report.points)) {
@@ -216,20 +214,15 @@ Log import_points(const PointsOptions& options,
       ImageFrame& image = log.images[i];
       const fs::path from = options.folder / image.file;
       image.file = fmt::format("images/{:06}{}", i, from.extension().string());
-      copy_picture(from, folder / image.file, log.camera(image.camera).model, source.string());
+      copy_picture(from, log.folder / image.file, log.camera(image.camera).model, source.string());
       step();
     }
     if (!log.points.empty()) {
       const fs::path from = options.folder / log.points;
       log.points = "points.ply";
-      write_file_atomically(folder / log.points, read_file(from));
+      write_file_atomically(log.folder / log.points, read_file(from));
     }
-    log.folder = folder;
-    write_log(log);
-    written = read_log(folder);  // what was written is what the next command will read
   });
-  written.folder = options.output;
-  return written;
 }
 
 }  // namespace simuli

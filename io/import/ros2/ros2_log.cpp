@@ -7,10 +7,10 @@
 
 #include "host/base/error.hpp"
 #include "host/base/names.hpp"
-#include "io/base/file.hpp"
 #include "io/import/ros2/ros2_frames.hpp"
 #include "io/import/ros2/ros2_lidar.hpp"
 #include "io/import/ros2/ros2_scan.hpp"
+#include "io/log/new_log.hpp"
 #include "io/ros2/camera_info.hpp"
 
 namespace simuli {
@@ -52,9 +52,8 @@ class Importer {
       throw_input_error(
           file_, "sensors", "no clouds and no pictures with a CameraInfo", "at least one sensor");
     find_path();
-    Log written;
-    write_folder_atomically(options_.output, [&](const fs::path& folder) {
-      FrameWriter writer(*bag_, file_, log_, folder, span_, report_);
+    return make_log(options_.output, log_, [&] {
+      FrameWriter writer(*bag_, file_, log_, log_.folder, span_, report_);
       for (const auto& [topic, unused] : lidars_) writer.total += scan_.clouds.at(topic).stamps_ns.size();
       for (const auto& [topic, unused] : cameras_) writer.total += scan_.pictures.at(topic).stamps_ns.size();
       writer.write(lidars_, cameras_, field_options(options_), progress);
@@ -66,12 +65,7 @@ class Importer {
                           fmt::format("at most {} %: is it that sensor?", 100.0 * kMostUnplaced));
       }
       sort_by_time(log_);
-      log_.folder = folder;
-      write_log(log_);
-      written = read_log(folder);  // what was written is what the next command will read
     });
-    written.folder = options_.output;
-    return written;
   }
 
  private:

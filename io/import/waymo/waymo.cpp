@@ -15,6 +15,7 @@
 #include "io/base/file.hpp"
 #include "io/import/waymo/tfrecord.hpp"
 #include "io/import/waymo/waymo_frame.hpp"
+#include "io/log/new_log.hpp"
 
 namespace simuli {
 namespace {
@@ -57,8 +58,6 @@ class SegmentLog {
   SegmentLog(const std::string& file, const fs::path& folder, WaymoReport& report)
       : file_(file), reader_(file), report_(report) {
     log_.folder = folder;
-    fs::create_directory(folder / "images");
-    fs::create_directory(folder / "sweeps");
   }
 
   void add(const std::string& record) {
@@ -155,20 +154,17 @@ Log import_waymo(const WaymoOptions& options,
                  const std::function<void(std::size_t, std::size_t)>& progress,
                  WaymoReport& report) {
   TfRecords records(options.segment);
-  Log written;
-  write_folder_atomically(options.output, [&](const fs::path& folder) {
-    SegmentLog segment(options.segment.string(), folder, report);
+  Log log;
+  return make_log(options.output, log, [&] {
+    SegmentLog segment(options.segment.string(), log.folder, report);
     std::string record;
     while (records.next(record)) {
       segment.add(record);
       if (progress)
         progress(static_cast<std::size_t>(records.at()), static_cast<std::size_t>(records.size()));
     }
-    write_log(segment.take());
-    written = read_log(folder);  // what was written is what the next command will read
+    log = segment.take();
   });
-  written.folder = options.output;
-  return written;
 }
 
 }  // namespace simuli
