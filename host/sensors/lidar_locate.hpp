@@ -1,11 +1,8 @@
 #pragma once
-// The inverse of the ray functions: which row and column of a LiDAR meets a point. Calibration, importers
-// and tests build on it.
+// The inverse of the ray functions: which row and column of a LiDAR at rest meets a point.
 #include <Eigen/Core>
 #include <optional>
-#include <vector>
 
-#include "host/scene/pose.hpp"
 #include "host/sensors/lidar.hpp"
 
 namespace simuli {
@@ -18,9 +15,6 @@ struct LidarHit {
   double elevation_error = 0.0;  // rad, of the point above the row's beam, seen from the beam's origin
   double range = 0.0;            // m, from the beam's origin
   double time_fraction = 0.0;    // of the sweep, at the fractional column
-
-  /// Nearest column; full turns wrap.
-  [[nodiscard]] int nearest_column(const Lidar& lidar) const;
 };
 
 /// The place of `p_sensor` in `row`, in closed form with all of the row's offsets. Empty when no ray of
@@ -32,17 +26,6 @@ struct LidarHit {
 
 /// The firing whose ray passes `p_sensor` at the smallest angle, among all rows. With lever arms a point
 /// may lie on rays of two rows; then either is returned.
-[[nodiscard]] std::optional<LidarHit> locate(const Lidar& lidar,
-                                             const Eigen::Vector3d& p_sensor);
-
-/// Every time at which `row` passes the azimuth of a resting point while the sensor moves from
-/// world_from_sensor_start to _end during the sweep (host/scene/pose.hpp, interpolate): mostly one; none
-/// or two for a point at the cut of the sweep, more for one that the sensor passes close by.
-/// By time; each solves time = firing time of its column at that pose, to 1e-12 of the sweep.
-[[nodiscard]] std::vector<LidarHit> locate_moving(const Lidar& lidar,
-                                                  int row,
-                                                  const Eigen::Vector3d& p_world,
-                                                  const Pose& world_from_sensor_start,
-                                                  const Pose& world_from_sensor_end);
+[[nodiscard]] std::optional<LidarHit> locate(const Lidar& lidar, const Eigen::Vector3d& p_sensor);
 
 }  // namespace simuli

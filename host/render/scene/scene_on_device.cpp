@@ -291,7 +291,6 @@ void SceneOnDevice::set_scene(std::shared_ptr<const Scene> scene) {
 
 const Scene& SceneOnDevice::scene() const { return *state_->scene; }
 const Device& SceneOnDevice::device() const { return state_->device; }
-const RenderOptions& SceneOnDevice::options() const { return state_->options; }
 std::size_t SceneOnDevice::sensor_count() const { return state_->sensors.size(); }
 
 }  // namespace simuli

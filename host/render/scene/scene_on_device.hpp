@@ -55,7 +55,6 @@ class SceneOnDevice {
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] const Device& device() const;
-  [[nodiscard]] const RenderOptions& options() const;
   /// Sensors whose rays are on the device now.
   [[nodiscard]] std::size_t sensor_count() const;
 
