@@ -10,7 +10,7 @@
 //     field.keyless(o.shape);                                                   // nothing that users set
 //   }
 //
-// and from it come keys, parsing, range checks, help, JSON (io/base/fields_json.hpp) and the text that tells
+// and from it come keys, parsing, range checks, help and the text that tells
 // one set of options from another. A member that the visitor leaves out is a compile error where the fields
 // are asked for.
 #include <concepts>
