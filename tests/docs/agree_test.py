@@ -49,9 +49,22 @@ def titles(name):
     return set(re.findall(r"^#+ (.*)$", text, re.MULTILINE)) | set(re.findall(r"\*\*([^*]+?)\.?\*\*", text))
 
 
+def check_sections(name, text):
+    """Sections that a page or a comment of the code names."""
+    for other, title in re.findall(r"\b([A-Z_]{4,})(?:\.md)?[`)\]]*,? \"([^\"]+)\"", text):
+        check(other not in pages or title in titles(other), f'{name}: {other} has no section "{title}"')
+    for section in re.findall(r"METHOD(?:\.md)?[`)\]]*,? section (\d+)", text):
+        known = any(title.startswith(f"{section}. ") for title in titles("METHOD"))
+        check(known, f"{name}: METHOD has no section {section}")
+
+
 keys = set()
-for file in [file for folder in ("host", "io", "optim") for file in source.glob(f"{folder}/**/*.?pp")]:
-    keys.update(re.findall(r'field\(\s*"([a-z0-9_.]+)"', file.read_text()))
+for folder in ("bench", "cl", "host", "io", "optim"):
+    for file in source.glob(f"{folder}/**/*"):
+        if file.suffix in (".cl", ".cpp", ".h", ".hpp", ".py"):
+            text = file.read_text()
+            keys.update(re.findall(r'field\(\s*"([a-z0-9_.]+)"', text))
+            check_sections(file.name, re.sub(r"\s+(?://+|#)?\s*", " ", text))
 assert len(keys) > 20, "no settings found"
 
 for name, file in sorted(pages.items()):
@@ -66,11 +79,7 @@ for name, file in sorted(pages.items()):
         path = word.rstrip(".:;)").removeprefix("./")
         if path.startswith(FOLDERS) and re.fullmatch(r"[\w./*+-]+", path):
             check(any(source.glob(path.rstrip("/"))), f"{file.name}: {path}: no such file")
-    for other, title in re.findall(r"\b([A-Z_]{4,})(?:\.md)?[`)\]]*,? \"([^\"]+)\"", words[name]):
-        check(other not in pages or title in titles(other), f'{file.name}: {other} has no section "{title}"')
-    for section in re.findall(r"METHOD(?:\.md)?[`)\]]*,? section (\d+)", words[name]):
-        known = any(title.startswith(f"{section}. ") for title in titles("METHOD"))
-        check(known, f"{file.name}: METHOD has no section {section}")
+    check_sections(file.name, words[name])
     if name != "DECISIONS":  # which names what is gone
         for key in re.findall(KEY, " ".join(quoted + re.findall(r"--set ([^`#]*)", text))):
             # A group alone, as in "prune.*", or the rates of either set, which share their fields.
