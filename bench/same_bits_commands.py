@@ -155,7 +155,7 @@ def describe_sensors(run):
 
 SHUTTERS = ("top_to_bottom", "bottom_to_top", "left_to_right", "right_to_left")
 SMALL = "--frames 10 --image-width 160 --image-height 90 --lidar-columns 400"
-CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.every=10 densify.first=10 anchor.every=20 poses.camera=true"
+CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.every=10 densify.first=10 anchor.every=20"
 TIMES = "--times 0.3:0.4:0.1"
 TRAININGS = {
     "half_size": "--scale 0.5 --held-out 3 --seed 7",
@@ -169,7 +169,6 @@ TRAININGS = {
     "densify_full": "--set densify.every=6 densify.first=6 densify.cap=68000",
     "no_anchors": "--set anchor.weight=0",
     "anchors_often": "--set anchor.every=10 anchor.choose_every=3 anchor.neighbours=8 anchor.reach_m=1 anchor.weight=0.1",
-    "poses": "--set poses.camera=true poses.lidar=true poses.translation_m=2e-3 poses.rotation_rad=2e-4",
     "actor_rates": "--set actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001 actors.rate.final_share=0.5 actors.margin_m=0.2",
     "no_actors": "--set init.actors=false",
     "mask_moving": "--set init.actors=false mask_moving=true",
@@ -197,7 +196,7 @@ TRAININGS = {
     "cuts": "--set render.alpha_cut=0.01 render.transmittance_cut=0.01 render.camera_filter_px2=0.1 "
             "render.lidar_tiles.elevation=8 render.lidar_tiles.rays=64",
     "everything": "--set color_grids=true init.environment_width=64 densify.every=6 densify.first=6 anchor.every=10 "
-                  "lidar_every=1 poses.camera=true poses.lidar=true actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001",
+                  "lidar_every=1 actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001",
 }
 OPTIONS = {
     "draft": "--quality draft", "balanced": "--quality balanced", "exact": "--quality exact",
@@ -252,7 +251,7 @@ def all_commands():
     for name, options in TRAININGS.items():
         size = "" if "--scale" in options else "--scale 1"
         add(f"train/{name}", f"train {{street}}/out.log -o out.scene --iterations 30 {size} {options} --json > train.json")
-    add("train/rolling", "train {street/rolling}/out.log -o out.scene --iterations 30 --scale 1 --set poses.camera=true")
+    add("train/rolling", "train {street/rolling}/out.log -o out.scene --iterations 30 --scale 1")
     add("train/report", "train {street}/out.log -o out.scene --iterations 20 --report report.html")
     add("train/whole", f"train {{street}}/out.log -o out.scene {CHECKPOINTS}")
     add("train/killed_and_resumed", kill_at_checkpoint, f"train {{street}}/out.log -o out.scene {CHECKPOINTS} --resume",

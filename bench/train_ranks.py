@@ -75,7 +75,7 @@ def train(args, ranks, name, *options, **environment):
 
 def hashes(args):
     options = ["--iterations", "60", "--set", "shards=4", "--set", "densify.first=10", "--set", "densify.every=10",
-               "--set", "color_grids=true", "--set", "poses.camera=true", "--set", "actors.rate.shift_m=0.01"]
+               "--set", "color_grids=true", "--set", "actors.rate.shift_m=0.01"]
     found = {}
     for ranks in (1, 2, 4):
         told, found[f"{ranks} ranks"] = train(args, ranks, f"h{ranks}.scene", *options)

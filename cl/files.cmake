@@ -45,7 +45,6 @@ set(SIMULI_CL_FILES
   kernels/loss/loss_lidar.cl
   kernels/loss/loss_ssim.cl
   kernels/outputs/picture_bytes.cl
-  kernels/pose_bwd.cl
   kernels/project.cl
   kernels/project_bwd.cl
   kernels/ray_mask.cl

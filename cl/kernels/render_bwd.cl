@@ -53,8 +53,8 @@ FN void fetch_ahead(__global const uint* payload,
 
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
 /// what has been summed so far. No atomics: an instance's sums go to its own slot (by particle, tile row by tile row).
-/// Build: ERRORS = 1 to blend the rays' errors as well, RAY_GRADIENTS = 1 for those of the rays; RAY_ORDER = 1 where
-/// rays have orders of their own, which replay_window has gone through: here it is still particle by particle.
+/// Build: ERRORS = 1 to blend the rays' errors as well; RAY_ORDER = 1 where rays have orders of their own, which
+/// replay_window has gone through: here it is still particle by particle.
 /// Tiles from tile_first on.
 /// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance); with RAY_ORDER
 ///     replayed[places][2][TILE_RAYS] and replayed_to[tiles][LS][NR] of replay_window
@@ -62,7 +62,6 @@ FN void fetch_ahead(__global const uint* payload,
 /// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3).
 ///     Every slot of every instance is written.
 ///     ERRORS: instance_error[K]: sum over its rays of weight x ray_error[slots]
-///     RAY_GRADIENTS: ray_grads[3|6][slots]: dL/d(direction); with ORIGINS also dL/d(origin)
 __kernel GROUP void render_bwd(const FrameParams frame,
                          __global const SensorConstants* sensor,
                          __global const real* world_ray,
@@ -78,7 +77,6 @@ __kernel GROUP void render_bwd(const FrameParams frame,
                          __global real* grads,
                          __global const real* ray_error,
                          __global real* instance_error,
-                         __global real* ray_grads,
                          const uint tile_first,
                          __global const real* replayed,
                          __global const uint* replayed_to) {
@@ -109,9 +107,6 @@ __kernel GROUP void render_bwd(const FrameParams frame,
 #if ERRORS
   F error[NR];
 #endif
-#if RAY_GRADIENTS
-  F ray_gradient[NR][3 + 3 * ORIGINS];
-#endif
   uint alive = 0;  // a bit per vector that still has a ray
 #endif
   EACH_VECTOR
@@ -129,9 +124,6 @@ __kernel GROUP void render_bwd(const FrameParams frame,
 #if ERRORS
     error[j] = LDV(ray_error + slot);
 #endif
-#if RAY_GRADIENTS
-    for (int k = 0; k < 3 + 3 * ORIGINS; ++k) ray_gradient[j][k] = (F)R(0.0);
-#endif
     g0[j] = LDV(grad_out + slot);
     g1[j] = LDV(grad_out + frame.slots + slot);
     g2[j] = LDV(grad_out + 2 * frame.slots + slot);
@@ -141,8 +133,6 @@ __kernel GROUP void render_bwd(const FrameParams frame,
 #else
     alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
 #endif
-#elif RAY_GRADIENTS
-    for (int k = 0; k < 3 + 3 * ORIGINS; ++k) STV(ray_grads + k * frame.slots + slot, (F)R(0.0));
 #endif
   }
 
@@ -263,19 +253,13 @@ __kernel GROUP void render_bwd(const FrameParams frame,
         put_back(transmittance, j, left);
         put_back(behind, j, to_come);
 #endif
-        F sum[SIM_GRAD], da[3], origin[3];
+        F sum[SIM_GRAD];
         for (int c = 0; c < SIM_GRAD; ++c) sum[c] = (F)R(0.0);
-        add_gradients(record, &seen, &response, weight, d_log, h0, h1, h2, hd, sum, da, origin);
+        add_gradients(record, &seen, &response, weight, d_log, h0, h1, h2, hd, sum);
         for (int c = 0; c < SIM_GRAD; ++c) own[c] = again ? own[c] + HSUM(sum[c]) : HSUM(sum[c]);
 #if ERRORS
         const real blended_error = HSUM(weight * LDV(ray_error + slot));
         own[SIM_GRAD] = again ? own[SIM_GRAD] + blended_error : blended_error;
-#endif
-#if RAY_GRADIENTS
-        add_transposed_to(record, da, ray_grads + slot, frame.slots);
-#if ORIGINS
-        add_transposed_to(record, origin, ray_grads + 3 * frame.slots + slot, frame.slots);
-#endif
 #endif
       }
       barrier(CLK_LOCAL_MEM_FENCE);
@@ -343,15 +327,7 @@ __kernel GROUP void render_bwd(const FrameParams frame,
 #if ERRORS
       blended_error = fma(weight, error[j], blended_error);
 #endif
-      F da[3], origin[3];
-      add_gradients(record, seen, &response, weight, d_log, g0[j], g1[j], g2[j], gd[j], sum, da, origin);
-
-#if RAY_GRADIENTS
-      add_transposed(record, da, ray_gradient[j]);
-#if ORIGINS
-      add_transposed(record, origin, ray_gradient[j] + 3);
-#endif
-#endif
+      add_gradients(record, seen, &response, weight, d_log, g0[j], g1[j], g2[j], gd[j], sum);
 
 #if !RAY_ORDER
       const I done = AND(transmittance[j] < t_cut, inside);
@@ -371,13 +347,6 @@ __kernel GROUP void render_bwd(const FrameParams frame,
     for (int k = 0; k < SIM_GRAD; ++k) target[k] = HSUM(sum[k]);
 #endif
     if (ERRORS) instance_error[slot] = HSUM(blended_error);
-  }
-#endif
-#if RAY_GRADIENTS && LS == 1
-  for (int j = 0; j < NR; ++j) {
-    for (int k = 0; k < 3 + 3 * ORIGINS; ++k) {
-      STV(ray_grads + k * frame.slots + base + VECTOR_SLOT(j, lid), ray_gradient[j][k]);
-    }
   }
 #endif
   // Behind the last contributor nothing was added: those slots are zero, not what the last frame left.

@@ -32,7 +32,6 @@ FN F blend_back(const real* record,
 }
 
 /// Adds what rays that blend the particle with `weight` take back from its record.
-/// out da, origin: dL/d(direction, origin in the particle's frame)
 /// io  sum[SIM_GRAD]
 FN void add_gradients(const real* record,
                       const RayLanes* seen,
@@ -43,9 +42,7 @@ FN void add_gradients(const real* record,
                       F g1,
                       F g2,
                       F gd,
-                      F* sum,
-                      F* da,
-                      F* origin) {
+                      F* sum) {
   const I inside = response->inside;
   const F tau = SEL(inside, response->tau, (F)R(0.0));
   const F inv_n = SEL(inside, response->inv_n, (F)R(0.0));
@@ -62,6 +59,7 @@ FN void add_gradients(const real* record,
   const F radial = two_q * record[SIM_R_RADIUS2];
   const F scale_q = radial * inv_n;
   const F along_a = (two_q * q + R(2.0) * dtau * tau) * inv_n;
+  F da[3], origin[3];  // dL/d(direction, origin in the particle's frame)
 #if ORIGINS
   const F o2 = fma(response->o[0], response->o[0],
                    fma(response->o[1], response->o[1], response->o[2] * response->o[2]));
@@ -96,13 +94,6 @@ FN void add_gradients(const real* record,
   }
 }
 
-/// sum += A^T v, A the record's matrix, whose first row ends in 0.
-FN void add_transposed(const real* record, const F* v, F* sum) {
-  sum[0] = fma(v[0], (F)record[0], fma(v[1], (F)record[2], fma(v[2], (F)record[5], sum[0])));
-  sum[1] = fma(v[0], (F)record[1], fma(v[1], (F)record[3], fma(v[2], (F)record[6], sum[1])));
-  sum[2] = fma(v[1], (F)record[4], fma(v[2], (F)record[7], sum[2]));
-}
-
 #if LS > 1
 // A group goes through its tile's list in batches: first which work-items have a ray that meets which instance, then
 // what these add up to. Most meet few: only those that do have a row of sums, numbered by instance, then by work-item.
@@ -128,16 +119,6 @@ FN void put_back(F* of, int j, F value) {
 FN void end_rays(I done, RayLanes* ray) {
 #pragma unroll
   for (int k = 0; k < 3; ++k) ray->d[k] = SEL(done, (F)R(0.0), ray->d[k]);
-}
-
-/// add_transposed() to rows of global memory, `stride` apart, that are this work-item's own.
-FN void add_transposed_to(const real* record, const F* v, __global real* sum, uint stride) {
-  F three[3];
-#pragma unroll
-  for (int k = 0; k < 3; ++k) three[k] = LDV(sum + k * stride);
-  add_transposed(record, v, three);
-#pragma unroll
-  for (int k = 0; k < 3; ++k) STV(sum + k * stride, three[k]);
 }
 
 #if ACTOR_MOTION

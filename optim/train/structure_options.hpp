@@ -78,20 +78,4 @@ constexpr void visit_fields(PruneOptions& o, F&& field) {
         "each time the LiDARs' range biases by row take up what rows state beside what the set shows");
 }
 
-/// Learning of where sensors sit on the rig: one offset for all frames of a sensor. Rates fall as the means'
-/// do.
-struct PoseOptions {
-  bool camera = false;
-  bool lidar = false;
-  double translation_m = 1e-3;
-  double rotation_rad = 1e-4;
-};
-template <class F>
-constexpr void visit_fields(PoseOptions& o, F&& field) {
-  field("poses.camera", o.camera, "learn where the cameras sit on the rig");
-  field("poses.lidar", o.lidar, "learn where the LiDARs sit on the rig");
-  field("poses.translation_m", o.translation_m, at_least(0.0), "m per step of Adam, at the start");
-  field("poses.rotation_rad", o.rotation_rad, at_least(0.0), "rad per step of Adam, at the start");
-}
-
 }  // namespace simuli

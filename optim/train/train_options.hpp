@@ -195,7 +195,6 @@ struct TrainOptions {
   bool mask_moving = false;
   /// In float; the median distance has no gradient and is never written.
   RenderOptions render;
-  PoseOptions poses;
   std::size_t memory_bytes = 0;
   std::size_t cache_bytes = std::size_t{2} << 30U;
   std::size_t host_cache_bytes = std::size_t{2} << 30U;
@@ -225,7 +224,6 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part("", o.anchor);
   field.part("", o.densify);
   field.part("", o.prune);
-  field.part("", o.poses);
   field.part("", o.actor_poses);
   field.part("", o.actor_shapes);
   field(

@@ -237,12 +237,6 @@ Trainer::Trainer(const Device& device,
   status_.camera_particles = camera_.particles.count;
   status_.lidar_particles = lidar_.particles.count;
   status_.psnr_db = status_.distance_m = status_.drop_accuracy = std::numeric_limits<double>::quiet_NaN();
-  if (options_.poses.camera) {
-    for (const LogCamera& camera : log.cameras) offsets_[camera.model.name];
-  }
-  if (options_.poses.lidar) {
-    for (const LogLidar& lidar : log.lidars) offsets_[name_of(lidar.model)];
-  }
 }
 
 bool Trainer::is_sound(double loss) {
@@ -343,7 +337,6 @@ StateList Trainer::state(const std::string& settings) {
   drop_.add_state(list);
   add_range_biases(list, log_, truth_);
   mended_.add_state(list);
-  for (auto& [name, offset] : offsets_) list.add("offset/" + name, offset);
   return list;
 }
 

@@ -19,7 +19,6 @@
 #include "optim/fixer/fixed_views.hpp"
 #include "optim/init/moving_space.hpp"
 #include "optim/length/length.hpp"
-#include "optim/poses/sensor_offsets.hpp"
 #include "optim/ranks/ranks.hpp"
 #include "optim/report/train_report.hpp"
 #include "optim/state/state.hpp"
@@ -81,8 +80,6 @@ class Trainer {
   void need_one_state(const std::string& settings);
 
   [[nodiscard]] const TrainStatus& status() const { return status_; }
-  /// What has been learned of where sensors sit; empty unless train.poses ask for it.
-  [[nodiscard]] const SensorOffsets& sensor_offsets() const { return offsets_; }
   /// A LiDAR of the log, with the range biases of its rows that have been found.
   [[nodiscard]] const LidarModel& lidar(const std::string& name) const { return truth_.lidar(name); }
   /// The scene as trained so far, without particles that are not finite.
@@ -153,7 +150,7 @@ class Trainer {
   /// The gradients that stand with the set, of what the pass shows.
   void add_shard(std::size_t shard, const TrainedSet& set, const Pass& pass);
   /// What differentiate() and the losses make of a shard.
-  [[nodiscard]] ShardPart part_of(const Turn& turn, Shown& shown, const FrameTimes& times, std::size_t shard);
+  [[nodiscard]] ShardPart part_of(const Turn& turn, Shown& shown, std::size_t shard);
   /// The step of a set by the parts of all shards.
   void descend_shards(const Turn& turn,
                       const std::vector<ShardPart>& parts,
@@ -161,12 +158,8 @@ class Trainer {
   /// Has pictures from beside the path mended, and the camera set learn from one of them.
   void mend();
   void step_mended(const FixedView& mended, double progress);
-  /// From the loss of the pass to the gradients of the set, what the frame says of its sensor's pose, which
-  /// is returned where it is learned, and errors, added to `error`.
-  std::optional<PoseGradient> differentiate(const Turn& turn,
-                                            Pass& pass,
-                                            const std::string& sensor,
-                                            RealBuffer& error);
+  /// From the loss of the pass to the gradients of the set, and errors, added to `error`.
+  void differentiate(const Turn& turn, Pass& pass, RealBuffer& error);
   /// From the loss of the pass to the set's step: what both sets do, in its order.
   void descend(const Turn& turn, Pass& pass, const FrameTimes& frame);
   /// One step on the particles of the frame of `keys`.
@@ -175,13 +168,8 @@ class Trainer {
   [[nodiscard]] bool prunes(int iteration) const;
   /// Takes out what no training sweep needs of the LiDAR set, and corrects the rows' ranges.
   void look_over_sweeps();
-  void step_pose(const std::string& sensor, const PoseGradient& gradient, double progress);
   /// What the frame says of the actors: their poses and shapes, behind the particles' own step.
   void step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame);
-  template <class Frame>
-  [[nodiscard]] View view(const Frame& frame, const std::string& sensor) const;
-  /// A view that the log states, from where the sensor's learned offset says it was.
-  [[nodiscard]] View corrected(const View& from_log, const std::string& sensor) const;
   /// Whether the loss of a frame is a finite number; counts it when it is not.
   bool is_sound(double loss);
   StateList state(const std::string& settings);
@@ -208,7 +196,6 @@ class Trainer {
   Ranks::Bytes message_;         // to other ranks; its memory is used again
   FrameOrder images_, sweeps_;
   TrainLength length_;
-  SensorOffsets offsets_;  // of the sensors whose poses are learned
   FixedViews mended_;
   RunningMean square_, distance_, right_;
   TrainStatus status_;

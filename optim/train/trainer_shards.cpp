@@ -1,6 +1,6 @@
 // One iteration with several frames: each is a shard, computed as a whole by one rank. What all frames share
 // (particles, environment) takes one step by the mean of their gradients, added in the order of shards; what
-// belongs to one of them (grids, poses of its sensor and at its time) a step for each, in that order.
+// belongs to one of them (grids, poses of actors at its time) a step for each, in that order.
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
@@ -16,7 +16,6 @@ namespace simuli {
 /// What a shard's frame says of all that training moves but the particles, of which sum_ knows.
 struct Trainer::ShardPart {
   std::vector<double> losses;  // as Trainer's note_*() take them
-  std::vector<double> pose;    // of the sensor, where it is learned: translation, rotation
   std::vector<double> actors;  // 12 for each, where their poses are learned
   std::vector<double> shapes;  // of those that have one, as numbers_of() has them
   std::vector<float> grid, environment;
@@ -34,21 +33,11 @@ struct Trainer::ShardPart {
  private:
   template <class Part, class F>
   static void visit(Part& p, F&& f) {
-    f(p.losses), f(p.pose), f(p.actors), f(p.shapes), f(p.grid), f(p.environment), f(p.drop);
+    f(p.losses), f(p.actors), f(p.shapes), f(p.grid), f(p.environment), f(p.drop);
   }
 };
 
 namespace {
-
-std::vector<double> numbers_of(const PoseGradient& g) {
-  std::vector<double> out(g.translation.begin(), g.translation.end());
-  out.insert(out.end(), g.rotation.begin(), g.rotation.end());
-  return out;
-}
-
-PoseGradient pose_of(const std::vector<double>& numbers) {
-  return {Eigen::Vector3d(numbers.data()), Eigen::Vector3d(numbers.data() + 3)};
-}
 
 constexpr std::size_t kActorNumbers = 12;
 
@@ -162,14 +151,11 @@ void Trainer::add_shard(std::size_t shard, const TrainedSet& set, const Pass& pa
   sum_->add(shard, pass.buffers().projected.keys, set.grads, 1.0 / options_.shards.count);
 }
 
-Trainer::ShardPart Trainer::part_of(const Turn& turn,
-                                    Shown& shown,
-                                    const FrameTimes& times,
-                                    std::size_t shard) {
+Trainer::ShardPart Trainer::part_of(const Turn& turn, Shown& shown, std::size_t shard) {
   ShardPart part;
   part.losses = std::move(shown.losses);
   RealBuffer& error = turn.errors ? sum_->fresh_errors() : turn.set.error;
-  if (const auto pose = differentiate(turn, shown.pass, times.sensor, error)) part.pose = numbers_of(*pose);
+  differentiate(turn, shown.pass, error);
   if (turn.set.particles.actors > 0 && turn.set.poses.learns()) {
     part.actors = numbers_of(shown.pass.pose_gradients(turn.set.particles));
   }
@@ -183,9 +169,6 @@ void Trainer::descend_shards(const Turn& turn,
                              const std::vector<ShardPart>& parts,
                              const std::vector<FrameTimes>& frames) {
   TrainedSet& set = turn.set;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (!parts[i].pose.empty()) step_pose(frames[i].sensor, pose_of(parts[i].pose), turn.progress);
-  }
   if (turn.number == kCameraSet) structure_.settle_anchors(sum_->keys(), status_.iteration);
   take_step(turn, sum_->sums(), sum_->keys());
   structure_.jitter(set, turn.number, turn.rates, sum_->keys(), status_.iteration, turn.progress);
@@ -212,7 +195,7 @@ void Trainer::step_camera_shards(double progress) {
   const auto parts = run_shards(camera_, turn.errors, [&](std::size_t shard) {
     Shown shown = show_picture(turn, indices[shard]);
     TrainedLook::Gradients look = look_.gradients();
-    ShardPart part = part_of(turn, shown, frames[shard], shard);
+    ShardPart part = part_of(turn, shown, shard);
     part.grid = std::move(look.grid);
     part.environment = std::move(look.environment);
     return part;
@@ -260,7 +243,7 @@ void Trainer::step_lidar_shards(double progress) {
   const auto parts = run_shards(lidar_, turn.errors, [&](std::size_t shard) {
     std::vector<TrainedDrop::Function> taught;
     Shown shown = show_sweep(turn, indices[shard], &taught);
-    ShardPart part = part_of(turn, shown, frames[shard], shard);
+    ShardPart part = part_of(turn, shown, shard);
     part.drop = std::move(taught);
     return part;
   });

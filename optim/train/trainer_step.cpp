@@ -17,7 +17,6 @@
 namespace simuli {
 namespace {
 
-constexpr double kPoseFinalShare = 0.01;    // of the offsets' rates, at the end
 constexpr std::uint64_t kBesideStream = 3;  // of numbers drawn
 
 }  // namespace
@@ -98,7 +97,7 @@ Trainer::Shown Trainer::show_picture(const Turn& turn, std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const auto truth = truth_.image(index);
   Pass pass = renderer_.render(
-      camera_.particles, truth_.camera_rays(frame.camera), view(frame, frame.camera), look_.environment());
+      camera_.particles, truth_.camera_rays(frame.camera), view_of(log_, scene_, frame), look_.environment());
   look_.grade(pass, index);
   const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
   const ImageWeights& w = options_.image;
@@ -120,10 +119,7 @@ void Trainer::note_picture(std::size_t index, std::span<const double> losses) {
 }
 
 void Trainer::mend() {
-  SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig};
-  for (LogCamera& camera : file.cameras) {
-    camera.rig_from_camera = moved_by(offsets_, camera.model.name, camera.rig_from_camera);
-  }
+  const SceneFile file{scene(), log_.cameras, log_.lidars, log_.world_from_rig};
   mended_.mend(file, status_.iteration);
 }
 
@@ -158,9 +154,9 @@ Trainer::Shown Trainer::show_beside(std::size_t index, std::uint64_t number) {
   const SensorRays& rays = truth_.camera_rays(frame.camera);
   const double left_m = options_.beside.reach_m * (2.0 * drawn(seed_, kBesideStream, number) - 1.0);
   const Shot shot = shot_of(log_, frame).beside(log_.camera(frame.camera).rig_from_camera, left_m);
-  const View there = corrected(view_of(scene_, shot, SetKind::kCamera), frame.camera);
+  const View there = view_of(scene_, shot, SetKind::kCamera);
   RayValues& shown = beside_.try_emplace(frame.camera, rays, 3, "picture from beside").first->second;
-  renderer_.render(lidar_.particles, rays, view(frame, frame.camera)).keep_surfaces(surfaces_);
+  renderer_.render(lidar_.particles, rays, view_of(log_, scene_, frame)).keep_surfaces(surfaces_);
   renderer_.render(lidar_.particles, rays, there).show_from(surfaces_, truth_.image(index)->truth, shown);
 
   Pass pass = renderer_.render(camera_.particles, rays, there, look_.environment());
@@ -185,7 +181,7 @@ void Trainer::step_depth(double progress) {
 Trainer::Shown Trainer::show_depth(std::size_t index) {
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = truth_.sweep(index);
-  Pass pass = renderer_.render(camera_.particles, truth->truth.rays(), view(frame, frame.lidar));
+  Pass pass = renderer_.render(camera_.particles, truth->truth.rays(), view_of(log_, scene_, frame));
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarLoss loss = pass.lidar_loss(truth->truth, {.distance = options_.depth.weight / returned});
   pass.backward(camera_.particles, camera_.grads);
@@ -207,7 +203,7 @@ Trainer::Shown Trainer::show_sweep(const Turn& turn,
                                    std::vector<TrainedDrop::Function>* taught) {
   const SweepFrame& frame = log_.sweeps[index];
   const auto truth = truth_.sweep(index);
-  View seen = view(frame, frame.lidar);
+  View seen = view_of(log_, scene_, frame);
   seen.drop = drop_.of(frame.lidar);
   Pass pass = renderer_.render(lidar_.particles, truth->truth.rays(), seen);
   const double rays = std::max(1.0, static_cast<double>(truth->known));
@@ -249,21 +245,14 @@ void Trainer::note_sweep(std::size_t index, std::span<const double> losses) {
   status_.drop_accuracy = right_.value();
 }
 
-std::optional<PoseGradient> Trainer::differentiate(const Turn& turn,
-                                                   Pass& pass,
-                                                   const std::string& sensor,
-                                                   RealBuffer& error) {
+void Trainer::differentiate(const Turn& turn, Pass& pass, RealBuffer& error) {
   TrainedSet& set = turn.set;
-  const bool learns_pose = offsets_.contains(sensor);
-  pass.backward(set.particles, set.grads, {.errors = turn.errors, .ray_gradients = learns_pose});
+  pass.backward(set.particles, set.grads, {.errors = turn.errors});
   if (turn.errors) {
     structure_.errors().accumulate(pass.frame(), pass.buffers(), pass.gradients(), error);
   }
-  std::optional<PoseGradient> pose;
-  if (learns_pose) pose = pass.pose_gradient(set.grads);
   regularize(set, turn.weights);
   if (turn.number == kCameraSet) structure_.add_anchor_gradient(pass, status_.iteration);
-  return pose;
 }
 
 void Trainer::take_step(const Turn& turn, const RealBuffer& grads, const Buffer<std::uint32_t>& keys) {
@@ -276,8 +265,7 @@ void Trainer::take_step(const Turn& turn, const RealBuffer& grads, const Buffer<
 }
 
 void Trainer::descend(const Turn& turn, Pass& pass, const FrameTimes& frame) {
-  const auto pose = differentiate(turn, pass, frame.sensor, turn.set.error);
-  if (pose) step_pose(frame.sensor, *pose, turn.progress);
+  differentiate(turn, pass, turn.set.error);
   const Buffer<std::uint32_t>& keys = pass.buffers().projected.keys;
   take_step(turn, turn.set.grads, keys);
   structure_.jitter(turn.set, turn.number, turn.rates, keys, status_.iteration, turn.progress);
@@ -313,7 +301,7 @@ void Trainer::look_over_sweeps() {
   for (const std::size_t index : sweeps_.frames()) {
     const SweepFrame& frame = log_.sweeps[index];
     Pass pass =
-        renderer_.render(lidar_.particles, truth_.sweep(index)->truth.rays(), view(frame, frame.lidar));
+        renderer_.render(lidar_.particles, truth_.sweep(index)->truth.rays(), view_of(log_, scene_, frame));
     pass.raise_largest_weights(largest);
     const auto row = offsets.find(frame.lidar);
     if (row != offsets.end()) row->second.add(truth_.stated(index), pass.results());
@@ -336,12 +324,6 @@ void Trainer::look_over_sweeps() {
   lidar_.keep(kept);
 }
 
-void Trainer::step_pose(const std::string& sensor, const PoseGradient& gradient, double progress) {
-  const double share = std::pow(kPoseFinalShare, progress);
-  offsets_.at(sensor).step(
-      gradient, share * options_.poses.translation_m, share * options_.poses.rotation_rad);
-}
-
 void Trainer::step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame) {
   TrainedSet& set = turn.set;
   if (set.particles.actors == 0) return;
@@ -353,16 +335,6 @@ void Trainer::step_actors(const Turn& turn, Pass& pass, const FrameTimes& frame)
   if (set.shapes.learns()) {
     set.shapes.step(scene_.actors, pass.deformation_gradients(), frame.start_s, frame.end_s, turn.progress);
   }
-}
-
-template <class Frame>
-View Trainer::view(const Frame& frame, const std::string& sensor) const {
-  return corrected(view_of(log_, scene_, frame), sensor);
-}
-
-View Trainer::corrected(const View& from_log, const std::string& sensor) const {
-  const auto offset = offsets_.find(sensor);
-  return offset == offsets_.end() ? from_log : moved_by(offset->second, from_log);
 }
 
 }  // namespace simuli

@@ -366,14 +366,7 @@ SceneFile Training::with_sensors(Scene scene) const {
   SceneFile file{std::move(scene), log_.cameras, log_.lidars, log_.world_from_rig, frame_spans(log_)};
   if (const Trainer* const trainer = prepared().trainer.get()) {
     if (prepared().unmet.size() > 0) append(file.scene.lidar, prepared().unmet, 0);
-    const SensorOffsets& offsets = trainer->sensor_offsets();
-    for (LogCamera& camera : file.cameras) {
-      camera.rig_from_camera = moved_by(offsets, camera.model.name, camera.rig_from_camera);
-    }
-    for (LogLidar& lidar : file.lidars) {
-      lidar.model = trainer->lidar(name_of(lidar.model));
-      lidar.rig_from_lidar = moved_by(offsets, name_of(lidar.model), lidar.rig_from_lidar);
-    }
+    for (LogLidar& lidar : file.lidars) lidar.model = trainer->lidar(name_of(lidar.model));
   }
   return file;
 }

@@ -117,8 +117,7 @@ class List {
     if (variant.options.sh_direction == ShDirection::kRay || variant.frame.sh_storage == ShStorage::kHalf ||
         variant.options.detail > 0.0)
       return;
-    for (const char* path :
-         {"kernels/project_bwd.cl", "kernels/pose_bwd.cl", "kernels/train/largest_weight.cl"})
+    for (const char* path : {"kernels/project_bwd.cl", "kernels/train/largest_weight.cl"})
       add(frame.name, path, options);
     if (variant.frame.sensor == SensorType::kCamera) add(frame.name, "kernels/train/beside.cl", options);
     if (!in_order) {
@@ -126,13 +125,10 @@ class List {
       add(frame.name, "kernels/render_window.cl", replay.define("REPLAY", true));
     }
     for (const bool errors : {false, true}) {
-      for (const bool ray_gradients : {false, true}) {
-        BuildOptions backward = options;
-        backward.define("ERRORS", errors).define("RAY_GRADIENTS", ray_gradients);
-        add(frame.name + (errors ? ", errors" : "") + (ray_gradients ? ", ray gradients" : ""),
-            "kernels/render_bwd.cl",
-            backward);
-      }
+      BuildOptions backward = options;
+      add(frame.name + (errors ? ", errors" : ""),
+          "kernels/render_bwd.cl",
+          backward.define("ERRORS", errors));
     }
   }
   [[nodiscard]] bool has(const std::string& path) const {

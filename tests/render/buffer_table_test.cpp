@@ -6,7 +6,6 @@
 
 #include "host/render/backward/backward_stages.hpp"
 #include "host/render/backward/deform_bwd.hpp"
-#include "host/render/backward/pose_bwd.hpp"
 #include "host/render/frame/stages.hpp"
 #include "host/render/rays/ray_mask.hpp"
 #include "host/render/train/actor.hpp"
@@ -87,7 +86,6 @@ TEST(BufferTable, NamesAreUnique) {
   add(LidarLossBuffers(device));
   add(ParticleBuffers(device, GaussianSet(SetKind::kCamera, 0, 0), Precision::kFloat));
   add(PictureBuffers(device));
-  add(PoseBuffers(device));
   add(Projected(device));
   add(RayBuffers(device));
   add(RayMaskScratch(device));

@@ -56,7 +56,6 @@ TEST_F(Passes, ThatIsNotTheLastIsRefused) {
   refused("grade_backward: found " + part, [&] { first.grade_backward(grids_, 0, {}, grads_); });
   refused("environment_backward: found " + part, [&] { first.environment_backward(sky_, 0.0, grads_); });
   refused("backward: found " + part, [&] { first.backward(camera_set_, grads_); });
-  refused("pose_gradient: found " + part, [&] { (void)first.pose_gradient(grads_); });
   refused("pose_gradients: found " + part, [&] { (void)first.pose_gradients(camera_set_); });
   refused("buffers: found " + part, [&] { (void)first.buffers(); });
   refused("gradients: found " + part, [&] { (void)first.gradients(); });
@@ -158,11 +157,6 @@ TEST_F(Passes, GoBackInOrder) {
   refused("pose_gradients: found no gradients", [&] { (void)pass.pose_gradients(camera_set_); });
   refused("backward: found no ray errors", [&] { pass.backward(camera_set_, grads_, {.errors = true}); });
   pass.backward(camera_set_, grads_);
-  refused("pose_gradient: found no gradients of rays", [&] { (void)pass.pose_gradient(grads_); });
-  pass.backward(camera_set_, grads_, {.errors = false, .ray_gradients = true});
-  const RealBuffer nothing(device_, "nothing", kFloat);
-  refused("pose_gradient: found 0 gradients", [&] { (void)pass.pose_gradient(nothing); });
-  EXPECT_TRUE(pass.pose_gradient(grads_).rotation.allFinite());
   EXPECT_TRUE(pass.pose_gradients(camera_set_).empty());
 }
 

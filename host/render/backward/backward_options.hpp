@@ -11,8 +11,7 @@ struct ColorGridScale {
 
 /// What a backward pass may give beside the gradients of particles, and what it may take.
 struct BackwardExtras {
-  bool errors = false;         // ray_error -> instance_error, weighted by blending
-  bool ray_gradients = false;  // dL/d(direction), and with origins dL/d(origin), of every ray -> ray_grads
+  bool errors = false;  // ray_error -> instance_error, weighted by blending
   /// Where rays have orders of their own, what they blend is kept for tiles of together at most so many
   /// instances at a time, at least for one tile: 2 KB each in float. Gradients are the same bits.
   std::size_t replayed = std::size_t{1} << 17U;

@@ -101,7 +101,7 @@ class RenderBackwardStage {
   ScanStage scan_;
   std::optional<Kernel> replay_window_, replay_per_ray_;
   std::optional<Kernel> slot_counts_;
-  std::optional<Kernel> kernels_[2][2];  // [errors][ray_gradients], made when asked for
+  std::optional<Kernel> kernels_[2];  // [errors], made when asked for
 };
 
 /// Behind projection: gradient slots -> param_grads[param_rows][stride], and pose_grads of actors. K -> N.

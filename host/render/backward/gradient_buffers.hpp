@@ -7,7 +7,6 @@ namespace simuli {
 struct GradientSizes {
   FrameSizes frame;
   bool errors = false;         // of rays, shared out to instances
-  bool ray_gradients = false;  // of rays in the scene frame
   std::uint64_t replayed = 0;  // places of tile lists at a time, where rays have orders of their own
   std::uint64_t vectors = 0;   // of rays, likewise
 };
@@ -24,10 +23,6 @@ struct GradientBuffers : BufferTable<GradientSizes> {
   Reals ray_error{*this, "ray_error", [](const GradientSizes& s) { return s.errors ? s.frame.slots : 0; }};
   Reals instance_error{
       *this, "instance_error", [](const GradientSizes& s) { return s.errors ? s.frame.instances : 0; }};
-  /// [3|6][S]: by direction, with origins by these, too.
-  Reals ray_grads{*this, "ray_grads", [](const GradientSizes& s) {
-                    return s.ray_gradients ? (s.frame.ray_rows > 3 ? 6 : 3) * s.frame.slots : 0;
-                  }};
   /// [places][2][256] and [vectors]: what rays have blended in orders of their own.
   Reals replayed{*this, "replayed", [](const GradientSizes& s) { return 2 * SIM_TILE_RAYS * s.replayed; }};
   Words replayed_to{*this, "replayed_to", [](const GradientSizes& s) { return s.vectors; }};

@@ -39,10 +39,10 @@ RenderBackwardStage::RenderBackwardStage(const Device& device, const Variant& va
 }
 
 Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
-  std::optional<Kernel>& kernel = kernels_[extras.errors ? 1 : 0][extras.ray_gradients ? 1 : 0];
+  std::optional<Kernel>& kernel = kernels_[extras.errors ? 1 : 0];
   if (!kernel) {
     BuildOptions options = variant_.build_options();
-    options.define("ERRORS", extras.errors).define("RAY_GRADIENTS", extras.ray_gradients);
+    options.define("ERRORS", extras.errors);
     const Program program(device_, "kernels/render_bwd.cl", options);
     kernel.emplace(program, "render_bwd");
     slot_counts_.emplace(program, "slot_counts");
@@ -83,9 +83,6 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
                               GradientBuffers& gradients) {
   const std::size_t instances = made.binned.instances;
   if (extras.errors) gradients.instance_error.reserve(instances);
-  if (extras.ray_gradients) {
-    gradients.ray_grads.reserve((variant_.frame.origins ? 6U : 3U) * std::size_t{frame.slots});
-  }
   gradients.grads.reserve(instances * SIM_GRAD);
   gradients.slot_first.reserve(frame.particles);
   Kernel& blend_back = kernel(extras);

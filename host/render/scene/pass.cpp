@@ -210,26 +210,6 @@ void Pass::backward(const ParticleBuffers& particles, RealBuffer& param_grads, c
     s.deform_back->run(s.frame.shapes, particles, s.buffers, param_grads);
   }
   s.frame.went_back = true;
-  s.frame.has_ray_gradients = extras.ray_gradients;
-}
-
-PoseGradient Pass::pose_gradient(const RealBuffer& param_grads) {
-  State& s = last("pose_gradient");
-  need(s.frame.has_ray_gradients,
-       "pose_gradient",
-       "no gradients of rays",
-       "backward() with ray_gradients before");
-  if (param_grads.count() < std::size_t{SIM_LOG_SCALE} * s.frame.params.stride) {
-    misused("pose_gradient", fmt::format("{} gradients", param_grads.count()), "those of backward()");
-  }
-  State::Stages& stages = *s.frame.stages;
-  if (!stages.pose) stages.pose.emplace(s.device, stages.own);
-  return stages.pose->run(s.frame.params,
-                          s.frame.rays->buffers(),
-                          s.buffers.constants,
-                          s.buffers.projected,
-                          s.gradients,
-                          param_grads);
 }
 
 std::vector<ActorPoseGradient> Pass::pose_gradients(const ParticleBuffers& particles) {

@@ -7,7 +7,6 @@
 #include "host/render/backward/backward_options.hpp"
 #include "host/render/backward/deform_bwd.hpp"
 #include "host/render/backward/gradient_buffers.hpp"
-#include "host/render/backward/pose_gradient.hpp"
 #include "host/render/frame/frame_buffers.hpp"
 #include "host/render/frame/particle_buffers.hpp"
 #include "host/render/frame/picture_buffers.hpp"
@@ -26,7 +25,7 @@ struct Variant;  // host/render/frame/variant.hpp
 /// rendered. A handle that keeps all it needs alive but for the particles: these, textures and grids are the
 /// caller's.
 ///
-/// Training: render, grade, a loss, grade_backward, environment_backward, backward, pose_gradient(s); each of
+/// Training: render, grade, a loss, grade_backward, environment_backward, backward, pose_gradients; each of
 /// them only where it has been asked for, in this order.
 class Pass {
  public:
@@ -61,8 +60,6 @@ class Pass {
   /// -> param_grads[param_rows][stride] of the particles rendered, 0 for those that the frame culled; and the
   /// extras. Without options that have no gradient (has_gradients()); a median distance takes part in none.
   void backward(const ParticleBuffers& particles, RealBuffer& param_grads, const BackwardExtras& extras = {});
-  /// dL/d(pose) of the sensor, from the ray gradients and param_grads of the last backward(). Waits.
-  [[nodiscard]] PoseGradient pose_gradient(const RealBuffer& param_grads);
   /// dL/d(poses of the actors) of the last backward(), in the order of View::actors. Waits.
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles);
 

@@ -7,7 +7,6 @@
 
 #include "host/render/backward/backward_stages.hpp"
 #include "host/render/backward/deform_bwd.hpp"
-#include "host/render/backward/pose_bwd.hpp"
 #include "host/render/frame/shapes_in_frame.hpp"
 #include "host/render/frame/stages.hpp"
 #include "host/render/scene/renderer.hpp"
@@ -27,7 +26,6 @@ struct Pass::State {
     // These when asked for.
     std::optional<RenderBackwardStage> render_back;
     std::optional<ProjectBackwardStage> project_back;
-    std::optional<PoseStage> pose;
     std::optional<LargestWeightStage> largest_weight;
     std::optional<BesideStage> beside;
     Variant own;
@@ -52,7 +50,7 @@ struct Pass::State {
     bool graded = false;
     Gradient gradient = Gradient::kNone;
     ShapesInFrame shapes{};
-    bool has_ray_error = false, went_back = false, has_ray_gradients = false;
+    bool has_ray_error = false, went_back = false;
   };
 
   State(const Device& on, const RenderOptions& wanted);

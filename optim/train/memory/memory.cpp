@@ -8,7 +8,6 @@
 #include "cl/shared/layout.h"
 #include "host/base/error.hpp"
 #include "host/render/backward/backward_stages.hpp"
-#include "host/render/backward/pose_bwd.hpp"
 #include "host/render/scene/renderer.hpp"
 #include "host/render/train/adam.hpp"
 #include "host/render/train/anchor.hpp"
@@ -155,7 +154,6 @@ void add_frame(const Device& device, Tally& tally, const Counts& counts, const T
                          .tiles = slots / kSmallestTile,
                          .ray_rows = counts.actors > 0 ? 7U : 6U,
                          .work_items = chunks_of(device, most).work_items};
-  const bool learns_poses = options.poses.camera || options.poses.lidar;
   tally.add("frame", Projected(device), sizes);
   tally.add("frame", Binned(device), sizes);
   tally.add("frame", BinScratch(device), sizes);
@@ -166,18 +164,10 @@ void add_frame(const Device& device, Tally& tally, const Counts& counts, const T
   tally.add("rays", WorldRays(device), sizes);
   tally.add("rays", Blended(device), sizes);
   tally.add("rays", PictureBuffers(device), options.look.color_grids ? sizes : FrameSizes{});
-  tally.add("frame",
-            GradientBuffers(device),
-            {.frame = sizes, .errors = options.densify.every > 0, .ray_gradients = learns_poses});
+  tally.add("frame", GradientBuffers(device), {.frame = sizes, .errors = options.densify.every > 0});
   tally.add("frame", ActorBuffers(device), {counts.actors});
   tally.add("rays", ImageLossBuffers(device), {sizes.tiles});
   tally.add("rays", LidarLossBuffers(device), {sizes.tiles});
-  if (learns_poses) {
-    tally.add("rays",
-              PoseBuffers(device),
-              {chunks_of(device, slots).work_items, sizes.work_items},
-              2 * (counts.images.frames > 0 ? 1U : 0U) + 1);
-  }
 }
 
 void add_ssim(const Device& device, Tally& tally, const Counts& counts) {

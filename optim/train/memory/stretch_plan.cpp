@@ -36,8 +36,6 @@ struct Uncut {
 Uncut uncut_by(const TrainingOptions& o) {
   if (o.train.length.automatic) return {"auto.on", "a number of iterations"};
   if (o.train.look.color_grids) return {"color_grids", "false"};
-  if (o.train.poses.camera) return {"poses.camera", "false"};
-  if (o.train.poses.lidar) return {"poses.lidar", "false"};
   return {};
 }
 

@@ -385,9 +385,6 @@ TEST_F(StretchesTest, RefuseWhatOneWouldTellOtherThanTheNext) {
   o = options(20.0);
   o.train.look.color_grids = true;
   refuse("color_grids", o);
-  o = options(20.0);
-  o.train.poses.lidar = true;
-  refuse("poses.lidar", o);
 }
 
 }  // namespace

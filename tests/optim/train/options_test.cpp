@@ -65,7 +65,6 @@ TEST(Options, KeysAreDifferentAndHaveAMeaning) {
                           "actors.margin_m",
                           "anchor.reach_m",
                           "densify.cap",
-                          "poses.rotation_rad",
                           "cache_bytes",
                           "render.lidar_tiles.rays",
                           "render.ray_mask.columns",
@@ -122,7 +121,6 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("anchor.neighbours: found 257, allowed 1 to 256", [](auto& o) { o.anchor.neighbours = 257; });
   refused("densify.last_share: found 1.5, allowed 0 to 1", [](auto& o) { o.densify.last_share = 1.5; });
   refused("prune.weight: found 2, allowed 0 to 1", [](auto& o) { o.prune.weight = 2.0; });
-  refused("poses.rotation_rad: found -1", [](auto& o) { o.poses.rotation_rad = -1.0; });
   refused("actors.rate.turn_rad: found -1", [](auto& o) { o.actor_poses.turn_rad = -1.0; });
   refused("actors.margin_m: found -1", [](auto& o) { o.actor_margin_m = -1.0; });
   refused("iterations: found -1", [](auto& o) { o.iterations = -1; });

@@ -121,16 +121,6 @@ TEST_F(TrainingTest, AScenesOwnBundleIsNamed) {
   EXPECT_EQ(own.result().training->quality, "custom");
 }
 
-TEST_F(TrainingTest, LearnedOffsetsMoveTheMounts) {
-  TrainingOptions o = options(8);
-  o.train.poses.camera = true;
-  Training training(Device::best(), log_, o);
-  training.run();
-  const SceneFile file = training.result();
-  EXPECT_NE(file.cameras.at(0).rig_from_camera.translation, log_.cameras.at(0).rig_from_camera.translation);
-  EXPECT_EQ(file.lidars.at(0).rig_from_lidar.translation, log_.lidars.at(0).rig_from_lidar.translation);
-}
-
 TEST_F(TrainingTest, CheckpointsGoOnWithTheSameBits) {
   const TrainingOptions o = options(20);
   Training whole(Device::best(), log_, o);

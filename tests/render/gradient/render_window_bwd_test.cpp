@@ -216,14 +216,12 @@ TEST(GradientInOwnOrder, IsTheSameAFewTilesAtATime) {
     for (double& w : weights) w = random.normal();
     pass.set_output_gradients(weights);
     RealBuffer grads(device, "gradients", Precision::kFloat);
-    pass.backward(particles, grads, {.ray_gradients = true});
+    pass.backward(particles, grads);
     const std::vector<double> at_once = pass.gradients().grads.download_double();
-    const std::vector<double> rays_at_once = pass.gradients().ray_grads.download_double();
     // No list has a single place: each tile by itself. Then some of them together.
     for (const std::size_t places : {std::size_t{1}, std::size_t{150}}) {
-      pass.backward(particles, grads, {.ray_gradients = true, .replayed = places});
+      pass.backward(particles, grads, {.replayed = places});
       EXPECT_EQ(pass.gradients().grads.download_double(), at_once);
-      EXPECT_EQ(pass.gradients().ray_grads.download_double(), rays_at_once);
       EXPECT_LT(pass.gradients().replayed.count(), 512 * pass.buffers().binned.instances);
     }
   }
