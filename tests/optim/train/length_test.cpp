@@ -2,6 +2,7 @@
 #include "optim/length/length.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "optim/train/trainer.hpp"
