@@ -12,11 +12,14 @@ set(SIMULI_CL_FILES
   math/lanes.h
   math/lens_extent.h
   math/light.h
+  math/light_bwd.h
+  math/met.h
   math/elementary.h
   math/ellipsoid.h
   math/environment.h
   math/extent.h
   math/gaussian.h
+  math/gradient_slot.h
   math/group.h
   math/project/cluster.h
   math/project/detail.h
@@ -26,10 +29,14 @@ set(SIMULI_CL_FILES
   math/ray_feature.h
   math/response.h
   math/response_bwd.h
+  math/rounds.h
   math/sensor.h
   math/sh.h
   math/shutter.h
+  math/tile.h
+  math/tile_walk.h
   math/unscented.h
+  math/window.h
   kernels/adam.cl
   kernels/anchor.cl
   kernels/bin.cl
@@ -40,6 +47,7 @@ set(SIMULI_CL_FILES
   kernels/densify.cl
   kernels/environment.cl
   kernels/environment_bwd.cl
+  kernels/largest_weight.cl
   kernels/lidar_tiling.cl
   kernels/loss/loss_image.cl
   kernels/loss/loss_lidar.cl
@@ -51,13 +59,17 @@ set(SIMULI_CL_FILES
   kernels/rays.cl
   kernels/regularize.cl
   kernels/render.cl
-  kernels/render_bwd.cl
+  kernels/render_bwd_groups.cl
+  kernels/render_bwd_lanes.cl
+  kernels/render_per_ray.cl
   kernels/render_window.cl
+  kernels/replay_per_ray.cl
+  kernels/replay_window.cl
   kernels/scan.cl
+  kernels/slot_counts.cl
   kernels/sort.cl
   kernels/support/support.cl
   kernels/train/actor.cl
   kernels/train/beside.cl
-  kernels/train/largest_weight.cl
   kernels/train/shard_sum.cl
 )

@@ -197,7 +197,7 @@ FN void sift_down(SHARED real* distance, SHARED uint* neighbour, uint count, rea
 /// out candidates[N][K]: neighbours in the query's frame nearer than reach, nearest first, ties by number;
 ///     NONE: there are no more
 ///     nearest[N]: the first of them
-__kernel GROUP void anchor_search(__global const real* queries,
+__kernel SIM_GROUP void anchor_search(__global const real* queries,
                             const uint query_stride,
                             const uint query_count,
                             const uint query_actors,

@@ -18,7 +18,7 @@ FN uint cluster_shift(uint paged, __global const uint* cluster_at, uint i) {
 ///     footprints[n]; with `paged` cluster_at[clusters] as project.cl takes it: keys and footprints lie by particle
 /// out counts[2][work-items]: visible particles of each chunk, and their tile instances, 0xffffffff if these don't fit
 ///     32 bits: both sums are known before anything is sorted.
-__kernel GROUP void visible_count(__global const uint* keys,
+__kernel SIM_GROUP void visible_count(__global const uint* keys,
                             __global const uint* live,
                             __global const uint* cluster_at,
                             __global const Footprint* footprints,
@@ -46,7 +46,7 @@ __kernel GROUP void visible_count(__global const uint* keys,
 
 /// in  offsets[work-items]: exclusive prefix sum of counts
 /// out visible_keys, visible[M]: range keys of the visible particles and where they are, in the order of the frame
-__kernel GROUP void visible_write(__global const uint* keys,
+__kernel SIM_GROUP void visible_write(__global const uint* keys,
                             __global const uint* live,
                             __global const uint* cluster_at,
                             const uint paged,
@@ -73,7 +73,7 @@ __kernel GROUP void visible_write(__global const uint* keys,
 
 /// in  order[M]: visible particles by range
 /// out counts[work-items]: tile instances of each chunk; the sum of all fits 32 bits
-__kernel GROUP void instance_count(__global const uint* order,
+__kernel SIM_GROUP void instance_count(__global const uint* order,
                              const uint m,
                              const uint chunk,
                              __global const Footprint* footprints,
@@ -82,7 +82,7 @@ __kernel GROUP void instance_count(__global const uint* order,
   const uint last = min(first + chunk, m);
   uint count = 0;
   for (uint i = first; i < last; ++i) {
-    if (i + AHEAD < last) PREFETCH(footprints + order[i + AHEAD]);
+    if (i + SIM_AHEAD < last) SIM_PREFETCH(footprints + order[i + SIM_AHEAD]);
     count += SIM_TILES(footprints[order[i]]);
   }
   counts[get_global_id(0)] = count;
@@ -91,7 +91,7 @@ __kernel GROUP void instance_count(__global const uint* order,
 /// Writes the instances of each particle, nearest particle first.
 /// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
 /// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28
-__kernel GROUP void instance_emit(const FrameParams frame,
+__kernel SIM_GROUP void instance_emit(const FrameParams frame,
                             __global const uint* order,
                             const uint m,
                             const uint chunk,
@@ -104,7 +104,7 @@ __kernel GROUP void instance_emit(const FrameParams frame,
   const uint last = min(first + chunk, m);
   uint place = offsets[get_global_id(0)];
   for (uint i = first; i < last; ++i) {
-    if (i + AHEAD < last) PREFETCH(footprints + order[i + AHEAD]);
+    if (i + SIM_AHEAD < last) SIM_PREFETCH(footprints + order[i + SIM_AHEAD]);
     const uint particle = order[i];
     const Footprint f = footprints[particle];
     const uint row_first = SIM_LOW(f.rows), row_last = SIM_HIGH(f.rows);
@@ -130,7 +130,7 @@ __kernel GROUP void instance_emit(const FrameParams frame,
 
 /// in  tile[K]: sorted
 /// out first[tiles + 1]: instances of tile t are [first[t], first[t+1])
-__kernel GROUP void tile_ranges(__global const uint* tile,
+__kernel SIM_GROUP void tile_ranges(__global const uint* tile,
                           const uint k,
                           const uint chunk,
                           const uint tiles,

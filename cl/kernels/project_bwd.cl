@@ -13,8 +13,8 @@ FN void call_for_next(const FrameParams* frame,
   uint any_seen = 0;
   for (uint i = next; i < next + V && i < frame->particles; ++i) {
     if (keys[i] == 0xffffffffu) continue;
-    PREFETCH(grads + (ulong)slot_first[i] * SIM_GRAD);
-    PREFETCH(records + (ulong)i * SIM_RECORD);
+    SIM_PREFETCH(grads + (ulong)slot_first[i] * SIM_GRAD);
+    SIM_PREFETCH(records + (ulong)i * SIM_RECORD);
     any_seen = 1;
   }
   if (!any_seen) return;

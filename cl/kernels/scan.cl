@@ -14,7 +14,7 @@
   const uint last = min(first + own, end);
 
 /// out sums[groups]: of each group's elements
-__kernel GROUP void scan_sums(__global const uint* data,
+__kernel SIM_GROUP void scan_sums(__global const uint* data,
                               const uint n,
                               const uint block,
                               __global ulong* sums) {
@@ -30,7 +30,7 @@ __kernel GROUP void scan_sums(__global const uint* data,
 /// in  sums[groups]: scan_sums(); of one group alone they are not read
 ///     middle: an element, or n for none
 /// out total[2]: the sum of all, in 64 bits, and that of all before `middle`
-__kernel GROUP void scan_exclusive(__global uint* data,
+__kernel SIM_GROUP void scan_exclusive(__global uint* data,
                                    const uint n,
                                    const uint block,
                                    const uint middle,

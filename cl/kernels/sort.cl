@@ -15,7 +15,7 @@
   const uint end = min(begin + block, n);
 
 /// out histogram[digit][group]: pairs of each group with that digit.
-__kernel GROUP void radix_count(__global const uint* keys,
+__kernel SIM_GROUP void radix_count(__global const uint* keys,
                                 const uint n,
                                 const uint block,
                                 const uint shift,
@@ -77,7 +77,7 @@ FN void order_tile(const uint* own,
 
 /// in  base[digit][group]: exclusive prefix sum of the histogram
 /// out sorted pairs; pairs of equal digit keep their order
-__kernel GROUP void radix_scatter(__global const uint* keys,
+__kernel SIM_GROUP void radix_scatter(__global const uint* keys,
                                   __global const uint* values,
                                   const uint n,
                                   const uint block,

@@ -1,8 +1,11 @@
-// blend_bwd.h - what blending takes back, ray by ray: render_bwd.cl in order of range and light.h in rays' own orders
-// include this one text, so that their gradients are the same bits where the orders are the same.
+// blend_bwd.h - what blending takes back, ray by ray: render_bwd_*.cl in order of range and light_bwd.h in rays' own
+// orders include this one text, so that their gradients are the same bits where the orders are the same.
 #ifndef SIMULI_CL_MATH_BLEND_BWD_H
 #define SIMULI_CL_MATH_BLEND_BWD_H
-#include "math/response.h"
+#include "math/tile.h"
+
+// Reals of replayed[] for each place of a tile's list: weights of all rays, then their gradients of ln alpha.
+#define SIM_REPLAYED (2 * SIM_WALK_RAYS)
 
 /// g . (features, distance and transmittance) of the whole ray: what is still to come before anything is blended.
 /// out, grad_out: those of render_bwd(), from the vector's first slot on.
@@ -20,7 +23,7 @@ FN F behind_of(__global const real* out, __global const real* grad_out, uint slo
 FN F log_alpha_gradient(I met, F alpha, F weight, F transmittance, F value, F* behind) {
   *behind = fma(-weight, value, *behind);
   const F d_alpha = fma(transmittance, value, -(*behind / (R(1.0) - alpha)));
-  return SEL(AND(met, alpha < ALPHA_MAX), d_alpha * alpha, (F)R(0.0));
+  return SEL(AND(met, alpha < SIM_ALPHA_MAX), d_alpha * alpha, (F)R(0.0));
 }
 
 #endif

@@ -39,9 +39,9 @@ typedef float real;
 
 // Kernels that are launched in groups of LS: drivers plan registers for any size unless they are told.
 #if LS > 1
-#define GROUP __attribute__((reqd_work_group_size(LS, 1, 1)))
+#define SIM_GROUP __attribute__((reqd_work_group_size(LS, 1, 1)))
 #else
-#define GROUP
+#define SIM_GROUP
 #endif
 
 #if V == 1
@@ -163,14 +163,14 @@ FN F hsum16_each(const F* v) {
 #if defined(__x86_64__) || defined(__aarch64__) || defined(__powerpc64__) || defined(__riscv)
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)
-#define PREFETCH(p) __builtin_prefetch(p)
+#define SIM_PREFETCH(p) __builtin_prefetch(p)
 #endif
 #endif
 #endif
-#ifndef PREFETCH
-#define PREFETCH(p)
+#ifndef SIM_PREFETCH
+#define SIM_PREFETCH(p)
 #endif
 // How many places of a list before its use something scattered is fetched: as long as memory is waited for.
-#define AHEAD 12
+#define SIM_AHEAD 12
 
 #endif

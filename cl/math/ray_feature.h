@@ -15,22 +15,32 @@
 #ifndef ACTOR_IDS
 #define ACTOR_IDS 0
 #endif
+
+/// Where a particle's features come from.
+typedef struct {
+  __global const real* params;
+  uint stride;
+  __global const uint* actor_of;
+  __global const ActorConstants* actors;
+} Features;
+FN Features features_of(__global const real* params,
+                        uint stride,
+                        __global const uint* actor_of,
+                        __global const ActorConstants* actors) {
+  const Features of = {params, stride, actor_of, actors};
+  return of;
+}
+
 #if RAY_SH
 
 /// feature[3] of one particle: SH along the unit directions d[3] of V rays, in the axes that its actor has
 /// half-way through the frame. Sums that floats do not hold become 0.
-FN void ray_feature(__global const real* params,
-                    uint stride,
-                    uint particle,
-                    __global const uint* actor_of,
-                    __global const ActorConstants* actors,
-                    const F* d,
-                    F* feature) {
+FN void ray_feature(const Features* of, uint particle, const F* d, F* feature) {
   F towards[3] = {d[0], d[1], d[2]};
 #if ACTORS
-  const uint id = actor_of[particle];
+  const uint id = of->actor_of[particle];
   if (id != 0) {
-    const __global real* r = actors[id].rotation;
+    const __global real* r = of->actors[id].rotation;
     for (int k = 0; k < 3; ++k) towards[k] = d[0] * r[k] + d[1] * r[3 + k] + d[2] * r[6 + k];
   }
 #endif
@@ -40,7 +50,7 @@ FN void ray_feature(__global const real* params,
     F sum = (F)R(0.0);
     for (int k = 0; k < SH_COEFFICIENTS; ++k) {
       // In one step, clang 15 crashes over halves.
-      const real coefficient = SH_ONE(params, stride, k, channel, particle);
+      const real coefficient = SH_ONE(of->params, of->stride, k, channel, particle);
       sum = fma(basis[k], (F)coefficient, sum);
     }
     sum = SEL(fabs(sum) < R(1e20), sum, (F)R(0.0));

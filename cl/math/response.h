@@ -8,7 +8,7 @@
 #include "shared/layout.h"
 
 // sigma is not 1 to the last bit: a clamp keeps 1 - alpha away from 0.
-#define ALPHA_MAX R(0.999)
+#define SIM_ALPHA_MAX R(0.999)
 
 /// Rays of one vector.
 typedef struct {
@@ -78,80 +78,10 @@ FN real nearest_box_mean(const real* record, real u) {
   return fabs(other - u) < fabs(one - u) ? other : one;
 }
 
-#define TILE_RAYS (V * NR * LS)
-// Reals of replayed[] for each place of a tile's list: weights of all rays, then their gradients of ln alpha.
-#define REPLAYED (2 * TILE_RAYS)
-#if NR > 32
-#error "vectors that have a ray are told by the bits of an uint"
-#endif
-
-// Slots of vector j of this work-item, from the tile's first slot, and its slot row.
-#define VECTOR_SLOT(j, lid) (((j)*LS + (lid)) * V)
-#define VECTOR_SLOT_ROW(j, lid) (VECTOR_SLOT(j, lid) / SIM_SLOT_ROW)
-#define SLOT_ROW_FIRST(payload) ((payload) >> SIM_PARTICLE_BITS & 15u)
-#define SLOT_ROW_LAST(payload) ((payload) >> (SIM_PARTICLE_BITS + 4))
-
-// The vectors of this work-item that a slot-row range touches: [J_FIRST, J_LAST]. With one work-item per
-// tile they are consecutive; else every vector is tested.
-#if LS == 1
-#define J_FIRST(payload) ((int)(SLOT_ROW_FIRST(payload) * (SIM_SLOT_ROW / V)))
-#define J_LAST(payload) ((int)(SLOT_ROW_LAST(payload) * (SIM_SLOT_ROW / V)) + SIM_SLOT_ROW / V - 1)
-#define J_OUTSIDE(j, lid, payload) 0
-// Bits of these vectors.
-#define VECTORS_OF(payload) (((2u << (J_LAST(payload) - J_FIRST(payload))) - 1u) << J_FIRST(payload))
-#else
-#define J_FIRST(payload) 0
-#define J_LAST(payload) (NR - 1)
-#define J_OUTSIDE(j, lid, payload) \
-  (VECTOR_SLOT_ROW(j, lid) < SLOT_ROW_FIRST(payload) || VECTOR_SLOT_ROW(j, lid) > SLOT_ROW_LAST(payload))
-#endif
-
-// Loops over a work-item's vectors. Unrolled where there are several work-items (GPUs): what a vector has is in
-// registers then, while an array indexed by a variable is in memory.
-#if LS > 1
-#define EACH_VECTOR _Pragma("unroll")
-#else
-#define EACH_VECTOR
-#endif
-
-/// A record in four loads of 16 bytes, not in 16 of four: records are aligned to their size.
-#if LS > 1
-FN void load_record(__global const real* source, real* record) {
-  __global const REAL_VECTOR(4)* quarters = (__global const REAL_VECTOR(4)*)source;
-#pragma unroll
-  for (int k = 0; k < SIM_RECORD / 4; ++k) {
-    const REAL_VECTOR(4) quarter = quarters[k];
-    record[4 * k] = quarter.x;
-    record[4 * k + 1] = quarter.y;
-    record[4 * k + 2] = quarter.z;
-    record[4 * k + 3] = quarter.w;
-  }
+/// alpha of the rays `inside`, clamped; 0 of the others.
+FN F alpha_of(I inside, const real* record, F q, real log_cut) {
+  return SEL(inside, VMIN(raw_alpha(record, q, log_cut), (F)SIM_ALPHA_MAX), (F)R(0.0));
 }
-#else
-FN void load_record(__global const real* source, real* record) {
-  for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
-}
-#endif
-
-/// Records of a batch of a tile's list, one by each work-item, for all of them.
-#if LS > 1
-#define STAGED_RECORDS LS * SIM_RECORD / 4
-FN void stage_record(__global const real* source, __local REAL_VECTOR(4)* staged, uint lid) {
-  __global const REAL_VECTOR(4)* quarters = (__global const REAL_VECTOR(4)*)source;
-#pragma unroll
-  for (int k = 0; k < SIM_RECORD / 4; ++k) staged[lid * (SIM_RECORD / 4) + k] = quarters[k];
-}
-FN void staged_record(const __local REAL_VECTOR(4)* staged, uint i, real* record) {
-#pragma unroll
-  for (int k = 0; k < SIM_RECORD / 4; ++k) {
-    const REAL_VECTOR(4) quarter = staged[i * (SIM_RECORD / 4) + k];
-    record[4 * k] = quarter.x;
-    record[4 * k + 1] = quarter.y;
-    record[4 * k + 2] = quarter.z;
-    record[4 * k + 3] = quarter.w;
-  }
-}
-#endif
 
 // Through a pointer: Mesa's rusticl loses a structure that is assigned to an element of an array.
 FN void load_ray(
@@ -167,15 +97,6 @@ FN void load_ray(
 }
 
 #if ACTOR_MOTION
-/// Whether the record's particle moves during the frame; if so, fetches its motion. The record's box is one
-/// to compare with afterwards.
-FN int take_motion(real* record, __global const real* motions, uint particle, real* motion) {
-  if (!(record[SIM_R_BOX_HALF] < R(0.0))) return 0;
-  record[SIM_R_BOX_HALF] = -record[SIM_R_BOX_HALF];
-  for (int k = 0; k < SIM_MOTION; ++k) motion[k] = motions[(ulong)particle * SIM_MOTION + k];
-  return 1;
-}
-
 /// The ray as the particle at its record's time would see it: what the particle moves until the ray's own
 /// time, the ray moves the other way. Exact but for the turn of the particle's actor in between.
 FN RayLanes follow(const RayLanes* ray, const real* motion) {

@@ -1,5 +1,4 @@
-// response_bwd.h - gradients of what particles do to rays, and batches of them for groups of several work-items:
-// the parts of render_bwd.cl.
+// response_bwd.h - gradients of what particles do to rays: render_bwd of lanes and of groups share it.
 // Build: ORIGINS as response.h.
 #ifndef SIMULI_CL_MATH_RESPONSE_BWD_H
 #define SIMULI_CL_MATH_RESPONSE_BWD_H
@@ -20,7 +19,7 @@ FN F blend_back(const real* record,
                 F* behind,
                 F* d_log) {
   const I inside = response->inside;
-  const F alpha = SEL(inside, VMIN(raw_alpha(record, response->q, log_cut), (F)ALPHA_MAX), (F)R(0.0));
+  const F alpha = alpha_of(inside, record, response->q, log_cut);
   const F weight = alpha * *transmittance;
   F value = g0 * record[SIM_R_FEATURE];
   value = fma(g1, (F)record[SIM_R_FEATURE + 1], value);
@@ -93,65 +92,5 @@ FN void add_gradients(const real* record,
     sum[SIM_G_ORIGIN + k] += origin[k];
   }
 }
-
-#if LS > 1
-// A group goes through its tile's list in batches: first which work-items have a ray that meets which instance, then
-// what these add up to. Most meet few: only those that do have a row of sums, numbered by instance, then by work-item.
-#define BATCH 32              // instances: a bit each
-#define ROWS 64               // that local memory holds; a batch of more goes on when these have been added up
-#define ROW (SIM_GRAD + 1)    // the last for the blended error; odd, so that columns lie in different banks
-#define WORDS ((LS + 31) / 32)
-// Compilers unroll loops over local memory, and take registers for each copy.
-#define ONE_BY_ONE _Pragma("unroll 1")
-
-/// of[j], chosen among registers.
-FN F pick(const F* of, int j) {
-  F one = of[0];
-#pragma unroll
-  for (int k = 1; k < NR; ++k) one = k == j ? of[k] : one;
-  return one;
-}
-FN void put_back(F* of, int j, F value) {
-#pragma unroll
-  for (int k = 0; k < NR; ++k) of[k] = k == j ? value : of[k];
-}
-/// Rays that are done.
-FN void end_rays(I done, RayLanes* ray) {
-#pragma unroll
-  for (int k = 0; k < 3; ++k) ray->d[k] = SEL(done, (F)R(0.0), ray->d[k]);
-}
-
-#if ACTOR_MOTION
-/// take_motion(), but fetched in any case: what is fetched in some alone takes registers for both.
-FN int read_motion(real* record, __global const real* motions, uint particle, real* motion) {
-  const int moves = record[SIM_R_BOX_HALF] < R(0.0);
-  record[SIM_R_BOX_HALF] = fabs(record[SIM_R_BOX_HALF]);
-#pragma unroll
-  for (int k = 0; k < SIM_MOTION; ++k) motion[k] = motions[(ulong)particle * SIM_MOTION + k];
-  return moves;
-}
-#endif
-
-/// met[instances][WORDS]: a bit per work-item. Rows before this work-item's of the instance's.
-FN uint rows_before(const __local uint* met, uint lid) {
-  uint rows = 0;
-  for (uint w = 0; w < lid / 32; ++w) rows += popcount(met[w]);
-  return rows + popcount(met[lid / 32] & ((1u << lid % 32) - 1u));
-}
-
-/// Sum of one column of rows [begin, end), by fours.
-FN real column_sum(const __local real* rows, uint column, uint begin, uint end) {
-  real part[4] = {R(0.0), R(0.0), R(0.0), R(0.0)};
-  uint r = begin;
-  ONE_BY_ONE
-  for (; r + 4 <= end; r += 4) {
-#pragma unroll
-    for (int k = 0; k < 4; ++k) part[k] += rows[(r + k) * ROW + column];
-  }
-  ONE_BY_ONE
-  for (; r < end; ++r) part[0] += rows[r * ROW + column];
-  return (part[0] + part[1]) + (part[2] + part[3]);
-}
-#endif
 
 #endif

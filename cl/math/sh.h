@@ -36,11 +36,11 @@
 /// Has the first `rows` parameters of particles i .. i+V-1 fetched ahead of use, or their coefficients: of so many
 /// streams side by side hardware foresees none, and each would be waited for.
 FN void call_for_rows(__global const real* params, uint stride, uint rows, uint i) {
-  for (uint row = 0; row < rows; ++row) PREFETCH(params + (ulong)row * stride + i);
+  for (uint row = 0; row < rows; ++row) SIM_PREFETCH(params + (ulong)row * stride + i);
 }
 FN void call_for_sh(__global const real* params, uint stride, uint i) {
   for (int k = 0; k < SH_COEFFICIENTS; ++k) {
-    for (int channel = 0; channel < 3; ++channel) PREFETCH(SH_ROW(params, stride, k, channel) + i);
+    for (int channel = 0; channel < 3; ++channel) SIM_PREFETCH(SH_ROW(params, stride, k, channel) + i);
   }
 }
 #endif

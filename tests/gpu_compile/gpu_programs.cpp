@@ -113,21 +113,20 @@ class List {
     for (const char* path : {"kernels/project.cl", "kernels/rays.cl"}) add(frame.name, path, options);
     const bool in_order = variant.options.order == Order::kRange;
     add(frame.name, in_order ? "kernels/render.cl" : "kernels/render_window.cl", options);
+    if (variant.options.order == Order::kPerRay) add(frame.name, "kernels/render_per_ray.cl", options);
     // Those that have a backward pass.
     if (variant.options.sh_direction == ShDirection::kRay || variant.frame.sh_storage == ShStorage::kHalf ||
         variant.options.detail > 0.0)
       return;
-    for (const char* path : {"kernels/project_bwd.cl", "kernels/train/largest_weight.cl"})
+    for (const char* path : {"kernels/project_bwd.cl", "kernels/largest_weight.cl"})
       add(frame.name, path, options);
     if (variant.frame.sensor == SensorType::kCamera) add(frame.name, "kernels/train/beside.cl", options);
-    if (!in_order) {
-      BuildOptions replay = options;
-      add(frame.name, "kernels/render_window.cl", replay.define("REPLAY", true));
-    }
+    if (!in_order) add(frame.name, "kernels/replay_window.cl", options);
+    if (variant.options.order == Order::kPerRay) add(frame.name, "kernels/replay_per_ray.cl", options);
     for (const bool errors : {false, true}) {
       BuildOptions backward = options;
       add(frame.name + (errors ? ", errors" : ""),
-          "kernels/render_bwd.cl",
+          "kernels/render_bwd_groups.cl",
           backward.define("ERRORS", errors));
     }
   }

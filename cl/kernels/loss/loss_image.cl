@@ -9,7 +9,7 @@
 /// A pixel whose truth is negative is not known and has no part in it.
 /// in  picture[3][slots]; truth[3][slots]; world_ray[3][slots]: a zero direction marks slots without a pixel
 /// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
-__kernel GROUP void loss_image(const FrameParams frame,
+__kernel SIM_GROUP void loss_image(const FrameParams frame,
                          const real absolute_scale,
                          const real squared_scale,
                          __global const real* world_ray,

@@ -58,7 +58,7 @@ FN void drop_backward(__global const DropConstants* f,
 ///     world_ray: zero marks no ray
 /// out grad_out[5][slots]; sums[tiles][4 + DROP_PARAMETERS]: |d^ - d|, |intensity error|, cross entropy, wrong
 ///     decisions, dL/d(parameters of the drop function)
-__kernel GROUP void loss_lidar(const FrameParams frame,
+__kernel SIM_GROUP void loss_lidar(const FrameParams frame,
                          __global const SensorConstants* sensor,
                          __global const real* scale,
                          __global const real* world_ray,

@@ -100,7 +100,7 @@ class RenderBackwardStage {
   Variant variant_;
   ScanStage scan_;
   std::optional<Kernel> replay_window_, replay_per_ray_;
-  std::optional<Kernel> slot_counts_;
+  Kernel slot_counts_;
   std::optional<Kernel> kernels_[2];  // [errors], made when asked for
 };
 

@@ -1,4 +1,5 @@
-// Launcher of "kernels/render_bwd.cl", and of "kernels/render_window.cl" going over a frame again.
+// Launcher of "kernels/render_bwd_lanes.cl" or "kernels/render_bwd_groups.cl", of "kernels/slot_counts.cl" before it
+// and, where rays have orders of their own, of "kernels/replay_window.cl" and "kernels/replay_per_ray.cl".
 #include <algorithm>
 #include <vector>
 
@@ -29,13 +30,15 @@ std::vector<TileRun> tile_runs(const Binned& binned, std::uint32_t tiles, std::s
 }  // namespace
 
 RenderBackwardStage::RenderBackwardStage(const Device& device, const Variant& variant)
-    : device_(device), variant_(variant), scan_(device) {
-  if (variant.options.order == Order::kRange) return;
-  BuildOptions options = variant.build_options();
-  options.define("REPLAY", true);
-  const Program program(device, "kernels/render_window.cl", options);
-  replay_window_.emplace(program, "replay_window");
-  if (variant.options.order == Order::kPerRay) replay_per_ray_.emplace(program, "replay_per_ray");
+    : device_(device),
+      variant_(variant),
+      scan_(device),
+      slot_counts_(Program(device, "kernels/slot_counts.cl", BuildOptions()), "slot_counts") {
+  const BuildOptions options = variant.build_options();
+  if (variant.options.order != Order::kRange)
+    replay_window_.emplace(Program(device, "kernels/replay_window.cl", options), "replay_window");
+  if (variant.options.order == Order::kPerRay)
+    replay_per_ray_.emplace(Program(device, "kernels/replay_per_ray.cl", options), "replay_per_ray");
 }
 
 Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
@@ -43,9 +46,11 @@ Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
   if (!kernel) {
     BuildOptions options = variant_.build_options();
     options.define("ERRORS", extras.errors);
-    const Program program(device_, "kernels/render_bwd.cl", options);
-    kernel.emplace(program, "render_bwd");
-    slot_counts_.emplace(program, "slot_counts");
+    const bool is_group = variant_.frame.shape.work_items > 1;
+    kernel.emplace(
+        Program(
+            device_, is_group ? "kernels/render_bwd_groups.cl" : "kernels/render_bwd_lanes.cl", options),
+        "render_bwd");
   }
   return *kernel;
 }
@@ -86,7 +91,7 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
   gradients.grads.reserve(instances * SIM_GRAD);
   gradients.slot_first.reserve(frame.particles);
   Kernel& blend_back = kernel(extras);
-  slot_counts_->run_over(frame.particles, {{"n", frame.particles}, made.projected, gradients});
+  slot_counts_.run_over(frame.particles, {{"n", frame.particles}, made.projected, gradients});
   scan_.run(gradients.slot_first, frame.particles, false);
   const auto work_items = static_cast<std::size_t>(variant_.frame.shape.work_items);
   const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;

@@ -1,4 +1,4 @@
-// Launcher of "kernels/render.cl" and "kernels/render_window.cl".
+// Launcher of "kernels/render.cl", "kernels/render_window.cl" and "kernels/render_per_ray.cl".
 #include "host/render/frame/stages.hpp"
 
 namespace simuli {
@@ -11,7 +11,7 @@ RenderStage::RenderStage(const Device& device, const Variant& variant)
                   : Kernel(Program(device, "kernels/render_window.cl", variant.build_options()),
                            "render_window")) {
   if (variant.options.order == Order::kPerRay) {
-    per_ray_.emplace(Program(device, "kernels/render_window.cl", variant.build_options()), "render_per_ray");
+    per_ray_.emplace(Program(device, "kernels/render_per_ray.cl", variant.build_options()), "render_per_ray");
   }
 }
 

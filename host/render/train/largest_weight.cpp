@@ -1,11 +1,11 @@
-// Launcher of "kernels/train/largest_weight.cl".
+// Launcher of "kernels/largest_weight.cl".
 #include "host/render/train/largest_weight.hpp"
 
 namespace simuli {
 
 LargestWeightStage::LargestWeightStage(const Device& device, const Variant& variant)
     : work_items_(static_cast<std::size_t>(variant.frame.shape.work_items)),
-      largest_weight_(Program(device, "kernels/train/largest_weight.cl", variant.build_options()),
+      largest_weight_(Program(device, "kernels/largest_weight.cl", variant.build_options()),
                       "largest_weight") {}
 
 void LargestWeightStage::run(const shared::FrameParams& frame,

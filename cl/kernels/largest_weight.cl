@@ -1,0 +1,55 @@
+// largest_weight.cl - the largest weight of each particle in any ray. Launcher: host/render/train/largest_weight.cpp
+#include "math/tile_walk.h"
+
+struct Blending {
+  RayLanes ray[NR];
+  F transmittance[NR];
+  __global uint* largest;
+};
+
+FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* b) {
+  F most = (F)R(0.0);
+  const int j_last = SIM_J_LAST(at->packed);
+  SIM_EACH_VECTOR
+  for (int j = SIM_J_FIRST(at->packed); j <= j_last; ++j) {
+    if (!is_touched(tile, at, j, *alive)) continue;
+    RayLanes own;
+    Response response;
+    meet(tile, at, seen_by(at, &b->ray[j], &own), &response);
+    if (!ANY(response.inside)) continue;
+    const F weight = alpha_of(response.inside, at->record, response.q, tile->log_cut) * b->transmittance[j];
+    most = VMAX(most, weight);
+    b->transmittance[j] -= weight;
+    retire(AND(b->transmittance[j] < tile->t_cut, response.inside), j, &b->ray[j], alive);
+  }
+  const uint bits = as_uint((float)HMAX(most));
+  // Not read beforehand: others write it meanwhile.
+  if (bits > 0) atomic_max(b->largest + at->particle, bits);
+}
+
+/// Blends as render does, and keeps of each particle the largest weight that it has had in a ray. Weights are
+/// at least 0, so that their bits rise with them: the maximum is one of whole numbers, whose order does not
+/// matter.
+/// in  as render
+/// out largest[N]: bits of a float each, not below what they were before
+__kernel SIM_GROUP void largest_weight(const FrameParams frame,
+                                       __global const SensorConstants* sensor,
+                                       __global const real* world_ray,
+                                       __global const real* ray_u,
+                                       __global const uint* first,
+                                       __global const uint* payload,
+                                       __global const real* records,
+                                       __global const real* motions,
+                                       __global uint* largest) {
+  const Tile tile = tile_at(get_group_id(0), sensor, ray_u, first, payload, records, motions);
+  struct Blending b;
+  b.largest = largest;
+  uint alive = 0;  // a bit per vector that still has a ray
+  SIM_EACH_VECTOR
+  for (int j = 0; j < NR; ++j) {
+    load_ray(world_ray, ray_u, frame.slots, tile.base + SIM_VECTOR_SLOT(j, tile.lid), &b.ray[j]);
+    b.transmittance[j] = (F)R(1.0);
+    alive |= alive_bit(&b.ray[j], j);
+  }
+  SIM_WALK(&tile, &alive, &b);
+}

@@ -1,0 +1,38 @@
+// gradient_slot.h - where the gradients of instances are: a particle's slots lie together, tile row by tile row.
+#ifndef SIMULI_CL_MATH_GRADIENT_SLOT_H
+#define SIMULI_CL_MATH_GRADIENT_SLOT_H
+#include "math/lanes.h"
+#include "shared/layout.h"
+
+/// A tile of the frame, and its instances' slots: slot_first[N] is the prefix sum of slot_counts.
+typedef struct {
+  uint tx, ty;
+  __global const Footprint* footprints;
+  __global const uint* slot_first;
+} SlotMap;
+
+FN ulong gradient_slot(const SlotMap* map, uint particle) {
+  const Footprint f = map->footprints[particle];
+  const uint count = SIM_HIGH(f.columns);
+  uint column = map->tx - SIM_LOW(f.columns);  // beyond count when tx lies before it, too
+  if (column >= count) column = count + map->tx - SIM_LOW(f.others);
+  const uint row = map->ty - SIM_LOW(f.tile_rows);
+  return (ulong)map->slot_first[particle] + row * (count + SIM_HIGH(f.others)) + column;
+}
+
+/// Zeros, not what the last frame left, in the slots of payload[begin, end), by all of the group's work-items: nothing
+/// was added behind the last contributor.
+FN void clear_slots(const SlotMap* map,
+                    __global const uint* payload,
+                    uint begin,
+                    uint end,
+                    __global real* grads,
+                    __global real* instance_error) {
+  for (uint i = begin + get_local_id(0); i < end; i += LS) {
+    const ulong slot = gradient_slot(map, payload[i] & SIM_PARTICLE_MASK);
+    for (int k = 0; k < SIM_GRAD; ++k) grads[SIM_GRAD * slot + k] = R(0.0);
+    if (ERRORS) instance_error[slot] = R(0.0);
+  }
+}
+
+#endif

@@ -1,0 +1,67 @@
+// met.h - what rays that order their responses themselves meet: forward (light.h) and backward (light_bwd.h) share it,
+// so that they round alike.
+// Build: SIM_REPLAY = 1 (defined by kernels that replay) to keep the place of each in the tile's list.
+#ifndef SIMULI_CL_MATH_MET_H
+#define SIMULI_CL_MATH_MET_H
+#include "math/ray_feature.h"
+#include "math/tile.h"
+
+#ifndef SIM_REPLAY
+#define SIM_REPLAY 0
+#endif
+
+/// What one particle is to the V rays of a vector. A ray that does not meet it has alpha 0, and the tau of
+/// the entry before: it stands where it blends nothing and passes nothing.
+typedef struct {
+  F tau;  // m
+  F alpha;
+  F feature[3];
+#if SIM_REPLAY
+  F place;  // of the particle in the tile's list
+#endif
+} Met;
+
+/// Takes `met` past `before` in the lanes where it is nearer: the farther of the two goes to `place`, `met`
+/// is what goes on.
+FN void pass_by(I nearer, const Met* before, Met* place, Met* met) {
+  const Met was = *met;
+  place->tau = SEL(nearer, before->tau, was.tau);
+  met->tau = SEL(nearer, was.tau, before->tau);
+  place->alpha = SEL(nearer, before->alpha, was.alpha);
+  met->alpha = SEL(nearer, was.alpha, before->alpha);
+  for (int c = 0; c < 3; ++c) {
+    place->feature[c] = SEL(nearer, before->feature[c], was.feature[c]);
+    met->feature[c] = SEL(nearer, was.feature[c], before->feature[c]);
+  }
+#if SIM_REPLAY
+  place->place = SEL(nearer, before->place, was.place);
+  met->place = SEL(nearer, was.place, before->place);
+#endif
+}
+
+/// Through pointers, member by member: see load_ray().
+FN void copy_met(const Met* from, Met* to) {
+  to->tau = from->tau;
+  to->alpha = from->alpha;
+  for (int c = 0; c < 3; ++c) to->feature[c] = from->feature[c];
+#if SIM_REPLAY
+  to->place = from->place;
+#endif
+}
+
+/// What rays along d see of the instance, and its place.
+FN void describe_met(const Instance* at, const Features* features, const F* d, Met* met) {
+#if SIM_REPLAY
+  met->place = (F)(real)at->place;
+#endif
+#if ACTOR_IDS
+  met->feature[0] = (F)(real)features->actor_of[at->particle];
+  met->feature[1] = met->feature[2] = (F)R(0.0);
+#elif RAY_SH
+  ray_feature(features, at->particle, d, met->feature);
+#else
+  for (int c = 0; c < 3; ++c) met->feature[c] = (F)at->record[SIM_R_FEATURE + c];
+#endif
+}
+
+#endif

@@ -1,0 +1,66 @@
+// tile_walk.h - the walk over a tile's list of particles, nearest first, that kernels which blend share. They define
+// `struct Blending`, what a work-item knows of its rays, and blend_instance().
+#ifndef SIMULI_CL_MATH_TILE_WALK_H
+#define SIMULI_CL_MATH_TILE_WALK_H
+#include "math/tile.h"
+
+struct Blending;
+/// What a kernel does with an instance: for each vector j from SIM_J_FIRST to SIM_J_LAST of its payload that
+/// is_touched().
+FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* blending);
+
+#if LS > 1
+/// Records of a batch of the list, one fetched by each work-item, for all of them.
+typedef struct {
+  Quarter quarters[LS * SIM_QUARTERS];
+  uint payload[LS];
+  int alive;
+} Staged;
+
+/// Goes over the list as long as one of the group's work-items is alive. All of them call it.
+FN void walk(const Tile* tile, __local Staged* staged, uint* alive, struct Blending* blending) {
+  const uint lid = tile->lid;
+  for (uint batch = tile->begin; batch < tile->end; batch += LS) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (lid == 0) staged->alive = 0;
+    if (batch + lid < tile->end) {
+      const uint packed = tile->payload[batch + lid];
+      staged->payload[lid] = packed;
+      stage_record(tile->records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, staged->quarters, lid);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (*alive) staged->alive = 1;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (!staged->alive) break;
+    const uint count = min((uint)LS, tile->end - batch);
+    for (uint i = 0; i < count; ++i) {
+      Instance at;
+      staged_record(staged->quarters, i, at.record);
+      complete(tile, batch + i - tile->begin, staged->payload[i], 0, &at);
+      blend_instance(tile, &at, alive, blending);
+    }
+  }
+}
+// A statement of a kernel's outermost scope, where alone local memory is declared.
+#define SIM_WALK(tile, alive, blending) \
+  __local Staged staged;                \
+  walk(tile, &staged, alive, blending)
+#else
+/// Goes over the list as long as one of the vectors is alive; of particles that touch none that is, not even the
+/// record is read.
+FN void walk(const Tile* tile, uint* alive, struct Blending* blending) {
+  const uint count = tile->end - tile->begin;
+  __global const uint* list = tile->payload + tile->begin;
+  for (uint place = 0; place < count && *alive; ++place) {
+    if (!(*alive & SIM_VECTORS_OF(list[place]))) continue;
+    if (place + SIM_AHEAD < count)
+      SIM_PREFETCH(tile->records + (ulong)(list[place + SIM_AHEAD] & SIM_PARTICLE_MASK) * SIM_RECORD);
+    Instance at;
+    load_instance(tile, place, &at);
+    blend_instance(tile, &at, alive, blending);
+  }
+}
+#define SIM_WALK(tile, alive, blending) walk(tile, alive, blending)
+#endif
+
+#endif
