@@ -7,23 +7,23 @@ set(SIMULI_CL_FILES
   math/blend_bwd.h
   math/camera.h
   math/carry.h
+  math/cluster_culling.h
   math/color_grid.h
   math/deform.h
+  math/detail.h
+  math/elementary.h
+  math/ellipsoid.h
+  math/environment.h
+  math/extent.h
+  math/footprint.h
+  math/gaussian.h
+  math/gradient_slot.h
+  math/group.h
   math/lanes.h
   math/lens_extent.h
   math/light.h
   math/light_bwd.h
   math/met.h
-  math/elementary.h
-  math/ellipsoid.h
-  math/environment.h
-  math/extent.h
-  math/gaussian.h
-  math/gradient_slot.h
-  math/group.h
-  math/project/cluster.h
-  math/project/detail.h
-  math/project/footprint.h
   math/random.h
   math/ray_drop.h
   math/ray_feature.h
@@ -37,22 +37,24 @@ set(SIMULI_CL_FILES
   math/tile_walk.h
   math/unscented.h
   math/window.h
+  kernels/actor.cl
   kernels/adam.cl
   kernels/anchor.cl
+  kernels/beside.cl
   kernels/bin.cl
   kernels/color_grid.cl
   kernels/color_grid_bwd.cl
-  kernels/deform/deform.cl
-  kernels/deform/deform_bwd.cl
+  kernels/deform.cl
+  kernels/deform_bwd.cl
   kernels/densify.cl
   kernels/environment.cl
   kernels/environment_bwd.cl
   kernels/largest_weight.cl
   kernels/lidar_tiling.cl
-  kernels/loss/loss_image.cl
-  kernels/loss/loss_lidar.cl
-  kernels/loss/loss_ssim.cl
-  kernels/outputs/picture_bytes.cl
+  kernels/loss_image.cl
+  kernels/loss_lidar.cl
+  kernels/loss_ssim.cl
+  kernels/picture_bytes.cl
   kernels/project.cl
   kernels/project_bwd.cl
   kernels/ray_mask.cl
@@ -66,10 +68,8 @@ set(SIMULI_CL_FILES
   kernels/replay_per_ray.cl
   kernels/replay_window.cl
   kernels/scan.cl
+  kernels/shard_sum.cl
   kernels/slot_counts.cl
   kernels/sort.cl
-  kernels/support/support.cl
-  kernels/train/actor.cl
-  kernels/train/beside.cl
-  kernels/train/shard_sum.cl
+  kernels/support.cl
 )

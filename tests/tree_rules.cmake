@@ -4,7 +4,6 @@ cmake_minimum_required(VERSION 3.23)
 cmake_path(ABSOLUTE_PATH ROOT NORMALIZE)
 
 set(MAX_LINES 400)
-set(MAX_ENTRIES 25)
 # Data tables, which have nothing to split.
 set(LONG_FILES)
 
@@ -100,23 +99,11 @@ endforeach()
 
 sources_of(files cl host io optim tests bench examples)
 foreach(file IN LISTS files)
-  cmake_path(GET file PARENT_PATH folder)
-  list(APPEND folders ${folder})
   file(READ "${ROOT}/${file}" text)
   string(REGEX MATCHALL "\n" newlines "${text}")
   list(LENGTH newlines lines)
   if(lines GREATER MAX_LINES AND NOT file IN_LIST LONG_FILES)
     broken_rule("${file}: ${lines} lines, at most ${MAX_LINES} are allowed")
-  endif()
-endforeach()
-
-# A drawer with more than that wants folders inside.
-list(REMOVE_DUPLICATES folders)
-foreach(folder IN LISTS folders)
-  file(GLOB entries "${ROOT}/${folder}/*")
-  list(LENGTH entries count)
-  if(count GREATER MAX_ENTRIES)
-    broken_rule("${folder}: ${count} entries, at most ${MAX_ENTRIES} are allowed")
   endif()
 endforeach()
 

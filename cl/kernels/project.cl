@@ -1,8 +1,8 @@
 // project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/frame/project.cpp
 #include "math/extent.h"
-#include "math/project/cluster.h"
-#include "math/project/detail.h"
-#include "math/project/footprint.h"
+#include "math/cluster_culling.h"
+#include "math/detail.h"
+#include "math/footprint.h"
 #include "math/sh.h"
 #include "math/unscented.h"
 

@@ -1,4 +1,4 @@
-// Launcher of "kernels/support/support.cl".
+// Launcher of "kernels/support.cl".
 #include "host/support/support.hpp"
 
 #include <algorithm>
@@ -173,7 +173,7 @@ struct SupportOnDevice::State {
     Stage(const Device& device, Precision precision)
         : lanes(lane_shape_of(device, precision).lanes),
           buffers(device, precision),
-          kernel(Program(device, "kernels/support/support.cl", lane_options(device, precision)), "support") {}
+          kernel(Program(device, "kernels/support.cl", lane_options(device, precision)), "support") {}
     int lanes;
     SupportBuffers buffers;
     Kernel kernel;

@@ -120,7 +120,7 @@ class List {
       return;
     for (const char* path : {"kernels/project_bwd.cl", "kernels/largest_weight.cl"})
       add(frame.name, path, options);
-    if (variant.frame.sensor == SensorType::kCamera) add(frame.name, "kernels/train/beside.cl", options);
+    if (variant.frame.sensor == SensorType::kCamera) add(frame.name, "kernels/beside.cl", options);
     if (!in_order) add(frame.name, "kernels/replay_window.cl", options);
     if (variant.options.order == Order::kPerRay) add(frame.name, "kernels/replay_per_ray.cl", options);
     for (const bool errors : {false, true}) {
@@ -171,7 +171,7 @@ std::vector<GpuProgram> gpu_programs() {
                   path == "kernels/scan.cl"             ? 256
                   : path == "kernels/sort.cl"           ? 128
                   : path == "kernels/anchor.cl"         ? 16
-                  : path.rfind("kernels/loss/", 0) == 0 ? 32
+                  : path.rfind("kernels/loss_", 0) == 0 ? 32
                                                         : 64)
           .define("RADIX_BITS", 8)
           .define("NEIGHBOURS", kNeighbours)

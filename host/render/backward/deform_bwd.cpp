@@ -1,4 +1,4 @@
-// Launcher of "kernels/deform/deform_bwd.cl".
+// Launcher of "kernels/deform_bwd.cl".
 #include "host/render/backward/deform_bwd.hpp"
 
 #include <utility>
@@ -20,8 +20,8 @@ BuildOptions deform_options(Precision precision) {
 
 DeformBackwardStage::DeformBackwardStage(const Device& device, Precision precision)
     : buffers_(device, precision),
-      sums_(Program(device, "kernels/deform/deform_bwd.cl", deform_options(precision)), "deform_node_sums"),
-      means_(Program(device, "kernels/deform/deform_bwd.cl", deform_options(precision)), "deform_means") {}
+      sums_(Program(device, "kernels/deform_bwd.cl", deform_options(precision)), "deform_node_sums"),
+      means_(Program(device, "kernels/deform_bwd.cl", deform_options(precision)), "deform_means") {}
 
 void DeformBackwardStage::run(const ShapesInFrame& shapes,
                               const ParticleBuffers& particles,

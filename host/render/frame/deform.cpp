@@ -1,4 +1,4 @@
-// Launcher of "kernels/deform/deform.cl".
+// Launcher of "kernels/deform.cl".
 #include "host/render/frame/stages.hpp"
 
 namespace simuli {
@@ -12,7 +12,7 @@ BuildOptions deform_options(Precision precision) {
 }  // namespace
 
 DeformStage::DeformStage(const Device& device, Precision precision)
-    : deform_(Program(device, "kernels/deform/deform.cl", deform_options(precision)), "deform") {}
+    : deform_(Program(device, "kernels/deform.cl", deform_options(precision)), "deform") {}
 
 void DeformStage::run(const ParticleBuffers& particles, FrameConstants& constants) {
   constants.deform_offset.reserve(std::size_t{3} * particles.stride);

@@ -1,4 +1,4 @@
-// Launcher of "kernels/outputs/picture_bytes.cl".
+// Launcher of "kernels/picture_bytes.cl".
 #include "host/render/outputs/picture_bytes.hpp"
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct PictureBytes::State {
     const auto found = converters.find(precision);
     if (found != converters.end()) return found->second;
     const int lanes = lane_shape_of(device, precision).lanes;
-    const Program program(device, "kernels/outputs/picture_bytes.cl", lane_options(device, precision, lanes));
+    const Program program(device, "kernels/picture_bytes.cl", lane_options(device, precision, lanes));
     return converters
         .emplace(precision, Converter{Kernel(program, "picture_bytes"), static_cast<std::uint32_t>(lanes)})
         .first->second;

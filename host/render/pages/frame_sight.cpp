@@ -12,7 +12,7 @@ namespace {
 
 using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-// CLUSTER_MARGIN of cl/math/project/cluster.h: what rounding may move a particle by in the device's own
+// CLUSTER_MARGIN of cl/math/cluster_culling.h: what rounding may move a particle by in the device's own
 // tests.
 constexpr double kMargin = 4e-3;
 

@@ -37,7 +37,7 @@ class FrameSight {
              bool detail,
              const std::vector<double>& actors);
 
-  /// cluster_may_be_seen() of cl/math/project/cluster.h: true wherever that is.
+  /// cluster_may_be_seen() of cl/math/cluster_culling.h: true wherever that is.
   [[nodiscard]] bool may_see(const ParticleBounds& bounds) const;
 
  private:

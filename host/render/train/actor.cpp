@@ -1,4 +1,4 @@
-// Launcher of "kernels/train/actor.cl".
+// Launcher of "kernels/actor.cl".
 #include "host/render/train/actor.hpp"
 
 #include <algorithm>
@@ -22,8 +22,8 @@ BuildOptions actor_options(Precision precision) {
 
 ActorStage::ActorStage(const Device& device, Precision precision)
     : buffers_(device, precision),
-      sums_(Program(device, "kernels/train/actor.cl", actor_options(precision)), "actor_pose_sums"),
-      confine_(Program(device, "kernels/train/actor.cl", actor_options(precision)), "actor_confine") {}
+      sums_(Program(device, "kernels/actor.cl", actor_options(precision)), "actor_pose_sums"),
+      confine_(Program(device, "kernels/actor.cl", actor_options(precision)), "actor_confine") {}
 
 std::vector<ActorPoseGradient> ActorStage::pose_gradients(const ParticleBuffers& particles,
                                                           const Projected& projected,

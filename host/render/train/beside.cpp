@@ -1,11 +1,11 @@
-// Launcher of "kernels/train/beside.cl".
+// Launcher of "kernels/beside.cl".
 #include "host/render/train/beside.hpp"
 
 namespace simuli {
 
 BesideStage::BesideStage(const Device& device, const Variant& variant)
     : lanes_(static_cast<std::size_t>(variant.frame.shape.lanes)),
-      beside_(Program(device, "kernels/train/beside.cl", variant.build_options()), "beside") {}
+      beside_(Program(device, "kernels/beside.cl", variant.build_options()), "beside") {}
 
 void BesideStage::run(const shared::FrameParams& frame,
                       const RayGrid& grid,

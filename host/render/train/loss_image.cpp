@@ -1,4 +1,4 @@
-// Launcher of "kernels/loss/loss_image.cl".
+// Launcher of "kernels/loss_image.cl".
 #include "host/render/options/lane_shape.hpp"
 #include "host/render/train/loss_stages.hpp"
 
@@ -21,7 +21,7 @@ ImageLossStage::ImageLossStage(const Device& device, Precision precision, std::s
       buffers_(device, precision),
       work_items_(loss_work_items(device, work_items)),
       loss_image_(Program(device,
-                          "kernels/loss/loss_image.cl",
+                          "kernels/loss_image.cl",
                           lane_options(device, precision).define("LS", work_items_)),
                   "loss_image") {}
 

@@ -1,4 +1,4 @@
-// Launcher of "kernels/loss/loss_lidar.cl".
+// Launcher of "kernels/loss_lidar.cl".
 #include <algorithm>
 
 #include "host/render/options/lane_shape.hpp"
@@ -10,7 +10,7 @@ LidarLossStage::LidarLossStage(const Device& device, Precision precision, std::s
     : buffers_(device, precision),
       work_items_(loss_work_items(device, work_items)),
       loss_lidar_(Program(device,
-                          "kernels/loss/loss_lidar.cl",
+                          "kernels/loss_lidar.cl",
                           lane_options(device, precision).define("LS", work_items_)),
                   "loss_lidar") {}
 

@@ -1,4 +1,4 @@
-// Launcher of "kernels/loss/loss_ssim.cl".
+// Launcher of "kernels/loss_ssim.cl".
 #include <cmath>
 
 #include "host/render/options/lane_shape.hpp"
@@ -22,7 +22,7 @@ std::vector<double> gaussian_window() {
 }
 
 Program ssim_program(const Device& device, Precision precision, int lanes) {
-  return {device, "kernels/loss/loss_ssim.cl", lane_options(device, precision, lanes)};
+  return {device, "kernels/loss_ssim.cl", lane_options(device, precision, lanes)};
 }
 
 }  // namespace

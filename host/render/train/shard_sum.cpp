@@ -1,4 +1,4 @@
-// Launcher of "kernels/train/shard_sum.cl".
+// Launcher of "kernels/shard_sum.cl".
 #include "host/render/train/shard_sum.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t kCulled = 0xffffffffU;
 
 Program program(const Device& device, Precision precision) {
-  return {device, "kernels/train/shard_sum.cl", lane_options(device, precision)};
+  return {device, "kernels/shard_sum.cl", lane_options(device, precision)};
 }
 
 void need_count(const char* what, std::size_t found, std::size_t allowed) {

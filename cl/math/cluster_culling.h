@@ -1,6 +1,6 @@
-// cluster.h - whether a frame may see any particle of a cluster at all (METHOD section 4).
-#ifndef SIMULI_CL_MATH_CLUSTER_H
-#define SIMULI_CL_MATH_CLUSTER_H
+// cluster_culling.h - whether a frame may see any particle of a cluster at all (METHOD section 4).
+#ifndef SIMULI_CL_MATH_CLUSTER_CULLING_H
+#define SIMULI_CL_MATH_CLUSTER_CULLING_H
 #include "math/extent.h"
 #include "shared/cluster.h"
 
