@@ -71,11 +71,12 @@ for name, file in sorted(pages.items()):
     text = file.read_text()
     for number, line in enumerate(text.splitlines(), 1):
         check(len(line) <= 120 or line.lstrip().startswith("|"), f"{file.name}:{number}: {len(line)} characters")
-    prose = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    fences = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+    prose, fenced = fences.sub("", text), " ".join(fences.findall(text))
     for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", prose):
         check("://" in link or (file.parent / link).exists(), f"{file.name}: link {link}: no such file")
     quoted = [word for span in re.findall(r"`([^`\n]+)`", prose) for word in re.split(r"[\s,]+", span)]
-    for word in quoted:
+    for word in quoted + re.split(r"[\s,()]+", fenced):
         path = word.rstrip(".:;)").removeprefix("./")
         if path.startswith(FOLDERS) and re.fullmatch(r"[\w./*+-]+", path):
             check(any(source.glob(path.rstrip("/"))), f"{file.name}: {path}: no such file")
