@@ -1,13 +1,12 @@
 #pragma once
 // A drive as ROS 2 would have recorded it, in an MCAP file:
-//   /tf_static            tf2_msgs/TFMessage            base_link from each sensor, once
-//   /tf                   tf2_msgs/TFMessage            map from base_link, at each pose of the path
-//   /NAME/image_raw       sensor_msgs/Image             rgb8; or
-//   /NAME/image_raw/compressed  sensor_msgs/CompressedImage  png, jpeg
-//   /NAME/camera_info     sensor_msgs/CameraInfo        with each picture
-//   /NAME/points          sensor_msgs/PointCloud2       a sweep
-//   /actors               visualization_msgs/MarkerArray   boxes, with each sweep, or picture of a rig
-//   without LiDARs
+//   /tf_static                  tf2_msgs/TFMessage              base_link from each sensor, once
+//   /tf                         tf2_msgs/TFMessage              map from base_link, at each pose of the path
+//   /NAME/image_raw             sensor_msgs/Image               rgb8; or
+//   /NAME/image_raw/compressed  sensor_msgs/CompressedImage     png, jpeg
+//   /NAME/camera_info           sensor_msgs/CameraInfo          with each picture
+//   /NAME/points                sensor_msgs/PointCloud2         a sweep
+//   /actors                     visualization_msgs/MarkerArray  boxes, at each sweep (else picture)
 // Frames: map is the world, base_link the rig (x forward, y left, z up), NAME a LiDAR, NAME_optical_frame a
 // camera (x right, y down, z forward). A message is stamped and logged when its frame begins. Points are
 // little endian, 24 bytes each: x y z (float32, m, offsets 0 4 8, in the LiDAR's frame when measured),

@@ -1,5 +1,5 @@
 #pragma once
-// Bare points back on the firing grid of the LiDAR that measured them. For io/import/points/points_log.cpp and tests.
+// Bare points back on the firing grid of the LiDAR that measured them.
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
@@ -18,10 +18,9 @@ struct MeasuredPoint {
 
 struct PointReport {
   std::size_t points = 0;
-  std::size_t unplaced =
-      0;                   // too near the sensor, beside all beams or columns, or more than columns; left out
-  std::size_t echoes = 0;  // farther ones of a ray that has another; left out
-  std::size_t rays = 0;    // of all firing grids
+  std::size_t unplaced = 0;  // too near, beside all beams or columns, or more than columns; left out
+  std::size_t echoes = 0;    // farther ones of a ray that has another; left out
+  std::size_t rays = 0;      // of all firing grids
   std::size_t returned = 0;  // of these
 };
 

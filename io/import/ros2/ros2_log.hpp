@@ -1,9 +1,9 @@
 #pragma once
 // Drives recorded with ROS 2: MCAP files, rosbag2's SQLite databases, folders of either.
-//   sensor_msgs/PointCloud2           a LiDAR each; fields: io/import/ros2/cloud_fields.hpp
-//   sensor_msgs/Image, CompressedImage  with the CameraInfo that lies beside: /front/image_raw,
-//   /front/camera_info tf2_msgs/TFMessage                mountings, and the rig's path in the frame above it
-//   nav_msgs/Odometry                 the path, where no transform tells it
+//   sensor_msgs/PointCloud2             a LiDAR each; fields: io/import/ros2/cloud_fields.hpp
+//   sensor_msgs/Image, CompressedImage  with the CameraInfo beside them: /front/image_raw, /front/camera_info
+//   tf2_msgs/TFMessage                  mountings, and the rig's path in the frame above it
+//   nav_msgs/Odometry                   the path, where no transform tells it
 // Sensors are called what their topics are below: /sensing/front/image_raw is camera sensing_front.
 #include <cstddef>
 #include <cstdint>
