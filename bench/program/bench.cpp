@@ -20,7 +20,6 @@
 #include "bench/paper/training.hpp"
 #include "bench/peers/peers.hpp"
 #include "bench/program/report.hpp"
-#include "bench/program/shift_picture.hpp"
 #include "bench/render/agreement.hpp"
 #include "bench/render/long_street.hpp"
 #include "bench/render/sensor_errors.hpp"
@@ -32,6 +31,7 @@
 #include "host/base/error.hpp"
 #include "host/cli/base/program.hpp"
 #include "host/cli/base/settings.hpp"
+#include "host/cli/draw/pictures.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
 #include "io/picture/image.hpp"
@@ -102,11 +102,21 @@ void run_peers(const BenchCommand& command, const Globals& globals, const Note& 
   std::cout << (globals.json ? to_json(peer_rows(cases)) : peer_table(cases));
 }
 
+/// A row for each pair: as rendered, the truth beside it.
+Image picture_of(const std::vector<ShiftResult::Pair>& pairs) {
+  Image all;
+  for (const ShiftResult::Pair& pair : pairs) {
+    const Image row = cli::joined(pair.rendered, pair.truth, cli::Layout::kBeside);
+    all = all.height == 0 ? row : cli::joined(all, row, cli::Layout::kBelow);
+  }
+  return all;
+}
+
 std::vector<Row> run_shift(const BenchCommand& command, const Globals& globals, const Note& note) {
   ShiftOptions options = command.shift_options;
   options.settings = command.settings;
   ShiftResult result = run_shift(globals.device, options, note);
-  if (!command.picture.empty()) write_image(command.picture, shift_picture(result.pictures));
+  if (!command.picture.empty()) write_image(command.picture, picture_of(result.pictures));
   return std::move(result.rows);
 }
 
