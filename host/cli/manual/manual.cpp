@@ -26,9 +26,11 @@ void visit_commands(const CommandText& program,
 
 void add_completion(CommandLine& line) {
   const auto shell = std::make_shared<std::string>();
-  const Command completion = line.root().command("completion", "a script that completes commands in a shell");
+  const Command completion = line.root().command("completion", "a script that completes commands in bash");
   completion.option("SHELL", *shell, "which shell is to read it").required().one_of({"bash"});
-  completion.run([&line] { std::cout << bash_completion(line.text()); });
+  completion.run([shell, &line] {  // which the option sets
+    std::cout << bash_completion(line.text());
+  });
 }
 
 void add_manual(CommandLine& line) {
