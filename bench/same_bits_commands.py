@@ -155,7 +155,7 @@ def describe_sensors(run):
 
 SHUTTERS = ("top_to_bottom", "bottom_to_top", "left_to_right", "right_to_left")
 SMALL = "--frames 10 --image-width 160 --image-height 90 --lidar-columns 400"
-CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.every=10 densify.first=10 anchor.every=20"
+CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.every=10 densify.first=10 anchor.weight=0.01"
 TIMES = "--times 0.3:0.4:0.1"
 TRAININGS = {
     "half_size": "--scale 0.5 --held-out 3 --seed 7",
@@ -167,8 +167,7 @@ TRAININGS = {
     "environment": "--set init.environment_width=64 look.rate.environment=0.02 loss.environment_variation=2",
     "densify": "--set densify.every=6 densify.first=6 densify.growth=0.1 densify.noise=100 densify.last_share=0.9",
     "densify_full": "--set densify.every=6 densify.first=6 densify.cap=68000",
-    "no_anchors": "--set anchor.weight=0",
-    "anchors_often": "--set anchor.every=10 anchor.choose_every=3 anchor.neighbours=8 anchor.reach_m=1 anchor.weight=0.1",
+    "anchors": "--set anchor.weight=0.01",
     "actor_rates": "--set actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001 actors.rate.final_share=0.5 actors.margin_m=0.2",
     "no_actors": "--set init.actors=false",
     "mask_moving": "--set init.actors=false mask_moving=true",
@@ -195,7 +194,7 @@ TRAININGS = {
     "precise": "--set render.math=precise render.camera_compensation=true render.lidar_compensation=true",
     "cuts": "--set render.alpha_cut=0.01 render.transmittance_cut=0.01 render.camera_filter_px2=0.1 "
             "render.lidar_tiles.elevation=8 render.lidar_tiles.rays=64",
-    "everything": "--set color_grids=true init.environment_width=64 densify.every=6 densify.first=6 anchor.every=10 "
+    "everything": "--set color_grids=true init.environment_width=64 densify.every=6 densify.first=6 anchor.weight=0.01 "
                   "lidar_every=1 actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001",
 }
 OPTIONS = {

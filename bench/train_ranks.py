@@ -155,7 +155,7 @@ def rates(args):
                 every = max(1, 50 // shards)
                 train(args, 1, "r.scene", "--iterations", str(frames // shards), "--seed", str(seed), "--set",
                       f"shards={shards}", "--set", f"shards.rate_power={power}", "--set", f"densify.every={every}",
-                      "--set", f"densify.first={2 * every}", "--set", f"anchor.every={1000 // shards}",
+                      "--set", f"densify.first={2 * every}",
                       POCL_MAX_PTHREAD_COUNT="2")
                 told = json.loads(run([args.program, "--json", "eval", "r.scene", "s.log"], args.work,
                                       POCL_MAX_PTHREAD_COUNT="2"))

@@ -13,6 +13,9 @@
 
 namespace simuli::bench {
 
+/// TrainOptions::anchor, as the paper has it.
+inline constexpr AnchorOptions kPaperAnchors{.weight = 0.01};
+
 /// Says one line to whoever waits.
 using Note = std::function<void(const std::string&)>;
 

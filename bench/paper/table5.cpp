@@ -22,6 +22,7 @@ class Table {
     training_.train.iterations = options.iterations;
     training_.train.render = paper_options();
     training_.train.look.color_grids = true;
+    training_.train.anchor = kPaperAnchors;
   }
 
   void add_unified(double distance_weight) {

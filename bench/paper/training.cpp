@@ -48,12 +48,12 @@ Scene bench_scene(std::int64_t particles) {
   return scene;
 }
 
-double anchor_search_ms(const Device& device, const Scene& scene, const AnchorOptions& options) {
+double anchor_search_ms(const Device& device, const Scene& scene) {
   const ParticleBuffers camera(device, scene.camera, Precision::kFloat);
   const ParticleBuffers lidar(device, scene.lidar, Precision::kFloat);
-  AnchorStage anchor(device, Precision::kFloat, static_cast<std::uint32_t>(options.neighbours));
+  AnchorStage anchor(device, Precision::kFloat, Structure::kAnchorNeighbours);
   const auto search = [&] {
-    anchor.assign(camera, lidar, options.reach_m);
+    anchor.assign(camera, lidar, Structure::kAnchorReach_m);
     device.finish();
   };
   search();  // the first launches compile
@@ -69,10 +69,10 @@ class Case {
     TrainOptions& options = training.train;
     options.iterations = 1000;
     options.lidar_every = 1;
-    options.anchor.every = 1000;
+    options.anchor = kPaperAnchors;
     options.densify.every = options.densify.first = iterations + kWarmUp;
     const Scene scene = bench_scene(particles);
-    const double search_ms = anchor_search_ms(device, scene, options.anchor);
+    const double search_ms = anchor_search_ms(device, scene);
     device.reset_memory_peak();
     const std::uint64_t before = device.memory().now;
     const MemoryNeed told = training_memory(device, log, scene, training);

@@ -35,16 +35,14 @@ struct TrainReport {
   std::uint64_t pruned = 0;     // LiDAR particles that no training sweep needed
   double row_ranges_m = 0.0;  // largest correction of a row's range that training has found; prune.row_ranges
   double anchor_m = 0.0;      // mean distance of anchored camera particles seen last
-  double anchor_seconds = 0.0;
-  double densify_seconds = 0.0;
   std::uint32_t rejected_gradients = 0;  // entries that were not finite and moved nothing; 0 in good order
   std::uint64_t unsound_particles = 0;   // not finite at the end: nobody sees them, the scene leaves them out
   std::uint32_t unsound_losses = 0;      // of frames, not finite
   bool stopped_early = false;            // max_seconds ran out first
   std::vector<LengthStage> stages;       // of a training that decides how long it goes on
   double seconds = 0.0;
-  std::size_t ranks = 1;             // that have shared it
-  std::uint64_t gathered_bytes = 0;  // that they have told each other of their shards, each counted once
+  std::size_t ranks = 1;              // that have shared it
+  std::uint64_t gathered_bytes = 0;   // that they have told each other of their shards, each counted once
   std::vector<std::string> warnings;  // a line each: what nobody should overlook (judge())
 };
 

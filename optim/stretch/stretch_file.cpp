@@ -92,8 +92,6 @@ std::vector<double> numbers_of(const TrainReport& r) {
           static_cast<double>(r.pruned),
           r.row_ranges_m,
           r.anchor_m,
-          r.anchor_seconds,
-          r.densify_seconds,
           r.seconds};
 }
 
@@ -113,9 +111,7 @@ TrainReport report_of(const std::vector<double>& n) {
   r.pruned = static_cast<std::uint64_t>(n[11]);
   r.row_ranges_m = n[12];
   r.anchor_m = n[13];
-  r.anchor_seconds = n[14];
-  r.densify_seconds = n[15];
-  r.seconds = n[16];
+  r.seconds = n[14];
   return r;
 }
 

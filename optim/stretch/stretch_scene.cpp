@@ -176,8 +176,6 @@ void add_stretch(TrainReport& all, const TrainReport& own, double share) {
   all.pruned += own.pruned;
   all.row_ranges_m = std::max(all.row_ranges_m, own.row_ranges_m);
   all.anchor_m += share * own.anchor_m;
-  all.anchor_seconds += own.anchor_seconds;
-  all.densify_seconds += own.densify_seconds;
   all.rejected_gradients += own.rejected_gradients;
   all.unsound_particles += own.unsound_particles;
   all.unsound_losses += own.unsound_losses;

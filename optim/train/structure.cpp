@@ -1,22 +1,12 @@
 #include "optim/train/structure.hpp"
 
 #include <algorithm>
-#include <utility>
-
-#include "host/base/stopwatch.hpp"
 
 namespace simuli {
 namespace {
 
-/// Runs f, and adds the time that it takes, the device's work included.
-template <class F>
-void add_time(const Device& device, double& seconds, F&& f) {
-  device.finish();
-  const Stopwatch watch;
-  std::forward<F>(f)();
-  device.finish();
-  seconds += watch.seconds();
-}
+// Iterations from one search for candidates, and from one choice of the nearest of them, to the next.
+constexpr int kSearchEvery = 1000, kChooseEvery = 10;
 
 }  // namespace
 
@@ -25,15 +15,14 @@ Structure::Structure(const Device& device,
                      std::uint64_t seed,
                      TrainedSet& camera,
                      TrainedSet& lidar)
-    : device_(device),
-      options_(options),
+    : options_(options),
       seed_(seed),
       camera_(camera),
       lidar_(lidar),
       camera_start_(camera.particles.count),
       lidar_start_(lidar.particles.count) {
   if (options.anchor.weight > 0.0 && camera.particles.count > 0 && lidar.particles.count > 0) {
-    anchor_.emplace(device, Precision::kFloat, static_cast<std::uint32_t>(options.anchor.neighbours));
+    anchor_.emplace(device, Precision::kFloat, kAnchorNeighbours);
   }
   if (options.densify.every > 0) densify_.emplace(device, Precision::kFloat);
 }
@@ -44,10 +33,8 @@ bool Structure::collects_errors(SetNumber number, int iteration) const {
 }
 
 void Structure::find_anchors(int iteration, bool lidar_pruned) {
-  if (!anchor_ || (iteration % options_.anchor.every != 0 && !lidar_pruned)) return;
-  add_time(device_, anchor_seconds_, [&] {
-    anchor_->assign(camera_.particles, lidar_.particles, options_.anchor.reach_m);
-  });
+  if (!anchor_ || (iteration % kSearchEvery != 0 && !lidar_pruned)) return;
+  anchor_->assign(camera_.particles, lidar_.particles, kAnchorReach_m);
 }
 
 void Structure::add_anchor_gradient(const Pass& pass, int iteration) {
@@ -62,14 +49,8 @@ void Structure::settle_anchors(const Buffer<std::uint32_t>& keys, int iteration)
 
 void Structure::anchor(const Buffer<std::uint32_t>& keys, double weight, int iteration) {
   if (!anchor_) return;
-  add_time(device_, anchor_seconds_, [&] {
-    anchor_->add_gradient(camera_.particles,
-                          lidar_.particles,
-                          keys,
-                          weight,
-                          iteration % options_.anchor.choose_every == 0,
-                          camera_.grads);
-  });
+  anchor_->add_gradient(
+      camera_.particles, lidar_.particles, keys, weight, iteration % kChooseEvery == 0, camera_.grads);
 }
 
 void Structure::jitter(TrainedSet& set,
@@ -100,10 +81,6 @@ std::uint32_t Structure::growth(SetNumber number) const {
 void Structure::densify(int iteration) {
   const DensifyOptions& o = options_.densify;
   if (o.every <= 0 || iteration < o.first || iteration % o.every != 0) return;
-  add_time(device_, densify_seconds_, [&] { relocate(iteration); });
-}
-
-void Structure::relocate(int iteration) {
   const std::uint32_t added[] = {growth(kCameraSet), growth(kLidarSet)};
   for (const SetNumber number : {kCameraSet, kLidarSet}) {
     if (!collects_errors(number, iteration)) continue;
@@ -136,8 +113,6 @@ void Structure::report(TrainReport& report) const {
   report.relocated = relocated_;
   report.grown = grown_;
   if (anchor_) report.anchor_m = anchor_->loss().mean_m();
-  report.anchor_seconds = anchor_seconds_;
-  report.densify_seconds = densify_seconds_;
 }
 
 void Structure::add_state(StateList& list) {

@@ -15,6 +15,10 @@ namespace simuli {
 
 class Structure {
  public:
+  // Of anchors, after the paper.
+  static constexpr std::uint32_t kAnchorNeighbours = 50;  // candidates of each particle
+  static constexpr double kAnchorReach_m = 2.0;           // farther from any LiDAR particle (sky): free
+
   /// All of them must outlive it; `seed` of what is drawn.
   Structure(const Device& device,
             const TrainOptions& options,
@@ -50,9 +54,7 @@ class Structure {
  private:
   void anchor(const Buffer<std::uint32_t>& keys, double weight, int iteration);
   [[nodiscard]] std::uint32_t growth(SetNumber number) const;
-  void relocate(int iteration);
 
-  Device device_;
   const TrainOptions& options_;
   std::uint64_t seed_;
   TrainedSet &camera_, &lidar_;
@@ -60,7 +62,6 @@ class Structure {
   std::optional<AnchorStage> anchor_;    // when camera particles are anchored
   std::optional<DensifyStage> densify_;  // when particles are relocated
   std::uint64_t relocated_ = 0, grown_ = 0;
-  double anchor_seconds_ = 0.0, densify_seconds_ = 0.0;
 };
 
 }  // namespace simuli

@@ -103,8 +103,6 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
                                         {"lidar_cells", init.lidar_cells},
                                         {"lidar_thinned", init.lidar_thinned},
                                         {"anchor_m", r.anchor_m},
-                                        {"anchor_seconds", r.anchor_seconds},
-                                        {"densify_seconds", r.densify_seconds},
                                         {"rejected_gradients", r.rejected_gradients},
                                         {"unsound_particles", r.unsound_particles},
                                         {"unsound_losses", r.unsound_losses},
@@ -145,17 +143,12 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
              r.lidar_particles,
              init.dark_points,
              init.unmet_points)
-      << fmt::format(
-             "  {} relocated, {} new, {} pruned; ranges of rows corrected by up to {:.1f} cm; anchors {:.1f} "
-             "cm away; share of the time: anchoring "
-             "{:.1f} %, densification {:.1f} %\n",
-             r.relocated,
-             r.grown,
-             r.pruned,
-             100.0 * r.row_ranges_m,
-             100.0 * r.anchor_m,
-             100.0 * r.anchor_seconds / r.seconds,
-             100.0 * r.densify_seconds / r.seconds)
+      << fmt::format("  {} relocated, {} new, {} pruned; ranges of rows corrected by up to {:.1f} cm{}\n",
+                     r.relocated,
+                     r.grown,
+                     r.pruned,
+                     100.0 * r.row_ranges_m,
+                     r.anchor_m > 0.0 ? fmt::format("; anchors {:.1f} cm away", 100.0 * r.anchor_m) : "")
       << fmt::format(
              "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
              "camera set, {} that no image saw, {} that none shows apart from others\n",

@@ -15,6 +15,7 @@
 #include "host/render/train/loss_stages.hpp"
 #include "host/render/train/shard_sum.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/train/structure.hpp"
 #include "optim/train/trained_look.hpp"
 #include "optim/train/trained_set.hpp"
 
@@ -241,7 +242,7 @@ void add_structure(const Device& device, Tally& tally, const Counts& counts, con
     tally.add("anchors",
               AnchorBuffers(device),
               {counts.camera,
-               static_cast<std::uint64_t>(options.anchor.neighbours),
+               Structure::kAnchorNeighbours,
                counts.lidar,
                chunks_of(device, counts.lidar).work_items,
                chunks_of(device, counts.camera).work_items});

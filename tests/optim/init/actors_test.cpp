@@ -212,7 +212,7 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   options.frames.image_scale = 1.0;
   options.train.lidar_every = 2;
   options.train.densify.every = options.train.densify.first = 5;
-  options.train.anchor.every = 7;
+  options.train.anchor.weight = 0.01;
   options.train.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
   Scene start = initialize_scene(log_, kFullSize, small(true)).scene;
   for (GaussianSet* set : {&start.camera, &start.lidar}) {

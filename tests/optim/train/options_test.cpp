@@ -63,7 +63,7 @@ TEST(Options, KeysAreDifferentAndHaveAMeaning) {
                           "look.rate.grid",
                           "actors.rate.shift_m",
                           "actors.margin_m",
-                          "anchor.reach_m",
+                          "anchor.weight",
                           "densify.cap",
                           "cache_bytes",
                           "render.lidar_tiles.rays",
@@ -118,7 +118,7 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("loss.ssim: found -1", [](auto& o) { o.image.dissimilarity = -1.0; });
   refused("loss.drop: found -1", [](auto& o) { o.weights.drop = -1.0; });
   refused("camera.loss.entropy: found -1", [](auto& o) { o.camera_particles.entropy = -1.0; });
-  refused("anchor.neighbours: found 257, allowed 1 to 256", [](auto& o) { o.anchor.neighbours = 257; });
+  refused("anchor.weight: found -1, allowed 0 or more", [](auto& o) { o.anchor.weight = -1.0; });
   refused("densify.last_share: found 1.5, allowed 0 to 1", [](auto& o) { o.densify.last_share = 1.5; });
   refused("prune.weight: found 2, allowed 0 to 1", [](auto& o) { o.prune.weight = 2.0; });
   refused("actors.rate.turn_rad: found -1", [](auto& o) { o.actor_poses.turn_rad = -1.0; });

@@ -22,7 +22,7 @@ class TrainerStateTest : public test::SmallStreet {
     o.train.densify.every = o.train.densify.first = 7;
     o.train.densify.lidar = true;
     o.train.densify.noise = 1e4;
-    o.train.anchor.every = 10;
+    o.train.anchor.weight = 0.01;
     o.train.prune = {.weight = 0.05, .first = 0, .times = 2, .last_share = 0.75};
     return o;
   }

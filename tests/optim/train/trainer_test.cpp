@@ -271,7 +271,6 @@ TEST_F(TrainerTest, AnchorsHoldTheCameraSetNearTheLidarSet) {
   const auto anchor_distance = [&](double weight) {
     TrainingOptions o = options(60);
     o.train.anchor.weight = weight;
-    o.train.anchor.every = 25;
     TrainReport report;
     (void)train(o, &report);
     return report.anchor_m;
@@ -364,7 +363,6 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
   expect_refused([](TrainingOptions& o) { o.train.camera.mean_m = 0.0; });
   expect_refused([&](TrainingOptions& o) { o.train.lidar.sh = kNaN; });
   expect_refused([](TrainingOptions& o) { o.train.weights.drop = -1.0; });
-  expect_refused([](TrainingOptions& o) { o.train.anchor.neighbours = 0; });
   expect_refused([&](TrainingOptions& o) { o.train.anchor.weight = kNaN; });
   expect_refused([](TrainingOptions& o) { o.train.densify.every = -1; });
   expect_refused([](TrainingOptions& o) { o.train.densify.growth = 1.5; });
