@@ -183,8 +183,6 @@ TRAININGS = {
     "losses": "--set loss.colour_absolute=0.5 loss.colour_squared=5 loss.ssim=0.5 loss.distance=1 loss.intensity=0.2 "
               "loss.drop=0.1",
     "no_ssim": "--set loss.ssim=0 loss.colour_squared=0",
-    "particle_losses": "--set camera.loss.scale=0.01 camera.loss.opacity=0.01 camera.loss.entropy=0.01 lidar.loss.scale=0.02 "
-                       "lidar.loss.opacity=0.02 lidar.loss.entropy=0.02",
     "rates": "--set camera.rate.mean_m=1e-3 camera.rate.mean_final_m=1e-5 camera.rate.log_scale=1e-2 camera.rate.rotation=2e-3 "
              "camera.rate.opacity=2e-2 camera.rate.sh=1e-2 camera.rate.sh_rest=1e-3 camera.rate.final_share=0.5 "
              "lidar.rate.mean_m=1e-3 lidar.rate.log_scale=1e-2 lidar.rate.sh=1e-2 lidar.rate.final_share=0.2",

@@ -59,7 +59,6 @@ set(SIMULI_CL_FILES
   kernels/project_bwd.cl
   kernels/ray_mask.cl
   kernels/rays.cl
-  kernels/regularize.cl
   kernels/render.cl
   kernels/render_bwd_groups.cl
   kernels/render_bwd_lanes.cl

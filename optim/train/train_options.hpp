@@ -102,19 +102,6 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
         "texels of the environment likewise; 0: all move");
 }
 
-/// Weights of terms that hold for every particle of a set, each a mean over it.
-struct ParticleWeights {
-  double scale = 0.0;
-  double opacity = 0.0;
-  double entropy = 0.0;
-};
-template <class F>
-constexpr void visit_fields(ParticleWeights& o, F&& field) {
-  field("loss.scale", o.scale, at_least(0.0), "of the sum of a particle's standard deviations, m");
-  field("loss.opacity", o.opacity, at_least(0.0), "of its opacity");
-  field("loss.entropy", o.entropy, at_least(0.0), "of its opacity's entropy");
-}
-
 /// The camera set along the LiDARs' rays: pictures alone leave open how far away what they show is.
 struct DepthOptions {
   double weight = 0.1;
@@ -174,8 +161,6 @@ struct TrainOptions {
   double max_seconds = 0.0;
   ImageWeights image;
   LookOptions look;
-  ParticleWeights camera_particles;
-  ParticleWeights lidar_particles;
   LearningRates camera{.final_share = 0.3};
   /// Returns are where they are: nearly fixed. Drops differ from sweep to sweep: fast rates learn them by
   /// heart.
@@ -213,8 +198,6 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field("lidar_every", o.lidar_every, at_least(1), "iterations per sweep");
   field.part("", o.image);
   field.part("", o.look);
-  field.part("camera.", o.camera_particles);
-  field.part("lidar.", o.lidar_particles);
   field.part("camera.", o.camera);
   field.part("lidar.", o.lidar);
   field.part("", o.weights);

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "host/render/scene/renderer.hpp"
-#include "host/render/train/regularize.hpp"
 #include "host/render/train/shard_sum.hpp"
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
@@ -94,7 +93,6 @@ class Trainer {
     TrainedSet& set;
     SetNumber number;
     const LearningRates& rates;
-    const ParticleWeights& weights;
     double progress;
     double colour_epsilon;  // of the harmonics
     bool errors;            // are collected
@@ -164,7 +162,6 @@ class Trainer {
   void descend(const Turn& turn, Pass& pass, const FrameTimes& frame);
   /// One step on the particles of the frame of `keys`.
   static void take_step(const Turn& turn, const RealBuffer& grads, const Buffer<std::uint32_t>& keys);
-  void regularize(TrainedSet& set, const ParticleWeights& weights);
   [[nodiscard]] bool prunes(int iteration) const;
   /// Takes out what no training sweep needs of the LiDAR set, and corrects the rows' ranges.
   void look_over_sweeps();
@@ -187,7 +184,6 @@ class Trainer {
   TrainedLook look_;
   TrainedDrop drop_;
   Structure structure_;
-  RegularizeStage regularize_;
   std::uint64_t seed_;
   // Of step_beside(): the picture's surfaces, and by camera what it shows of those beside.
   SeenSurfaces surfaces_;

@@ -71,7 +71,6 @@ Trainer::Turn Trainer::camera_turn(double progress) {
   return {camera_,
           kCameraSet,
           options_.camera,
-          options_.camera_particles,
           progress,
           look_.harmonics_epsilon(camera_.particles.count),
           errors};
@@ -79,7 +78,7 @@ Trainer::Turn Trainer::camera_turn(double progress) {
 
 Trainer::Turn Trainer::lidar_turn(double progress) {
   const bool errors = structure_.collects_errors(kLidarSet, status_.iteration);
-  return {lidar_, kLidarSet, options_.lidar, options_.lidar_particles, progress, 0.0, errors};
+  return {lidar_, kLidarSet, options_.lidar, progress, 0.0, errors};
 }
 
 void Trainer::step_camera(double progress) {
@@ -251,7 +250,6 @@ void Trainer::differentiate(const Turn& turn, Pass& pass, RealBuffer& error) {
   if (turn.errors) {
     structure_.errors().accumulate(pass.frame(), pass.buffers(), pass.gradients(), error);
   }
-  regularize(set, turn.weights);
   if (turn.number == kCameraSet) structure_.add_anchor_gradient(pass, status_.iteration);
 }
 
@@ -270,12 +268,6 @@ void Trainer::descend(const Turn& turn, Pass& pass, const FrameTimes& frame) {
   take_step(turn, turn.set.grads, keys);
   structure_.jitter(turn.set, turn.number, turn.rates, keys, status_.iteration, turn.progress);
   step_actors(turn, pass, frame);
-}
-
-void Trainer::regularize(TrainedSet& set, const ParticleWeights& w) {
-  const double count = std::max(1.0, static_cast<double>(set.particles.count));
-  const RegularizeScale scale{w.scale / count, w.opacity / count, w.entropy / count};
-  if (!scale.is_zero()) regularize_.run(set.particles, scale, set.grads);
 }
 
 bool Trainer::prunes(int iteration) const {

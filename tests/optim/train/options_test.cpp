@@ -55,7 +55,7 @@ TEST(Options, KeysAreDifferentAndHaveAMeaning) {
   }
   for (const char* key : {"init.voxel_m",
                           "camera.rate.mean_m",
-                          "lidar.loss.entropy",
+                          "lidar.rate.sh",
                           "loss.colour_absolute",
                           "color_grids",
                           "image_scale",
@@ -117,7 +117,6 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("look.rate.grid: found nan", [](auto& o) { o.look.grid_rate = kNaN; });
   refused("loss.ssim: found -1", [](auto& o) { o.image.dissimilarity = -1.0; });
   refused("loss.drop: found -1", [](auto& o) { o.weights.drop = -1.0; });
-  refused("camera.loss.entropy: found -1", [](auto& o) { o.camera_particles.entropy = -1.0; });
   refused("anchor.weight: found -1, allowed 0 or more", [](auto& o) { o.anchor.weight = -1.0; });
   refused("densify.last_share: found 1.5, allowed 0 to 1", [](auto& o) { o.densify.last_share = 1.5; });
   refused("prune.weight: found 2, allowed 0 to 1", [](auto& o) { o.prune.weight = 2.0; });

@@ -33,7 +33,6 @@ class ShardsTest : public test::SmallStreet {
     o.train.prune = {.weight = 0.05, .first = 0, .times = 2, .last_share = 0.75};
     o.train.actor_poses = {.shift_m = 1e-2, .turn_rad = 1e-3};
     o.train.look.color_grids = true;
-    o.train.camera_particles = {1e-3, 1e-3, 1e-3};
     o.train.ray_drop.apart = 2;
     return o;
   }

@@ -48,8 +48,6 @@ TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
   TrainingOptions o = options(12);
   o.train.look.color_grids = true;
   o.train.image.dissimilarity = 0.2;
-  o.train.camera_particles = {0.01, 0.01, 0.0};
-  o.train.lidar_particles = {0.0, 0.0, 0.01};
   const auto train = [&] {
     Trainer trainer(Device::best(), log_, scene_with_environment(), o);
     EXPECT_EQ(trainer.run().rejected_gradients, 0U);
@@ -137,31 +135,6 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   EXPECT_TRUE(std::isfinite(report.psnr_ungraded_db));
   EXPECT_NE(report.psnr_ungraded_db, report.psnr_db);
   EXPECT_TRUE(std::isnan(test::compare(log, plain, once).psnr_ungraded_db));
-}
-
-TEST_F(TrainerLook, TermsOfParticlesPullAsTheySay) {
-  // Neither clear nor solid: at 1/2 entropy has no slope.
-  Scene start = initial_scene();
-  for (GaussianSet* set : {&start.camera, &start.lidar}) {
-    for (Eigen::Index i = 0; i < set->size(); ++i) set->opacity_logit()(i) = i % 2 == 0 ? 0.5F : -0.5F;
-  }
-  const auto train = [&](const ParticleWeights& weights) {
-    TrainingOptions o = options(20);
-    o.train.lidar_every = 1;
-    o.train.camera_particles = o.train.lidar_particles = weights;
-    Trainer trainer(Device::best(), log_, start, o);
-    (void)trainer.run();
-    return trainer.scene();
-  };
-  const Scene plain = train({});
-  const Scene small = train({.scale = 100.0});
-  const Scene faint = train({.opacity = 100.0});
-  EXPECT_LT(small.camera.log_scale().mean(), plain.camera.log_scale().mean() - 0.05F);
-  EXPECT_LT(small.lidar.log_scale().mean(), plain.lidar.log_scale().mean() - 0.05F);
-  EXPECT_LT(faint.camera.opacity_logit().mean(), plain.camera.opacity_logit().mean() - 0.1F);
-  const Scene sure = train({.entropy = 100.0});
-  EXPECT_GT(sure.lidar.opacity_logit().cwiseAbs().mean(),
-            plain.lidar.opacity_logit().cwiseAbs().mean() + 0.1F);
 }
 
 }  // namespace
