@@ -59,7 +59,7 @@ class UnifiedTrainer {
         options_(checked(options).train),
         distance_weight_(distance_weight),
         renderer_(device, without_median(options.train.render)),
-        truth_(device, log, scene_, options, renderer_.options(), {}),
+        truth_(device, log, options, renderer_.options()),
         camera_(device, scene_.camera),
         lidar_(device, scene_.lidar),
         look_(device, log, scene_, options),

@@ -218,7 +218,6 @@ void Initialisation::drop_moving() {
   }
   std::vector<bool> moved(points_.size());
   std::transform(votes.begin(), votes.end(), moved.begin(), is_moving);
-  out_.moving = MovingSpace(options_.voxel_m, points_, moved);
   points_ = keep_static(points_, moved);
   report_.moving_points = report_.voxels - points_.size();
 }

@@ -8,14 +8,12 @@
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/init/moving_space.hpp"
 
 namespace simuli {
 
 struct SceneInit {
   Scene scene;
-  MovingSpace moving;  // empty unless drop_moving
-  GaussianSet unmet;   // of the LiDAR set, for when it has been trained: no ray meets it, so none keeps it
+  GaussianSet unmet;  // of the LiDAR set, for when it has been trained: no ray meets it, so none keeps it
   InitReport report;
 };
 

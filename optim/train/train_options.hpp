@@ -175,9 +175,6 @@ struct TrainOptions {
   PoseRates actor_poses;
   ShapeRates actor_shapes;
   double actor_margin_m = 0.1;
-  /// The background gets clean; unmasked, it takes on a smear of what moved, which is closer to the recorded
-  /// pictures than nothing.
-  bool mask_moving = false;
   /// In float; the median distance has no gradient and is never written.
   RenderOptions render;
   std::size_t memory_bytes = 0;
@@ -211,7 +208,6 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part("", o.actor_shapes);
   field(
       "actors.margin_m", o.actor_margin_m, at_least(0.0), "m by which particles may leave their actor's box");
-  field("mask_moving", o.mask_moving, "leave what moved out of the losses");
   field("memory_bytes",
         o.memory_bytes,
         at_least(0),

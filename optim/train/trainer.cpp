@@ -198,19 +198,15 @@ double RunningMean::value() const {
   return weight > 0.0 ? sum / weight : std::numeric_limits<double>::quiet_NaN();
 }
 
-Trainer::Trainer(const Device& device,
-                 const Log& log,
-                 Scene scene,
-                 const TrainingOptions& options,
-                 MovingSpace moving,
-                 Ranks& ranks)
+Trainer::Trainer(
+    const Device& device, const Log& log, Scene scene, const TrainingOptions& options, Ranks& ranks)
     : log_(log),
       ranks_(ranks),
       scene_(in_coherent_order(std::move(scene))),
       options_(fitting(device, log, scene_, options)),
       device_(device),
       renderer_(device, training_options(options_.render)),
-      truth_(device, log, scene_, options, renderer_.options(), std::move(moving)),
+      truth_(device, log, options, renderer_.options()),
       camera_(device, scene_.camera, options_.actor_poses, options_.actor_shapes),
       lidar_(device, scene_.lidar, options_.actor_poses, options_.actor_shapes),
       look_(device, log, scene_, options),

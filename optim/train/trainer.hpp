@@ -16,7 +16,6 @@
 #include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/fixer/fixed_views.hpp"
-#include "optim/init/moving_space.hpp"
 #include "optim/length/length.hpp"
 #include "optim/ranks/ranks.hpp"
 #include "optim/report/train_report.hpp"
@@ -46,13 +45,11 @@ class Trainer {
  public:
   /// Error{kUsage} for options outside their range, Error{kInput} when the log has no frame to train on.
   /// `log` must outlive the trainer.
-  /// `moving` (of the initialisation) is used when train.mask_moving.
   /// `ranks` must outlive it, too: all of them have a trainer of the same arguments, and call it alike.
   Trainer(const Device& device,
           const Log& log,
           Scene scene,
           const TrainingOptions& options,
-          MovingSpace moving = {},
           Ranks& ranks = one_rank());
 
   /// One iteration: a step on the camera set, and on the LiDAR set when it is its turn; each only when it has

@@ -222,8 +222,7 @@ void Training::start(const Progress& progress) {
   report_.init += begin.report;
   state.unmet = std::move(begin.unmet);
   if (state.current > 0) begin.scene.ray_drop = state.ray_drop.mean();
-  state.trainer =
-      std::make_unique<Trainer>(device_, log, std::move(begin.scene), own, std::move(begin.moving), ranks_);
+  state.trainer = std::make_unique<Trainer>(device_, log, std::move(begin.scene), own, ranks_);
   state.trainer->need_one_state(own_identity());
   if (state.is_cut()) state.status = state.of_all(state.trainer->status());
 }

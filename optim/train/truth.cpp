@@ -11,9 +11,6 @@
 namespace simuli {
 namespace {
 
-constexpr double kFarthestSweep_s = 0.1;  // in which a car drives a car's length at most
-constexpr double kMovingReach_m = 0.5;    // from a return to the rest of the body around it
-
 std::size_t bytes_of(const RealBuffer& buffer) {
   return buffer.count() * (buffer.precision() == Precision::kFloat ? sizeof(float) : sizeof(double));
 }
@@ -22,16 +19,11 @@ std::size_t bytes_of(const RealBuffer& buffer) {
 
 TruthCache::TruthCache(const Device& device,
                        const Log& log,
-                       const Scene& scene,
                        const TrainingOptions& options,
-                       const RenderOptions& render,
-                       MovingSpace moving)
+                       const RenderOptions& render)
     : device_(device),
       log_(log),
-      scene_(scene),
       render_(render),
-      moving_(options.train.mask_moving ? std::move(moving) : MovingSpace{}),
-      training_sweeps_(HeldOutRule(log, options.frames).training(log.sweeps)),
       cache_bytes_(options.train.cache_bytes),
       images_(cache_bytes_),
       sweeps_(cache_bytes_) {
@@ -72,43 +64,14 @@ const SensorRays& TruthCache::camera_rays(const std::string& name) {
   return *entry;
 }
 
-MovingReturns TruthCache::moving_returns(const SweepFrame& frame, const Sweep& sweep) const {
-  const View view = view_of(log_, scene_, frame);
-  return find_moving_returns(
-      moving_, sweep, lidar(frame.lidar), view.scene_from_sensor_start, view.scene_from_sensor_end);
-}
-
-/// By the training sweep nearest in time. Empty when nothing moved or no sweep is near enough to tell.
-std::vector<bool> TruthCache::hidden_pixels(const ImageFrame& frame) const {
-  if (moving_.voxels() == 0) return {};
-  const double time_s = 0.5 * (frame.time_start_s + frame.time_end_s);
-  const SweepFrame* nearest = nullptr;
-  double nearest_s = kFarthestSweep_s;
-  for (const std::size_t index : training_sweeps_) {
-    const SweepFrame& sweep = log_.sweeps[index];
-    const double apart_s = std::abs(0.5 * (sweep.time_start_s + sweep.time_end_s) - time_s);
-    if (apart_s > nearest_s) continue;
-    nearest_s = apart_s;
-    nearest = &sweep;
-  }
-  if (nearest == nullptr) return {};
-  const Sweep sweep = read_sweep(log_, *nearest, lidar(nearest->lidar));
-  const View view = view_of(log_, scene_, frame);
-  const ImageView image_view(
-      models_.at(frame.camera), view.scene_from_sensor_start, view.scene_from_sensor_end);
-  return moving_pixels(image_view, moving_returns(*nearest, sweep).p_scene, kMovingReach_m);
-}
-
 ImageTruth TruthCache::read_image_truth(std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const SensorRays& rays = camera_rays(frame.camera);
   std::vector<float> values = planar(load_image(log_, frame, models_.at(frame.camera)));
   const std::size_t pixels = values.size() / 3;
-  const std::vector<bool> moving = hidden_pixels(frame);
   std::size_t known = rays.grid().rays;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const bool is_hidden = values[i] < 0.0F || (!moving.empty() && moving[i]);
-    if (!is_hidden) continue;
+    if (!(values[i] < 0.0F)) continue;
     for (std::size_t c = 0; c < 3; ++c) values[c * pixels + i] = kHiddenValue;
     --known;
   }
@@ -118,11 +81,9 @@ ImageTruth TruthCache::read_image_truth(std::size_t index) {
 SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {
   const SweepFrame& frame = log_.sweeps[index];
   const Sweep sweep = stated(index);
-  const MovingReturns moving = moving_returns(frame, sweep);
   std::vector<float> values = sweep.range;
   std::size_t known = 0, returned = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (moving.is_moving[i]) values[i] = kHiddenValue;
     known += values[i] >= 0.0F ? 1U : 0U;
     returned += values[i] > 0.0F ? 1U : 0U;
   }

@@ -8,9 +8,7 @@
 
 #include "host/base/lru_cache.hpp"
 #include "host/render/scene/renderer.hpp"
-#include "host/scene/scene.hpp"
 #include "io/log/log.hpp"
-#include "optim/init/moving_space.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {
@@ -28,14 +26,11 @@ struct SweepTruth {
 /// The training frames of a log, read when they are asked for and kept within a budget of device memory.
 class TruthCache {
  public:
-  /// `log` and `scene` must outlive it. `render`: the renderer's (resolved) options; `moving` is used when
-  /// train.mask_moving.
+  /// `log` must outlive it. `render`: the renderer's (resolved) options.
   TruthCache(const Device& device,
              const Log& log,
-             const Scene& scene,
              const TrainingOptions& options,
-             const RenderOptions& render,
-             MovingSpace moving);
+             const RenderOptions& render);
 
   /// Rays of a camera of the log, scaled as frames.image_scale says.
   const SensorRays& camera_rays(const std::string& name);
@@ -53,17 +48,12 @@ class TruthCache {
   void set_range_biases(const std::string& name, const std::vector<double>& biases_m);
 
  private:
-  [[nodiscard]] MovingReturns moving_returns(const SweepFrame& frame, const Sweep& sweep) const;
-  [[nodiscard]] std::vector<bool> hidden_pixels(const ImageFrame& frame) const;
   [[nodiscard]] ImageTruth read_image_truth(std::size_t index);
   [[nodiscard]] SweepTruth read_sweep_truth(std::size_t index) const;
 
   Device device_;
   const Log& log_;
-  const Scene& scene_;
   RenderOptions render_;
-  MovingSpace moving_;
-  std::vector<std::size_t> training_sweeps_;
   std::map<std::string, Camera> models_;  // scaled, by name
   std::map<std::string, LidarModel> lidars_;
   std::map<std::string, std::unique_ptr<SensorRays>> camera_rays_;

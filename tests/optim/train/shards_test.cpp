@@ -68,7 +68,7 @@ class ShardsTest : public test::SmallStreet {
     const std::filesystem::path file = folder_ / "shards.state";
     const std::vector<Device> devices = opened(ranks);
     run_rank_threads(ranks, [&](Ranks& own) {
-      Trainer trainer(devices[own.rank()], log_, start(), o, {}, own);
+      Trainer trainer(devices[own.rank()], log_, start(), o, own);
       if (!resumed.empty()) trainer.resume(folder_ / resumed, "");
       while (trainer.status().iteration < kIterations) {
         trainer.step();
@@ -140,7 +140,7 @@ TEST_F(ShardsTest, ADifferentStateIsNamed) {
     run_rank_threads(2, [&](Ranks& own) {
       Scene scene = start();
       if (own.rank() == 1) scene.camera.params(0, 0) += 1e-3F;
-      Trainer trainer(devices[own.rank()], log_, std::move(scene), options(2), {}, own);
+      Trainer trainer(devices[own.rank()], log_, std::move(scene), options(2), own);
       trainer.need_one_state("");
     });
     ADD_FAILURE() << "taken for the same";

@@ -157,27 +157,6 @@ TEST_F(TrainerTest, SweepsTakeTheirTurns) {
   EXPECT_FALSE((initial_scene().lidar.params.array() == first.array()).all());
 }
 
-TEST_F(TrainerTest, MaskedFramesTeachNothing) {
-  // Every voxel moved, so every return and every pixel near one is unknown.
-  const Scene scene = in_coherent_order(initial_scene());
-  PointSet points;
-  points.position = scene.lidar.mean().transpose();
-  points.intensity.assign(static_cast<std::size_t>(points.position.cols()), 0.5F);
-  const MovingSpace everywhere(50.0, points, std::vector<bool>(points.size(), true));
-  TrainingOptions o = options(1);
-  o.train.weights.drop = 0.0;  // rays without a return are known
-  o.train.mask_moving = true;
-  Trainer masked(Device::best(), log_, scene, o, everywhere);
-  masked.step();
-  EXPECT_TRUE((masked.scene().lidar.params.array() == scene.lidar.params.array()).all());
-  EXPECT_EQ(masked.status().distance_m, 0.0);
-  o.train.mask_moving = false;
-  Trainer unmasked(Device::best(), log_, scene, o, everywhere);
-  unmasked.step();
-  EXPECT_FALSE((unmasked.scene().lidar.params.array() == scene.lidar.params.array()).all());
-  EXPECT_NE(unmasked.status().psnr_db, masked.status().psnr_db);
-}
-
 TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
   TrainingOptions o = options(60);
   o.train.densify.every = o.train.densify.first = 5;

@@ -38,7 +38,7 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   training.run();
   const Log log = with_learned_sensors(log_, o.frames, o.sensors);
   SceneInit start = initialize_scene(log, o.frames, o.init);
-  Trainer trainer(Device::best(), log, std::move(start.scene), o, std::move(start.moving));
+  Trainer trainer(Device::best(), log, std::move(start.scene), o);
   (void)trainer.run();
   expect_same(training.scene(), trainer.scene());
   EXPECT_EQ(training.report().init.voxels, start.report.voxels);
