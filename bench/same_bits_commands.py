@@ -170,7 +170,7 @@ TRAININGS = {
     "anchors": "--set anchor.weight=0.01",
     "actor_rates": "--set actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001 actors.rate.final_share=0.5 actors.margin_m=0.2",
     "no_actors": "--set init.actors=false",
-    "actor_init": "--set init.mirror_actors=true init.actor_voxel_m=0.1 init.actor_margin_m=0.2 init.actor_min_travel_m=0.5",
+    "actor_init": "--set init.actor_voxel_m=0.1 init.actor_margin_m=0.2 init.actor_min_travel_m=0.5",
     "believed_tracks": "--set init.register_tracks=false",
     "init_sizes": "--set init.voxel_m=0.2 init.camera_scale=0.6 init.lidar_scale=0.5 init.min_scale_m=0.02 init.max_scale_m=0.4",
     "init_caps": "--set init.max_camera=5000 init.max_lidar=8000 init.max_shell=1000 init.shell_spacing_deg=1",

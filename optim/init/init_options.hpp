@@ -37,7 +37,6 @@ struct InitOptions {
   double actor_min_travel_m = 1.0;
   double actor_voxel_m = 0.05;
   double actor_margin_m = 0.1;  // the road below stays outside
-  bool mirror_actors = false;
   bool register_tracks = true;  // see actor_tracks.hpp
   double dark_voxel_m = 0.1;    // see dark_surfaces.hpp
   double dark_still_m = 0.15;   // see dark_still.hpp
@@ -144,7 +143,6 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field("init.actor_voxel_m", o.actor_voxel_m, range(1e-3, 100.0), "m, side of an actor's voxel");
   field(
       "init.actor_margin_m", o.actor_margin_m, at_least(0.0), "m by which boxes reach farther than labelled");
-  field("init.mirror_actors", o.mirror_actors, "vehicles: also the mirror image of each point");
   field("init.dark_voxel_m",
         o.dark_voxel_m,
         zero_or(range(0.02, 1.0)),

@@ -131,11 +131,9 @@ class Initialisation {
     scene_.name = log.name;
     scene_.origin = scene_origin(log.world_from_rig);
     if (options.actors) scene_.actors = moving_actors(log.actors, options.actor_min_travel_m);
-    actors_.emplace(
-        scene_.actors,
-        ActorPointOptions{
-            options.actor_voxel_m, options.actor_margin_m, options.mirror_actors, options.register_tracks},
-        scene_.origin);
+    actors_.emplace(scene_.actors,
+                    ActorPointOptions{options.actor_voxel_m, options.actor_margin_m, options.register_tracks},
+                    scene_.origin);
   }
 
   [[nodiscard]] SceneInit run() && {

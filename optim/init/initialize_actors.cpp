@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "optim/base/evaluate_actors.hpp"
@@ -21,42 +20,6 @@ constexpr double kRoad_m = 0.1;
 constexpr double kGround_m = 0.05;   // ground is what lies this near to that around ...
 constexpr double kLow_m = 0.3;       // ... and below this part of a box
 constexpr double kHoleVoxels = 2.0;  // side of a voxel of holes over that of points
-/// Kinds whose left and right are alike.
-constexpr std::array<std::string_view, 4> kVehicles{"car", "van", "truck", "bus"};
-
-/// Gives unseen points the look of the nearest seen one within two voxels of their mirror image.
-void mirror_looks(const PointSet& points, double voxel_m, std::vector<PointLook>& looks) {
-  const double cell_m = 2.0 * voxel_m;
-  using Cell = std::array<int, 3>;
-  const auto cell_of = [&](const Eigen::Vector3d& p) {
-    const Eigen::Vector3i c = (p / cell_m).array().floor().cast<int>();
-    return Cell{c.x(), c.y(), c.z()};
-  };
-  const auto position = [&](std::size_t i) -> Eigen::Vector3d {
-    return points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
-  };
-  std::map<Cell, std::vector<std::size_t>> seen;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    if (std::isfinite(looks[i].range_m)) seen[cell_of(position(i))].push_back(i);
-  }
-  const std::vector<PointLook> first = looks;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    if (std::isfinite(first[i].range_m)) continue;
-    const Eigen::Vector3d image = position(i).cwiseProduct(Eigen::Vector3d(1.0, -1.0, 1.0));
-    const Cell middle = cell_of(image);
-    double nearest_m = cell_m;
-    for (int k = 0; k < 27; ++k) {
-      const auto cell = seen.find({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1});
-      if (cell == seen.end()) continue;
-      for (const std::size_t other : cell->second) {
-        const double apart_m = (position(other) - image).norm();
-        if (!(apart_m < nearest_m)) continue;
-        nearest_m = apart_m;
-        looks[i] = first[other];
-      }
-    }
-  }
-}
 
 /// How high the ground is, as the background's points tell.
 class Ground {
@@ -136,10 +99,6 @@ ActorPoints::ActorPoints(std::vector<Actor> actors,
   holes_.assign(actors_.size(), VoxelGrid(kHoleVoxels * options.voxel_m));
 }
 
-bool ActorPoints::mirrors(const Actor& actor) const {
-  return options_.mirror && std::find(kVehicles.begin(), kVehicles.end(), actor.kind) != kVehicles.end();
-}
-
 Pose ActorPoints::scene_from_actor(std::size_t actor, double time_s) const {
   Pose pose = actors_[actor].at(time_s);
   pose.translation -= scene_origin_;
@@ -207,12 +166,10 @@ void ActorPoints::finish(VoxelGrid& background) {
   }
   std::vector<VoxelGrid> grids(actors_.size(), VoxelGrid(options_.voxel_m));
   for (const Return& r : kept) {
-    const Actor& actor = actors_[r.actor];
-    const Eigen::Vector3d half = 0.5 * actor.size_m + Eigen::Vector3d::Constant(options_.margin_m);
+    const Eigen::Vector3d half = half_m(r.actor);
     const Eigen::Vector3d p =
         (scene_from_actor(r.actor, r.time_s).inverse() * r.p_scene).cwiseMin(half).cwiseMax(-half);
     grids[r.actor].add(p, r.intensity);
-    if (mirrors(actor)) grids[r.actor].add({p.x(), -p.y(), p.z()}, r.intensity);
   }
   points_.clear();
   for (VoxelGrid& grid : grids) points_.push_back(grid.averages());
@@ -294,7 +251,6 @@ std::vector<std::vector<PointLook>> ActorPoints::split(const std::vector<PointLo
     const auto end = at + static_cast<std::ptrdiff_t>(points.size());
     out.emplace_back(at, end);
     at = end;
-    if (mirrors(actors_[out.size() - 1])) mirror_looks(points, options_.voxel_m, out.back());
   }
   return out;
 }

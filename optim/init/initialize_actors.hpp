@@ -17,7 +17,6 @@ namespace simuli {
 struct ActorPointOptions {
   double voxel_m = 0.05;
   double margin_m = 0.1;         // labels are not exact: boxes reach this much farther
-  bool mirror = false;           // vehicles look the same from left and right: adds each point's mirror image
   bool register_tracks = false;  // lets the returns say where the actors were (actor_tracks.hpp)
 };
 
@@ -63,8 +62,7 @@ class ActorPoints {
   [[nodiscard]] PointSet placed(const PointSet& background, double time_s, const ImageView& view) const;
   /// Marks the cells that look at a box: what they show is no background.
   void cover(const ImageView& view, double time_s, Coverage& coverage) const;
-  /// Looks behind those of `background_count` points, parted by actor. With `mirror`, a point of a vehicle
-  /// that no picture saw takes the look of the point nearest to its mirror image.
+  /// Looks behind those of `background_count` points, parted by actor.
   [[nodiscard]] std::vector<std::vector<PointLook>> split(const std::vector<PointLook>& looks,
                                                           std::size_t background_count) const;
 
@@ -75,7 +73,6 @@ class ActorPoints {
     Eigen::Vector3d p_scene;
     double intensity = 0.0;
   };
-  [[nodiscard]] bool mirrors(const Actor& actor) const;
   [[nodiscard]] Pose scene_from_actor(std::size_t actor, double time_s) const;
   [[nodiscard]] Eigen::Vector3d half_m(std::size_t actor) const {
     return 0.5 * actors_[actor].size_m + Eigen::Vector3d::Constant(options_.margin_m);

@@ -135,22 +135,6 @@ TEST(ActorPoints, TakeReturnsWhereTheyAreMeanwhile) {
   }
 }
 
-TEST_F(StreetWithCar, MirroringFillsTheSideNobodySaw) {
-  InitOptions options = small(true);
-  const auto of_car = [](const GaussianSet& set) {
-    return std::count(set.actor.begin(), set.actor.end(), 1U);
-  };
-  const SceneInit seen = initialize_scene(log_, kFullSize, options);
-  options.mirror_actors = true;
-  const SceneInit both = initialize_scene(log_, kFullSize, options);
-  EXPECT_GT(both.report.actor_points, seen.report.actor_points + seen.report.actor_points / 4);
-  EXPECT_GT(of_car(both.scene.camera), of_car(seen.scene.camera) * 5 / 4);
-  // The far side hides some of the background, too.
-  EXPECT_NEAR(static_cast<double>(both.scene.camera.size() - of_car(both.scene.camera)),
-              static_cast<double>(seen.scene.camera.size() - of_car(seen.scene.camera)),
-              0.01 * static_cast<double>(seen.scene.camera.size()));
-}
-
 TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
   const Device device = Device::best();
   EvalReport reports[2];
