@@ -9,26 +9,22 @@ namespace simuli {
 /// follows.
 struct LengthOptions {
   bool automatic = false;
-  double first_epochs = 10.0;
-  double growth = 1.5;
+  double first_epochs = 10.0;  // looks at each training picture in the first stage
+  double growth = 1.5;         // iterations at the end of a stage over those of the one before
+  // What asks for another stage, per doubling of the iterations: dB of training pictures, or the share by which
+  // the LiDAR set's loss falls.
   double gain_db = 0.5;
   double gain_share = 0.05;
-  int most = 6000;
+  int most = 6000;  // iterations, however much is gained
 };
 template <class F>
 constexpr void visit_fields(LengthOptions& o, F&& field) {
   field("auto.on", o.automatic, "training goes on until it gains little; iterations counts for nothing then");
-  field("auto.first_epochs", o.first_epochs, above(0.0), "looks at each training picture in the first stage");
-  field("auto.growth",
-        o.growth,
-        range(1.1, 4.0),
-        "iterations at the end of a stage over those of the one before");
-  field("auto.gain_db", o.gain_db, at_least(0.0), "dB of training pictures per doubling that ask for more");
-  field("auto.gain_share",
-        o.gain_share,
-        range(0.0, 1.0),
-        "of the LiDAR set's loss, by which it falls per doubling, that asks for more");
-  field("auto.most", o.most, at_least(1), "iterations, however much is gained");
+  field.keyless(o.first_epochs);
+  field.keyless(o.growth);
+  field.keyless(o.gain_db);
+  field.keyless(o.gain_share);
+  field.keyless(o.most);
 }
 
 /// The end of a stage. Gains are those per doubling of the iterations; NaN where a set has no frames, and in

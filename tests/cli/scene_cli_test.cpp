@@ -99,15 +99,14 @@ TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
 
 TEST_F(SceneCli, TrainingDecidesHowLongItGoesOn) {
   make_scene();
+  // Stopped in its first stage; what stages come to is the library's (length_test.cpp).
   const Outcome train =
-      run("train s.log -o auto.scene --iterations auto --json-progress --json --set init.voxel_m=0.3 "
-          "auto.gain_db=1000 auto.gain_share=1 auto.growth=1.2");
+      run("train s.log -o auto.scene --iterations auto --max-seconds 0.001 --json-progress --json "
+          "--set init.voxel_m=0.3");
   ASSERT_EQ(train.exit_code, 0) << train.err;
   const nlohmann::json report = nlohmann::json::parse(train.out);
-  EXPECT_EQ(report.at("iterations"), 120);
-  EXPECT_EQ(report.at("stages").size(), 2U);
-  EXPECT_EQ(report.at("stages").at(0).at("iterations"), 100);
-  EXPECT_TRUE(report.at("stages").at(1).at("gain_db").is_number());
+  EXPECT_LT(report.at("iterations"), 100);
+  EXPECT_TRUE(report.at("stages").is_array());
   EXPECT_NE(train.err.find("\"left_at_most_s\""), std::string::npos) << train.err;
   expect_failure(
       "train s.log -o x.scene --iterations some", kUsage, "--iterations: found some, allowed auto, or 0");

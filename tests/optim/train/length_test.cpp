@@ -133,9 +133,9 @@ TEST_F(AutoTraining, GoesOnFromItsCheckpointsWithTheSameBits) {
     EXPECT_EQ(report.stages[2].gain_db, whole.report().train.stages[2].gain_db);
   }
   TrainingOptions other = o;
-  other.train.length.gain_db = 1.0;
+  other.train.length.automatic = false;
   Training refused(Device::best(), log_, other);
-  expect_error(ErrorKind::kInput, "settings: found auto.gain_db=0, allowed auto.gain_db=1", [&] {
+  expect_error(ErrorKind::kInput, "settings: found auto.on=true, allowed auto.on=false", [&] {
     refused.resume(folder_ / "auto_50.checkpoint");
   });
 }

@@ -1,9 +1,9 @@
 // Every check of the options that users set, by its key.
 #include <functional>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <set>
 
+#include "host/base/fields.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/options/validate.hpp"
 #include "optim/eval/eval_options.hpp"
