@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string>
 #include <sys/wait.h>
+#include <unistd.h>
 
 namespace simuli::test {
 
@@ -42,6 +43,18 @@ class Cli : public testing::Test {
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read("out.txt"), read("err.txt")};
   }
+  /// s.log: a street of six frames, 64 x 36 pixels and 32 x 90 rays; `more`: arguments of synth.
+  void make_street(const std::string& more = "") const {
+    make_once(
+        "s.log",
+        "synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 " + more);
+  }
+  /// That street, and s.scene, trained on it for so many iterations.
+  void make_street_scene(int iterations = 1) const {
+    make_street();
+    make_once("s.scene",
+              fmt::format("train s.log -o s.scene --iterations {} --set init.voxel_m=0.3", iterations));
+  }
   /// The files of a scene, by name.
   std::map<std::string, std::string> content(const std::string& scene) const {
     std::map<std::string, std::string> files;
@@ -65,6 +78,24 @@ class Cli : public testing::Test {
   std::string program_ = SIMULI_PROGRAM;
 
  private:
+  /// The folder `name` by a command that gives the same each time: run once per process, then copied.
+  void make_once(const std::string& name, const std::string& command) const {
+    static const struct Made {
+      fs::path folder = fs::temp_directory_path() / fmt::format("simuli_made_{}", ::getpid());
+      ~Made() { fs::remove_all(folder); }
+    } made;
+    static std::map<std::string, fs::path> places;
+    if (const auto found = places.find(command); found != places.end()) {
+      fs::copy(found->second, folder_ / name, fs::copy_options::recursive);
+      return;
+    }
+    const Outcome outcome = run(command);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    fs::create_directories(made.folder);
+    const fs::path place = made.folder / std::to_string(places.size());
+    fs::copy(folder_ / name, place, fs::copy_options::recursive);
+    places.emplace(command, place);
+  }
   std::string read(const fs::path& name) const {
     std::ifstream file(folder_ / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};

@@ -66,10 +66,7 @@ TEST_F(FramesCli, MasksComeIntoACopyOfTheLog) {
 }
 
 TEST_F(FramesCli, TellWhatWasRenderedAndFromWhere) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene();
   const Outcome cameras = run(
       "render s.scene --sensor front --trajectory s.log --frames 2:3 --scale 0.5 --remove car -o pictures");
   ASSERT_EQ(cameras.exit_code, 0) << cameras.err;
@@ -155,10 +152,7 @@ TEST_F(FramesCli, CloudsKeepMillimetresFarFromTheOrigin) {
 }
 
 TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene();
   const std::string outputs = "rgb,depth,mean_depth,distance,mean_distance,opacity,actors,normals";
   const std::string what = "render s.scene --sensor front --times 0.2:0.2:1 --outputs ";
   const Outcome exr = run(what + outputs + " -o exr");
@@ -217,10 +211,7 @@ TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
 }
 
 TEST_F(FramesCli, AreTheRecordedOnesOfTheSensor) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene();
   const Log log = read_log(folder_ / "s.log");
   ASSERT_GT(log.world_from_rig.poses().size(), log.images.size());
   const auto render = [&](const std::string& arguments, const std::string& to) {
@@ -262,9 +253,7 @@ TEST_F(FramesCli, AreTheRecordedOnesOfTheSensor) {
 }
 
 TEST_F(FramesCli, RollingShuttersTakeWhatTheyTook) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
+  make_street();
   nlohmann::json log = nlohmann::json::parse(read_file(folder_ / "s.log/log.json"));
   log.at("cameras").at(0).at("shutter") = "top_to_bottom";
   for (nlohmann::json& image : log.at("images")) {
@@ -285,10 +274,7 @@ TEST_F(FramesCli, RollingShuttersTakeWhatTheyTook) {
 }
 
 TEST_F(FramesCli, ARenderedDriveIsALog) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene();
   const Outcome rendered =
       run("render s.scene --trajectory s.log --duplicate car:twin --move twin:-3,-3,0 --as-log -o new.log "
           "--json");

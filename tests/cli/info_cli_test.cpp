@@ -6,7 +6,7 @@
 
 #include "tests/cli/cli_fixture.hpp"
 
-namespace {
+namespace info_cli_test {
 
 using namespace simuli::test;
 using nlohmann::json;
@@ -28,9 +28,7 @@ class InfoCli : public Cli {
 };
 
 TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
+  make_street();
   const json log = told("s.log");
   ASSERT_EQ(log.at("recorded_frames").size(), 2U);
   for (const json& sensor : log.at("recorded_frames")) {
@@ -119,4 +117,4 @@ TEST_F(InfoCli, HelpOfCommandsHasTheOptionsOfAll) {
   }
 }
 
-}  // namespace
+}  // namespace info_cli_test

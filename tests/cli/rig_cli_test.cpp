@@ -7,7 +7,7 @@
 #include "tests/cli/cli_fixture.hpp"
 
 namespace simuli {
-namespace {
+namespace rig_cli_test {
 
 using namespace simuli::test;
 using nlohmann::json;
@@ -16,10 +16,7 @@ class RigCli : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    const Outcome synth =
-        run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90");
-    ASSERT_EQ(synth.exit_code, 0) << synth.err;
-    ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+    make_street_scene();
   }
   void write_rig(const json& sensors) const {
     const json rig = {{"format", "simuli rig"}, {"version", 1}, {"sensors", sensors}};
@@ -87,5 +84,5 @@ TEST_F(RigCli, BadRequestsAreRefused) {
   EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
-}  // namespace
+}  // namespace rig_cli_test
 }  // namespace simuli

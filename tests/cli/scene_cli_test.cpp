@@ -19,10 +19,7 @@ using namespace simuli::test;
 class SceneCli : public Cli {
  protected:
   void make_scene() const {
-    const Outcome synth =
-        run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
-            "--no-moving-car");
-    ASSERT_EQ(synth.exit_code, 0) << synth.err;
+    make_street("--no-moving-car");
     const Outcome train = run("train s.log -o s.scene --iterations 3 --json --set init.voxel_m=0.3");
     ASSERT_EQ(train.exit_code, 0) << train.err;
     const nlohmann::json report = nlohmann::json::parse(train.out);

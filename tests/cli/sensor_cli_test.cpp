@@ -11,10 +11,7 @@ namespace {
 using namespace simuli::test;
 
 TEST_F(Cli, CamerasOfFilesAreRendered) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene();
   // The log's own camera, from a file: the same picture, at another size and with a read-out of its own.
   const auto picture = [&](const std::string& sensor, const std::string& options, const std::string& to) {
     const Outcome seen =
@@ -34,10 +31,7 @@ TEST_F(Cli, CamerasOfFilesAreRendered) {
 }
 
 TEST_F(Cli, SensorsAreMountedAndSizedAsAsked) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene();
   const auto render = [&](const std::string& options, const std::string& to) {
     const Outcome seen = run("render s.scene --times 0.1:0.1:1 " + options + " -o " + to);
     EXPECT_EQ(seen.exit_code, 0) << seen.err;

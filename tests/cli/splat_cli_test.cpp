@@ -48,10 +48,7 @@ TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
 }
 
 TEST_F(SplatCli, ScenesAreExported) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 3 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene(3);
   const auto particles = [this](const std::string& command) {
     const Outcome done = run("export " + command + " --json");
     EXPECT_EQ(done.exit_code, 0) << done.err;

@@ -18,15 +18,6 @@ using namespace simuli::test;
 
 class SupportCli : public Cli {
  protected:
-  void make_log() const {
-    ASSERT_EQ(run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90")
-                  .exit_code,
-              0);
-  }
-  void make_scene() const {
-    make_log();
-    ASSERT_EQ(run("train s.log -o s.scene --iterations 20 --set init.voxel_m=0.3").exit_code, 0);
-  }
   /// The scene as one from before there was support.
   void forget_support() const {
     nlohmann::json scene = nlohmann::json::parse(read_file(folder_ / "s.scene/scene.json"));
@@ -37,7 +28,7 @@ class SupportCli : public Cli {
 };
 
 TEST_F(SupportCli, FallsBesideThePath) {
-  make_scene();
+  make_street_scene(20);
   double means[2] = {};
   for (const int shift_m : {0, 3}) {
     const std::string to = fmt::format("shift_{}", shift_m);
@@ -95,7 +86,7 @@ TEST_F(SupportCli, FallsBesideThePath) {
 }
 
 TEST_F(SupportCli, MirrorsWhatOneSideAloneWasSeenOf) {
-  make_scene();
+  make_street_scene(20);
   const Outcome done = run("render s.scene --sensor front --frames 1:1 --mirror car -o m");
   ASSERT_EQ(done.exit_code, 0) << done.err;
   const nlohmann::json frames = nlohmann::json::parse(read_file(folder_ / "m/frames.json"));
@@ -105,7 +96,7 @@ TEST_F(SupportCli, MirrorsWhatOneSideAloneWasSeenOf) {
 }
 
 TEST_F(SupportCli, TrainsOnWhatAProgramMends) {
-  make_log();
+  make_street();
   write_file_atomically(folder_ / "mend.sh", R"(for f in "$1"/*_support.png; do
   b=$(basename "$f" _support.png); cp "$1/$b.png" "$2/"; done
 cp "$1/views.json" told_$(ls told_* 2>/dev/null | wc -l).json

@@ -13,9 +13,7 @@ using namespace simuli::test;
 class ReportCli : public Cli {};
 
 TEST_F(ReportCli, ShowsWhatIsRecordedAndWhatIsNot) {
-  const Outcome synth =
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90");
-  ASSERT_EQ(synth.exit_code, 0) << synth.err;
+  make_street();
   const Outcome train =
       run("train s.log -o s.scene --held-out 2 --iterations 1 --set init.voxel_m=0.3 render.alpha_cut=0.005");
   ASSERT_EQ(train.exit_code, 0) << train.err;

@@ -70,10 +70,7 @@ TEST(RecordedViews, KeepThoseNearby) {
 class UnseenCli : public Cli {};
 
 TEST_F(UnseenCli, WideLensesAreMarkedWhereNothingIsKnown) {
-  ASSERT_EQ(
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90").exit_code,
-      0);
-  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  make_street_scene();
   const auto picture = [&](const std::string& sensor, const std::string& folder, const std::string& more) {
     const Outcome outcome =
         run("render s.scene --sensor " + sensor + " --frames 1:2 -o " + folder + ' ' + more);

@@ -14,10 +14,7 @@ class HeldOutCli : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    const Outcome synth =
-        run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
-            "--no-moving-car");
-    ASSERT_EQ(synth.exit_code, 0) << synth.err;
+    make_street("--no-moving-car");
   }
 };
 

@@ -3,28 +3,29 @@
 #include <csignal>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <random>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 
 #include "tests/cli/cli_fixture.hpp"
 
-namespace {
+namespace resume_cli_test {
 
 using namespace simuli::test;
-using Clock = std::chrono::steady_clock;
 
 class ResumeCli : public Cli {
  protected:
-  void make_log() const {
-    ASSERT_EQ(run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
-                  "--no-moving-car")
-                  .exit_code,
-              0);
-  }
-  /// Runs "simuli ARGUMENTS" and kills it after a while; true when it was still running.
-  bool run_and_kill(const std::string& arguments, std::chrono::milliseconds after) const {
+  void make_log() const { make_street("--no-moving-car"); }
+  /// Runs "simuli ARGUMENTS" and kills it once it has written `states` states of the scene's checkpoint; true
+  /// when it was still running.
+  bool run_and_kill(const std::string& arguments, const std::string& scene, int states) const {
+    const fs::path checkpoint = folder_ / (scene + ".checkpoint");
+    const auto which = [&] {  // each state is a new file
+      struct stat file {};
+      return ::stat(checkpoint.c_str(), &file) == 0 ? file.st_ino + 1 : 0;
+    };
+    auto last = which();
     const std::string command = fmt::format(
         "cd '{}' && exec '{}' {} >out.txt 2>err.txt </dev/null", folder_.string(), SIMULI_PROGRAM, arguments);
     const pid_t child = fork();
@@ -32,9 +33,16 @@ class ResumeCli : public Cli {
       execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       _exit(127);
     }
-    std::this_thread::sleep_for(after);
-    kill(child, SIGKILL);
     int status = 0;
+    while (states > 0) {
+      if (waitpid(child, &status, WNOHANG) != 0) return false;
+      if (const auto now = which(); now != last) {
+        last = now;
+        states -= 1;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    kill(child, SIGKILL);
     waitpid(child, &status, 0);
     return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
   }
@@ -48,23 +56,14 @@ TEST_F(ResumeCli, KilledTrainingsGiveTheSameScene) {
   make_log();
   const Outcome whole = run("train s.log -o whole.scene " + kTraining);
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
-  // The time of one that needs to compile no kernel.
-  const Clock::time_point begin = Clock::now();
-  ASSERT_EQ(run("train s.log -o again.scene " + kTraining).exit_code, 0);
-  const auto duration = std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
-  EXPECT_EQ(content("again.scene"), content("whole.scene"));
   EXPECT_TRUE(fs::exists(folder_ / "whole.scene.checkpoint"));  // for a longer training
 
-  std::mt19937 random(5);
-  constexpr int kKills = 6;
-  int killed = 0;
-  for (int i = 0; i < kKills; ++i) {
-    // From before the first iteration to well into the training.
-    const auto after = duration * (20 + random() % 60) / 100;
-    killed += run_and_kill("train s.log -o killed.scene --resume " + kTraining, after) ? 1 : 0;
-    if (fs::exists(folder_ / "killed.scene")) break;  // it was done first
+  // From before the first iteration to well into the training: states 0, 1, 3, 6 and 10 of 20.
+  for (int states = 0; states < 5; ++states) {
+    EXPECT_TRUE(run_and_kill("train s.log -o killed.scene --resume " + kTraining, "killed.scene", states))
+        << states;
   }
-  EXPECT_GE(killed, 1);
+  EXPECT_FALSE(fs::exists(folder_ / "killed.scene"));
   const Outcome last = run("train s.log -o killed.scene --resume " + kTraining);
   ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_EQ(content("killed.scene"), content("whole.scene"));
@@ -104,12 +103,11 @@ TEST_F(ResumeCli, AnotherTrainingsCheckpointIsRefused) {
   make_log();
   ASSERT_EQ(run("train s.log -o a.scene --iterations 2 --set init.voxel_m=0.3").exit_code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "a.scene.checkpoint"));
-  // Killed: the last state stays. Later each time, as sanitized programs take half a minute to come to one.
-  for (int i = 0; i < 20 && !fs::exists(folder_ / "b.scene.checkpoint"); ++i) {
-    run_and_kill("train s.log -o b.scene --iterations 100000 --checkpoint-every 1 --set init.voxel_m=0.3",
-                 std::chrono::seconds(2 + 2 * i));
-  }
-  ASSERT_TRUE(fs::exists(folder_ / "b.scene.checkpoint"));
+  // Killed: the last state stays.
+  ASSERT_TRUE(
+      run_and_kill("train s.log -o b.scene --iterations 100000 --checkpoint-every 1 --set init.voxel_m=0.3",
+                   "b.scene",
+                   1));
   const std::string resume = "train s.log -o b.scene --resume --iterations 100000 ";
   expect_failure(resume + "--set init.voxel_m=0.31", kInput, "init.voxel_m=0.3,");
   expect_failure(resume + "--set init.voxel_m=0.3 --seed 2", kInput, "seed=1");
@@ -136,4 +134,4 @@ TEST_F(ResumeCli, TrainingsThatDoNotFitAreRefusedWithNumbers) {
   EXPECT_FALSE(fs::exists(folder_ / "a.scene"));
 }
 
-}  // namespace
+}  // namespace resume_cli_test

@@ -1,4 +1,5 @@
 // The viewer: its answers over HTTP, and its page in a real browser where one is installed.
+#include <Eigen/Core>  // before the macros of the HTTP library
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -19,13 +20,13 @@
 #include "tests/cli/draw/browser.hpp"
 #include "tests/cli/view/view_fixture.hpp"
 
-namespace {
+namespace view_cli_test {
 
 using namespace simuli::test;
 using nlohmann::json;
 
 TEST_F(ViewCli, AnswersWithPicturesAndSweeps) {
-  make_scene();
+  make_street_scene(3);
   start();
   const httplib::Result page = client_->Get("/");
   ASSERT_TRUE(page);
@@ -65,7 +66,7 @@ TEST_F(ViewCli, AnswersWithPicturesAndSweeps) {
 }
 
 TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
-  make_scene();
+  make_street_scene(3);
   start();
   const std::string plain = post("/api/picture", view_of("front")).payload;
   EXPECT_EQ(post("/api/picture", view_of("front")).payload, plain);
@@ -122,7 +123,7 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
 }
 
 TEST_F(ViewCli, ActorsAreAddedForTheSession) {
-  make_scene();
+  make_street_scene(3);
   start();
   const auto actors = [&] { return json::parse(client_->Get("/api/scene")->body).at("actors"); };
   const auto version = [&] { return json::parse(client_->Get("/api/status")->body).at("version"); };
@@ -167,7 +168,7 @@ TEST_F(ViewCli, ActorsAreAddedForTheSession) {
 }
 
 TEST_F(ViewCli, RefusesPicturesOfAnySize) {
-  make_scene();
+  make_street_scene(3);
   json scene = json::parse(std::ifstream(folder_ / "s.scene" / "scene.json"));
   scene["cameras"][0]["height_px"] = 60'000;
   std::ofstream(folder_ / "s.scene" / "scene.json") << scene.dump();
@@ -184,7 +185,7 @@ TEST_F(ViewCli, RefusesPicturesOfAnySize) {
 }
 
 TEST_F(ViewCli, RefusesWhatItCantShow) {
-  make_scene();
+  make_street_scene(3);
   start();
   json view = view_of("nobody");
   EXPECT_EQ(post("/api/picture", view).status, 400);
@@ -216,7 +217,7 @@ TEST_F(ViewCli, PageWorksInABrowser) {
   if (!has_browser()) {
     GTEST_SKIP() << "not run: the page in a browser, chromedriver (Debian: chromium-driver) is not installed";
   }
-  make_scene();
+  make_street_scene(3);
   start();
   const BackgroundProgram driver({"chromedriver", "--port=0"}, folder_ / "driver.txt");
   const int driver_port = driver.number_behind("successfully on port ");
@@ -298,10 +299,7 @@ TEST_F(ViewCli, PageWorksInABrowser) {
 }
 
 TEST_F(ViewCli, TrainingIsShownWhileItRuns) {
-  const Outcome synth =
-      run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90 "
-          "--no-moving-car");
-  ASSERT_EQ(synth.exit_code, 0) << synth.err;
+  make_street("--no-moving-car");
   const BackgroundProgram train({SIMULI_PROGRAM,
                                  "train",
                                  (folder_ / "s.log").string(),
@@ -335,4 +333,4 @@ TEST_F(ViewCli, TrainingIsShownWhileItRuns) {
   EXPECT_GT(status().at("version"), now.at("version"));
 }
 
-}  // namespace
+}  // namespace view_cli_test

@@ -10,7 +10,7 @@ namespace {
 using namespace simuli::test;
 
 TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
-  make_scene();
+  make_street_scene(3);
   fs::rename(folder_ / "s.scene", folder_ / "it's a.scene");
   start_scene("it's a.scene", {"--duplicate", "car:old", "--move", "old:0,1,0"});
   json view = view_of("front");

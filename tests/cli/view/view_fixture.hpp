@@ -1,5 +1,6 @@
 #pragma once
 // A small scene, and the viewer that shows it.
+#include <Eigen/Core>  // before the macros of the HTTP library
 #include <cstdint>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -18,13 +19,6 @@ using nlohmann::json;
 
 class ViewCli : public Cli {
  protected:
-  void make_scene() const {
-    const Outcome synth =
-        run("synth street -o s.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90");
-    ASSERT_EQ(synth.exit_code, 0) << synth.err;
-    const Outcome train = run("train s.log -o s.scene --iterations 3 --json --set init.voxel_m=0.3");
-    ASSERT_EQ(train.exit_code, 0) << train.err;
-  }
   /// Starts the viewer on any free port.
   void start(const std::vector<std::string>& more = {}) { start_scene("s.scene", more); }
   void start_scene(const std::string& scene, const std::vector<std::string>& more = {}) {

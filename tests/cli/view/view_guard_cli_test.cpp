@@ -1,4 +1,5 @@
 // The viewer and those who mean it harm: pages of other sites, and clients that keep it waiting.
+#include <Eigen/Core>  // before the macros of the HTTP library
 #include <arpa/inet.h>
 #include <atomic>
 #include <chrono>
@@ -21,7 +22,7 @@ namespace {
 using namespace simuli::test;
 
 TEST_F(ViewCli, OtherSitesGetNothing) {
-  make_scene();
+  make_street_scene(3);
   start();
   const std::string own = "http://127.0.0.1:" + std::to_string(port_);
   const auto status = [&](const httplib::Headers& headers) {
@@ -66,7 +67,7 @@ class SlowClient {
 };
 
 TEST_F(ViewCli, SlowAndIdleClientsDelayNobody) {
-  make_scene();
+  make_street_scene(3);
   start();
   const auto seconds = [&] {
     const auto begin = std::chrono::steady_clock::now();
@@ -104,7 +105,7 @@ TEST_F(ViewCli, SlowAndIdleClientsDelayNobody) {
 }
 
 TEST_F(ViewCli, TheTokenNeedNotBeOnTheCommandLine) {
-  make_scene();
+  make_street_scene(3);
   std::ofstream(folder_ / "token.txt") << "a b&c=#\r\nsecond line\n";
   const auto expect_token = [&](const std::string& token) {
     EXPECT_EQ(client_->Get("/api/scene", {{"X-Simuli-Token", "other"}})->status, 401);
@@ -120,7 +121,7 @@ TEST_F(ViewCli, TheTokenNeedNotBeOnTheCommandLine) {
 }
 
 TEST_F(ViewCli, OtherHostsNeedAToken) {
-  make_scene();
+  make_street_scene(3);
   expect_failure("view s.scene --host 0.0.0.0 --port 0", kUsage, "--token");
   start({"--token", "secret"});
   EXPECT_EQ(client_->Get("/api/scene")->status, 401);
