@@ -1,11 +1,10 @@
 #include "io/picture/image.hpp"
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
-#include <thread>
+#include <string>
 
 #include "io/base/file.hpp"
 #include "tests/host/expect_error.hpp"
@@ -54,9 +53,7 @@ TEST(Image, ExrKeepsEveryBit) {
 TEST(Image, ExrKnowsNoDate) {
   const Scratch scratch;
   write_image(scratch / "a.exr", Image(4, 3, 3));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-  write_image(scratch / "b.exr", Image(4, 3, 3));
-  EXPECT_EQ(read_file(scratch / "a.exr"), read_file(scratch / "b.exr"));
+  EXPECT_EQ(read_file(scratch / "a.exr").find("capDate"), std::string::npos);  // as libraries write unasked
 }
 
 TEST(Image, JpegIsClose) {

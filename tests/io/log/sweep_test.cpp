@@ -1,10 +1,8 @@
-#include <chrono>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 #include <numbers>
 #include <sys/stat.h>
-#include <thread>
 
 #include "io/base/file.hpp"
 #include "io/log/log.hpp"
@@ -60,9 +58,7 @@ TEST(SweepFile, KnowsNoDateAndNoPipe) {
   const Scratch scratch;
   const Lidar lidar = some_lidar();
   write_sweep(scratch / "a.exr", some_sweep(lidar));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-  write_sweep(scratch / "b.exr", some_sweep(lidar));
-  EXPECT_EQ(read_file(scratch / "a.exr"), read_file(scratch / "b.exr"));
+  EXPECT_EQ(read_file(scratch / "a.exr").find("capDate"), std::string::npos);
   ASSERT_EQ(::mkfifo((scratch / "pipe.exr").c_str(), 0600), 0);
   expect_input_error([&] { (void)read_sweep(scratch / "pipe.exr", lidar); },
                      {"pipe.exr: file: found a pipe"});
