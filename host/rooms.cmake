@@ -13,6 +13,13 @@ set(SIMULI_PCH_HEADERS
 
 # Sources of a room compiled several at a time: what they share is parsed and instantiated once.
 option(SIMULI_UNITY "Compile the sources of a room together" ON)
+function(simuli_unity target)
+  if(SIMULI_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # g++ takes sources that are included for headers.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()
 
 # simuli_includes(TARGET FOLDER...): makes the target's include directory, with a link to each folder.
 function(simuli_includes target)
@@ -47,10 +54,8 @@ function(simuli_room folder)
       target_precompile_headers(${target} REUSE_FROM simuli_pch)
     endif()
   endif()
-  if(SIMULI_UNITY AND NOT folder MATCHES "^bench")  # benches stand alone, and share names
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    # g++ takes sources that are included for headers.
-    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  if(NOT folder MATCHES "^bench")  # benches stand alone, and share names
+    simuli_unity(${target})
   endif()
   if(NOT ARG_OUTSIDE)
     set_property(GLOBAL APPEND PROPERTY SIMULI_LIBRARY_ROOMS ${target})

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <iostream>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/runtime/kernel.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/opencv_cameras.hpp"
@@ -16,7 +16,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 // What a float pipeline may miss: a hundredth of a pixel.
 constexpr double kFloat_px = 0.01;
 // A float decides differently about points this close to the end of the domain.

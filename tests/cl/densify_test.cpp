@@ -11,7 +11,7 @@
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace densify_test {
 
 constexpr double kDead = 0.005;
 
@@ -313,5 +313,5 @@ TEST_F(Densify, NoiseHasTheCovarianceOfTheParticleAndSparesTheOpaque) {
   EXPECT_EQ(again.download().params, after.params);
 }
 
-}  // namespace
+}  // namespace densify_test
 }  // namespace simuli

@@ -2,18 +2,17 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/gradient/gradient_check.hpp"
 
 namespace simuli {
-namespace {
+namespace environment_test {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGradientTolerance = 1e-6;
 // Directions of 24 bits are places of 1e-6 texels here, and texels differ by about 1.
 constexpr double kFloatTolerance = 2e-5;
@@ -245,5 +244,5 @@ INSTANTIATE_TEST_SUITE_P(All,
                            return instance.param == Precision::kFloat ? "in_float" : "in_double";
                          });
 
-}  // namespace
+}  // namespace environment_test
 }  // namespace simuli

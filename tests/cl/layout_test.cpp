@@ -12,7 +12,7 @@
 #include "host/runtime/text/source.hpp"
 
 namespace simuli {
-namespace {
+namespace layout_test {
 
 using Offsets = std::vector<std::uint32_t>;
 
@@ -213,5 +213,5 @@ TEST(Layout, TheProbeSeesSwappedFields) {
   EXPECT_NE(device_offsets(swapped(layout, "sim_u32 columns;", "sim_u32 others;")), host_offsets());
 }
 
-}  // namespace
+}  // namespace layout_test
 }  // namespace simuli

@@ -11,7 +11,7 @@
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace loss_ssim_test {
 
 // Variances of values near 1 are differences of numbers near 1, beside C2 = 9e-4: 24 bits leave 1e-4 of one
 // window's SSIM, and less of the mean.
@@ -198,5 +198,5 @@ INSTANTIATE_TEST_SUITE_P(All,
                                   (instance.param.second == 1 ? "_gpu_shape" : "");
                          });
 
-}  // namespace
+}  // namespace loss_ssim_test
 }  // namespace simuli

@@ -10,7 +10,7 @@
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
-namespace {
+namespace math_test {
 
 constexpr const char* kProbe = R"(
 #include "math/elementary.h"
@@ -153,5 +153,5 @@ __kernel void sums(__global const real* values, __global real* each, __global re
   }
 }
 
-}  // namespace
+}  // namespace math_test
 }  // namespace simuli

@@ -11,7 +11,7 @@
 #include "host/runtime/kernel.hpp"
 
 namespace simuli {
-namespace {
+namespace random_test {
 
 struct Vector {
   std::array<std::uint32_t, 2> key;
@@ -95,5 +95,5 @@ TEST(Philox, NormalsHaveTheMomentsOfTheNormalDistribution) {
   for (const double m : mixed) EXPECT_NEAR(m, 0.0, 5.0 / std::sqrt(static_cast<double>(kCount)));
 }
 
-}  // namespace
+}  // namespace random_test
 }  // namespace simuli

@@ -6,18 +6,16 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <iostream>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Which rays are asked for.
 struct Request {

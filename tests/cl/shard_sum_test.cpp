@@ -12,7 +12,7 @@
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace shard_sum_test {
 
 constexpr std::uint32_t kCulled = 0xffffffffU;
 
@@ -214,5 +214,5 @@ TEST_F(ShardSumTest, OthersAreRefused) {
   refused({1, 1, first, fewer});
 }
 
-}  // namespace
+}  // namespace shard_sum_test
 }  // namespace simuli

@@ -13,7 +13,7 @@
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace sort_test {
 
 using Words = std::vector<std::uint32_t>;
 
@@ -82,5 +82,5 @@ INSTANTIATE_TEST_SUITE_P(WorkItems, Sort, testing::ValuesIn(cases()), [](const a
          "_bits";
 });
 
-}  // namespace
+}  // namespace sort_test
 }  // namespace simuli

@@ -5,7 +5,7 @@
 
 #include "tests/cli/cli_fixture.hpp"
 
-namespace {
+namespace manual_cli_test {
 
 using namespace simuli::test;
 
@@ -80,4 +80,4 @@ TEST_F(ManualCli, ManualPageHasEveryCommand) {
   }
 }
 
-}  // namespace
+}  // namespace manual_cli_test

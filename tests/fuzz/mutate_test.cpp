@@ -7,7 +7,7 @@
 #include "tests/fuzz/readers.hpp"
 
 namespace simuli {
-namespace {
+namespace mutate_test {
 
 namespace fs = std::filesystem;
 
@@ -50,5 +50,5 @@ std::string name_of(const testing::TestParamInfo<test::FuzzedReader>& reader) {
 INSTANTIATE_TEST_SUITE_P(Readers, Mutated, testing::ValuesIn(test::fuzzed_files()), name_of);
 INSTANTIATE_TEST_SUITE_P(Program, Mutated, testing::ValuesIn(test::fuzzed_program()), name_of);
 
-}  // namespace
+}  // namespace mutate_test
 }  // namespace simuli

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <iostream>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/sensors/camera.hpp"
 #include "tests/host/expect_error.hpp"
 
@@ -13,7 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kReprojection_px = 1e-8;  // double arithmetic; a hundredth of a pixel would do
 
 TEST(CameraLibrary, EveryPixelThatHasARayComesBackFromIt) {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
-#include <numbers>
 
 #include "cl/shared/sensor_constants.h"
+#include "host/base/angles.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
@@ -15,7 +15,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 // Rounding of two ways to write one formula, values of size 1 to 10.
 constexpr double kSameFormula = 1e-12;
 // Past this step off a fold (relative) the sign of a finite difference is certain.

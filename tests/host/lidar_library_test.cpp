@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <set>
 
+#include "host/base/angles.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kTable = 1e-6;      // rad: tables are written in microradians
 constexpr double kRounding = 1e-12;  // of formulas in double
 

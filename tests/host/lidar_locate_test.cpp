@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <string>
 
+#include "host/base/angles.hpp"
 #include "host/sensors/lidar_library.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kSteps = 1e-3;  // of a row or a column: what a sensor model must hold
 constexpr double kRanges_m[] = {0.5, 3.0, 17.0, 100.0};
 

@@ -3,14 +3,13 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
-namespace {
+namespace lidar_test {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kRounding = 1e-12;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -161,5 +160,5 @@ TEST(Lidar, KittiTableCrossesTheSpinAxisWhereItWasFitted) {
   EXPECT_NEAR(std::remainder(lidar.azimuth(0, lidar.columns / 2), 2 * kPi), 0.0, lidar.azimuth_span / 2156);
 }
 
-}  // namespace
+}  // namespace lidar_test
 }  // namespace simuli

@@ -8,7 +8,7 @@
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
-namespace {
+namespace ray_list_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -56,5 +56,5 @@ TEST(RayList, ValidateNamesTheFieldThatIsWrong) {
   refused("divergence_variance", [](RayList& l) { l.divergence_variance = kNan; });
 }
 
-}  // namespace
+}  // namespace ray_list_test
 }  // namespace simuli

@@ -6,7 +6,7 @@
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
-namespace {
+namespace trajectory_test {
 
 constexpr double kRounding = 1e-12;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -72,5 +72,5 @@ TEST(Trajectory, NormalisesRotations) {
   EXPECT_NEAR(Trajectory({p}).at(0).rotation.norm(), 1.0, kRounding);
 }
 
-}  // namespace
+}  // namespace trajectory_test
 }  // namespace simuli

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/sensors/camera.hpp"
 #include "tests/host/expect_error.hpp"
@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kPi = std::numbers::pi;
 
 /// sum over j and i with i + j up to the degree, term by term.
 double polynomial(const std::vector<double>& c, double a, double b) {

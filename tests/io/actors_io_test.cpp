@@ -16,7 +16,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace actors_io_test {
 
 using Eigen::Vector3d;
 using test::expect_input_error;
@@ -303,5 +303,5 @@ TEST(StreetActor, IsWhereTheCarIs) {
   EXPECT_FALSE(Street({.car = std::nullopt}).trace(above, -Vector3d::UnitZ(), 1.0, 10.0).on_car);
 }
 
-}  // namespace
+}  // namespace actors_io_test
 }  // namespace simuli

@@ -8,7 +8,7 @@
 #include "tests/host/windshields.hpp"
 
 namespace simuli {
-namespace {
+namespace camera_json_test {
 
 LogCamera camera_of(LensKind kind) {
   LogCamera camera;
@@ -107,5 +107,5 @@ TEST(CameraJson, RefusesByName) {
   EXPECT_NE(error_of(json).find("log.json: max_angle_rad: found 7"), std::string::npos) << error_of(json);
 }
 
-}  // namespace
+}  // namespace camera_json_test
 }  // namespace simuli

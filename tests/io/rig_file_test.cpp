@@ -9,7 +9,7 @@
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
-namespace {
+namespace rig_file_test {
 
 using test::expect_input_error;
 using test::Scratch;
@@ -102,5 +102,5 @@ TEST(RigFile, BadOnesAreRefused) {
   refused(one({{"readout_s", 0.01}}), {"sensors[0].readout_s", "recorded"});
 }
 
-}  // namespace
+}  // namespace rig_file_test
 }  // namespace simuli

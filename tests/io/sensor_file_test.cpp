@@ -5,7 +5,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace sensor_file_test {
 
 using test::expect_input_error;
 using test::Scratch;
@@ -222,5 +222,5 @@ TEST(CameraFile, BadFilesAreRefusedByField) {
                      {"bad.json: kind: found a camera, allowed lidar or ray_list"});
 }
 
-}  // namespace
+}  // namespace sensor_file_test
 }  // namespace simuli

@@ -7,7 +7,7 @@
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
-namespace {
+namespace sensor_rig_test {
 
 using test::expect_input_error;
 using test::Scratch;
@@ -133,5 +133,5 @@ TEST(SensorRig, CamerasOfALogTakeWhatTheyTook) {
   EXPECT_EQ(SensorRig(log).find("front").duration_s(), 0.02);
 }
 
-}  // namespace
+}  // namespace sensor_rig_test
 }  // namespace simuli

@@ -9,7 +9,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace street_test {
 
 using Eigen::Vector3d;
 
@@ -398,5 +398,5 @@ TEST(Street, OptionsOutsideTheirRangeAreRefused) {
   refused("260 m", [](StreetOptions& o) { o.frames = 1000; });
 }
 
-}  // namespace
+}  // namespace street_test
 }  // namespace simuli

@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <iostream>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/render/frame/actor_constants.hpp"
 #include "host/render/pages/frame_sight.hpp"
 #include "host/render/rays/sensor_in_frame.hpp"
@@ -26,7 +26,6 @@ using Eigen::Vector3d;
 using test::SceneCase;
 using test::Shot;
 
-constexpr double kPi = std::numbers::pi;
 constexpr Eigen::Index kClusters = 96;
 
 /// Drives 3.2 m and turns by 12 degrees during the frame.

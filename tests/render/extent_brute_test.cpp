@@ -3,20 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace extent_brute_test {
 
 using Eigen::Vector3d;
 using test::Shot;
 using test::SingleParticle;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kAlphaCut = 1.0 / 255.0;
 // A response this near to the cut (in its exponent) may be decided either way by a ray in float: needles
 // make 100 000 of its 6e-8.
@@ -210,5 +209,5 @@ TEST(ExactExtentOfDegenerateParticles, LosesNothing) {
   expect_nothing_lost(lidar, particles);
 }
 
-}  // namespace
+}  // namespace extent_brute_test
 }  // namespace simuli

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/windshields.hpp"
 
@@ -16,7 +16,6 @@ namespace {
 using Eigen::Vector3d;
 using test::Shot;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kAlphaCut = 1.0 / 255.0;
 
 // Relative to the transmittance. A lost contribution changes it by 1/255 or more. Rays are kept in float for

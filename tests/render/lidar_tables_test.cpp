@@ -2,17 +2,16 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/sensors/lidar_library.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // A ray through the middle of a particle of opacity 0.95 keeps 0.05; a particle that its tile does not list
 // leaves it 1.
 constexpr float kHit = 0.3F;

@@ -11,7 +11,7 @@
 #include "tests/render/actor_scenes.hpp"
 
 namespace simuli {
-namespace {
+namespace plan_test {
 
 /// What a frame leaves behind.
 struct Traces {
@@ -125,5 +125,5 @@ TEST(Plan, SweepsWithoutEmptyCellsAreNotCulled) {
   EXPECT_NE(full.programs, traces_of(set, shot, always).programs);
 }
 
-}  // namespace
+}  // namespace plan_test
 }  // namespace simuli

@@ -4,18 +4,16 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Every ray has exactly one slot, empty slots carry nothing, directions have unit length.
 void expect_complete(const RayGrid& grid) {

@@ -2,16 +2,15 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace ray_list_test {
 
-constexpr double kPi = std::numbers::pi;
 constexpr float kHit = 0.3F;  // as in lidar_tables_test.cpp
 
 /// Petals about the x axis, as two turning prisms make them: neighbours in time are none in angle.
@@ -185,5 +184,5 @@ TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
   }
 }
 
-}  // namespace
+}  // namespace ray_list_test
 }  // namespace simuli

@@ -1,15 +1,14 @@
 // The cut of a sweep: where it lies must not matter, and what stands at it is met as the geometry says.
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kQuarter = kPi / 2.0;
 constexpr int kColumns = 160;  // divisible by four: a quarter turn is a whole number of columns
 

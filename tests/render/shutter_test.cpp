@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace shutter_test {
 
 using Eigen::Vector3d;
 using test::Shot;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kAlphaCut = 1.0 / 255.0;
 constexpr double kOpacity = 0.5;
 constexpr double kSmallest_m = 1e-4;
@@ -269,5 +268,5 @@ TEST(Shutter, OrdinarySpeedsSettleInDouble) {
   expect_ordinary_speeds_settle(Precision::kDouble);
 }
 
-}  // namespace
+}  // namespace shutter_test
 }  // namespace simuli

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/actor_scenes.hpp"
@@ -14,8 +15,6 @@ namespace simuli {
 namespace {
 
 using test::SceneCase;
-
-constexpr double kPi = 3.14159265358979323846;
 
 test::Shot shot_for(const SceneCase& scene) {
   return scene.kind == SetKind::kCamera ? test::shot_of(scene, 40, 36) : test::shot_of(scene, 80, 18);

@@ -6,7 +6,7 @@
 #include "tests/runtime/support.hpp"
 
 namespace simuli {
-namespace {
+namespace disk_cache_test {
 
 namespace fs = std::filesystem;
 using test::ScopedEnvironment;
@@ -130,5 +130,5 @@ TEST_F(DiskCache, FolderFollowsTheVariables) {
   EXPECT_EQ(cache_folder(), fs::path("/home/somebody/.cache/simuli"));
 }
 
-}  // namespace
+}  // namespace disk_cache_test
 }  // namespace simuli

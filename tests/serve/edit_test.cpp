@@ -2,6 +2,7 @@
 #include "host/scene/edit.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "host/serve/messages/edit_message.hpp"

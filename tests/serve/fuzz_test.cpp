@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <google/protobuf/stubs/logging.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <iostream>
 #include <random>

@@ -1,4 +1,5 @@
 // simuli serve, beside simuli render.
+#include <Eigen/Core>  // before the macros of the HTTP library
 #include <csignal>
 #include <cstdlib>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Boxes of the reference: sizes, fallbacks, levers, time.
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/scenes.hpp"
@@ -17,7 +17,6 @@ using test::SingleParticle;
 
 constexpr double kDouble = 1e-12;  // roundings of double arithmetic on values around 1
 constexpr double kSingle = 2e-6;   // parameters are stored in single precision
-constexpr double kPi = std::numbers::pi;
 
 SingleParticle small_at(const Vector3d& mean, double scale = 0.01, double opacity = 0.5) {
   SingleParticle particle;

@@ -2,18 +2,17 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli::reference {
-namespace {
+namespace reference_invariance_test {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDouble = 1e-9;        // roundings of positions of 100 m under exp(-q/2) with small scales
 constexpr double kDoubleMargin = 1e-6;  // range keys are single precision: 6e-8 of their value
 constexpr double kAzimuth = 2e-3;  // azimuths are single precision: 2e-7 rad, 1e-5 m at 50 m, against 1 cm
@@ -275,5 +274,5 @@ TEST(Scenes, AreTheSameForTheSameSeed) {
   EXPECT_EQ(a.params.cols(), 11 + 27);
 }
 
-}  // namespace
+}  // namespace reference_invariance_test
 }  // namespace simuli::reference

@@ -1,9 +1,9 @@
 // The projection of tests/support/reference.hpp: particle -> footprint.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "tests/support/reference.hpp"
 
@@ -13,7 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kCameraNear_m = 0.01;    // z_min
 constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis is all round
 constexpr double kSettled = 1.0 / 32.0;   // of a row or column, between the time looked at and that seen

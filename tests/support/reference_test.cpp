@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <vector>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli::reference {
-namespace {
+namespace reference_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -19,7 +19,6 @@ using test::SingleParticle;
 
 constexpr double kDouble = 1e-12;  // roundings of double arithmetic on values around 1
 constexpr double kSingle = 2e-6;   // parameters are stored in single precision, the logit of 0.9 to 1e-7
-constexpr double kPi = std::numbers::pi;
 const Vector3d kBackground(0.1, 0.2, 0.3);
 
 /// 5x5 pixels about a principal point at the centre of pixel (2,2), looking along +z of the scene.
@@ -299,5 +298,5 @@ TEST(Wrapped, IsHalfOpen) {
   EXPECT_EQ(wrapped(0.5), 0.5);
 }
 
-}  // namespace
+}  // namespace reference_test
 }  // namespace simuli::reference

@@ -1,5 +1,6 @@
 #pragma once
 // A browser without a window, for pages that are to be tried.
+#include <Eigen/Core>  // before the macros of the HTTP library
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>

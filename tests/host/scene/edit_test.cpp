@@ -6,7 +6,7 @@
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
-namespace {
+namespace edit_test {
 
 using Eigen::Vector3d;
 
@@ -182,5 +182,5 @@ TEST(Edit, TakesShapesAlong) {
   for (std::size_t i = 0; i < later.size(); ++i) EXPECT_NEAR(later[i], first[i], kExact);
 }
 
-}  // namespace
+}  // namespace edit_test
 }  // namespace simuli

@@ -7,7 +7,7 @@
 #include "host/scene/particle_street.hpp"
 
 namespace simuli {
-namespace {
+namespace particle_order_test {
 
 /// Particle i at places[i], i in its opacity.
 GaussianSet particles_at(const std::vector<Eigen::Vector3f>& places) {
@@ -88,5 +88,5 @@ TEST(ParticleOrder, TakesASubset) {
   EXPECT_EQ(some.actor, (std::vector<std::uint32_t>{2, 0}));
 }
 
-}  // namespace
+}  // namespace particle_order_test
 }  // namespace simuli

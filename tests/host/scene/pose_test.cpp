@@ -7,7 +7,7 @@
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
-namespace {
+namespace pose_test {
 
 // A handful of double operations on numbers of size 1 to 100.
 constexpr double kRounding = 1e-12;
@@ -91,5 +91,5 @@ TEST(Pose, InterpolationTakesTheShorterArc) {
   EXPECT_LT(interpolate(a, b, 0.5).rotation.angularDistance(expected), 1e-7);
 }
 
-}  // namespace
+}  // namespace pose_test
 }  // namespace simuli

@@ -15,7 +15,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace output_test {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
@@ -199,5 +199,5 @@ TEST(Temporaries, GoWithoutADescriptorLeft) {
   EXPECT_EQ(entries_of(scratch.path()), 0U);
 }
 
-}  // namespace
+}  // namespace output_test
 }  // namespace simuli

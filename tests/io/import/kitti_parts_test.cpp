@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <random>
 
+#include "host/base/angles.hpp"
 #include "tests/io/import/kitti_folder.hpp"
 #include "tests/io/scratch.hpp"
 
@@ -14,8 +14,6 @@ namespace {
 using test::expect_input_error;
 using test::KittiFolder;
 using test::Scratch;
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(KittiText, ReadsTimestampsToTheNanosecond) {
   const Scratch scratch;

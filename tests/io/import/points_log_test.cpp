@@ -15,7 +15,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace points_log_test {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
@@ -219,5 +219,5 @@ TEST(PointsLog, SaysWhatDoesNotFit) {
       {"points.json", "on no ray"});
 }
 
-}  // namespace
+}  // namespace points_log_test
 }  // namespace simuli

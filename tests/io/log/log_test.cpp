@@ -9,7 +9,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace log_test {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
@@ -241,5 +241,5 @@ TEST(Log, NamesTheSensorsItKnows) {
   expect_input_error([&] { (void)log.lidar("back"); }, {"log.json", "\"back\"", "allowed top"});
 }
 
-}  // namespace
+}  // namespace log_test
 }  // namespace simuli

@@ -12,7 +12,7 @@
 #include "tests/io/ros2/ros2_street.hpp"
 
 namespace simuli {
-namespace {
+namespace ros2_drivers_test {
 
 namespace fs = std::filesystem;
 using ros2::PointField;
@@ -246,5 +246,5 @@ TEST(Ros2Log, RingsOfSomePointsAloneAreRefused) {
       {"some.mcap", "/points: rings", "of some points"});
 }
 
-}  // namespace
+}  // namespace ros2_drivers_test
 }  // namespace simuli

@@ -18,7 +18,7 @@
 #include "tests/io/ros2/ros2_street.hpp"
 
 namespace simuli {
-namespace {
+namespace ros2_log_test {
 
 namespace fs = std::filesystem;
 using namespace test;  // NOLINT(google-build-using-namespace)
@@ -155,5 +155,5 @@ TEST(Ros2Log, WhatCanNotBeToldIsAskedFor) {
   EXPECT_TRUE(rest.world_from_rig.at(0.1).matrix().isIdentity());
 }
 
-}  // namespace
+}  // namespace ros2_log_test
 }  // namespace simuli

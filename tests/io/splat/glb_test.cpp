@@ -16,7 +16,7 @@
 #include "tests/io/splat/some_set.hpp"
 
 namespace simuli {
-namespace {
+namespace glb_test {
 
 using test::expect_input_error;
 using test::Scratch;
@@ -289,5 +289,5 @@ TEST(Glb, TakesNoMemoryForRepetition) {
   expect_input_error([&] { (void)read_splats(file); }, {"r.glb", "many times"});
 }
 
-}  // namespace
+}  // namespace glb_test
 }  // namespace simuli

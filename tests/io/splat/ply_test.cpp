@@ -16,7 +16,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace ply_test {
 
 using test::ascii_ply;
 using test::expect_input_error;
@@ -312,5 +312,5 @@ TEST(Ply, PointCloudHoldsItsColumns) {
   refused(bad, {"4 names for 5 columns"});
 }
 
-}  // namespace
+}  // namespace ply_test
 }  // namespace simuli

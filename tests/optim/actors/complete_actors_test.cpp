@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace simuli {
-namespace {
+namespace complete_actors_test {
 
 using Eigen::Vector3d;
 
@@ -83,5 +83,5 @@ TEST(CompleteActors, LabelsThatNothingWasFoundOfStay) {
   EXPECT_EQ(c.actors[0].track.size(), 7U);
 }
 
-}  // namespace
+}  // namespace complete_actors_test
 }  // namespace simuli

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <stdlib.h>
 
+#include "host/base/angles.hpp"
 #include "optim/actors/compare_actors.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/actors/moving_world.hpp"
@@ -18,7 +18,6 @@ using test::Motion2d;
 using test::MovingWorld;
 
 constexpr FrameSelection kAllFrames{.held_out_every = 0}, kEveryFifth{.held_out_every = 5};
-constexpr double kDegree = std::numbers::pi / 180.0;
 const Vector3d kCar_m(4.2, 2.0, 1.5);  // over the mirrors
 
 Pose on_road(double x, double y, double heading) {

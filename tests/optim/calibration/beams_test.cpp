@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <random>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/log/sensor_file.hpp"
@@ -15,8 +15,6 @@
 namespace simuli::calibration {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
 constexpr int kTicks = 4000;
 
 /// A made-up sensor: 16 beams from two columns of emitters, as unlike an even table as real ones are.

@@ -2,8 +2,8 @@
 #include "optim/calibration/camera/camera_pose.hpp"
 
 #include <gtest/gtest.h>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "io/log/camera_mask.hpp"
 #include "tests/io/scratch.hpp"
@@ -11,8 +11,6 @@
 
 namespace simuli::calibration {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Recording {
   std::vector<CameraView> views;

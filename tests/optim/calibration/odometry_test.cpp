@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
+#include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
@@ -17,8 +18,6 @@
 
 namespace simuli::calibration {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct PathError {
   double step_m = 0.0;  // largest over one segment

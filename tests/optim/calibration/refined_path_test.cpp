@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/angles.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/optim/calibration/street_drive.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 class RefinedPath : public testing::Test {
  protected:

@@ -3,15 +3,13 @@
 
 #include <ceres/numeric_diff_cost_function.h>
 #include <gtest/gtest.h>
-#include <numbers>
 #include <random>
 
+#include "host/base/angles.hpp"
 #include "optim/calibration/camera/camera_residual.hpp"
 
 namespace simuli::calibration {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Pose random_pose(std::mt19937_64& dice, double turn_rad, double reach_m) {
   std::uniform_real_distribution<double> in(-1.0, 1.0);

@@ -8,7 +8,7 @@
 #include "optim/base/frames.hpp"
 
 namespace simuli {
-namespace {
+namespace dark_surfaces_test {
 
 constexpr double kVoxel_m = 0.2;
 constexpr double kWall_m = 12.0;  // y of the wall, in the scene
@@ -119,5 +119,5 @@ TEST(DarkSurfaces, ALabelThatIsNotThereSaysNothing) {
   EXPECT_GT(dark.points()[0].size(), 0U);
 }
 
-}  // namespace
+}  // namespace dark_surfaces_test
 }  // namespace simuli

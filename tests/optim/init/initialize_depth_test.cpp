@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace simuli {
-namespace {
+namespace initialize_depth_test {
 
 constexpr double kWall_m = 12.0;
 
@@ -106,5 +106,5 @@ TEST(SweepDepths, CoveredCellsAndTooFewPicturesGiveNothing) {
   EXPECT_TRUE(sweep_depths(middle, {}, coverage(false)).empty());
 }
 
-}  // namespace
+}  // namespace initialize_depth_test
 }  // namespace simuli

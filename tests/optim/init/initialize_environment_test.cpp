@@ -1,13 +1,11 @@
+#include "host/base/angles.hpp"
 #include "optim/init/initialize_environment.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 
 namespace simuli {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The direction of a texel's centre.
 Eigen::Vector3f direction_of(int x, int y, int width) {

@@ -7,7 +7,7 @@
 #include "optim/init/initialize_views.hpp"
 
 namespace simuli {
-namespace {
+namespace initialize_moving_test {
 
 constexpr double kWall_m = 20.0;
 constexpr double kRoad_m = -1.7;
@@ -146,5 +146,5 @@ TEST(Moving, SizesThatDoNotFitAreRefused) {
   EXPECT_THROW(vote_on_points(sweep(), lidar(), Pose{}, Pose{}, point_set({{1, 1, 1}}), votes), Error);
 }
 
-}  // namespace
+}  // namespace initialize_moving_test
 }  // namespace simuli

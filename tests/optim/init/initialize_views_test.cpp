@@ -7,7 +7,7 @@
 #include "host/base/error.hpp"
 
 namespace simuli {
-namespace {
+namespace initialize_views_test {
 
 Camera camera(ShutterKind shutter = ShutterKind::kGlobal) {
   return {"front", 100, 80, 100.0, 100.0, 50.0, 40.0, shutter};
@@ -338,5 +338,5 @@ TEST(PointBlocks, LeaveOutNothingThatAPictureShows) {
   }
 }
 
-}  // namespace
+}  // namespace initialize_views_test
 }  // namespace simuli

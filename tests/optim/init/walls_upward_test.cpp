@@ -8,7 +8,7 @@
 #include "optim/base/frames.hpp"
 
 namespace simuli {
-namespace {
+namespace walls_upward_test {
 
 constexpr double kVoxel_m = 0.1;
 constexpr double kWall_m = 6.0;   // y
@@ -108,5 +108,5 @@ TEST(WallsUpward, EndWhereRaysMetWhatIsBehind) {
 
 TEST(WallsUpward, AreNoneWhereNoSweepHasAWord) { EXPECT_EQ(found({.is_list = true}).size(), 0U); }
 
-}  // namespace
+}  // namespace walls_upward_test
 }  // namespace simuli

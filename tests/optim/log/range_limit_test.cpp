@@ -9,7 +9,7 @@
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
-namespace {
+namespace range_limit_test {
 
 using test::Scratch;
 
@@ -73,5 +73,5 @@ TEST(RangeLimit, IsNoneOfAFewReturns) {
   EXPECT_FALSE(find_range_limit(empty, empty.lidars[0], {}).has_value());
 }
 
-}  // namespace
+}  // namespace range_limit_test
 }  // namespace simuli

@@ -9,7 +9,7 @@
 #include "tests/optim/small_street.hpp"
 
 namespace simuli {
-namespace {
+namespace row_offsets_test {
 
 constexpr std::size_t kRows = 5;
 constexpr std::size_t kColumns = 400;
@@ -108,5 +108,5 @@ TEST_F(TrainedRanges, WrongOnesOfRowsAreTakenBack) {
   EXPECT_NEAR(spread_m(without.lidar(lidar.name)), 0.06, 1e-9);
 }
 
-}  // namespace
+}  // namespace row_offsets_test
 }  // namespace simuli

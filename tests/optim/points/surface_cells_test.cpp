@@ -8,7 +8,7 @@
 #include "tests/optim/points/sampled_surface.hpp"
 
 namespace simuli {
-namespace {
+namespace surface_cells_test {
 
 using Eigen::Vector3d;
 using test::SampledSurface;
@@ -176,5 +176,5 @@ TEST(SurfaceCells, OfNothingAreNone) {
   EXPECT_TRUE(cells[0].covariance.isZero(1e-9F));
 }
 
-}  // namespace
+}  // namespace surface_cells_test
 }  // namespace simuli

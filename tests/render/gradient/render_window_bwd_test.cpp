@@ -11,7 +11,7 @@
 #include "tests/render/gradient/gradient_problem.hpp"
 
 namespace simuli {
-namespace {
+namespace render_window_bwd_test {
 
 using test::GradientCheck;
 using test::SceneCase;
@@ -227,5 +227,5 @@ TEST(GradientInOwnOrder, IsTheSameAFewTilesAtATime) {
   }
 }
 
-}  // namespace
+}  // namespace render_window_bwd_test
 }  // namespace simuli

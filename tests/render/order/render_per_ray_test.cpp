@@ -12,7 +12,7 @@
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
-namespace {
+namespace render_per_ray_test {
 
 using test::SceneCase;
 
@@ -293,5 +293,5 @@ TEST(PicturesOnly, HaveNoGradients) {
   expect_error(ErrorKind::kUsage, "have no gradients", [&] { pass.backward(particles, grads); });
 }
 
-}  // namespace
+}  // namespace render_per_ray_test
 }  // namespace simuli

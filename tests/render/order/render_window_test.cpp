@@ -10,7 +10,7 @@
 #include "tests/render/actor_scenes.hpp"
 
 namespace simuli {
-namespace {
+namespace render_window_test {
 
 using test::SceneCase;
 
@@ -199,5 +199,5 @@ TEST(WindowWidth, IsCheckedByKey) {
   }
 }
 
-}  // namespace
+}  // namespace render_window_test
 }  // namespace simuli

@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numbers>
 
+#include "host/base/angles.hpp"
 #include "host/render/frame/actor_constants.hpp"
 #include "host/render/rays/sensor_in_frame.hpp"
 #include "host/render/scene/renderer.hpp"
@@ -20,7 +20,6 @@ namespace {
 using Eigen::Vector3d;
 using test::SceneCase;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLength_m = 1600.0;
 constexpr Eigen::Index kParticles = 40'000;
 

@@ -10,7 +10,7 @@
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {
-namespace {
+namespace beside_test {
 
 constexpr int kWidth = 96, kHeight = 54;
 constexpr double kSettled_px = 0.05;  // of the search for the time of a rolling shutter
@@ -258,5 +258,5 @@ TEST(FromBesideMisused, IsRefused) {
   });
 }
 
-}  // namespace
+}  // namespace beside_test
 }  // namespace simuli
