@@ -2,24 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fmt/format.h>
 #include <map>
 #include <ostream>
 #include <string>
 
 namespace simuli::test {
-namespace {
-
-// All tests of this room share compiled programs through a cache in the build tree, not the user's.
-class SharedPrograms : public testing::Environment {
- public:
-  void SetUp() override { ::setenv("SIMULI_CACHE_DIR", SIMULI_TEST_CACHE_DIR, 1); }
-};
-const testing::Environment* const kSharedPrograms =
-    testing::AddGlobalTestEnvironment(new SharedPrograms);  // GoogleTest owns it
-
-}  // namespace
 
 void PrintTo(const SceneCase& scene_case, std::ostream* out) { *out << scene_case.name; }
 

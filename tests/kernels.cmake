@@ -1,0 +1,15 @@
+# Compiles what most tests need, once: a training of all that has kernels of its own, and its pictures. The test's
+# environment names the cache. Run as: cmake -D PROGRAM=simuli -D WORK=<scratch folder> -P kernels.cmake
+cmake_minimum_required(VERSION 3.23)
+file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
+function(run)
+  execute_process(COMMAND ${PROGRAM} ${ARGN} WORKING_DIRECTORY ${WORK} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+run(synth street -o street.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90)
+run(train street.log -o street.scene --iterations 2 --set init.voxel_m=0.3)
+run(eval street.scene street.log)
+foreach(sensor front top)
+  run(render street.scene --sensor ${sensor} --times 0.1:0.1:1 -o ${sensor})
+endforeach()
+file(REMOVE_RECURSE ${WORK})
