@@ -9,6 +9,7 @@ import sys
 
 source = pathlib.Path(sys.argv[1]).resolve()
 pages = {file.stem: file for file in [source / "README.md", *source.glob("docs/*.md"), *source.glob("bench/*.md")]}
+pages["tests"] = source / "tests/README.md"
 words = {name: " ".join(file.read_text().split()) for name, file in pages.items()}
 wrong = []
 
