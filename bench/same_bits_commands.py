@@ -188,9 +188,8 @@ TRAININGS = {
     "lidar_each": "--set lidar_every=1 cache_bytes=300000",
     "linearized": "--set render.projection=linearized render.extent=unscented",
     "unscented_extent": "--set render.extent=unscented render.shutter_iterations=3",
-    "precise": "--set render.math=precise render.camera_compensation=true render.lidar_compensation=true",
-    "cuts": "--set render.alpha_cut=0.01 render.transmittance_cut=0.01 render.camera_filter_px2=0.1 "
-            "render.lidar_tiles.elevation=8 render.lidar_tiles.rays=64",
+    "compensation": "--set render.camera_compensation=true render.lidar_compensation=true",
+    "cuts": "--set render.alpha_cut=0.01 render.transmittance_cut=0.01 render.camera_filter_px2=0.1",
     "everything": "--set color_grids=true init.environment_width=64 densify.every=6 densify.first=6 anchor.weight=0.01 "
                   "lidar_every=1 actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001",
 }
@@ -202,13 +201,12 @@ OPTIONS = {
     "unscented_extent": "--set render.extent=unscented", "per_ray": "--set render.order=per_ray",
     "window": "--set render.order=window", "window_8": "--set render.order=window render.window=8",
     "sh_along_rays": "--set render.sh_direction=ray", "sh_0": "--set render.sh_degree=0", "sh_1": "--set render.sh_degree=1",
-    "sh_auto": "--set render.sh_degree=auto render.sh_error=0.005", "sh_half": "--set render.sh_storage=half",
-    "precise": "--set render.math=precise", "double": "--set render.precision=double --scale 0.6",
+    "sh_half": "--set render.sh_storage=half",
+    "double": "--set render.precision=double --scale 0.6",
     "shutter": "--set render.shutter_iterations=4 --duration 0.04",
     "cuts": "--set render.alpha_cut=0.02 render.transmittance_cut=0.01 render.camera_filter_px2=0.1",
     "compensation": "--set render.camera_compensation=true render.lidar_compensation=true",
-    "culling": "--set render.culling=always", "no_culling": "--set render.culling=off",
-    "tiles": "--set render.lidar_tiles.elevation=8 render.lidar_tiles.rays=64",
+    "no_culling": "--set render.culling=off",
 }
 CAMERAS = {
     "dgp_scene01_CAMERA_05": "--scale 0.15", "pandaset_front_camera": "--scale 0.15 --duration 0.03",

@@ -24,7 +24,6 @@
 #include "bench/render/long_street.hpp"
 #include "bench/render/sensor_errors.hpp"
 #include "bench/render/stages.hpp"
-#include "bench/render/table6.hpp"
 #include "bench/render/table7.hpp"
 #include "bench/trade/plan.hpp"
 #include "bench/trade/trade.hpp"
@@ -47,7 +46,6 @@ struct BenchCommand {
   bool stages = false;
   bool extremes = false;
   bool training = false;
-  bool lidar_rates = false;
   bool actors = false;
   bool plan = false;
   bool trade = false;
@@ -124,7 +122,6 @@ void measure(BenchCommand command, const Globals& globals) {
   const std::array asked{command.stages,
                          command.extremes,
                          command.training,
-                         command.lidar_rates,
                          command.actors,
                          command.plan,
                          command.trade,
@@ -137,12 +134,11 @@ void measure(BenchCommand command, const Globals& globals) {
                          command.figure != 0};
   const auto count = std::count(asked.begin(), asked.end(), true);
   if (count != 1) {
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
-                    "--drive, --lidar-rates, --actors, --plan, --trade, --peers, --shift, --agreement, "
-                    "--long-street, --table 5|6|7|8, --figure 10|11",
-                    count));
+    throw Error(ErrorKind::kUsage,
+                fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "
+                            "--drive, --actors, --plan, --trade, --peers, --shift, --agreement, "
+                            "--long-street, --table 5|7|8, --figure 10|11",
+                            count));
   }
   if (!command.log.empty() && command.table != 5 && command.table != 8) {
     throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
@@ -174,8 +170,6 @@ void measure(BenchCommand command, const Globals& globals) {
   }
   if (command.training) rows = run_training(globals.device, {}, note);
   if (command.table == 5) rows = run_table5(globals.device, command.table5, note);
-  if (command.lidar_rates) rows = run_lidar_rates(globals.device, note);
-  if (command.table == 6) rows = run_table6(globals.device, command.stage_options.particles, note);
   if (command.table == 7) rows = run_table7(globals.device, command.stage_options.particles, note);
   if (command.table == 8) rows = run_table8(globals.device, command.table8, note);
   if (command.figure == 10) rows = run_figure10(globals.device, command.figure10, note);
@@ -224,9 +218,6 @@ void add_bench(const Command& command, const Globals& globals) {
   command.flag("--training",
                options->training,
                "an iteration of training by stage, anchoring, memory; 50 k, 200 k and 1 M particles");
-  command.flag("--lidar-rates",
-               options->lidar_rates,
-               "rays per second of three LiDARs, as they were tiled and as they are");
   command.flag("--actors",
                options->actors,
                "the street's moving car: with actors, without, edited, with a noisy track");
@@ -234,9 +225,9 @@ void add_bench(const Command& command, const Globals& globals) {
   command
       .option("--table",
               options->table,
-              "5: factorised sets against one; 6: LiDAR tiles; 7: ray-based culling; 8: unscented, "
+              "5: factorised sets against one; 7: ray-based culling; 8: unscented, "
               "linearised and Monte Carlo projection")
-      .one_of({5, 6, 7, 8});
+      .one_of({5, 7, 8});
   command
       .option("--figure",
               options->figure,

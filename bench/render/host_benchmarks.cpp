@@ -31,7 +31,7 @@ void BM_RayGridLidar(benchmark::State& state) {
   const Lidar lidar = builtin_lidar("generic64");
   const LidarRays rays = nominal_rays(lidar);
   const Device device = Device::best();
-  for (auto _ : state) benchmark::DoNotOptimize(make_ray_grid(device, lidar, rays, RenderOptions{}));
+  for (auto _ : state) benchmark::DoNotOptimize(make_ray_grid(device, lidar, rays));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(lidar.ray_count()));
 }
 BENCHMARK(BM_RayGridLidar)->Unit(benchmark::kMillisecond);

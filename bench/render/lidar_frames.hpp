@@ -35,7 +35,9 @@ class LidarFrames {
               const RenderOptions& options);
 
   FrameTimes run();
-  [[nodiscard]] SensorRays& rays() { return rays_; }
+  /// From now on these rays alone.
+  void request(const std::vector<bool>& rays) { rays_ = rays_.requested(rays); }
+  [[nodiscard]] const SensorRays& rays() const { return rays_; }
   /// The last frame.
   [[nodiscard]] const Pass& pass() const { return *pass_; }
 

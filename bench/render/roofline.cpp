@@ -138,18 +138,19 @@ Peak measure_peak(const Device& device) {
 
 Visits count_visits(const Pass& pass) {
   const Device& device = pass.buffers().binned.device();
-  const auto work_items = static_cast<std::size_t>(pass.variant().frame.shape.work_items);
+  const auto work_items = static_cast<std::size_t>(pass.variant().options.shape.work_items);
   Kernel kernel(Program::from_text(device, "bench/visits.cl", kVisitsText, pass.variant().build_options()),
                 "count_visits");
   const FrameBuffers& buffers = pass.buffers();
   const std::size_t items = std::size_t{pass.frame().tiles_x} * pass.frame().tiles_y * work_items;
   Buffer<std::uint32_t> counted(device, "visits", 2 * items);
+  const RayBuffers rays = pass.rays().buffers();
   kernel.run(items,
              work_items,
              {{"frame", pass.frame()},
               buffers.constants,
               buffers.rays,
-              pass.rays().buffers(),
+              rays,
               buffers.binned,
               buffers.projected,
               {"visits", counted}});
@@ -174,7 +175,7 @@ std::map<std::string, StageWork> stage_work(const Pass& pass) {
       3 * static_cast<std::uint64_t>((kind.sh_degree + 1) * (kind.sh_degree + 1));
   const std::uint64_t ray_rows = (kind.origins ? 6 : 3) + 1;  // and the place along x
   const std::uint64_t outputs = kind.median ? SIM_O_DROP : SIM_O_MEDIAN;
-  const auto lanes = static_cast<std::uint64_t>(kind.shape.lanes);
+  const auto lanes = static_cast<std::uint64_t>(pass.variant().options.shape.lanes);
   const Visits visits = count_visits(pass);
   const std::uint64_t looked = lanes * visits.looked, changed = lanes * visits.changed;
   const std::uint64_t respond = kind.origins ? kRespondWithOrigins : kRespond;
@@ -197,7 +198,7 @@ std::map<std::string, StageWork> stage_work(const Pass& pass) {
                    giga(slots * (ray_rows + outputs) * kReal + visible * kRecord + instances * kWord)};
   work["blend_backward"] = {
       giga(looked * respond + changed * kBlendBackward + slots * kBackwardSlot +
-           instances * kSum * lanes * static_cast<std::uint64_t>(kind.shape.work_items)),
+           instances * kSum * lanes * static_cast<std::uint64_t>(pass.variant().options.shape.work_items)),
       giga(slots * (ray_rows + outputs + 5) * kReal + visible * (kRecord + kFootprint + kWord) +
            instances * (kWord + kGradient))};
   work["project_backward"] = {

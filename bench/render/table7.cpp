@@ -79,18 +79,17 @@ std::vector<bool> rays_of(const Case& one, const Lidar& sensor) {
   return requested;
 }
 
-/// One case without culling, with it, and with a mask that is refined for some of the rays.
+/// One case without culling and with it.
 class Ways {
  public:
   using Samples = std::map<std::string, std::map<std::string, std::vector<double>>>;  // way, stage
 
   Ways(const Device& device, const Lidar& sensor, const ParticleBuffers& street)
       : off(device, sensor, street, options(Culling::kOff)),
-        on(device, sensor, street, coarse()),
-        fine(device, sensor, street, options(Culling::kAlways)) {}
+        on(device, sensor, street, options(Culling::kAuto)) {}
 
   void request(const std::vector<bool>& rays) {
-    for (const auto& [name, way] : all()) way->rays().request(rays);
+    for (const auto& [name, way] : all()) way->request(rays);
   }
   /// Times of the stages, ms, in turns.
   Samples time() {
@@ -106,20 +105,13 @@ class Ways {
     return samples;
   }
 
-  LidarFrames off, on, fine;
+  LidarFrames off, on;
 
  private:
-  std::array<std::pair<const char*, LidarFrames*>, 3> all() {
-    return {{{"off", &off}, {"on", &on}, {"fine", &fine}}};
-  }
+  std::array<std::pair<const char*, LidarFrames*>, 2> all() { return {{{"off", &off}, {"on", &on}}}; }
   static RenderOptions options(Culling culling) {
     RenderOptions o = paper_options();
     o.culling = culling;
-    return o;
-  }
-  static RenderOptions coarse() {
-    RenderOptions o = options(Culling::kAlways);
-    o.ray_mask = {1599, 8};  // any but the default, which is refined for some of the rays
     return o;
   }
 };
@@ -129,15 +121,13 @@ void add_times(const std::string& base, const Ways::Samples& samples, std::vecto
   for (const std::string stage : {"project", "sort", "bin", "blend", "frame"}) {
     const Spread plain = spread_of(without.at(stage));
     rows.push_back({base + stage + "_off", plain.median, "ms", plain.half_iqr});
-    for (const std::string way : {"on", "fine"}) {
-      const std::vector<double>& with = samples.at(way).at(stage);
-      std::vector<double> saved;
-      for (std::size_t i = 0; i < with.size(); ++i)
-        saved.push_back(100.0 * (1.0 - with[i] / without.at(stage)[i]));
-      const Spread ms = spread_of(with), percent = spread_of(saved);
-      rows.push_back({base + stage + "_" + way, ms.median, "ms", ms.half_iqr});
-      rows.push_back({base + stage + "_saved_" + way, percent.median, "%", percent.half_iqr});
-    }
+    const std::vector<double>& with = samples.at("on").at(stage);
+    std::vector<double> saved;
+    for (std::size_t i = 0; i < with.size(); ++i)
+      saved.push_back(100.0 * (1.0 - with[i] / without.at(stage)[i]));
+    const Spread ms = spread_of(with), percent = spread_of(saved);
+    rows.push_back({base + stage + "_on", ms.median, "ms", ms.half_iqr});
+    rows.push_back({base + stage + "_saved", percent.median, "%", percent.half_iqr});
   }
 }
 
@@ -154,15 +144,13 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
     const std::vector<bool> requested = rays_of(one, sensor);
     ways.request(requested);
     const std::string base = fmt::format("table7/{}_{}k/", one.name, particles / 1000);
-    if (!ways.on.rays().can_cull())
-      note(base + ": every cell of the mask holds a ray, by default nothing is asked");
+    if (!ways.on.rays().mask().can_cull)
+      note(base + ": every cell of the mask holds a ray, nothing is asked");
     add_times(base, ways.time(), rows);
     const auto& a = ways.off.pass().buffers().binned;
-    for (const auto& [name, way] : {std::pair{"on", &ways.on}, std::pair{"fine", &ways.fine}}) {
-      const auto& b = way->pass().buffers().binned;
-      rows.push_back({base + "particles_removed_" + name, removed(a.visible, b.visible), "%", 0.0});
-      rows.push_back({base + "instances_removed_" + name, removed(a.instances, b.instances), "%", 0.0});
-    }
+    const auto& b = ways.on.pass().buffers().binned;
+    rows.push_back({base + "particles_removed", removed(a.visible, b.visible), "%", 0.0});
+    rows.push_back({base + "instances_removed", removed(a.instances, b.instances), "%", 0.0});
     if (!one.wants && one.span_rad == kTurn) {
       const std::uint32_t around = seen_between(device, street, 89.0, -89.0);
       const std::uint32_t within = seen_between(device, street, kTop_deg, kBottom_deg);

@@ -7,8 +7,8 @@
 
 #include "bench/render/scene.hpp"
 #include "host/render/scene/scene_on_device.hpp"
-#include "host/sensors/lidar_library.hpp"
 #include "host/scene/particle_street.hpp"
+#include "host/sensors/lidar_library.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -101,7 +101,7 @@ std::vector<Part> all_parts(std::int64_t count) {
   }
   {
     Part& p = add("sh_degree_3", camera);
-    p.ways[1].options.sh_degree = ShDegree::k0;
+    p.ways[1].options.sh_degree = 0;
     p.ways[2].scene.camera = GaussianSet(SetKind::kCamera, 0, count);
     p.ways[2].scene.camera.params = camera.scene.camera.params.leftCols(param_rows(0));
   }

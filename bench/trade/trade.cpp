@@ -22,7 +22,7 @@ struct Candidate {
 };
 
 /// Every option alone.
-std::vector<Candidate> single_options(bool is_camera, bool moves) {
+std::vector<Candidate> single_options(bool moves) {
   std::vector<Candidate> all;
   const auto add = [&all](const std::string& key, const std::vector<std::string>& values) {
     for (const std::string& value : values) {
@@ -39,29 +39,21 @@ std::vector<Candidate> single_options(bool is_camera, bool moves) {
   add("order", {"per_ray"});
   add("window", {"8", "16", "32"});
   add("sh_direction", {"ray"});
-  add("sh_degree", {"0", "1", "2", "auto"});
+  add("sh_degree", {"0", "1", "2"});
   add("sh_storage", {"half"});
   add("alpha_cut", {"0.1", "0.05", "0.02", "0.001", "0.0001"});
   add("transmittance_cut", {"0.1", "0.03", "0.01", "0.001", "1e-06"});
   if (moves) add("shutter_iterations", {"0", "1", "2", "8"});
   add("detail", {"0.25", "0.5", "1", "2"});
-  add("math", {"precise"});
   add("precision", {"double"});
-  if (is_camera) return all;
-  add("culling", {"always"});
-  for (const TileChoice& tiles : {TileChoice{8, 128}, TileChoice{16, 64}}) {
-    RenderOptions o;
-    o.lidar_tiles = tiles;
-    all.push_back({fmt::format("lidar_tiles={}x{}", tiles.elevation, tiles.rays), o, false});
-  }
   return all;
 }
 
 /// Those, or what was asked for instead, then the qualities.
-std::vector<Candidate> candidates(const TradeOptions& options, bool is_camera, bool moves) {
+std::vector<Candidate> candidates(const TradeOptions& options, bool moves) {
   std::vector<Candidate> all;
   if (options.own_name.empty()) {
-    all = single_options(is_camera, moves);
+    all = single_options(moves);
   } else {
     all.push_back({options.own_name, options.own, false});
   }
@@ -225,7 +217,7 @@ std::vector<TradePoint> run_trade(const std::string& device_request,
       truth = all_results(reference, views);
     }
     Way balanced(device, scene, sensor, options_of(Quality::kBalanced));
-    for (const Candidate& candidate : candidates(options, sensor.is_camera, moves(sensor))) {
+    for (const Candidate& candidate : candidates(options, moves(sensor))) {
       Way way(device, scene, sensor, candidate.options);
       TradePoint point;
       point.sensor = sensor.name;

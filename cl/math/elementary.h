@@ -1,5 +1,5 @@
 // elementary.h - exp, atan2 and friends on lanes. Float: polynomials, since the built-in ones are scalar
-// calls on CPU drivers (3-13 ns each); double, or with MATH_PRECISE: the built-in functions.
+// calls on CPU drivers (3-13 ns each); double: the built-in functions.
 #ifndef SIMULI_CL_MATH_ELEMENTARY_H
 #define SIMULI_CL_MATH_ELEMENTARY_H
 #include "math/lanes.h"
@@ -8,10 +8,7 @@
 #define TWO_PI_R R(6.28318530717958647693)
 #define HALF_PI_R R(1.57079632679489661923)
 
-#ifndef MATH_PRECISE
-#define MATH_PRECISE 0
-#endif
-#if defined(SIMULI_REAL_DOUBLE) || MATH_PRECISE
+#ifdef SIMULI_REAL_DOUBLE
 FN F exp_lanes(F x) { return exp(x); }
 FN F round_lanes(F x) { return rint(x); }
 FN F atan2_lanes(F y, F x) { return atan2(y, x); }

@@ -265,7 +265,7 @@ std::vector<float> SupportOnDevice::of(const Frame& frame, const Scene& scene, c
                          {"drops", std::uint32_t{sensor.is_camera() ? 0U : 1U}},
                          {"stack", stack},
                          {"in_rows", std::uint32_t{sensor.is_camera() && grid.without_ray == 0 ? 1U : 0U}},
-                         {"sensor_ray", rays.buffers().sensor_ray},
+                         {"sensor_ray", rays.buffers().requested.sensor_ray},
                          {"ray_of_slot", rays.map().ray_of_slot},
                          {"out", outputs},
                          {"asked", b.asked},

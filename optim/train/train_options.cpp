@@ -21,7 +21,7 @@ TrainOptions checked(const TrainOptions& o) {
   const RenderOptions& r = o.render;
   need(r.precision == Precision::kFloat, "render.precision", "float");
   need(r.sh_direction == ShDirection::kParticle, "render.sh_direction", "particle");
-  need(r.sh_degree == ShDegree::k3, "render.sh_degree", "3");
+  need(r.sh_degree == 3, "render.sh_degree", "3");
   need(r.sh_storage == ShStorage::kFull, "render.sh_storage", "full");
   return o;
 }

@@ -132,8 +132,10 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
   const std::vector<std::pair<shared::FrameParams, std::vector<std::uint32_t>>> cases{
       {kSweep, {0, 5, 13, 20}}, {kPicture, {0, 16, 32, 48, 50}}, {kOneTile, {0, 1}}};
   for (auto [frame, tile_rows] : cases) {
-    RayBuffers rays(device);
-    rays.tile_rows.assign(tile_rows);
+    RayLayout layout(device);
+    const RequestedRays requested(device);
+    const RayBuffers rays{layout, requested};
+    layout.tile_rows.assign(tile_rows);
     for (const std::uint32_t n : {1000U, 1U, 2U, 0U, 17U, 333U}) {  // shrinking: stale content would show
       SCOPED_TRACE(std::to_string(n) + " particles, " + std::to_string(frame.tiles_x) + " tile columns");
       frame.particles = n;
@@ -186,8 +188,10 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
                                   .slots = 0};
   buffers.projected.footprints.assign(
       std::vector<shared::Footprint>(9, {4U << 16U, 0, 31U << 16U, 2U << 16U}));  // all 8 tiles
-  RayBuffers rays(device);
-  rays.tile_rows.assign(std::vector<std::uint32_t>{0, 16, 32});
+  RayLayout layout(device);
+  const RequestedRays requested(device);
+  const RayBuffers rays{layout, requested};
+  layout.tile_rows.assign(std::vector<std::uint32_t>{0, 16, 32});
   buffers.projected.keys.assign(std::vector<std::uint32_t>(9, 5));
   buffers.projected.live.assign(std::vector<std::uint32_t>(1, 1));
   bin.run(frame, all, rays, buffers.projected, 72, buffers.binned);

@@ -1,15 +1,13 @@
-// Procedure 1 on the device, for every table and request: what holds of all tilings, whatever the sensor.
+// Procedure 1 on the device, for every table: what holds of all tilings, whatever the sensor.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <iostream>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "host/base/error.hpp"
 #include "host/render/rays/lidar_tiles.hpp"
-#include "host/render/rays/tile_choice.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
@@ -17,54 +15,35 @@ namespace {
 
 constexpr double kFloat_rad = 2e-6;  // places of up to 7 rad in float, scaled and floored
 
-struct Facts {
-  std::uint32_t fullest = 0;       // rays of a tile
-  std::uint32_t most_rows = 0;     // of a tile row
-  std::uint32_t fewest_inner = 0;  // of a tile row that is neither the first nor the last
-  std::uint32_t most_inner = 0;
-};
-
 /// Every ray has its own slot, in the tile of its row and place and in its row's slot rows; no tile exceeds
-/// what was asked for or what it has slots for. row_of_ray[rays].
+/// what it has slots for. row_of_ray[rays].
 void expect_sound(const LidarTiles& tiling,
                   const std::vector<std::uint32_t>& row_of_ray,
-                  const std::vector<float>& x,
-                  const TileChoice& wanted,
-                  Facts& facts) {
+                  const std::vector<float>& x) {
   ASSERT_EQ(tiling.slot_of_ray.size(), x.size());
-  ASSERT_TRUE(tiling.tile_rays == 32 || tiling.tile_rays == 64 || tiling.tile_rays == 128 ||
-              tiling.tile_rays == 256);
   ASSERT_GE(tiling.row_slots, 1U);
   ASSERT_EQ(tiling.tile_rows.front(), 0U);
   ASSERT_EQ(tiling.tile_rows.back(), tiling.rows());
-  std::vector<bool> taken(tiling.tiles() * tiling.tile_rays, false);
-  std::vector<std::uint32_t> rays(tiling.tiles(), 0);
+  std::vector<bool> taken(tiling.tiles() * SIM_TILE_RAYS, false);
   for (std::size_t ray = 0; ray < x.size(); ++ray) {
     const std::uint32_t slot = tiling.slot_of_ray[ray];
     ASSERT_LT(slot, taken.size());
     ASSERT_FALSE(taken[slot]) << "ray " << ray;
     taken[slot] = true;
-    const std::uint32_t tile = slot / tiling.tile_rays;
-    ++rays[tile];
-    const std::uint32_t slot_row = slot % tiling.tile_rays / SIM_SLOT_ROW;
+    const std::uint32_t tile = slot / SIM_TILE_RAYS;
+    const std::uint32_t slot_row = slot % SIM_TILE_RAYS / SIM_SLOT_ROW;
     ASSERT_EQ(tiling.tile_rows[tile / tiling.columns] + slot_row / tiling.row_slots, row_of_ray[ray]);
     const double place = static_cast<double>(x[ray]);
     ASSERT_GE(place, tiling.column_begin(tile % tiling.columns) - kFloat_rad) << "ray " << ray;
     ASSERT_LE(place, tiling.column_begin(tile % tiling.columns + 1) + kFloat_rad) << "ray " << ray;
   }
-  facts = {*std::max_element(rays.begin(), rays.end()), 0, static_cast<std::uint32_t>(tiling.rows()), 0};
   for (std::size_t ty = 0; ty + 1 < tiling.tile_rows.size(); ++ty) {
     const std::uint32_t rows = tiling.tile_rows[ty + 1] - tiling.tile_rows[ty];
     ASSERT_GE(rows, 1U);
-    ASSERT_LE(rows * tiling.row_slots * SIM_SLOT_ROW, tiling.tile_rays);
+    ASSERT_LE(rows * tiling.row_slots * SIM_SLOT_ROW, SIM_TILE_RAYS);
     for (std::uint32_t row = tiling.tile_rows[ty]; row < tiling.tile_rows[ty + 1]; ++row)
       ASSERT_EQ(tiling.tile_row_of_row[row], ty);
-    facts.most_rows = std::max(facts.most_rows, rows);
-    if (ty == 0 || ty + 2 == tiling.tile_rows.size()) continue;
-    facts.fewest_inner = std::min(facts.fewest_inner, rows);
-    facts.most_inner = std::max(facts.most_inner, rows);
   }
-  ASSERT_LE(facts.fullest, static_cast<std::uint32_t>(wanted.rays == 0 ? SIM_TILE_RAYS : wanted.rays));
   ASSERT_LE(tiling.columns, 65535U);
 }
 
@@ -88,70 +67,43 @@ Rays rays_of(const Lidar& lidar) {
   return rays;
 }
 
-/// No boundary splits beams of one elevation unless it has to, and k of n boundaries leave k / n of the beams
-/// above, to within one beam and those of its elevation.
-void expect_equal_counts(const LidarTiles& tiling, const std::vector<float>& elevation, int wanted) {
-  const std::size_t tiles = tiling.tile_rows.size() - 1;
-  if (tiles != static_cast<std::size_t>(wanted)) return;  // beams collapsed, or a tile had to be cut
-  const double rows = static_cast<double>(tiling.rows());
-  for (std::size_t k = 1; k < tiles; ++k) {
-    const std::uint32_t row = tiling.tile_rows[k];
-    ASSERT_GT(elevation[row - 1], elevation[row]);
-    const auto same = std::count(elevation.begin(), elevation.end(), elevation[row]) +
-                      std::count(elevation.begin(), elevation.end(), elevation[row - 1]);
-    ASSERT_NEAR(row, rows * static_cast<double>(k) / static_cast<double>(tiles), static_cast<double>(same));
-  }
-}
-
-TEST(LidarTiling, EveryTableInEveryGridOfTiles) {
+TEST(LidarTiling, EveryTable) {
   const Device device = Device::best();
-  std::uint32_t widest = 0;
-  std::string widest_of;
-  std::size_t tilings = 0;
   for (const std::string& name : builtin_lidar_names()) {
+    SCOPED_TRACE(name);
     const Rays rays = rays_of(builtin_lidar(name));
-    for (const int elevation : {1, 4, 8, 16, 32, 64}) {
-      for (const int most : {32, 64, 128, 256}) {
-        const TileChoice wanted{elevation, most};
-        SCOPED_TRACE(name + ", " + std::to_string(elevation) + " x " + std::to_string(most));
-        const LidarTiles tiling = tile_rows_of_rays(device, name, rays.elevation, rays.x, wanted);
-        Facts facts;
-        expect_sound(tiling, rays.row_of_ray, rays.x, wanted, facts);
-        if (HasFatalFailure()) return;
-        expect_equal_counts(tiling, rays.elevation, elevation);
-        if (HasFatalFailure()) return;
-        ++tilings;
-        // As many beams as asked for, in tiles that can hold them.
-        if (rays.elevation.size() >= 16 && elevation >= 4 && facts.most_inner > 0) {
-          const std::uint32_t apart = facts.most_inner - facts.fewest_inner;
-          if (apart > widest) widest = apart, widest_of = name + " in " + std::to_string(elevation);
-        }
-      }
+    const LidarTiles tiling = tile_rows_of_rays(device, name, rays.elevation, rays.x);
+    expect_sound(tiling, rays.row_of_ray, rays.x);
+    if (HasFatalFailure()) return;
+    // No boundary splits beams of one elevation, and k of n boundaries leave k / n of the beams above, to
+    // within one beam and those of its elevation.
+    const std::size_t tiles = tiling.tile_rows.size() - 1;
+    if (tiles != (rays.elevation.size() + 7) / 8) continue;  // beams collapsed, or a tile had to be cut
+    const double rows = static_cast<double>(tiling.rows());
+    for (std::size_t k = 1; k < tiles; ++k) {
+      const std::uint32_t row = tiling.tile_rows[k];
+      ASSERT_GT(rays.elevation[row - 1], rays.elevation[row]);
+      const auto same = [&](float e) { return std::count(rays.elevation.begin(), rays.elevation.end(), e); };
+      ASSERT_NEAR(row,
+                  rows * static_cast<double>(k) / static_cast<double>(tiles),
+                  static_cast<double>(same(rays.elevation[row]) + same(rays.elevation[row - 1])));
     }
   }
-  std::cout << tilings << " tilings; fullest less emptiest interior tile: " << widest << " beams at most ("
-            << widest_of << ")\n";
-  EXPECT_LE(widest, 8U);
 }
 
 TEST(LidarTiling, OddSensors) {
   const Device device = Device::best();
   const auto check = [&](const std::vector<float>& elevation, std::uint32_t columns, double span) {
-    for (const TileChoice wanted : {TileChoice{}, {1, 256}, {7, 64}, {4096, 16}}) {
-      Rays rays;
-      rays.elevation = elevation;
-      for (std::uint32_t row = 0; row < elevation.size(); ++row) {
-        for (std::uint32_t column = 0; column < columns; ++column) {
-          rays.x.push_back(static_cast<float>(span * column / columns));
-          rays.row_of_ray.push_back(row);
-        }
+    Rays rays;
+    rays.elevation = elevation;
+    for (std::uint32_t row = 0; row < elevation.size(); ++row) {
+      for (std::uint32_t column = 0; column < columns; ++column) {
+        rays.x.push_back(static_cast<float>(span * column / columns));
+        rays.row_of_ray.push_back(row);
       }
-      SCOPED_TRACE(std::to_string(elevation.size()) + " beams of " + std::to_string(columns) + ", " +
-                   std::to_string(wanted.elevation) + " x " + std::to_string(wanted.rays));
-      Facts facts;
-      const LidarTiles tiling = tile_rows_of_rays(device, "odd", rays.elevation, rays.x, wanted);
-      expect_sound(tiling, rays.row_of_ray, rays.x, wanted, facts);
     }
+    SCOPED_TRACE(std::to_string(elevation.size()) + " beams of " + std::to_string(columns));
+    expect_sound(tile_rows_of_rays(device, "odd", rays.elevation, rays.x), rays.row_of_ray, rays.x);
   };
   check({0.1F}, 1, 0.0);                                        // one ray
   check({-0.3F}, 1800, 6.28);                                   // one beam
@@ -164,7 +116,7 @@ TEST(LidarTiling, OddSensors) {
 TEST(LidarTiling, RaysTooUnevenAreRefused) {
   const Device device = Device::best();
   const std::vector<float> bundled(4000, 0.5F);
-  EXPECT_THROW((void)tile_rows_of_rays(device, "bundled", {0.1F, 0.0F}, bundled, {}), Error);
+  EXPECT_THROW((void)tile_rows_of_rays(device, "bundled", {0.1F, 0.0F}, bundled), Error);
 }
 
 TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
@@ -176,50 +128,24 @@ TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
       elevation.push_back(static_cast<float>(0.1 * random.normal()));
       x.push_back(static_cast<float>(1.5 + 0.2 * random.normal()));
     }
-    for (const TileChoice wanted : {TileChoice{}, {1, 256}, {16, 128}, {64, 32}}) {
-      SCOPED_TRACE(std::to_string(count) + " rays, " + std::to_string(wanted.elevation) + " x " +
-                   std::to_string(wanted.rays));
-      const LidarTiles tiling = tile_ray_list(device, "list", elevation, x, wanted);
-      std::vector<std::uint32_t> row_of_ray(count);
-      for (std::uint32_t row = 0; row < tiling.rows(); ++row) {
-        for (std::uint32_t i = tiling.row_starts[row]; i < tiling.row_starts[row + 1]; ++i)
-          row_of_ray[tiling.order[i]] = row;
-      }
-      Facts facts;
-      expect_sound(tiling, row_of_ray, x, wanted, facts);
-      if (HasFatalFailure()) return;
-      for (std::size_t i = 1; i < count; ++i)
-        ASSERT_GE(elevation[tiling.order[i - 1]], elevation[tiling.order[i]]);
-      if (count < 20000 || wanted.elevation == 1) continue;
-      // Equal shares in azimuth too: uniform columns would hold most rays in the middle third.
-      std::vector<std::size_t> per_column(tiling.columns, 0);
-      for (const std::uint32_t slot : tiling.slot_of_ray)
-        ++per_column[slot / tiling.tile_rays % tiling.columns];
-      const std::size_t even = count / tiling.columns;
-      EXPECT_LT(*std::max_element(per_column.begin(), per_column.end()), 2 * even + 64);
+    SCOPED_TRACE(std::to_string(count) + " rays");
+    const LidarTiles tiling = tile_ray_list(device, "list", elevation, x);
+    std::vector<std::uint32_t> row_of_ray(count);
+    for (std::uint32_t row = 0; row < tiling.rows(); ++row) {
+      for (std::uint32_t i = tiling.row_starts[row]; i < tiling.row_starts[row + 1]; ++i)
+        row_of_ray[tiling.order[i]] = row;
     }
+    expect_sound(tiling, row_of_ray, x);
+    if (HasFatalFailure()) return;
+    for (std::size_t i = 1; i < count; ++i)
+      ASSERT_GE(elevation[tiling.order[i - 1]], elevation[tiling.order[i]]);
+    if (count < 20000) continue;
+    // Equal shares in azimuth too: uniform columns would hold most rays in the middle third.
+    std::vector<std::size_t> per_column(tiling.columns, 0);
+    for (const std::uint32_t slot : tiling.slot_of_ray) ++per_column[slot / SIM_TILE_RAYS % tiling.columns];
+    const std::size_t even = count / tiling.columns;
+    EXPECT_LT(*std::max_element(per_column.begin(), per_column.end()), 2 * even + 64);
   }
-}
-
-TEST(LidarTiling, AStoredChoiceIsTakenUnlessTilesAreAskedFor) {
-  const Device device = Device::best();
-  Lidar lidar = test::small_lidar(16, 90);
-  lidar.name = "tuned";
-  const TileChoiceKey key{lidar.name, 16, 16 * 90};
-  const auto tile_rows = [&](const TileChoice& tiles) {
-    RenderOptions options = paper_options();
-    options.lidar_tiles = tiles;
-    return make_ray_grid(device, lidar, nominal_rays(lidar), options).frame.tiles_y;
-  };
-  store_tiles(device, key, {8, 64});
-  ASSERT_TRUE(stored_tiles(device, key).has_value());
-  EXPECT_EQ(stored_tiles(device, key)->rays, 64);
-  EXPECT_EQ(tile_rows({}), 8U);
-  EXPECT_EQ(tile_rows({4, 0}), 4U);
-  store_tiles(device, key, {16, 32});
-  EXPECT_EQ(tile_rows({}), 16U);
-  EXPECT_FALSE(stored_tiles(device, {"tuned", 17, 16 * 90}).has_value());
-  EXPECT_FALSE(stored_tiles(device, {"never tuned", 16, 16 * 90}).has_value());
 }
 
 /// Whether particle p is in the list of `tile`, with a slot row range that holds `slot_row`.
@@ -262,26 +188,22 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
       }
     }
     const ParticleBuffers set(device, test::set_of(SetKind::kLidar, particles), Precision::kFloat);
-    for (const TileChoice tiles : {TileChoice{}, {1, 256}, {8, 32}, {64, 64}, {32, 128}}) {
-      RenderOptions options = paper_options();
-      options.lidar_tiles = tiles;
-      Renderer renderer(device, options);
-      const SensorRays rays(device, lidar, nominal, options);
-      const Lists lists(renderer.render(set, rays, {}));
-      const auto& grid = rays.grid();
-      std::vector<std::uint32_t> slot_of_ray(grid.rays);
-      for (std::uint32_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
-        if (grid.ray_of_slot[slot] >= 0) slot_of_ray[static_cast<std::size_t>(grid.ray_of_slot[slot])] = slot;
-      }
-      std::size_t missed = 0;
-      for (std::uint32_t i = 0; i < chosen.size(); ++i) {
-        const std::uint32_t slot = slot_of_ray[chosen[i]];
-        missed +=
-            lists.hold(slot / grid.frame.tile_rays, i, slot % grid.frame.tile_rays / SIM_SLOT_ROW) ? 0U : 1U;
-      }
-      EXPECT_EQ(missed, 0U) << name << ", " << tiles.elevation << " x " << tiles.rays << ", of "
-                            << chosen.size();
+    const RenderOptions options = paper_options();
+    Renderer renderer(device, options);
+    const SensorRays rays(device, lidar, nominal, options);
+    const Lists lists(renderer.render(set, rays, {}));
+    const auto& grid = rays.grid();
+    std::vector<std::uint32_t> slot_of_ray(grid.rays);
+    for (std::uint32_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+      if (grid.ray_of_slot[slot] >= 0) slot_of_ray[static_cast<std::size_t>(grid.ray_of_slot[slot])] = slot;
     }
+    std::size_t missed = 0;
+    for (std::uint32_t i = 0; i < chosen.size(); ++i) {
+      const std::uint32_t slot = slot_of_ray[chosen[i]];
+      missed +=
+          lists.hold(slot / grid.frame.tile_rays, i, slot % grid.frame.tile_rays / SIM_SLOT_ROW) ? 0U : 1U;
+    }
+    EXPECT_EQ(missed, 0U) << name << ", of " << chosen.size();
   }
 }
 

@@ -48,87 +48,65 @@ std::vector<bool> flags_of(const Request& request, std::size_t rays, std::size_t
 TEST(RayMask, AreasCountOccupiedCells) {
   const Device device = Device::best();
   const Lidar lidar = test::small_lidar(20, 150);
-  for (const RayMaskSize size :
-       {RayMaskSize{1601, 8, true}, {1601, 8, false}, {7, 3, true}, {1, 1, true}, {333, 20, true}}) {
-    RenderOptions options = paper_options();
-    options.ray_mask = size;
-    SensorRays rays(device, lidar, nominal_rays(lidar), options);
-    for (const Request& request : requests()) {
-      SCOPED_TRACE(std::string(request.name) + ", " + std::to_string(size.columns));
-      rays.request(flags_of(request, 3000, 150));
-      const auto columns = static_cast<std::size_t>(size.columns), rows = static_cast<std::size_t>(size.rows);
-      const double first = rays.grid().model.tile_first;
-      const double width = (rays.grid().model.tile_last - first) / size.columns;
-      const auto mask_row_of_row = rays.buffers().mask_row_of_row.download();
-      // Where each requested ray is; one within rounding of an edge may be in either cell.
-      constexpr double kFloat_rad = 2e-6;
-      std::vector<int> certain(rows * columns, 0), possible(rows * columns, 0);
-      const auto cell = [&](double u, std::size_t row) {
-        const double place = std::clamp((u - first) / width, 0.0, static_cast<double>(columns - 1));
-        return mask_row_of_row[row] * columns + static_cast<std::size_t>(place);
-      };
-      const auto& grid = rays.grid();
-      for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
-        const std::int32_t ray = grid.ray_of_slot[slot];
-        if (ray < 0 || !request.wants(static_cast<std::size_t>(ray), 3000, 150)) continue;
-        const double u = static_cast<double>(grid.u[slot]);
-        const auto row = static_cast<std::size_t>(ray) / 150;
-        const std::size_t low = cell(u - kFloat_rad, row), high = cell(u + kFloat_rad, row);
-        possible[low] = possible[high] = 1;
-        if (low == high) certain[low] = 1;
-      }
-      const auto areas = rays.buffers().areas.download();
-      ASSERT_EQ(areas.size(), (rows + 1) * (columns + 1));
-      for (std::size_t y = 0; y < rows; ++y) {
-        for (std::size_t x = 0; x < columns; ++x) {
-          const std::uint32_t* corner = areas.data() + y * (columns + 1) + x;
-          const auto here =
-              static_cast<int>(corner[columns + 2] - corner[columns + 1] - corner[1] + corner[0]);
-          ASSERT_GE(here, certain[y * columns + x]) << x << ", " << y;
-          ASSERT_LE(here, possible[y * columns + x]) << x << ", " << y;
-        }
-      }
-      EXPECT_EQ(rays.can_cull(), areas.back() < rows * columns);
+  const SensorRays all(device, lidar, nominal_rays(lidar), paper_options());
+  for (const Request& request : requests()) {
+    SCOPED_TRACE(request.name);
+    const SensorRays rays = all.requested(flags_of(request, 3000, 150));
+    const auto columns = static_cast<std::size_t>(rays.mask().columns);
+    const std::size_t rows = std::string(request.name) == "all" ? 8 : 20;
+    const double first = rays.grid().model.tile_first;
+    const double width = (rays.grid().model.tile_last - first) / rays.mask().columns;
+    const auto mask_row_of_row = rays.buffers().requested.mask_row_of_row.download();
+    // Where each requested ray is; one within rounding of an edge may be in either cell.
+    constexpr double kFloat_rad = 2e-6;
+    std::vector<int> certain(rows * columns, 0), possible(rows * columns, 0);
+    const auto cell = [&](double u, std::size_t row) {
+      const double place = std::clamp((u - first) / width, 0.0, static_cast<double>(columns - 1));
+      return mask_row_of_row[row] * columns + static_cast<std::size_t>(place);
+    };
+    const auto& grid = rays.grid();
+    for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
+      const std::int32_t ray = grid.ray_of_slot[slot];
+      if (ray < 0 || !request.wants(static_cast<std::size_t>(ray), 3000, 150)) continue;
+      const double u = static_cast<double>(grid.u[slot]);
+      const auto row = static_cast<std::size_t>(ray) / 150;
+      const std::size_t low = cell(u - kFloat_rad, row), high = cell(u + kFloat_rad, row);
+      possible[low] = possible[high] = 1;
+      if (low == high) certain[low] = 1;
     }
+    const auto areas = rays.buffers().requested.areas.download();
+    ASSERT_EQ(areas.size(), (rows + 1) * (columns + 1));
+    for (std::size_t y = 0; y < rows; ++y) {
+      for (std::size_t x = 0; x < columns; ++x) {
+        const std::uint32_t* corner = areas.data() + y * (columns + 1) + x;
+        const auto here = static_cast<int>(corner[columns + 2] - corner[columns + 1] - corner[1] + corner[0]);
+        ASSERT_GE(here, certain[y * columns + x]) << x << ", " << y;
+        ASSERT_LE(here, possible[y * columns + x]) << x << ", " << y;
+      }
+    }
+    EXPECT_EQ(rays.mask().can_cull, areas.back() < rows * columns);
   }
 }
 
 TEST(RayMask, SomeRaysGetARowPerBeamAndTwoColumnsPerFiring) {
   const Device device = Device::best();
   const Lidar lidar = test::small_lidar(20, 900);
-  RenderOptions options = paper_options();
-  SensorRays rays(device, lidar, nominal_rays(lidar), options);
-  EXPECT_EQ(rays.buffers().areas.count(), std::size_t{9} * 1601);
+  const SensorRays rays(device, lidar, nominal_rays(lidar), paper_options());
+  const auto cells = [](const SensorRays& of) { return of.buffers().requested.areas.count(); };
   std::vector<bool> some(lidar.ray_count(), true);
   some[7] = false;
-  rays.request(some);
-  EXPECT_EQ(rays.buffers().areas.count(), std::size_t{21} * 1801);
-  rays.request(std::vector<bool>(lidar.ray_count(), true));
-  EXPECT_EQ(rays.buffers().areas.count(), std::size_t{9} * 1601);
-  options.ray_mask = {800, 4, true};
-  SensorRays asked(device, lidar, nominal_rays(lidar), options);
-  asked.request(some);
-  EXPECT_EQ(asked.buffers().areas.count(), std::size_t{5} * 801);
+  EXPECT_EQ(cells(rays.requested(some)), std::size_t{21} * 1801);
+  EXPECT_EQ(cells(rays.requested(std::vector<bool>(lidar.ray_count(), true))), std::size_t{9} * 1601);
+  EXPECT_EQ(cells(rays), std::size_t{9} * 1601);
 }
 
-TEST(RayMask, RowsHoldEqualNumbersOfBeamsOrEqualElevations) {
+TEST(RayMask, RowsHoldEqualNumbersOfBeams) {
   const Device device = Device::best();
   Lidar lidar = test::small_lidar(16, 40);
   for (std::size_t r = 0; r < 12; ++r) lidar.rows[r].elevation = 0.1 - 0.001 * static_cast<double>(r);
-  RenderOptions options = paper_options();
-  options.ray_mask = {100, 4, true};
-  const LidarRays nominal = nominal_rays(lidar);
-  const auto equal = SensorRays(device, lidar, nominal, options).buffers().mask_row_of_row.download();
-  for (std::size_t row = 0; row < 16; ++row) EXPECT_EQ(equal[row], row / 4);
-  options.ray_mask.equalized = false;
-  const auto uniform = SensorRays(device, lidar, nominal, options).buffers().mask_row_of_row.download();
-  for (std::size_t row = 0; row < 12; ++row) EXPECT_EQ(uniform[row], 0U);
-  EXPECT_EQ(uniform[15], 3U);
-  for (const RayMaskSize size :
-       {RayMaskSize{0, 8, true}, {65537, 8, true}, {100, 0, true}, {100, 4097, true}}) {
-    options.ray_mask = size;
-    EXPECT_THROW((void)SensorRays(device, lidar, nominal, options), Error);
-  }
+  const SensorRays rays(device, lidar, nominal_rays(lidar), paper_options());
+  const auto row = rays.buffers().requested.mask_row_of_row.download();
+  for (std::size_t r = 0; r < 16; ++r) EXPECT_EQ(row[r], r / 2);
 }
 
 /// Particles of all sizes around the sensor, with some on the seam, at the poles and around the sensor.
@@ -185,9 +163,9 @@ class Comparison {
  public:
   explicit Comparison(const RenderOptions& options)
       : off_(with(options, Culling::kOff)),
-        always_(with(options, Culling::kAlways)),
+        auto_(with(options, Culling::kAuto)),
         without_culling_(device_, off_),
-        with_culling_(device_, always_) {}
+        with_culling_(device_, auto_) {}
 
   /// Asserts that both give the same bits.
   void expect_same(const Lidar& lidar,
@@ -195,16 +173,14 @@ class Comparison {
                    std::uint64_t seed,
                    const std::vector<Request>& requested) {
     const ParticleBuffers particles(device_, crowd(seed, 0), Precision::kFloat);
-    SensorRays all(device_, lidar, nominal_rays(lidar), off_);
-    SensorRays marked(device_, lidar, nominal_rays(lidar), always_);
+    const SensorRays all(device_, lidar, nominal_rays(lidar), off_);
+    const SensorRays marked(device_, lidar, nominal_rays(lidar), auto_);
     const auto columns = static_cast<std::size_t>(lidar.columns);
     for (const Request& request : requested) {
       const std::string name = request.name;
-      for (SensorRays* rays : {&all, &marked}) {
-        if (name != "all") rays->request(flags_of(request, lidar.ray_count(), columns));
-      }
-      const Sweep expected = sweep_of(without_culling_, particles, all, view);
-      const Sweep culled = sweep_of(with_culling_, particles, marked, view);
+      const std::vector<bool> flags = flags_of(request, lidar.ray_count(), columns);
+      const Sweep expected = sweep_of(without_culling_, particles, all.requested(flags), view);
+      const Sweep culled = sweep_of(with_culling_, particles, marked.requested(flags), view);
       ASSERT_EQ(culled.bits, expected.bits) << lidar.name << ", " << name;
       ASSERT_LE(culled.visible, expected.visible);
       if (name == "none") {
@@ -223,7 +199,7 @@ class Comparison {
     return options;
   }
   Device device_ = Device::best();
-  RenderOptions off_ = paper_options(), always_ = off_;
+  RenderOptions off_ = paper_options(), auto_ = off_;
   Renderer without_culling_, with_culling_;
 };
 
@@ -276,15 +252,16 @@ TEST(RayMask, AFullMaskIsNotAsked) {
   const Device device = Device::best();
   RenderOptions options = paper_options();
   const Lidar lidar = builtin_lidar("generic64");
-  SensorRays rays(device, lidar, nominal_rays(lidar), options);
-  EXPECT_TRUE(rays.marked());
-  EXPECT_FALSE(rays.can_cull());
-  rays.request(flags_of(requests()[1], lidar.ray_count(), static_cast<std::size_t>(lidar.columns)));
-  EXPECT_TRUE(rays.can_cull());
-  rays.request(std::vector<bool>(lidar.ray_count(), true));
-  EXPECT_FALSE(rays.can_cull());
+  const SensorRays rays(device, lidar, nominal_rays(lidar), options);
+  EXPECT_GT(rays.mask().columns, 0.0);
+  EXPECT_FALSE(rays.mask().can_cull);
+  const std::vector<bool> some =
+      flags_of(requests()[1], lidar.ray_count(), static_cast<std::size_t>(lidar.columns));
+  EXPECT_TRUE(rays.requested(some).mask().can_cull);
+  EXPECT_FALSE(rays.requested(std::vector<bool>(lidar.ray_count(), true)).mask().can_cull);
   options.culling = Culling::kOff;
-  EXPECT_FALSE(SensorRays(device, lidar, nominal_rays(lidar), options).marked());
+  const SensorRays off(device, lidar, nominal_rays(lidar), options);
+  EXPECT_FALSE(off.requested(some).mask().can_cull);
 }
 
 TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
@@ -292,11 +269,11 @@ TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
   const test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, crowd(3, 1), Precision::kFloat);
-  SensorRays rays = shot.on(device, paper_options());
+  const SensorRays rays = shot.on(device, paper_options());
   const RayResults full = renderer.render(particles, rays, shot.view).results();
   for (const Request& request : requests()) {
-    rays.request(flags_of(request, 3000, 150));
-    const RayResults part = renderer.render(particles, rays, shot.view).results();
+    const SensorRays some = rays.requested(flags_of(request, 3000, 150));
+    const RayResults part = renderer.render(particles, some, shot.view).results();
     for (std::size_t ray = 0; ray < 3000; ++ray) {
       const bool wanted = request.wants(ray, 3000, 150);
       ASSERT_EQ(part.transmittance[ray], wanted ? full.transmittance[ray] : 1.0F)
@@ -305,7 +282,7 @@ TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
       ASSERT_EQ(part.feature[1][ray], wanted ? full.feature[1][ray] : shot.view.background[1]) << ray;
     }
   }
-  EXPECT_THROW(rays.request(std::vector<bool>(10, true)), Error);
+  EXPECT_THROW((void)rays.requested(std::vector<bool>(10, true)), Error);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ NamedVariant base(SensorType sensor, int motion) {
   frame.sh_degree = 3;
   frame.median = sensor == SensorType::kLidar;
   frame.culling = sensor == SensorType::kLidar;
-  frame.shape = kShape;
+  out.variant.options.shape = kShape;
   return out;
 }
 
@@ -64,7 +64,6 @@ std::vector<NamedVariant> changed(const NamedVariant& from) {
   });
   add("per ray", [](Variant& v) { v.options.order = Order::kPerRay; });
   add("sh by ray", [](Variant& v) { v.options.sh_direction = ShDirection::kRay; });
-  add("precise", [](Variant& v) { v.options.math = Math::kPrecise; });
   add("detail", [](Variant& v) { v.options.detail = 0.5; });
   add("compensated", [](Variant& v) { v.options.camera_compensation = v.options.lidar_compensation = true; });
   if (!from.variant.frame.moving) add("origins", [](Variant& v) { v.frame.origins = true; });
@@ -79,7 +78,6 @@ std::vector<NamedVariant> changed(const NamedVariant& from) {
       });
     }
   }
-  add("tiles of 64 rays", [](Variant& v) { v.frame.shape = kShape.for_tile(64); });
   if (is_camera) {
     for (const LensKind lens : {LensKind::kOpencvPinhole,
                                 LensKind::kOpencvFisheye,

@@ -87,8 +87,9 @@ TEST(BufferTable, NamesAreUnique) {
   add(ParticleBuffers(device, GaussianSet(SetKind::kCamera, 0, 0), Precision::kFloat));
   add(PictureBuffers(device));
   add(Projected(device));
-  add(RayBuffers(device));
+  add(RayLayout(device));
   add(RayMaskScratch(device));
+  add(RequestedRays(device));
   add(SampleBuffers(device));
   add(ScanBuffers(device));
   add(SortBuffers(device));

@@ -245,32 +245,10 @@ TEST_P(Degenerate, SensorsOfFewRays) {
   }
 }
 
-/// Only sweeps have tiles of a chosen height.
-class DegenerateSweep : public Degenerate {};
-
-TEST_P(DegenerateSweep, TilesOfAnyHeightSeeTheSame) {
-  const test::SetRecipe recipe{.count = 200, .low = {-8, -8, -3}, .high = {8, 8, 3}};
-  const GaussianSet set = test::set_for(GetParam(), recipe, 3);
-  const test::Shot usual = usual_shot();
-  const RayResults expected = render(set, usual);
-  for (const TileChoice tiles : {TileChoice{1, 256}, {2, 128}, {5, 64}, {9, 64}, {18, 32}, {4, 16}}) {
-    options_.lidar_tiles = tiles;
-    const RayResults found = render(set, usual);
-    for (std::size_t i = 0; i < found.rays; ++i) {
-      ASSERT_EQ(found.transmittance[i], expected.transmittance[i]) << tiles.rays << " rays, ray " << i;
-      ASSERT_EQ(found.distance[i], expected.distance[i]) << tiles.rays << " rays, ray " << i;
-    }
-  }
-}
-
 INSTANTIATE_TEST_SUITE_P(All,
                          Degenerate,
                          testing::Values(test::kCameraStill, test::kLidarMoving),
                          [](const auto& instance) { return std::string(instance.param.name); });
-
-INSTANTIATE_TEST_SUITE_P(All, DegenerateSweep, testing::Values(test::kLidarMoving), [](const auto& instance) {
-  return std::string(instance.param.name);
-});
 
 }  // namespace
 }  // namespace simuli

@@ -21,7 +21,7 @@ TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
   for (const std::string& name : builtin_lidar_names()) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     const LidarRays rays = nominal_rays(sensor.model);
-    const RayGrid grid = make_ray_grid(device, sensor.model, rays, {});
+    const RayGrid grid = make_ray_grid(device, sensor.model, rays);
     ASSERT_EQ(grid.rays, sensor.model.ray_count()) << name;
     std::vector<int> seen(grid.rays, 0);
     const double first = grid.model.tile_first;

@@ -101,7 +101,7 @@ TEST(Plan, BandsThatAreLeftOutAreNotThere) {
   const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
   const Traces never = traces_of(plain, shot, paper_options());
   RenderOptions options = paper_options();
-  options.sh_degree = ShDegree::k0;
+  options.sh_degree = 0;
   expect_same(traces_of(set, shot, options), never);
   options.sh_direction = ShDirection::kRay;  // colours look alike from everywhere
   expect_same(traces_of(set, shot, options), never);
@@ -114,15 +114,6 @@ TEST(Plan, CamerasHaveNoMedianDistance) {
   RenderOptions without = paper_options();
   without.median_distance = false;
   expect_same(traces_of(set, shot, paper_options()), traces_of(set, shot, without));
-}
-
-TEST(Plan, SweepsWithoutEmptyCellsAreNotCulled) {
-  const GaussianSet set = crowd(test::kLidarStill);
-  const test::Shot shot = test::shot_of(test::kLidarStill, 1800, 18);
-  RenderOptions always = paper_options();
-  always.culling = Culling::kAlways;
-  const Traces full = traces_of(set, shot, paper_options());
-  EXPECT_NE(full.programs, traces_of(set, shot, always).programs);
 }
 
 }  // namespace plan_test

@@ -103,21 +103,17 @@ TEST(RayGrid, PicturesOfAnySizeAreComplete) {
   }
 }
 
-TEST(RayGrid, SweepsAreCompleteInEveryTileHeight) {
-  for (const TileChoice tiles : {TileChoice{}, {1, 256}, {4, 128}, {3, 32}, {64, 16}}) {
-    RenderOptions options;
-    options.lidar_tiles = tiles;
-    for (const auto& [rows, columns] : {std::pair(1, 1), {1, 500}, {20, 150}, {33, 7}, {64, 257}}) {
-      const Lidar lidar = test::small_lidar(rows, columns);
-      const LidarRays nominal = nominal_rays(lidar);
-      const RayGrid grid = make_ray_grid(Device::best(), lidar, nominal, options);
-      expect_complete(grid);
-      expect_lidar_places(grid, nominal);
-      const LidarRays measured = jittered(lidar, 2.0, 3);
-      const RayGrid uneven = make_ray_grid(Device::best(), lidar, measured, options);
-      expect_complete(uneven);
-      expect_lidar_places(uneven, measured);
-    }
+TEST(RayGrid, SweepsAreComplete) {
+  for (const auto& [rows, columns] : {std::pair(1, 1), {1, 500}, {20, 150}, {33, 7}, {64, 257}}) {
+    const Lidar lidar = test::small_lidar(rows, columns);
+    const LidarRays nominal = nominal_rays(lidar);
+    const RayGrid grid = make_ray_grid(Device::best(), lidar, nominal);
+    expect_complete(grid);
+    expect_lidar_places(grid, nominal);
+    const LidarRays measured = jittered(lidar, 2.0, 3);
+    const RayGrid uneven = make_ray_grid(Device::best(), lidar, measured);
+    expect_complete(uneven);
+    expect_lidar_places(uneven, measured);
   }
 }
 
@@ -126,7 +122,7 @@ TEST(RayGrid, BuiltInLidarsAreComplete) {
     SCOPED_TRACE(name);
     const Lidar lidar = builtin_lidar(name);
     const LidarRays rays = nominal_rays(lidar);
-    const RayGrid grid = make_ray_grid(Device::best(), lidar, rays, {});
+    const RayGrid grid = make_ray_grid(Device::best(), lidar, rays);
     expect_complete(grid);
     expect_lidar_places(grid, rays);
   }
@@ -137,7 +133,7 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   lidar.azimuth_first = -0.4;
   lidar.azimuth_span = 0.8;
   const LidarRays narrow = nominal_rays(lidar);
-  const RayGrid grid = make_ray_grid(Device::best(), lidar, narrow, {});
+  const RayGrid grid = make_ray_grid(Device::best(), lidar, narrow);
   expect_complete(grid);
   expect_lidar_places(grid, narrow);
 
@@ -148,10 +144,10 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   for (float& a : turned.azimuth) {
     if (a < 0.0F) a = static_cast<float>(static_cast<double>(a) + 2.0 * kPi);
   }
-  const RayGrid from_zero = make_ray_grid(Device::best(), full, turned, {});
+  const RayGrid from_zero = make_ray_grid(Device::best(), full, turned);
   expect_complete(from_zero);
   expect_lidar_places(from_zero, turned);
-  EXPECT_EQ(from_zero.frame.tiles_x, make_ray_grid(Device::best(), full, centred, {}).frame.tiles_x);
+  EXPECT_EQ(from_zero.frame.tiles_x, make_ray_grid(Device::best(), full, centred).frame.tiles_x);
 }
 
 std::string refusal(const std::function<void()>& f) {
@@ -172,7 +168,7 @@ TEST(RayGrid, WrongRaysAreRefused) {
     LidarRays rays = good;
     spoil(rays);
     const std::string message =
-        refusal([&] { static_cast<void>(make_ray_grid(Device::best(), lidar, rays, {})); });
+        refusal([&] { static_cast<void>(make_ray_grid(Device::best(), lidar, rays)); });
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -185,21 +181,13 @@ TEST(RayGrid, WrongRaysAreRefused) {
   refused([](LidarRays& r) { r.azimuth[7] = kNan; }, "ray 7");
   refused([](LidarRays& r) { r.elevation[8] = kNan; }, "ray 8");
   refused([](LidarRays& r) { r.time_fraction[9] = std::numeric_limits<float>::infinity(); }, "ray 9");
-  RenderOptions options;
-  for (const TileChoice tiles : {TileChoice{-1, 256}, {4097, 256}, {8, -1}, {8, 15}, {8, 257}}) {
-    options.lidar_tiles = tiles;
-    expect_error(ErrorKind::kUsage, "render.lidar_tiles.", [&] {
-      static_cast<void>(make_ray_grid(Device::best(), lidar, good, options));
-    });
-  }
   // More rays of one beam in one direction than any tile holds.
   const Lidar dense = test::small_lidar(4, 3000);
   LidarRays bundled = nominal_rays(dense);
   std::fill(bundled.azimuth.begin(), bundled.azimuth.end(), 0.5F);
-  EXPECT_NE(refusal([&] {
-              static_cast<void>(make_ray_grid(Device::best(), dense, bundled, {}));
-            }).find("ray azimuths"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal([&] { static_cast<void>(make_ray_grid(Device::best(), dense, bundled)); }).find("ray azimuths"),
+      std::string::npos);
 }
 
 /// Places a small particle on every sampled ray, 20 m out, renders, and looks at those rays.
@@ -249,8 +237,7 @@ TEST(SmallParticles, AreSeenInEveryTileOfASweepAndAtItsSeam) {
   test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   for (const double jitter : {0.0, 0.4}) {
     if (jitter > 0.0) shot.rays = jittered(shot.lidar, jitter, 5);
-    std::vector<std::size_t> sampled =
-        sample_of_tiles(make_ray_grid(Device::best(), shot.lidar, shot.rays, {}));
+    std::vector<std::size_t> sampled = sample_of_tiles(make_ray_grid(Device::best(), shot.lidar, shot.rays));
     // Both sides of the seam at +-pi, which is also the sweep's cut: first and last firings of each beam.
     std::size_t low = 0, high = 0;
     for (std::size_t row = 0; row < 20; ++row) {

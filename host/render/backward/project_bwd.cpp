@@ -3,7 +3,7 @@
 
 namespace simuli {
 ProjectBackwardStage::ProjectBackwardStage(const Device& device, const Variant& variant)
-    : lanes_(variant.frame.shape.lanes),
+    : lanes_(variant.options.shape.lanes),
       actors_(variant.frame.actors),
       project_bwd_(Program(device, "kernels/project_bwd.cl", variant.build_options()), "project_bwd") {}
 

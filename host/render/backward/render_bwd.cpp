@@ -46,7 +46,7 @@ Kernel& RenderBackwardStage::kernel(const BackwardExtras& extras) {
   if (!kernel) {
     BuildOptions options = variant_.build_options();
     options.define("ERRORS", extras.errors);
-    const bool is_group = variant_.frame.shape.work_items > 1;
+    const bool is_group = variant_.options.shape.work_items > 1;
     kernel.emplace(
         Program(
             device_, is_group ? "kernels/render_bwd_groups.cl" : "kernels/render_bwd_lanes.cl", options),
@@ -64,7 +64,7 @@ void RenderBackwardStage::replay(const shared::FrameParams& frame,
                                  GradientBuffers& gradients) {
   const auto launch = [&](Kernel& kernel) {
     kernel.run(items,
-               static_cast<std::size_t>(variant_.frame.shape.work_items),
+               static_cast<std::size_t>(variant_.options.shape.work_items),
                {{"frame", frame},
                 {"tile_first", tile_first},
                 made.constants,
@@ -93,7 +93,7 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
   Kernel& blend_back = kernel(extras);
   slot_counts_.run_over(frame.particles, {{"n", frame.particles}, made.projected, gradients});
   scan_.run(gradients.slot_first, frame.particles, false);
-  const auto work_items = static_cast<std::size_t>(variant_.frame.shape.work_items);
+  const auto work_items = static_cast<std::size_t>(variant_.options.shape.work_items);
   const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;
   const bool by_ray = variant_.options.order != Order::kRange;
   const auto runs =
@@ -102,7 +102,7 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
   for (const TileRun& run : runs) most = std::max(most, run.places);
   gradients.replayed.reserve(std::size_t{2} * SIM_TILE_RAYS * most);
   if (by_ray)
-    gradients.replayed_to.reserve(frame.slots / static_cast<std::size_t>(variant_.frame.shape.lanes));
+    gradients.replayed_to.reserve(frame.slots / static_cast<std::size_t>(variant_.options.shape.lanes));
   for (const TileRun& run : runs) {
     const std::size_t items = (run.end - run.first) * work_items;
     if (by_ray) replay(frame, particles, rays, made, run.first, items, gradients);

@@ -10,7 +10,6 @@
 #include "cl/shared/layout.h"
 #include "host/base/error.hpp"
 #include "host/render/frame/particle_clusters.hpp"
-#include "host/render/options/sh_degree.hpp"
 #include "host/runtime/kernel.hpp"
 
 namespace simuli {
@@ -48,7 +47,7 @@ ParticleSizes ParticleSizes::of(std::uint64_t particles, int sh_degree, std::uin
 }
 
 KeptParticles KeptParticles::of(const GaussianSet& set, const RenderOptions& options) {
-  const KeptParticles kept{kept_sh_degree(set, options.sh_degree, options.sh_error), options.sh_storage};
+  const KeptParticles kept{std::min(set.sh_degree, options.sh_degree), options.sh_storage};
   if (kept.sh_storage != ShStorage::kHalf) return kept;
   if (options.precision == Precision::kDouble) {
     throw Error(ErrorKind::kUsage, "sh_storage: found half in double precision, allowed full");

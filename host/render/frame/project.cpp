@@ -4,7 +4,7 @@
 
 namespace simuli {
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
-    : lanes_(variant.frame.shape.lanes),
+    : lanes_(variant.options.shape.lanes),
       actor_motion_(variant.frame.actor_motion),
       samples_(device, variant.options.precision),
       cull_clusters_(Program(device, "kernels/project.cl", variant.build_options()), "cull_clusters"),

@@ -4,7 +4,7 @@
 namespace simuli {
 
 RaysStage::RaysStage(const Device& device, const Variant& variant)
-    : lanes_(variant.frame.shape.lanes),
+    : lanes_(variant.options.shape.lanes),
       rows_(variant.frame.actor_motion ? 7
             : variant.frame.origins    ? 6
                                        : 3),

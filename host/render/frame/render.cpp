@@ -4,7 +4,7 @@
 namespace simuli {
 
 RenderStage::RenderStage(const Device& device, const Variant& variant)
-    : work_items_(static_cast<std::size_t>(variant.frame.shape.work_items)),
+    : work_items_(static_cast<std::size_t>(variant.options.shape.work_items)),
       outputs_(variant.frame.sensor == SensorType::kLidar ? SIM_OUTPUTS : SIM_O_DROP),
       render_(variant.options.order == Order::kRange
                   ? Kernel(Program(device, "kernels/render.cl", variant.build_options()), "render")

@@ -24,7 +24,8 @@ const Camera& with_room_on(const Device& device, const Camera& camera, const Ren
       all += one.bytes;
     }
   };
-  add(RayBuffers(device, options.precision).bytes({.slots = rays}));
+  add(RayLayout(device, options.precision).bytes({.slots = rays}));
+  add(RequestedRays(device, options.precision).bytes({.slots = rays}));
   // A camera that moves among actors that do has rays of seven reals.
   const FrameSizes sizes{.slots = rays, .ray_rows = 7};
   add(WorldRays(device, options.precision).bytes(sizes));

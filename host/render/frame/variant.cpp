@@ -23,9 +23,9 @@ BuildOptions Variant::build_options() const {
       .define("MEDIAN", frame.median)
       .define("ACTOR_IDS", frame.actor_ids)
       .define("CULLING", frame.culling)
-      .define("V", frame.shape.lanes)
-      .define("NR", frame.shape.vectors)
-      .define("LS", frame.shape.work_items)
+      .define("V", options.shape.lanes)
+      .define("NR", options.shape.vectors)
+      .define("LS", options.shape.work_items)
       // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
       .define("CLAMPED_CHANNELS", is_camera ? 3 : 1)
       .define("PROJECTION", options.projection)
@@ -35,8 +35,6 @@ BuildOptions Variant::build_options() const {
       .define("WINDOW", options.window)
       // Without bands above 0 a particle looks alike from everywhere.
       .define("RAY_SH", options.sh_direction == ShDirection::kRay && frame.sh_degree > 0)
-      // Double has the built-in functions anyway.
-      .define("MATH_PRECISE", options.math == Math::kPrecise && options.precision == Precision::kFloat)
       .define("SHUTTER_ITERATIONS", std::max(options.shutter_iterations, 1))
       .define("COMPENSATION", is_camera ? options.camera_compensation : options.lidar_compensation);
   return out;

@@ -22,7 +22,6 @@ struct FrameKind {
   bool median = false;
   bool actor_ids = false;  // the actor at the median distance instead of it; needs actors, median
   bool culling = false;    // by the ray mask
-  LaneShape shape;
 
   auto operator<=>(const FrameKind&) const = default;
 };

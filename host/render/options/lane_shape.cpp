@@ -1,7 +1,5 @@
 #include "host/render/options/lane_shape.hpp"
 
-#include <algorithm>
-
 #include "host/runtime/cache/tuning.hpp"
 
 namespace simuli {
@@ -21,11 +19,6 @@ LaneShape usual_lane_shape(const Device& device, Precision precision) {
 BuildOptions lane_options(const Device& device, Precision precision, int lanes) {
   BuildOptions options;
   return options.real(precision).define("V", lanes == 0 ? lane_shape_of(device, precision).lanes : lanes);
-}
-
-LaneShape LaneShape::for_tile(int tile_rays) const {
-  const int items = std::min(work_items, tile_rays / lanes);
-  return {lanes, tile_rays / lanes / items, items};
 }
 
 }  // namespace simuli

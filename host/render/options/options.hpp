@@ -14,8 +14,6 @@ struct LaneShape {
   int lanes = 16;
   int vectors = 16;
   int work_items = 1;
-  /// The same for tiles of fewer rays, a power of two.
-  [[nodiscard]] LaneShape for_tile(int tile_rays) const;
   auto operator<=>(const LaneShape&) const = default;
 };
 
@@ -45,69 +43,18 @@ enum class ShDirection : int {
   kRay = 1,       // along each ray; has no backward pass
 };
 
-/// exp, atan2, sine and cosine in float; double has the built-in functions alone.
-enum class Math : int {
-  kFast = 0,     // polynomials with errors of 2 to 3e-7
-  kPrecise = 1,  // the built-in functions: scalar calls on CPU drivers
-};
-
-/// Bands of spherical harmonics that are kept of each set.
-enum class ShDegree : int {
-  k0 = 0,  // up to these, or what the scene has
-  k1 = 1,
-  k2 = 2,
-  k3 = 3,
-  kAuto = 4,  // the fewest of each set that change colours by less than sh_error (sufficient_sh_degree)
-};
-
 /// How coefficients of spherical harmonics lie in device memory; sums are reals either way.
 enum class ShStorage : int {
   kFull = 0,
   kHalf = 1,  // 16 bits, each rounded to nearest (11 bits): half the traffic; float only, no backward pass
 };
 
-/// The tiles of a LiDAR: what procedure 1 of the paper is asked for. Both 0: what `simuli tile --tune` has
-/// found for the sensor on the device, if it has; else 0 is as suits most.
-struct TileChoice {
-  int elevation = 0;
-  int rays = 0;
-  bool operator==(const TileChoice&) const = default;
-};
-template <class F>
-constexpr void visit_fields(TileChoice& o, F&& field) {
-  field("render.lidar_tiles.elevation",
-        o.elevation,
-        range(0, 4096),
-        "tiles from top to bottom, more where one could not hold its beams; 0: as tuned, or as suits most");
-  field("render.lidar_tiles.rays",
-        o.rays,
-        zero_or(range(16, 256)),
-        "rays of a tile, at most; 0: as tuned, or as suits most");
-}
-
 /// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile instances
 /// (METHOD section 6). Pictures are the same bits either way.
 enum class Culling : int {
   kOff = 0,
-  kAuto = 1,    // where the ray mask has a cell without a ray
-  kAlways = 2,  // even where every query must find one: for measuring
+  kAuto = 1,  // where the ray mask has a cell without a ray
 };
-
-/// The grid that a LiDAR's rays are marked in, over the sweep and over its beams.
-struct RayMaskSize {
-  int columns = 1600;
-  int rows = 8;
-  bool equalized = true;
-  bool operator==(const RayMaskSize&) const = default;
-};
-template <class F>
-constexpr void visit_fields(RayMaskSize& o, F&& field) {
-  field("render.ray_mask.columns", o.columns, range(1, 65536), "cells over a LiDAR's sweep, of its ray mask");
-  field("render.ray_mask.rows", o.rows, range(1, 4096), "cells over its beams");
-  field("render.ray_mask.equalized",
-        o.equalized,
-        "rows of equally many beams, else of equal intervals of elevation");
-}
 
 /// RenderOptions::camera_filter_px2: what the scene was trained with (Scene::camera_filter_px2), which is
 /// part of what its particles mean; where there is no scene, and in training, kPixelVariance_px2.
@@ -122,10 +69,8 @@ struct RenderOptions {
   Order order = Order::kRange;
   int window = 64;
   ShDirection sh_direction = ShDirection::kParticle;
-  ShDegree sh_degree = ShDegree::k3;
-  double sh_error = 0.002;
+  int sh_degree = 3;
   ShStorage sh_storage = ShStorage::kFull;
-  Math math = Math::kFast;
   int shutter_iterations = 4;  // where a point's own time isn't found, extents are bounds
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
@@ -135,9 +80,7 @@ struct RenderOptions {
   bool camera_compensation = false;
   bool lidar_compensation = false;  // blends thin things with what is behind
   bool median_distance = true;
-  TileChoice lidar_tiles;
   Culling culling = Culling::kAuto;
-  RayMaskSize ray_mask;
   int particle_memory_mb = 0;
   LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
   std::size_t max_instances = std::size_t{1} << 28U;
@@ -156,8 +99,7 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         o.extent,
         one_of("unscented", "exact"),
         "rays a particle may contribute to: those in the box of render.projection (the paper's), or all with "
-        "an "
-        "alpha of at least render.alpha_cut");
+        "an alpha of at least render.alpha_cut");
   field("render.order",
         o.order,
         one_of("range", "window", "per_ray"),
@@ -174,21 +116,12 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         "from where colours are seen: once per particle, or along each ray; ray has no gradients");
   field("render.sh_degree",
         o.sh_degree,
-        one_of("0", "1", "2", "3", "auto"),
-        "bands of spherical harmonics, at most; auto: the fewest within render.sh_error. Gradients with 3 "
-        "alone");
-  field("render.sh_error",
-        o.sh_error,
-        above(0.0, 10.0),
-        "of 1 (colour) or of a logit, RMS over directions and particles: what sh_degree=auto may lose");
+        range(0, 3),
+        "bands of spherical harmonics, at most. Gradients with 3 alone");
   field("render.sh_storage",
         o.sh_storage,
         one_of("full", "half"),
         "of coefficients on the device: as computed, or 16 bits (float alone); half has no gradients");
-  field("render.math",
-        o.math,
-        one_of("fast", "precise"),
-        "exp, atan2, sine, cosine in float: polynomials within 3e-7, or the device's own");
   field("render.precision", o.precision, one_of("float", "double"), "of all numbers on the device");
   field("render.shutter_iterations",
         o.shutter_iterations,
@@ -220,11 +153,9 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
         "the same for beams: blends thin things with what is behind");
   field("render.culling",
         o.culling,
-        one_of("off", "auto", "always"),
-        "of particles that no ray of a LiDAR meets: never, where cells of the ray mask are empty, or at "
-        "every look. "
-        "The same bits either way");
-  field.part("", o.lidar_tiles);
+        one_of("off", "auto"),
+        "of particles that no ray of a LiDAR meets: never, or where cells of the ray mask are empty. The "
+        "same bits either way");
   field("render.max_instances",
         o.max_instances,
         at_least(1),
@@ -239,7 +170,6 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
   field("render.median_distance",
         o.median_distance,
         "LiDARs: also the distance at which half the light is gone; trainings never do");
-  field.part("", o.ray_mask);
   field.keyless(o.shape);  // follows from the device
 }
 

@@ -21,7 +21,7 @@ RenderOptions options_of(Quality quality) {
   switch (quality) {
     case Quality::kDraft:
       o.shutter_iterations = 1;
-      o.sh_degree = ShDegree::k0;
+      o.sh_degree = 0;
       o.sh_storage = ShStorage::kHalf;
       o.alpha_cut = 1.0 / 64.0;
       o.transmittance_cut = 0.02;
@@ -58,7 +58,7 @@ RenderOptions training_options_of(Quality quality) {
 }
 
 bool has_gradients(const RenderOptions& options) {
-  return options.sh_direction == ShDirection::kParticle && options.sh_degree == ShDegree::k3 &&
+  return options.sh_direction == ShDirection::kParticle && options.sh_degree == 3 &&
          options.sh_storage == ShStorage::kFull && options.detail == 0.0;
 }
 

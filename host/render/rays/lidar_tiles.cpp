@@ -8,7 +8,6 @@
 
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
-#include "host/base/fields.hpp"
 #include "host/render/rays/lidar_tiling.hpp"
 
 namespace simuli {
@@ -18,6 +17,9 @@ namespace {
 constexpr std::uint32_t kBins = 4096;
 constexpr std::uint32_t kMostRows = 16;  // of a tile: its slot rows
 constexpr std::uint32_t kMostIndex = LidarTiles::kMostIndex;
+// Other numbers, timed for each sensor and device, were at most 6 % faster.
+constexpr std::uint32_t kBeamsOfTile = 8;
+constexpr std::uint32_t kMostRays = SIM_TILE_RAYS;
 // In wider tiles the two places of a particle at the cut could not be told apart.
 constexpr std::uint32_t kFewestColumns = 8;
 
@@ -32,14 +34,6 @@ TileBins bins_over(const std::vector<float>& values, std::uint32_t count) {
 
 std::uint32_t divided_up(std::size_t a, std::size_t b) { return static_cast<std::uint32_t>((a + b - 1) / b); }
 
-constexpr int kBeamsOfTile = 8;  // nothing asked for, nothing tuned
-
-/// Most rays of a tile. Error{kUsage} for requests that no tiling can answer.
-std::uint32_t most_rays_of(const TileChoice& wanted) {
-  check_fields(wanted);
-  return wanted.rays == 0 ? SIM_TILE_RAYS : static_cast<std::uint32_t>(wanted.rays);
-}
-
 }  // namespace
 
 double LidarTiles::column_begin(std::size_t c) const {
@@ -50,26 +44,22 @@ double LidarTiles::column_begin(std::size_t c) const {
 LidarTiles tile_rows_of_rays(const Device& device,
                              const std::string& sensor,
                              const std::vector<float>& row_elevation,
-                             const std::vector<float>& x,
-                             const TileChoice& wanted) {
+                             const std::vector<float>& x) {
   const auto rows = static_cast<std::uint32_t>(row_elevation.size());
   const auto row_rays = static_cast<std::uint32_t>(x.size() / rows);
-  const std::uint32_t most_rays = most_rays_of(wanted);
   LidarTilingStage tiler(device);
   LidarTiles out;
 
   const Buffer<float> elevation(device, "row elevations", row_elevation);
   const TileBins bins = bins_over(row_elevation, kBins);
-  const std::uint32_t asked =
-      wanted.elevation > 0 ? static_cast<std::uint32_t>(wanted.elevation) : divided_up(rows, kBeamsOfTile);
   std::uint32_t groups = 0;
-  const Uints group_of_bin = tiler.groups_of(elevation, row_rays, bins, asked, kBins, groups);
+  const Uints group_of_bin =
+      tiler.groups_of(elevation, row_rays, bins, divided_up(rows, kBeamsOfTile), kBins, groups);
   const std::uint32_t group_rays = tiler.fullest_group(elevation, row_rays, bins, group_of_bin, groups);
   const Uints group_of_row = tiler.groups_of_rows(elevation, bins, group_of_bin);
   const std::uint32_t tile_rows = tiler.cut(group_of_row, rows, kMostRows, out);
 
-  out.tile_rays = std::clamp(std::bit_ceil(std::max(most_rays, tile_rows * SIM_SLOT_ROW)), 32U, 256U);
-  out.row_slots = out.tile_rays / SIM_SLOT_ROW / tile_rows;
+  out.row_slots = kMostRays / SIM_SLOT_ROW / tile_rows;
   const std::uint32_t width = out.row_slots * SIM_SLOT_ROW;  // most of one row in one tile
 
   const Buffer<float> places(device, "ray places", x);
@@ -80,13 +70,13 @@ LidarTiles tile_rows_of_rays(const Device& device,
   // N_theta = H_max / M rounded up, but H_max of what the cut has left of the fullest elevation tile; jitter
   // of measured rays costs a few more.
   const std::uint32_t tile_rays = std::min(group_rays, tile_rows * row_rays);
-  out.columns = std::max({kFewestColumns, divided_up(tile_rays, most_rays), divided_up(row_rays, width)});
+  out.columns = std::max({kFewestColumns, divided_up(tile_rays, kMostRays), divided_up(row_rays, width)});
   const std::uint32_t most_columns = std::min(4 * out.columns + 64, kMostIndex);
   for (; out.columns <= most_columns; ++out.columns) {
     const TileBins columns = bins_over(x, out.columns);
     const Uints column_of_bin(device, "columns of bins", LidarTilingStage::iota(out.columns));
     const auto fullest = tiler.place(places, order, row_starts, columns, column_of_bin, out);
-    if (fullest.row > width || fullest.tile > most_rays) continue;
+    if (fullest.row > width || fullest.tile > kMostRays) continue;
     out.first = columns.first;
     out.scale = columns.scale;
     out.column_of_bin = LidarTilingStage::iota(out.columns);
@@ -97,7 +87,7 @@ LidarTiles tile_rows_of_rays(const Device& device,
                     "ray azimuths",
                     fmt::format("more than {} rays of one beam, or {} of a tile, in 1/{} of the sweep",
                                 width,
-                                most_rays,
+                                kMostRays,
                                 most_columns),
                     "rays spread along the sweep");
 }
@@ -105,29 +95,23 @@ LidarTiles tile_rows_of_rays(const Device& device,
 LidarTiles tile_ray_list(const Device& device,
                          const std::string& sensor,
                          const std::vector<float>& elevation,
-                         const std::vector<float>& x,
-                         const TileChoice& wanted) {
-  const std::uint32_t most_rays = most_rays_of(wanted);
-  const std::uint32_t most_rows = most_rays / SIM_SLOT_ROW;
+                         const std::vector<float>& x) {
   LidarTilingStage tiler(device);
   const Buffer<float> elevations(device, "ray elevations", elevation), places(device, "ray places", x);
   const TileBins bins = bins_over(elevation, kBins);
   ListRows rows(device);
 
-  // Without a number asked for, the one of fewest slots of some about which tiles are as wide as high.
-  std::vector<std::uint32_t> numbers{static_cast<std::uint32_t>(wanted.elevation)};
-  if (wanted.elevation == 0) {
-    const auto extent = [](const std::vector<float>& values) {
-      const auto [low, high] = std::minmax_element(values.begin(), values.end());
-      return std::max(static_cast<double>(*high) - static_cast<double>(*low), 1e-3);
-    };
-    const double tiles = static_cast<double>(x.size()) / most_rays;
-    const double square = std::sqrt(tiles * extent(elevation) / extent(x));
-    numbers.clear();
-    for (const double factor : {0.5, 0.7, 1.0, 1.4, 2.0}) {
-      const auto number = static_cast<std::uint32_t>(std::clamp(square * factor, 1.0, 4096.0));
-      if (numbers.empty() || numbers.back() != number) numbers.push_back(number);
-    }
+  // The number of fewest slots, of some about which tiles are as wide as high.
+  const auto extent = [](const std::vector<float>& values) {
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    return std::max(static_cast<double>(*high) - static_cast<double>(*low), 1e-3);
+  };
+  const double tiles = static_cast<double>(x.size()) / kMostRays;
+  const double square = std::sqrt(tiles * extent(elevation) / extent(x));
+  std::vector<std::uint32_t> numbers;
+  for (const double factor : {0.5, 0.7, 1.0, 1.4, 2.0}) {
+    const auto number = static_cast<std::uint32_t>(std::clamp(square * factor, 1.0, 4096.0));
+    if (numbers.empty() || numbers.back() != number) numbers.push_back(number);
   }
   LidarTiles best;
   for (const std::uint32_t number : numbers) {
@@ -135,7 +119,7 @@ LidarTiles tile_ray_list(const Device& device,
     std::uint32_t groups = 0;
     const Uints group_of_bin = tiler.groups_of(elevations, 1, bins, number, kBins, groups);
     const std::uint32_t group_rays = tiler.fullest_group(elevations, 1, bins, group_of_bin, groups);
-    const std::uint32_t columns = std::clamp(divided_up(group_rays, most_rays), kFewestColumns, 16384U);
+    const std::uint32_t columns = std::clamp(divided_up(group_rays, kMostRays), kFewestColumns, 16384U);
     const TileBins x_bins = bins_over(x, std::max(kBins, 4 * columns));
     const auto widest = static_cast<std::uint32_t>(
         std::min(kTurn / kFewestColumns * static_cast<double>(x_bins.scale), double{kMostIndex}));
@@ -146,9 +130,8 @@ LidarTiles tile_ray_list(const Device& device,
       continue;
     }
     static_cast<void>(
-        tiler.cut(rows.group_of_row, static_cast<std::uint32_t>(rows.group_of_row.count()), most_rows, out));
+        tiler.cut(rows.group_of_row, static_cast<std::uint32_t>(rows.group_of_row.count()), kMostRows, out));
     if (!best.tile_rows.empty() && out.tiles() >= best.tiles()) continue;
-    out.tile_rays = std::clamp(std::bit_ceil(most_rays), 32U, 256U);
     out.row_slots = 1;
     static_cast<void>(tiler.place(places, rows.order, rows.starts, x_bins, column_of_bin, out));
     out.first = x_bins.first;

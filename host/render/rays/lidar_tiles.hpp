@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "cl/shared/layout.h"
-#include "host/render/options/options.hpp"
 #include "host/runtime/device.hpp"
 
 namespace simuli {
@@ -16,7 +15,6 @@ namespace simuli {
 struct LidarTiles {
   static constexpr std::uint32_t kMostIndex = 0xffff;  // footprints name rows and tiles in 16 bits
   std::uint32_t columns = 0;                           // of tiles
-  std::uint32_t tile_rays = 0;                         // slots of a tile: 32, 64, 128 or 256
   std::uint32_t row_slots = 0;                         // slot rows of one sensor row in one tile
   std::vector<std::uint32_t> tile_rows;                // [tile rows + 1] first sensor row of each
   std::vector<std::uint32_t> tile_row_of_row;          // [rows]
@@ -35,19 +33,17 @@ struct LidarTiles {
 };
 
 /// Rows of equally many rays, all of one elevation: row_elevation[rows] rad, never rising. x[rows][row_rays]
-/// rad is the place along the spin. Tile columns are uniform, as few as no tile needs to hold more rays than
-/// asked for. Error{kInput} naming `sensor` for rays too uneven for that.
+/// rad is the place along the spin. A tile has about 8 rows; tile columns are uniform, as few as no tile
+/// needs to hold more than SIM_TILE_RAYS rays. Error{kInput} naming `sensor` for rays too uneven for that.
 [[nodiscard]] LidarTiles tile_rows_of_rays(const Device& device,
                                            const std::string& sensor,
                                            const std::vector<float>& row_elevation,
-                                           const std::vector<float>& x,
-                                           const TileChoice& wanted);
+                                           const std::vector<float>& x);
 
 /// Rays without rows: the same along both axes, and rows cut from the elevation tiles. elevation, x: [rays].
 [[nodiscard]] LidarTiles tile_ray_list(const Device& device,
                                        const std::string& sensor,
                                        const std::vector<float>& elevation,
-                                       const std::vector<float>& x,
-                                       const TileChoice& wanted);
+                                       const std::vector<float>& x);
 
 }  // namespace simuli

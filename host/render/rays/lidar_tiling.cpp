@@ -135,7 +135,7 @@ LidarTilingStage::Fullest LidarTilingStage::place(const Buffer<float>& x,
               {"tile_rows", first_rows_},
               {"tile_row_of_row", tile_row_of_row_},
               {"width", tiling.row_slots * SIM_SLOT_ROW},
-              {"tile_rays", tiling.tile_rays},
+              {"tile_rays", std::uint32_t{SIM_TILE_RAYS}},
               {"used", used_},
               {"slot_of_ray", slot_of_ray_},
               {"fullest", fullest_}});

@@ -2,9 +2,8 @@
 
 namespace simuli {
 
-RayBuffers::RayBuffers(const Device& device, const RayGrid& grid, Precision precision)
-    : RayBuffers(device, precision) {
-  sensor_ray.assign(grid.sensor_ray);
+RayLayout::RayLayout(const Device& device, const RayGrid& grid, Precision precision)
+    : RayLayout(device, precision) {
   u.assign(grid.u);
   row_lut.assign(grid.row_lut);
   row_elevation.assign(grid.row_elevation);

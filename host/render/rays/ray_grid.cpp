@@ -7,7 +7,6 @@
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/render/rays/ray_slots.hpp"
-#include "host/render/rays/tile_choice.hpp"
 
 namespace simuli {
 namespace {
@@ -225,10 +224,7 @@ void set_origins(RayGrid& grid, const Lidar& lidar) {
 
 }  // namespace
 
-RayGrid make_ray_grid(const Device& device,
-                      const Lidar& lidar,
-                      const LidarRays& rays,
-                      const RenderOptions& options) {
+RayGrid make_ray_grid(const Device& device, const Lidar& lidar, const LidarRays& rays) {
   const std::size_t count = lidar.rows.size() * static_cast<std::size_t>(rays.columns);
   if (rays.rows != lidar.row_count() || rays.columns < 1 || rays.azimuth.size() != count ||
       rays.elevation.size() != count || rays.time_fraction.size() != count) {
@@ -255,12 +251,8 @@ RayGrid make_ray_grid(const Device& device,
   const std::vector<double> angles = spin_angles(lidar, rays);
   std::vector<double> elevations;
   for (const LidarRow& row : lidar.rows) elevations.push_back(row.elevation);
-  const LidarTiles tiling =
-      tile_rows_of_rays(device,
-                        lidar.name,
-                        {elevations.begin(), elevations.end()},
-                        {angles.begin(), angles.end()},
-                        resolved_tiles(device, {lidar.name, lidar.rows.size(), count}, options.lidar_tiles));
+  const LidarTiles tiling = tile_rows_of_rays(
+      device, lidar.name, {elevations.begin(), elevations.end()}, {angles.begin(), angles.end()});
   ray_slots::set_tiles(grid, tiling);
   ray_slots::fill_elevation_table(grid, elevations, elevations);
   set_origins(grid, lidar);

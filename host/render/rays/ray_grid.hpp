@@ -45,20 +45,14 @@ struct RayGrid {
 
 /// Rays (measured or nominal) in the tiles of procedure 1, worked out on `device`. Error{kInput} when `rays`
 /// is not rows x columns of the model, or too uneven in azimuth to be tiled.
-[[nodiscard]] RayGrid make_ray_grid(const Device& device,
-                                    const Lidar& lidar,
-                                    const LidarRays& rays,
-                                    const RenderOptions& options);
+[[nodiscard]] RayGrid make_ray_grid(const Device& device, const Lidar& lidar, const LidarRays& rays);
 
 /// Rays without rows, sorted by elevation into rows of as many as the tiles hold. Within the box of a
 /// particle the elevation is decided per such row, not per ray. Error{kInput} for a list that validate()
 /// refuses, and for one that would need more than 65535 rows.
-[[nodiscard]] RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOptions& options);
+[[nodiscard]] RayGrid make_ray_grid(const Device& device, const RayList& list);
 
 /// Either of the two with these rays, nominal or measured.
-[[nodiscard]] RayGrid make_ray_grid(const Device& device,
-                                    const LidarModel& model,
-                                    const LidarRays& rays,
-                                    const RenderOptions& options);
+[[nodiscard]] RayGrid make_ray_grid(const Device& device, const LidarModel& model, const LidarRays& rays);
 
 }  // namespace simuli

@@ -7,7 +7,6 @@
 #include "host/base/angles.hpp"
 #include "host/base/error.hpp"
 #include "host/render/rays/ray_slots.hpp"
-#include "host/render/rays/tile_choice.hpp"
 
 namespace simuli {
 namespace {
@@ -63,7 +62,7 @@ void set_constants(RayGrid& grid, const RayList& list, double cut, const std::ve
 
 }  // namespace
 
-RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOptions& options) {
+RayGrid make_ray_grid(const Device& device, const RayList& list) {
   validate(list, "sensor");
   RayGrid grid;
   grid.type = SensorType::kLidar;
@@ -76,11 +75,7 @@ RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOpt
     angles[i] = static_cast<float>(turned - kTurn * std::floor(turned / kTurn));
   }
   const LidarTiles tiling =
-      tile_ray_list(device,
-                    list.name,
-                    {list.elevation.begin(), list.elevation.end()},
-                    angles,
-                    resolved_tiles(device, {list.name, 0, grid.rays}, options.lidar_tiles));
+      tile_ray_list(device, list.name, {list.elevation.begin(), list.elevation.end()}, angles);
   ray_slots::set_tiles(grid, tiling);
   for (std::size_t ray = 0; ray < grid.rays; ++ray) {
     const std::size_t slot = tiling.slot_of_ray[ray];
@@ -107,12 +102,8 @@ RayGrid make_ray_grid(const Device& device, const RayList& list, const RenderOpt
   return grid;
 }
 
-RayGrid make_ray_grid(const Device& device,
-                      const LidarModel& model,
-                      const LidarRays& rays,
-                      const RenderOptions& options) {
-  if (const auto* const lidar = std::get_if<Lidar>(&model))
-    return make_ray_grid(device, *lidar, rays, options);
+RayGrid make_ray_grid(const Device& device, const LidarModel& model, const LidarRays& rays) {
+  if (const auto* const lidar = std::get_if<Lidar>(&model)) return make_ray_grid(device, *lidar, rays);
   const auto& list = std::get<RayList>(model);
   if (rays.azimuth.size() != list.ray_count()) {
     throw_input_error("ray list " + list.name,
@@ -120,7 +111,7 @@ RayGrid make_ray_grid(const Device& device,
                       std::to_string(rays.azimuth.size()),
                       std::to_string(list.ray_count()) + " as the list");
   }
-  return make_ray_grid(device, with_rays(list, rays), options);
+  return make_ray_grid(device, with_rays(list, rays));
 }
 
 }  // namespace simuli

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "host/base/fields.hpp"
-
 namespace simuli {
 namespace {
 
@@ -13,18 +11,22 @@ BuildOptions mask_options(Precision precision) {
   return options.real(precision).define("SENSOR", SensorType::kLidar);
 }
 
-/// Rows of the mask hold equally many beams, or equal intervals of elevation.
-std::vector<std::uint32_t> rows_of_mask(const RayGrid& grid, const RayMaskSize& size) {
-  const std::size_t rows = grid.frame.rows;
-  const auto mask_rows = static_cast<std::size_t>(size.rows);
-  std::vector<std::uint32_t> out(rows);
-  const double top = grid.row_elevation[0], bottom = grid.row_elevation[rows - 1];
-  for (std::size_t row = 0; row < rows; ++row) {
-    const double down = (top - grid.row_elevation[row]) / std::max(top - bottom, 1e-9);
-    const std::size_t at = size.equalized ? row * mask_rows / rows
-                                          : static_cast<std::size_t>(down * static_cast<double>(mask_rows));
-    out[row] = static_cast<std::uint32_t>(std::min(at, mask_rows - 1));
-  }
+/// Some of the rays leave cells of the usual size full that hold one of many: a row per beam and two columns
+/// per firing instead.
+RayMaskSize size_of_mask(const RayGrid& grid, bool all) {
+  constexpr RayMaskSize kUsual;
+  constexpr int kMostCells = 1 << 20, kMostBeams = 4096;
+  if (all) return kUsual;
+  const auto firings = static_cast<int>(grid.rays / grid.frame.rows);
+  const int rows = std::clamp(static_cast<int>(grid.frame.rows), kUsual.rows, kMostBeams);
+  const int columns = std::clamp(2 * firings, kUsual.columns, std::max(kMostCells / rows, kUsual.columns));
+  return {columns, rows};
+}
+
+std::vector<std::uint32_t> rows_of_mask(const RayGrid& grid, std::size_t mask_rows) {
+  std::vector<std::uint32_t> out(grid.frame.rows);
+  for (std::size_t row = 0; row < out.size(); ++row)
+    out[row] = static_cast<std::uint32_t>(row * mask_rows / out.size());
   return out;
 }
 
@@ -36,26 +38,26 @@ RayMaskStage::RayMaskStage(const Device& device, Precision precision)
       row_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_row_sums"),
       column_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_column_sums") {}
 
-bool RayMaskStage::run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays) {
-  check_fields(size);
+RayMask RayMaskStage::run(const RayGrid& grid, bool all, const RayLayout& layout, RequestedRays& requested) {
+  const RayMaskSize size = size_of_mask(grid, all);
   const auto columns = static_cast<std::uint32_t>(size.columns), rows = static_cast<std::uint32_t>(size.rows);
-  auto& m = grid.model;
-  m.mask_scale = columns / (m.tile_last - m.tile_first);
-  m.mask_columns = columns;
-  rays.mask_row_of_row.assign(rows_of_mask(grid, size));
+  const double scale = columns / (grid.model.tile_last - grid.model.tile_first);
+  requested.mask_row_of_row.assign(rows_of_mask(grid, rows));
   scratch_.reserve(size);
   scratch_.cells.fill(0);
   cells_.run_over(grid.frame.slots,
                   {{"frame", grid.frame},
-                   rays,
-                   {"first", m.tile_first},
-                   {"scale", m.mask_scale},
+                   layout,
+                   requested,
+                   {"first", grid.model.tile_first},
+                   {"scale", scale},
                    {"columns", columns},
                    scratch_});
-  rays.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));
-  row_sums_.run_over(std::size_t{rows} + 1, {scratch_, {"rows", rows}, {"columns", columns}, rays});
-  column_sums_.run_over(std::size_t{columns} + 1, {{"rows", rows}, {"columns", columns}, rays});
-  return rays.areas.read_back(rays.areas.count() - 1) < std::size_t{rows} * columns;
+  requested.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));
+  row_sums_.run_over(std::size_t{rows} + 1, {scratch_, {"rows", rows}, {"columns", columns}, requested});
+  column_sums_.run_over(std::size_t{columns} + 1, {{"rows", rows}, {"columns", columns}, requested});
+  const std::uint32_t marked = requested.areas.read_back(requested.areas.count() - 1);
+  return {scale, static_cast<double>(columns), marked < std::size_t{rows} * columns};
 }
 
 }  // namespace simuli

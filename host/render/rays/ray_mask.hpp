@@ -5,6 +5,12 @@
 
 namespace simuli {
 
+/// Cells over a LiDAR's sweep, and over its beams: each row has equally many.
+struct RayMaskSize {
+  int columns = 1600;
+  int rows = 8;
+};
+
 struct RayMaskScratch : BufferTable<RayMaskSize> {
   using BufferTable::BufferTable;
   Words cells{*this, "cells", [](const RayMaskSize& s) {
@@ -12,12 +18,18 @@ struct RayMaskScratch : BufferTable<RayMaskSize> {
               }};
 };
 
+/// What frames are told of it.
+struct RayMask {
+  double scale = 0.0, columns = 0.0;  // columns per rad of the sweep, and their number
+  bool can_cull = false;              // some cell holds no ray: only then can the table cull anything
+};
+
 class RayMaskStage {
  public:
   RayMaskStage(const Device& device, Precision precision);
-  /// The rays that `rays` holds a direction of -> its mask_row_of_row and areas, and the grid's constants of
-  /// them. Whether some cell holds no ray: only then can the table cull anything. Waits.
-  bool run(RayGrid& grid, const RayMaskSize& size, RayBuffers& rays);
+  /// The rays that `requested` holds a direction of, `all` of them or some -> its mask_row_of_row and areas.
+  /// Waits.
+  RayMask run(const RayGrid& grid, bool all, const RayLayout& layout, RequestedRays& requested);
 
  private:
   RayMaskScratch scratch_;

@@ -31,7 +31,7 @@ void set_tiles(RayGrid& grid, const LidarTiles& tiling) {
   frame.tiles_x = tiling.columns;
   frame.tiles_y = static_cast<std::uint32_t>(tiling.tile_rows.size() - 1);
   frame.rows = static_cast<std::uint32_t>(tiling.rows());
-  frame.tile_rays = tiling.tile_rays;
+  frame.tile_rays = SIM_TILE_RAYS;
   frame.row_slots = tiling.row_slots;
   grid.tile_rows = tiling.tile_rows;
   grid.tile_row_of_row = tiling.tile_row_of_row;

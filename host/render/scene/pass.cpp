@@ -28,7 +28,7 @@ void Pass::State::need_grid(const char* call, const ColorGridBuffers& of, std::s
 }
 
 void Pass::State::need_truth(const char* call, const RayValues& truth, std::size_t channels) const {
-  need(truth.rays() == *frame.rays, call, "values of other rays", "those of the rays rendered");
+  need(truth.rays().is_of_sensor_of(*frame.rays), call, "values of other rays", "those of the rays rendered");
   if (truth.channels() == channels) return;
   misused(call, fmt::format("{} channels", truth.channels()), std::to_string(channels));
 }

@@ -48,16 +48,12 @@ FrameKind kind_of(const RenderOptions& options,
   kind.windshield = grid.windshield;
   kind.moving = moving;
   kind.origins = moving || grid.lever_arms;
-  kind.sh_degree = options.sh_degree == ShDegree::kAuto
-                       ? particles.sh_degree
-                       : std::min(particles.sh_degree, static_cast<int>(options.sh_degree));
+  kind.sh_degree = std::min(particles.sh_degree, options.sh_degree);
   kind.sh_storage = particles.sh_storage;
   kind.actor_ids = view.actor_ids;
   kind.median =
       view.actor_ids || (grid.type == SensorType::kLidar ? options.median_distance : view.camera_median);
-  kind.culling = rays.marked() && (options.culling == Culling::kAlways ||
-                                   (options.culling == Culling::kAuto && rays.can_cull()));
-  kind.shape = options.shape.for_tile(static_cast<int>(grid.frame.tile_rays));
+  kind.culling = rays.mask().can_cull;
   return kind;
 }
 
@@ -155,13 +151,14 @@ Pass Renderer::render(const ParticleBuffers& particles,
   check(s.options, particles, rays, view, environment);
   const bool still = s.options.shutter_iterations == 0;
   const Pose middle = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5);
-  const SensorInFrame sensor =
-      sensor_in_frame(rays.grid(),
-                      still ? middle : view.scene_from_sensor_start,
-                      still ? middle : view.scene_from_sensor_end,
-                      s.options,
-                      environment == nullptr ? view.background : std::array<float, 3>{},
-                      view.drop);
+  SensorInFrame sensor = sensor_in_frame(rays.grid(),
+                                         still ? middle : view.scene_from_sensor_start,
+                                         still ? middle : view.scene_from_sensor_end,
+                                         s.options,
+                                         environment == nullptr ? view.background : std::array<float, 3>{},
+                                         view.drop);
+  sensor.constants.model.mask_scale = rays.mask().scale;
+  sensor.constants.model.mask_columns = rays.mask().columns;
   bool actor_motion = false;
   std::vector<double> actors;
   ShapesInFrame shapes;
@@ -189,6 +186,7 @@ Pass Renderer::render(const ParticleBuffers& particles,
   s.frame.params.stride = particles.stride;
   const shared::FrameParams& frame = s.frame.params;
   FrameBuffers& b = s.buffers;
+  const RayBuffers on_device = rays.buffers();
   if (particles.actors > 0) b.constants.actors.assign(actors);
   b.constants.sensor.assign(shared::reals_of(sensor.constants));
   if (!shapes.empty()) {
@@ -198,10 +196,10 @@ Pass Renderer::render(const ParticleBuffers& particles,
     s.deform->run(particles, b.constants);
   }
   s.frame.shapes = std::move(shapes);
-  stages.rays.run(frame, rays.buffers(), b.constants, b.rays);
-  stages.project.run(frame, particles, rays.buffers(), b.constants, b.projected);
-  s.bin.run(frame, particles, rays.buffers(), b.projected, s.options.max_instances, b.binned);
-  stages.render.run(frame, particles, rays.buffers(), b.constants, b.rays, b.projected, b.binned, b.blended);
+  stages.rays.run(frame, on_device, b.constants, b.rays);
+  stages.project.run(frame, particles, on_device, b.constants, b.projected);
+  s.bin.run(frame, particles, on_device, b.projected, s.options.max_instances, b.binned);
+  stages.render.run(frame, particles, on_device, b.constants, b.rays, b.projected, b.binned, b.blended);
   if (environment != nullptr) {
     if (!s.environment) s.environment.emplace(s.device, s.options.precision, s.options.shape.lanes);
     s.environment->run(frame, *environment, b.constants, b.rays, b.blended);

@@ -33,21 +33,28 @@ struct Upload {
   [[nodiscard]] bool suits(SetKind of, const RenderOptions& o, bool whole) const {
     return of == kind && o.particle_memory_mb == options.particle_memory_mb && !(whole && buffers().paged) &&
            o.precision == options.precision && o.sh_degree == options.sh_degree &&
-           o.sh_storage == options.sh_storage && (o.detail > 0.0) == (options.detail > 0.0) &&
-           (o.sh_degree != ShDegree::kAuto || o.sh_error == options.sh_error);
+           o.sh_storage == options.sh_storage && (o.detail > 0.0) == (options.detail > 0.0);
   }
 };
 
 /// What the rays of a sensor on the device depend on.
 struct RaysKey {
   Sensor sensor;
-  RenderOptions options;
+  Precision precision;
+  double camera_filter_px2, camera_near_m;
+  bool culls;
+  std::vector<bool> requested;  // [rays]; empty: all
   bool operator==(const RaysKey& other) const {
-    return sensor.has_rays_of(other.sensor) && options == other.options;
+    const auto rest = [](const RaysKey& k) {
+      return std::tie(k.precision, k.camera_filter_px2, k.camera_near_m, k.culls, k.requested);
+    };
+    return sensor.has_rays_of(other.sensor) && rest(*this) == rest(other);
   }
 };
 struct RaysHash {
-  std::size_t operator()(const RaysKey& key) const { return key.sensor.rays_hash(); }
+  std::size_t operator()(const RaysKey& key) const {
+    return key.sensor.rays_hash() ^ std::hash<std::vector<bool>>()(key.requested);
+  }
 };
 
 struct Painter {
@@ -159,13 +166,15 @@ struct SceneOnDevice::State {
         .renderer;
   }
 
-  SensorRays rays(const Sensor& sensor, const Renderer& renderer, const RenderOptions& o) {
+  SensorRays rays(const Sensor& sensor, const RenderOptions& o, std::vector<bool> requested) {
     const auto make = [&] {
-      const RenderOptions& resolved = renderer.options();
-      if (sensor.is_camera()) return SensorRays(device, sensor.camera(), resolved);
-      return SensorRays(device, sensor.lidar(), sensor.rays(), resolved);
+      if (!requested.empty()) return rays(sensor, o, {}).requested(requested);
+      if (sensor.is_camera()) return SensorRays(device, sensor.camera(), o);
+      return SensorRays(device, sensor.lidar(), sensor.rays(), o);
     };
-    return *sensors.get({sensor, o}, make, [](const SensorRays& made) { return made.bytes(); });
+    const RaysKey key{
+        sensor, o.precision, o.camera_filter_px2, o.camera_near_m, o.culling != Culling::kOff, requested};
+    return *sensors.get(key, make, [](const SensorRays& made) { return made.bytes(); });
   }
 
   AppearanceOnDevice& appearance_on(Precision precision) {
@@ -192,8 +201,7 @@ struct SceneOnDevice::State {
     view.actor_ids = what.actor_ids;
     if (!sensor.is_camera()) view.drop = ray_drop_of(scene->ray_drop, name_of(sensor.lidar()));
     Renderer& on = renderer(o);
-    SensorRays seen = rays(sensor, on, o);
-    seen.request(request.rays);
+    const SensorRays seen = rays(sensor, o, request.rays);
     Upload& upload = particles(kind, o, what.whole);
     const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
     Pass pass = std::visit(

@@ -8,92 +8,89 @@
 
 #include "host/base/error.hpp"
 #include "host/render/frame/room.hpp"
-#include "host/render/rays/ray_mask.hpp"
 
 namespace simuli {
 namespace {
 
-/// Some of the rays leave cells of the default size full that hold one of many: a row per beam and two
-/// columns per firing instead. A size that was asked for is kept.
-RayMaskSize of_some_rays(RayMaskSize size, const RayGrid& grid) {
-  constexpr RayMaskSize kDefault;
-  constexpr int kMostCells = 1 << 20, kMostRows = 4096;
-  if (size.columns != kDefault.columns || size.rows != kDefault.rows) return size;
-  const auto firings = static_cast<int>(grid.rays / grid.frame.rows);
-  size.rows = std::clamp(static_cast<int>(grid.frame.rows), kDefault.rows, kMostRows);
-  size.columns =
-      std::clamp(2 * firings, kDefault.columns, std::max(kMostCells / size.rows, kDefault.columns));
-  return size;
+/// `wanted`: [rays], or empty for all.
+RequestedRays masked_rays(const Device& device,
+                          const RayGrid& grid,
+                          Precision precision,
+                          const std::vector<bool>& wanted) {
+  RequestedRays out(device, precision);
+  if (wanted.empty()) {
+    out.sensor_ray.assign(grid.sensor_ray);
+    return out;
+  }
+  std::vector<float> sensor_ray = grid.sensor_ray;
+  const std::size_t slots = grid.frame.slots;
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    const std::int32_t ray = grid.ray_of_slot[slot];
+    if (ray < 0 || wanted[static_cast<std::size_t>(ray)]) continue;
+    for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
+  }
+  out.sensor_ray.assign(sensor_ray);
+  return out;
+}
+
+/// [rays] that leave the sensor; empty: all.
+std::vector<bool> not_blind(const LidarModel& model, const LidarRays& rays) {
+  const auto* const lidar = std::get_if<Lidar>(&model);
+  if (lidar == nullptr || lidar->blind.empty()) return {};
+  std::vector<bool> sees(rays.azimuth.size());
+  for (std::size_t i = 0; i < sees.size(); ++i) {
+    const auto row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
+    sees[i] = !is_blind(*lidar, row, static_cast<double>(rays.azimuth[i]));
+  }
+  return sees;
 }
 
 }  // namespace
 
-SensorRays::State::State(const Device& on, RayGrid rays, const RenderOptions& options)
+SensorRays::Shared::Shared(const Device& on,
+                           RayGrid rays,
+                           std::vector<bool> seeing,
+                           const RenderOptions& options)
     : device(on),
       precision(options.precision),
       camera_filter_px2(simuli::camera_filter_px2(options)),
       camera_near_m(options.camera_near_m),
       culling(options.culling),
-      marks(rays.type == SensorType::kLidar && options.culling != Culling::kOff),
-      mask_size(options.ray_mask),
+      sees(std::move(seeing)),
       grid(std::move(rays)),
-      buffers(on, grid, options.precision) {
-  mark_rays(mask_size);
+      layout(on, grid, options.precision) {}
+
+SensorRays::Request::Request(const Shared& of, const std::vector<bool>& wanted)
+    : rays(masked_rays(of.device, of.grid, of.precision, wanted)) {
+  if (of.grid.type != SensorType::kLidar || of.culling == Culling::kOff) return;
+  const bool all = std::find(wanted.begin(), wanted.end(), false) == wanted.end();
+  mask = RayMaskStage(of.device, of.precision).run(of.grid, all, of.layout, rays);
 }
 
-void SensorRays::State::mark_rays(RayMaskSize size) {
-  if (marks) can_cull = RayMaskStage(device, precision).run(grid, size, buffers);
-}
-
-SensorRays::SensorRays(const Device& device, RayGrid grid, const RenderOptions& options)
-    : state_(std::make_shared<State>(device, std::move(grid), options)) {}
+SensorRays::SensorRays(const Device& device,
+                       RayGrid grid,
+                       std::vector<bool> sees,
+                       const RenderOptions& options)
+    : shared_(std::make_shared<const Shared>(device, std::move(grid), std::move(sees), options)),
+      request_(std::make_shared<const Request>(*shared_, shared_->sees)) {}
 SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(with_room_on(device, camera, options), options), options) {}
+    : SensorRays(device, make_ray_grid(with_room_on(device, camera, options), options), {}, options) {}
 SensorRays::SensorRays(const Device& device,
                        const LidarModel& model,
                        const LidarRays& rays,
                        const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(device, model, rays, options), options) {
-  if (std::holds_alternative<RayList>(model)) return;
-  const auto& lidar = std::get<Lidar>(model);
-  if (lidar.blind.empty()) return;
-  State& s = *state_;
-  s.blind.resize(s.grid.rays);
-  for (std::size_t i = 0; i < s.grid.rays; ++i) {
-    const auto row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
-    s.blind[i] = is_blind(lidar, row, static_cast<double>(rays.azimuth[i]));
-  }
-  s.place_requested();
-}
+    : SensorRays(device, make_ray_grid(device, model, rays), not_blind(model, rays), options) {}
 
-void SensorRays::request(const std::vector<bool>& requested) {
-  State& s = *state_;
-  if (!requested.empty() && requested.size() != s.grid.rays) {
-    throw Error(
-        ErrorKind::kUsage,
-        fmt::format(
-            "request: found {} flags, allowed one for each of {} rays", requested.size(), s.grid.rays));
+SensorRays SensorRays::requested(std::vector<bool> flags) const {
+  const std::size_t rays = shared_->grid.rays;
+  if (flags.size() != rays) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("request: found {} flags, allowed one for each of {} rays", flags.size(), rays));
   }
-  if (requested == s.requested) return;
-  s.requested = requested;
-  s.place_requested();
-}
-
-void SensorRays::State::place_requested() {
-  std::vector<float> sensor_ray = grid.sensor_ray;
-  const std::size_t slots = grid.frame.slots;
-  bool all = true;
-  for (std::size_t slot = 0; slot < slots; ++slot) {
-    const std::int32_t of_slot = grid.ray_of_slot[slot];
-    const auto ray = static_cast<std::size_t>(of_slot);
-    const bool is_wanted =
-        of_slot < 0 || ((requested.empty() || requested[ray]) && (blind.empty() || !blind[ray]));
-    if (is_wanted) continue;
-    all = false;
-    for (std::size_t k = 0; k < 3; ++k) sensor_ray[k * slots + slot] = 0.0F;
-  }
-  buffers.sensor_ray.assign(sensor_ray);
-  mark_rays(all ? mask_size : of_some_rays(mask_size, grid));
+  for (std::size_t ray = 0; ray < shared_->sees.size(); ++ray) flags[ray] = flags[ray] && shared_->sees[ray];
+  SensorRays out = *this;
+  out.request_ = std::make_shared<const Request>(*shared_, flags);
+  return out;
 }
 
 RayMap::RayMap(const Device& device, const RayGrid& grid) : BufferTable(device) {
@@ -107,21 +104,22 @@ RayMap::RayMap(const Device& device, const RayGrid& grid) : BufferTable(device) 
 }
 
 const RayMap& SensorRays::map() const {
-  if (!state_->map) state_->map.emplace(state_->device, state_->grid);
-  return *state_->map;
+  if (!shared_->map) shared_->map.emplace(shared_->device, shared_->grid);
+  return *shared_->map;
 }
 
 std::size_t SensorRays::bytes() const {
-  const RayBuffers& b = state_->buffers;
-  const std::size_t real = state_->precision == Precision::kFloat ? sizeof(float) : sizeof(double);
-  return real * (b.sensor_ray.capacity() + b.u.capacity() + b.row_elevation.capacity()) + b.row_lut.bytes() +
-         b.tile_rows.bytes() + b.tile_row_of_row.bytes() + b.column_of_bin.bytes() +
-         b.mask_row_of_row.bytes() + b.areas.bytes();
+  const RayLayout& l = shared_->layout;
+  const RequestedRays& r = request_->rays;
+  const std::size_t real = shared_->precision == Precision::kFloat ? sizeof(float) : sizeof(double);
+  return real * (r.sensor_ray.capacity() + l.u.capacity() + l.row_elevation.capacity()) + l.row_lut.bytes() +
+         l.tile_rows.bytes() + l.tile_row_of_row.bytes() + l.column_of_bin.bytes() +
+         r.mask_row_of_row.bytes() + r.areas.bytes();
 }
 
 template <class T>
 std::vector<T> SensorRays::to_slots(const std::vector<T>& values, std::size_t channels) const {
-  const RayGrid& grid = state_->grid;
+  const RayGrid& grid = shared_->grid;
   if (values.size() != channels * grid.rays) {
     throw Error(
         ErrorKind::kUsage,
@@ -145,7 +143,7 @@ template std::vector<double> SensorRays::to_slots(const std::vector<double>& val
                                                   std::size_t channels) const;
 
 void SensorRays::need_made_with(const RenderOptions& options) const {
-  const State& s = *state_;
+  const Shared& s = *shared_;
   const auto need = [](bool holds, const char* option, const auto& found, const auto& allowed) {
     if (holds) return;
     throw Error(ErrorKind::kUsage,
@@ -170,13 +168,13 @@ RayValues::RayValues(const SensorRays& rays,
                      const std::vector<float>& values,
                      std::size_t channels,
                      const std::string& name)
-    : rays_(rays), channels_(channels), slots_(rays.state_->device, name, rays.precision()) {
+    : rays_(rays), channels_(channels), slots_(rays.shared_->device, name, rays.precision()) {
   slots_.assign(rays.to_slots(values, channels));
 }
 
 RayValues::RayValues(const SensorRays& rays, std::size_t channels, const std::string& name)
     : rays_(rays),
       channels_(channels),
-      slots_(rays.state_->device, name, rays.precision(), channels * rays.grid().frame.slots) {}
+      slots_(rays.shared_->device, name, rays.precision(), channels * rays.grid().frame.slots) {}
 
 }  // namespace simuli

@@ -10,6 +10,7 @@
 #include "host/render/options/options.hpp"
 #include "host/render/rays/ray_buffers.hpp"
 #include "host/render/rays/ray_grid.hpp"
+#include "host/render/rays/ray_mask.hpp"
 
 namespace simuli {
 
@@ -26,8 +27,9 @@ struct RayMap : BufferTable<RayMapSizes> {
   Array<std::int32_t> slot_of_ray{*this, "slots_of_map", [](const RayMapSizes& s) { return s.rays; }};
 };
 
-/// A sensor ready to render: its ray grid, on host and device. A handle: copies refer to the same rays, and
-/// what a Pass needs of them it keeps alive, so that a temporary may be rendered.
+/// A sensor ready to render: its ray grid, on host and device, and which of its rays are asked for. A value
+/// that never changes; copies share what it is made of, and a Pass keeps it alive, so that a temporary may be
+/// rendered.
 class SensorRays {
  public:
   SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
@@ -37,23 +39,22 @@ class SensorRays {
              const LidarRays& rays,
              const RenderOptions& options);
 
-  /// From now on only the rays with requested[ray] are rendered; the others are slots without a ray, and
-  /// their results the background. requested[rays]; empty: all. A LiDAR's ray mask is rebuilt. Waits, unless
-  /// that is so already. Error{kUsage} for another number of flags.
-  void request(const std::vector<bool>& requested);
+  /// The same sensor's, of which those with flags[ray] alone are rendered; the others are slots without a
+  /// ray, and their results the background. flags[rays], whatever was asked for before. A LiDAR's ray mask is
+  /// made anew. Waits. Error{kUsage} for another number of flags.
+  [[nodiscard]] SensorRays requested(std::vector<bool> flags) const;
 
-  [[nodiscard]] const RayGrid& grid() const { return state_->grid; }
-  /// Whether there is a ray mask, and whether it has a cell without a ray.
-  [[nodiscard]] bool marked() const { return state_->marks; }
-  [[nodiscard]] bool can_cull() const { return state_->can_cull; }
-  [[nodiscard]] const RayBuffers& buffers() const { return state_->buffers; }
+  [[nodiscard]] const RayGrid& grid() const { return shared_->grid; }
+  /// Of those that are asked for; of a LiDAR that culls.
+  [[nodiscard]] const RayMask& mask() const { return request_->mask; }
+  [[nodiscard]] RayBuffers buffers() const { return {shared_->layout, request_->rays}; }
   /// The map between slots and rays on the device, made when first asked for.
   [[nodiscard]] const RayMap& map() const;
   /// Device memory, and as much on the host.
   [[nodiscard]] std::size_t bytes() const;
-  [[nodiscard]] Precision precision() const { return state_->precision; }
-  /// Whether both are handles of the same rays.
-  [[nodiscard]] bool operator==(const SensorRays& other) const { return state_ == other.state_; }
+  [[nodiscard]] Precision precision() const { return shared_->precision; }
+  /// Whether both are of the same sensor, made once.
+  [[nodiscard]] bool is_of_sensor_of(const SensorRays& other) const { return shared_ == other.shared_; }
 
   /// values[channels][rays] in ray order -> [channels][slots] in slot order; slots without a ray get 0.
   template <class T>
@@ -62,27 +63,28 @@ class SensorRays {
   void need_made_with(const RenderOptions& options) const;
 
  private:
-  struct State {
-    State(const Device& device, RayGrid rays, const RenderOptions& options);
-    void mark_rays(RayMaskSize size);
-    void place_requested();
+  /// What all requests have in common.
+  struct Shared {
+    Shared(const Device& device, RayGrid rays, std::vector<bool> seeing, const RenderOptions& options);
     Device device;
     Precision precision;
     double camera_filter_px2;
     double camera_near_m;
     Culling culling;
-    bool marks;  // a LiDAR's that culls
-    RayMaskSize mask_size;
-    std::vector<bool> blind;      // [rays] of a LiDAR with blind arcs, else empty
-    std::vector<bool> requested;  // [rays]; empty: all that there are
-    std::optional<RayMap> map;
+    std::vector<bool> sees;  // [rays] false in a LiDAR's blind arcs; empty: all do
     RayGrid grid;
-    RayBuffers buffers;
-    bool can_cull = false;
+    RayLayout layout;
+    mutable std::optional<RayMap> map;
+  };
+  struct Request {
+    Request(const Shared& of, const std::vector<bool>& wanted);
+    RequestedRays rays;
+    RayMask mask;
   };
   friend class RayValues;
-  SensorRays(const Device& device, RayGrid grid, const RenderOptions& options);
-  std::shared_ptr<State> state_;
+  SensorRays(const Device& device, RayGrid grid, std::vector<bool> sees, const RenderOptions& options);
+  std::shared_ptr<const Shared> shared_;
+  std::shared_ptr<const Request> request_;
 };
 
 /// What each ray of a sensor recorded, on the device beside them: what losses compare with.

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <tuple>
 #include <utility>
 
 #include "host/base/stopwatch.hpp"
@@ -15,17 +13,6 @@
 
 namespace simuli {
 namespace {
-
-constexpr int kElevationTiles[] = {1, 2, 4, 8, 16, 32, 64};
-constexpr int kRays[] = {32, 64, 128, 256};
-constexpr int kBriefFrames = 3;
-constexpr std::size_t kFinalists = 4;
-
-RenderOptions options_with(const TileChoice& tiles) {
-  RenderOptions options;
-  options.lidar_tiles = tiles;
-  return options;
-}
 
 /// One sensor before the street, at rest, with one way to render it.
 class FrameTimer {
@@ -42,25 +29,20 @@ class FrameTimer {
   /// From the call to the result on the device.
   double frame_ms() {
     return time_ms([&] {
-      pass_ = renderer_.render(particles_, rays_, view_);
+      renderer_.render(particles_, rays_, view_);
       renderer_.device().finish();
     });
   }
-  /// The last frame.
-  [[nodiscard]] const Pass& pass() const { return *pass_; }
 
  private:
   const ParticleBuffers& particles_;
   Renderer renderer_;
-  std::optional<Pass> pass_;
   SensorRays rays_;
   View view_;
 };
 
-FrameTimer lidar_timer(const Device& device,
-                       const LidarModel& sensor,
-                       const ParticleBuffers& particles,
-                       const RenderOptions& options) {
+FrameTimer lidar_timer(const Device& device, const LidarModel& sensor, const ParticleBuffers& particles) {
+  const RenderOptions options;
   return {particles,
           Renderer(device, options),
           SensorRays(device, sensor, nominal_rays(sensor), options),
@@ -81,21 +63,6 @@ FrameTimer camera_timer(const Device& device, const ParticleBuffers& particles) 
           Renderer(device, options),
           SensorRays(device, camera, options),
           world_from_street_lidar() * level_from_camera};
-}
-
-TileTime tiles_of(const TileChoice& tiles, const FrameTimer& frames) {
-  const auto& frame = frames.pass().frame();
-  return {tiles, frame.tiles_y, frame.tiles_x, frame.tile_rays, {}};
-}
-
-/// After one frame that compiles.
-Spread brief(FrameTimer& frames) {
-  std::vector<double> samples;
-  for (int i = -1; i < kBriefFrames; ++i) {
-    const double ms = frames.frame_ms();
-    if (i >= 0) samples.push_back(ms);
-  }
-  return spread_of(samples);
 }
 
 /// After one frame of each that compiles.
@@ -127,7 +94,7 @@ std::vector<TuningTime> time_each(const Device& device,
   for (const DeviceTuning& tuning : tunings) {
     set_tuning(device, tuning);
     timers.push_back(camera_timer(device, streets.camera));
-    timers.push_back(lidar_timer(device, lidar, streets.lidar, {}));
+    timers.push_back(lidar_timer(device, lidar, streets.lidar));
     // Kernels ask for their groups at their first launch.
     (void)timers[timers.size() - 2].frame_ms();
     (void)timers.back().frame_ms();
@@ -206,49 +173,6 @@ TuningSearch time_tunings(const Device& device, std::int64_t particles, int fram
   search.times.insert(search.times.end(), last.begin(), last.end());
   search.best = best == 0 ? 0 : first + best;
   return search;
-}
-
-TileGrid time_tiles(const Device& device, const LidarModel& sensor, std::int64_t particles, int frames) {
-  constexpr int kShDegree = 3;
-  constexpr std::uint64_t kSeed = 1;
-  const ParticleBuffers street(
-      device, street_particles(SetKind::kLidar, kShDegree, particles, kSeed), Precision::kFloat);
-  TileGrid grid;
-  const auto shape = [](const TileTime& t) { return std::tuple(t.tile_rows, t.tile_columns, t.tile_slots); };
-  for (const int elevation : kElevationTiles) {
-    for (const int rays : kRays) {
-      FrameTimer one = lidar_timer(device, sensor, street, options_with({elevation, rays}));
-      (void)one.frame_ms();
-      TileTime time = tiles_of({elevation, rays}, one);
-      const bool known = std::any_of(
-          grid.times.begin(), grid.times.end(), [&](const TileTime& t) { return shape(t) == shape(time); });
-      if (known) continue;
-      time.frame_ms = brief(one);
-      grid.times.push_back(time);
-    }
-  }
-  std::vector<std::size_t> order(grid.times.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return grid.times[a].frame_ms.median < grid.times[b].frame_ms.median;
-  });
-  order.resize(std::min(order.size(), kFinalists));
-
-  // The last one is the automatic choice.
-  std::vector<FrameTimer> finalists;
-  for (const std::size_t i : order) {
-    finalists.push_back(lidar_timer(device, sensor, street, options_with(grid.times[i].tiles)));
-  }
-  finalists.push_back(lidar_timer(device, sensor, street, options_with({})));
-  const std::vector<Spread> times = time_in_turns(finalists, frames);
-  grid.best = order.front();
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    grid.times[order[k]].frame_ms = times[k];
-    if (grid.times[order[k]].frame_ms.median < grid.times[grid.best].frame_ms.median) grid.best = order[k];
-  }
-  grid.automatic = tiles_of({}, finalists.back());
-  grid.automatic.frame_ms = times.back();
-  return grid;
 }
 
 }  // namespace simuli

@@ -4,7 +4,7 @@
 namespace simuli {
 
 BesideStage::BesideStage(const Device& device, const Variant& variant)
-    : lanes_(static_cast<std::size_t>(variant.frame.shape.lanes)),
+    : lanes_(static_cast<std::size_t>(variant.options.shape.lanes)),
       beside_(Program(device, "kernels/beside.cl", variant.build_options()), "beside") {}
 
 void BesideStage::run(const shared::FrameParams& frame,

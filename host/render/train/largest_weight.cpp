@@ -4,7 +4,7 @@
 namespace simuli {
 
 LargestWeightStage::LargestWeightStage(const Device& device, const Variant& variant)
-    : work_items_(static_cast<std::size_t>(variant.frame.shape.work_items)),
+    : work_items_(static_cast<std::size_t>(variant.options.shape.work_items)),
       largest_weight_(Program(device, "kernels/largest_weight.cl", variant.build_options()),
                       "largest_weight") {}
 

@@ -207,8 +207,11 @@ void add_color_grids(const Device& device, Tally& tally, const Counts& counts) {
 }
 
 void add_rays(const Device& device, Tally& tally, const Counts& counts, const Log& log, std::uint64_t cache) {
-  const RayBuffers rays(device);
-  tally.add("rays", rays, {.slots = slots_of(counts.images.largest), .tile_rows = 1024}, log.cameras.size());
+  const RayLayout layout(device);
+  const RequestedRays requested(device);
+  const RaySizes of_picture{.slots = slots_of(counts.images.largest), .tile_rows = 1024};
+  tally.add("rays", layout, of_picture, log.cameras.size());
+  tally.add("rays", requested, of_picture, log.cameras.size());
   // Truth and, of sweeps, rays of their own, as many as the cache holds.
   tally.add("frames kept", {"picture truth", std::min(cache, counts.images.slots * 3 * sizeof(float))});
   if (counts.sweeps.frames == 0) return;
@@ -223,8 +226,11 @@ void add_rays(const Device& device, Tally& tally, const Counts& counts, const Lo
                        .mask_corners = static_cast<std::uint64_t>(mask.rows + 1) *
                                        static_cast<std::uint64_t>(mask.columns + 1)};
   std::uint64_t bytes = 0;
-  for (const BufferBytes& buffer : rays.bytes(sizes)) bytes += buffer.bytes;
-  tally.add("frames kept", rays, sizes, std::min(counts.sweeps.frames, cache / bytes + 1));
+  for (const BufferBytes& buffer : layout.bytes(sizes)) bytes += buffer.bytes;
+  for (const BufferBytes& buffer : requested.bytes(sizes)) bytes += buffer.bytes;
+  const std::uint64_t kept = std::min(counts.sweeps.frames, cache / bytes + 1);
+  tally.add("frames kept", layout, sizes, kept);
+  tally.add("frames kept", requested, sizes, kept);
 }
 
 /// Pictures from beside the path.

@@ -66,8 +66,6 @@ TEST(Options, KeysAreDifferentAndHaveAMeaning) {
                           "anchor.weight",
                           "densify.cap",
                           "cache_bytes",
-                          "render.lidar_tiles.rays",
-                          "render.ray_mask.columns",
                           "render.median_distance"}) {
     EXPECT_TRUE(keys.contains(key)) << key;
   }
@@ -81,13 +79,7 @@ TEST(Options, OfRenderingAreCheckedByKey) {
   refused("render.transmittance_cut: found -1", [](auto& o) { o.transmittance_cut = -1.0; });
   refused("render.camera_filter_px2: found 101", [](auto& o) { o.camera_filter_px2 = 101.0; });
   refused("render.camera_near_m: found 0, allowed 0.01 to 1000", [](auto& o) { o.camera_near_m = 0.0; });
-  refused("render.sh_error: found 0, allowed above 0, at most 10", [](auto& o) { o.sh_error = 0.0; });
   refused("render.max_instances: found 0, allowed 1 or more", [](auto& o) { o.max_instances = 0; });
-  refused("render.lidar_tiles.rays: found 8, allowed 0, or 16 to 256",
-          [](auto& o) { o.lidar_tiles.rays = 8; });
-  refused("render.lidar_tiles.elevation: found -1", [](auto& o) { o.lidar_tiles.elevation = -1; });
-  refused("render.ray_mask.columns: found 0, allowed 1 to 65536", [](auto& o) { o.ray_mask.columns = 0; });
-  refused("render.ray_mask.rows: found 4097", [](auto& o) { o.ray_mask.rows = 4097; });
   refused("render.projection: found another than unscented beside render.extent=exact", [](auto& o) {
     o.extent = Extent::kExact;
     o.projection = Projection::kLinearized;
@@ -146,7 +138,7 @@ TEST(Options, OfFramesAreCheckedByKey) {
 TEST(Options, OfEvaluationAreCheckedByKey) {
   const auto refused = expect_checked<EvalOptions>;
   refused("timed_renders: found 0, allowed 1 or more", [](auto& o) { o.timed_renders = 0; });
-  refused("render.sh_error: found 0", [](auto& o) { o.render.sh_error = 0.0; });
+  refused("render.window: found 1", [](auto& o) { o.render.window = 1; });
 }
 
 }  // namespace

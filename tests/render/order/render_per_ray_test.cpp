@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "host/render/options/quality.hpp"
-#include "host/render/options/sh_degree.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 
@@ -143,24 +142,6 @@ TEST(RaySh, SumsThatAreNoNumbersAreNotSpread) {
   }
 }
 
-// The polynomials are within 3e-7, arguments up to 11 away from 0: a few 1e-6 of a transmittance.
-TEST(PreciseMath, DiffersByRoundingAlone) {
-  constexpr double kRounding = 1e-4;  // sums of hundreds of terms, decisions aside
-  const Device device = Device::best();
-  for (const SceneCase& scene : {test::kCameraStill, test::kLidarMoving}) {
-    RenderOptions options = paper_options();
-    const RayResults fast = render(device, crowd(scene), shot_for(scene), options);
-    options.math = Math::kPrecise;
-    const RayResults precise = render(device, crowd(scene), shot_for(scene), options);
-    std::size_t apart = 0;
-    for (std::size_t i = 0; i < fast.rays; ++i) {
-      apart += std::abs(fast.transmittance[i] - precise.transmittance[i]) > kRounding ? 1U : 0U;
-    }
-    EXPECT_NE(fast.transmittance, precise.transmittance);
-    EXPECT_LT(apart, fast.rays / 50);  // rays that meet one particle more or less
-  }
-}
-
 TEST(ShDegrees, LeftOutBandsAreNotThere) {
   const Device device = Device::best();
   const GaussianSet set = crowd(test::kCameraSh3);
@@ -169,48 +150,12 @@ TEST(ShDegrees, LeftOutBandsAreNotThere) {
   const test::Shot shot = shot_for(test::kCameraSh3);
   RenderOptions options = paper_options();
   const RayResults expected = render(device, cut, shot, options);
-  options.sh_degree = ShDegree::k1;
+  options.sh_degree = 1;
   const ParticleBuffers buffers(device, set, options);
   EXPECT_EQ(buffers.sh_degree, 1);
   EXPECT_EQ(buffers.params.count(), static_cast<std::size_t>(param_rows(1)) * buffers.stride);
   const RayResults found = render(device, set, shot, options);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(found.feature[k], expected.feature[k]);
-}
-
-TEST(ShDegrees, AutoTakesTheLowestThatIsGoodEnough) {
-  GaussianSet set = crowd(test::kCameraSh3);
-  for (int k = 1; k < sh_coefficients(3); ++k) set.sh(k) *= k < 4 ? 1.0F : k < 9 ? 0.01F : 1e-4F;
-  const double linear = dropped_sh(set, 0), quadratic = dropped_sh(set, 1), cubic = dropped_sh(set, 2);
-  EXPECT_GT(linear, 10.0 * quadratic);
-  EXPECT_GT(quadratic, 10.0 * cubic);
-  EXPECT_EQ(dropped_sh(set, 3), 0.0);
-  EXPECT_EQ(sufficient_sh_degree(set, 2.0 * linear), 0);
-  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * linear), 1);
-  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * quadratic), 2);
-  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * cubic), 3);
-  EXPECT_EQ(kept_sh_degree(set, ShDegree::k2, 1.0), 2);
-  EXPECT_EQ(kept_sh_degree(GaussianSet(SetKind::kCamera, 1, 0), ShDegree::k3, 1.0), 1);
-  EXPECT_EQ(sufficient_sh_degree(GaussianSet(SetKind::kCamera, 3, 0), 1e-3), 0);
-  set.params.row(0).setConstant(std::nanf(""));
-  EXPECT_EQ(sufficient_sh_degree(set, 0.5 * linear), 1);
-  // What it says is what pictures show: RMS over a picture's colours, of particles alone and in layers.
-  const Device device = Device::best();
-  const test::Shot shot = shot_for(test::kCameraSh3);
-  RenderOptions options = paper_options();
-  const RayResults all = render(device, set, shot, options);
-  options.sh_degree = ShDegree::kAuto;
-  options.sh_error = 2.0 * quadratic;
-  const RayResults found = render(device, set, shot, options);
-  double square = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    for (std::size_t i = 0; i < all.rays; ++i) {
-      square +=
-          std::pow(static_cast<double>(all.feature[k][i]) - static_cast<double>(found.feature[k][i]), 2);
-    }
-  }
-  const double rms = std::sqrt(square / (3.0 * static_cast<double>(all.rays)));
-  EXPECT_GT(rms, 0.0);
-  EXPECT_LT(rms, options.sh_error);
 }
 
 TEST(ShStorage, HalvesAreRoundedCoefficients) {

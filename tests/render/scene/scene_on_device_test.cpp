@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "host/render/options/quality.hpp"
 #include "host/render/scene/appearance_on_device.hpp"
 #include "host/render/scene/renderer.hpp"
@@ -367,6 +368,26 @@ TEST(SceneOnDevice, RendersTheRaysThatAreAskedFor) {
     expect_same(scene.render(sensor, shot).results(), all);
     EXPECT_THROW((void)scene.render(sensor, shot, {.rays = {true}}), Error);
   }
+}
+
+TEST(SceneOnDevice, MakesRaysAnewForWhatTheyDependOnAlone) {
+  SceneOnDevice scene(Device::best(), test::two_cars());
+  const Sensor camera = test::camera();
+  const Shot shot = shot_of(camera, 0.1);
+  const auto rendered = [&](const std::string& setting, std::vector<bool> rays = {}) {
+    RenderOptions options;
+    fields_of(options).apply({setting});
+    (void)scene.render(camera, shot, {.options = options, .rays = std::move(rays)}).results();
+    return scene.sensor_count();
+  };
+  EXPECT_EQ(rendered("render.alpha_cut=0.02"), 1U);
+  EXPECT_EQ(rendered("render.order=window"), 1U);
+  EXPECT_EQ(rendered("render.camera_near_m=0.5"), 2U);
+  EXPECT_EQ(rendered("render.camera_filter_px2=0.2"), 3U);
+  EXPECT_EQ(rendered("render.precision=double"), 4U);
+  const std::vector<bool> some(camera.ray_count(), false);
+  EXPECT_EQ(rendered("render.alpha_cut=0.02", some), 5U);
+  EXPECT_EQ(rendered("render.alpha_cut=0.03", some), 5U);
 }
 
 TEST(SceneOnDevice, RendersMeasuredRays) {

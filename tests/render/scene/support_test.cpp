@@ -274,6 +274,21 @@ TEST(SupportOfHoles, IsNoneThoughAPictureBeforeHadSome) {
   EXPECT_GT(known, 100U);
 }
 
+TEST_P(Support, OfAFrameStaysWhenOthersAskForOtherRaysOfItsSensor) {
+  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SupportOnDevice support = on_device(scene, recorded(scene, sensor(), {0.0, 0.3, -0.5}));
+  const Frame frame = scene.render(sensor(), at_origin(sensor()));
+  const std::vector<float> before = support.of(frame, scene.scene());
+  std::vector<bool> half(sensor().ray_count(), false);
+  std::fill(half.begin(), half.begin() + static_cast<std::ptrdiff_t>(half.size() / 2), true);
+  const Frame part = scene.render(sensor(), at_origin(sensor()), {.rays = half});
+  EXPECT_EQ(support.of(frame, scene.scene()), before);
+  const std::vector<float> of_part = support.of(part, scene.scene());
+  (void)scene.render(sensor(), at_origin(sensor()));
+  EXPECT_EQ(support.of(part, scene.scene()), of_part);
+  EXPECT_NE(of_part, before);
+}
+
 TEST_P(Support, RisesWithLooks) {
   SceneOnDevice scene(Device::best(), wall_and_actor());
   const Frame frame = scene.render(sensor(), at_origin(sensor()));
