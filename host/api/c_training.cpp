@@ -20,9 +20,9 @@ simuli_status simuli_train(const simuli_device* device,
                            simuli_training* result) {
   return guarded([&] {
     const std::string folder = &need(scene, "scene");
-    Training training(need(device, "device").device,
-                      read_log(&need(log, "log")),
-                      training_options(capi::quality_of(options), capi::settings_of(options)));
+    const TrainingOptions asked =
+        training_options(capi::quality_of(options), capi::settings_of(options));  // before anything is read
+    Training training(need(device, "device").device, read_log(&need(log, "log")), asked);
     const TrainReport& report = training
                                     .run([&](const TrainStatus& status) {
                                       if (progress == nullptr) return;
@@ -48,10 +48,9 @@ simuli_status simuli_evaluate(const simuli_device* device,
                               simuli_evaluation* result) {
   return guarded([&] {
     simuli_evaluation& out = need(result, "result");
-    Evaluation evaluation(need(device, "device").device,
-                          read_scene(&need(scene, "scene")),
-                          read_log(&need(log, "log")),
-                          eval_options(capi::quality_of(options), capi::settings_of(options)));
+    const EvalOptions asked = eval_options(capi::quality_of(options), capi::settings_of(options));
+    Evaluation evaluation(
+        need(device, "device").device, read_scene(&need(scene, "scene")), read_log(&need(log, "log")), asked);
     const EvalReport report = evaluation.run();
     out = {report.images,
            report.sweeps,

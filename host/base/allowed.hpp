@@ -36,6 +36,13 @@ struct Allowed {
   return other;
 }
 
+/// What trainings take of a field, where its values matter to them.
+enum class InTraining : char {
+  kAny,          // any value that is allowed
+  kNoGradients,  // the default alone: other values have no backward pass
+  kFixed,        // the default alone: other values would change nothing, or are not offered
+};
+
 /// The names of an enum's values 0, 1, ...
 template <class... Names>
 [[nodiscard]] constexpr std::array<const char*, sizeof...(Names)> one_of(Names... names) {

@@ -117,6 +117,11 @@ const Field* Fields::find(const std::string& key) const {
   return found == fields_.end() ? nullptr : &*found;
 }
 
+std::string Fields::Fixed::allowed() const {
+  const bool has_gradients = field.in_training != InTraining::kNoGradients;
+  return usual + (has_gradients ? " in trainings" : " in trainings: nothing else has gradients");
+}
+
 std::string Fields::known_like(const std::string& key) const {
   std::vector<std::string> keys;
   for (const Field& field : fields_) keys.push_back(field.key);
@@ -132,6 +137,13 @@ void Fields::apply(const std::vector<std::string>& settings, const std::string& 
     const std::size_t equals = setting.find('=');
     const std::string key = setting.substr(0, equals);
     const Field* const field = find(key);
+    const auto fixed =
+        std::find_if(fixed_.begin(), fixed_.end(), [&](const Fixed& one) { return one.field.key == key; });
+    if (fixed != fixed_.end()) {
+      const std::string text = equals == std::string::npos ? "" : setting.substr(equals + 1);
+      if (text != fixed->usual) refuse(where + " " + key, text, fixed->allowed());
+      continue;
+    }
     if (field == nullptr) {
       const std::string close = known_like(key);
       refuse(where,
@@ -158,6 +170,11 @@ void Fields::check() const {
     if (field.is_sound()) continue;
     throw Error(ErrorKind::kUsage,
                 fmt::format("{}: found {}, allowed {}", field.key, field.text(), field.allowed()));
+  }
+  for (const Fixed& one : fixed_) {
+    if (one.field.text() == one.usual) continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("{}: found {}, allowed {}", one.field.key, one.field.text(), one.allowed()));
   }
 }
 

@@ -7,6 +7,7 @@
 //     field("shell", o.shell, "place particles of the far shell");              // true or false
 //     field("order", o.order, one_of("range", "per_ray"), "of blending");       // an enum
 //     field.part("camera.", o.camera_rates);                                    // a struct of such fields
+//     field.part_in_training("", o.render);                                     // of a training
 //     field.keyless(o.shape);                                                   // nothing that users set
 //   }
 //
@@ -56,6 +57,10 @@ struct FieldCount {
   constexpr void part(const char* /*prefix*/, const Part& /*unused*/) {
     ++count;
   }
+  template <class Part>
+  constexpr void part_in_training(const char* prefix, const Part& options) {
+    part(prefix, options);
+  }
   template <class Member>
   constexpr void keyless(const Member& /*unused*/) {
     ++count;
@@ -89,6 +94,7 @@ struct Field {
   Allowed range;                   // of numbers
   std::vector<std::string> names;  // of an enum's values
   std::string help;                // unit and meaning
+  InTraining in_training = InTraining::kAny;
 
   [[nodiscard]] std::string text() const;     // of the value: what set() takes
   [[nodiscard]] std::string allowed() const;  // values, in words
@@ -109,21 +115,45 @@ class Fields {
     visit_fields(options, *this);
     prefix_ = outer;
   }
+  /// The same of options that a training has: fields of which it takes the default alone are refused by
+  /// their own key where they are set to something else, and are not listed.
+  template <class Options>
+  void part_in_training(const char* prefix, Options& options) {
+    Fields own, usual;
+    Options defaults;
+    own.part((prefix_ + prefix).c_str(), options);
+    usual.part("", defaults);
+    for (std::size_t i = 0; i < own.fields_.size(); ++i) {
+      if (own.fields_[i].in_training == InTraining::kAny) {
+        fields_.push_back(own.fields_[i]);
+      } else {
+        fixed_.push_back({own.fields_[i], usual.fields_[i].text()});
+      }
+    }
+  }
   // What visitors call; see above.
   template <class Number>
-  void operator()(const char* key, Number& value, const Allowed& allowed, const char* help) {
-    fields_.push_back({prefix_ + key, &value, allowed, {}, help});
+  void operator()(const char* key,
+                  Number& value,
+                  const Allowed& allowed,
+                  const char* help,
+                  InTraining in_training = InTraining::kAny) {
+    fields_.push_back({prefix_ + key, &value, allowed, {}, help, in_training});
   }
-  void operator()(const char* key, bool& value, const char* help) {
-    fields_.push_back({prefix_ + key, &value, {}, {}, help});
+  void operator()(const char* key, bool& value, const char* help, InTraining in_training = InTraining::kAny) {
+    fields_.push_back({prefix_ + key, &value, {}, {}, help, in_training});
   }
   template <class Enum, std::size_t N>
   requires std::is_enum_v<Enum>
-  void operator()(const char* key, Enum& value, const std::array<const char*, N>& names, const char* help) {
+  void operator()(const char* key,
+                  Enum& value,
+                  const std::array<const char*, N>& names,
+                  const char* help,
+                  InTraining in_training = InTraining::kAny) {
     const EnumValue at{&value,
                        [](const void* of) { return static_cast<std::size_t>(*static_cast<const Enum*>(of)); },
                        [](void* of, std::size_t to) { *static_cast<Enum*>(of) = static_cast<Enum>(to); }};
-    fields_.push_back({prefix_ + key, at, {}, {names.begin(), names.end()}, help});
+    fields_.push_back({prefix_ + key, at, {}, {names.begin(), names.end()}, help, in_training});
   }
   template <class Member>
   void keyless(const Member& /*unused*/) {}
@@ -143,9 +173,16 @@ class Fields {
   [[nodiscard]] std::string help() const;
 
  private:
+  /// A field of which a training takes the default alone.
+  struct Fixed {
+    Field field;
+    std::string usual;
+    [[nodiscard]] std::string allowed() const;
+  };
   [[nodiscard]] std::string known_like(const std::string& key) const;
 
   std::vector<Field> fields_;
+  std::vector<Fixed> fixed_;
   std::string prefix_;
 };
 

@@ -15,10 +15,11 @@ py::dict train(const std::string& log,
                const std::vector<std::string>& settings,
                const std::function<void(int, double)>& progress,
                const py::object& device) {
+  const TrainingOptions options = training_options(quality, settings);  // before anything is read
   const PyDevice on = device_of(device);
   const TrainReport report = [&] {
     const DeviceLock lock(on.mutex);
-    Training training(on.device, read_log(log), training_options(quality, settings));
+    Training training(on.device, read_log(log), options);
     const TrainReport& done = training
                                   .run([&](const TrainStatus& status) {
                                     const py::gil_scoped_acquire acquire;
@@ -99,10 +100,11 @@ py::dict evaluate(const std::string& scene,
                   const std::string& quality,
                   const std::vector<std::string>& settings,
                   const py::object& device) {
+  const EvalOptions options = eval_options(quality, settings);
   const PyDevice on = device_of(device);
   const EvalReport r = [&] {
     const DeviceLock lock(on.mutex);
-    return Evaluation(on.device, read_scene(scene), read_log(log), eval_options(quality, settings)).run();
+    return Evaluation(on.device, read_scene(scene), read_log(log), options).run();
   }();
   py::dict out;
   out["frames"] = to_string(r.frames.kind);

@@ -13,16 +13,6 @@ namespace simuli {
 TrainOptions checked(const TrainOptions& o) {
   check_fields(o);
   validate(o.render);
-  const auto need = [](bool has_gradients, const std::string& key, const std::string& allowed) {
-    if (has_gradients) return;
-    throw Error(ErrorKind::kUsage,
-                key + ": found a choice without gradients, allowed " + allowed + " in trainings");
-  };
-  const RenderOptions& r = o.render;
-  need(r.precision == Precision::kFloat, "render.precision", "float");
-  need(r.sh_direction == ShDirection::kParticle, "render.sh_direction", "particle");
-  need(r.sh_degree == 3, "render.sh_degree", "3");
-  need(r.sh_storage == ShStorage::kFull, "render.sh_storage", "full");
   return o;
 }
 

@@ -218,7 +218,7 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
         at_least(0),
         "of frames kept on the host as they were read; a quarter of its memory and an eighth of "
         "--host-memory at most");
-  field.part("", o.render);
+  field.part_in_training("", o.render);
 }
 
 /// The options themselves. Error{kUsage} naming the key when one is outside its range.

@@ -55,6 +55,11 @@ std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOpt
     const std::size_t equals = line.find('=');
     if (equals != std::string::npos) trained[line.substr(0, equals)] = line.substr(equals + 1);
   }
+  RenderOptions usual;
+  const Fields defaults = fields_of(usual);
+  for (const Field& field : defaults.all()) {
+    if (field.in_training == InTraining::kNoGradients) trained.emplace(field.key, field.text());
+  }
   // What it was trained with may have been left to it, too.
   trained["render.camera_filter_px2"] = fmt::format("{}", scene.scene.camera_filter_px2);
   RenderOptions own = options;

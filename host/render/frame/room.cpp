@@ -11,7 +11,7 @@
 
 namespace simuli {
 
-const Camera& with_room_on(const Device& device, const Camera& camera, const RenderOptions& options) {
+const Camera& with_room_on(const Device& device, const Camera& camera, Precision precision) {
   constexpr std::uint64_t kHost = 36;  // bytes of a ray that the host keeps
   const DeviceInfo& info = device.info();
   const std::uint64_t rays =
@@ -24,12 +24,12 @@ const Camera& with_room_on(const Device& device, const Camera& camera, const Ren
       all += one.bytes;
     }
   };
-  add(RayLayout(device, options.precision).bytes({.slots = rays}));
-  add(RequestedRays(device, options.precision).bytes({.slots = rays}));
+  add(RayLayout(device, precision).bytes({.slots = rays}));
+  add(RequestedRays(device, precision).bytes({.slots = rays}));
   // A camera that moves among actors that do has rays of seven reals.
   const FrameSizes sizes{.slots = rays, .ray_rows = 7};
-  add(WorldRays(device, options.precision).bytes(sizes));
-  add(Blended(device, options.precision).bytes(sizes));
+  add(WorldRays(device, precision).bytes(sizes));
+  add(Blended(device, precision).bytes(sizes));
   if (buffer <= info.max_alloc_bytes && all <= info.global_bytes) return camera;
   throw Error(
       ErrorKind::kDevice,

@@ -1,5 +1,5 @@
 #pragma once
-#include "host/render/options/options.hpp"
+#include "host/base/precision.hpp"
 #include "host/runtime/device.hpp"
 #include "host/sensors/camera.hpp"
 
@@ -7,8 +7,6 @@ namespace simuli {
 
 /// The camera itself; Error{kDevice} with the numbers, before any memory is taken, where the device has no
 /// room for the rays of its pixels.
-[[nodiscard]] const Camera& with_room_on(const Device& device,
-                                         const Camera& camera,
-                                         const RenderOptions& options);
+[[nodiscard]] const Camera& with_room_on(const Device& device, const Camera& camera, Precision precision);
 
 }  // namespace simuli

@@ -60,36 +60,75 @@ enum class Culling : int {
 /// part of what its particles mean; where there is no scene, and in training, kPixelVariance_px2.
 inline constexpr double kOfScene = -1.0;
 
-/// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
-/// unless asked (Quality::kBalanced). They are the paper's but for the extents (paper_options()).
-struct RenderOptions {
-  Precision precision = Precision::kFloat;
+/// What of its particles a scene has on the device.
+struct UploadOptions {
+  int sh_degree = 3;
+  ShStorage sh_storage = ShStorage::kFull;
+  int particle_memory_mb = 0;
+  bool operator==(const UploadOptions&) const = default;
+};
+template <class F>
+constexpr void visit_fields(UploadOptions& o, F&& field) {
+  field("render.sh_degree",
+        o.sh_degree,
+        range(0, 3),
+        "bands of spherical harmonics, at most. Gradients with 3 alone",
+        InTraining::kNoGradients);
+  field("render.sh_storage",
+        o.sh_storage,
+        one_of("full", "half"),
+        "of coefficients on the device: as computed, or 16 bits (float alone); half has no gradients",
+        InTraining::kNoGradients);
+  field("render.particle_memory_mb",
+        o.particle_memory_mb,
+        range(0, 1 << 24),
+        "MiB of the device, for the particles of either set: of sets that need more those are there that "
+        "frames may see, and go when they are the least recently seen. 0: a third of the device. The same "
+        "bits either way",
+        InTraining::kFixed);
+}
+
+/// What a sensor's rays on the device are made with.
+struct RayOptions {
+  double camera_filter_px2 = kOfScene;
+  double camera_near_m = 0.01;
+  Culling culling = Culling::kAuto;
+  bool operator==(const RayOptions&) const = default;
+};
+template <class F>
+constexpr void visit_fields(RayOptions& o, F&& field) {
+  field("render.camera_filter_px2",
+        o.camera_filter_px2,
+        either(kOfScene, range(0.0, 100.0)),
+        "px^2, variance of a pixel's footprint; -1: what the scene was trained with, in training a square "
+        "pixel's 1/12");
+  field("render.camera_near_m",
+        o.camera_near_m,
+        range(0.01, 1000.0),
+        "m, cameras see nothing nearer; a LiDAR's nearest range is its own");
+  field("render.culling",
+        o.culling,
+        one_of("off", "auto"),
+        "of particles that no ray of a LiDAR meets: never, or where cells of the ray mask are empty. The "
+        "same bits either way");
+}
+
+/// What kernels are compiled for.
+struct ProgramOptions {
   Projection projection = Projection::kUnscented;
   Extent extent = Extent::kExact;  // as accurate as the paper's boxes, and faster where sensors move
   Order order = Order::kRange;
   int window = 64;
   ShDirection sh_direction = ShDirection::kParticle;
-  int sh_degree = 3;
-  ShStorage sh_storage = ShStorage::kFull;
   int shutter_iterations = 4;  // where a point's own time isn't found, extents are bounds
-  double alpha_cut = 1.0 / 255.0;
-  double transmittance_cut = 1e-4;
-  double camera_filter_px2 = kOfScene;
-  double detail = 0.0;
-  double camera_near_m = 0.01;
   bool camera_compensation = false;
   bool lidar_compensation = false;  // blends thin things with what is behind
   bool median_distance = true;
-  Culling culling = Culling::kAuto;
-  int particle_memory_mb = 0;
   LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
-  std::size_t max_instances = std::size_t{1} << 28U;
-  bool operator==(const RenderOptions&) const = default;
+  bool operator==(const ProgramOptions&) const = default;
 };
-
-/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
 template <class F>
-constexpr void visit_fields(RenderOptions& o, F&& field) {
+constexpr void visit_fields(ProgramOptions& o, F&& field) {
   field("render.projection",
         o.projection,
         one_of("unscented", "linearized", "monte_carlo"),
@@ -113,68 +152,75 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
   field("render.sh_direction",
         o.sh_direction,
         one_of("particle", "ray"),
-        "from where colours are seen: once per particle, or along each ray; ray has no gradients");
-  field("render.sh_degree",
-        o.sh_degree,
-        range(0, 3),
-        "bands of spherical harmonics, at most. Gradients with 3 alone");
-  field("render.sh_storage",
-        o.sh_storage,
-        one_of("full", "half"),
-        "of coefficients on the device: as computed, or 16 bits (float alone); half has no gradients");
-  field("render.precision", o.precision, one_of("float", "double"), "of all numbers on the device");
+        "from where colours are seen: once per particle, or along each ray; ray has no gradients",
+        InTraining::kNoGradients);
   field("render.shutter_iterations",
         o.shutter_iterations,
         range(0, 64),
         "looks for the moment at which a moving sensor sees a point; 0: all stands still half-way through "
         "the frame");
-  field("render.alpha_cut", o.alpha_cut, range(1e-30, 0.5), "of 1: contributions below it are not made");
-  field("render.transmittance_cut", o.transmittance_cut, range(0.0, 0.5), "of 1: a ray is done below it");
-  field("render.camera_filter_px2",
-        o.camera_filter_px2,
-        either(kOfScene, range(0.0, 100.0)),
-        "px^2, variance of a pixel's footprint; -1: what the scene was trained with, in training a square "
-        "pixel's 1/12");
-  field(
-      "render.detail",
-      o.detail,
-      range(0.0, 100.0),
-      "rays side by side: particles smaller than this (standard deviation) are drawn as fewer, larger ones; "
-      "0: all as they are. Has no gradients");
-  field("render.camera_near_m",
-        o.camera_near_m,
-        range(0.01, 1000.0),
-        "m, cameras see nothing nearer; a LiDAR's nearest range is its own");
   field("render.camera_compensation",
         o.camera_compensation,
         "particles that a pixel's footprint widens lose opacity in proportion");
   field("render.lidar_compensation",
         o.lidar_compensation,
         "the same for beams: blends thin things with what is behind");
-  field("render.culling",
-        o.culling,
-        one_of("off", "auto"),
-        "of particles that no ray of a LiDAR meets: never, or where cells of the ray mask are empty. The "
-        "same bits either way");
+  field("render.median_distance",
+        o.median_distance,
+        "LiDARs: also the distance at which half the light is gone; trainings never do",
+        InTraining::kFixed);
+  field.keyless(o.shape);  // follows from the device
+}
+
+/// What kernels are told with each frame.
+struct FrameOptions {
+  double alpha_cut = 1.0 / 255.0;
+  double transmittance_cut = 1e-4;
+  double detail = 0.0;  // kernels and particles know whether it is 0
+  std::size_t max_instances = std::size_t{1} << 28U;
+  bool operator==(const FrameOptions&) const = default;
+};
+template <class F>
+constexpr void visit_fields(FrameOptions& o, F&& field) {
+  field("render.alpha_cut", o.alpha_cut, range(1e-30, 0.5), "of 1: contributions below it are not made");
+  field("render.transmittance_cut", o.transmittance_cut, range(0.0, 0.5), "of 1: a ray is done below it");
+  field(
+      "render.detail",
+      o.detail,
+      range(0.0, 100.0),
+      "rays side by side: particles smaller than this (standard deviation) are drawn as fewer, larger ones; "
+      "0: all as they are. Has no gradients",
+      InTraining::kNoGradients);
   field("render.max_instances",
         o.max_instances,
         at_least(1),
         "pairs of tile and particle: a frame that needs more is refused");
-  field("render.particle_memory_mb",
-        o.particle_memory_mb,
-        range(0, 1 << 24),
-        "MiB of the device, for the particles of either set: of sets that need more those are there that "
-        "frames "
-        "may see, and go when they are the least recently seen. 0: a third of the device. The same bits "
-        "either way");
-  field("render.median_distance",
-        o.median_distance,
-        "LiDARs: also the distance at which half the light is gone; trainings never do");
-  field.keyless(o.shape);  // follows from the device
+}
+
+/// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
+/// unless asked (Quality::kBalanced). They are the paper's but for the extents (paper_options()). Each part
+/// is what one thing on the device depends on: as long as it and the precision are the same, so is that.
+struct RenderOptions : UploadOptions, RayOptions, ProgramOptions, FrameOptions {
+  Precision precision = Precision::kFloat;
+  bool operator==(const RenderOptions&) const = default;
+};
+
+/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(RenderOptions& o, F&& field) {
+  field("render.precision",
+        o.precision,
+        one_of("float", "double"),
+        "of all numbers on the device",
+        InTraining::kFixed);
+  field.part("", static_cast<ProgramOptions&>(o));
+  field.part("", static_cast<UploadOptions&>(o));
+  field.part("", static_cast<RayOptions&>(o));
+  field.part("", static_cast<FrameOptions&>(o));
 }
 
 /// px^2, of frames with these options in a scene that was trained with `of_scene`.
-[[nodiscard]] constexpr double camera_filter_px2(const RenderOptions& options,
+[[nodiscard]] constexpr double camera_filter_px2(const RayOptions& options,
                                                  double of_scene = kPixelVariance_px2) {
   return options.camera_filter_px2 == kOfScene ? of_scene : options.camera_filter_px2;
 }

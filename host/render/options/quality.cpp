@@ -1,6 +1,10 @@
 #include "host/render/options/quality.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
+
+#include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 
 namespace simuli {
 
@@ -45,21 +49,29 @@ RenderOptions options_of(Quality quality) {
 }
 
 RenderOptions training_options_of(Quality quality) {
-  constexpr RenderOptions kDefault;
-  RenderOptions o = options_of(quality);
-  o.precision = kDefault.precision;
+  RenderOptions o = options_of(quality), usual;
   // Almost always the same as per_ray, and never much dearer.
   if (o.order == Order::kPerRay) o.order = Order::kWindow;
-  o.sh_direction = kDefault.sh_direction;
-  o.sh_degree = kDefault.sh_degree;
-  o.sh_storage = kDefault.sh_storage;
-  o.detail = 0.0;
+  const Fields own = fields_of(o), defaults = fields_of(usual);
+  for (std::size_t i = 0; i < own.all().size(); ++i) {
+    const Field& field = own.all()[i];
+    if (field.in_training != InTraining::kAny) static_cast<void>(field.set(defaults.all()[i].text()));
+  }
   return o;
 }
 
-bool has_gradients(const RenderOptions& options) {
-  return options.sh_direction == ShDirection::kParticle && options.sh_degree == 3 &&
-         options.sh_storage == ShStorage::kFull && options.detail == 0.0;
+void need_gradients(RenderOptions options, const std::string& where) {
+  RenderOptions usual;
+  const Fields own = fields_of(options), defaults = fields_of(usual);
+  for (std::size_t i = 0; i < own.all().size(); ++i) {
+    const Field& field = own.all()[i];
+    const std::string found = field.text(), allowed = defaults.all()[i].text();
+    if (field.in_training != InTraining::kNoGradients || found == allowed) continue;
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format(
+            "{}: {}: found {}, allowed {}: nothing else has gradients", where, field.key, found, allowed));
+  }
 }
 
 }  // namespace simuli

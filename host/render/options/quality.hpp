@@ -19,10 +19,11 @@ enum class Quality { kDraft, kBalanced, kExact, kReference };
 /// What a bundle sets; kBalanced is RenderOptions{}, the others differ from it.
 [[nodiscard]] RenderOptions options_of(Quality quality);
 
-/// The same for trainings: without what has no gradients, and in float; order = window for per_ray.
+/// The same for trainings: what these take the default of alone (InTraining) is that; order = window for
+/// per_ray.
 [[nodiscard]] RenderOptions training_options_of(Quality quality);
 
-/// Whether the backward pass knows these options: direction of colours, bands and level of detail as by default.
-[[nodiscard]] bool has_gradients(const RenderOptions& options);
+/// Error{kUsage} "WHERE: KEY: found, allowed" for the first option whose value has no backward pass.
+void need_gradients(RenderOptions options, const std::string& where);
 
 }  // namespace simuli

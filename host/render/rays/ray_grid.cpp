@@ -95,7 +95,7 @@ LensSlopes lens_slopes(const Camera& camera, double picture_rad) {
 
 }  // namespace
 
-RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options) {
+RayGrid make_ray_grid(const Camera& camera, const RayOptions& options) {
   RayGrid grid;
   grid.type = SensorType::kCamera;
   grid.lens = camera.lens.kind();

@@ -41,7 +41,7 @@ struct RayGrid {
 
 /// Pixels in tiles of 16 x 16. A pixel through which the lens has no ray has no slot ray either: it stays in
 /// the picture as background. Error{kInput} when no pixel has one.
-[[nodiscard]] RayGrid make_ray_grid(const Camera& camera, const RenderOptions& options);
+[[nodiscard]] RayGrid make_ray_grid(const Camera& camera, const RayOptions& options);
 
 /// Rays (measured or nominal) in the tiles of procedure 1, worked out on `device`. Error{kInput} when `rays`
 /// is not rows x columns of the model, or too uneven in azimuth to be tiled.

@@ -191,16 +191,13 @@ void Pass::environment_backward(const EnvironmentBuffers& environment,
 void Pass::backward(const ParticleBuffers& particles, RealBuffer& param_grads, const BackwardExtras& extras) {
   State& s = last("backward");
   s.need_particles("backward", particles);
-  const Variant& own = s.frame.stages->own;
-  need(has_gradients(s.options) && own.frame.sh_degree == particles.sh_degree &&
-           particles.sh_storage == ShStorage::kFull,
-       "backward",
-       "sh_direction ray, left out bands or halves, which have no gradients",
-       "none of them");
+  State::Stages& stages = *s.frame.stages;
+  const Variant& own = stages.own;
+  if (!stages.render_back) need_gradients(s.options, "backward");
+  need(particles.sh_storage == ShStorage::kFull, "backward", "coefficients in halves", "full ones");
   s.need_gradient("backward");
   need(!extras.errors || s.frame.has_ray_error, "backward", "no ray errors", "those of ray_error() before");
   param_grads.reserve(particles.params.count());
-  State::Stages& stages = *s.frame.stages;
   if (!stages.render_back) stages.render_back.emplace(s.device, own);
   if (!stages.project_back) stages.project_back.emplace(s.device, own);
   stages.render_back->run(s.frame.params, particles, s.frame.rays->buffers(), s.buffers, extras, s.gradients);

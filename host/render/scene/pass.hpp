@@ -58,7 +58,7 @@ class Pass {
                             double tv_scale,
                             RealBuffer& texture_grads);
   /// -> param_grads[param_rows][stride] of the particles rendered, 0 for those that the frame culled; and the
-  /// extras. Without options that have no gradient (has_gradients()); a median distance takes part in none.
+  /// extras. With options that need_gradients() takes; a median distance takes part in none.
   void backward(const ParticleBuffers& particles, RealBuffer& param_grads, const BackwardExtras& extras = {});
   /// dL/d(poses of the actors) of the last backward(), in the order of View::actors. Waits.
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles);

@@ -20,20 +20,22 @@
 namespace simuli {
 namespace {
 
-/// A particle set with what is kept of it: all of it on the device, or in pages.
-struct Upload {
+/// What particles on the device depend on, beside the scene.
+struct UploadKey {
   SetKind kind;
-  RenderOptions options;
+  Precision precision;
+  UploadOptions options;
+  bool detailed;  // with what stands for several of them
+  bool operator==(const UploadKey&) const = default;
+};
+/// A particle set: all of it on the device, or in pages.
+struct Upload {
+  UploadKey key;
   std::variant<ParticleBuffers, ParticlePages> particles;
 
   [[nodiscard]] const ParticleBuffers& buffers() const {
     const auto* const pages = std::get_if<ParticlePages>(&particles);
     return pages != nullptr ? pages->buffers() : std::get<ParticleBuffers>(particles);
-  }
-  [[nodiscard]] bool suits(SetKind of, const RenderOptions& o, bool whole) const {
-    return of == kind && o.particle_memory_mb == options.particle_memory_mb && !(whole && buffers().paged) &&
-           o.precision == options.precision && o.sh_degree == options.sh_degree &&
-           o.sh_storage == options.sh_storage && (o.detail > 0.0) == (options.detail > 0.0);
   }
 };
 
@@ -41,14 +43,11 @@ struct Upload {
 struct RaysKey {
   Sensor sensor;
   Precision precision;
-  double camera_filter_px2, camera_near_m;
-  bool culls;
+  RayOptions options;
   std::vector<bool> requested;  // [rays]; empty: all
   bool operator==(const RaysKey& other) const {
-    const auto rest = [](const RaysKey& k) {
-      return std::tie(k.precision, k.camera_filter_px2, k.camera_near_m, k.culls, k.requested);
-    };
-    return sensor.has_rays_of(other.sensor) && rest(*this) == rest(other);
+    return sensor.has_rays_of(other.sensor) && precision == other.precision && options == other.options &&
+           requested == other.requested;
   }
 };
 struct RaysHash {
@@ -139,18 +138,19 @@ struct SceneOnDevice::State {
 
   /// `whole`: all of it on the device, or an Error.
   Upload& particles(SetKind kind, const RenderOptions& o, bool whole) {
+    const UploadKey key{kind, o.precision, o, o.detail > 0.0};
     return first_of(
         uploads,
         kMostUploads,
-        [&](const Upload& upload) { return upload.suits(kind, o, whole); },
+        [&](const Upload& upload) { return upload.key == key && !(whole && upload.buffers().paged); },
         [&] {
           const std::shared_ptr<const GaussianSet> set(
               scene, kind == SetKind::kCamera ? &scene->camera : &scene->lidar);
           const std::uint32_t places = pages_that_fit(device, *set, o);
           if (whole || places == page_count(*set, o)) {
-            uploads.push_front({kind, o, ParticleBuffers(device, *set, o)});
+            uploads.push_front({key, ParticleBuffers(device, *set, o)});
           } else {
-            uploads.push_front({kind, o, ParticlePages(device, set, o, places)});
+            uploads.push_front({key, ParticlePages(device, set, o, places)});
           }
         });
   }
@@ -172,9 +172,8 @@ struct SceneOnDevice::State {
       if (sensor.is_camera()) return SensorRays(device, sensor.camera(), o);
       return SensorRays(device, sensor.lidar(), sensor.rays(), o);
     };
-    const RaysKey key{
-        sensor, o.precision, o.camera_filter_px2, o.camera_near_m, o.culling != Culling::kOff, requested};
-    return *sensors.get(key, make, [](const SensorRays& made) { return made.bytes(); });
+    return *sensors.get(
+        {sensor, o.precision, o, requested}, make, [](const SensorRays& made) { return made.bytes(); });
   }
 
   AppearanceOnDevice& appearance_on(Precision precision) {
@@ -275,12 +274,7 @@ Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients&
     throw Error(ErrorKind::kUsage,
                 "gradients: found a picture seen through colour grids, allowed one that is not graded");
   }
-  if (!has_gradients(f.request.options ? *f.request.options : s.options)) {
-    throw Error(
-        ErrorKind::kUsage,
-        "gradients: found render.sh_direction=ray, render.sh_storage=half, render.sh_degree below 3 or "
-        "render.detail above 0, allowed particle, full, 3 and 0");
-  }
+  need_gradients(f.request.options ? *f.request.options : s.options, "gradients");
   const std::vector<double> by_ray = output_gradients(f.rays.grid().rays, of_rays);
   Drawn drawn = s.draw(f.sensor, f.shot, f.request, {.whole = true});
   drawn.pass.set_output_gradients(by_ray);

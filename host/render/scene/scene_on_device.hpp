@@ -46,7 +46,7 @@ class SceneOnDevice {
   /// derivatives by what each ray saw: [N, param_rows] as GaussianSet::params, zeros for particles that no
   /// ray sees. Renders the frame again, as it was asked for, and waits. Error{kUsage} for a frame of another
   /// scene (or from before set_scene()), one through colour grids, options that have no gradients
-  /// (has_gradients()) and derivatives that are not finite or not one per ray.
+  /// (need_gradients()) and derivatives that are not finite or not one per ray.
   [[nodiscard]] Eigen::MatrixXf gradients(const Frame& frame, const RayGradients& of_rays);
 
   /// From now on this scene is rendered; rays of sensors stay. Frames that were rendered before stay, too.

@@ -7,10 +7,16 @@
 #include <variant>
 
 #include "host/base/error.hpp"
+#include "host/base/fields.hpp"
 #include "host/render/frame/room.hpp"
 
 namespace simuli {
 namespace {
+
+RayOptions resolved(RayOptions options) {
+  options.camera_filter_px2 = camera_filter_px2(options);
+  return options;
+}
 
 /// `wanted`: [rays], or empty for all.
 RequestedRays masked_rays(const Device& device,
@@ -50,19 +56,17 @@ std::vector<bool> not_blind(const LidarModel& model, const LidarRays& rays) {
 SensorRays::Shared::Shared(const Device& on,
                            RayGrid rays,
                            std::vector<bool> seeing,
-                           const RenderOptions& options)
+                           const RenderOptions& with)
     : device(on),
-      precision(options.precision),
-      camera_filter_px2(simuli::camera_filter_px2(options)),
-      camera_near_m(options.camera_near_m),
-      culling(options.culling),
+      precision(with.precision),
+      options(resolved(with)),
       sees(std::move(seeing)),
       grid(std::move(rays)),
-      layout(on, grid, options.precision) {}
+      layout(on, grid, with.precision) {}
 
 SensorRays::Request::Request(const Shared& of, const std::vector<bool>& wanted)
     : rays(masked_rays(of.device, of.grid, of.precision, wanted)) {
-  if (of.grid.type != SensorType::kLidar || of.culling == Culling::kOff) return;
+  if (of.grid.type != SensorType::kLidar || of.options.culling == Culling::kOff) return;
   const bool all = std::find(wanted.begin(), wanted.end(), false) == wanted.end();
   mask = RayMaskStage(of.device, of.precision).run(of.grid, all, of.layout, rays);
 }
@@ -74,7 +78,8 @@ SensorRays::SensorRays(const Device& device,
     : shared_(std::make_shared<const Shared>(device, std::move(grid), std::move(sees), options)),
       request_(std::make_shared<const Request>(*shared_, shared_->sees)) {}
 SensorRays::SensorRays(const Device& device, const Camera& camera, const RenderOptions& options)
-    : SensorRays(device, make_ray_grid(with_room_on(device, camera, options), options), {}, options) {}
+    : SensorRays(
+          device, make_ray_grid(with_room_on(device, camera, options.precision), options), {}, options) {}
 SensorRays::SensorRays(const Device& device,
                        const LidarModel& model,
                        const LidarRays& rays,
@@ -143,25 +148,21 @@ template std::vector<double> SensorRays::to_slots(const std::vector<double>& val
                                                   std::size_t channels) const;
 
 void SensorRays::need_made_with(const RenderOptions& options) const {
-  const Shared& s = *shared_;
-  const auto need = [](bool holds, const char* option, const auto& found, const auto& allowed) {
-    if (holds) return;
-    throw Error(ErrorKind::kUsage,
-                fmt::format("rays: {}: found {}, allowed {} as the renderer's", option, found, allowed));
-  };
-  const auto bits = [](Precision p) { return p == Precision::kDouble ? "double" : "float"; };
-  need(s.precision == options.precision, "precision", bits(s.precision), bits(options.precision));
-  if (s.grid.type == SensorType::kCamera) {
-    const double filter_px2 = camera_filter_px2(options);
-    need(s.camera_filter_px2 == filter_px2, "camera_filter_px2", s.camera_filter_px2, filter_px2);
-    need(s.camera_near_m == options.camera_near_m, "camera_near_m", s.camera_near_m, options.camera_near_m);
-    return;
+  if (shared_->precision != options.precision) {
+    throw Error(ErrorKind::kUsage, "rays: found the other precision, allowed the renderer's");
   }
-  const auto culls = [](Culling culling) { return culling == Culling::kOff ? "off" : "on"; };
-  need((s.culling == Culling::kOff) == (options.culling == Culling::kOff),
-       "culling",
-       culls(s.culling),
-       culls(options.culling));
+  RayOptions own = shared_->options, wanted = resolved(options);
+  if (own == wanted) return;
+  const Fields found = fields_of(own), allowed = fields_of(wanted);
+  for (std::size_t i = 0; i < found.all().size(); ++i) {
+    const Field& field = found.all()[i];
+    if (field.text() == allowed.all()[i].text()) continue;
+    throw Error(ErrorKind::kUsage,
+                fmt::format("rays: {}: found {}, allowed {} as the renderer's",
+                            field.key,
+                            field.text(),
+                            allowed.all()[i].text()));
+  }
 }
 
 RayValues::RayValues(const SensorRays& rays,

@@ -68,9 +68,7 @@ class SensorRays {
     Shared(const Device& device, RayGrid rays, std::vector<bool> seeing, const RenderOptions& options);
     Device device;
     Precision precision;
-    double camera_filter_px2;
-    double camera_near_m;
-    Culling culling;
+    RayOptions options;
     std::vector<bool> sees;  // [rays] false in a LiDAR's blind arcs; empty: all do
     RayGrid grid;
     RayLayout layout;

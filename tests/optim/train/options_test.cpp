@@ -66,7 +66,7 @@ TEST(Options, KeysAreDifferentAndHaveAMeaning) {
                           "anchor.weight",
                           "densify.cap",
                           "cache_bytes",
-                          "render.median_distance"}) {
+                          "render.alpha_cut"}) {
     EXPECT_TRUE(keys.contains(key)) << key;
   }
 }
@@ -116,8 +116,6 @@ TEST(Options, OfTrainingAreCheckedByKey) {
   refused("actors.margin_m: found -1", [](auto& o) { o.actor_margin_m = -1.0; });
   refused("iterations: found -1", [](auto& o) { o.iterations = -1; });
   refused("render.alpha_cut: found 1", [](auto& o) { o.render.alpha_cut = 1.0; });
-  refused("render.precision: found", [](auto& o) { o.render.precision = Precision::kDouble; });
-  refused("render.sh_storage: found", [](auto& o) { o.render.sh_storage = ShStorage::kHalf; });
 }
 
 TEST(Options, OfFramesAreCheckedByKey) {

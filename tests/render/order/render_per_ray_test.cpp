@@ -227,15 +227,15 @@ TEST(PicturesOnly, HaveNoGradients) {
   const test::Shot shot = shot_for(test::kCameraSh3);
   const GaussianSet set = crowd(test::kCameraSh3, 40);
   RenderOptions options = paper_options();
-  EXPECT_TRUE(has_gradients(options));
+  EXPECT_NO_THROW(need_gradients(options, "test"));
   options.sh_direction = ShDirection::kRay;
-  EXPECT_FALSE(has_gradients(options));
+  EXPECT_THROW(need_gradients(options, "test"), Error);
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
   const ParticleBuffers particles(device, set, options);
   Pass pass = renderer.render(particles, rays, shot.view);
   RealBuffer grads(device, "gradients", Precision::kFloat);
-  expect_error(ErrorKind::kUsage, "have no gradients", [&] { pass.backward(particles, grads); });
+  expect_error(ErrorKind::kUsage, "nothing else has gradients", [&] { pass.backward(particles, grads); });
 }
 
 }  // namespace render_per_ray_test
