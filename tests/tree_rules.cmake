@@ -70,7 +70,7 @@ allow("host/support/record" "host/(base|scene|sensors)" "what scenes keep of the
 allow("host/support" "host/(base|scene|sensors|runtime|render|support)" "support knows no io, optim or cli")
 allow("io" "host/(base|scene|sensors|support/record)|io" "io knows no device and no optimiser")
 allow("optim" "cl$|host/(base|scene|sensors|runtime|render|support)|io|optim" "optim knows no program")
-allow("bench/(drives|paper|peers|render|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(drives|paper|peers|render|trade)"
+allow("bench/(drives|paper|peers|render|street|trade)" "cl$|host/(base|scene|sensors|runtime|render)|io|optim|bench/(drives|paper|peers|render|street|trade)"
       "benches know no program")
 allow("host/serve" "host/(base|scene|sensors|runtime|render|serve)|io" "the server knows no program")
 allow("host/cli" "host/(base|scene|sensors|runtime|render|support|cli|serve)|io|optim" "the program knows no bench")

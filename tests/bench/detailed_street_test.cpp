@@ -8,6 +8,7 @@
 #include "io/synth/street.hpp"
 #include "io/synth/street_world.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/support/street_rays.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -15,19 +16,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kFar_m = 1e4;
-
-/// Rays from along the drive to all sides: the ray's number decides which.
-struct Ray {
-  Vector3d origin, direction;
-};
-Ray ray_of(int i) {
-  const double share = i * 0.6180339887498949, turn = i * 0.7548776662466927, up = i * 0.5698402909980532;
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  const double azimuth = 6.283185307179586 * fraction(turn), z = 0.9 * fraction(up) - 0.45;
-  const double flat = std::sqrt(1.0 - z * z);
-  return {{260.0 * fraction(share), 1.5 * std::sin(0.1 * i) - 0.5, 1.9},
-          {flat * std::cos(azimuth), flat * std::sin(azimuth), z}};
-}
 
 TEST(DetailedStreet, PicturesAndSweepsAreTheSameAgainAndByAnyThreads) {
   const Street street({.detail = &detailed_street()}), again({.detail = &detailed_street()}),
@@ -54,7 +42,7 @@ TEST(DetailedStreet, IndexFindsWhatTestingEverySolidFinds) {
   EXPECT_GT(world.solids.size(), 5000U);
   int met = 0;
   for (int i = 0; i < 1500; ++i) {
-    Ray ray = ray_of(i);
+    test::StreetRay ray = test::ray_of(i);
     if (i % 10 == 0) ray.direction = Vector3d::Unit(i / 10 % 3) * (i % 20 == 0 ? 1.0 : -1.0);
     const Vector3d inverse = ray.direction.cwiseInverse();
     StreetCrossing all{200.0, Vector3d::Zero()}, found = all;
@@ -97,7 +85,7 @@ TEST(DetailedStreet, EveryEyeMeetsTheSameSurfaces) {
   const Log log = street_log({});
   int open = 0, same_range = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Ray ray = ray_of(i);
+    const test::StreetRay ray = test::ray_of(i);
     const StreetHit hit = street.trace(ray.origin, ray.direction, 0.0, 90.0);
     if (!hit.hit) continue;
     ASSERT_NEAR(hit.normal.norm(), 1.0, 1e-9);

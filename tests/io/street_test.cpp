@@ -7,6 +7,7 @@
 
 #include "host/base/error.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/support/street_rays.hpp"
 
 namespace simuli {
 namespace street_test {
@@ -30,26 +31,13 @@ StreetOptions small_options(const std::filesystem::path& output) {
   return options;
 }
 
-/// Rays from along the drive to all sides: the ray's number decides which.
-struct Ray {
-  Vector3d origin, direction;
-};
-Ray ray_of(int i) {
-  const double share = i * 0.6180339887498949, turn = i * 0.7548776662466927, up = i * 0.5698402909980532;
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  const double azimuth = 6.283185307179586 * fraction(turn), z = 0.9 * fraction(up) - 0.45;
-  const double flat = std::sqrt(1.0 - z * z);
-  return {{260.0 * fraction(share), 1.5 * std::sin(0.1 * i) - 0.5, 1.9},
-          {flat * std::cos(azimuth), flat * std::sin(azimuth), z}};
-}
-
 TEST(Street, IsAsItAlwaysWas) {
   const Street street;
   double range = 0.0, reflectance = 0.0;
   Vector3d colour = Vector3d::Zero(), normal = Vector3d::Zero();
   constexpr int kRays = 20000;
   for (int i = 0; i < kRays; ++i) {
-    const Ray ray = ray_of(i);
+    const test::StreetRay ray = test::ray_of(i);
     const StreetHit hit = street.trace(ray.origin, ray.direction, 0.7, kFarAway_m);
     range += hit.range;
     reflectance += hit.reflectance;

@@ -35,12 +35,6 @@ string(REPEAT "// line\n" 400 just_fits)
 file(WRITE "${WORK}/io/long.cpp" "${just_fits}")
 expect(good "follow the rules")
 
-make_good_tree()
-foreach(number RANGE 1 26)
-  file(WRITE "${WORK}/io/file${number}.cpp" "\n")
-endforeach()
-expect(bad "io: 26 entries")
-
 breaks(io/long.cpp "${just_fits}// one more\n" "io/long.cpp: 401 lines")
 breaks(cl/math/sh.h "#include \"host/base/error.hpp\"\n" "cl/math/sh.h: cl includes nothing above it")
 foreach(pair IN ITEMS "host/base,io/base,base, scene" "host/scene,host/render/frame,base, scene"
