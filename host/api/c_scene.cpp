@@ -46,7 +46,7 @@ simuli_status simuli_scene_open(const simuli_device* device, const char* folder,
     SensorRig rig(file);
     SceneOnDevice on_device(on, std::exchange(file.scene, {}));
     out = new simuli_scene{
-        std::move(rig), std::move(file), on_device.options(), std::move(on_device), {}, std::nullopt};
+        std::move(rig), std::move(file), RenderOptions{}, std::move(on_device), {}, std::nullopt};
   });
 }
 
