@@ -252,6 +252,9 @@ TEST_F(SceneCli, BadRequestsAreRefused) {
   expect_failure(
       "train s.log -o x --set render.projection=linearized", kUsage, "allowed with render.extent=unscented");
   expect_failure("train s.log -o x --set render.alpha_cut=2", kUsage, "render.alpha_cut: found 2");
+  // Before the log is read.
+  expect_failure(
+      "train nowhere.log -o x --set render.detail=0.5", kUsage, "render.detail: found 0.5, allowed 0");
   expect_failure("eval x s.log --set render.shutter_iterations=65", kUsage, "allowed 0 to 64");
   expect_failure("eval x s.log --set render.extent=box", kUsage, "allowed unscented, exact");
   expect_failure("eval x s.log --set init.voxel_m=1",
