@@ -121,7 +121,7 @@ class UnifiedTrainer {
     const ImageWeights& w = options_.image;
     (void)pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
     look_.backward(pass, index);
-    look_.step(index, iteration, progress);
+    look_.step({{index, {}}}, iteration, progress, nullptr);
     pass.backward(camera_.particles, camera_.grads);
     return pass;
   }

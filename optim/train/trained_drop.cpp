@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "optim/base/frames.hpp"
 
@@ -44,42 +43,24 @@ LidarLossScale TrainedDrop::share(std::size_t sweep, LidarLossScale scale) const
   return scale;
 }
 
-void TrainedDrop::step(const std::string& lidar, const LidarLoss& loss, double progress) {
-  std::array<double, RayDrop::kParameters> rates{};
-  rates.fill(options_.rate * std::pow(options_.final_share, progress));
-  functions_.at(lidar).step(loss.drop, rates);
-}
-
 LidarLoss TrainedDrop::learn(Pass& pass,
                              const RayValues& truth,
                              std::size_t sweep,
                              const std::string& lidar,
                              const LidarLossScale& scale,
-                             double progress) {
+                             double progress,
+                             std::vector<Function>& taught) const {
   const LidarLossScale own = share(sweep, scale);
   if (own.function_entropy == 0.0) return pass.lidar_loss(truth, own);
+  std::array<double, RayDrop::kParameters> rates{};
+  rates.fill(options_.rate * std::pow(options_.final_share, progress));
+  Function function = functions_.at(lidar);
   for (int look = 0; look < options_.looks; ++look) {
-    step(lidar, pass.lidar_loss(truth, {.function_entropy = own.function_entropy}), progress);
-    pass.set_drop(of(lidar));
+    function.step(pass.lidar_loss(truth, {.function_entropy = own.function_entropy}).drop, rates);
+    pass.set_drop(function.value);
   }
+  taught.push_back(function);
   return pass.lidar_loss(truth, own);
-}
-
-TrainedDrop::Lesson TrainedDrop::learn_apart(Pass& pass,
-                                             const RayValues& truth,
-                                             std::size_t sweep,
-                                             const std::string& lidar,
-                                             const LidarLossScale& scale,
-                                             double progress) {
-  if (share(sweep, scale).function_entropy == 0.0) {
-    return {learn(pass, truth, sweep, lidar, scale, progress), {}};
-  }
-  Function& function = functions_.at(lidar);
-  const Function before = function;
-  Lesson lesson;
-  lesson.loss = learn(pass, truth, sweep, lidar, scale, progress);
-  lesson.function.push_back(std::exchange(function, before));
-  return lesson;
 }
 
 void TrainedDrop::take(const std::string& lidar, const std::vector<Function>& functions) {

@@ -24,28 +24,17 @@ class TrainedDrop {
   /// them too much. So the drops of some sweeps teach the function alone, and those of the others particles
   /// alone. `sweep`: an index into log.sweeps.
   [[nodiscard]] LidarLossScale share(std::size_t sweep, LidarLossScale scale) const;
+  using Function = SmallAdam<RayDrop::kParameters>;
   /// The losses of a pass that was rendered with of(lidar), as share() weighs them, which leave the
-  /// particles' gradient; before that the function takes its steps on the sweep.
+  /// particles' gradient; before that the function takes its steps on the sweep, where it learns from it.
+  /// What it is then goes to `taught`, for take().
   LidarLoss learn(Pass& pass,
                   const RayValues& truth,
                   std::size_t sweep,
                   const std::string& lidar,
                   const LidarLossScale& scale,
-                  double progress);
-
-  using Function = SmallAdam<RayDrop::kParameters>;
-  /// What a sweep teaches, and nothing else is changed: the function as learn() would leave it, where it
-  /// would be changed, beside the losses.
-  struct Lesson {
-    LidarLoss loss;
-    std::vector<Function> function;  // one, or none
-  };
-  Lesson learn_apart(Pass& pass,
-                     const RayValues& truth,
-                     std::size_t sweep,
-                     const std::string& lidar,
-                     const LidarLossScale& scale,
-                     double progress);
+                  double progress,
+                  std::vector<Function>& taught) const;
   /// Takes over the mean of what sweeps of one step have taught of a LiDAR's function, added in their order.
   void take(const std::string& lidar, const std::vector<Function>& functions);
   void store(Scene& scene) const;
@@ -53,7 +42,6 @@ class TrainedDrop {
   void add_state(StateList& list);
 
  private:
-  void step(const std::string& lidar, const LidarLoss& loss, double progress);
   RayDropOptions options_;
   std::vector<bool> teaches_function_, teaches_particles_;  // [log.sweeps]
   std::map<std::string, Function> functions_;               // by name of the LiDAR

@@ -80,11 +80,6 @@ void TrainedLook::backward(Pass& pass, std::size_t image) {
   }
 }
 
-void TrainedLook::step(std::size_t image, std::uint64_t iteration, double progress) {
-  step_grid(image, iteration, progress);
-  step_environment(iteration, progress);
-}
-
 /// `picture`: how many pictures there were before.
 void TrainedLook::step_grid(std::size_t image, std::uint64_t picture, double progress) {
   if (!grids_) return;
@@ -115,17 +110,17 @@ TrainedLook::Gradients TrainedLook::gradients() const {
 void TrainedLook::step(const std::vector<Shard>& shards,
                        std::uint64_t iteration,
                        double progress,
-                       ShardSum& sum) {
-  if (environment_) {
+                       ShardSum* sum) {
+  if (environment_ && sum != nullptr) {
     RealBuffer& grads = environment_->grads;
     grads.fill(0.0);
     for (const Shard& shard : shards) {
-      sum.add_all(shard.gradients.environment, 1.0 / static_cast<double>(shards.size()), grads);
+      sum->add_all(shard.gradients.environment, 1.0 / static_cast<double>(shards.size()), grads);
     }
-    step_environment(iteration, progress);
   }
+  step_environment(iteration, progress);
   for (std::size_t i = 0; grids_ && i < shards.size(); ++i) {
-    grids_->grads.assign(std::span<const float>(shards[i].gradients.grid));
+    if (sum != nullptr) grids_->grads.assign(std::span<const float>(shards[i].gradients.grid));
     step_grid(shards[i].image, iteration * shards.size() + i, progress);
   }
 }

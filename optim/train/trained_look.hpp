@@ -33,21 +33,20 @@ class TrainedLook {
   void grade(Pass& pass, std::size_t image);
   /// Takes dL/d(graded picture) back to dL/d(outputs), and leaves the gradients of grid and environment.
   void backward(Pass& pass, std::size_t image);
-  /// Moves the picture's grid and the environment by them; `iteration` from 0.
-  void step(std::size_t image, std::uint64_t iteration, double progress);
 
   /// What backward() has left, for a step of several pictures; empty where there is none. Waits.
   struct Gradients {
     std::vector<float> grid, environment;
   };
   [[nodiscard]] Gradients gradients() const;
-  /// By those of a step's pictures: the environment by their mean, added in their order by `sum`; each grid
-  /// by its own, in turn. `iteration`: of the step, from 0.
+  /// Of a step on several pictures: moves the environment by their gradients' mean, added in their order by
+  /// `sum`, and each grid by its own, in turn. Of one picture: by what backward() has left; `sum` is null.
+  /// `iteration`: of the step, from 0.
   struct Shard {
     std::size_t image = 0;
     Gradients gradients;
   };
-  void step(const std::vector<Shard>& shards, std::uint64_t iteration, double progress, ShardSum& sum);
+  void step(const std::vector<Shard>& shards, std::uint64_t iteration, double progress, ShardSum* sum);
 
   /// Gradient entries that were not finite. Waits.
   [[nodiscard]] std::uint32_t rejected() const;

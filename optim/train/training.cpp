@@ -26,6 +26,7 @@
 #include "optim/report/judgement.hpp"
 #include "optim/stretch/stretch_parts.hpp"
 #include "optim/support/record_support.hpp"
+#include "optim/train/memory/memory.hpp"
 #include "optim/train/memory/stretch_plan.hpp"
 #include "optim/train/trainer.hpp"
 

@@ -1,0 +1,81 @@
+// Recorded pictures.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "optim/base/frames.hpp"
+#include "optim/train/lesson/lesson.hpp"
+
+namespace simuli {
+namespace {
+
+class PictureLesson final : public Lesson {
+ public:
+  explicit PictureLesson(TrainerState& state) : Lesson(state, kCameraSet) {}
+
+  [[nodiscard]] bool is_due() const override { return !state_.images.empty() && set_.particles.count > 0; }
+
+ private:
+  [[nodiscard]] std::size_t picture(std::size_t shard) const {
+    return frame_of(state_.images, state_.status.iteration, shard);
+  }
+  [[nodiscard]] bool collects_errors() const override {
+    return state_.structure.collects_errors(number_, state_.status.iteration);
+  }
+  [[nodiscard]] ShownShard show(std::size_t shard, RealBuffer& error) override;
+  void learn(const std::vector<ShardPart>& parts, Shards& shards) override;
+  void note(std::size_t shard, std::span<const double> losses) override;
+};
+
+ShownShard PictureLesson::show(std::size_t shard, RealBuffer& error) {
+  const std::size_t index = picture(shard);
+  const ImageFrame& frame = state_.log.images[index];
+  const auto truth = state_.truth.image(index);
+  Pass pass = state_.renderer.render(set_.particles,
+                                     state_.truth.camera_rays(frame.camera),
+                                     view_of(state_.log, state_.scene, frame),
+                                     state_.look.environment());
+  state_.look.grade(pass, index);
+  const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
+  const ImageWeights& w = state_.options.image;
+  const ImageLoss loss =
+      pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
+  if (errors_) {
+    state_.structure.errors().pixel_error(
+        pass.frame(), pass.buffers().rays, pass.picture(), truth->truth.slots(), pass.ray_error());
+  }
+  state_.look.backward(pass, index);
+  ShardPart part;
+  part.losses = {loss.absolute + loss.squared + loss.dissimilarity, loss.squared / values};
+  if (shard_count() > 1) {
+    TrainedLook::Gradients look = state_.look.gradients();
+    part.grid = std::move(look.grid);
+    part.environment = std::move(look.environment);
+  }
+  differentiate(pass, part, error);
+  return {std::move(pass), std::move(part)};
+}
+
+void PictureLesson::learn(const std::vector<ShardPart>& parts, Shards& shards) {
+  std::vector<TrainedLook::Shard> looks;
+  std::vector<FrameTimes> times;
+  for (std::size_t shard = 0; shard < parts.size(); ++shard) {
+    const std::size_t index = picture(shard);
+    looks.push_back({index, {parts[shard].grid, parts[shard].environment}});
+    times.push_back({state_.log.images[index].time_start_s, state_.log.images[index].time_end_s});
+  }
+  state_.look.step(looks, static_cast<std::uint64_t>(state_.status.iteration), progress_, shards.sum());
+  step_set(parts, times, shards);
+}
+
+void PictureLesson::note(std::size_t shard, std::span<const double> losses) {
+  state_.square.add(losses[1]);
+  state_.length.add_image(picture(shard), losses[1]);
+  state_.status.psnr_db = -10.0 * std::log10(state_.square.value());
+}
+
+}  // namespace
+
+std::unique_ptr<Lesson> picture_lesson(TrainerState& state) { return std::make_unique<PictureLesson>(state); }
+
+}  // namespace simuli

@@ -1,0 +1,257 @@
+#include "optim/train/trainer_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "host/base/error.hpp"
+#include "host/scene/particle_order.hpp"
+#include "io/base/state_file.hpp"
+#include "optim/train/memory/memory.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr const char* kSettings = "settings";
+constexpr const char* kIterations = "iterations";  // planned
+constexpr const char* kLength = "length";
+
+enum Stream : std::uint64_t { kImageStream = 1, kSweepStream = 2 };
+
+RenderOptions training_options(RenderOptions options) {
+  options.median_distance = false;  // has no gradient
+  return options;
+}
+
+/// The particles' rates in steps of several frames.
+TrainOptions with_rates_of_shards(TrainOptions o) {
+  const double factor = std::pow(o.shards.count, o.shards.rate_power);
+  for (LearningRates* const rates : {&o.camera, &o.lidar}) {
+    for (double* const rate : {&rates->mean_m,
+                               &rates->mean_final_m,
+                               &rates->log_scale,
+                               &rates->rotation,
+                               &rates->opacity,
+                               &rates->sh,
+                               &rates->sh_rest}) {
+      *rate *= factor;
+    }
+  }
+  return o;
+}
+
+TrainOptions fitting(const Device& device,
+                     const Log& log,
+                     const Scene& scene,
+                     const TrainingOptions& options) {
+  static_cast<void>(checked(options));
+  need_memory(device, log, scene, options);
+  return with_rates_of_shards(options.train);
+}
+
+/// Iterations in which each training frame is looked at once.
+std::size_t epoch_of(const TrainOptions& o, std::size_t images, std::size_t sweeps) {
+  const std::size_t frames = images > 0 ? images : sweeps * static_cast<std::size_t>(o.lidar_every);
+  const auto shards = static_cast<std::size_t>(o.shards.count);
+  return (frames + shards - 1) / shards;
+}
+
+int planned_in(std::span<const std::byte> saved) {
+  int planned = std::numeric_limits<int>::max();
+  if (saved.size() == sizeof planned) std::memcpy(&planned, saved.data(), sizeof planned);
+  return planned;
+}
+
+void need_iterations(const std::string& file, std::span<const std::byte> saved, const TrainOptions& options) {
+  const int planned = planned_in(saved);
+  const int iterations = options.length.automatic ? options.length.most : options.iterations;
+  if (planned <= iterations) return;
+  throw_input_error(file,
+                    kIterations,
+                    fmt::format("a training of {}", planned),
+                    fmt::format("of {} or fewer: it can be made longer, not shorter", iterations));
+}
+
+void add_length(StateList& list, TrainLength& length) {
+  list.add(
+      kLength,
+      [&length] {
+        const std::vector<double> state = length.state();
+        StateList::Bytes bytes(state.size() * sizeof(double));
+        if (!bytes.empty()) std::memcpy(bytes.data(), state.data(), bytes.size());
+        return bytes;
+      },
+      [&length](const std::string& file, std::span<const std::byte> saved) {
+        std::vector<double> state(saved.size() / sizeof(double));
+        if (!state.empty()) std::memcpy(state.data(), saved.data(), state.size() * sizeof(double));
+        if (saved.size() % sizeof(double) == 0 && length.set_state(state)) return;
+        throw_input_error(
+            file, kLength, fmt::format("{} bytes", saved.size()), "a value per frame, whole stages");
+      });
+}
+
+/// What has been found of the rows' ranges.
+void add_range_biases(StateList& list, const Log& log, TruthCache& truth) {
+  for (const LogLidar& lidar : log.lidars) {
+    const auto* const rows = std::get_if<Lidar>(&lidar.model);
+    if (rows == nullptr) continue;
+    list.add_numbers(
+        "range_biases/" + rows->name,
+        [&truth, name = rows->name] {
+          std::vector<double> out;
+          for (const LidarRow& row : std::get<Lidar>(truth.lidar(name)).rows) out.push_back(row.range_bias);
+          return out;
+        },
+        [&truth, name = rows->name](std::span<const double> numbers) {
+          truth.set_range_biases(name, {numbers.begin(), numbers.end()});
+        });
+  }
+}
+
+/// What has been learned of the actors' tracks.
+void add_tracks(StateList& list, std::vector<Actor>& actors) {
+  list.add_numbers(
+      "actors/offsets",
+      [&actors] {
+        std::vector<double> out;
+        for (const Actor& actor : actors) {
+          for (const KeyPose& key : actor.track) {
+            out.insert(out.end(), key.shift_m.begin(), key.shift_m.end());
+            out.insert(out.end(), key.turn_rad.begin(), key.turn_rad.end());
+          }
+        }
+        return out;
+      },
+      [&actors](std::span<const double> numbers) {
+        for (Actor& actor : actors) {
+          for (KeyPose& key : actor.track) {
+            key.shift_m = Eigen::Vector3d(numbers.data());
+            key.turn_rad = Eigen::Vector3d(numbers.data() + 3);
+            numbers = numbers.subspan(6);
+          }
+        }
+      });
+}
+
+/// What has been learned of their shapes.
+void add_shapes(StateList& list, std::vector<Actor>& actors) {
+  list.add_numbers(
+      "actors/shapes",
+      [&actors] {
+        std::vector<double> out;
+        for (const Actor& actor : actors) {
+          const std::vector<double>& offsets = actor.deformation.offsets_m;
+          out.insert(out.end(), offsets.begin(), offsets.end());
+        }
+        return out;
+      },
+      [&actors](std::span<const double> numbers) {
+        for (Actor& actor : actors) {
+          std::vector<double>& offsets = actor.deformation.offsets_m;
+          std::copy_n(numbers.begin(), offsets.size(), offsets.begin());
+          numbers = numbers.subspan(offsets.size());
+        }
+      });
+}
+
+}  // namespace
+
+void RunningMean::add(double value) {
+  constexpr double kKeep = 0.95;
+  sum = kKeep * sum + value;
+  weight = kKeep * weight + 1.0;
+}
+
+double RunningMean::value() const {
+  return weight > 0.0 ? sum / weight : std::numeric_limits<double>::quiet_NaN();
+}
+
+TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, const TrainingOptions& training)
+    : log(of_log),
+      scene(in_coherent_order(std::move(start))),
+      options(fitting(on, of_log, scene, training)),
+      seed(training.frames.seed),
+      device(on),
+      renderer(on, training_options(options.render)),
+      truth(on, of_log, training, renderer.options()),
+      camera(on, scene.camera, options.actor_poses, options.actor_shapes),
+      lidar(on, scene.lidar, options.actor_poses, options.actor_shapes),
+      look(on, of_log, scene, training),
+      drop(of_log, scene, training),
+      structure(on, options, seed, camera, lidar),
+      mended(on, of_log, training.frames, training.fixer, training.fixer_command, options.render),
+      images(HeldOutRule(of_log, training.frames).training(of_log.images), seed, kImageStream),
+      sweeps(HeldOutRule(of_log, training.frames).training(of_log.sweeps), seed, kSweepStream),
+      length(options.length,
+             epoch_of(options, images.size(), sweeps.size()),
+             of_log.images.size(),
+             of_log.sweeps.size()) {
+  if (images.empty() && sweeps.empty()) {
+    throw_input_error(of_log.folder.string(), "training frames", "0", "at least one image or sweep");
+  }
+  scene.camera_filter_px2 = renderer.options().camera_filter_px2;
+  prepare_shapes(scene.actors, options.actor_shapes);
+  if (options.length.automatic) options.iterations = length.first();
+  status.planned = options.iterations;
+  status.camera_particles = camera.particles.count;
+  status.lidar_particles = lidar.particles.count;
+  status.psnr_db = status.distance_m = status.drop_accuracy = std::numeric_limits<double>::quiet_NaN();
+}
+
+StateList TrainerState::list(const std::string& settings) {
+  StateList states;
+  states.add_fixed(kSettings, settings);
+  states.add(
+      kIterations,
+      [this] {
+        StateList::Bytes bytes(sizeof options.iterations);
+        std::memcpy(bytes.data(), &options.iterations, bytes.size());
+        return bytes;
+      },
+      [this](const std::string& file, std::span<const std::byte> saved) {
+        need_iterations(file, saved, options);
+        if (options.length.automatic) options.iterations = planned_in(saved);
+      });
+  states.add("status", status);
+  states.add("mean/squared_error", square);
+  states.add("mean/distance", distance);
+  states.add("mean/right_drops", right);
+  states.add("unsound_losses", unsound_losses);
+  states.add("pruned", pruned);
+  camera.add_state(states, "camera");
+  lidar.add_state(states, "lidar");
+  structure.add_state(states);
+  if (options.length.automatic) add_length(states, length);
+  add_tracks(states, scene.actors);
+  add_shapes(states, scene.actors);
+  for (TrainedSet* set : {&camera, &lidar}) {
+    states.add_numbers(
+        set == &camera ? "camera/poses" : "lidar/poses",
+        [this, set] { return set->poses.numbers(scene.actors); },
+        [this, set](std::span<const double> numbers) { set->poses.set_numbers(scene.actors, numbers); });
+    states.add_numbers(
+        set == &camera ? "camera/shapes" : "lidar/shapes",
+        [this, set] { return set->shapes.numbers(scene.actors); },
+        [this, set](std::span<const double> numbers) { set->shapes.set_numbers(scene.actors, numbers); });
+  }
+  look.add_state(states);
+  drop.add_state(states);
+  add_range_biases(states, log, truth);
+  mended.add_state(states);
+  return states;
+}
+
+void TrainerState::need_settings(const std::filesystem::path& file,
+                                 const std::string& settings,
+                                 const TrainOptions& options) {
+  const StateFile state(file);
+  StateList::need_text(file.string(), kSettings, state.block(kSettings), settings);
+  need_iterations(file.string(), state.block(kIterations), options);
+}
+
+}  // namespace simuli

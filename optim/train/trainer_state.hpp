@@ -1,0 +1,65 @@
+#pragma once
+// All that a step of a training reads and moves.
+#include <cstdint>
+#include <string>
+
+#include "host/render/scene/renderer.hpp"
+#include "host/scene/scene.hpp"
+#include "io/log/log.hpp"
+#include "optim/fixer/fixed_views.hpp"
+#include "optim/length/length.hpp"
+#include "optim/report/train_report.hpp"
+#include "optim/state/state.hpp"
+#include "optim/train/schedule.hpp"
+#include "optim/train/structure.hpp"
+#include "optim/train/trained_drop.hpp"
+#include "optim/train/trained_look.hpp"
+#include "optim/train/trained_set.hpp"
+#include "optim/train/training_options.hpp"
+#include "optim/train/truth.hpp"
+
+namespace simuli {
+
+/// Mean that forgets: about the last 20 values count.
+struct RunningMean {
+  double sum = 0.0;
+  double weight = 0.0;
+  void add(double value);
+  /// NaN before the first value.
+  [[nodiscard]] double value() const;
+};
+
+struct TrainerState {
+  /// As Trainer.
+  TrainerState(const Device& device, const Log& log, Scene scene, const TrainingOptions& options);
+  TrainerState(const TrainerState&) = delete;
+  TrainerState& operator=(const TrainerState&) = delete;
+
+  /// What a checkpoint holds. `settings`: as Trainer::save() has them.
+  [[nodiscard]] StateList list(const std::string& settings);
+  /// Error{kInput} when list() of `file` is not one that options can go on from.
+  static void need_settings(const std::filesystem::path& file,
+                            const std::string& settings,
+                            const TrainOptions& options);
+
+  const Log& log;
+  Scene scene;
+  TrainOptions options;  // rates those of steps of options.shards frames, iterations as far as is known
+  std::uint64_t seed;
+  Device device;
+  Renderer renderer;
+  TruthCache truth;
+  TrainedSet camera, lidar;
+  TrainedLook look;
+  TrainedDrop drop;
+  Structure structure;
+  FixedViews mended;
+  FrameOrder images, sweeps;
+  TrainLength length;
+  RunningMean square, distance, right;
+  TrainStatus status;
+  std::uint32_t unsound_losses = 0;
+  std::uint64_t pruned = 0;
+};
+
+}  // namespace simuli
