@@ -19,8 +19,6 @@
 
 namespace simuli {
 
-struct StretchScene;
-
 /// How a training went: its start, and what followed.
 struct TrainingReport {
   StretchPlan stretches;
@@ -77,8 +75,8 @@ class Training {
   // What there is from prepare() on.
   /// Of all stretches together, where the drive is cut into some; particles are those of the current one.
   [[nodiscard]] const TrainStatus& status() const;
-  [[nodiscard]] const TrainingReport& report() const { return report_; }
-  [[nodiscard]] const TrainingOptions& options() const { return options_; }
+  [[nodiscard]] const TrainingReport& report() const;
+  [[nodiscard]] const TrainingOptions& options() const;
   /// The particles as trained so far; of a drive that is cut into stretches those of the current one, and of
   /// all in the end. Error{kInternal} before prepare().
   [[nodiscard]] Scene scene() const;
@@ -90,32 +88,7 @@ class Training {
 
  private:
   struct State;
-  [[nodiscard]] const State& prepared() const;
-  [[nodiscard]] std::string identity() const;
-  /// The same of the stretch that is being trained.
-  [[nodiscard]] std::string own_identity() const;
-  /// What comes before the first particles: of the whole drive.
-  void prepare_log(const Progress& progress);
-  void find_moving(const Log& seen, const FrameSelection& frames);
-  void prepare_stretches();
-  /// The current stretch, or the drive in one piece, from its first particles on.
-  void start(const Progress& progress);
-  [[nodiscard]] TrainingOptions own_options() const;
-  TrainReport run_one(const Observer& on_step, const Checkpoints& checkpoints);
-  /// `file`: that it is kept in; empty: memory.
-  void end_stretch(StretchScene part, const std::filesystem::path& file);
-  [[nodiscard]] SceneFile with_sensors(Scene scene) const;
-  [[nodiscard]] SceneFile completed(SceneFile file) const;
-  [[nodiscard]] std::vector<RankField> rank_fields() const;
-
-  Ranks& ranks_;
-  Device device_;
-  Log log_;  // from prepare() on on its refined path, with what was learned of its LiDARs, and with found
-             // actors
-  std::string log_hash_;  // as read
-  TrainingOptions options_;
   std::unique_ptr<State> state_;
-  TrainingReport report_;
 };
 
 }  // namespace simuli

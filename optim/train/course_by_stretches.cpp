@@ -1,0 +1,220 @@
+// A drive that is cut: one stretch at a time is trained, then all become one scene.
+#include <algorithm>
+#include <fmt/format.h>
+#include <optional>
+#include <utility>
+
+#include "host/base/error.hpp"
+#include "io/base/temporary.hpp"
+#include "optim/init/initialize.hpp"
+#include "optim/init/initialize_actors.hpp"
+#include "optim/log/sensor_learning.hpp"
+#include "optim/stretch/stretch_parts.hpp"
+#include "optim/train/course.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kSight_m = 100.0;  // that LiDARs and pictures tell the distance of, about
+
+class CourseByStretches final : public TrainingCourse {
+ public:
+  CourseByStretches(TrainingDrive& drive, std::unique_ptr<DrivenPath> path, std::vector<Stretch> stretches);
+
+  void start(const Training::Progress& progress) override;
+  void resume(const std::filesystem::path& checkpoint,
+              const std::string& tail,
+              const Training::Progress& progress) override;
+  void save(const std::filesystem::path& checkpoint) override {
+    if (piece_) piece_->save(checkpoint);
+  }
+  TrainReport run(const Training::Observer& on_step, const Checkpoints& checkpoints) override;
+
+  [[nodiscard]] bool is_started() const override { return piece_ || merged_; }
+  [[nodiscard]] const TrainStatus& status() const override { return status_; }
+  [[nodiscard]] Scene scene() const override { return merged_ ? *merged_ : piece_->scene(); }
+  [[nodiscard]] SceneFile file() const override {
+    return merged_ ? drive_.file_of(*merged_) : piece_->file();
+  }
+  [[nodiscard]] SceneFile take_file() override {
+    SceneFile taken = merged_ ? drive_.file_of(std::move(*merged_)) : piece_->file();
+    piece_.reset();  // the device has room for what comes
+    merged_.emplace();
+    return taken;
+  }
+  [[nodiscard]] bool is_filled() const override { return true; }
+
+ private:
+  [[nodiscard]] Log log_of_stretch(std::size_t index) const {
+    return log_of(drive_.log, drive_.options.frames, *path_, stretches_[index], drive_.options.stretches);
+  }
+  [[nodiscard]] StretchParting parting() const {
+    return {*path_, stretches_, drive_.options.stretches.overlap_m};
+  }
+  [[nodiscard]] int begun() const { return current_ == 0 ? 0 : ends_[current_ - 1]; }
+  /// Of the current stretch.
+  [[nodiscard]] std::string identity() const {
+    return drive_.identity() + stretch_lines(drive_.options.train.iterations, current_, stretches_.size());
+  }
+  [[nodiscard]] TrainingOptions options() const;
+  void set_status(TrainStatus own);
+  /// `file`: that it is kept in; empty: memory.
+  void end_stretch(StretchScene part, const std::filesystem::path& file);
+  void read_done(const std::filesystem::path& file) {
+    end_stretch(read_stretch(file, identity(), drive_.log), file);
+  }
+  void merge();
+
+  TrainingDrive& drive_;
+  std::unique_ptr<DrivenPath> path_;
+  std::vector<Stretch> stretches_;
+  std::vector<int> ends_;  // iterations of all stretches together behind each
+  std::size_t current_ = 0;
+  Log log_;                                // of the current stretch
+  std::optional<CourseInOnePiece> piece_;  // the current one
+  StretchParts done_;
+  MeanRayDrop ray_drop_;  // of those
+  std::optional<Scene> merged_;
+  TrainReport report_;
+  TrainStatus status_;  // of all stretches together
+};
+
+/// What all stretches must know alike comes from one stretch at a time: LiDARs as the first shows them, and
+/// what moves, each found thing going on where the stretch before has lost it.
+CourseByStretches::CourseByStretches(TrainingDrive& drive,
+                                     std::unique_ptr<DrivenPath> path,
+                                     std::vector<Stretch> stretches)
+    : drive_(drive), path_(std::move(path)), stretches_(std::move(stretches)) {
+  const TrainingOptions& o = drive.options;
+  const FrameSelection all = nothing_held_out(o.frames);
+  drive.log.lidars = with_learned_sensors(log_of_stretch(0), all, o.sensors).lidars;
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const Log own = log_of_stretch(i);
+    frames.push_back(own.images.empty() ? own.sweeps.size() : own.images.size());
+    drive.find_moving(own, all);
+  }
+  if (o.init.actors) drive.log.actors = moving_actors(drive.log.actors, o.init.actor_min_travel_m);
+  ends_ = ends_of(o.train.iterations, frames);
+}
+
+/// Of the current stretch: none of its frames is held out, and what sensors are is known from the first.
+TrainingOptions CourseByStretches::options() const {
+  TrainingOptions own = drive_.options;
+  const int iterations = ends_[current_] - begun();
+  own.frames = nothing_held_out(own.frames);
+  own.init.actor_min_travel_m = 0.0;
+  if (own.init.shell_distance_m == 0.0)
+    own.init.shell_distance_m = shell_distance_m(path_->farthest_m() + kSight_m);
+  own.train.max_seconds *= static_cast<double>(iterations) / std::max(ends_.back(), 1);
+  own.train.iterations = iterations;
+  // Each stretch moves what all before it have come to, the less the more these are.
+  own.train.ray_drop.rate /= static_cast<double>(current_ + 1);
+  if (current_ > 0) own.train.prune.row_ranges = false;
+  return own;
+}
+
+void CourseByStretches::set_status(TrainStatus own) {
+  status_ = own;
+  status_.iteration += begun();
+  status_.planned = ends_.back();
+}
+
+void CourseByStretches::start(const Training::Progress& progress) {
+  log_ = log_of_stretch(current_);
+  piece_.emplace(drive_,
+                 log_,
+                 options(),
+                 identity(),
+                 fmt::format("stretch {} of {}: ", current_ + 1, stretches_.size()),
+                 current_ > 0 ? ray_drop_.mean() : std::vector<RayDrop>{});
+  piece_->start(progress);
+  set_status(piece_->status());
+}
+
+void CourseByStretches::resume(const std::filesystem::path& checkpoint,
+                               const std::string& tail,
+                               const Training::Progress& progress) {
+  while (current_ < stretches_.size() && identity() != drive_.identity() + tail) {
+    read_done(stretch_file(checkpoint, current_));
+  }
+  if (current_ == stretches_.size()) {
+    throw_input_error(checkpoint.string(), "stretch", tail, fmt::format("one of {}", stretches_.size()));
+  }
+  const std::filesystem::path file = stretch_file(checkpoint, current_);
+  const bool is_done = std::filesystem::exists(file);
+  if (is_done) read_done(file);
+  if (merged_) return;
+  start(progress);
+  if (is_done) return;
+  piece_->resume(checkpoint, {}, progress);
+  set_status(piece_->status());
+}
+
+TrainReport CourseByStretches::run(const Training::Observer& on_step, const Checkpoints& checkpoints) {
+  while (!merged_) {
+    if (!piece_) start({});
+    std::filesystem::path file;
+    if (!checkpoints.file.empty() && drive_.ranks.is_first()) {  // what may be there is of another training
+      file = stretch_file(checkpoints.file, current_);
+      remove_stale_temporaries(file);
+      std::error_code absent;
+      std::filesystem::remove(file, absent);
+    }
+    const TrainReport report = piece_->run(
+        [&](const TrainStatus& own) {
+          set_status(own);
+          if (on_step) on_step(status_);
+        },
+        checkpoints);
+    SceneFile own = piece_->file();
+    piece_.reset();  // the device has room for what comes
+    fill(drive_.device, log_, options(), own);
+    StretchScene part{owned(std::move(own.scene), parting(), current_), std::move(own.lidars), report};
+    if (!file.empty()) write_stretch(file, identity(), part);
+    end_stretch(std::move(part), file);
+  }
+  return report_;
+}
+
+void CourseByStretches::end_stretch(StretchScene part, const std::filesystem::path& file) {
+  log_ = {};
+  if (current_ == 0) drive_.log.lidars = part.lidars;
+  const double share = static_cast<double>(ends_[current_] - begun()) / std::max(ends_.back(), 1);
+  add_stretch(report_, part.report, share);
+  ray_drop_.add(part);
+  if (file.empty()) {
+    done_.keep(std::move(part));
+  } else {
+    part = {};
+    done_.keep(file, identity());
+  }
+  ++current_;
+  if (current_ == stretches_.size()) merge();
+}
+
+void CourseByStretches::merge() {
+  const auto read = [&](std::size_t i) -> const StretchScene& { return done_.part(i, drive_.log); };
+  merged_ = merged(done_.count(), read, drive_.log.actors, parting());
+  merged_->camera_filter_px2 = camera_filter_px2(drive_.options.train.render);
+  done_ = {};
+  const HeldOutRule rule(drive_.log, drive_.options.frames);
+  report_.images = rule.training(drive_.log.images).size();
+  report_.sweeps = rule.training(drive_.log.sweeps).size();
+  report_.camera_particles = merged_->camera.size();
+  report_.lidar_particles = merged_->lidar.size();
+  report_.last.iteration = report_.last.planned = ends_.back();
+  report_.last.camera_particles = static_cast<std::uint32_t>(report_.camera_particles);
+  report_.last.lidar_particles = static_cast<std::uint32_t>(report_.lidar_particles);
+  status_ = report_.last;
+}
+
+}  // namespace
+
+std::unique_ptr<TrainingCourse> course_by_stretches(TrainingDrive& drive,
+                                                    std::unique_ptr<DrivenPath> path,
+                                                    std::vector<Stretch> stretches) {
+  return std::make_unique<CourseByStretches>(drive, std::move(path), std::move(stretches));
+}
+
+}  // namespace simuli
