@@ -11,7 +11,7 @@
 #include "tests/cl/support.hpp"
 
 namespace simuli {
-namespace {
+namespace lidar_tiling_test {
 
 constexpr double kFloat_rad = 2e-6;  // places of up to 7 rad in float, scaled and floored
 
@@ -207,5 +207,5 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
   }
 }
 
-}  // namespace
+}  // namespace lidar_tiling_test
 }  // namespace simuli
