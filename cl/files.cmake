@@ -2,7 +2,9 @@
 set(SIMULI_CL_FILES
   shared/cluster.h
   shared/layout.h
+  shared/reals.h
   shared/sensor_constants.h
+  shared/support.h
   math/actor.h
   math/blend_bwd.h
   math/camera.h

@@ -1,30 +1,23 @@
 // support.cl - how well what each ray shows is known from recorded views. Launcher: host/support/support.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
+#include "shared/support.h"
 
-// Reals of a place (of the ray's sensor, of an actor's box): a 3x3 rotation row-major, then a translation, then what
-// each says. Of a recorded view: the rotation, then where it stood in the axes that it is told from.
-#define PLACE 16
-// Reals of a recorded view's grid: first column, columns per unit, first row, rows per unit, columns, rows, where
-// its cells begin, its rays per radian over those of the sensor now.
-#define GRID 8
-#define TRUST 8
+#define SIM_FAR_M R(1e6)        // where rays that meet nothing end
+#define SIM_SAME_DEPTH R(0.03)  // of the distance: what lies that far off a cell's is seen there all the same
+#define SIM_OTHER_DEPTH R(0.06)  // and that much further it is something else
+#define SIM_NEAR_RAD R(0.1)      // a view that looks along another direction tells less
+#define SIM_SEEN_ALONE R(1e-3)   // the least that it tells
+#define SIM_HALF_LOOKS R(3.0)    // half of what further looks add
+#define SIM_APART_M R(0.01)      // half of what it tells when a ray's median and mean distance differ by more
+#define SIM_LEAST_EXPONENT R(-80.0)
 
-#define FAR_M R(1e6)         // where rays that meet nothing end
-#define SAME R(0.03)         // of the distance: what lies that far off a cell's is seen there all the same,
-#define OTHER R(0.06)        // and that much further it is something else
-#define NEAR_ANGLE R(0.1)    // rad: a view that looks along another direction tells less
-#define SEEN_ALONE R(1e-3)   // the least that it tells
-#define LOOKS R(3.0)         // half of what further looks add
-#define APART_M R(0.01)      // half of what it tells when a ray's median and mean distance differ by more
-#define LEAST_EXPONENT R(-80.0)
-
-// Neighbours along a slot row that are looked up alike, and which of them is, unless it has no ray; with them those of
-// `stack` slot rows.
-#define RUN 4
-#define TELLING 1
-#define ROW_RUNS (SIM_SLOT_ROW / RUN)
-#define SLOT_OF_RUN(run, stack) ((run) / ROW_RUNS * SIM_SLOT_ROW * (stack) + (run) % ROW_RUNS * RUN)
+// Neighbours along a slot row, SIM_SUPPORT_RUN of them, are looked up alike, with them those of `stack` slot rows; this
+// one of them is looked up, unless it has no ray.
+#define SIM_TELLING 1
+#define SIM_ROW_RUNS (SIM_SLOT_ROW / SIM_SUPPORT_RUN)
+#define SIM_SLOT_OF_RUN(run, stack) \
+  ((run) / SIM_ROW_RUNS * SIM_SLOT_ROW * (stack) + (run) % SIM_ROW_RUNS * SIM_SUPPORT_RUN)
 
 FN int has_ray(__global const real* sensor_ray, uint s, uint slot) {
   return sensor_ray[slot] != R(0.0) || sensor_ray[s + slot] != R(0.0) || sensor_ray[2 * s + slot] != R(0.0);
@@ -38,16 +31,17 @@ FN F of_runs(__global const real* from, const uint* telling) {
   return LDV(each);
 }
 
-FN void place_point(__global const real* place, const F* p, F* out) {
+FN void turn(__global const real* rotation, const F* v, F* out) {
   for (int k = 0; k < 3; ++k) {
-    const F rest = fma(p[2], (F)place[3 * k + 2], (F)place[9 + k]);
-    out[k] = fma(p[0], (F)place[3 * k], fma(p[1], (F)place[3 * k + 1], rest));
+    out[k] = fma(v[0], (F)rotation[3 * k], fma(v[1], (F)rotation[3 * k + 1], v[2] * rotation[3 * k + 2]));
   }
 }
 
-FN void place_vector(__global const real* place, const F* p, F* out) {
+FN void transform(__global const SupportPose* pose, const F* p, F* out) {
+  __global const real* rotation = pose->rotation;
   for (int k = 0; k < 3; ++k) {
-    out[k] = fma(p[0], (F)place[3 * k], fma(p[1], (F)place[3 * k + 1], p[2] * place[3 * k + 2]));
+    const F rest = fma(p[2], (F)rotation[3 * k + 2], (F)pose->translation[k]);
+    out[k] = fma(p[0], (F)rotation[3 * k], fma(p[1], (F)rotation[3 * k + 1], rest));
   }
 }
 
@@ -61,10 +55,9 @@ typedef struct {
   F weight, odds;  // sums by weight
 } Told;
 
-/// Adds what one view tells of the points p along d, `range` off; a view of another state of the world has 0 in
-/// place[12].
-FN void look(__global const real* place,
-             __global const real* grid,
+/// Adds what one view tells of the points p along d, `range` off.
+FN void look(__global const SupportView* view,
+             __global const SupportGrid* grid,
              __global const real* cells,
              I on,
              const F* p,
@@ -72,42 +65,44 @@ FN void look(__global const real* place,
              F range,
              Told* told) {
   F from_view[3], y[3];
-  for (int k = 0; k < 3; ++k) from_view[k] = p[k] - place[9 + k];
-  place_vector(place, from_view, y);
+  for (int k = 0; k < 3; ++k) from_view[k] = p[k] - view->position[k];
+  turn(view->rotation, from_view, y);
   const F flat2 = fma(y[0], y[0], y[1] * y[1]);
   const F flat = VMAX(sqrt(flat2), (F)R(1e-9));
   const F away = VMAX(sqrt(fma(y[2], y[2], flat2)), (F)R(1e-6));
   const F around = VMAX(fabs(y[0]) + fabs(y[1]), (F)R(1e-9));
   // 1 - cos of the angle between today's ray and the view's, times `away`.
-  const F bend = VMAX(fma(dot_lanes(from_view, d), (F)-place[13], away), (F)R(0.0));
-  const F near = fma(bend, (F)(R(2.0) / (NEAR_ANGLE * NEAR_ANGLE)), away);
+  const F bend = VMAX(fma(dot_lanes(from_view, d), (F)-view->enlargement, away), (F)R(0.0));
+  const F near = fma(bend, (F)(R(2.0) / (SIM_NEAR_RAD * SIM_NEAR_RAD)), away);
   const F inv_away = R(1.0) / away, along = away / near;
   // Columns along the sides of the square |x| + |y| = 1, from behind by the right to the front: no arctangent.
   const F side = y[1] / around;
   const F behind = SEL(y[1] >= R(0.0), R(2.0) - side, -R(2.0) - side);
-  const F column = (SEL(y[0] >= R(0.0), side, behind) - grid[0]) * grid[1];
-  const F row = (grid[2] - y[2] / flat) * grid[3];
-  I seen = AND(AND(column >= R(0.0), column < grid[4]), AND(row >= R(0.0), row < grid[5]));
+  const F column = (SEL(y[0] >= R(0.0), side, behind) - grid->first_column) * grid->columns_per_unit;
+  const F row = (grid->first_row - y[2] / flat) * grid->rows_per_unit;
+  I seen = AND(AND(column >= R(0.0), column < grid->columns), AND(row >= R(0.0), row < grid->rows));
   seen = AND(seen, on);
   if (!ANY(seen)) return;
   real lo[V], hi[V], of_cell[V];
   int cell[V];
-  STV(cell, TO_INTS(SEL(seen, row, (F)R(0.0))) * (int)grid[4] + TO_INTS(SEL(seen, column, (F)R(0.0))));
+  STV(cell, TO_INTS(SEL(seen, row, (F)R(0.0))) * (int)grid->columns + TO_INTS(SEL(seen, column, (F)R(0.0))));
 #pragma unroll
   for (uint lane = 0; lane < V; ++lane) {
-    const REAL_VECTOR(4) c = vload4((uint)grid[6] + cell[lane], cells);
+    const REAL_VECTOR(4) c = vload4((uint)grid->first_cell + cell[lane], cells);
     lo[lane] = c.s0;
     hi[lane] = c.s1;
     of_cell[lane] = c.s2;
   }
   const F nearest = LDV(lo), farthest = LDV(hi);
-  const F gap = VMAX(VMAX(nearest * (R(1.0) - SAME) - away, away - farthest * (R(1.0) + SAME)), (F)R(0.0));
-  const F share = VMIN(gap * inv_away * (R(1.0) / OTHER), (F)R(1.0));
+  const F gap =
+      VMAX(VMAX(nearest * (R(1.0) - SIM_SAME_DEPTH) - away, away - farthest * (R(1.0) + SIM_SAME_DEPTH)),
+           (F)R(0.0));
+  const F share = VMIN(gap * inv_away * (R(1.0) / SIM_OTHER_DEPTH), (F)R(1.0));
   const F left = fma(-share, share, (F)R(1.0));
   const F has = SEL(AND(seen, farthest > R(0.0)), left * left, (F)R(0.0));
   const F angle2 = R(2.0) * bend * inv_away;
-  const F scale = VMIN(range * grid[7] * inv_away, (F)R(1.0));
-  const F weight = has * fma(along * along, scale, (F)SEEN_ALONE);
+  const F scale = VMIN(range * grid->fineness * inv_away, (F)R(1.0));
+  const F weight = has * fma(along * along, scale, (F)SIM_SEEN_ALONE);
   told->looks += has;
   told->angle2 = SEL(has > R(0.5), VMIN(told->angle2, angle2), told->angle2);
   told->scale = VMAX(told->scale, has * scale);
@@ -116,26 +111,23 @@ FN void look(__global const real* place,
 }
 
 /// What it says of V LiDAR rays whether, and from where, they return: of the logarithm of odds. `out`: of the first.
-FN F return_odds(__global const real* out, uint s, __global const real* trust) {
-  const F logit = VMAX(VMIN(LDV(out + SIM_O_DROP * s), (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
+FN F return_odds(__global const real* out, uint s, __global const SupportFrame* trust) {
+  const F logit = VMAX(VMIN(LDV(out + SIM_O_DROP * s), (F)-SIM_LEAST_EXPONENT), (F)SIM_LEAST_EXPONENT);
   const F drop = R(1.0) / (R(1.0) + exp_lanes(-logit));
   const F opacity = R(1.0) - LDV(out + SIM_O_TRANSMITTANCE * s);
   const I met = opacity > R(0.5);
   const F mean = LDV(out + SIM_O_DISTANCE * s) / SEL(met, opacity, (F)R(1.0));
   const F apart = SEL(met, fabs(LDV(out + SIM_O_MEDIAN * s) - mean), (F)R(0.0));
-  const F odds = fma(R(4.0) * drop * (R(1.0) - drop), (F)trust[4], drop * trust[5]);
-  return fma(apart / (apart + APART_M), (F)trust[6], odds);
+  const F odds = fma(R(4.0) * drop * (R(1.0) - drop), (F)trust->doubt, drop * trust->drop);
+  return fma(apart / (apart + SIM_APART_M), (F)trust->apart, odds);
 }
 
-/// V runs of RUN slots in each of `stack` slot rows per work-item. Where a ray's light comes from is looked up in the
+/// V runs of SIM_SUPPORT_RUN slots in each of `stack` slot rows per work-item. Where a ray's light comes from is looked up in the
 /// views that were recorded, for one ray of a run, since cells are no finer; whether a LiDAR's rays return is told of
 /// each by itself.
 /// in  sensor_ray[7][slots]; ray_of_slot[slots], -1: none; out[6|7][slots] as blended;
-///     asked: sensor[2][PLACE]: at the frame's start and end, in the scene's axes; trust[8]: of the logarithm of odds a
-///     constant, by looks, angle, scale, and of LiDARs doubt whether a ray returns, drop, how far median and mean are
-///     apart; grids[count][GRID]; boxes[actors][PLACE]: to the actor's axes, half its size behind;
-///     views[actors + 1][count][PLACE]: from the scene's axes (of actors: from the actor's) to the view's, 1 behind
-///     where it has them at all, then how many times larger they were;
+///     grids[count] of the recorded views; boxes[actors]; views[actors + 1][count], from the scene's axes, then from
+///     those of each actor;
 ///     cells[][4]: nearest and farthest distance (m), what its error, contrast and depth add to the logarithm of odds,
 ///     0
 /// out support[rays]: in [0, 1], of those that have a slot
@@ -148,34 +140,32 @@ __kernel void support(const FrameParams frame,
                       __global const real* sensor_ray,
                       __global const int* ray_of_slot,
                       __global const real* out,
-                      __global const real* asked,
+                      __global const SupportFrame* asked,
+                      __global const SupportGrid* grids,
+                      __global const SupportBox* boxes,
+                      __global const SupportView* views,
                       __global const real* cells,
                       __global real* support) {
   const uint first_run = get_global_id(0) * V;
   const uint s = frame.slots;
-  const uint runs = s / (RUN * stack);
+  const uint runs = s / (SIM_SUPPORT_RUN * stack);
   if (first_run >= runs) return;
-  const uint begin = SLOT_OF_RUN(first_run, stack);
-  __global const real* sensor = asked;
-  __global const real* trust = sensor + 2 * PLACE;
-  __global const real* grids = trust + TRUST;
-  __global const real* boxes = grids + count * GRID;
-  __global const real* views = boxes + actors * PLACE;
+  const uint begin = SIM_SLOT_OF_RUN(first_run, stack);
   F ray[3], origin[3], from[3], to[3], d[3], p[3];
   uint telling[V];
 #pragma unroll
   for (uint lane = 0; lane < V; ++lane) {
     // The last run again where there are no more.
     const uint run = min(first_run + lane, runs - 1);
-    telling[lane] = SLOT_OF_RUN(run, stack) + stack / 2 * SIM_SLOT_ROW + TELLING;
+    telling[lane] = SIM_SLOT_OF_RUN(run, stack) + stack / 2 * SIM_SLOT_ROW + SIM_TELLING;
   }
   for (int k = 0; k < 3; ++k) ray[k] = of_runs(sensor_ray + k * s, telling);
   I is_one = is_ray(ray[0], ray[1], ray[2]);
   if (ANY(NOT(is_one))) {
     for (uint lane = 0; lane < V; ++lane) {
-      const uint run = SLOT_OF_RUN(min(first_run + lane, runs - 1), stack);
-      for (uint k = 0; k < RUN * stack && !has_ray(sensor_ray, s, telling[lane]); ++k) {
-        telling[lane] = run + k / RUN * SIM_SLOT_ROW + k % RUN;
+      const uint run = SIM_SLOT_OF_RUN(min(first_run + lane, runs - 1), stack);
+      for (uint k = 0; k < SIM_SUPPORT_RUN * stack && !has_ray(sensor_ray, s, telling[lane]); ++k) {
+        telling[lane] = run + k / SIM_SUPPORT_RUN * SIM_SLOT_ROW + k % SIM_SUPPORT_RUN;
       }
     }
     for (int k = 0; k < 3; ++k) ray[k] = of_runs(sensor_ray + k * s, telling);
@@ -186,14 +176,14 @@ __kernel void support(const FrameParams frame,
   const F opacity = R(1.0) - of_runs(out + SIM_O_TRANSMITTANCE * s, telling);
   const F along = of_runs(out + SIM_O_DISTANCE * s, telling);
   // Within a frame a sensor turns by so little that the straight way between the two is as good as the arc.
-  place_vector(sensor, ray, from);
-  place_vector(sensor + PLACE, ray, to);
+  turn(asked->start.rotation, ray, from);
+  turn(asked->end.rotation, ray, to);
   for (int k = 0; k < 3; ++k) d[k] = fma(t, to[k] - from[k], from[k]);
   const F inv_length = R(1.0) / sqrt(SEL(is_one, dot_lanes(d, d), (F)R(1.0)));
-  place_point(sensor, origin, from);
-  place_point(sensor + PLACE, origin, to);
+  transform(&asked->start, origin, from);
+  transform(&asked->end, origin, to);
   const I met = opacity > R(0.5);
-  const F range = SEL(met, along / SEL(met, opacity, (F)R(1.0)), (F)FAR_M);
+  const F range = SEL(met, along / SEL(met, opacity, (F)R(1.0)), (F)SIM_FAR_M);
   for (int k = 0; k < 3; ++k) {
     d[k] *= inv_length;
     p[k] = fma(range, d[k], fma(t, to[k] - from[k], from[k]));
@@ -202,47 +192,48 @@ __kernel void support(const FrameParams frame,
   Told told = {(F)R(0.0), (F)R(4.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
   I free = is_one;  // of actors, so far
   for (uint a = 0; a < actors; ++a) {
-    __global const real* box = boxes + a * PLACE;
+    __global const SupportBox* box = boxes + a;
     F q[3], e[3];
-    place_point(box, p, q);
+    transform(&box->actor_from_scene, p, q);
     I on = AND(free, met);
-    for (int k = 0; k < 3; ++k) on = AND(on, fabs(q[k]) <= box[12 + k]);
+    for (int k = 0; k < 3; ++k) on = AND(on, fabs(q[k]) <= box->half_size[k]);
     if (!ANY(on)) continue;
-    place_vector(box, d, e);
+    turn(box->actor_from_scene.rotation, d, e);
     free = AND(free, NOT(on));
     for (uint v = 0; v < count; ++v) {
-      __global const real* place = views + ((a + 1) * count + v) * PLACE;
-      if (place[12] > R(0.0)) look(place, grids + v * GRID, cells, on, q, e, range, &told);
+      __global const SupportView* view = views + (a + 1) * count + v;
+      if (view->there > R(0.0)) look(view, grids + v, cells, on, q, e, range, &told);
     }
   }
   if (ANY(free)) {
-    for (uint v = 0; v < count; ++v) look(views + v * PLACE, grids + v * GRID, cells, free, p, d, range, &told);
+    for (uint v = 0; v < count; ++v) look(views + v, grids + v, cells, free, p, d, range, &told);
   }
 
-  F odds = fma(told.odds, R(1.0) / VMAX(told.weight, (F)R(1e-9)), (F)trust[0]);
-  odds = fma(told.looks / (told.looks + LOOKS), (F)trust[1], odds);
-  odds = fma(sqrt(told.angle2), (F)trust[2], odds);
-  odds = fma(told.scale, (F)trust[3], odds);
-  const F at_all = R(1.0) - exp_lanes(VMAX(told.looks * R(-4.0), (F)LEAST_EXPONENT));
+  F odds = fma(told.odds, R(1.0) / VMAX(told.weight, (F)R(1e-9)), (F)asked->bias);
+  odds = fma(told.looks / (told.looks + SIM_HALF_LOOKS), (F)asked->looks, odds);
+  odds = fma(sqrt(told.angle2), (F)asked->angle, odds);
+  odds = fma(told.scale, (F)asked->scale, odds);
+  const F at_all = R(1.0) - exp_lanes(VMAX(told.looks * R(-4.0), (F)SIM_LEAST_EXPONENT));
   const I known = AND(is_one, told.looks > R(0.0));
   real odds_of[V], all_of[V];
   STV(odds_of, odds);
   STV(all_of, SEL(known, at_all, (F)R(0.0)));
 #pragma unroll
-  for (uint k = 0; k < RUN; ++k) {
-    if (first_run + k * V / RUN >= runs) return;
+  for (uint k = 0; k < SIM_SUPPORT_RUN; ++k) {
+    if (first_run + k * V / SIM_SUPPORT_RUN >= runs) return;
     real odds_each[V], all_each[V];
 #pragma unroll
     for (uint lane = 0; lane < V; ++lane) {
-      odds_each[lane] = odds_of[(k * V + lane) / RUN];
-      all_each[lane] = all_of[(k * V + lane) / RUN];
+      odds_each[lane] = odds_of[(k * V + lane) / SIM_SUPPORT_RUN];
+      all_each[lane] = all_of[(k * V + lane) / SIM_SUPPORT_RUN];
     }
     for (uint row = 0; row < stack; ++row) {
-      const uint first = begin + SLOT_OF_RUN(k * V / RUN, stack) + k * V % RUN + row * SIM_SLOT_ROW;
+      const uint first = begin + SIM_SLOT_OF_RUN(k * V / SIM_SUPPORT_RUN, stack) + k * V % SIM_SUPPORT_RUN +
+                         row * SIM_SLOT_ROW;
       // Where views look is alike for neighbours; whether and how surely a LiDAR's ray returns is its own.
       F of_ray = LDV(odds_each);
-      if (drops) of_ray += return_odds(out + first, s, trust);
-      const F clamped = VMAX(VMIN(of_ray, (F)-LEAST_EXPONENT), (F)LEAST_EXPONENT);
+      if (drops) of_ray += return_odds(out + first, s, asked);
+      const F clamped = VMAX(VMIN(of_ray, (F)-SIM_LEAST_EXPONENT), (F)SIM_LEAST_EXPONENT);
       const F found = LDV(all_each) / (R(1.0) + exp_lanes(-clamped));
       const int first_ray = ray_of_slot[first];
       // Pictures without holes: between a row's first pixel and its last are all others (checking each costs a tenth).

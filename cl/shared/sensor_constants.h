@@ -1,29 +1,20 @@
-// sensor_constants.h - what a frame tells kernels of its sensor and of its actors. Only `real`s: float or double
-// as the build, on the host what its text asks for (double; jets where lenses are fitted).
+// sensor_constants.h - what a frame tells kernels of its sensor and of its actors. Structs as in reals.h.
 // All angles in rad, lengths in m, times as shares of the frame; 3x3 matrices row-major.
 #ifndef SIMULI_CL_SHARED_SENSOR_CONSTANTS_H
 #define SIMULI_CL_SHARED_SENSOR_CONSTANTS_H
 
+#include "reals.h"
+
 #ifdef __cplusplus
-#include <array>
-#include <bit>
-#include <cstddef>
 namespace simuli::shared {
-#define SIM_REALS(name) template <class real> struct name
-#define SIM_REALS_END(name)
-#define SIM_REALS_OF(name) name<real>
-#else
-#define SIM_REALS(name) typedef struct
-#define SIM_REALS_END(name) name
-#define SIM_REALS_OF(name) name
 #endif
 
 // The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...
 #define SIM_LENS_PINHOLE 0
 #define SIM_LENS_OPENCV_PINHOLE 1
 #define SIM_LENS_OPENCV_FISHEYE 2
-#define SIM_LENS_FTHETA 3           // image radius as a polynomial of the angle
-#define SIM_LENS_FTHETA_INVERSE 4   // angle as a polynomial of the image radius
+#define SIM_LENS_FTHETA 3          // image radius as a polynomial of the angle
+#define SIM_LENS_FTHETA_INVERSE 4  // angle as a polynomial of the image radius
 #define SIM_LENS_MEI 5
 #define SIM_LENS_EQUIRECTANGULAR 6
 #define SIM_LENS_DOUBLE_SPHERE 7
@@ -51,17 +42,18 @@ SIM_REALS(LensConstants) {
   real bend_cos_min;
   real bend_horizontal[SIM_BEND_TERMS], bend_vertical[SIM_BEND_TERMS];
   real bend_back_horizontal[SIM_BEND_TERMS], bend_back_vertical[SIM_BEND_TERMS];
-} SIM_REALS_END(LensConstants);
+}
+SIM_REALS_END(LensConstants);
 
 // Of a sensor's model, the same in every frame. What the other kind of sensor has is 0.
 SIM_REALS(ModelConstants) {
-  real kappa;      // footprint variance per squared metre of range
+  real kappa;  // footprint variance per squared metre of range
   real t_min;
   real t_max;
-  real period;     // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
-  real time_step;  // from one row or column to the next that is later
-  real height;     // mean vertical offset of the beams
-  real lever;      // reach of the beams' origins about that height
+  real period;        // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
+  real time_step;     // from one row or column to the next that is later
+  real height;        // mean vertical offset of the beams
+  real lever;         // reach of the beams' origins about that height
   real rays_per_rad;  // square root of rays per sr: at a lens's axis, in the mean of a LiDAR's
 
   // Cameras, in px.
@@ -75,17 +67,18 @@ SIM_REALS(ModelConstants) {
   SIM_REALS_OF(LensConstants) lens;
 
   // LiDARs. x is the spin angle since the sweep's start.
-  real azimuth_cut;                // where the sweep starts
-  real spin;                       // +1 counter-clockwise, -1 clockwise
-  real inv_span;                   // 1 / rad swept
-  real time_first;                 // at which the sweep starts
-  real time_spread;                // rays fire at most this long before or after what x tells
-  real row_spread;                 // rays' elevations are at most this off their row's
-  real lut_first, lut_scale;       // elevation of the look-up table's first bin, bins per rad
-  real tile_first, tile_last;      // x where the first tile starts and the last one ends
-  real tile_scale, tile_bins;      // bins of x per rad, and their number; column_of_bin tells the tile of each
-  real mask_scale, mask_columns;   // columns of the ray mask per rad of x, and their number
-} SIM_REALS_END(ModelConstants);
+  real azimuth_cut;               // where the sweep starts
+  real spin;                      // +1 counter-clockwise, -1 clockwise
+  real inv_span;                  // 1 / rad swept
+  real time_first;                // at which the sweep starts
+  real time_spread;               // rays fire at most this long before or after what x tells
+  real row_spread;                // rays' elevations are at most this off their row's
+  real lut_first, lut_scale;      // elevation of the look-up table's first bin, bins per rad
+  real tile_first, tile_last;     // x where the first tile starts and the last one ends
+  real tile_scale, tile_bins;     // bins of x per rad, and their number; column_of_bin tells the tile of each
+  real mask_scale, mask_columns;  // columns of the ray mask per rad of x, and their number
+}
+SIM_REALS_END(ModelConstants);
 
 // The drop function of a LiDAR (cl/math/ray_drop.h).
 #define SIM_DROP_INPUTS 4
@@ -93,9 +86,11 @@ SIM_REALS(ModelConstants) {
 SIM_REALS(DropConstants) {
   real skip[SIM_DROP_INPUTS];
   real bias;
-  real hidden[SIM_DROP_HIDDEN * (SIM_DROP_INPUTS + 1)];  // of each hidden value: by the inputs, and its own bias
+  // Of each hidden value: by the inputs, and its own bias.
+  real hidden[SIM_DROP_HIDDEN * (SIM_DROP_INPUTS + 1)];
   real out[SIM_DROP_HIDDEN];
-} SIM_REALS_END(DropConstants);
+}
+SIM_REALS_END(DropConstants);
 
 // Of a sensor in one frame. o_ref is its centre half-way.
 SIM_REALS(SensorConstants) {
@@ -109,38 +104,26 @@ SIM_REALS(SensorConstants) {
   real alpha_cut;
   real transmittance_cut;
   real background[3];  // features
-  real detail_reach;  // m away for each m of a particle that is drawn in others' place (DETAIL)
+  real detail_reach;   // m away for each m of a particle that is drawn in others' place (DETAIL)
   SIM_REALS_OF(DropConstants) drop;
   SIM_REALS_OF(ModelConstants) model;
-} SIM_REALS_END(SensorConstants);
+}
+SIM_REALS_END(SensorConstants);
 
 // One for the background and one per actor: scene_from_actor half-way through the frame and how it changes from
 // start to end.
 SIM_REALS(ActorConstants) {
-  real centre[3];    // minus o_ref
-  real step[3];      // centre at the end minus centre at the start
+  real centre[3];  // minus o_ref
+  real step[3];    // centre at the end minus centre at the start
   real rotation[9];
   real turn_axis[3];  // of the turn from start to end, scene axes
   real turn_angle;
   real there;  // of its particles' opacity; 0: not in this frame
   real reach;  // m, the farthest that its shape moves a point in this frame
-} SIM_REALS_END(ActorConstants);
+}
+SIM_REALS_END(ActorConstants);
 
 #ifdef __cplusplus
-/// How many reals a struct has, and these in the order in which they lie in memory: as they are uploaded.
-template <template <class> class Struct>
-inline constexpr std::size_t kReals = sizeof(Struct<double>) / sizeof(double);
-template <template <class> class Struct>
-[[nodiscard]] std::array<double, kReals<Struct>> reals_of(const Struct<double>& constants) {
-  return std::bit_cast<std::array<double, kReals<Struct>>>(constants);
-}
-template <template <class> class Struct>
-[[nodiscard]] Struct<double> from_reals(const std::array<double, kReals<Struct>>& reals) {
-  return std::bit_cast<Struct<double>>(reals);
-}
 }  // namespace simuli::shared
 #endif
-#undef SIM_REALS
-#undef SIM_REALS_END
-#undef SIM_REALS_OF
 #endif

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "cl/shared/support.h"
 #include "host/base/error.hpp"
 #include "host/render/device/buffer_table.hpp"
 #include "host/render/options/lane_shape.hpp"
@@ -15,10 +16,26 @@
 #include "host/runtime/kernel.hpp"
 
 namespace simuli {
+
+template <>
+struct ClTypeName<shared::SupportFrame<double>> {
+  static constexpr std::string_view value = "SupportFrame";
+};
+template <>
+struct ClTypeName<shared::SupportGrid<double>> {
+  static constexpr std::string_view value = "SupportGrid";
+};
+template <>
+struct ClTypeName<shared::SupportBox<double>> {
+  static constexpr std::string_view value = "SupportBox";
+};
+template <>
+struct ClTypeName<shared::SupportView<double>> {
+  static constexpr std::string_view value = "SupportView";
+};
+
 namespace {
 
-constexpr std::size_t kPlace = 16;  // reals, as in the kernel
-constexpr std::uint32_t kRun = 4;   // slots told alike
 constexpr double kBoxMargin_m = 0.1;
 
 struct SupportSizes {
@@ -26,31 +43,37 @@ struct SupportSizes {
 };
 struct SupportBuffers : BufferTable<SupportSizes> {
   using BufferTable::BufferTable;
-  Reals asked{*this, "support_asked", [](const SupportSizes&) { return 2 * std::uint64_t{kPlace}; }};
-  Reals cells{*this, "support_cells", [](const SupportSizes&) { return std::uint64_t{4}; }};
+  // Assigned for each frame.
+  Structs<shared::SupportFrame> asked{*this, "asked", [](const SupportSizes&) { return std::uint64_t{1}; }};
+  Structs<shared::SupportGrid> grids{*this, "grids", [](const SupportSizes&) { return std::uint64_t{1}; }};
+  Structs<shared::SupportBox> boxes{*this, "boxes", [](const SupportSizes&) { return std::uint64_t{1}; }};
+  Structs<shared::SupportView> views{*this, "views", [](const SupportSizes&) { return std::uint64_t{1}; }};
+  Reals cells{*this, "cells", [](const SupportSizes&) { return std::uint64_t{4}; }};
   Reals support{*this, "support", [](const SupportSizes& s) { return s.rays; }};
 };
 
-void append_place(std::vector<double>& to,
-                  const Eigen::Matrix3d& rotation,
-                  const Eigen::Vector3d& translation,
-                  const std::array<double, 4>& behind) {
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) to.push_back(rotation(row, column));
-  }
-  to.insert(to.end(), translation.begin(), translation.end());
-  to.insert(to.end(), behind.begin(), behind.end());
+template <template <class> class Struct>
+void append(std::vector<double>& to, const Struct<double>& one) {
+  const auto reals = shared::reals_of(one);
+  to.insert(to.end(), reals.begin(), reals.end());
 }
-void append_place(std::vector<double>& to, const Pose& pose, const std::array<double, 4>& behind) {
-  append_place(to, pose.rotation.toRotationMatrix(), pose.translation, behind);
+void set_rotation(double (&to)[9], const Eigen::Matrix3d& rotation) {
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{to} = rotation;
+}
+shared::SupportPose<double> support_pose(const Pose& pose) {
+  shared::SupportPose<double> out{};
+  set_rotation(out.rotation, pose.rotation.toRotationMatrix());
+  Eigen::Map<Eigen::Vector3d>{out.translation} = pose.translation;
+  return out;
 }
 /// A recorded view, from axes in which lengths were `factor` times theirs then.
-void append_view(std::vector<double>& to, const Pose& view_from_axes, double factor) {
-  const Pose axes_from_view = view_from_axes.inverse();
-  append_place(to,
-               factor * view_from_axes.rotation.toRotationMatrix(),
-               axes_from_view.translation / factor,
-               {1.0, factor});
+shared::SupportView<double> support_view(const Pose& view_from_axes, double factor) {
+  shared::SupportView<double> out{};
+  out.there = 1.0;
+  out.enlargement = factor;
+  set_rotation(out.rotation, factor * view_from_axes.rotation.toRotationMatrix());
+  Eigen::Map<Eigen::Vector3d>{out.position} = view_from_axes.inverse().translation / factor;
+  return out;
 }
 
 Pose moved(Pose pose, const Eigen::Vector3d& by_m) {
@@ -61,7 +84,7 @@ Pose moved(Pose pose, const Eigen::Vector3d& by_m) {
 /// What one frame is compared with.
 struct Comparison {
   std::uint32_t actors = 0;
-  std::vector<double> boxes, places, grids;
+  std::vector<double> boxes, views, grids;  // reals of the kernel's structs
 };
 
 const Actor* recorded_actor(const SupportRecord& record, const std::string& name, const ActorCopies& copies) {
@@ -83,16 +106,16 @@ Comparison comparison(const SupportRecord& record,
   Comparison out;
   for (const std::size_t v : views) {
     const SupportGrid& grid = record.sensors[record.views[v].sensor].grid;
-    for (const double value : {grid.first_column,
-                               grid.columns_per_unit,
-                               grid.first_row,
-                               grid.rows_per_unit,
-                               static_cast<double>(grid.columns),
-                               static_cast<double>(grid.rows),
-                               static_cast<double>(first_cells[v]),
-                               grid.rays_per_rad / rays_now})
-      out.grids.push_back(value);
-    append_view(out.places, moved(record.views[v].world_from_view, -centre).inverse(), 1.0);
+    append(out.grids,
+           shared::SupportGrid<double>{grid.first_column,
+                                       grid.columns_per_unit,
+                                       grid.first_row,
+                                       grid.rows_per_unit,
+                                       static_cast<double>(grid.columns),
+                                       static_cast<double>(grid.rows),
+                                       static_cast<double>(first_cells[v]),
+                                       grid.rays_per_rad / rays_now});
+    append(out.views, support_view(moved(record.views[v].world_from_view, -centre).inverse(), 1.0));
   }
   const std::vector<ActorView> now = actors_during(scene.actors, shot, centre);
   for (std::size_t a = 0; a < now.size(); ++a) {
@@ -100,17 +123,18 @@ Comparison comparison(const SupportRecord& record,
     const Actor& actor = scene.actors[a];
     const Pose pose = interpolate(now[a].scene_from_actor_start, now[a].scene_from_actor_end, 0.5);
     const Eigen::Vector3d half = 0.5 * actor.size_m + Eigen::Vector3d::Constant(kBoxMargin_m);
-    append_place(out.boxes, pose.inverse(), {half.x(), half.y(), half.z()});
+    append(out.boxes,
+           shared::SupportBox<double>{support_pose(pose.inverse()), {half.x(), half.y(), half.z()}});
     ++out.actors;
     const Actor* const recorded = recorded_actor(record, actor.name, copies);
     for (const std::size_t v : views) {
       const SupportView& view = record.views[v];
       if (recorded == nullptr || !recorded->is_there(view.time_s)) {
-        append_place(out.places, {}, {0.0, 1.0});
+        append(out.views, shared::SupportView<double>{});
         continue;
       }
       const double factor = recorded->size_m.x() / actor.size_m.x();
-      append_view(out.places, view.world_from_view.inverse() * recorded->at(view.time_s), factor);
+      append(out.views, support_view(view.world_from_view.inverse() * recorded->at(view.time_s), factor));
     }
   }
   return out;
@@ -132,7 +156,8 @@ std::uint32_t stacked_rows(const SupportRecord& record,
   }
   constexpr double kNearly = 0.9;
   std::uint32_t stack = 1;
-  while (stack < kRun && cell_px * cell_px > kNearly * 4.0 * 2.0 * stack * kRun) stack *= 2;
+  while (stack < SIM_SUPPORT_RUN && cell_px * cell_px > kNearly * 4.0 * 2.0 * stack * SIM_SUPPORT_RUN)
+    stack *= 2;
   return stack;
 }
 
@@ -246,18 +271,25 @@ std::vector<float> SupportOnDevice::of(const Frame& frame, const Scene& scene, c
   SupportBuffers& b = stage.buffers;
   const Comparison with =
       comparison(*s.record, views, s.first_cells, rays_per_rad_of(sensor), shot, centre, scene, copies);
-  std::vector<double> asked;
-  append_place(asked, moved(shot.world_from_sensor_start, -centre), {});
-  append_place(asked, moved(shot.world_from_sensor_end, -centre), {});
   const SupportTrust& t = support_trust(kind);
-  asked.insert(asked.end(), {t.constant, t.looks, t.angle, t.scale, t.doubt, t.drop, t.apart, 0.0});
-  for (const std::vector<double>* part : {&with.grids, &with.boxes, &with.places})
-    asked.insert(asked.end(), part->begin(), part->end());
-  b.asked.assign(asked);
+  b.asked.assign(shared::reals_of(
+      shared::SupportFrame<double>{support_pose(moved(shot.world_from_sensor_start, -centre)),
+                                   support_pose(moved(shot.world_from_sensor_end, -centre)),
+                                   t.constant,
+                                   t.looks,
+                                   t.angle,
+                                   t.scale,
+                                   t.doubt,
+                                   t.drop,
+                                   t.apart}));
+  b.grids.assign(with.grids);
+  b.boxes.assign(with.boxes);
+  b.views.assign(with.views);
   b.support.reserve(grid.rays);
   if (grid.without_ray > 0) b.support.fill(0.0);
   const std::uint32_t stack = stacked_rows(*s.record, views, sensor);
-  const std::size_t slots_of_item = std::size_t{kRun} * stack * static_cast<std::size_t>(stage.lanes);
+  const std::size_t slots_of_item =
+      std::size_t{SIM_SUPPORT_RUN} * stack * static_cast<std::size_t>(stage.lanes);
   stage.kernel.run_over((grid.frame.slots + slots_of_item - 1) / slots_of_item,
                         {{"frame", grid.frame},
                          {"actors", with.actors},
@@ -268,9 +300,7 @@ std::vector<float> SupportOnDevice::of(const Frame& frame, const Scene& scene, c
                          {"sensor_ray", rays.buffers().requested.sensor_ray},
                          {"ray_of_slot", rays.map().ray_of_slot},
                          {"out", outputs},
-                         {"asked", b.asked},
-                         {"cells", b.cells},
-                         {"support", b.support}});
+                         b});
   return b.support.download_float();
 }
 
