@@ -37,19 +37,14 @@ FN real min16(R16 v) {
 }
 FN real max16(R16 v) { return -min16(-v); }
 
-FN int is_finite_point(real x, real y, real z) {
-  return fabs(x) < FAR && fabs(y) < FAR && fabs(z) < FAR;
-}
+FN int is_finite_point(real x, real y, real z) { return fabs(x) < FAR && fabs(y) < FAR && fabs(z) < FAR; }
 
 /// The actor of particle i (GaussianSet::actor); actor_of holds nothing where there are no actors.
 FN uint frame_of(uint actors, __global const uint* actor_of, uint i) { return actors > 0 ? actor_of[i] : 0; }
 
 /// out boxes[work-items][6]: least x, y, z and greatest x, y, z of the chunk's finite points
-__kernel void anchor_bounds(__global const real* params,
-                            const uint stride,
-                            const uint n,
-                            const uint chunk,
-                            __global real* boxes) {
+__kernel void anchor_bounds(
+    __global const real* params, const uint stride, const uint n, const uint chunk, __global real* boxes) {
   const uint begin = get_global_id(0) * chunk;
   const uint end = min(begin + chunk, n);
   real low[3], high[3];
@@ -198,22 +193,23 @@ FN void sift_down(SHARED real* distance, SHARED uint* neighbour, uint count, rea
 ///     NONE: there are no more
 ///     nearest[N]: the first of them
 __kernel SIM_GROUP void anchor_search(__global const real* queries,
-                            const uint query_stride,
-                            const uint query_count,
-                            const uint query_actors,
-                            __global const uint* query_actor_of,
-                            const uint n,
-                            const uint actors,
-                            __global const uint* actor_of,
-                            const real reach2,
-                            __global const real* boxes,
-                            __global const real* points,
-                            __global const uint* ids,
-                            __global uint* candidates,
-                            __global uint* nearest) {
+                                      const uint query_stride,
+                                      const uint query_count,
+                                      const uint query_actors,
+                                      __global const uint* query_actor_of,
+                                      const uint n,
+                                      const uint actors,
+                                      __global const uint* actor_of,
+                                      const real reach2,
+                                      __global const real* boxes,
+                                      __global const real* points,
+                                      __global const uint* ids,
+                                      __global uint* candidates,
+                                      __global uint* nearest) {
   SHARED real distance[NEIGHBOURS];
   SHARED uint neighbour[NEIGHBOURS];
-  SHARED real pending[LEVELS * WIDTH];  // of the nodes on the way down: squared distances of children yet to be seen
+  // Of the nodes on the way down: squared distances of children yet to be seen.
+  SHARED real pending[LEVELS * WIDTH];
   SHARED real found[WIDTH];
   const uint query = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   if (query >= query_count) return;
@@ -227,8 +223,10 @@ __kernel SIM_GROUP void anchor_search(__global const real* queries,
   while (nodes_of(n, top) > 1 && top + 1 < LEVELS) first += nodes_of(n, top++);
   int level = top;
   uint node = 0;  // of its level
-  if (n > 0) KEEP(box_distances(boxes + (ulong)first * 6 * WIDTH, p), level, pending);
-  else level = top + 1;
+  if (n > 0)
+    KEEP(box_distances(boxes + (ulong)first * 6 * WIDTH, p), level, pending);
+  else
+    level = top + 1;
   SYNC;
   while (level <= top) {
     const real least = min16(vload16(level, pending));

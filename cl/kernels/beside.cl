@@ -120,7 +120,8 @@ __kernel void beside(const FrameParams frame,
         const bool is_it = is_free[lane] ? at >= 0 && is_open(seen, s, (uint)at)
                                          : there > R(0.0) && fabs(there - away[lane]) <= SAME * away[lane];
         real found[3] = {R(0.0), R(0.0), R(0.0)};
-        bool is_known = is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);
+        bool is_known =
+            is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);
         for (int c = 0; c < 3; ++c) {
           is_known = is_known && (look == 0 || fabs(found[c] - colour[lane][c]) <= ALIKE);
         }

@@ -19,13 +19,13 @@ FN uint cluster_shift(uint paged, __global const uint* cluster_at, uint i) {
 /// out counts[2][work-items]: visible particles of each chunk, and their tile instances, 0xffffffff if these don't fit
 ///     32 bits: both sums are known before anything is sorted.
 __kernel SIM_GROUP void visible_count(__global const uint* keys,
-                            __global const uint* live,
-                            __global const uint* cluster_at,
-                            __global const Footprint* footprints,
-                            const uint paged,
-                            const uint n,
-                            const uint chunk,
-                            __global uint* counts) {
+                                      __global const uint* live,
+                                      __global const uint* cluster_at,
+                                      __global const Footprint* footprints,
+                                      const uint paged,
+                                      const uint n,
+                                      const uint chunk,
+                                      __global uint* counts) {
   const uint first = min((uint)get_global_id(0) * chunk, n);
   const uint last = min(first + chunk, n);
   uint count = 0;
@@ -47,14 +47,14 @@ __kernel SIM_GROUP void visible_count(__global const uint* keys,
 /// in  offsets[work-items]: exclusive prefix sum of counts
 /// out visible_keys, visible[M]: range keys of the visible particles and where they are, in the order of the frame
 __kernel SIM_GROUP void visible_write(__global const uint* keys,
-                            __global const uint* live,
-                            __global const uint* cluster_at,
-                            const uint paged,
-                            const uint n,
-                            const uint chunk,
-                            __global const uint* offsets,
-                            __global uint* visible_keys,
-                            __global uint* visible) {
+                                      __global const uint* live,
+                                      __global const uint* cluster_at,
+                                      const uint paged,
+                                      const uint n,
+                                      const uint chunk,
+                                      __global const uint* offsets,
+                                      __global uint* visible_keys,
+                                      __global uint* visible) {
   const uint first = min((uint)get_global_id(0) * chunk, n);
   const uint last = min(first + chunk, n);
   uint place = offsets[get_global_id(0)];
@@ -74,10 +74,10 @@ __kernel SIM_GROUP void visible_write(__global const uint* keys,
 /// in  order[M]: visible particles by range
 /// out counts[work-items]: tile instances of each chunk; the sum of all fits 32 bits
 __kernel SIM_GROUP void instance_count(__global const uint* order,
-                             const uint m,
-                             const uint chunk,
-                             __global const Footprint* footprints,
-                             __global uint* counts) {
+                                       const uint m,
+                                       const uint chunk,
+                                       __global const Footprint* footprints,
+                                       __global uint* counts) {
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   uint count = 0;
@@ -92,14 +92,14 @@ __kernel SIM_GROUP void instance_count(__global const uint* order,
 /// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
 /// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28
 __kernel SIM_GROUP void instance_emit(const FrameParams frame,
-                            __global const uint* order,
-                            const uint m,
-                            const uint chunk,
-                            __global const Footprint* footprints,
-                            __global const uint* tile_rows,
-                            __global const uint* offsets,
-                            __global uint* tile,
-                            __global uint* payload) {
+                                      __global const uint* order,
+                                      const uint m,
+                                      const uint chunk,
+                                      __global const Footprint* footprints,
+                                      __global const uint* tile_rows,
+                                      __global const uint* offsets,
+                                      __global uint* tile,
+                                      __global uint* payload) {
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   uint place = offsets[get_global_id(0)];
@@ -130,11 +130,8 @@ __kernel SIM_GROUP void instance_emit(const FrameParams frame,
 
 /// in  tile[K]: sorted
 /// out first[tiles + 1]: instances of tile t are [first[t], first[t+1])
-__kernel SIM_GROUP void tile_ranges(__global const uint* tile,
-                          const uint k,
-                          const uint chunk,
-                          const uint tiles,
-                          __global uint* first) {
+__kernel SIM_GROUP void tile_ranges(
+    __global const uint* tile, const uint k, const uint chunk, const uint tiles, __global uint* first) {
   const uint begin = min((uint)get_global_id(0) * chunk, k);
   const uint end = min(begin + chunk, k);
   // The work-item that owns instance i opens every tile after that of instance i-1 up to its own.

@@ -25,7 +25,8 @@ __kernel void deform(const uint count,
     DeformCell cell;
     deform_cell(shape, p, &cell);
     for (uint corner = 0; corner < 8; ++corner) {
-      const real weight = deform_share(&cell, corner, 0) * deform_share(&cell, corner, 1) * deform_share(&cell, corner, 2);
+      const real weight =
+          deform_share(&cell, corner, 0) * deform_share(&cell, corner, 1) * deform_share(&cell, corner, 2);
       __global const real* node = shape + SIM_D_HEADER + 3 * deform_node(&cell, corner);
       for (int k = 0; k < 3; ++k) offset[k] = fma(weight, node[k], offset[k]);
     }

@@ -78,7 +78,8 @@ __kernel void deform_means(const uint count,
   for (uint corner = 0; corner < 8; ++corner) {
     __global const real* node = shape + SIM_D_HEADER + 3 * deform_node(&cell, corner);
     const real along = node[0] * gradient[0] + node[1] * gradient[1] + node[2] * gradient[2];
-    const real x = deform_share(&cell, corner, 0), y = deform_share(&cell, corner, 1), z = deform_share(&cell, corner, 2);
+    const real x = deform_share(&cell, corner, 0), y = deform_share(&cell, corner, 1),
+               z = deform_share(&cell, corner, 2);
     by_mean[0] = fma((corner & 1u ? along : -along) * cell.slope[0], y * z, by_mean[0]);
     by_mean[1] = fma((corner >> 1 & 1u ? along : -along) * cell.slope[1], x * z, by_mean[1]);
     by_mean[2] = fma((corner >> 2 & 1u ? along : -along) * cell.slope[2], x * y, by_mean[2]);

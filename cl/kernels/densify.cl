@@ -18,8 +18,9 @@ __kernel void pixel_error(const uint slots,
                           __global real* error) {
   const uint i = get_global_id(0);
   if (i >= slots) return;
-  const int known = (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
-                    truth[i] >= R(0.0);
+  const int known =
+      (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
+      truth[i] >= R(0.0);
   real sum = R(0.0);
   for (uint c = 0; c < 3; ++c) sum += fabs(picture[c * slots + i] - truth[c * slots + i]);
   error[i] = known && sum < R(1e30) ? sum * R(0.333333333333333333) : R(0.0);
@@ -37,8 +38,9 @@ __kernel void beam_error(const uint slots,
   const uint i = get_global_id(0);
   if (i >= slots) return;
   const real range = truth[i];
-  const int fired = (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
-                    range >= R(0.0);
+  const int fired =
+      (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
+      range >= R(0.0);
   const int returned = range > R(0.0);
   const real drop = sigma_of(out[SIM_O_DROP * slots + i]);
   real sum = weight[2] * (returned ? drop : R(1.0) - drop);
@@ -142,11 +144,13 @@ __kernel void draw_sources(const uint count,
   if (i >= listed) targets[i] = first_new + i - listed;
   const Random4 random = philox(seed_low, seed_high, targets[i], iteration, RANDOM_SOURCE, set);
   const uint place = mul_hi(random.word[0], total);  // in [0, total)
-  uint low = 0, high = n - 1;  // the last whose running sum is not above place
+  uint low = 0, high = n - 1;                        // the last whose running sum is not above place
   while (low < high) {
     const uint middle = low + (high - low + 1) / 2;
-    if (running[middle] <= place) low = middle;
-    else high = middle - 1;
+    if (running[middle] <= place)
+      low = middle;
+    else
+      high = middle - 1;
   }
   source[i] = low;
   atomic_inc(copies + low);
@@ -268,15 +272,22 @@ __kernel void jitter_means(const uint n,
   if (!(length2 > R(0.0))) return;
   for (int k = 0; k < 4; ++k) q[k] /= sqrt(length2);
   const real w = q[0], x = q[1], y = q[2], z = q[3];
-  const real rotation[9] = {R(1.0) - R(2.0) * (y * y + z * z), R(2.0) * (x * y - w * z), R(2.0) * (x * z + w * y),
-                            R(2.0) * (x * y + w * z), R(1.0) - R(2.0) * (x * x + z * z), R(2.0) * (y * z - w * x),
-                            R(2.0) * (x * z - w * y), R(2.0) * (y * z + w * x), R(1.0) - R(2.0) * (x * x + y * y)};
+  const real rotation[9] = {R(1.0) - R(2.0) * (y * y + z * z),
+                            R(2.0) * (x * y - w * z),
+                            R(2.0) * (x * z + w * y),
+                            R(2.0) * (x * y + w * z),
+                            R(1.0) - R(2.0) * (x * x + z * z),
+                            R(2.0) * (y * z - w * x),
+                            R(2.0) * (x * z - w * y),
+                            R(2.0) * (y * z + w * x),
+                            R(1.0) - R(2.0) * (x * x + y * y)};
   for (int k = 0; k < 3; ++k) {
     const real s = exp(params[(SIM_LOG_SCALE + k) * stride + i]);
     along[k] = s * s * (rotation[k] * normal[0] + rotation[3 + k] * normal[1] + rotation[6 + k] * normal[2]);
   }
   for (int c = 0; c < 3; ++c) {
-    const real step = rotation[3 * c] * along[0] + rotation[3 * c + 1] * along[1] + rotation[3 * c + 2] * along[2];
+    const real step =
+        rotation[3 * c] * along[0] + rotation[3 * c + 1] * along[1] + rotation[3 * c + 2] * along[2];
     const real moved = fma(strength * gate, step, params[(SIM_MEAN + c) * stride + i]);
     if (fabs(moved) < R(1e30)) params[(SIM_MEAN + c) * stride + i] = moved;
   }

@@ -20,8 +20,7 @@ __kernel void environment_cells(const FrameParams frame,
   const uint s = frame.slots;
   if (i >= s) return;
   const F dx = LDV(world_ray + i), dy = LDV(world_ray + s + i), dz = LDV(world_ray + 2 * s + i);
-  const I open =
-      AND(is_ray(dx, dy, dz), LDV(out + SIM_O_TRANSMITTANCE * s + i) >= sensor->transmittance_cut);
+  const I open = AND(is_ray(dx, dy, dz), LDV(out + SIM_O_TRANSMITTANCE * s + i) >= sensor->transmittance_cut);
   F x, y;
   environment_place(dx, dy, dz, width, height, &x, &y);
   real px[V], py[V], shows[V];

@@ -10,13 +10,13 @@
 /// in  picture[3][slots]; truth[3][slots]; world_ray[3][slots]: a zero direction marks slots without a pixel
 /// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
 __kernel SIM_GROUP void loss_image(const FrameParams frame,
-                         const real absolute_scale,
-                         const real squared_scale,
-                         __global const real* world_ray,
-                         __global const real* picture,
-                         __global const real* truth,
-                         __global real* grad_out,
-                         __global real* sums) {
+                                   const real absolute_scale,
+                                   const real squared_scale,
+                                   __global const real* world_ray,
+                                   __global const real* picture,
+                                   __global const real* truth,
+                                   __global real* grad_out,
+                                   __global real* sums) {
   const uint tile = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   const uint s = frame.slots;
   F absolute = (F)R(0.0), squared = (F)R(0.0);

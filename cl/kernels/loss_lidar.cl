@@ -23,12 +23,8 @@ typedef struct {
 
 /// Adds the gradients of the parameters for slope = dL/d(logit) at the inputs x.
 /// out by_margin, by_transmittance: d(logit) / d(drop logit less hit logit), d(T)
-FN void drop_backward(__global const DropConstants* f,
-                      const F* x,
-                      F slope,
-                      DropSums* sums,
-                      F* by_margin,
-                      F* by_transmittance) {
+FN void drop_backward(
+    __global const DropConstants* f, const F* x, F slope, DropSums* sums, F* by_margin, F* by_transmittance) {
   F d0 = (F)f->skip[0], d1 = (F)f->skip[1];
   for (int j = 0; j < SIM_DROP_INPUTS; ++j) sums->skip[j] = fma(slope, x[j], sums->skip[j]);
   sums->bias += slope;
@@ -59,13 +55,13 @@ FN void drop_backward(__global const DropConstants* f,
 /// out grad_out[5][slots]; sums[tiles][4 + DROP_PARAMETERS]: |d^ - d|, |intensity error|, cross entropy, wrong
 ///     decisions, dL/d(parameters of the drop function)
 __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
-                         __global const SensorConstants* sensor,
-                         __global const real* scale,
-                         __global const real* world_ray,
-                         __global const real* out,
-                         __global const real* truth,
-                         __global real* grad_out,
-                         __global real* sums) {
+                                   __global const SensorConstants* sensor,
+                                   __global const real* scale,
+                                   __global const real* world_ray,
+                                   __global const real* out,
+                                   __global const real* truth,
+                                   __global real* grad_out,
+                                   __global real* sums) {
   const uint tile = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   const uint s = frame.slots;
   DropSums drops;
@@ -123,7 +119,8 @@ __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
   const F* all = (const F*)&drops;
 #if LS > 1
   __local real parts[LS * (4 + DROP_PARAMETERS)];
-  real own[4 + DROP_PARAMETERS] = {HSUM(sum_distance), HSUM(sum_intensity), HSUM(sum_entropy), HSUM(sum_wrong)};
+  real own[4 + DROP_PARAMETERS] = {
+      HSUM(sum_distance), HSUM(sum_intensity), HSUM(sum_entropy), HSUM(sum_wrong)};
   EACH_SUM
   for (uint k = 0; k < DROP_PARAMETERS; ++k) own[4 + k] = HSUM(all[k]);
   group_columns(own, 4 + DROP_PARAMETERS, parts, of_tile);

@@ -1,7 +1,7 @@
 // project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/frame/project.cpp
-#include "math/extent.h"
 #include "math/cluster_culling.h"
 #include "math/detail.h"
+#include "math/extent.h"
 #include "math/footprint.h"
 #include "math/sh.h"
 #include "math/unscented.h"
@@ -50,7 +50,7 @@ FN I may_be_seen(const FrameParams* frame,
     visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame->stride + i)) < R(80.0));
   }
   const F far = sensor->model.t_max + origin_reach(frame, sensor);
-  visible = AND(visible, AND(g->range - radius - R(0.5) * travel < far, g->range > R(1e-6)));
+  visible = AND(visible, AND(g->range > R(1e-6), g->range - radius - R(0.5) * travel < far));
 #if SENSOR == SENSOR_CAMERA
   // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
   // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
@@ -106,7 +106,8 @@ FN void put_record(const BlendMatrix* b, const Bounds* box, F qmax, real* out) {
 
 #if ACTOR_MOTION
 /// motion[SIM_MOTION][V] of particles of actors, whose records tell it by a box of negative width.
-FN void put_motion(const Gaussian* g, const Bounds* box, const F* velocity, F own_time, real* out, real* motion) {
+FN void put_motion(
+    const Gaussian* g, const Bounds* box, const F* velocity, F own_time, real* out, real* motion) {
   STV(out + SIM_R_BOX_HALF * V, SEL(g->actor.on, -VMAX(box->half_x, (F)R(1e-30)), box->half_x));
   for (int k = 0; k < 3; ++k) STV(motion + (SIM_M_VELOCITY + k) * V, velocity[k]);
   STV(motion + SIM_M_TIME * V, own_time);
@@ -120,7 +121,8 @@ FN void store_lane(const real* lane, __global real* to, int count) {
 
 /// Features as they are seen from `towards`, into the lanes of records [SIM_RECORD][V]; false where they are no
 /// numbers to blend.
-FN I features_of(const FrameParams* frame, __global const real* params, uint i, const F* towards, real* records) {
+FN I features_of(
+    const FrameParams* frame, __global const real* params, uint i, const F* towards, real* records) {
   F basis[SH_COEFFICIENTS];
   sh_basis(towards[0], towards[1], towards[2], basis);
   I usable = (F)R(0.0) == (F)R(0.0);
@@ -157,7 +159,8 @@ __kernel void cull_clusters(const FrameParams frame,
   real kept[V];
   STV(kept, (F)R(1.0));
   if (cluster_stride > 0) {
-    const I seen = cluster_may_be_seen(&frame, sensor, cluster_bounds, cluster_actor, actors, cluster_stride, i);
+    const I seen =
+        cluster_may_be_seen(&frame, sensor, cluster_bounds, cluster_actor, actors, cluster_stride, i);
     STV(kept, SEL(seen, (F)R(1.0), (F)R(0.0)));
   }
   for (uint lane = 0; lane < V && i + lane < clusters; ++lane) live[i + lane] = kept[lane] > R(0.5) ? 1 : 0;

@@ -82,7 +82,8 @@ __kernel void project_bwd(const FrameParams frame,
   transpose16(rows, summed);
 #endif
   if (!any_seen) {
-    for (uint row = 0; row < SIM_SH + 3 * SH_COEFFICIENTS; ++row) STV(param_grads + row * stride + i, (F)R(0.0));
+    for (uint row = 0; row < SIM_SH + 3 * SH_COEFFICIENTS; ++row)
+      STV(param_grads + row * stride + i, (F)R(0.0));
     return;
   }
 
@@ -92,7 +93,8 @@ __kernel void project_bwd(const FrameParams frame,
   const Gaussian half_way = g;
   real time[V];
   for (uint lane = 0; lane < V; ++lane) {
-    time[lane] = g.actor.any && seen[lane] > R(0.5) ? motions[(ulong)(i + lane) * SIM_MOTION + SIM_M_TIME] : R(0.5);
+    time[lane] =
+        g.actor.any && seen[lane] > R(0.5) ? motions[(ulong)(i + lane) * SIM_MOTION + SIM_M_TIME] : R(0.5);
   }
   const F own_time = LDV(time);
   F velocity[3];
@@ -190,12 +192,12 @@ __kernel void project_bwd(const FrameParams frame,
   const F w = g.quaternion[0], x = g.quaternion[1], y = g.quaternion[2], z = g.quaternion[3];
   F gq[4];
   gq[0] = R(2.0) * (x * (gr[7] - gr[5]) + y * (gr[2] - gr[6]) + z * (gr[3] - gr[1]));
-  gq[1] = R(2.0) * (w * (gr[7] - gr[5]) + y * (gr[1] + gr[3]) + z * (gr[2] + gr[6]) -
-                    R(2.0) * x * (gr[4] + gr[8]));
-  gq[2] = R(2.0) * (w * (gr[2] - gr[6]) + x * (gr[1] + gr[3]) + z * (gr[5] + gr[7]) -
-                    R(2.0) * y * (gr[0] + gr[8]));
-  gq[3] = R(2.0) * (w * (gr[3] - gr[1]) + x * (gr[2] + gr[6]) + y * (gr[5] + gr[7]) -
-                    R(2.0) * z * (gr[0] + gr[4]));
+  gq[1] = R(2.0) *
+          (w * (gr[7] - gr[5]) + y * (gr[1] + gr[3]) + z * (gr[2] + gr[6]) - R(2.0) * x * (gr[4] + gr[8]));
+  gq[2] = R(2.0) *
+          (w * (gr[2] - gr[6]) + x * (gr[1] + gr[3]) + z * (gr[5] + gr[7]) - R(2.0) * y * (gr[0] + gr[8]));
+  gq[3] = R(2.0) *
+          (w * (gr[3] - gr[1]) + x * (gr[2] + gr[6]) + y * (gr[5] + gr[7]) - R(2.0) * z * (gr[0] + gr[4]));
   const F radial = gq[0] * w + gq[1] * x + gq[2] * y + gq[3] * z;
   for (int k = 0; k < 4; ++k) {
     const F value = (gq[k] - radial * g.quaternion[k]) * g.inv_norm;

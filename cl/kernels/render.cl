@@ -21,8 +21,9 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
     RayLanes own;
     Response response;
     meet(tile, at, seen_by(at, &b->ray[j], &own), &response);
+    // Of vectors most are touched: guessing wrong costs more than no light.
 #if V == 1 || RAY_SH
-    if (!ANY(response.inside)) continue;  // of vectors most are touched: guessing wrong costs more than no light
+    if (!ANY(response.inside)) continue;
 #endif
     const F weight = alpha_of(response.inside, at->record, response.q, tile->log_cut) * b->transmittance[j];
 #if ACTOR_IDS

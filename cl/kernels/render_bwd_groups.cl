@@ -4,8 +4,8 @@
 
 // A group goes through its tile's list in batches: first which work-items have a ray that meets which instance, then
 // what these add up to. Most meet few: only those that do have a row of sums, numbered by instance, then by work-item.
-#define SIM_BATCH 32            // instances: a bit each
-#define SIM_BATCH_ROWS 64       // that local memory holds; a batch of more goes on when these have been added up
+#define SIM_BATCH 32       // instances: a bit each
+#define SIM_BATCH_ROWS 64  // that local memory holds; a batch of more goes on when these have been added up
 #define SIM_ROW (SIM_GRAD + 1)  // the last for the blended error; odd, so that columns lie in different banks
 #define SIM_WORDS ((LS + 31) / 32)
 // Compilers unroll loops over local memory, and take registers for each copy.
@@ -100,7 +100,8 @@ FN void find_met(const Tile* tile,
   for (int j = 0; j < NR; ++j) {
     b->meets[j] = 0;
     RayLanes ray;
-    load_ray(arrays->world_ray, arrays->ray_u, arrays->slots, tile->base + SIM_VECTOR_SLOT(j, tile->lid), &ray);
+    load_ray(
+        arrays->world_ray, arrays->ray_u, arrays->slots, tile->base + SIM_VECTOR_SLOT(j, tile->lid), &ray);
 #if RAY_ORDER
     const uint last = min(count, max(b->to[j], first) - first);
 #else
@@ -166,7 +167,8 @@ FN void add_row(const Tile* tile,
   const F g0 = LDV(grad_out), g1 = LDV(grad_out + slots), g2 = LDV(grad_out + 2 * slots);
   const F gd = LDV(grad_out + SIM_O_DISTANCE * slots);
 #if RAY_ORDER
-  const __global real* weights = arrays->replayed + (ulong)place * SIM_REPLAYED + SIM_VECTOR_SLOT(j, tile->lid);
+  const __global real* weights =
+      arrays->replayed + (ulong)place * SIM_REPLAYED + SIM_VECTOR_SLOT(j, tile->lid);
   const F weight = LDV(weights);
   const F d_log = LDV(weights + SIM_WALK_RAYS);
 #else

@@ -5,19 +5,19 @@
 #include "math/lanes.h"
 
 /// Elements of this work-item: [first, last).
-#define OWN_RANGE                                              \
-  const uint lid = get_local_id(0);                            \
-  const uint begin = min((uint)get_group_id(0) * block, n);    \
-  const uint end = min(begin + block, n);                      \
-  const uint own = (end - begin + LS - 1) / LS;                \
-  const uint first = min(begin + lid * own, end);              \
+#define OWN_RANGE                                           \
+  const uint lid = get_local_id(0);                         \
+  const uint begin = min((uint)get_group_id(0) * block, n); \
+  const uint end = min(begin + block, n);                   \
+  const uint own = (end - begin + LS - 1) / LS;             \
+  const uint first = min(begin + lid * own, end);           \
   const uint last = min(first + own, end);
 
 /// out sums[groups]: of each group's elements
 __kernel SIM_GROUP void scan_sums(__global const uint* data,
-                              const uint n,
-                              const uint block,
-                              __global ulong* sums) {
+                                  const uint n,
+                                  const uint block,
+                                  __global ulong* sums) {
   __local ulong parts[LS];
   OWN_RANGE
   ulong sum = 0, total;
@@ -31,11 +31,11 @@ __kernel SIM_GROUP void scan_sums(__global const uint* data,
 ///     middle: an element, or n for none
 /// out total[2]: the sum of all, in 64 bits, and that of all before `middle`
 __kernel SIM_GROUP void scan_exclusive(__global uint* data,
-                                   const uint n,
-                                   const uint block,
-                                   const uint middle,
-                                   __global const ulong* sums,
-                                   __global ulong* total) {
+                                       const uint n,
+                                       const uint block,
+                                       const uint middle,
+                                       __global const ulong* sums,
+                                       __global ulong* total) {
   __local ulong parts[LS];
   OWN_RANGE
   ulong earlier = 0, own_groups = 0;

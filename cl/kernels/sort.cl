@@ -8,18 +8,15 @@
 #define DIGITS (1 << RADIX_BITS)
 
 /// Pairs of the group: [begin, end).
-#define GROUP_RANGE                          \
-  const uint group = get_group_id(0);        \
-  const uint groups = get_num_groups(0);     \
-  const uint begin = min(group * block, n);  \
+#define GROUP_RANGE                         \
+  const uint group = get_group_id(0);       \
+  const uint groups = get_num_groups(0);    \
+  const uint begin = min(group * block, n); \
   const uint end = min(begin + block, n);
 
 /// out histogram[digit][group]: pairs of each group with that digit.
-__kernel SIM_GROUP void radix_count(__global const uint* keys,
-                                const uint n,
-                                const uint block,
-                                const uint shift,
-                                __global uint* histogram) {
+__kernel SIM_GROUP void radix_count(
+    __global const uint* keys, const uint n, const uint block, const uint shift, __global uint* histogram) {
   __local uint count[DIGITS];
   GROUP_RANGE
   const uint lid = get_local_id(0);
@@ -35,9 +32,9 @@ __kernel SIM_GROUP void radix_count(__global const uint* keys,
 }
 
 #if LS > 1
-#define OWN 4           // consecutive pairs of a tile that each work-item orders
+#define OWN 4  // consecutive pairs of a tile that each work-item orders
 #define TILE (OWN * LS)
-#define NIBBLES 16      // digits of 4 bits: two rounds order a tile by 8
+#define NIBBLES 16  // digits of 4 bits: two rounds order a tile by 8
 
 /// Orders a tile by the 4 bits at `shift`, stably.
 /// in  own[OWN], place[OWN]: keys of the tile at OWN * lid, and where in the tile they came from
@@ -78,13 +75,13 @@ FN void order_tile(const uint* own,
 /// in  base[digit][group]: exclusive prefix sum of the histogram
 /// out sorted pairs; pairs of equal digit keep their order
 __kernel SIM_GROUP void radix_scatter(__global const uint* keys,
-                                  __global const uint* values,
-                                  const uint n,
-                                  const uint block,
-                                  const uint shift,
-                                  __global const uint* base,
-                                  __global uint* keys_out,
-                                  __global uint* values_out) {
+                                      __global const uint* values,
+                                      const uint n,
+                                      const uint block,
+                                      const uint shift,
+                                      __global const uint* base,
+                                      __global uint* keys_out,
+                                      __global uint* values_out) {
   __local uint next[DIGITS];
 #if LS > 1
   __local uint tile_keys[TILE];
@@ -102,13 +99,13 @@ __kernel SIM_GROUP void radix_scatter(__global const uint* keys,
     for (uint i = lid; i < TILE; i += LS) tile_keys[i] = i < here ? keys[tile + i] : 0xffffffffu;
     barrier(CLK_LOCAL_MEM_FENCE);
 #pragma unroll
-  for (uint j = 0; j < OWN; ++j) {
+    for (uint j = 0; j < OWN; ++j) {
       place[j] = OWN * lid + j;
       own[j] = tile_keys[place[j]];
     }
     order_tile(own, place, shift, tile_keys, tile_from, count, sums);
 #pragma unroll
-  for (uint j = 0; j < OWN; ++j) {
+    for (uint j = 0; j < OWN; ++j) {
       own[j] = tile_keys[OWN * lid + j];
       place[j] = tile_from[OWN * lid + j];
     }

@@ -26,18 +26,21 @@ typedef struct {
   F centre[3];    // of the actor, minus o_ref, m
   F rotation[9];  // row-major
 #if DEFORM
-  F reach;        // the farthest that particles are from where they belong, m
+  F reach;  // the farthest that particles are from where they belong, m
 #endif
 #if ACTOR_MOTION
-  F step[3];      // centre at the end minus centre at the start
-  F axis[3];      // of the turn from start to end, scene axes
-  F angle;        // rad, of that turn
+  F step[3];  // centre at the end minus centre at the start
+  F axis[3];  // of the turn from start to end, scene axes
+  F angle;    // rad, of that turn
 #endif
 } ActorLanes;
 
 /// Those of particles i .. i+V-1, half-way through the frame.
 /// in actor_of[stride]: 0 or 1 + the actor; actors[1 + A]
-FN void load_actors(__global const uint* actor_of, __global const ActorConstants* actors, uint i, ActorLanes* a) {
+FN void load_actors(__global const uint* actor_of,
+                    __global const ActorConstants* actors,
+                    uint i,
+                    ActorLanes* a) {
   uint ids = 0;
   for (uint lane = 0; lane < V; ++lane) ids |= actor_of[i + lane];
   a->any = ids != 0;

@@ -13,8 +13,8 @@
 #define LENS_CONSTANTS __global const LensConstants*
 #endif
 
-#define CAMERA_NEAR R(0.01)         // m
-#define PINHOLE_COS2_MIN R(0.01)    // z >= 0.1 of the distance: about 84 degrees off axis
+#define CAMERA_NEAR R(0.01)       // m
+#define PINHOLE_COS2_MIN R(0.01)  // z >= 0.1 of the distance: about 84 degrees off axis
 #define FTHETA_MAX_ITERATIONS 32
 #define BEND_STEPS 4  // from a degree off to the last bit of a double
 
@@ -162,9 +162,10 @@ FN F polynomial5(REALS a, F t) {
   return t * fma(t, fma(t, fma(t, fma(t, (F)a[4], (F)a[3]), (F)a[2]), (F)a[1]), (F)a[0]);
 }
 FN F polynomial5_slope(REALS a, F t) {
-  return fma(t,
-             fma(t, fma(t, fma(t, (F)(R(5.0) * a[4]), (F)(R(4.0) * a[3])), (F)(R(3.0) * a[2])), (F)(R(2.0) * a[1])),
-             (F)a[0]);
+  return fma(
+      t,
+      fma(t, fma(t, fma(t, (F)(R(5.0) * a[4]), (F)(R(4.0) * a[3])), (F)(R(3.0) * a[2])), (F)(R(2.0) * a[1])),
+      (F)a[0]);
 }
 
 /// t in [0, t_max] with polynomial5(a, t) = value, for a polynomial that increases there: Newton's steps,
@@ -204,8 +205,7 @@ FN void ftheta_inverse_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* 
   const F r = sqrt(fma(x, x, y * y));
   const F angle = atan2_lanes(r, z);
   const I ok = AND(angle <= lens->angle_max, far_enough(r, z));
-  const F rho = polynomial5_inverse(
-      lens->polynomial, SEL(ok, angle, (F)R(0.0)), lens->radius_max);
+  const F rho = polynomial5_inverse(lens->polynomial, SEL(ok, angle, (F)R(0.0)), lens->radius_max);
   F a, b;
   radial_image(rho, r, x, y, z, &a, &b);
   ftheta_linear(lens, a, b, u, v);

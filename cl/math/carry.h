@@ -13,7 +13,8 @@ FN void stand_still(Gaussian* g) {
 }
 
 /// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p half-way through the frame.
-FN void sensor_from_particle_point(__global const SensorConstants* sensor, const Gaussian* g, const F* p, F t, F* out) {
+FN void sensor_from_particle_point(
+    __global const SensorConstants* sensor, const Gaussian* g, const F* p, F t, F* out) {
 #if ACTOR_MOTION
   if (g->actor.any) {
     F turn[9], moved[3];

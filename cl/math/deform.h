@@ -34,7 +34,8 @@ FN void deform_cell(__global const real* shape, const real* p, DeformCell* cell)
 
 /// Number of a corner's node; corner: bit k set for the far side along axis k.
 FN uint deform_node(const DeformCell* cell, uint corner) {
-  const uint x = cell->node[0] + (corner & 1u), y = cell->node[1] + (corner >> 1 & 1u), z = cell->node[2] + (corner >> 2);
+  const uint x = cell->node[0] + (corner & 1u), y = cell->node[1] + (corner >> 1 & 1u),
+             z = cell->node[2] + (corner >> 2);
   return (z * cell->nodes[1] + y) * cell->nodes[0] + x;
 }
 

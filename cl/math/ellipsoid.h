@@ -30,8 +30,13 @@ FN F shift_within(
 
 /// The ellipsoid as seen by every ray whose time is in [first, last].
 /// Minkowski sum with a ball: (1 + 1/c) B + (1 + c) m^2 I for any c > 0, here c = sqrt(tr B / 3) / m.
-FN void seen_ellipsoid(
-    __global const SensorConstants* sensor, const Gaussian* g, F reach, F radius, F first, F last, Ellipsoid* e) {
+FN void seen_ellipsoid(__global const SensorConstants* sensor,
+                       const Gaussian* g,
+                       F reach,
+                       F radius,
+                       F first,
+                       F last,
+                       Ellipsoid* e) {
   const F t = R(0.5) * (first + last);
 #if MOVING
   F sine, cosine;

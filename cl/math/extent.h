@@ -166,8 +166,7 @@ FN F origin_reach(const FrameParams* frame, __global const SensorConstants* sens
   const Extent none = {(F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
   times_within(frame, sensor, &none, 1, &first, &last);
   const F dt = VMAX(fabs(first - R(0.5)), fabs(last - R(0.5)));
-  reach += dt * (fabs(sensor->centre_step[0]) + fabs(sensor->centre_step[1]) +
-                 fabs(sensor->centre_step[2]));
+  reach += dt * (fabs(sensor->centre_step[0]) + fabs(sensor->centre_step[1]) + fabs(sensor->centre_step[2]));
 #endif
   return reach;
 }
@@ -194,7 +193,8 @@ FN void exact_bounds(const FrameParams* frame,
   F first, last;
   times_within(frame, sensor, &none, 1, &first, &last);
   const real period = sensor->model.period;
-#if MOVING && !ACTOR_MOTION  // of actors too: a third place to look from is more than Intel's GPUs have registers for
+#if MOVING && \
+    !ACTOR_MOTION  // of actors too: a third place to look from is more than Intel's GPUs have registers for
   ball_during(sensor, g, radius, first, last, (F)(R(0.5) * period), &one);
 #else
   extent_during(sensor, g, reach, radius, first, last, (F)(R(0.5) * period), &one);

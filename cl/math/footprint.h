@@ -7,11 +7,11 @@
 
 /// Rows (elevation not rising with the index) above `elevation`; with `inclusive` those at it as well.
 FN int beams_above(__global const int* row_lut,
-                       __global const real* row_elevation,
-                       __global const SensorConstants* sensor,
-                       int rows,
-                       real elevation,
-                       int inclusive) {
+                   __global const real* row_elevation,
+                   __global const SensorConstants* sensor,
+                   int rows,
+                   real elevation,
+                   int inclusive) {
   // The table, made of the rows' lowest rays, starts the search early; rows of one bin are walked.
   real bin = (elevation - sensor->model.lut_first) * sensor->model.lut_scale;
   bin = bin > R(0.0) ? (bin < R(4095.0) ? bin : R(4095.0)) : R(0.0);
@@ -25,7 +25,10 @@ FN int beams_above(__global const int* row_lut,
 
 /// Tile columns that [mean - half, mean + half] touches: first | count << 16, 0 for none. For cameras those of
 /// pixels whose centres lie inside.
-FN uint tile_columns(__global const SensorConstants* sensor, __global const uint* column_of_bin, real mean, real half_width) {
+FN uint tile_columns(__global const SensorConstants* sensor,
+                     __global const uint* column_of_bin,
+                     real mean,
+                     real half_width) {
 #if SENSOR == SENSOR_CAMERA
   const real low = max(ceil(mean - half_width - R(0.5)), R(0.0));
   const real high = min(floor(mean + half_width - R(0.5)), sensor->model.picture_width - R(1.0));
@@ -50,7 +53,8 @@ FN uint occupied_cells(__global const SensorConstants* sensor,
                        real half_width,
                        uint top,
                        uint bottom) {
-  const real x0 = sensor->model.tile_first, scale = sensor->model.mask_scale, columns = sensor->model.mask_columns;
+  const real x0 = sensor->model.tile_first, scale = sensor->model.mask_scale,
+             columns = sensor->model.mask_columns;
   const real low = max(mean - half_width - BIN_MARGIN, x0);
   const real high = min(mean + half_width + BIN_MARGIN, sensor->model.tile_last);
   if (!(low <= high)) return 0;

@@ -57,7 +57,8 @@ FN void load_place(__global const real* params,
 }
 
 /// What else there is of them (METHOD section 8: the footprint filter widens all axes alike).
-FN void load_shape(__global const real* params, uint stride, uint i, __global const SensorConstants* sensor, Gaussian* g) {
+FN void load_shape(
+    __global const real* params, uint stride, uint i, __global const SensorConstants* sensor, Gaussian* g) {
   const __global real* row = params + i;
   const F range2 = g->offset[0] * g->offset[0] + g->offset[1] * g->offset[1] + g->offset[2] * g->offset[2];
   const F widen = range2 * sensor->model.kappa;
@@ -119,14 +120,14 @@ FN void view_direction(const Gaussian* g, F* towards) {
 /// it (METHOD section 8), seen along its direction n; in scales over the largest widened one, so that products
 /// of four stay in range.
 typedef struct {
-  F n[3];           // offset / range
-  F e[3];           // R^T n
-  F scale2[3];      // s^2 over the largest s^^2
-  F filtered2[3];   // s^^2 over the same
-  F inv_largest2;   // 1 / m^2
-  F inv_area;       // 1 / A(s)
-  F inv_wide;       // 1 / A(s^)
-  F log_share;      // ln of the share
+  F n[3];          // offset / range
+  F e[3];          // R^T n
+  F scale2[3];     // s^2 over the largest s^^2
+  F filtered2[3];  // s^^2 over the same
+  F inv_largest2;  // 1 / m^2
+  F inv_area;      // 1 / A(s)
+  F inv_wide;      // 1 / A(s^)
+  F log_share;     // ln of the share
 } Compensation;
 
 FN void compensation(const Gaussian* g, Compensation* c) {
@@ -169,8 +170,9 @@ FN void compensation_gradient(const Gaussian* g,
     const F wide = fma(e2_i, c->filtered2[j], e2_j * c->filtered2[i]) * c->inv_wide;
     by_wide += wide;
     g_log_scale[k] = fma(by_share * c->scale2[k], narrow - wide, g_log_scale[k]);
-    const F by_e = by_share * c->e[k] *
-                   (c->scale2[i] * c->scale2[j] * c->inv_area - c->filtered2[i] * c->filtered2[j] * c->inv_wide);
+    const F by_e =
+        by_share * c->e[k] *
+        (c->scale2[i] * c->scale2[j] * c->inv_area - c->filtered2[i] * c->filtered2[j] * c->inv_wide);
     for (int r = 0; r < 3; ++r) {
       g_rotation[3 * r + k] = fma(by_e, c->n[r], g_rotation[3 * r + k]);
       by_n[r] = fma(by_e, g->rotation[3 * r + k], by_n[r]);

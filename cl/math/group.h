@@ -6,27 +6,27 @@
 
 #if LS > 1
 // Doubling the distance each time (Hillis and Steele, CACM 29(12), 1986): log2(LS) steps, all work-items busy.
-#define GROUP_SUM(T)                                                                       \
-  FN T group_sum_before_##T(const T value, __local T* sums, T* total) {                    \
-    const uint lid = get_local_id(0);                                                      \
-    sums[lid] = value;                                                                     \
-    barrier(CLK_LOCAL_MEM_FENCE);                                                          \
-    for (uint apart = 1; apart < LS; apart <<= 1) {                                        \
-      const T other = lid >= apart ? sums[lid - apart] : 0;                                \
-      barrier(CLK_LOCAL_MEM_FENCE);                                                        \
-      sums[lid] += other;                                                                  \
-      barrier(CLK_LOCAL_MEM_FENCE);                                                        \
-    }                                                                                      \
-    const T before = lid > 0 ? sums[lid - 1] : 0;                                          \
-    *total = sums[LS - 1];                                                                 \
-    barrier(CLK_LOCAL_MEM_FENCE);                                                          \
-    return before;                                                                         \
+#define GROUP_SUM(T)                                                    \
+  FN T group_sum_before_##T(const T value, __local T* sums, T* total) { \
+    const uint lid = get_local_id(0);                                   \
+    sums[lid] = value;                                                  \
+    barrier(CLK_LOCAL_MEM_FENCE);                                       \
+    for (uint apart = 1; apart < LS; apart <<= 1) {                     \
+      const T other = lid >= apart ? sums[lid - apart] : 0;             \
+      barrier(CLK_LOCAL_MEM_FENCE);                                     \
+      sums[lid] += other;                                               \
+      barrier(CLK_LOCAL_MEM_FENCE);                                     \
+    }                                                                   \
+    const T before = lid > 0 ? sums[lid - 1] : 0;                       \
+    *total = sums[LS - 1];                                              \
+    barrier(CLK_LOCAL_MEM_FENCE);                                       \
+    return before;                                                      \
   }
 #else
-#define GROUP_SUM(T)                                                                       \
-  FN T group_sum_before_##T(const T value, __local T* sums, T* total) {                    \
-    *total = value;                                                                        \
-    return 0;                                                                              \
+#define GROUP_SUM(T)                                                    \
+  FN T group_sum_before_##T(const T value, __local T* sums, T* total) { \
+    *total = value;                                                     \
+    return 0;                                                           \
   }
 #endif
 

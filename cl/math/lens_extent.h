@@ -80,7 +80,8 @@ FN void lens_bounds(const Ellipsoid* e,
 }
 
 /// The image of unit vector n + step * across.
-FN void image_beside(__global const SensorConstants* sensor, const F* n, const F* side, real step, F* x, F* y) {
+FN void image_beside(
+    __global const SensorConstants* sensor, const F* n, const F* side, real step, F* x, F* y) {
   I shown = n[0] == n[0];
   const F q[3] = {fma(side[0], (F)step, n[0]), fma(side[1], (F)step, n[1]), fma(side[2], (F)step, n[2])};
   project_point(sensor, q, x, y, &shown);
@@ -161,8 +162,10 @@ FN void lens_extent(__global const SensorConstants* sensor, const Ellipsoid* e, 
   image_beside(sensor, n, e2, -LENS_STEP, &xd, &yd);
   const real per_step = R(0.5) / LENS_STEP;
   const real bend_x = sensor->model.lens_bend[0], bend_y = sensor->model.lens_bend[1];
-  lens_bounds(e, distance, l, a1, a2, x, (xa - xb) * per_step, (xc - xd) * per_step, cap, bend_x, tame, x0, x1);
-  lens_bounds(e, distance, l, a1, a2, y, (ya - yb) * per_step, (yc - yd) * per_step, cap, bend_y, tame, y0, y1);
+  lens_bounds(
+      e, distance, l, a1, a2, x, (xa - xb) * per_step, (xc - xd) * per_step, cap, bend_x, tame, x0, x1);
+  lens_bounds(
+      e, distance, l, a1, a2, y, (ya - yb) * per_step, (yc - yd) * per_step, cap, bend_y, tame, y0, y1);
 }
 #endif
 

@@ -60,8 +60,8 @@ FN void add_gradients(const real* record,
   const F along_a = (two_q * q + R(2.0) * dtau * tau) * inv_n;
   F da[3], origin[3];  // dL/d(direction, origin in the particle's frame)
 #if ORIGINS
-  const F o2 = fma(response->o[0], response->o[0],
-                   fma(response->o[1], response->o[1], response->o[2] * response->o[2]));
+  const F o2 = fma(
+      response->o[0], response->o[0], fma(response->o[1], response->o[1], response->o[2] * response->o[2]));
   for (int k = 0; k < 3; ++k) {
     const F a = SEL(inside, response->a[k], (F)R(0.0));
     const F o = response->o[k];

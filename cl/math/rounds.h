@@ -91,7 +91,8 @@ FN void gather(const Tile* tile,
 
 /// Blends all that the rays of vector j meet, by the place of maximum response along each, places in the list deciding
 /// between equal ones. Exact for lists of up to 2^24.
-FN void blend_in_rounds(const Tile* tile, const Features* features, const RayLanes* ray, int j, Light* light) {
+FN void blend_in_rounds(
+    const Tile* tile, const Features* features, const RayLanes* ray, int j, Light* light) {
   const uint count = tile->end - tile->begin;
   Round round;
   round.last_tau = round.last_place = (F)R(-1.0);

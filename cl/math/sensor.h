@@ -54,7 +54,8 @@ FN void rotate_back(__global const real* m, const F* v, F* out) {
 
 /// How far the sensor's centre moves during the frame (m).
 FN real centre_path(__global const SensorConstants* sensor) {
-  return sqrt(sensor->centre_step[0] * sensor->centre_step[0] + sensor->centre_step[1] * sensor->centre_step[1] +
+  return sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
+              sensor->centre_step[1] * sensor->centre_step[1] +
               sensor->centre_step[2] * sensor->centre_step[2]);
 }
 

@@ -70,10 +70,10 @@ FN void project_at_own_time(__global const SensorConstants* sensor,
 /// `range` away, in the frame of the sensor half-way (of a LiDAR from its reference height); times being shares
 /// of the frame. NO_BOUND or more where the points come too near or leave the cone in which the lens's slopes
 /// are known.
-FN F shutter_rate(__global const SensorConstants* sensor, const Gaussian* g, const F* centre, F range, F radius) {
+FN F shutter_rate(
+    __global const SensorConstants* sensor, const Gaussian* g, const F* centre, F range, F radius) {
   const real angle = sensor->turn_angle;
-  const F step = centre_path(sensor) +
-                 carried(g, radius);
+  const F step = centre_path(sensor) + carried(g, radius);
   const F ball = radius + R(0.5) * step;  // where the points may be, as seen from the centre half-way
 #if SENSOR == SENSOR_CAMERA
   const F nearest = range - ball;
@@ -104,8 +104,8 @@ FN F shutter_rate(__global const SensorConstants* sensor, const Gaussian* g, con
 #if LENS == SIM_LENS_PINHOLE
   const I known = AND(apart, cosine > R(0.1));
   const F scale = R(1.0) / SEL(known, cosine * cosine, (F)R(1.0));
-  const F slope = scale * (fabs(sensor->model.time_x) * sensor->model.fx +
-                           fabs(sensor->model.time_y) * sensor->model.fy);
+  const F slope =
+      scale * (fabs(sensor->model.time_x) * sensor->model.fx + fabs(sensor->model.time_y) * sensor->model.fy);
 #else
   const I known = AND(apart, cosine >= cos(sensor->model.lens_cone));
   const F slope = (F)(fabs(sensor->model.time_x) * sensor->model.lens_slope[0] +

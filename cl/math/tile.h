@@ -10,7 +10,7 @@
 #endif
 
 // Slots of vector j of this work-item, from the tile's first slot, and its slot row.
-#define SIM_VECTOR_SLOT(j, lid) (((j) * LS + (lid)) * V)
+#define SIM_VECTOR_SLOT(j, lid) (((j)*LS + (lid)) * V)
 #define SIM_VECTOR_ROW(j, lid) (SIM_VECTOR_SLOT(j, lid) / SIM_SLOT_ROW)
 #define SIM_ROW_FIRST(payload) ((payload) >> SIM_PARTICLE_BITS & 15u)
 #define SIM_ROW_LAST(payload) ((payload) >> (SIM_PARTICLE_BITS + 4))

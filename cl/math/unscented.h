@@ -21,7 +21,7 @@
 typedef struct {
   F mean_x, mean_y;  // pixels or rad
   F half_x, half_y;
-  I valid;           // every projected point has an image at a time of its own
+  I valid;  // every projected point has an image at a time of its own
 } Box;
 
 /// What a sensor sees of a particle, px or rad: x within half_x of either place, y in [low, high].
@@ -84,11 +84,7 @@ FN void projected_box(__global const SensorConstants* sensor,
     for (int end = 0; end < 2; ++end) {
       const real z = end == 0 ? arm : -arm;
       F p[3], x, y;
-      point_at(g,
-               (F)(axis == 0 ? z : R(0.0)),
-               (F)(axis == 1 ? z : R(0.0)),
-               (F)(axis == 2 ? z : R(0.0)),
-               p);
+      point_at(g, (F)(axis == 0 ? z : R(0.0)), (F)(axis == 1 ? z : R(0.0)), (F)(axis == 2 ? z : R(0.0)), p);
       project_at_own_time(sensor, g, p, x0, t0, &x, &y, &valid);
       dx[end] = x - x0;
       dy[end] = y - y0;
@@ -197,7 +193,8 @@ FN I unscented_bounds(const FrameParams* frame,
   project_point(sensor, centre, &middle_x, &middle_y, &has_image);
   middle_x = SEL(middle_x < R(0.0), middle_x + TWO_PI_R, middle_x);
   const F around_back = SEL(middle_x < PI_R, (F)TWO_PI_R, (F)-TWO_PI_R);
-  projected_box(sensor, normal_samples, g, reach, visible, middle_x, time_of(sensor, middle_x, middle_y), &box);
+  projected_box(
+      sensor, normal_samples, g, reach, visible, middle_x, time_of(sensor, middle_x, middle_y), &box);
   const F level[3] = {centre[0], centre[1], centre[2] - sensor->model.height};
   const F flat = sqrt(level[0] * level[0] + level[1] * level[1]);
   const F distance = sqrt(flat * flat + level[2] * level[2]);
@@ -208,7 +205,8 @@ FN I unscented_bounds(const FrameParams* frame,
   // Of what the sensor passes over or below, the azimuth changes too fast for a box.
   const real passed = R(0.5) * centre_path(sensor);
   const F travel = carried(g, radius);
-  I known = AND(distance > radius + R(0.5) * travel, flat > fma(fabs(level[2]), (F)POLE_MARGIN, radius) + passed + R(0.5) * travel);
+  I known = AND(distance > radius + R(0.5) * travel,
+                flat > fma(fabs(level[2]), (F)POLE_MARGIN, radius) + passed + R(0.5) * travel);
   F drift_x = (F)R(0.0), drift_y = (F)R(0.0);
 #if MOVING
   known = AND(known, shutter_rate(sensor, g, level, distance, radius) < SHUTTER_RATE_MAX);
@@ -232,7 +230,8 @@ FN I unscented_bounds(const FrameParams* frame,
                   fabs(sensor->centre_step[1]) / VMAX(flat, (F)R(1e-3));
   const I near = AND(visible, AND(other_x + slack >= swept_first, other_x - slack <= swept_last));
   if (ANY(near)) {
-    projected_box(sensor, normal_samples, g, reach, near, other_x, time_of(sensor, other_x, middle_y), &other);
+    projected_box(
+        sensor, normal_samples, g, reach, near, other_x, time_of(sensor, other_x, middle_y), &other);
   }
   known = AND(known, AND(box.valid, OR(other.valid, NOT(near))));
 #else

@@ -79,7 +79,8 @@ typedef int sim_i32;
 #define SIM_DETAIL_FROM 0
 #define SIM_DETAIL_UNTIL 1
 #define SIM_DETAIL 2
-#define SIM_DETAIL_FADE 1.125  // all there, or all gone, at this many times the distance where it begins to be
+#define SIM_DETAIL_FADE \
+  1.125  // all there, or all gone, at this many times the distance where it begins to be
 
 // What an actor's shape begins with, before the offsets of its nodes.
 #define SIM_D_HALF 0   // half sides of its box, m
@@ -88,27 +89,27 @@ typedef int sim_i32;
 
 // Integers of one frame, passed by value.
 typedef struct {
-  sim_u32 particles;      // N
-  sim_u32 stride;         // reals from one parameter row to the next, a multiple of 16, >= N
+  sim_u32 particles;  // N
+  sim_u32 stride;     // reals from one parameter row to the next, a multiple of 16, >= N
   sim_u32 tiles_x;
   sim_u32 tiles_y;
-  sim_u32 rows;           // sensor rows: pixel rows or beams
-  sim_u32 tile_rays;      // slots of a tile: V * NR * LS of the blending kernels
-  sim_u32 row_slots;      // slot rows per sensor row: 1 for cameras
-  sim_u32 slots;          // tiles_x * tiles_y * tile_rays
+  sim_u32 rows;       // sensor rows: pixel rows or beams
+  sim_u32 tile_rays;  // slots of a tile: V * NR * LS of the blending kernels
+  sim_u32 row_slots;  // slot rows per sensor row: 1 for cameras
+  sim_u32 slots;      // tiles_x * tiles_y * tile_rays
 } FrameParams;
 SIM_CHECK_SIZE(FrameParams, 32);
 
 // The tiles and sensor rows that one particle may touch: up to two intervals of tile columns, one for each of
 // its places along x. A culled particle has none.
 typedef struct {
-  sim_u32 columns;  // first tile column | tile columns << 16
-  sim_u32 others;   // the same of the second interval; 0: none
-  sim_u32 rows;     // first sensor row | last sensor row << 16
+  sim_u32 columns;    // first tile column | tile columns << 16
+  sim_u32 others;     // the same of the second interval; 0: none
+  sim_u32 rows;       // first sensor row | last sensor row << 16
   sim_u32 tile_rows;  // first tile row | tile rows << 16
 } Footprint;
 SIM_CHECK_SIZE(Footprint, 16);
-#define SIM_LOW(packed) ((packed) & 0xffffu)
+#define SIM_LOW(packed) ((packed)&0xffffu)
 #define SIM_HIGH(packed) ((packed) >> 16)
 #define SIM_TILES(footprint) \
   ((SIM_HIGH((footprint).columns) + SIM_HIGH((footprint).others)) * SIM_HIGH((footprint).tile_rows))
