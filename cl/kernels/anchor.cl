@@ -8,25 +8,25 @@
 #include "math/lanes.h"
 #include "shared/layout.h"
 
-#define WIDTH 16
-#define LEVELS 6  // 16^6 leaves are more than a set may have particles
-#define NONE 0xffffffffu
-#define FAR ((real)INFINITY)
+#define SIM_ANCHOR_WIDTH 16
+#define SIM_ANCHOR_LEVELS 6  // 16^6 leaves are more than a set may have particles
+#define SIM_ANCHOR_NONE 0xffffffffu
+#define SIM_ANCHOR_FAR ((real)INFINITY)
 typedef REAL_VECTOR(16) R16;
 
 // The part of 16 that a work-item has: all of them, or one.
 #if LS > 1
-#define SHARED __local
-#define SYNC barrier(CLK_LOCAL_MEM_FENCE)
+#define SIM_ANCHOR_SHARED __local
+#define SIM_ANCHOR_SYNC barrier(CLK_LOCAL_MEM_FENCE)
 typedef real Part;
-#define PART(k, p) ((p)[(k)*WIDTH + get_local_id(0)])
-#define KEEP(v, k, p) ((p)[(k)*WIDTH + get_local_id(0)] = (v))
+#define SIM_ANCHOR_PART(k, p) ((p)[(k)*SIM_ANCHOR_WIDTH + get_local_id(0)])
+#define SIM_ANCHOR_KEEP(v, k, p) ((p)[(k)*SIM_ANCHOR_WIDTH + get_local_id(0)] = (v))
 #else
-#define SHARED
-#define SYNC
+#define SIM_ANCHOR_SHARED
+#define SIM_ANCHOR_SYNC
 typedef R16 Part;
-#define PART(k, p) vload16(k, p)
-#define KEEP(v, k, p) vstore16(v, k, p)
+#define SIM_ANCHOR_PART(k, p) vload16(k, p)
+#define SIM_ANCHOR_KEEP(v, k, p) vstore16(v, k, p)
 #endif
 
 FN real min16(R16 v) {
@@ -37,7 +37,9 @@ FN real min16(R16 v) {
 }
 FN real max16(R16 v) { return -min16(-v); }
 
-FN int is_finite_point(real x, real y, real z) { return fabs(x) < FAR && fabs(y) < FAR && fabs(z) < FAR; }
+FN int is_finite_point(real x, real y, real z) {
+  return fabs(x) < SIM_ANCHOR_FAR && fabs(y) < SIM_ANCHOR_FAR && fabs(z) < SIM_ANCHOR_FAR;
+}
 
 /// The actor of particle i (GaussianSet::actor); actor_of holds nothing where there are no actors.
 FN uint frame_of(uint actors, __global const uint* actor_of, uint i) { return actors > 0 ? actor_of[i] : 0; }
@@ -48,7 +50,7 @@ __kernel void anchor_bounds(
   const uint begin = get_global_id(0) * chunk;
   const uint end = min(begin + chunk, n);
   real low[3], high[3];
-  for (int k = 0; k < 3; ++k) low[k] = FAR, high[k] = -FAR;
+  for (int k = 0; k < 3; ++k) low[k] = SIM_ANCHOR_FAR, high[k] = -SIM_ANCHOR_FAR;
   for (uint i = begin; i < end; ++i) {
     real p[3];
     for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + i];
@@ -97,7 +99,7 @@ __kernel void anchor_keys(__global const real* params,
 }
 
 /// Leaves, and their boxes as lanes of the nodes of level 0.
-/// out points[leaves][3][16], ids[leaves][16] (NONE: no point there); boxes[nodes][6][16]
+/// out points[leaves][3][16], ids[leaves][16] (SIM_ANCHOR_NONE: no point there); boxes[nodes][6][16]
 __kernel void anchor_leaves(__global const real* params,
                             const uint stride,
                             const uint n,
@@ -109,11 +111,11 @@ __kernel void anchor_leaves(__global const real* params,
   const uint leaf = get_global_id(0);
   if (leaf >= leaves) return;
   real low[3], high[3];
-  for (int k = 0; k < 3; ++k) low[k] = FAR, high[k] = -FAR;
-  for (uint lane = 0; lane < WIDTH; ++lane) {
-    const uint i = leaf * WIDTH + lane;
-    uint id = NONE;
-    real p[3] = {FAR, FAR, FAR};
+  for (int k = 0; k < 3; ++k) low[k] = SIM_ANCHOR_FAR, high[k] = -SIM_ANCHOR_FAR;
+  for (uint lane = 0; lane < SIM_ANCHOR_WIDTH; ++lane) {
+    const uint i = leaf * SIM_ANCHOR_WIDTH + lane;
+    uint id = SIM_ANCHOR_NONE;
+    real p[3] = {SIM_ANCHOR_FAR, SIM_ANCHOR_FAR, SIM_ANCHOR_FAR};
     if (i < n) {
       const uint point = order[i];
       real q[3];
@@ -124,10 +126,11 @@ __kernel void anchor_leaves(__global const real* params,
       }
     }
     ids[i] = id;
-    for (int k = 0; k < 3; ++k) points[(leaf * 3 + k) * (ulong)WIDTH + lane] = p[k];
+    for (int k = 0; k < 3; ++k) points[(leaf * 3 + k) * (ulong)SIM_ANCHOR_WIDTH + lane] = p[k];
   }
-  __global real* box = boxes + (ulong)(leaf / WIDTH) * 6 * WIDTH + leaf % WIDTH;
-  for (int k = 0; k < 3; ++k) box[k * WIDTH] = low[k], box[(3 + k) * WIDTH] = high[k];
+  __global real* box =
+      boxes + (ulong)(leaf / SIM_ANCHOR_WIDTH) * 6 * SIM_ANCHOR_WIDTH + leaf % SIM_ANCHOR_WIDTH;
+  for (int k = 0; k < 3; ++k) box[k * SIM_ANCHOR_WIDTH] = low[k], box[(3 + k) * SIM_ANCHOR_WIDTH] = high[k];
 }
 
 /// Boxes of the nodes [child_first, child_first + children) as lanes of the level above, at parent_first.
@@ -138,12 +141,13 @@ __kernel void anchor_nodes(__global real* boxes,
                            const uint parent_first) {
   const uint child = get_global_id(0);
   if (child >= children) return;
-  __global const real* from = boxes + (ulong)(child_first + child) * 6 * WIDTH;
-  __global real* to = boxes + (ulong)(parent_first + child / WIDTH) * 6 * WIDTH + child % WIDTH;
+  __global const real* from = boxes + (ulong)(child_first + child) * 6 * SIM_ANCHOR_WIDTH;
+  __global real* to = boxes + (ulong)(parent_first + child / SIM_ANCHOR_WIDTH) * 6 * SIM_ANCHOR_WIDTH +
+                      child % SIM_ANCHOR_WIDTH;
   for (int k = 0; k < 3; ++k) {
     const R16 low = vload16(k, from), high = vload16(3 + k, from);
-    to[k * WIDTH] = min16(SEL(low <= FAR, low, (R16)FAR));
-    to[(3 + k) * WIDTH] = max16(SEL(high >= -FAR, high, (R16)(-FAR)));
+    to[k * SIM_ANCHOR_WIDTH] = min16(SEL(low <= SIM_ANCHOR_FAR, low, (R16)SIM_ANCHOR_FAR));
+    to[(3 + k) * SIM_ANCHOR_WIDTH] = max16(SEL(high >= -SIM_ANCHOR_FAR, high, (R16)(-SIM_ANCHOR_FAR)));
   }
 }
 
@@ -151,15 +155,15 @@ __kernel void anchor_nodes(__global real* boxes,
 /// Rounds as the distance to a point does, and monotonically: never above that to a point inside.
 FN Part box_distances(__global const real* box, const real* p) {
   Part sum = (Part)R(0.0);
-  Part empty_low = PART(0, box);
+  Part empty_low = SIM_ANCHOR_PART(0, box);
   for (int k = 0; k < 3; ++k) {
-    const Part below = PART(k, box) - p[k];
-    const Part above = p[k] - PART(3 + k, box);
+    const Part below = SIM_ANCHOR_PART(k, box) - p[k];
+    const Part above = p[k] - SIM_ANCHOR_PART(3 + k, box);
     Part outside = SEL(below > above, below, above);
     outside = SEL(outside > R(0.0), outside, (Part)R(0.0));
     sum = sum + outside * outside;
   }
-  return SEL(empty_low < FAR, sum, (Part)FAR);
+  return SEL(empty_low < SIM_ANCHOR_FAR, sum, (Part)SIM_ANCHOR_FAR);
 }
 
 /// Nodes of a level of the tree over n points.
@@ -169,7 +173,8 @@ FN uint nodes_of(uint n, int level) { return (n + (1u << (4 * level + 8)) - 1u) 
 FN int comes_after(real d, uint id, real e, uint other) { return d > e || (d == e && id > other); }
 
 /// Puts (d, id) at the root of the first `count` entries of a heap whose root is the last neighbour.
-FN void sift_down(SHARED real* distance, SHARED uint* neighbour, uint count, real d, uint id) {
+FN void sift_down(
+    SIM_ANCHOR_SHARED real* distance, SIM_ANCHOR_SHARED uint* neighbour, uint count, real d, uint id) {
   uint at = 0;
   while (2 * at + 1 < count) {
     uint child = 2 * at + 1;
@@ -190,7 +195,7 @@ FN void sift_down(SHARED real* distance, SHARED uint* neighbour, uint count, rea
 /// in  queries: parameter rows, of which the means are used; boxes, points, ids of the tree over n points;
 ///     query_actor_of[N], actor_of[n] with query_actors, actors > 0
 /// out candidates[N][K]: neighbours in the query's frame nearer than reach, nearest first, ties by number;
-///     NONE: there are no more
+///     SIM_ANCHOR_NONE: there are no more
 ///     nearest[N]: the first of them
 __kernel SIM_GROUP void anchor_search(__global const real* queries,
                                       const uint query_stride,
@@ -206,62 +211,64 @@ __kernel SIM_GROUP void anchor_search(__global const real* queries,
                                       __global const uint* ids,
                                       __global uint* candidates,
                                       __global uint* nearest) {
-  SHARED real distance[NEIGHBOURS];
-  SHARED uint neighbour[NEIGHBOURS];
+  SIM_ANCHOR_SHARED real distance[NEIGHBOURS];
+  SIM_ANCHOR_SHARED uint neighbour[NEIGHBOURS];
   // Of the nodes on the way down: squared distances of children yet to be seen.
-  SHARED real pending[LEVELS * WIDTH];
-  SHARED real found[WIDTH];
+  SIM_ANCHOR_SHARED real pending[SIM_ANCHOR_LEVELS * SIM_ANCHOR_WIDTH];
+  SIM_ANCHOR_SHARED real found[SIM_ANCHOR_WIDTH];
   const uint query = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   if (query >= query_count) return;
   real p[3];
   for (int k = 0; k < 3; ++k) p[k] = queries[(SIM_MEAN + k) * query_stride + query];
   const uint own_frame = frame_of(query_actors, query_actor_of, query);
-  for (uint k = lid; k < NEIGHBOURS; k += LS) distance[k] = reach2, neighbour[k] = NONE;
+  for (uint k = lid; k < NEIGHBOURS; k += LS) distance[k] = reach2, neighbour[k] = SIM_ANCHOR_NONE;
 
   int top = 0;
   uint first = 0;  // of the level's nodes
-  while (nodes_of(n, top) > 1 && top + 1 < LEVELS) first += nodes_of(n, top++);
+  while (nodes_of(n, top) > 1 && top + 1 < SIM_ANCHOR_LEVELS) first += nodes_of(n, top++);
   int level = top;
   uint node = 0;  // of its level
   if (n > 0)
-    KEEP(box_distances(boxes + (ulong)first * 6 * WIDTH, p), level, pending);
+    SIM_ANCHOR_KEEP(box_distances(boxes + (ulong)first * 6 * SIM_ANCHOR_WIDTH, p), level, pending);
   else
     level = top + 1;
-  SYNC;
+  SIM_ANCHOR_SYNC;
   while (level <= top) {
     const real least = min16(vload16(level, pending));
-    if (!(least <= distance[0] && least < FAR)) {
+    if (!(least <= distance[0] && least < SIM_ANCHOR_FAR)) {
       first += nodes_of(n, level++);
-      node /= WIDTH;
+      node /= SIM_ANCHOR_WIDTH;
       continue;
     }
     uint lane = 0;
-    while (lane < WIDTH - 1 && pending[level * WIDTH + lane] != least) ++lane;
-    SYNC;
-    if (lid == 0) pending[level * WIDTH + lane] = FAR;
-    const uint child = node * WIDTH + lane;
+    while (lane < SIM_ANCHOR_WIDTH - 1 && pending[level * SIM_ANCHOR_WIDTH + lane] != least) ++lane;
+    SIM_ANCHOR_SYNC;
+    if (lid == 0) pending[level * SIM_ANCHOR_WIDTH + lane] = SIM_ANCHOR_FAR;
+    const uint child = node * SIM_ANCHOR_WIDTH + lane;
     if (level > 0) {
       first -= nodes_of(n, --level);
       node = child;
-      KEEP(box_distances(boxes + (ulong)(first + child) * 6 * WIDTH, p), level, pending);
-      SYNC;
+      SIM_ANCHOR_KEEP(
+          box_distances(boxes + (ulong)(first + child) * 6 * SIM_ANCHOR_WIDTH, p), level, pending);
+      SIM_ANCHOR_SYNC;
       continue;
     }
-    const __global real* leaf = points + (ulong)child * 3 * WIDTH;
-    const Part dx = PART(0, leaf) - p[0], dy = PART(1, leaf) - p[1], dz = PART(2, leaf) - p[2];
-    KEEP(dx * dx + dy * dy + dz * dz, 0, found);
-    SYNC;
-    for (uint k = 0; lid == 0 && k < WIDTH; ++k) {
+    const __global real* leaf = points + (ulong)child * 3 * SIM_ANCHOR_WIDTH;
+    const Part dx = SIM_ANCHOR_PART(0, leaf) - p[0], dy = SIM_ANCHOR_PART(1, leaf) - p[1],
+               dz = SIM_ANCHOR_PART(2, leaf) - p[2];
+    SIM_ANCHOR_KEEP(dx * dx + dy * dy + dz * dz, 0, found);
+    SIM_ANCHOR_SYNC;
+    for (uint k = 0; lid == 0 && k < SIM_ANCHOR_WIDTH; ++k) {
       if (found[k] > distance[0]) continue;
-      const uint id = ids[child * WIDTH + k];
-      if (id == NONE || frame_of(actors, actor_of, id) != own_frame) continue;
+      const uint id = ids[child * SIM_ANCHOR_WIDTH + k];
+      if (id == SIM_ANCHOR_NONE || frame_of(actors, actor_of, id) != own_frame) continue;
       if (comes_after(distance[0], neighbour[0], found[k], id)) {
         sift_down(distance, neighbour, NEIGHBOURS, found[k], id);
       }
     }
-    SYNC;
+    SIM_ANCHOR_SYNC;
   }
-  SYNC;  // the others may still compare with the root that is taken now
+  SIM_ANCHOR_SYNC;  // the others may still compare with the root that is taken now
   if (lid > 0) return;
   // The heap's root is the last: from the back.
   __global uint* out = candidates + (ulong)query * NEIGHBOURS;
@@ -300,14 +307,14 @@ __kernel void anchor_loss(const uint n,
   real sum = R(0.0), count = R(0.0);
   for (uint i = begin; i < end; ++i) {
     uint target = nearest[i];
-    if (keys[i] == 0xffffffffu || target == NONE) continue;
+    if (keys[i] == 0xffffffffu || target == SIM_ANCHOR_NONE) continue;
     const uint own_frame = frame_of(actors, actor_of, i);
     real p[3], away[3];
     for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + i];
     if (choose) {
-      real least = FAR;
+      real least = SIM_ANCHOR_FAR;
       __global const uint* list = candidates + (ulong)i * NEIGHBOURS;
-      for (uint c = 0; c < NEIGHBOURS && list[c] != NONE; ++c) {
+      for (uint c = 0; c < NEIGHBOURS && list[c] != SIM_ANCHOR_NONE; ++c) {
         if (frame_of(target_actors, target_actor_of, list[c]) != own_frame) continue;
         real d2 = R(0.0);
         for (int k = 0; k < 3; ++k) {
@@ -324,7 +331,7 @@ __kernel void anchor_loss(const uint n,
       away[k] = p[k] - targets[(SIM_MEAN + k) * target_stride + target];
       d2 = fma(away[k], away[k], d2);
     }
-    if (!(d2 < FAR)) continue;
+    if (!(d2 < SIM_ANCHOR_FAR)) continue;
     count += R(1.0);
     if (!(d2 > R(0.0))) continue;
     const real distance = sqrt(d2);

@@ -3,25 +3,25 @@
 #include "math/shutter.h"
 #include "shared/layout.h"
 
-#define OPAQUE R(0.2)  // light that goes on behind a surface, at most: mixed distances are nobody's
-#define OPEN R(0.95)   // light that goes on where nothing stands, at least
-#define SAME R(0.03)   // of the distance: what stands that near to a surface is part of it
+#define SIM_BESIDE_OPAQUE R(0.2)  // light that goes on behind a surface, at most: mixed is nobody's distance
+#define SIM_BESIDE_OPEN R(0.95)   // light that goes on where nothing stands, at least
+#define SIM_BESIDE_SAME R(0.03)   // of the distance: what stands that near to a surface is part of it
 // Where no laser met anything: from how near what stands there may be, m, at how many distances the picture is asked,
 // evenly by 1/distance, and how far channels may differ there.
-#define NEAREST R(4.0)
-#define FARTHEST R(1e5)
-#define LOOKS 16
-#define ALIKE R(0.04)
+#define SIM_BESIDE_NEAREST R(4.0)
+#define SIM_BESIDE_FARTHEST R(1e5)
+#define SIM_BESIDE_LOOKS 16
+#define SIM_BESIDE_ALIKE R(0.04)
 
 /// m; negative where no surface stands alone in the way.
 FN real surface_distance(__global const real* out, uint slots, uint slot) {
   const real passes = out[SIM_O_TRANSMITTANCE * slots + slot];
-  if (!(passes < OPAQUE)) return R(-1.0);
+  if (!(passes < SIM_BESIDE_OPAQUE)) return R(-1.0);
   return out[SIM_O_DISTANCE * slots + slot] / (R(1.0) - passes);
 }
 
 FN bool is_open(__global const real* out, uint slots, uint slot) {
-  return out[SIM_O_TRANSMITTANCE * slots + slot] > OPEN;
+  return out[SIM_O_TRANSMITTANCE * slots + slot] > SIM_BESIDE_OPEN;
 }
 
 /// Between the four pixels around a place in the picture; false unless all of them are known.
@@ -57,8 +57,9 @@ FN bool colour_at(__global const real* picture,
 /// V slots per work-item: where their rays meet surfaces, where the recorded picture shows that place, and, if what it
 /// shows there is as far away as the place is, in which colour: between the four pixels around it, all of them known.
 /// Where rays meet nothing (sky, and what stands above the lasers' reach), the colour that the picture shows of all
-/// places along the ray, from NEAREST on, if it is one: whatever stands there, at whatever distance, has it. Places that
-/// it looks past, at a surface behind them, are empty; of those that it has a surface before nobody knows.
+/// places along the ray, from SIM_BESIDE_NEAREST on, if it is one: whatever stands there, at whatever distance, has
+/// it. Places that it looks past, at a surface behind them, are empty; of those that it has a surface before nobody
+/// knows.
 /// in  frame, now, world_ray[3|6|7][slots], met[5][slots]: the view beside, as it was rendered of the surfaces;
 ///     recorded, seen[5][slots]: the same of the view that was recorded; slot_of_ray[height][width], -1: no ray;
 ///     picture[3][slots]: recorded, negative: not known
@@ -86,13 +87,13 @@ __kernel void beside(const FrameParams frame,
     distance[lane] = surface_distance(met, s, i + lane);
     is_free[lane] = is_open(met, s, i + lane);
     is_asked[lane] = is_free[lane] || distance[lane] > R(0.0);
-    if (is_free[lane]) distance[lane] = FARTHEST;
+    if (is_free[lane]) distance[lane] = SIM_BESIDE_FARTHEST;
     for (int c = 0; c < 3; ++c) colour[lane][c] = R(-1.0);
   }
   Gaussian stands;
   stand_still(&stands);
   bool goes_on = true;
-  for (int look = 0; look < LOOKS && goes_on; ++look) {
+  for (int look = 0; look < SIM_BESIDE_LOOKS && goes_on; ++look) {
     F p[3], q[3], x, y;
     real away[V], column[V], row[V], usable[V];
     const F far = LDV(distance);
@@ -115,15 +116,16 @@ __kernel void beside(const FrameParams frame,
       if (!is_asked[lane]) continue;
       const int at = usable[lane] > R(0.0) ? slot_of_ray[(uint)row[lane] * width + (uint)column[lane]] : -1;
       const real there = at < 0 ? R(-1.0) : surface_distance(seen, s, (uint)at);
-      const bool is_past = is_free[lane] && look > 0 && there > (R(1.0) + SAME) * away[lane];
+      const bool is_past = is_free[lane] && look > 0 && there > (R(1.0) + SIM_BESIDE_SAME) * away[lane];
       if (!is_past) {
-        const bool is_it = is_free[lane] ? at >= 0 && is_open(seen, s, (uint)at)
-                                         : there > R(0.0) && fabs(there - away[lane]) <= SAME * away[lane];
+        const bool is_it = is_free[lane]
+                               ? at >= 0 && is_open(seen, s, (uint)at)
+                               : there > R(0.0) && fabs(there - away[lane]) <= SIM_BESIDE_SAME * away[lane];
         real found[3] = {R(0.0), R(0.0), R(0.0)};
         bool is_known =
             is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);
         for (int c = 0; c < 3; ++c) {
-          is_known = is_known && (look == 0 || fabs(found[c] - colour[lane][c]) <= ALIKE);
+          is_known = is_known && (look == 0 || fabs(found[c] - colour[lane][c]) <= SIM_BESIDE_ALIKE);
         }
         for (int c = 0; c < 3; ++c) {
           const real first = look == 0 ? found[c] : colour[lane][c];
@@ -133,7 +135,7 @@ __kernel void beside(const FrameParams frame,
       }
       if (!is_asked[lane]) continue;
       goes_on = true;
-      distance[lane] = NEAREST * (real)(LOOKS - 1) / (real)(look + 1);
+      distance[lane] = SIM_BESIDE_NEAREST * (real)(SIM_BESIDE_LOOKS - 1) / (real)(look + 1);
     }
   }
   for (uint lane = 0; lane < V; ++lane) {

@@ -4,8 +4,8 @@
 #include "math/elementary.h"
 #include "math/random.h"
 
-#define DEAD_SIGMA R(0.005)
-#define MAX_COPIES 51u  // the correction of opacity and scale is not followed beyond
+#define SIM_DEAD_SIGMA R(0.005)
+#define SIM_MAX_COPIES 51u  // the correction of opacity and scale is not followed beyond
 
 FN real sigma_of(real logit) { return R(1.0) / (R(1.0) + exp(-logit)); }
 
@@ -72,7 +72,7 @@ __kernel void accumulate_error(const uint n,
 /// The error that stands for a particle in the draw; below 0 for a dead one: nearly transparent, or with a
 /// parameter that is not a number.
 FN real live_error(__global const real* params, uint stride, uint rows, uint i, real accumulated) {
-  int sound = sigma_of(params[SIM_OPACITY * stride + i]) >= DEAD_SIGMA;
+  int sound = sigma_of(params[SIM_OPACITY * stride + i]) >= SIM_DEAD_SIGMA;
   for (uint row = 0; row < rows; ++row) sound = sound && fabs(params[row * stride + i]) < R(1e30);
   if (!sound) return R(-1.0);
   return accumulated > R(0.0) && accumulated < R(1e30) ? accumulated : R(0.0);
@@ -160,7 +160,7 @@ __kernel void draw_sources(const uint count,
 /// transmittance at the centre, equal integral across (equation 9 of the paper; its double sum is a single one by
 /// the hockey-stick identity).
 FN void share_out(real sigma, uint count, real* each, real* scale) {
-  const real copies = (real)min(count, MAX_COPIES);
+  const real copies = (real)min(count, SIM_MAX_COPIES);
   *each = R(1.0) - exp(log(R(1.0) - sigma) / copies);
   real sum = R(0.0), term = R(-1.0);
   for (real k = R(1.0); k <= copies; k += R(1.0)) {
@@ -190,7 +190,7 @@ __kernel void copy_particles(const uint count,
   const real sigma = sigma_of(params[SIM_OPACITY * stride + from]);
   real each, scale;
   share_out(sigma < R(0.9999) ? sigma : R(0.9999), drawn + 1, &each, &scale);
-  each = each > DEAD_SIGMA ? each : DEAD_SIGMA;
+  each = each > SIM_DEAD_SIGMA ? each : SIM_DEAD_SIGMA;
   for (uint row = 0; row < rows; ++row) {
     real value = params[row * stride + from];
     if (row == SIM_OPACITY) value = log(each / (R(1.0) - each));
@@ -261,7 +261,7 @@ __kernel void jitter_means(const uint n,
   const uint i = get_global_id(0);
   if (i >= n || keys[i] == 0xffffffffu) return;
   const real sigma = sigma_of(params[SIM_OPACITY * stride + i]);
-  const real gate = sigma_of(R(100.0) * (DEAD_SIGMA - sigma));
+  const real gate = sigma_of(R(100.0) * (SIM_DEAD_SIGMA - sigma));
   if (!(gate > R(1e-6))) return;
   real normal[3], along[3], q[4], length2 = R(0.0);
   normals_of(philox(seed_low, seed_high, i, iteration, RANDOM_NOISE, set), normal);

@@ -3,14 +3,14 @@
 #include "math/ray_drop.h"
 #include "shared/layout.h"
 
-#define MIN_OPACITY R(1e-3)
-#define DROP_PARAMETERS (sizeof(DropConstants) / sizeof(real))
+#define SIM_MIN_OPACITY R(1e-3)
+#define SIM_DROP_PARAMETERS (sizeof(DropConstants) / sizeof(real))
 
 // GPUs keep a ray's sums in registers, which have no index.
 #if LS > 1
-#define EACH_SUM _Pragma("unroll")
+#define SIM_EACH_SUM _Pragma("unroll")
 #else
-#define EACH_SUM
+#define SIM_EACH_SUM
 #endif
 
 /// What a tile's rays say of the drop function: sums of dL/d(its parameters), in their order.
@@ -28,7 +28,7 @@ FN void drop_backward(
   F d0 = (F)f->skip[0], d1 = (F)f->skip[1];
   for (int j = 0; j < SIM_DROP_INPUTS; ++j) sums->skip[j] = fma(slope, x[j], sums->skip[j]);
   sums->bias += slope;
-  EACH_SUM
+  SIM_EACH_SUM
   for (int k = 0; k < SIM_DROP_HIDDEN; ++k) {
     F bend;
     sums->out[k] = fma(slope, drop_hidden(f, k, x, &bend), sums->out[k]);
@@ -52,7 +52,7 @@ FN void drop_backward(
 /// function's parameters get.
 /// in  out[7][slots]; truth[2][slots]: range (m, 0: no return, below 0: not known) and intensity;
 ///     world_ray: zero marks no ray
-/// out grad_out[5][slots]; sums[tiles][4 + DROP_PARAMETERS]: |d^ - d|, |intensity error|, cross entropy, wrong
+/// out grad_out[5][slots]; sums[tiles][4 + SIM_DROP_PARAMETERS]: |d^ - d|, |intensity error|, cross entropy, wrong
 ///     decisions, dL/d(parameters of the drop function)
 __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
                                    __global const SensorConstants* sensor,
@@ -65,8 +65,8 @@ __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
   const uint tile = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   const uint s = frame.slots;
   DropSums drops;
-  EACH_SUM
-  for (uint k = 0; k < DROP_PARAMETERS; ++k) ((F*)&drops)[k] = (F)R(0.0);
+  SIM_EACH_SUM
+  for (uint k = 0; k < SIM_DROP_PARAMETERS; ++k) ((F*)&drops)[k] = (F)R(0.0);
   F sum_distance = (F)R(0.0), sum_intensity = (F)R(0.0), sum_entropy = (F)R(0.0), sum_wrong = (F)R(0.0);
   for (uint j = lid * V; j < frame.tile_rays; j += LS * V) {
     const uint i = tile * frame.tile_rays + j;
@@ -104,7 +104,7 @@ __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
 
     // Distance.
     const F opacity = R(1.0) - t;
-    const I placed = AND(returned, opacity > MIN_OPACITY);
+    const I placed = AND(returned, opacity > SIM_MIN_OPACITY);
     const F inv_opacity = R(1.0) / SEL(placed, opacity, (F)R(1.0));
     const F distance = distance_sum * inv_opacity;
     const F error = SEL(placed, distance - range, (F)R(0.0));
@@ -115,20 +115,20 @@ __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
         fma(slope * scale[2], by_transmittance, sign * distance * inv_opacity));
     sum_distance += fabs(error);
   }
-  __global real* of_tile = sums + tile * (4 + DROP_PARAMETERS);
+  __global real* of_tile = sums + tile * (4 + SIM_DROP_PARAMETERS);
   const F* all = (const F*)&drops;
 #if LS > 1
-  __local real parts[LS * (4 + DROP_PARAMETERS)];
-  real own[4 + DROP_PARAMETERS] = {
+  __local real parts[LS * (4 + SIM_DROP_PARAMETERS)];
+  real own[4 + SIM_DROP_PARAMETERS] = {
       HSUM(sum_distance), HSUM(sum_intensity), HSUM(sum_entropy), HSUM(sum_wrong)};
-  EACH_SUM
-  for (uint k = 0; k < DROP_PARAMETERS; ++k) own[4 + k] = HSUM(all[k]);
-  group_columns(own, 4 + DROP_PARAMETERS, parts, of_tile);
+  SIM_EACH_SUM
+  for (uint k = 0; k < SIM_DROP_PARAMETERS; ++k) own[4 + k] = HSUM(all[k]);
+  group_columns(own, 4 + SIM_DROP_PARAMETERS, parts, of_tile);
 #else
   of_tile[0] = HSUM(sum_distance);
   of_tile[1] = HSUM(sum_intensity);
   of_tile[2] = HSUM(sum_entropy);
   of_tile[3] = HSUM(sum_wrong);
-  for (uint k = 0; k < DROP_PARAMETERS; ++k) of_tile[4 + k] = HSUM(all[k]);
+  for (uint k = 0; k < SIM_DROP_PARAMETERS; ++k) of_tile[4 + k] = HSUM(all[k]);
 #endif
 }

@@ -9,11 +9,11 @@
 //
 // Planes hold the picture row by row, with a margin of zeros that windows may reach into; they stay zero, as
 // nothing writes them. A work-item takes V columns of one tile, 16 rows.
-#define RADIUS 5
-#define TAPS (2 * RADIUS + 1)
-#define MARGIN_X 16
-#define C1 R(1e-4)
-#define C2 R(9e-4)
+#define SIM_SSIM_RADIUS 5
+#define SIM_SSIM_TAPS (2 * SIM_SSIM_RADIUS + 1)
+#define SIM_SSIM_MARGIN_X 16
+#define SIM_SSIM_C1 R(1e-4)
+#define SIM_SSIM_C2 R(9e-4)
 
 typedef struct {
   uint slot;    // of the strip's first pixel; the next row's is SIM_SLOT_ROW further
@@ -27,19 +27,19 @@ FN int find_strip(const FrameParams* frame, Strip* strip) {
   const uint per_tile = SIM_SLOT_ROW / V;
   const uint tile = get_global_id(0) / per_tile;
   const uint column = get_global_id(0) % per_tile * V;
-  strip->stride = frame->tiles_x * SIM_SLOT_ROW + 2 * MARGIN_X;
-  strip->size = strip->stride * (frame->tiles_y * SIM_SLOT_ROWS + 2 * RADIUS);
+  strip->stride = frame->tiles_x * SIM_SLOT_ROW + 2 * SIM_SSIM_MARGIN_X;
+  strip->size = strip->stride * (frame->tiles_y * SIM_SLOT_ROWS + 2 * SIM_SSIM_RADIUS);
   strip->slot = tile * SIM_TILE_RAYS + column;
-  strip->pixel = (tile / frame->tiles_x * SIM_SLOT_ROWS + RADIUS) * strip->stride +
-                 tile % frame->tiles_x * SIM_SLOT_ROW + column + MARGIN_X;
+  strip->pixel = (tile / frame->tiles_x * SIM_SLOT_ROWS + SIM_SSIM_RADIUS) * strip->stride +
+                 tile % frame->tiles_x * SIM_SLOT_ROW + column + SIM_SSIM_MARGIN_X;
   return tile < frame->tiles_x * frame->tiles_y;
 }
 
 /// Window sum of a plane about V pixels, over pixels `step` apart.
 FN F window_sum(__global const real* centre, __global const real* window, uint step) {
-  __global const real* at = centre - RADIUS * step;
+  __global const real* at = centre - SIM_SSIM_RADIUS * step;
   F sum = LDV(at) * window[0];
-  for (uint k = 1; k < TAPS; ++k) sum = fma(LDV(at + k * step), (F)window[k], sum);
+  for (uint k = 1; k < SIM_SSIM_TAPS; ++k) sum = fma(LDV(at + k * step), (F)window[k], sum);
   return sum;
 }
 
@@ -77,8 +77,8 @@ __kernel void ssim_moments(const FrameParams frame,
     const uint pixel = strip.pixel + row * strip.stride;
     F sum[6];
     for (int m = 0; m < 6; ++m) sum[m] = (F)R(0.0);
-    for (uint k = 0; k < TAPS; ++k) {
-      __global const real* at = planes + pixel + k - RADIUS;
+    for (uint k = 0; k < SIM_SSIM_TAPS; ++k) {
+      __global const real* at = planes + pixel + k - SIM_SSIM_RADIUS;
       const F w = (F)window[k];
       const F x = LDV(at + strip.size), y = LDV(at + 2 * strip.size);
       const F wx = w * x, wy = w * y;
@@ -116,10 +116,10 @@ __kernel void ssim_windows(const FrameParams frame,
     for (int k = 1; k < 6; ++k) m[k] *= inv_weight;
     const F mean_product = m[1] * m[2];
     const F mean_squares = fma(m[1], m[1], m[2] * m[2]);
-    const F a1 = fma(mean_product, (F)R(2.0), (F)C1);
-    const F a2 = fma(m[5] - mean_product, (F)R(2.0), (F)C2);
-    const F inv_b1 = R(1.0) / (mean_squares + C1);
-    const F inv_b2 = R(1.0) / (m[3] + m[4] - mean_squares + C2);
+    const F a1 = fma(mean_product, (F)R(2.0), (F)SIM_SSIM_C1);
+    const F a2 = fma(m[5] - mean_product, (F)R(2.0), (F)SIM_SSIM_C2);
+    const F inv_b1 = R(1.0) / (mean_squares + SIM_SSIM_C1);
+    const F inv_b2 = R(1.0) / (m[3] + m[4] - mean_squares + SIM_SSIM_C2);
     const F inv_b = inv_b1 * inv_b2;
     const F ssim = a1 * a2 * inv_b;
     total += SEL(known, R(1.0) - ssim, (F)R(0.0));

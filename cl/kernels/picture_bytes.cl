@@ -2,14 +2,14 @@
 #include "math/lanes.h"
 
 #if V == 1
-#define TO_FLOATS(v) ((float)(v))
-#define BYTES_FROM(v) ((uchar)(v))
+#define SIM_TO_FLOATS(v) ((float)(v))
+#define SIM_BYTES_FROM(v) ((uchar)(v))
 typedef float Floats;
 typedef int Ints;
 typedef uchar Bytes;
 #else
-#define TO_FLOATS(v) LANES_CAT(convert_float, V)(v)
-#define BYTES_FROM(v) LANES_CAT(convert_uchar, V)(v)
+#define SIM_TO_FLOATS(v) LANES_CAT(convert_float, V)(v)
+#define SIM_BYTES_FROM(v) LANES_CAT(convert_uchar, V)(v)
 typedef LANES_CAT(float, V) Floats;
 typedef LANES_CAT(int, V) Ints;
 typedef LANES_CAT(uchar, V) Bytes;
@@ -17,11 +17,11 @@ typedef LANES_CAT(uchar, V) Bytes;
 
 /// Half a step goes up, and what is no number becomes 0: bit for bit as to_bytes() of io/picture has it.
 FN Bytes bytes_of(F shown) {
-  const Floats value = TO_FLOATS(shown);
+  const Floats value = SIM_TO_FLOATS(shown);
   const Floats above = value > 0.0f ? value : (Floats)0.0f;
   const Floats steps = (above < 1.0f ? above : (Floats)1.0f) * 255.0f;
   const Ints whole = TO_INTS(steps);
-  return BYTES_FROM(whole + (steps - TO_FLOATS(whole) >= 0.5f ? (Ints)1 : (Ints)0));
+  return SIM_BYTES_FROM(whole + (steps - SIM_TO_FLOATS(whole) >= 0.5f ? (Ints)1 : (Ints)0));
 }
 
 /// V pixels of a row per work-item, those of tiles beside each other in slots beside each other.

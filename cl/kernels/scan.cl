@@ -5,7 +5,7 @@
 #include "math/lanes.h"
 
 /// Elements of this work-item: [first, last).
-#define OWN_RANGE                                           \
+#define SIM_SCAN_OWN_RANGE                                  \
   const uint lid = get_local_id(0);                         \
   const uint begin = min((uint)get_group_id(0) * block, n); \
   const uint end = min(begin + block, n);                   \
@@ -19,7 +19,7 @@ __kernel SIM_GROUP void scan_sums(__global const uint* data,
                                   const uint block,
                                   __global ulong* sums) {
   __local ulong parts[LS];
-  OWN_RANGE
+  SIM_SCAN_OWN_RANGE
   ulong sum = 0, total;
   for (uint i = first; i < last; ++i) sum += data[i];
   group_sum_before_ulong(sum, parts, &total);
@@ -37,7 +37,7 @@ __kernel SIM_GROUP void scan_exclusive(__global uint* data,
                                        __global const ulong* sums,
                                        __global ulong* total) {
   __local ulong parts[LS];
-  OWN_RANGE
+  SIM_SCAN_OWN_RANGE
   ulong earlier = 0, own_groups = 0;
   for (uint g = lid; g < get_group_id(0); g += LS) own_groups += sums[g];
   group_sum_before_ulong(own_groups, parts, &earlier);
