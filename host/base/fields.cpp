@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "host/base/close_names.hpp"
 #include "host/base/error.hpp"
@@ -178,26 +179,37 @@ void Fields::check() const {
   }
 }
 
+/// The words of `text` in lines of at most kColumns, each behind kIndent blanks.
+static std::string folded(const std::string& text) {
+  constexpr std::size_t kColumns = 96, kIndent = 6;
+  std::string lines, line(kIndent, ' ');
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (line.size() > kIndent && line.size() + 1 + word.size() > kColumns) {
+      lines += line + '\n';
+      line.assign(kIndent, ' ');
+    }
+    if (line.size() > kIndent) line += ' ';
+    line += word;
+  }
+  return lines + line + '\n';
+}
+
 std::string Fields::help() const {
-  std::size_t key = 0, value = std::string("default").size(), allowed = 0;
+  std::vector<std::string> groups;  // in the order of their first fields
   for (const Field& field : fields_) {
-    key = std::max(key, field.key.size());
-    value = std::max(value, field.text().size());
-    allowed = std::max(allowed, field.allowed().size());
+    if (std::find(groups.begin(), groups.end(), field.group) == groups.end()) groups.push_back(field.group);
   }
-  std::string table =
-      fmt::format("{:<{}}  {:<{}}  {:<{}}  meaning\n", "key", key, "default", value, "allowed", allowed);
-  for (const Field& field : fields_) {
-    table += fmt::format("{:<{}}  {:<{}}  {:<{}}  {}\n",
-                         field.key,
-                         key,
-                         field.text(),
-                         value,
-                         field.allowed(),
-                         allowed,
-                         field.help);
+  std::string text;
+  for (const std::string& group : groups) {
+    if (!text.empty()) text += '\n';
+    if (!group.empty()) text += group + '\n';
+    for (const Field& field : fields_) {
+      if (field.group != group) continue;
+      text += fmt::format("  {}={}  ({})\n", field.key, field.text(), field.allowed()) + folded(field.help);
+    }
   }
-  return table;
+  return text;
 }
 
 }  // namespace simuli

@@ -6,6 +6,7 @@
 //     field("voxel_m", o.voxel_m, range(1e-3, 100.0), "m, side of a voxel");    // a number
 //     field("shell", o.shell, "place particles of the far shell");              // true or false
 //     field("order", o.order, one_of("range", "per_ray"), "of blending");       // an enum
+//     field.group("Learning");                                                  // heads what follows in the help
 //     field.part("camera.", o.camera_rates);                                    // a struct of such fields
 //     field.part_in_training("", o.render);                                     // of a training
 //     field.keyless(o.shape);                                                   // nothing that users set
@@ -53,6 +54,7 @@ struct FieldCount {
   constexpr void operator()(const Told&... /*unused*/) {
     ++count;
   }
+  constexpr void group(const char* /*unused*/) {}
   template <class Part>
   constexpr void part(const char* /*prefix*/, const Part& /*unused*/) {
     ++count;
@@ -95,6 +97,7 @@ struct Field {
   std::vector<std::string> names;  // of an enum's values
   std::string help;                // unit and meaning
   InTraining in_training = InTraining::kAny;
+  std::string group = {};  // heading that it stands below in the help; empty: none
 
   [[nodiscard]] std::string text() const;     // of the value: what set() takes
   [[nodiscard]] std::string allowed() const;  // values, in words
@@ -110,10 +113,11 @@ class Fields {
   template <class Options>
   void part(const char* prefix, Options& options) {
     static_assert(kTellsAll<Options>, "visit_fields() leaves out a member of these options");
-    const std::string outer = prefix_;
+    const std::string outer = prefix_, outer_group = group_;
     prefix_ += prefix;
     visit_fields(options, *this);
     prefix_ = outer;
+    group_ = outer_group;
   }
   /// The same of options that a training has: fields of which it takes the default alone are refused by
   /// their own key where they are set to something else, and are not listed.
@@ -121,6 +125,7 @@ class Fields {
   void part_in_training(const char* prefix, Options& options) {
     Fields own, usual;
     Options defaults;
+    own.group_ = group_;
     own.part((prefix_ + prefix).c_str(), options);
     usual.part("", defaults);
     for (std::size_t i = 0; i < own.fields_.size(); ++i) {
@@ -131,17 +136,18 @@ class Fields {
       }
     }
   }
-  // What visitors call; see above.
+  // What visitors call; see above. A group ends with the part that names it, or with the next one.
+  void group(const char* heading) { group_ = heading; }
   template <class Number>
   void operator()(const char* key,
                   Number& value,
                   const Allowed& allowed,
                   const char* help,
                   InTraining in_training = InTraining::kAny) {
-    fields_.push_back({prefix_ + key, &value, allowed, {}, help, in_training});
+    fields_.push_back({prefix_ + key, &value, allowed, {}, help, in_training, group_});
   }
   void operator()(const char* key, bool& value, const char* help, InTraining in_training = InTraining::kAny) {
-    fields_.push_back({prefix_ + key, &value, {}, {}, help, in_training});
+    fields_.push_back({prefix_ + key, &value, {}, {}, help, in_training, group_});
   }
   template <class Enum, std::size_t N>
   requires std::is_enum_v<Enum>
@@ -153,7 +159,7 @@ class Fields {
     const EnumValue at{&value,
                        [](const void* of) { return static_cast<std::size_t>(*static_cast<const Enum*>(of)); },
                        [](void* of, std::size_t to) { *static_cast<Enum*>(of) = static_cast<Enum>(to); }};
-    fields_.push_back({prefix_ + key, at, {}, {names.begin(), names.end()}, help, in_training});
+    fields_.push_back({prefix_ + key, at, {}, {names.begin(), names.end()}, help, in_training, group_});
   }
   template <class Member>
   void keyless(const Member& /*unused*/) {}
@@ -169,7 +175,7 @@ class Fields {
   [[nodiscard]] std::vector<std::string> lines() const;
   /// Error{kUsage} "KEY: found, allowed" for the first value outside its range.
   void check() const;
-  /// A table for people: key, value (as the default), allowed values, meaning.
+  /// For people, group by group: "key=value" (as the default), allowed values, and below them the meaning.
   [[nodiscard]] std::string help() const;
 
  private:
@@ -183,7 +189,7 @@ class Fields {
 
   std::vector<Field> fields_;
   std::vector<Fixed> fixed_;
-  std::string prefix_;
+  std::string prefix_, group_;
 };
 
 template <class Options>

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "tests/host/expect_error.hpp"
 
@@ -35,7 +36,12 @@ constexpr void visit_fields(Options& o, F&& field) {
   field.part("camera.", o.camera);
   field.part("lidar.", o.lidar);
   field("shell", o.shell, "far away");
-  field("order", o.order, one_of("range", "per_ray"), "of blending");
+  field.group("Blending");
+  field("order",
+        o.order,
+        one_of("range", "per_ray"),
+        "of what a ray meets: by the distance of particles from the sensor, or by where the ray itself "
+        "meets them");
   field("cap", o.cap, at_least(0), "particles");
   field("width", o.width, zero_or(even(range(8, 7200))), "texels");
   field("looks", o.looks, range(0, 64), "of each point");
@@ -138,14 +144,15 @@ TEST(Fields, CheckNamesTheFieldThatIsOutsideItsRange) {
   expect_error(ErrorKind::kUsage, "order: found 2, allowed range, per_ray", [&] { check_fields(options); });
 }
 
-TEST(Fields, HelpHasALineOfEach) {
+TEST(Fields, HelpHasGroupsWithTheMeaningBelowEachKey) {
   Options options;
   const std::string help = fields_of(options).help();
-  EXPECT_EQ(std::count(help.begin(), help.end(), '\n'), 1 + 9);
-  for (const char* part :
-       {"camera.rate.opacity      0.3      0 or more", "order", "per_ray  range, per_ray", "of blending\n"}) {
-    EXPECT_NE(help.find(part), std::string::npos) << part << '\n' << help;
-  }
+  EXPECT_EQ(help.find("  camera.rate.opacity=0.3  (0 or more)\n      per step\n"), 0U) << help;
+  EXPECT_NE(help.find("\n\nBlending\n  order=per_ray  (range, per_ray)\n"), std::string::npos) << help;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 96U) << line;
+  EXPECT_EQ(fields_of(options).find("lidar.rate.opacity")->group, "");
+  EXPECT_EQ(fields_of(options).find("looks")->group, "Blending");
 }
 
 }  // namespace

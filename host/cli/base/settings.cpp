@@ -11,7 +11,7 @@
 namespace simuli::cli {
 namespace {
 
-/// What Fields::help() tells, as [{"key", "default", "allowed", "help"}...].
+/// What Fields::help() tells, as [{"group", "key", "default", "allowed", "help"}...].
 Json help_json(const Fields& fields) {
   Json rows = Json::array();
   for (const Field& field : fields.all()) {
@@ -24,8 +24,11 @@ Json help_json(const Fields& fields) {
           }
         },
         field.value);
-    rows.push_back(
-        {{"key", field.key}, {"default", preset}, {"allowed", field.allowed()}, {"help", field.help}});
+    rows.push_back({{"group", field.group},
+                    {"key", field.key},
+                    {"default", preset},
+                    {"allowed", field.allowed()},
+                    {"help", field.help}});
   }
   return rows;
 }

@@ -1,5 +1,6 @@
 #include "host/scene/ground/ground_map.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
