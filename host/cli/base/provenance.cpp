@@ -14,19 +14,26 @@ namespace simuli::cli {
 
 namespace {
 
-/// Those that a training of that quality does not have by itself, but for what has a line of its own.
+/// Those that a training of that quality does not have by itself, but for what has a line of its own. Keys that
+/// other versions had are counted: what they were by default is not known.
 std::string settings_text(const TrainingRecord& r) {
   const std::set<std::string> told{
       "image_scale", "held_out_every", "held_out_middle", "held_out_last", "seed", "iterations"};
-  const std::vector<std::string> lines =
-      lines_of(training_options(find_quality(r.quality) ? r.quality : "", {}));
-  const std::set<std::string> defaults(lines.begin(), lines.end());
+  TrainingOptions defaults = training_options(find_quality(r.quality) ? r.quality : "", {});
+  const Fields fields = fields_of(defaults);
   std::vector<std::string> others;
+  std::size_t unknown = 0;
   for (const std::string& line : r.settings) {
-    const bool is_told = told.contains(line.substr(0, line.find('=')));
-    if (!is_told && !defaults.contains(line)) others.push_back(line);
+    const std::string key = line.substr(0, line.find('='));
+    const Field* const field = fields.find(key);
+    if (field == nullptr) {
+      ++unknown;
+    } else if (!told.contains(key) && line != key + '=' + field->text()) {
+      others.push_back(line);
+    }
   }
-  return others.empty() ? "as by default" : fmt::format("{}", fmt::join(others, " "));
+  const std::string text = others.empty() ? "as by default" : fmt::format("{}", fmt::join(others, " "));
+  return unknown == 0 ? text : fmt::format("{} ({} that this version does not have: --json)", text, unknown);
 }
 
 }  // namespace
