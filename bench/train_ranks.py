@@ -74,8 +74,8 @@ def train(args, ranks, name, *options, **environment):
 
 
 def hashes(args):
-    options = ["--iterations", "60", "--set", "shards=4", "--set", "densify.first=10", "--set", "densify.every=10",
-               "--set", "color_grids=true", "--set", "actors.rate.shift_m=0.01"]
+    options = ["--iterations", "60", "--set", "shards=4", "--set", "densify.every=10",
+               "--set", "color_grids=true", "--set", "actors.track.learn=true"]
     found = {}
     for ranks in (1, 2, 4):
         told, found[f"{ranks} ranks"] = train(args, ranks, f"h{ranks}.scene", *options)
@@ -109,7 +109,7 @@ def speed(args):
 
 
 def kills(args):
-    options = ["--iterations", "60", "--set", "shards=4", "--checkpoint-every", "5", "--set", "densify.first=10",
+    options = ["--iterations", "60", "--set", "shards=4", "--checkpoint-every", "5",
                "--set", "densify.every=10"]
     start = time.monotonic()
     _, wanted = train(args, 1, "whole.scene", *options)
@@ -149,20 +149,16 @@ def kills(args):
 def rates(args):
     frames = 400
     for shards in (1, 2, 4):
-        for power in ((0.0,) if shards == 1 else (0.0, 0.5, 1.0)):
-            scores = []
-            for seed in (1, 2):
-                every = max(1, 50 // shards)
-                train(args, 1, "r.scene", "--iterations", str(frames // shards), "--seed", str(seed), "--set",
-                      f"shards={shards}", "--set", f"shards.rate_power={power}", "--set", f"densify.every={every}",
-                      "--set", f"densify.first={2 * every}",
-                      POCL_MAX_PTHREAD_COUNT="2")
-                told = json.loads(run([args.program, "--json", "eval", "r.scene", "s.log"], args.work,
-                                      POCL_MAX_PTHREAD_COUNT="2"))
-                scores.append((told["psnr_db"], told["ssim"], 100 * told["distance_median_m"], told["raydrop_accuracy"]))
-            mean = [sum(values) / len(scores) for values in zip(*scores)]
-            print(f"| {shards} | {power} | {frames // shards} | {mean[0]:.2f} | {mean[1]:.4f} | {mean[2]:.2f} | "
-                  f"{100 * mean[3]:.2f} | {abs(scores[0][0] - scores[1][0]):.2f} dB |", flush=True)
+        scores = []
+        for seed in (1, 2):
+            train(args, 1, "r.scene", "--iterations", str(frames // shards), "--seed", str(seed), "--set",
+                  f"shards={shards}", "--set", f"densify.every={max(1, 50 // shards)}", POCL_MAX_PTHREAD_COUNT="2")
+            told = json.loads(run([args.program, "--json", "eval", "r.scene", "s.log"], args.work,
+                                  POCL_MAX_PTHREAD_COUNT="2"))
+            scores.append((told["psnr_db"], told["ssim"], 100 * told["distance_median_m"], told["raydrop_accuracy"]))
+        mean = [sum(values) / len(scores) for values in zip(*scores)]
+        print(f"| {shards} | {frames // shards} | {mean[0]:.2f} | {mean[1]:.4f} | {mean[2]:.2f} | "
+              f"{100 * mean[3]:.2f} | {abs(scores[0][0] - scores[1][0]):.2f} dB |", flush=True)
     return True
 
 

@@ -168,9 +168,8 @@ std::vector<Row> run_actors(const std::string& device_request,
   {
     const Log noisy = with_noise(log, options);
     training.init.actor_margin_m = kNoisyMargin_m;
-    training.train.actor_margin_m = kNoisyMargin_m;
     add_report("noise/kept", compare(device, log, fit(device, noisy, training)));
-    training.train.actor_poses = {.shift_m = 0.005, .turn_rad = 0.001};
+    training.train.actor_poses.learn = true;
     const SceneFile learned = fit(device, noisy, training);
     add_report("noise/learned", compare(device, log, learned));
     const TrackError before = track_error(noisy.actors.front(), log.actors.front());

@@ -54,9 +54,9 @@ set(SIMULI_PUBLIC_import
   io/import/waymo/waymo.hpp)
 set(SIMULI_PUBLIC_training
   "A scene from a log: what `simuli train` does."
-  optim/path/path_options.hpp optim/actors/finding_options.hpp optim/fill/fill_options.hpp
+  optim/path/path_report.hpp optim/actors/finding_options.hpp
   optim/init/init_options.hpp optim/log/range_bias.hpp optim/log/own_vehicle.hpp optim/log/range_limit.hpp
-  optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/poses/shape_rates.hpp optim/train/schedule.hpp
+  optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/train/schedule.hpp
   optim/train/structure_options.hpp optim/length/length_options.hpp optim/train/train_options.hpp
   optim/fixer/fixer_options.hpp optim/stretch/stretch_options.hpp optim/report/train_report.hpp optim/train/training_options.hpp optim/ranks/ranks.hpp
   optim/ranks/rank_threads.hpp optim/train/training.hpp)

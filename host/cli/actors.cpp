@@ -136,7 +136,7 @@ void actors(const ActorsCommand& command, const Globals& globals) {
     copy_log(log, command.output);
   }
   std::optional<ActorComparison> comparison;
-  if (labelled) comparison = compare_actors(labelled->actors, found.actors, command.options.min_travel_m);
+  if (labelled) comparison = compare_actors(labelled->actors, found.actors, kLeastFoundTravel_m);
   if (globals.json) {
     Json json = {{"sweeps", found.report.sweeps},
                  {"moving_returns", found.report.moving_returns},

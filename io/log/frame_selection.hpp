@@ -24,20 +24,27 @@ struct FrameSelection {
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(FrameSelection& o, F&& field) {
-  field("image_scale", o.image_scale, above(0.0, 1.0), "size of the training pictures over the recorded");
+  field.group("Data");
+  field("image_scale",
+        o.image_scale,
+        above(0.0, 1.0),
+        "Size of the training pictures over the recorded ones. 1: sharpest, four times the pixels of 0.5.");
   field("held_out_every",
         o.held_out_every,
         zero_or(at_least(2)),
-        "every so many frames, one is kept for evaluation; 0: none is");
+        "Keep every N-th picture and sweep for evaluation; 0: train on all frames.");
   field("held_out_middle",
         o.held_out_middle,
         range(0.0, 0.9),
-        "share of the path, around its middle, whose frames are kept for evaluation, too");
+        "Keep the frames on this share of the path, around its middle, for evaluation as well.");
   field("held_out_last",
         o.held_out_last,
         range(0.0, 0.9),
-        "share of the path, at its end, whose frames are kept for evaluation, too");
-  field("seed", o.seed, at_least(0), "of the frames' order and of thinning");
+        "Keep the frames on this share of the path, at its end, for evaluation as well.");
+  field("seed",
+        o.seed,
+        at_least(0),
+        "Seed of the frames' order and of thinning. Another seed shows how much results scatter.");
 }
 
 /// "every 5. frame, the last 20 % of the path": what is held out; empty: nothing.

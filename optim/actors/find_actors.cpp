@@ -107,7 +107,7 @@ void Search::follow(const ClusterChain& chain) {
 bool Search::is_body(const BodyTrack& track) const {
   const std::vector<KeyPose>& keys = track.actor.track;
   if (keys.size() < static_cast<std::size_t>(options_.min_sweeps)) return false;
-  if (track.actor.travel_m() < options_.min_travel_m) return false;
+  if (track.actor.travel_m() < kLeastFoundTravel_m) return false;
   if ((track.box.sizes().array() < kLeastSize_m.array()).any()) return false;
   const std::vector<BodyReturn> returns = all_returns(series_, track, track.box, taken_);
   if (static_cast<double>(returns.size()) < kLeastReturnsOfABody * static_cast<double>(keys.size()))

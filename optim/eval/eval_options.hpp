@@ -27,11 +27,14 @@ constexpr void visit_fields(EvalOptions& o, F&& field) {
   field.keyless(o.held_out_every);
   field.keyless(o.held_out_middle);
   field.keyless(o.held_out_last);
-  field("timed_renders", o.timed_renders, at_least(1), "of each sensor, for its speed");
-  field("actor_min_travel_m",
+  field("timed_renders",
+        o.timed_renders,
+        at_least(1),
+        "Renders of each sensor that are timed. More: steadier speeds, slower.");
+  field("actors.least_travel_m",
         o.actor_min_travel_m,
         at_least(0.0),
-        "m, actors of the log that get less far do not count as such");
+        "Distance in m that an actor of the log must travel to be scored as one.");
   field.part("", o.render);
 }
 

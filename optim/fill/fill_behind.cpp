@@ -261,8 +261,8 @@ class SetFiller {
       }
       const PointSet points = grid.averages();
       init.lidar_sh_degree = set.sh_degree;
-      const CellOptions cells{
-          init.voxel_m, init.lidar_voxel_rad, init.flat_side_m, init.flat_m, init.flat_alike};
+      CellOptions cells = kLidarCells;
+      cells.voxel_m = init.voxel_m;
       set = lidar_set(points, surface_cells(points, cells), init.voxel_m, init);
     } else {
       PointSet points;
@@ -271,7 +271,7 @@ class SetFiller {
         points.position.col(static_cast<Eigen::Index>(i)) = at[i].cast<float>();
       }
       points.intensity.assign(at.size(), 0.0F);
-      join_by_footprint(points, looks, init.voxel_m, init.camera_voxel_px);
+      join_by_footprint(points, looks, init.voxel_m, kCameraVoxel_px);
       std::vector<std::uint32_t> kept;
       for (std::uint32_t i = 0; i < points.size(); ++i) {
         if (is_seen_through(points.position.col(i).cast<double>())) continue;

@@ -16,6 +16,9 @@
 
 namespace simuli {
 
+constexpr double kFirstShare = 0.5;  // of the iterations, when the program is first asked: scenes are whole then
+constexpr int kEvery = 2;            // iterations per mended picture
+
 FixedViews::FixedViews(const Device& device,
                        const Log& log,
                        const FrameSelection& frames,
@@ -33,7 +36,7 @@ bool FixedViews::is_due(int iteration, int iterations) const {
   if (command_.empty()) return false;
   for (int round = 0; round < options_.rounds; ++round) {
     const double share =
-        options_.first_share + (1.0 - options_.first_share) * static_cast<double>(round) / options_.rounds;
+        kFirstShare + (1.0 - kFirstShare) * static_cast<double>(round) / options_.rounds;
     if (iteration == static_cast<int>(share * iterations)) return true;
   }
   return false;
@@ -93,8 +96,8 @@ void FixedViews::mend(const SceneFile& scene, int iteration) {
 }
 
 const FixedView* FixedViews::turn(int iteration) const {
-  if (views_.empty() || iteration % options_.every != 0) return nullptr;
-  const FixedView& view = views_[static_cast<std::size_t>(iteration / options_.every) % views_.size()];
+  if (views_.empty() || iteration % kEvery != 0) return nullptr;
+  const FixedView& view = views_[static_cast<std::size_t>(iteration / kEvery) % views_.size()];
   return view.known > 0 ? &view : nullptr;
 }
 

@@ -5,30 +5,27 @@
 namespace simuli {
 
 struct FixerOptions {
-  double first_share = 0.5;
-  int rounds = 2;
+  int rounds = 2;  // times that the program is asked, evenly over the second half of the training
   double shift_m = 1.5;
   int views = 10;
-  int every = 2;
   double weight = 0.5;
 };
 template <class F>
 constexpr void visit_fields(FixerOptions& o, F&& field) {
-  field("fixer.first_share",
-        o.first_share,
-        range(0.0, 1.0),
-        "of the iterations, when the program is first asked");
-  field("fixer.rounds",
-        o.rounds,
-        at_least(1),
-        "how often it is asked, evenly over the iterations that are left");
+  field.group("Fixer");
+  field.keyless(o.rounds);
   field("fixer.shift_m",
         o.shift_m,
         above(0.0, 10.0),
-        "m, to either side of the path, that its pictures are taken");
-  field("fixer.views", o.views, range(1, 1000), "recorded pictures that are taken again from either side");
-  field("fixer.every", o.every, at_least(1), "iterations per mended picture");
-  field("fixer.weight", o.weight, at_least(0.0), "of a mended picture's loss over a recorded one's");
+        "Distance in m to either side of the path from which it gets pictures.");
+  field("fixer.views",
+        o.views,
+        range(1, 1000),
+        "Recorded pictures that are taken again from either side. More: more of the drive, more calls.");
+  field("fixer.weight",
+        o.weight,
+        at_least(0.0),
+        "Weight of a mended picture's loss over a recorded one's. More: trust the program more.");
 }
 
 }  // namespace simuli

@@ -14,8 +14,11 @@ namespace simuli {
 /// still is modelled better without the noise of its labels.
 [[nodiscard]] std::vector<Actor> moving_actors(const std::vector<Actor>& all, double min_travel_m);
 
+/// Half the background's: what drives by is looked at from nearer than what a street ends with. Not measured.
+inline constexpr double kActorPointVoxel_m = 0.05;
+
 struct ActorPointOptions {
-  double voxel_m = 0.05;
+  double voxel_m = kActorPointVoxel_m;
   double margin_m = 0.1;         // labels are not exact: boxes reach this much farther
   bool register_tracks = false;  // lets the returns say where the actors were (actor_tracks.hpp)
 };

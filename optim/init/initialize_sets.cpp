@@ -14,6 +14,9 @@ constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it eithe
 constexpr float kHitLogit = 1.5F;
 constexpr float kUntaughtOpacityLogit = 2.0F;  // 0.88: no distance ever pulls it up
 constexpr float kUnseenOpacityLogit = 2.0F;    // 0.88
+/// Standard deviation of a camera particle over the distance to its neighbours. Street: 0.4 32.70 dB, 0.5
+/// 32.70, 0.6 32.67; drive 0052: 0.35 26.16 dB, 0.5 26.17.
+constexpr double kCameraScale = 0.5;
 constexpr double kFlatRatio = 0.2;             // thickness of a particle on a plane over its width
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
@@ -42,7 +45,7 @@ void set_on_point(GaussianSet& set,
                   double per_spacing,
                   const InitOptions& options) {
   const double scale_m = std::clamp(
-      per_spacing * std::max<double>(shape.spacing_m, width_m), options.min_scale_m, options.max_scale_m);
+      per_spacing * std::max<double>(shape.spacing_m, width_m), kLeastScale_m, options.max_scale_m);
   const double thickness_m =
       shape.planar ? std::min(scale_m, std::max(kFlatRatio * scale_m, kThinnest_m)) : scale_m;
   const auto row = static_cast<Eigen::Index>(i);
@@ -60,10 +63,8 @@ GaussianSet lidar_set(const PointSet& points,
                       double voxel_m,
                       const InitOptions& options) {
   GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(cells.size()));
-  const std::vector<SurfaceShape> shapes = surface_shapes(
-      points,
-      cells,
-      {voxel_m, options.lidar_scale, options.min_scale_m, options.max_scale_m, options.lidar_thin_m});
+  const std::vector<SurfaceShape> shapes =
+      surface_shapes(points, cells, {.voxel_m = voxel_m, .max_m = options.max_scale_m});
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     set_shape(set, row, cells[i].mean, shapes[i].scene_from_local, shapes[i].scale_m.cast<double>());
@@ -77,7 +78,7 @@ static GaussianSet opaque_set(const PointSet& points, bool returns, const InitOp
   GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
   const std::vector<LocalShape> shapes = local_shapes(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], 0.0, options.lidar_scale, options);
+    set_on_point(set, points, i, shapes[i], 0.0, kLidarScale, options);
     set.sh(0)(static_cast<Eigen::Index>(i), 0) = (points.intensity[i] - 0.5F) / kSh0;
   }
   const float hit_logit = returns ? kHitLogit : -kHitLogit;
@@ -101,7 +102,7 @@ GaussianSet camera_set(const PointSet& points,
   GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(points.size()));
   const std::vector<LocalShape> shapes = local_shapes(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, options.camera_scale, options);
+    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, kCameraScale, options);
     set_colour(set, i, looks[i].colour);
   }
   return set;

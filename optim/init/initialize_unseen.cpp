@@ -151,16 +151,14 @@ UnseenSurfaces unseen_surfaces(const PointSet& points,
   if (kept.empty()) return out;
   const PointSet own = points.subset(kept);
   out.points = own.size();
-  out.cells = surface_cells(own,
-                            {options.voxel_m,
-                             options.lidar_voxel_rad,
-                             std::min(options.flat_side_m, kFlatSide_m),
-                             options.flat_m,
-                             options.flat_alike});
+  CellOptions cells = kLidarCells;
+  cells.voxel_m = options.voxel_m;
+  cells.flat_side_m = kFlatSide_m;
+  out.cells = surface_cells(own, cells);
   out.shapes = surface_shapes(
       own,
       out.cells,
-      {options.voxel_m, kCellScale, options.min_scale_m, options.max_scale_m, options.lidar_thin_m});
+      {.voxel_m = options.voxel_m, .scale = kCellScale, .max_m = options.max_scale_m});
 
   const std::vector<LocalShape> shapes = local_shapes(points);
   const std::vector<std::uint32_t> lenders = lenders_of(seen, looks, views.size());

@@ -115,6 +115,10 @@ Coverage look_at_points(const ImageView& view,
                         int cell_px,
                         std::vector<PointLook>& looks);
 
+/// Least width in pixels of the camera set's voxels in the closest picture of them. Drive 0013: none 22.59 dB
+/// with 424 k particles, 3 px 22.58 dB with 292 k. Street, 2 px: 32.99 dB for 32.70, the same off the path.
+inline constexpr double kCameraVoxel_px = 3.0;
+
 /// Joins points that no picture shows apart: one average point and colour is left in each voxel, of a side of
 /// finest_m times the power of two nearest to `pixels` pixels of the closest look at its points (or finest_m,
 /// if that is more). Points in order of side and voxel; returns by how many there are fewer.

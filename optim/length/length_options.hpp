@@ -19,7 +19,11 @@ struct LengthOptions {
 };
 template <class F>
 constexpr void visit_fields(LengthOptions& o, F&& field) {
-  field("auto.on", o.automatic, "training goes on until it gains little; iterations counts for nothing then");
+  field.group("Length");
+  field("auto.on",
+        o.automatic,
+        "Train until training frames gain little, whatever iterations says (--iterations auto). true: for a "
+        "drive of unknown difficulty.");
   field.keyless(o.first_epochs);
   field.keyless(o.growth);
   field.keyless(o.gain_db);

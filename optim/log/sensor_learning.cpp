@@ -8,11 +8,10 @@
 
 namespace simuli {
 
-Log with_learned_sensors(Log log, const FrameSelection& frames, const SensorLearning& what) {
-  if (what.range_bias) log = with_range_bias(std::move(log), frames);
-  if (what.own_vehicle) log = with_blind_arcs(std::move(log), frames);
-  if (what.range_limit) log = with_range_limit(std::move(log), frames);
-  return log;
+Log with_learned_sensors(Log log, const FrameSelection& frames) {
+  log = with_range_bias(std::move(log), frames);
+  log = with_blind_arcs(std::move(log), frames);
+  return with_range_limit(std::move(log), frames);
 }
 
 }  // namespace simuli

@@ -6,10 +6,9 @@
 namespace simuli {
 
 RefinedLog with_refined_path(Log log,
-                             const PathRefinement& options,
                              const std::function<void(std::size_t, std::size_t)>& /*progress*/) {
   RefinedLog out{std::move(log), {}};
-  if (options.refine) out.report.reason = "this build has no calibration (CMake option SIMULI_CALIBRATION)";
+  out.report.reason = "this build has no calibration (CMake option SIMULI_CALIBRATION)";
   return out;
 }
 

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "io/log/log.hpp"
-#include "optim/path/path_options.hpp"
+#include "optim/path/path_report.hpp"
 
 namespace simuli {
 
@@ -20,7 +20,6 @@ struct RefinedLog {
 /// show. A build without calibration leaves logs as they are. progress(done, total) of rounds and sweeps.
 [[nodiscard]] RefinedLog with_refined_path(
     Log log,
-    const PathRefinement& options,
     const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 }  // namespace simuli

@@ -17,6 +17,13 @@ struct CellOptions {
   double alike = 0.0;        // standard deviation of intensity, at most
 };
 
+/// What cells of LiDAR particles grow to. voxel_rad: drive 0052 has 94 k particles and 5.43 cm with 0.02, 183 k
+/// and 4.95 cm with 0.01; 0013 574 k for 366 k and 3.83 cm for 3.94 with 0.005. flat_side_m: the street has
+/// 35 k particles for 113 k at the same 0.27 cm. flat_m is a spinning LiDAR's noise of ranges; alike is the
+/// error of a trained intensity.
+inline constexpr CellOptions kLidarCells{
+    .voxel_rad = 0.01, .flat_side_m = 0.8, .flat_m = 0.015, .alike = 0.1};
+
 /// Points that became one.
 struct SurfaceCell {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();

@@ -14,7 +14,7 @@ namespace simuli {
 class ActorPoses {
  public:
   explicit ActorPoses(const PoseRates& rates) : rates_(rates) {}
-  [[nodiscard]] bool learns() const { return rates_.shift_m > 0.0 || rates_.turn_rad > 0.0; }
+  [[nodiscard]] bool learns() const { return rates_.learn; }
 
   /// One step by the gradient of a frame, in the order of `actors`. A pose between two keys moves both by its
   /// shares of them: for rotations this holds up to the turn from one key to the next. Only keys that the

@@ -15,6 +15,13 @@ constexpr double kFirstDecay = 0.9;
 constexpr double kSecondDecay = 0.999;
 constexpr double kLeastRoot = 1e-15;
 
+constexpr double kRate_m = 0.01;     // per step of Adam, at the start: a body's width in some ten steps
+constexpr double kShapeFinalShare = 0.1;  // of it, at the end
+constexpr double kInterval_s = 0.1;  // between knots in time: a fifth of a leg's swing
+/// Of its distance to the mean of its neighbours, in space and time, by which each offset goes there per step
+/// that moves it.
+constexpr double kSmooth = 0.01;
+
 /// Between two legs side by side there has to be a node, and one beyond each.
 constexpr std::array<int, 3> kNodes{3, 4, 6};
 
@@ -49,13 +56,12 @@ bool is_non_rigid(const Actor& actor) {
   });
 }
 
-void prepare_shapes(std::vector<Actor>& actors, const ShapeRates& rates) {
-  if (!rates.learn) return;
+void prepare_shapes(std::vector<Actor>& actors) {
   for (Actor& actor : actors) {
     if (!actor.deformation.empty() || actor.track.size() < 2 || !is_non_rigid(actor)) continue;
     Deformation& shape = actor.deformation;
     shape.nodes = kNodes;
-    shape.interval_s = rates.interval_s;
+    shape.interval_s = kInterval_s;
     shape.start_s = actor.track.front().time_s - Actor::kReach_s;
     const double lasts_s = actor.track.back().time_s + Actor::kReach_s - shape.start_s;
     const double knots = std::ceil(lasts_s / shape.interval_s) + 1.0;
@@ -73,7 +79,7 @@ void ActorShapes::step(std::vector<Actor>& actors,
                        double time_end_s,
                        double progress) {
   moments_.resize(actors.size());
-  const double rate = rates_.rate_m * std::pow(rates_.final_share, progress);
+  const double rate = kRate_m * std::pow(kShapeFinalShare, progress);
   for (std::size_t i = 0; i < gradients.size(); ++i) {
     Deformation& shape = actors[i].deformation;
     const std::size_t row = 3 * shape.node_count();
@@ -147,7 +153,7 @@ void ActorShapes::smooth(Deformation& shape, std::size_t knot) const {
           const bool later = knot + 1 < shape.knots();
           add(later, later ? all[(knot + 1) * row + here + c] : 0.0);
           double& value = shape.offsets_m[knot * row + here + c];
-          value += rates_.smooth * (sum / count - own[here + c]);
+          value += kSmooth * (sum / count - own[here + c]);
         }
       }
     }

@@ -6,7 +6,6 @@
 
 #include "host/render/backward/deform_bwd.hpp"
 #include "host/scene/actor.hpp"
-#include "optim/poses/shape_rates.hpp"
 
 namespace simuli {
 
@@ -15,13 +14,13 @@ namespace simuli {
 
 /// Gives those actors that are not rigid, and have none, a deformation of zeros for as long as their tracks
 /// last.
-void prepare_shapes(std::vector<Actor>& actors, const ShapeRates& rates);
+void prepare_shapes(std::vector<Actor>& actors);
 
 /// One particle set's optimiser of the shapes, which all sets share.
 class ActorShapes {
  public:
-  explicit ActorShapes(const ShapeRates& rates) : rates_(rates) {}
-  [[nodiscard]] bool learns() const { return rates_.learn && rates_.rate_m > 0.0; }
+  explicit ActorShapes(bool learns) : learns_(learns) {}
+  [[nodiscard]] bool learns() const { return learns_; }
 
   /// One step by the gradients of a frame, in the order of `actors`: knots that the frame has to do with
   /// move, and are drawn to their neighbours. What is not finite moves nothing.
@@ -47,7 +46,7 @@ class ActorShapes {
             double rate);
   void smooth(Deformation& shape, std::size_t knot) const;
 
-  ShapeRates rates_;
+  bool learns_;
   std::vector<Moments> moments_;  // [actors]
 };
 

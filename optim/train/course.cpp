@@ -24,7 +24,7 @@ void if_there_is_room(const std::function<void()>& make) {
 }
 
 void fill(const Device& device, const Log& log, const TrainingOptions& options, SceneFile& file) {
-  if (!options.fill.fill) return;
+  if (!options.fill_behind_actors) return;
   const FillRecipe recipe{options.frames, options.init, options.train.render};
   if_there_is_room([&] { fill_behind_actors(device, log, recipe, file); });
 }
@@ -38,7 +38,7 @@ std::string TrainingDrive::identity() const {
 }
 
 void TrainingDrive::find_moving(const Log& seen, const FrameSelection& frames) {
-  if (!options.actors.find || !options.init.actors) return;
+  if (!options.find_actors || !options.init.actors) return;
   FoundActors found = find_actors(seen, frames, options.actors);
   CompletedActors completed = complete_actors(std::move(log.actors), found.actors);
   log.actors = std::move(completed.actors);

@@ -41,22 +41,26 @@ struct LearningRates {
   double mean_m = 1e-2;
   double mean_final_m = 1e-4;
   double log_scale = 2e-2;
-  double rotation = 5e-3;
-  double opacity = 0.1;
-  double sh = 2e-2;
-  double sh_rest = 2e-3;
+  double rotation = 5e-3;  // of quaternions
+  double opacity = 0.1;    // of logits
+  double sh = 2e-2;        // of degree 0
+  double sh_rest = 2e-3;   // of the degrees above
   double final_share = 0.1;
 };
 template <class F>
 constexpr void visit_fields(LearningRates& o, F&& field) {
-  field("rate.mean_m", o.mean_m, above(0.0), "m per step of Adam, of positions, at the start");
-  field("rate.mean_final_m", o.mean_final_m, above(0.0), "m per step, of positions, at the end");
-  field("rate.log_scale", o.log_scale, at_least(0.0), "per step, of the sizes' logarithms");
-  field("rate.rotation", o.rotation, at_least(0.0), "per step, of quaternions");
-  field("rate.opacity", o.opacity, at_least(0.0), "per step, of the opacities' logits");
-  field("rate.sh", o.sh, at_least(0.0), "per step, of harmonics of degree 0");
-  field("rate.sh_rest", o.sh_rest, at_least(0.0), "per step, of the degrees above");
-  field("rate.final_share", o.final_share, above(0.0, 1.0), "of all but the positions' rates, at the end");
+  field.group("Camera set");
+  field("camera.rate.sh",
+        o.sh,
+        at_least(0.0),
+        "Learning rate of colours at the start. Less: steadier, for long trainings.");
+  field.keyless(o.mean_m);
+  field.keyless(o.mean_final_m);
+  field.keyless(o.log_scale);
+  field.keyless(o.rotation);
+  field.keyless(o.opacity);
+  field.keyless(o.sh_rest);
+  field.keyless(o.final_share);
 }
 
 /// Adam's epsilon of each parameter row [param_rows(sh_degree)]: `colour_epsilon` of those that state

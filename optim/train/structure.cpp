@@ -7,6 +7,7 @@ namespace {
 
 // Iterations from one search for candidates, and from one choice of the nearest of them, to the next.
 constexpr int kSearchEvery = 1000, kChooseEvery = 10;
+constexpr int kFirstDensified = 2;  // time of densify.every that is the first: starts settle before
 
 }  // namespace
 
@@ -29,7 +30,7 @@ Structure::Structure(const Device& device,
 
 bool Structure::collects_errors(SetNumber number, int iteration) const {
   return densify_ && (number == kCameraSet || options_.densify.lidar) &&
-         iteration < options_.densify.last_share * options_.iterations;
+         iteration < DensifyOptions::kLastShare * options_.iterations;
 }
 
 void Structure::find_anchors(int iteration, bool lidar_pruned) {
@@ -80,7 +81,7 @@ std::uint32_t Structure::growth(SetNumber number) const {
 
 void Structure::densify(int iteration) {
   const DensifyOptions& o = options_.densify;
-  if (o.every <= 0 || iteration < o.first || iteration % o.every != 0) return;
+  if (o.every <= 0 || iteration < kFirstDensified * o.every || iteration % o.every != 0) return;
   const std::uint32_t added[] = {growth(kCameraSet), growth(kLidarSet)};
   for (const SetNumber number : {kCameraSet, kLidarSet}) {
     if (!collects_errors(number, iteration)) continue;

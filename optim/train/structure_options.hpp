@@ -13,58 +13,73 @@ struct AnchorOptions {
 };
 template <class F>
 constexpr void visit_fields(AnchorOptions& o, F&& field) {
+  field.group("Camera set");
   field("anchor.weight",
         o.weight,
         at_least(0.0),
-        "of camera particles' mean distance (m) to the LiDAR set, 0.01 in the paper; 0: none");
+        "Weight of camera particles' distance in m to the nearest LiDAR particle. 0.01: the paper's "
+        "anchoring, slower and no better; 0: off.");
 }
 
 /// Relocation and growth by reconstruction error (METHOD section 11).
 struct DensifyOptions {
+  static constexpr double kLastShare = 0.8;  // of the iterations: what comes last has time to settle, too
   int every = 50;
-  int first = 100;
-  double last_share = 0.8;
-  bool lidar = false;  // its particles start where returns are; there are enough of them
+  /// Also the LiDAR set. Its particles start where returns are: 3.95 cm for 3.94 on drive 0013, 3 % fewer.
+  bool lidar = false;
+  /// Of a set's particles, per time. Drive 0052: 0.2, with most = 3, 26.29 dB for 26.17 with 171 k particles
+  /// for 132 k.
   double growth = 0.1;
   double most = 2.0;
   std::size_t cap = 4'000'000;
+  /// m^-2, of positions' jitter per m of their learning rate. Street: 0 33.37 dB for 33.38, 3 m beside the path
+  /// 19.8 for 20.0.
   double noise = 500.0;
 };
 template <class F>
 constexpr void visit_fields(DensifyOptions& o, F&& field) {
+  field.group("Camera set");
   field("densify.every",
         o.every,
         at_least(0),
-        "iterations from one relocation and growth by error to the next; 0: never");
-  field("densify.first", o.first, at_least(1), "iteration of the first");
-  field("densify.last_share", o.last_share, range(0.0, 1.0), "of the iterations: none after that");
-  field("densify.lidar", o.lidar, "also the LiDAR set");
-  field("densify.growth", o.growth, range(0.0, 1.0), "of a set's particles, per time");
-  field("densify.most", o.most, at_least(1.0), "particles of a set over those at the start, at most");
-  field("densify.cap", o.cap, at_least(0), "particles of both sets together, at most");
-  field("densify.noise", o.noise, at_least(0.0), "m^-2, of positions' jitter per m of their learning rate");
+        "Iterations between additions of particles where pictures err most, from the second time on. 0: "
+        "never, less memory and 0.7 dB worse.");
+  field("densify.most",
+        o.most,
+        at_least(1.0),
+        "Most particles over those at the start. More: sharper pictures, slower.");
+  field.keyless(o.lidar);
+  field.keyless(o.growth);
+  field.keyless(o.noise);
+  field.group("Memory");
+  field("densify.cap",
+        o.cap,
+        at_least(0),
+        "Most particles of both sets together. Lower it to save memory.");
 }
 
 /// LiDAR particles that no training sweep needs are taken out (METHOD section 11).
 struct PruneOptions {
   double weight = 0.12;
-  int first = 100;
-  int times = 2;
-  double last_share = 0.5;
+  int first = 100;          // iteration: opacities must settle
+  int times = 2;            // evenly spread
+  double last_share = 0.5;  // of the iterations, the last time: what is left learns to do without the others
+  /// Each time the LiDARs' range biases by row take up what rows state beside what the set shows. Drive 0013:
+  /// 3.94 cm without, 3.79 with; 0052: 2.02 and 1.83 cm.
   bool row_ranges = true;
 };
 template <class F>
 constexpr void visit_fields(PruneOptions& o, F&& field) {
+  field.group("LiDAR set");
   field("prune.weight",
         o.weight,
         range(0.0, 1.0),
-        "LiDAR particles whose weight in no ray of any training sweep reaches this are taken out; 0: none");
-  field("prune.first", o.first, at_least(0), "iteration before which none is: opacities must settle");
-  field("prune.times", o.times, at_least(1), "how often, evenly spread");
-  field("prune.last_share", o.last_share, range(0.0, 1.0), "of the iterations: the last time");
-  field("prune.row_ranges",
-        o.row_ranges,
-        "each time the LiDARs' range biases by row take up what rows state beside what the set shows");
+        "Weight that a LiDAR particle must have in some ray of a sweep to stay. More: fewer particles, "
+        "faster; 0: all stay.");
+  field.keyless(o.first);
+  field.keyless(o.times);
+  field.keyless(o.last_share);
+  field.keyless(o.row_ranges);
 }
 
 }  // namespace simuli

@@ -18,7 +18,7 @@ TrainOptions checked(const TrainOptions& o) {
 
 TrainingOptions checked(const TrainingOptions& options) {
   check_fields(options.frames);
-  check(options.init);
+  check_fields(options.init);
   static_cast<void>(checked(options.train));
   if (options.train.shards.count > 1 && !options.fixer_command.empty()) {
     throw Error(ErrorKind::kUsage,

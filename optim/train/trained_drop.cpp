@@ -7,6 +7,9 @@
 
 namespace simuli {
 
+constexpr double kDropFinalShare = 0.1;  // of the rate, at the end
+constexpr int kLooks = 10;               // steps of a function on a sweep that teaches it, which is rendered once
+
 TrainedDrop::TrainedDrop(const Log& log, const Scene& scene, const TrainingOptions& options)
     : options_(options.train.ray_drop) {
   if (options_.rate <= 0.0) {
@@ -53,9 +56,9 @@ LidarLoss TrainedDrop::learn(Pass& pass,
   const LidarLossScale own = share(sweep, scale);
   if (own.function_entropy == 0.0) return pass.lidar_loss(truth, own);
   std::array<double, RayDrop::kParameters> rates{};
-  rates.fill(options_.rate * std::pow(options_.final_share, progress));
+  rates.fill(options_.rate * std::pow(kDropFinalShare, progress));
   Function function = functions_.at(lidar);
-  for (int look = 0; look < options_.looks; ++look) {
+  for (int look = 0; look < kLooks; ++look) {
     function.step(pass.lidar_loss(truth, {.function_entropy = own.function_entropy}).drop, rates);
     pass.set_drop(function.value);
   }

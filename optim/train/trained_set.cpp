@@ -27,13 +27,13 @@ void keep_columns(RealBuffer& rows,
 TrainedSet::TrainedSet(const Device& device,
                        const GaussianSet& set,
                        const PoseRates& pose_rates,
-                       const ShapeRates& shape_rates)
+                       bool learns_shapes)
     : particles(device, set, Precision::kFloat),
       grads(device, "gradients", Precision::kFloat, particles.params.count()),
       error(device, "reconstruction errors", Precision::kFloat, particles.count),
       adam(device, particles),
       poses(pose_rates),
-      shapes(shape_rates) {
+      shapes(learns_shapes) {
   grads.fill(0.0);
   error.fill(0.0);
 }

@@ -17,7 +17,7 @@ struct TrainedSet {
   TrainedSet(const Device& device,
              const GaussianSet& set,
              const PoseRates& pose_rates,
-             const ShapeRates& shape_rates);
+             bool learns_shapes);
   /// Makes the gradients fit the particles after those have grown.
   void fit_gradients();
   /// Leaves the particles at `kept`, in that order, each with its optimiser's state. Waits.

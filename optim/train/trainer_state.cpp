@@ -174,13 +174,14 @@ double RunningMean::value() const {
 TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, const TrainingOptions& training)
     : log(of_log),
       scene(in_coherent_order(std::move(start))),
+      actor_margin_m(training.init.actor_margin_m),
       options(fitting(on, of_log, scene, training)),
       seed(training.frames.seed),
       device(on),
       renderer(on, training_options(options.render)),
       truth(on, of_log, training, renderer.options()),
-      camera(on, scene.camera, options.actor_poses, options.actor_shapes),
-      lidar(on, scene.lidar, options.actor_poses, options.actor_shapes),
+      camera(on, scene.camera, options.actor_poses, options.learn_shapes),
+      lidar(on, scene.lidar, options.actor_poses, options.learn_shapes),
       look(on, of_log, scene, training),
       drop(of_log, scene, training),
       structure(on, options, seed, camera, lidar),
@@ -195,7 +196,7 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
     throw_input_error(of_log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
   scene.camera_filter_px2 = renderer.options().camera_filter_px2;
-  prepare_shapes(scene.actors, options.actor_shapes);
+  if (options.learn_shapes) prepare_shapes(scene.actors);
   if (options.length.automatic) options.iterations = length.first();
   status.planned = options.iterations;
   status.camera_particles = camera.particles.count;

@@ -44,6 +44,7 @@ struct TrainerState {
 
   const Log& log;
   Scene scene;
+  double actor_margin_m = 0.0;
   TrainOptions options;  // rates those of steps of options.shards frames, iterations as far as is known
   std::uint64_t seed;
   Device device;

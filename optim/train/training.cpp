@@ -79,9 +79,11 @@ std::vector<RankField> Training::State::rank_fields() const {
 void Training::State::choose_course(const Progress& progress) {
   if (course) return;
   need_same(drive.ranks, rank_fields());
-  RefinedLog refined = with_refined_path(std::move(drive.log), drive.options.path, progress);
-  drive.log = std::move(refined.log);
-  drive.report.path = std::move(refined.report);
+  if (drive.options.refine_path) {
+    RefinedLog refined = with_refined_path(std::move(drive.log), progress);
+    drive.log = std::move(refined.log);
+    drive.report.path = std::move(refined.report);
+  }
   StretchOptions options = drive.options.stretches;
   const bool plans = plans_stretches(drive.options);
   if (options.length_m > 0.0 || plans) {
@@ -95,7 +97,7 @@ void Training::State::choose_course(const Progress& progress) {
   }
   if (course) return;
   const TrainingOptions& o = drive.options;
-  drive.log = with_learned_sensors(std::move(drive.log), o.frames, o.sensors);
+  if (o.learn_sensors) drive.log = with_learned_sensors(std::move(drive.log), o.frames);
   drive.find_moving(drive.log, o.frames);
   course = std::make_unique<CourseInOnePiece>(drive, drive.log, o, drive.identity());
 }

@@ -12,7 +12,7 @@
 #include "io/scene/scene_folder.hpp"
 #include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/path/path_options.hpp"
+#include "optim/path/path_report.hpp"
 #include "optim/ranks/ranks.hpp"
 #include "optim/report/train_report.hpp"
 #include "optim/train/training_options.hpp"

@@ -5,11 +5,8 @@
 
 #include "io/log/frame_selection.hpp"
 #include "optim/actors/finding_options.hpp"
-#include "optim/fill/fill_options.hpp"
 #include "optim/fixer/fixer_options.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/log/sensor_learning.hpp"
-#include "optim/path/path_options.hpp"
 #include "optim/stretch/stretch_options.hpp"
 #include "optim/train/train_options.hpp"
 
@@ -17,10 +14,11 @@ namespace simuli {
 
 struct TrainingOptions {
   FrameSelection frames = {};
-  PathRefinement path = {};
-  SensorLearning sensors = {};
+  bool refine_path = true;    // see with_refined_path()
+  bool learn_sensors = true;  // see with_learned_sensors()
+  bool find_actors = true;
+  bool fill_behind_actors = true;
   ActorFinding actors = {};
-  FillOptions fill = {};
   InitOptions init = {};
   TrainOptions train = {};
   FixerOptions fixer = {};
@@ -31,13 +29,27 @@ struct TrainingOptions {
 /// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(TrainingOptions& o, F&& field) {
-  field.part("", o.frames);
-  field.part("", o.path);
-  field.part("", o.sensors);
-  field.part("", o.actors);
-  field.part("", o.fill);
-  field.part("", o.init);
   field.part("", o.train);
+  field.part("", o.frames);
+  field.group("Data");
+  field("sensors.learn",
+        o.learn_sensors,
+        "Find the LiDARs' range biases by row, blind arcs behind the own vehicle and largest ranges first. "
+        "false: the log states its LiDARs exactly.");
+  field("path.refine",
+        o.refine_path,
+        "Train on the path on which the sweeps agree best, if they agree better than on the recorded one. "
+        "false: the recorded path is exact.");
+  field.part("", o.init);
+  field.group("Actors");
+  field("actors.find",
+        o.find_actors,
+        "Find in the sweeps what moves and has no label, and where labels go on. false: labels are complete.");
+  field.keyless(o.actors);
+  field("actors.fill",
+        o.fill_behind_actors,
+        "Fill surfaces that only actors ever hid, so that actors can be moved or removed. false: shorter end "
+        "of the training, holes there.");
   field.part("", o.fixer);
   field.part("", o.stretches);
   field.keyless(o.fixer_command);

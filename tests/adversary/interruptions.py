@@ -13,9 +13,8 @@ from harness import INPUT, INTERRUPTED, SMALL, STREET, Trial, case, content_of, 
 # Densification, an actor, an environment map and colour grids: all that a state holds.
 TRAINING = [
     "--iterations", "60", "--checkpoint-every", "3", *SMALL,
-    "lidar_every=2", "densify.every=10", "densify.first=10", "anchor.weight=0.01",
-    "actors.rate.shift_m=0.005", "actors.rate.turn_rad=0.001", "color_grids=true", "init.environment_width=16",
-    "densify.lidar=true", "prune.first=10",
+    "lidar_every=2", "densify.every=10", "anchor.weight=0.01", "actors.track.learn=true", "color_grids=true",
+    "init.environment_width=16",
 ]  # fmt: skip
 KILLS = 4
 

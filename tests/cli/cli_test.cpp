@@ -33,20 +33,19 @@ TEST_F(Cli, QualitiesAreNamed) {
 
 /// Whatever else the command line lacks.
 TEST_F(Cli, SetHelpListsKeysWithDefaultsRangesAndMeanings) {
-  const auto line_of = [](const std::string& table, const std::string& key) {
-    const std::size_t at = table.find('\n' + key + ' ');
-    return at == std::string::npos ? "" : table.substr(at + 1, table.find('\n', at + 1) - at - 1);
+  const auto line_of = [](const std::string& help, const std::string& key) {
+    const std::size_t at = help.find("  " + key + '=');
+    return at == std::string::npos ? "" : help.substr(at, help.find('\n', at) - at);
   };
   const Outcome train = run("train --set help");
   EXPECT_EQ(train.exit_code, 0);
   EXPECT_EQ(train.err, "");
-  EXPECT_NE(line_of(train.out, "camera.rate.opacity").find(" 0.1 "), std::string::npos) << train.out;
-  EXPECT_NE(line_of(train.out, "camera.rate.opacity").find("0 or more"), std::string::npos);
-  EXPECT_NE(line_of(train.out, "init.voxel_m").find("m, side of a voxel"), std::string::npos);
-  EXPECT_NE(line_of(train.out, "render.extent").find(" exact "), std::string::npos);
+  EXPECT_EQ(line_of(train.out, "loss.ssim"), "  loss.ssim=0.2  (0 or more)") << train.out;
+  EXPECT_NE(train.out.find("\nStart\n  init.voxel_m=0.1  (0.001 to 50)\n      Side of"), std::string::npos);
+  EXPECT_EQ(line_of(train.out, "render.extent").find("  render.extent=exact  ("), 0U);
   const Outcome draft = run("eval --set help --quality draft");
-  EXPECT_NE(line_of(draft.out, "render.shutter_iterations").find(" 1          0 to 64"), std::string::npos);
-  EXPECT_NE(line_of(draft.out, "render.sh_storage").find(" half "), std::string::npos);
+  EXPECT_EQ(line_of(draft.out, "render.shutter_iterations"), "  render.shutter_iterations=1  (0 to 64 (whole))");
+  EXPECT_EQ(line_of(draft.out, "render.sh_storage").find("  render.sh_storage=half  ("), 0U);
   EXPECT_EQ(line_of(draft.out, "init.voxel_m"), "");
   const Outcome render = run("--json render --set help");
   const auto rows = nlohmann::json::parse(render.out);

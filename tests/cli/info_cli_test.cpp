@@ -49,7 +49,7 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
       {"\n    6 frames, 10.0 a second, ", " deg, focal ", "(6 images, 6 sweeps), gets ", ", nearest "});
 
   ASSERT_EQ(
-      run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3 actors.rate.shift_m=0.005").exit_code,
+      run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3 actors.track.learn=true").exit_code,
       0);
   const json scene = told("s.scene");
   EXPECT_NEAR(scene.at("actors").at(0).at("nearest_m").get<double>(), car.at("nearest_m").get<double>(), 1.0);
@@ -57,7 +57,7 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   EXPECT_EQ(scene.at("recorded_frames"), log.at("recorded_frames"));
   expect_text("s.scene",
               {"\n    6 frames, 10.0 a second, ",
-               "settings         init.voxel_m=0.3 actors.rate.shift_m=0.005\n",
+               "settings         actors.track.learn=true init.voxel_m=0.3\n",
                ", nearest "});
 
   expect_failure("render s.scene --sensor front --remove Carr -o p", kUsage, "found \"Carr\", allowed car");

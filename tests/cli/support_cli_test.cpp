@@ -102,7 +102,7 @@ TEST_F(SupportCli, TrainsOnWhatAProgramMends) {
 cp "$1/views.json" told_$(ls told_* 2>/dev/null | wc -l).json
 )");
   const std::string train =
-      "train s.log --iterations 8 --set init.voxel_m=0.3 fixer.views=2 fixer.shift_m=1.5 fixer.every=1";
+      "train s.log --iterations 8 --set init.voxel_m=0.3 fixer.views=2 fixer.shift_m=1.5";
   const Outcome done = run(train + " -o fixed.scene --fixer 'sh mend.sh'");
   ASSERT_EQ(done.exit_code, 0) << done.err;
   const nlohmann::json told = nlohmann::json::parse(read_file(folder_ / "told_0.json"));

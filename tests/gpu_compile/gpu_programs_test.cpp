@@ -43,8 +43,7 @@ TEST_F(GpuPrograms, AreAllThatATrainingAndItsRenderingAskFor) {
                                               "image_scale=1",
                                               "init.voxel_m=0.15",
                                               "color_grids=true",
-                                              "actors.rate.shift_m=0.001",
-                                              "actors.rate.turn_rad=0.001"});
+                                              "actors.track.learn=true"});
   Training training(device, log_, options);
   training.run();
   const SceneFile file = training.result();

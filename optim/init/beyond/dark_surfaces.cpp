@@ -16,6 +16,10 @@ namespace {
 
 /// Before a return there is nothing in its way, but for what a track and a thick surface are off.
 constexpr double kOffSurface_m = 0.2;
+/// Sides of voxels that are asked, of actors and of what stands still. Still ones of 0.1 m: 0.951 and 0.947 of
+/// drops right 3 m beside the street's path, 0.25 cm; of 0.15 m: 0.949 and 0.944, 0.16 cm; of 0.2 m: drives
+/// 0.9317 and 0.9623 for 0.9331 and 0.9622. An actor's surface is seen by more rays: not measured.
+constexpr double kActorVoxel_m = 0.1, kStillVoxel_m = 0.15;
 
 Pose scene_from_actor(const Actor& actor, double time_s, const Eigen::Vector3d& scene_origin) {
   Pose pose = actor.at(time_s);
@@ -141,10 +145,9 @@ static std::vector<MovingBox> boxes_during(const Scene& scene, const SweepFrame&
 /// Of what stands still.
 static PointSet still_points(const Log& log,
                              const std::vector<const SweepFrame*>& sweeps,
-                             double voxel_m,
                              const Scene& scene) {
   const GroundMap ground = ground_of(scene);
-  DarkStill dark(ground, voxel_m);
+  DarkStill dark(ground, kStillVoxel_m);
   expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) {
     dark.add_dropped(load_sweep(log, *frame, scene.origin), boxes_during(scene, *frame));
@@ -159,11 +162,10 @@ std::vector<PointSet> dark_points(const Log& log,
                                   const InitOptions& options,
                                   const Scene& scene) {
   std::vector<PointSet> out(1 + scene.actors.size());
-  if (options.dark_still_m > 0.0 && scene.lidar.size() > 0) {
-    out[0] = still_points(log, sweeps, options.dark_still_m, scene);
-  }
-  if (scene.actors.empty() || options.dark_voxel_m == 0.0) return out;
-  DarkSurfaces dark(scene.actors, options.dark_voxel_m, scene.origin);
+  if (!options.dark_surfaces) return out;
+  if (scene.lidar.size() > 0) out[0] = still_points(log, sweeps, scene);
+  if (scene.actors.empty()) return out;
+  DarkSurfaces dark(scene.actors, kActorVoxel_m, scene.origin);
   expect(log, sweeps);
   for (const SweepFrame* frame : sweeps) {
     dark.add(load_sweep(log, *frame, scene.origin), frame->time_start_s, frame->time_end_s);

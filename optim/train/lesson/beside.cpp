@@ -20,7 +20,7 @@ class BesideLesson final : public Lesson {
 
   [[nodiscard]] bool is_due() const override {
     const BesideOptions& o = state_.options.beside;
-    return o.weight > 0.0 && state_.status.iteration % o.every == 0 && !state_.images.empty() &&
+    return o.weight > 0.0 && state_.status.iteration % BesideOptions::kEvery == 0 && !state_.images.empty() &&
            set_.particles.count > 0 && state_.lidar.particles.count > 0;
   }
 

@@ -68,7 +68,7 @@ void Lesson::step_set(const std::vector<ShardPart>& parts,
                           iteration,
                           progress_);
   if (set_.particles.actors == 0) return;
-  state_.renderer.confine(set_.particles, state_.scene.actors, state_.options.actor_margin_m);
+  state_.renderer.confine(set_.particles, state_.scene.actors, state_.actor_margin_m);
   for (std::size_t i = 0; i < parts.size() && set_.poses.learns(); ++i) {
     set_.poses.step(state_.scene.actors, parts[i].poses, times[i].start_s, times[i].end_s, progress_);
   }

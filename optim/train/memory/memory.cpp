@@ -95,7 +95,7 @@ std::uint64_t grown(SetNumber number,
   const auto count = static_cast<double>(particles);
   if (d.every == 0 || (number == kLidarSet && !d.lidar)) return static_cast<std::uint64_t>(particles);
   const int iterations = options.length.automatic ? options.length.most : options.iterations;
-  const double times = std::floor(d.last_share * iterations / d.every);
+  const double times = std::floor(DensifyOptions::kLastShare * iterations / d.every);
   const double by_growth = count * std::pow(1.0 + d.growth, times);
   const double by_cap =
       std::max(1.0, static_cast<double>(d.cap) / std::max(count + static_cast<double>(other), 1.0)) * count;

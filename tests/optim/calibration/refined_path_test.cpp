@@ -54,7 +54,7 @@ class RefinedPath : public testing::Test {
 
 TEST_F(RefinedPath, TakesBackWhatPosesAreOff) {
   const Log log = shaken(0.03, 0.1 * kDegree);
-  const auto [refined, report] = with_refined_path(log, {});
+  const auto [refined, report] = with_refined_path(log);
   ASSERT_TRUE(report.used) << report.reason;
   EXPECT_EQ(report.sweeps, 9U);
   EXPECT_LT(report.refined_m, 0.5 * report.recorded_m);
@@ -71,7 +71,7 @@ TEST_F(RefinedPath, TakesBackWhatPosesAreOff) {
 }
 
 TEST_F(RefinedPath, LeavesWhatNoSweepDoubts) {
-  const auto [log, report] = with_refined_path(log_, {});
+  const auto [log, report] = with_refined_path(log_);
   EXPECT_FALSE(report.used);
   EXPECT_FALSE(report.reason.empty());
   ASSERT_EQ(log.world_from_rig.poses().size(), log_.world_from_rig.poses().size());
@@ -81,12 +81,10 @@ TEST_F(RefinedPath, LeavesWhatNoSweepDoubts) {
   }
 }
 
-TEST_F(RefinedPath, IsNotLookedForWhereItIsOffOrHopeless) {
-  EXPECT_EQ(with_refined_path(log_, {.refine = false}).report.sweeps, 0U);
-  EXPECT_TRUE(with_refined_path(log_, {.refine = false}).report.reason.empty());
+TEST_F(RefinedPath, IsNotLookedForWithFewSweeps) {
   Log few = log_;
   few.sweeps.resize(4);
-  const PathReport report = with_refined_path(few, {}).report;
+  const PathReport report = with_refined_path(few).report;
   EXPECT_FALSE(report.used);
   EXPECT_EQ(report.reason, "4 sweeps of a LiDAR, 8 are needed");
 }

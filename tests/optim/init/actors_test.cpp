@@ -147,7 +147,7 @@ TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
     const Scene scene = trainer.scene();
     if (actors) {
       const Vector3d half =
-          0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
+          0.5 * scene.actors[0].size_m + Vector3d::Constant(options.init.actor_margin_m + 1e-5);
       for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
         if (scene.camera.actor[static_cast<std::size_t>(i)] == 0) continue;
         const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>();
@@ -174,7 +174,7 @@ TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
   const Scene recorded = kept.scene();
   ASSERT_FALSE(recorded.actors[0].track.empty());
   for (const KeyPose& key : recorded.actors[0].track) EXPECT_TRUE(key.shift_m.isZero(0.0));
-  options.train.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  options.train.actor_poses = {.learn = true, .shift_m = 0.01};
   Trainer learned(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
   Trainer again(device, log_, initialize_scene(log_, kFullSize, init).scene, options);
   (void)learned.run();
@@ -195,9 +195,9 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   options.train.iterations = 24;
   options.frames.image_scale = 1.0;
   options.train.lidar_every = 2;
-  options.train.densify.every = options.train.densify.first = 5;
+  options.train.densify.every = 5;
   options.train.anchor.weight = 0.01;
-  options.train.actor_poses = {.shift_m = 0.01, .turn_rad = 0.001};
+  options.train.actor_poses = {.learn = true, .shift_m = 0.01};
   Scene start = initialize_scene(log_, kFullSize, small(true)).scene;
   for (GaussianSet* set : {&start.camera, &start.lidar}) {
     for (Eigen::Index i = 0; i < set->size(); i += 9) set->opacity_logit()(i) = -7.0F;  // dead
@@ -210,7 +210,7 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   EXPECT_GT(report.grown, 100U);
   const Scene scene = whole.scene();
   const Vector3d half =
-      0.5 * scene.actors[0].size_m + Vector3d::Constant(options.train.actor_margin_m + 1e-5);
+      0.5 * scene.actors[0].size_m + Vector3d::Constant(options.init.actor_margin_m + 1e-5);
   for (const GaussianSet* set : {&scene.camera, &scene.lidar}) {
     ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
     const auto count = std::count(set->actor.begin(), set->actor.end(), 1U);
@@ -316,7 +316,7 @@ TEST(ActorPoses, WalkDownASlopeToTheTruth) {
   std::vector<Actor> actors{actor};
   Actor truth = actor;
   for (KeyPose& key : truth.track) key.shift_m = key.turn_rad = Vector3d::Zero();
-  ActorPoses poses({.shift_m = 0.01, .turn_rad = 0.003, .final_share = 0.01});
+  ActorPoses poses({.learn = true, .shift_m = 0.01, .turn_rad = 0.003, .final_share = 0.01});
   constexpr int kSteps = 600;
   for (int i = 0; i < kSteps; ++i) {
     const double start_s = 0.05 * (i % 6), end_s = start_s + 0.05;

@@ -33,7 +33,7 @@ TEST_F(ATrainingsActors, TrainingFindsTheCarOfALogWithoutLabels) {
   // Sweep 9 is held out, and its time is the track's all the same.
   EXPECT_TRUE(scene.actors[0].is_there(0.95));
   EXPECT_GT(std::count(scene.lidar.actor.begin(), scene.lidar.actor.end(), 1U), 50);
-  options.actors.find = false;
+  options.find_actors = false;
   Training blind(Device::best(), bare, options);
   blind.prepare();
   EXPECT_TRUE(blind.scene().actors.empty());

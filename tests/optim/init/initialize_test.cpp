@@ -92,7 +92,7 @@ float colour_of(const GaussianSet& set, Eigen::Index row, int channel) {
 /// One ray in ten drops in this log, as glass would have it.
 InitOptions without_dark_surfaces() {
   InitOptions options;
-  options.dark_still_m = 0.0;
+  options.dark_surfaces = false;
   return options;
 }
 
@@ -140,7 +140,6 @@ TEST_F(InitializeScene, BothSetsHaveWhatSendsNothingBack) {
 
 TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
   InitOptions options = without_dark_surfaces();
-  options.camera_scale = 0.5;
   const SceneInit init = initialize_scene(log_, kFullSize, options);
   const GaussianSet& set = init.scene.camera;
   const auto on_points = set.size() - static_cast<Eigen::Index>(init.report.shell_particles);
@@ -227,13 +226,12 @@ TEST_F(InitializeScene, DegreesAndImageScaleAreTaken) {
   InitOptions options;
   options.camera_sh_degree = 3;
   options.lidar_sh_degree = 0;
-  options.camera_scale = 1.0;
   const SceneInit init = initialize_scene(log_, {.image_scale = 0.5}, options);
   EXPECT_EQ(init.scene.camera.params.cols(), param_rows(3));
   EXPECT_EQ(init.scene.lidar.params.cols(), param_rows(0));
   EXPECT_TRUE((init.scene.camera.params.rightCols(45).array() == 0.0F).all());
-  // Pixels of twice the size: particles at least that wide.
-  EXPECT_GE(init.scene.camera.log_scale()(0, 0), static_cast<float>(std::log(kWall_m / 30.0)) - 1e-4F);
+  // Pixels of twice the size: particles at least half of that wide.
+  EXPECT_GE(init.scene.camera.log_scale()(0, 0), static_cast<float>(std::log(0.5 * kWall_m / 30.0)) - 1e-4F);
 }
 
 TEST_F(InitializeScene, WorksWithOneKindOfSensor) {
@@ -275,10 +273,7 @@ TEST_F(InitializeScene, OptionsOutOfRangeAreUsageErrors) {
   refused([&](Options& o) { o.frames.image_scale = nan; });
   refused([&](Options& o) { o.frames.image_scale = 2.0; });
   refused([&](Options& o) { o.init.camera_sh_degree = 4; });
-  refused([&](Options& o) { o.init.lidar_sh_degree = -1; });
-  refused([&](Options& o) { o.init.min_scale_m = 0.0; });
-  refused([&](Options& o) { o.init.max_scale_m = 0.01; });
-  refused([&](Options& o) { o.init.shell_spacing_deg = 0.0; });
+  refused([&](Options& o) { o.init.off_path_m = 101.0; });
 }
 
 TEST_F(InitializeScene, PictureOfAnotherSizeIsAnInputError) {

@@ -50,10 +50,9 @@ class StretchesTest : public testing::Test {
     o.frames.image_scale = 1.0;
     o.init.voxel_m = 0.3;
     o.init.sweep_depth = false;
-    o.path.refine = false;
+    o.refine_path = false;
     o.train.iterations = iterations;
-    o.train.densify.first = 5;
-    o.train.densify.every = 10;
+    o.train.densify.every = 5;
     o.train.prune.first = 0;
     o.stretches = {.length_m = stretch_m, .overlap_m = 40.0};
     return o;

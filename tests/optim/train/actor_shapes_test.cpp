@@ -37,9 +37,7 @@ TEST(ActorShapes, AreThoseOfPeopleAndRiders) {
 TEST(ActorShapes, LastAsLongAsTheirTracks) {
   const Eigen::Vector3d size(0.8, 0.6, 1.7);
   std::vector<Actor> actors{one("car", size), one("pedestrian", size)};
-  prepare_shapes(actors, {.learn = false});
-  EXPECT_TRUE(actors[1].deformation.empty());
-  prepare_shapes(actors, {});
+  prepare_shapes(actors);
   EXPECT_TRUE(actors[0].deformation.empty());
   const Deformation& shape = actors[1].deformation;
   ASSERT_FALSE(shape.empty());
@@ -52,10 +50,9 @@ TEST(ActorShapes, LastAsLongAsTheirTracks) {
 /// Learns that all nodes go ahead by 0.2 m and back, from frames every 0.1 s but for every third.
 TEST(ActorShapes, FollowGradientsAndGoOnBetweenFrames) {
   std::vector<Actor> actors{one("pedestrian", {0.8, 0.6, 1.7})};
-  const ShapeRates rates;
-  prepare_shapes(actors, rates);
+  prepare_shapes(actors);
   const auto truth = [](double time_s) { return 0.2 * std::sin(2.0 * M_PI * 0.9 * time_s); };
-  ActorShapes shapes(rates);
+  ActorShapes shapes(true);
   constexpr int kSteps = 2000;
   const std::size_t row = 3 * actors[0].deformation.node_count();
   const auto off = [&](double time_s) { return actors[0].deformation.at(time_s)[0] - truth(time_s); };
@@ -82,18 +79,17 @@ TEST(ActorShapes, FollowGradientsAndGoOnBetweenFrames) {
 TEST(ActorShapes, GoOnFromACheckpoint) {
   const Eigen::Vector3d size(0.8, 0.6, 1.7);
   std::vector<Actor> actors{one("pedestrian", size), one("car", size), one("cyclist", size)};
-  const ShapeRates rates;
-  prepare_shapes(actors, rates);
+  prepare_shapes(actors);
   const std::size_t row = 3 * actors[0].deformation.node_count();
   const auto gradients = [&](int i) {
     DeformationGradient g{std::vector<double>(row), std::vector<double>(row)};
     for (std::size_t j = 0; j < row; ++j) g.start[j] = std::sin(i + 0.1 * static_cast<double>(j));
     return std::vector<DeformationGradient>{g, {}, g};
   };
-  ActorShapes first(rates);
+  ActorShapes first(true);
   for (int i = 0; i < 5; ++i) first.step(actors, gradients(i), 2.1, 2.2, 0.1);
   std::vector<Actor> again = actors;
-  ActorShapes second(rates);
+  ActorShapes second(true);
   second.set_numbers(again, first.numbers(actors));
   first.step(actors, gradients(7), 2.3, 2.4, 0.2);
   second.step(again, gradients(7), 2.3, 2.4, 0.2);

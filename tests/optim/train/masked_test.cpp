@@ -40,7 +40,6 @@ class MaskedTest : public test::SmallStreet {
     o.init.voxel_m = 0.3;
     o.train.iterations = 30;
     o.train.lidar_every = 4;
-    o.train.densify.first = 5;
     o.train.densify.every = 10;
     o.train.look.color_grids = true;
     return o;

@@ -26,12 +26,12 @@ class ShardsTest : public test::SmallStreet {
     o.train.shards.count = shards;
     o.frames.image_scale = 1.0;
     o.train.lidar_every = 2;
-    o.train.densify.every = o.train.densify.first = 4;
+    o.train.densify.every = 4;
     o.train.densify.lidar = true;
     o.train.densify.noise = 1e4;
     o.train.anchor.weight = 0.01;
     o.train.prune = {.weight = 0.05, .first = 0, .times = 2, .last_share = 0.75};
-    o.train.actor_poses = {.shift_m = 1e-2, .turn_rad = 1e-3};
+    o.train.actor_poses = {.learn = true, .shift_m = 1e-2};
     o.train.look.color_grids = true;
     o.train.ray_drop.apart = 2;
     return o;

@@ -159,7 +159,7 @@ TEST_F(TrainerTest, SweepsTakeTheirTurns) {
 
 TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
   TrainingOptions o = options(60);
-  o.train.densify.every = o.train.densify.first = 5;
+  o.train.densify.every = 5;
   o.train.densify.growth = 0.5;
   const Scene start = initial_scene();
   Trainer trainer(Device::best(), log_, start, o);
@@ -217,7 +217,7 @@ TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
 
 TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
   TrainingOptions o = options(60);
-  o.train.densify.every = o.train.densify.first = 10;
+  o.train.densify.every = 10;
   o.train.densify.lidar = true;
   o.train.densify.growth = 0.05;
   Scene start = initial_scene();
@@ -289,7 +289,6 @@ TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
     TrainingOptions o = options(30);
     o.train.densify.every = relocate ? 10 : 0;
     o.train.densify.lidar = true;
-    o.train.densify.first = 10;
     o.train.densify.growth = 0.0;
     Trainer trainer(Device::best(), log_, scene, o);
     const TrainReport report = trainer.run();
@@ -339,12 +338,11 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
   expect_refused([](TrainingOptions& o) { o.frames.image_scale = 0.0; });
   expect_refused([&](TrainingOptions& o) { o.frames.image_scale = kNaN; });
   expect_refused([&](TrainingOptions& o) { o.train.max_seconds = kNaN; });
-  expect_refused([](TrainingOptions& o) { o.train.camera.mean_m = 0.0; });
-  expect_refused([&](TrainingOptions& o) { o.train.lidar.sh = kNaN; });
+  expect_refused([&](TrainingOptions& o) { o.train.camera.sh = kNaN; });
   expect_refused([](TrainingOptions& o) { o.train.weights.drop = -1.0; });
   expect_refused([&](TrainingOptions& o) { o.train.anchor.weight = kNaN; });
   expect_refused([](TrainingOptions& o) { o.train.densify.every = -1; });
-  expect_refused([](TrainingOptions& o) { o.train.densify.growth = 1.5; });
+  expect_refused([](TrainingOptions& o) { o.train.densify.most = 0.5; });
 }
 
 TEST_F(TrainerTest, LogWithoutTrainingFramesIsAnInputError) {

@@ -36,7 +36,7 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   const TrainingOptions o = options(12);
   Training training(Device::best(), log_, o);
   training.run();
-  const Log log = with_learned_sensors(log_, o.frames, o.sensors);
+  const Log log = with_learned_sensors(log_, o.frames);
   SceneInit start = initialize_scene(log, o.frames, o.init);
   Trainer trainer(Device::best(), log, std::move(start.scene), o);
   (void)trainer.run();
@@ -183,8 +183,8 @@ TEST_F(TrainingTest, AnotherTrainingsCheckpointIsRefusedBeforeTheStart) {
   o.frames.seed = 2;
   refused(log_, o, "settings: found seed=1, allowed seed=2");
   o = options(2);
-  o.sensors.range_bias = false;
-  refused(log_, o, "found init.range_bias=true, allowed init.range_bias=false");
+  o.learn_sensors = false;
+  refused(log_, o, "found sensors.learn=true, allowed sensors.learn=false");
   Log other = log_;
   other.sweeps.pop_back();
   refused(other, options(2), fmt::format("found log={} {}", log_.name, log_hash(log_)));

@@ -35,7 +35,7 @@ class Walker : public testing::Test {
     TrainingOptions o;
     o.train.iterations = iterations;
     o.train.lidar_every = 1;
-    o.train.actor_shapes.learn = shapes;
+    o.train.learn_shapes = shapes;
     o.frames.image_scale = 1.0;
     o.frames.held_out_every = 5;
     return o;
