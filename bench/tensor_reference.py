@@ -25,7 +25,7 @@ CAMERA_FILTER_PX2 = 1 / 12
 SWEEP_S = 0.1
 RAYS_AT_ONCE, PARTICLES_AT_ONCE = 128, 2048  # their products stay in cache
 # Float against double: directions are off by 6e-8, responses at the cut may go the other way.
-ONE_SURFACE_M = 0.15  # host/render/scene/seen.cpp
+ONE_SURFACE_M = 0.15  # host/device/render/scene/seen.cpp
 LEAST_PSNR_DB, MOST_MEDIAN_M, MOST_P99_M, MOST_CHANGED, MOST_INTENSITY = 60.0, 1e-4, 2e-3, 1e-3, 1e-3
 torch.set_default_dtype(torch.float64)
 

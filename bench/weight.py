@@ -64,7 +64,7 @@ def main():
     print(f"{sum(map(total, PRODUCT)):8}  product ({', '.join(PRODUCT)})")
     print(f"{sum(len(t.split()) for f, t in texts.items() if f.endswith('.md')):8}  words of pages")
     print(f"{sum(f.endswith('.md') for f in texts):8}  pages")
-    public = texts.get("host/api/public.cmake") or texts.get("host/apps/api/public.cmake", "")
+    public = texts.get("host/apps/api/public.cmake") or texts.get("host/apps/api/public.cmake", "")
     print(f"{len(re.findall(r'[a-z0-9_/]+[.]hpp', public)):8}  public headers")
     if args.program:
         shown = subprocess.run([args.program, "train", "--set", "help"], capture_output=True, text=True, check=True).stdout

@@ -16,7 +16,7 @@ import time
 import grpc
 import numpy as np
 
-PROTOS = pathlib.Path(__file__).resolve().parent.parent / "host/serve/proto"
+PROTOS = pathlib.Path(__file__).resolve().parent.parent / "host/apps/serve/proto"
 WHEELBASE_M, FRONT_M, GAP_M = 2.8, 3.6, 1.5  # rear axle to front axle, to bumper; what is kept free
 FULL_BRAKE, COMFORT = 6.0, 1.5  # m/s2
 SPECKS = 4  # returns that are nothing to brake for
@@ -200,7 +200,7 @@ def main():
     parser.add_argument("--protos", default=PROTOS, type=pathlib.Path, help="folder of sensorsim.proto")
     args = parser.parse_args()
     if not (args.protos / "sensorsim.proto").is_file():
-        parser.error(f"--protos: found no sensorsim.proto in {args.protos}, allowed host/serve/proto of simuli")
+        parser.error(f"--protos: found no sensorsim.proto in {args.protos}, allowed host/apps/serve/proto of simuli")
 
     client = Client(args.address, args.protos)
     client.open(args.scene)

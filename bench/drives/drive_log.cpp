@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/import/kitti/kitti.hpp"
 #include "io/synth/street.hpp"
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
-#include "host/base/stopwatch.hpp"
-#include "host/base/version.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/core/base/stopwatch.hpp"
+#include "host/core/base/version.hpp"
 #include "io/base/file.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/init/initialize_actors.hpp"

@@ -39,7 +39,7 @@ def sort_passes(bits):
 
 
 def launches(tiles):
-    """(launches, waits) of each stage: counted in the launchers (host/render/frame, host/render/device)."""
+    """(launches, waits) of each stage: counted in the launchers (host/device/render/frame, host/device/render/device)."""
     passes = sort_passes(RANGE_BITS) + sort_passes(max(1, (tiles - 1).bit_length()))
     return {"rays": (1, 0), "project": (2, 0), "bin": (5 + 4, 1), "sort": (4 * passes, 0), "blend": (1, 0), "blend_backward": (4, 0),
             "project_backward": (1, 0)}

@@ -8,8 +8,8 @@
 #include <random>
 #include <utility>
 
-#include "host/render/scene/readings.hpp"
-#include "host/scene/edit.hpp"
+#include "host/core/scene/edit.hpp"
+#include "host/device/render/scene/readings.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"

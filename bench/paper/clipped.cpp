@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "host/render/scene/renderer.hpp"
+#include "host/device/render/scene/renderer.hpp"
 
 namespace simuli::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "bench/paper/fit.hpp"
 #include "bench/render/measure.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/sensors/lidar.hpp"
 
 namespace simuli::bench {
 

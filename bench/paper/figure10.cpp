@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "host/render/scene/readings.hpp"
+#include "host/device/render/scene/readings.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/sweep_pair.hpp"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "host/runtime/device.hpp"
+#include "host/device/runtime/device.hpp"
 #include "io/base/scratch_folder.hpp"
 #include "io/log/log.hpp"
 #include "io/synth/street.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/parallel.hpp"
+#include "host/core/base/parallel.hpp"
 
 namespace simuli::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/base/image.hpp"
+#include "host/core/base/image.hpp"
 #include "io/synth/street.hpp"
 
 namespace simuli::bench {

@@ -7,7 +7,7 @@
 
 #include "bench/paper/seen.hpp"
 #include "bench/street/detailed_street.hpp"
-#include "host/base/stopwatch.hpp"
+#include "host/core/base/stopwatch.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/support/support_reliability.hpp"

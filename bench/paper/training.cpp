@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_street.hpp"
 #include "io/synth/street.hpp"
-#include "optim/train/memory/memory.hpp"
+#include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"
 
 namespace simuli::bench {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/render/train/adam.hpp"
+#include "host/device/render/train/adam.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/trained_look.hpp"

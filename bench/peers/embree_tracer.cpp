@@ -12,7 +12,7 @@
 #endif
 
 #include "bench/peers/embree_state.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::bench {
 

@@ -14,10 +14,10 @@
 #include "bench/render/lidar_frames.hpp"
 #include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
-#include "host/render/rays/ray_grid.hpp"
-#include "host/render/rays/sensor_in_frame.hpp"
-#include "host/scene/particle_street.hpp"
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/core/sensors/lidar_library.hpp"
+#include "host/device/render/rays/ray_grid.hpp"
+#include "host/device/render/rays/sensor_in_frame.hpp"
 
 namespace simuli::bench {
 namespace {

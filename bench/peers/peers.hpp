@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "bench/render/measure.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
+#include "host/device/render/scene/renderer.hpp"
 
 namespace simuli::bench {
 

@@ -1,6 +1,6 @@
 // `simuli bench --peers` of a build without Embree.
 #include "bench/peers/peers.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::bench {
 namespace {

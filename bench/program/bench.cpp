@@ -27,12 +27,12 @@
 #include "bench/render/table7.hpp"
 #include "bench/trade/plan.hpp"
 #include "bench/trade/trade.hpp"
-#include "host/base/error.hpp"
-#include "host/cli/base/program.hpp"
-#include "host/cli/base/settings.hpp"
-#include "host/cli/draw/pictures.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/options/validate.hpp"
+#include "host/apps/cli/base/program.hpp"
+#include "host/apps/cli/base/settings.hpp"
+#include "host/apps/cli/draw/pictures.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/options/validate.hpp"
 #include "io/picture/image.hpp"
 
 namespace simuli::bench {

@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "host/base/version.hpp"
-#include "host/cli/draw/html_report.hpp"
+#include "host/apps/cli/draw/html_report.hpp"
+#include "host/core/base/version.hpp"
 
 namespace simuli::bench {
 

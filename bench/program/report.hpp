@@ -6,7 +6,7 @@
 
 #include "bench/render/measure.hpp"
 #include "bench/trade/trade.hpp"
-#include "host/cli/draw/chart.hpp"
+#include "host/apps/cli/draw/chart.hpp"
 
 namespace simuli::bench {
 

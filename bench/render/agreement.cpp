@@ -10,10 +10,10 @@
 #include <map>
 
 #include "bench/render/scene.hpp"
-#include "host/base/error.hpp"
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/scene/particle_street.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/core/sensors/lidar.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 
 namespace simuli::bench {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "host/render/rays/ray_grid.hpp"
-#include "host/runtime/device.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/device/render/rays/ray_grid.hpp"
+#include "host/device/runtime/device.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/metrics.hpp"
 

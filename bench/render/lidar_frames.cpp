@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "bench/render/stages.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_street.hpp"
 
 namespace simuli::bench {
 Device profiled_device(const std::string& request, const Progress& note) {

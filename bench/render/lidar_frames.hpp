@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bench/render/measure.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/sensors/lidar_model.hpp"
+#include "host/core/sensors/lidar_model.hpp"
+#include "host/device/render/scene/renderer.hpp"
 
 namespace simuli::bench {
 
@@ -49,7 +49,7 @@ class LidarFrames {
   View view_;
 };
 
-/// The street of host/scene/particle_street.hpp, SH degree 3, for LiDARs.
+/// The street of host/core/scene/particle_street.hpp, SH degree 3, for LiDARs.
 [[nodiscard]] ParticleBuffers lidar_street(const Device& device, std::int64_t particles);
 
 }  // namespace simuli::bench

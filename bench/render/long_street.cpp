@@ -7,9 +7,9 @@
 
 #include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/pages/particle_pages.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/pages/particle_pages.hpp"
 
 namespace simuli::bench {
 namespace {

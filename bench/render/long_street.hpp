@@ -26,7 +26,7 @@ struct LongStreetOptions {
 ///   ... live                            % of the clusters
 ///   ... visible                         particles
 /// and from a quarter of the long one to three quarters of it, a frame a metre, with that alone on the device
-/// which frames may see (host/render/pages) and with all of it:
+/// which frames may see (host/device/render/pages) and with all of it:
 ///   long_street/<camera|lidar>/drive/...
 ///   ... pages, places                   of the street, and room for: a tenth more than a frame sees at most
 ///   ... brought_a_metre, brought_at_once  pages

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/render/stages.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 int main(int argc, char** argv) {
   try {

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/spread.hpp"
-#include "host/base/stopwatch.hpp"
+#include "host/core/base/spread.hpp"
+#include "host/core/base/stopwatch.hpp"
 
 namespace simuli::bench {
 

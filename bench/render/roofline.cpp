@@ -4,9 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include "host/render/device/sort.hpp"
-#include "host/render/frame/variant.hpp"
-#include "host/runtime/program.hpp"
+#include "host/device/render/device/sort.hpp"
+#include "host/device/render/frame/variant.hpp"
+#include "host/device/runtime/program.hpp"
 
 namespace simuli::bench {
 namespace {

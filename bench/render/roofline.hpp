@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "host/render/scene/pass.hpp"
-#include "host/runtime/device.hpp"
+#include "host/device/render/scene/pass.hpp"
+#include "host/device/runtime/device.hpp"
 
 namespace simuli::bench {
 

@@ -1,7 +1,7 @@
 #include "bench/render/scene.hpp"
 
-#include "host/scene/particle_street.hpp"
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 
 namespace simuli::bench {
 

@@ -1,12 +1,12 @@
 #pragma once
-#include "host/render/scene/sensor_rays.hpp"
-#include "host/scene/gaussians.hpp"
-#include "host/scene/pose.hpp"
-#include "host/sensors/camera.hpp"
+#include "host/core/scene/gaussians.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/device/render/scene/sensor_rays.hpp"
 
 namespace simuli::bench {
 
-/// Half-way down the street of host/scene/particle_street.hpp, 1.6 m up, looking along it.
+/// Half-way down the street of host/core/scene/particle_street.hpp, 1.6 m up, looking along it.
 [[nodiscard]] Pose world_from_bench_camera();
 
 /// That, or where the street's LiDAR is.

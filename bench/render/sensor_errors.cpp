@@ -8,8 +8,8 @@
 #include <optional>
 #include <random>
 
-#include "host/base/error.hpp"
-#include "host/render/scene/renderer.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/scene/renderer.hpp"
 
 namespace simuli::bench {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "bench/render/roofline.hpp"
 #include "bench/render/scene.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/device/render/scene/renderer.hpp"
 
 namespace simuli::bench {
 namespace {

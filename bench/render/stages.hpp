@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/render/measure.hpp"
-#include "host/runtime/device.hpp"
+#include "host/device/runtime/device.hpp"
 
 namespace simuli::bench {
 

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "host/base/spread.hpp"
-#include "host/base/stopwatch.hpp"
-#include "host/serve/messages/render_message.hpp"
-#include "host/serve/server/server.hpp"
+#include "host/apps/serve/messages/render_message.hpp"
+#include "host/apps/serve/server/server.hpp"
+#include "host/core/base/spread.hpp"
+#include "host/core/base/stopwatch.hpp"
 #include "sensorsim.grpc.pb.h"
 
 namespace simuli::serve {

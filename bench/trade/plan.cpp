@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "bench/render/scene.hpp"
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/scene/particle_street.hpp"
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/core/sensors/lidar_library.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 
 namespace simuli::bench {
 namespace {

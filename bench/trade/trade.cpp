@@ -7,10 +7,10 @@
 
 #include "bench/render/stages.hpp"
 #include "bench/trade/trade_views.hpp"
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 
 namespace simuli::bench {
 namespace {

@@ -1,12 +1,12 @@
 #pragma once
-// Speed against accuracy: what each named option of host/render/options/options.hpp costs and gains.
+// Speed against accuracy: what each named option of host/device/render/options/options.hpp costs and gains.
 #include <map>
 #include <string>
 #include <vector>
 
 #include "bench/paper/fit.hpp"
 #include "bench/render/measure.hpp"
-#include "host/render/options/options.hpp"
+#include "host/device/render/options/options.hpp"
 
 namespace simuli::bench {
 

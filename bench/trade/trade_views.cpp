@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "bench/render/scene.hpp"
-#include "host/base/error.hpp"
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "optim/base/frames.hpp"
-#include "host/scene/particle_street.hpp"
 
 namespace simuli::bench {
 namespace {

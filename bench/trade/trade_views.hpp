@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "bench/trade/trade.hpp"
-#include "host/render/scene/shot.hpp"
-#include "host/scene/scene.hpp"
-#include "host/sensors/sensor.hpp"
+#include "host/core/scene/scene.hpp"
+#include "host/core/sensors/sensor.hpp"
+#include "host/device/render/scene/shot.hpp"
 
 namespace simuli::bench {
 

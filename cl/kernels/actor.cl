@@ -1,4 +1,4 @@
-// actor.cl - sums of pose gradients by actor, and what keeps particles in their boxes. Launcher: host/render/train/actor.cpp
+// actor.cl - sums of pose gradients by actor, and what keeps particles in their boxes. Launcher: host/device/render/train/actor.cpp
 #include "math/actor.h"
 #include "math/lanes.h"
 

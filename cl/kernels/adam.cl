@@ -1,4 +1,4 @@
-// adam.cl - one Adam step on the particles of a frame. Launcher: host/render/train/adam.cpp
+// adam.cl - one Adam step on the particles of a frame. Launcher: host/device/render/train/adam.cpp
 #include "math/lanes.h"
 
 /// V columns per work-item, all their parameters: particles, or with `dense` anything. Particles that the last

@@ -1,4 +1,4 @@
-// anchor.cl - a set's nearest neighbours in another, their distance as a loss. Launcher: host/render/train/anchor.cpp
+// anchor.cl - a set's nearest neighbours in another, their distance as a loss. Launcher: host/device/render/train/anchor.cpp
 // Points lie in the order of their Morton code (63 bits: 21 per axis), 16 to a leaf, 16 leaves or nodes to a
 // node: a tree of boxes without pointers, as good for clusters, lines and outliers as for an even cloud.
 // Node i of a level has the children 16 i .. 16 i + 15 of the level below, leaves below level 0.

@@ -1,4 +1,4 @@
-// beside.cl - what a recorded picture shows of the surfaces that are seen from beside it. Launcher: host/render/train/beside.cpp
+// beside.cl - what a recorded picture shows of the surfaces that are seen from beside it. Launcher: host/device/render/train/beside.cpp
 #include "math/elementary.h"
 #include "math/shutter.h"
 #include "shared/layout.h"

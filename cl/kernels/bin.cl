@@ -1,4 +1,4 @@
-// bin.cl - visible particles -> tile instances -> tile ranges. Launcher: host/render/frame/bin.cpp
+// bin.cl - visible particles -> tile instances -> tile ranges. Launcher: host/device/render/frame/bin.cpp
 // Every work-item owns `chunk` consecutive elements: few work-items with long loops suit CPUs, many with
 // short ones, in groups of LS, GPUs. All orders are fixed by the input, none by scheduling.
 #include "math/lanes.h"

@@ -1,4 +1,4 @@
-// color_grid.cl - a picture through its bilateral grid. Launcher: host/render/frame/color_grid.cpp
+// color_grid.cl - a picture through its bilateral grid. Launcher: host/device/render/frame/color_grid.cpp
 #include "math/color_grid.h"
 #include "shared/layout.h"
 

@@ -1,4 +1,4 @@
-// color_grid_bwd.cl - gradients of a bilateral grid and of its picture. Launcher: host/render/backward/color_grid_bwd.cpp
+// color_grid_bwd.cl - gradients of a bilateral grid and of its picture. Launcher: host/device/render/backward/color_grid_bwd.cpp
 #include "math/color_grid.h"
 #include "shared/layout.h"
 

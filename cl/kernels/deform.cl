@@ -1,4 +1,4 @@
-// deform.cl - how far particles of actors that are not rigid are from where they belong. Launcher: host/render/frame/deform.cpp
+// deform.cl - how far particles of actors that are not rigid are from where they belong. Launcher: host/device/render/frame/deform.cpp
 #include "math/deform.h"
 
 /// One particle of an actor per work-item.

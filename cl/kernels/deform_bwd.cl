@@ -1,4 +1,4 @@
-// deform_bwd.cl - gradients of nodes, and of particles through the grid that moves them. Launcher: host/render/backward/deform_bwd.cpp
+// deform_bwd.cl - gradients of nodes, and of particles through the grid that moves them. Launcher: host/device/render/backward/deform_bwd.cpp
 #include "math/deform.h"
 
 /// One work-item per (node of an actor, chunk of the actor's particles): sums in the order of the list.

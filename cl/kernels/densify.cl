@@ -1,4 +1,4 @@
-// densify.cl - error-driven relocation and growth of a particle set. Launcher: host/render/train/densify.cpp
+// densify.cl - error-driven relocation and growth of a particle set. Launcher: host/device/render/train/densify.cpp
 // METHOD section 11, after Kheradmand et al., "3D Gaussian splatting as Markov chain Monte Carlo" (2024), with
 // sources drawn by reconstruction error instead of opacity.
 #include "math/elementary.h"

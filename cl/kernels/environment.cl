@@ -1,4 +1,4 @@
-// environment.cl - the foreground over the environment texture. Launcher: host/render/frame/environment.cpp
+// environment.cl - the foreground over the environment texture. Launcher: host/device/render/frame/environment.cpp
 #include "math/environment.h"
 #include "shared/layout.h"
 #include "shared/sensor_constants.h"

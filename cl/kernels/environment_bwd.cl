@@ -1,4 +1,4 @@
-// environment_bwd.cl - gradient of the environment texture. Launcher: host/render/backward/environment_bwd.cpp
+// environment_bwd.cl - gradient of the environment texture. Launcher: host/device/render/backward/environment_bwd.cpp
 #include "math/environment.h"
 #include "shared/layout.h"
 #include "shared/sensor_constants.h"

@@ -1,4 +1,4 @@
-// largest_weight.cl - the largest weight of each particle in any ray. Launcher: host/render/train/largest_weight.cpp
+// largest_weight.cl - the largest weight of each particle in any ray. Launcher: host/device/render/train/largest_weight.cpp
 #include "math/tile_walk.h"
 
 struct Blending {

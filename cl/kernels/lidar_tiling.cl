@@ -1,4 +1,4 @@
-// lidar_tiling.cl - a LiDAR's rays -> tiles of few rays each (procedure 1). Launcher: host/render/rays/lidar_tiling.cpp
+// lidar_tiling.cl - a LiDAR's rays -> tiles of few rays each (procedure 1). Launcher: host/device/render/rays/lidar_tiling.cpp
 // Runs once per sensor. A value's bin is floor((value - first) * scale), of
 // `bins`; rows go from top to bottom, bins and elevation tiles from the lowest value up, tile rows from top
 // to bottom again. Integers decide: the same rays give the same tiles on every device that rounds (value -

@@ -1,4 +1,4 @@
-// loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/render/train/loss_image.cpp
+// loss_image.cl - colour loss of a rendered picture and its gradient. Launcher: host/device/render/train/loss_image.cpp
 #include "math/elementary.h"
 #include "math/group.h"
 #include "shared/layout.h"

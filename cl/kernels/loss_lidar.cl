@@ -1,4 +1,4 @@
-// loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/render/train/loss_lidar.cpp
+// loss_lidar.cl - distance, intensity and ray-drop losses of a sweep. Launcher: host/device/render/train/loss_lidar.cpp
 #include "math/group.h"
 #include "math/ray_drop.h"
 #include "shared/layout.h"

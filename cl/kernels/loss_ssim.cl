@@ -1,4 +1,4 @@
-// loss_ssim.cl - structural similarity of a picture and its gradient. Launcher: host/render/train/loss_ssim.cpp
+// loss_ssim.cl - structural similarity of a picture and its gradient. Launcher: host/device/render/train/loss_ssim.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 

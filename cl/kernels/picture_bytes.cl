@@ -1,4 +1,4 @@
-// picture_bytes.cl - a picture as bytes. Launcher: host/render/outputs/picture_bytes.cpp
+// picture_bytes.cl - a picture as bytes. Launcher: host/device/render/outputs/picture_bytes.cpp
 #include "math/lanes.h"
 
 #if V == 1

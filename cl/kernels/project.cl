@@ -1,4 +1,4 @@
-// project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/render/frame/project.cpp
+// project.cl - particles -> blending record, tile rectangle, range key. Launcher: host/device/render/frame/project.cpp
 #include "math/cluster_culling.h"
 #include "math/detail.h"
 #include "math/extent.h"

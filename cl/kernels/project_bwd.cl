@@ -1,4 +1,4 @@
-// project_bwd.cl - gradient slots -> gradients of the parameters. Launcher: host/render/backward/project_bwd.cpp
+// project_bwd.cl - gradient slots -> gradients of the parameters. Launcher: host/device/render/backward/project_bwd.cpp
 #include "math/gaussian.h"
 #include "math/sh.h"
 

@@ -1,4 +1,4 @@
-// ray_mask.cl - cells with requested LiDAR rays, their areas (procedure 2). Launcher: host/render/rays/ray_mask.cpp
+// ray_mask.cl - cells with requested LiDAR rays, their areas (procedure 2). Launcher: host/device/render/rays/ray_mask.cpp
 // Rebuilt whenever other rays are requested. Rays and particles find their cells by the same functions.
 #include "math/sensor.h"
 

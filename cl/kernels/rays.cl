@@ -1,4 +1,4 @@
-// rays.cl - rays of one frame in the world, from the sensor's own rays. Launcher: host/render/frame/rays.cpp
+// rays.cl - rays of one frame in the world, from the sensor's own rays. Launcher: host/device/render/frame/rays.cpp
 #include "math/actor.h"
 #include "math/sensor.h"
 

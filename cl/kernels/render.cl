@@ -1,4 +1,4 @@
-// render.cl - front-to-back blending of a tile's particles. Launcher: host/render/frame/render.cpp
+// render.cl - front-to-back blending of a tile's particles. Launcher: host/device/render/frame/render.cpp
 #include "math/ray_drop.h"
 #include "math/ray_feature.h"
 #include "math/tile_walk.h"

@@ -1,4 +1,4 @@
-// render_bwd_lanes.cl - gradients of blending where a tile is one work-item. Launcher: host/render/backward/render_bwd.cpp
+// render_bwd_lanes.cl - gradients of blending where a tile is one work-item. Launcher: host/device/render/backward/render_bwd.cpp
 #include "math/gradient_slot.h"
 #include "math/response_bwd.h"
 

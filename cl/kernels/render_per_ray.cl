@@ -1,4 +1,4 @@
-// render_per_ray.cl - blending in each ray's own order, exactly. Launcher: host/render/frame/render.cpp
+// render_per_ray.cl - blending in each ray's own order, exactly. Launcher: host/device/render/frame/render.cpp
 #include "math/light.h"
 #include "math/rounds.h"
 

@@ -1,4 +1,4 @@
-// render_window.cl - blending in each ray's own order, nearly. Launcher: host/render/frame/render.cpp
+// render_window.cl - blending in each ray's own order, nearly. Launcher: host/device/render/frame/render.cpp
 // Build: WINDOW entries, 2 or more; PER_RAY = 1 tells the vectors that they were too few for; render_per_ray makes these.
 #include "math/light.h"
 #include "math/tile_walk.h"

@@ -1,4 +1,4 @@
-// replay_per_ray.cl - render_per_ray once more, for render_bwd. Launcher: host/render/backward/render_bwd.cpp
+// replay_per_ray.cl - render_per_ray once more, for render_bwd. Launcher: host/device/render/backward/render_bwd.cpp
 #define SIM_REPLAY 1
 #include "math/light_bwd.h"
 #include "math/rounds.h"

@@ -1,4 +1,4 @@
-// replay_window.cl - render_window once more, for render_bwd. Launcher: host/render/backward/render_bwd.cpp
+// replay_window.cl - render_window once more, for render_bwd. Launcher: host/device/render/backward/render_bwd.cpp
 // Build: as render_window.cl
 #define SIM_REPLAY 1
 #include "math/light_bwd.h"

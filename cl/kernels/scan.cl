@@ -1,4 +1,4 @@
-// scan.cl - exclusive prefix sum. Launcher: host/render/device/scan.cpp
+// scan.cl - exclusive prefix sum. Launcher: host/device/render/device/scan.cpp
 // A work-group owns `block` consecutive elements, a work-item consecutive elements of those. CPUs: one group of
 // one work-item; GPUs: as many groups as the elements fill.
 #include "math/group.h"

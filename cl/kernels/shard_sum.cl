@@ -1,4 +1,4 @@
-// shard_sum.cl - gradients of the frames of one step, by a tree. Launcher: host/render/train/shard_sum.cpp
+// shard_sum.cl - gradients of the frames of one step, by a tree. Launcher: host/device/render/train/shard_sum.cpp
 // A matrix [rows][stride] has a column for each particle; a frame, or the sum of some, has a say in those alone
 // whose key is not all ones. No launch touches a number twice, and every addition is one rounding of two numbers
 // that stand somewhere: what a sum is depends on what is added to what, and on nothing else.

@@ -1,4 +1,4 @@
-// slot_counts.cl - how many gradient slots each particle has. Launcher: host/render/backward/render_bwd.cpp
+// slot_counts.cl - how many gradient slots each particle has. Launcher: host/device/render/backward/render_bwd.cpp
 #include "math/lanes.h"
 #include "shared/layout.h"
 

@@ -1,4 +1,4 @@
-// sort.cl - stable LSD radix sort of (key, value) pairs. Launcher: host/render/device/sort.cpp
+// sort.cl - stable LSD radix sort of (key, value) pairs. Launcher: host/device/render/device/sort.cpp
 // A work-group owns `block` consecutive pairs. CPU: groups of one work-item, 11 bits a pass. GPU: 8 bits; a group
 // puts a tile of its pairs after the other in order in local memory, so that neighbours write to neighbours.
 // Stable, and nothing depends on the order in which work-items run, hence reproducible.

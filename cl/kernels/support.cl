@@ -1,4 +1,4 @@
-// support.cl - how well what each ray shows is known from recorded views. Launcher: host/support/support.cpp
+// support.cl - how well what each ray shows is known from recorded views. Launcher: host/device/support/support.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 #include "shared/support.h"

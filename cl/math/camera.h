@@ -1,5 +1,5 @@
 // camera.h - the image of a point under every camera model: one text for the device (float or double, any
-// number of lanes) and for the host (double; host/sensors/lens/lens_forward.hpp gives F, I, SEL, ... there).
+// number of lanes) and for the host (double; host/core/sensors/lens/lens_forward.hpp gives F, I, SEL, ... there).
 // A point (x, y, z) in m in the camera frame (x right, y down, z forward) has the image (u, v) in focal
 // lengths from the principal point. `valid` is cleared where it has none: outside the domain in which the
 // map is one to one (LensConstants, found on the host), or nearer than 1 cm. Nothing is

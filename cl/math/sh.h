@@ -1,5 +1,5 @@
 // sh.h - real spherical harmonics up to degree 3, the basis and signs of the 3DGS file format: one text for the
-// device and for the host (host/scene/placement.cpp).
+// device and for the host (host/core/scene/placement.cpp).
 // Coefficient k of channel c stands in parameter row SIM_SH + 3 k + c.
 #ifndef SIMULI_CL_MATH_SH_H
 #define SIMULI_CL_MATH_SH_H

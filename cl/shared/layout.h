@@ -22,7 +22,7 @@ typedef int sim_i32;
 #define SIM_SLOT_ROW 16
 #define SIM_SLOT_ROWS 16
 
-// Rows of the parameter matrix (host/scene/gaussians.hpp), each of `stride` reals.
+// Rows of the parameter matrix (host/core/scene/gaussians.hpp), each of `stride` reals.
 #define SIM_MEAN 0
 #define SIM_LOG_SCALE 3
 #define SIM_ROTATION 6
@@ -75,7 +75,7 @@ typedef int sim_i32;
 #define SIM_P_TURN 3   // rotation vector about the actor's origin, scene axes
 #define SIM_POSE_GRAD 6
 
-// Rows of what levels of detail are told by (host/render/detail/levels.hpp), m.
+// Rows of what levels of detail are told by (host/device/render/levels/levels.hpp), m.
 #define SIM_DETAIL_FROM 0
 #define SIM_DETAIL_UNTIL 1
 #define SIM_DETAIL 2

@@ -2,7 +2,7 @@
 
 #include <zlib.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/bytes.hpp"
 
 namespace simuli {

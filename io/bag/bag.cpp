@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/regular_file.hpp"
 
 namespace simuli {

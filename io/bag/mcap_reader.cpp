@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/bag/bag.hpp"
 #include "io/bag/mcap_format.hpp"
 #include "io/base/file.hpp"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "host/base/error.hpp"
-#include "host/base/version.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/version.hpp"
 #include "io/bag/mcap_format.hpp"
 #include "io/base/bytes.hpp"
 #include "io/base/gzip.hpp"

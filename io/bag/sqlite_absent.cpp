@@ -1,4 +1,4 @@
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/bag/bag.hpp"
 
 namespace simuli {

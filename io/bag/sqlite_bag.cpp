@@ -3,7 +3,7 @@
 #include <map>
 #include <sqlite3.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/bag/bag.hpp"
 #include "io/base/regular_file.hpp"
 

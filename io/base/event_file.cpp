@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/bytes.hpp"
 
 namespace simuli {

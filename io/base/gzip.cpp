@@ -12,7 +12,7 @@
 #include <zstd.h>
 #endif
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 namespace {

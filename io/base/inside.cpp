@@ -4,7 +4,7 @@
 #include <string>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 namespace {

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <unistd.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 

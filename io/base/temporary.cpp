@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 namespace {

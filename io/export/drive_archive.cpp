@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
-#include "host/base/version.hpp"
-#include "host/scene/ground/ground_mesh.hpp"
-#include "host/scene/owners/moment.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/version.hpp"
+#include "host/core/scene/ground/ground_mesh.hpp"
+#include "host/core/scene/moment.hpp"
 #include "io/archive/stored_zip.hpp"
 #include "io/base/file.hpp"
 #include "io/export/camera_calibration.hpp"

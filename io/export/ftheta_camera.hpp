@@ -2,7 +2,7 @@
 // F-theta cameras in the numbers that NVIDIA's programs exchange: set_ftheta() the other way.
 #include <array>
 
-#include "host/sensors/camera.hpp"
+#include "host/core/sensors/camera.hpp"
 
 namespace simuli {
 

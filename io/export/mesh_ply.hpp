@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "host/scene/ground/triangle_mesh.hpp"
+#include "host/core/scene/ground/triangle_mesh.hpp"
 
 namespace simuli {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "host/scene/pose.hpp"
+#include "host/core/scene/pose.hpp"
 
 namespace simuli {
 

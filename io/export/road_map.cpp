@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/base/spread.hpp"
+#include "host/core/base/spread.hpp"
 #include "io/export/road_line.hpp"
 
 namespace simuli {

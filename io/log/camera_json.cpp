@@ -1,9 +1,9 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/image.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/image.hpp"
+#include "host/core/base/names.hpp"
 #include "io/log/sensor_json.hpp"
 
 namespace simuli {

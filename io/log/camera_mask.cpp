@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "host/sensors/camera.hpp"
+#include "host/core/sensors/camera.hpp"
 #include "io/picture/image.hpp"
 
 namespace simuli {

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "host/base/image.hpp"
-#include "host/base/lru_cache.hpp"
+#include "host/core/base/image.hpp"
+#include "host/core/base/lru_cache.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -21,7 +21,7 @@ struct FrameSelection {
   std::uint64_t seed = 1;  // of the frames' order, and of which points go when there are too many
 };
 
-/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(FrameSelection& o, F&& field) {
   field.group("Data");

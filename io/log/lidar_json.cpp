@@ -2,8 +2,8 @@
 #include <string>
 #include <variant>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/log/sensor_json.hpp"
 
 namespace simuli {

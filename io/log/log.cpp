@@ -6,8 +6,8 @@
 #include <utility>
 #include <variant>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"

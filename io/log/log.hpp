@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/actor.hpp"
-#include "host/scene/pose.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar_model.hpp"
-#include "host/sensors/trajectory.hpp"
+#include "host/core/scene/actor.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar_model.hpp"
+#include "host/core/sensors/trajectory.hpp"
 
 namespace simuli {
 

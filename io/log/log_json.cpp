@@ -10,8 +10,8 @@
 #include <system_error>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/log/sensor_json.hpp"
 
 namespace simuli {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/frame_spans.hpp"
 #include "io/log/log.hpp"

@@ -10,7 +10,7 @@
 //    "shutter": "global", "top_to_bottom", "bottom_to_top", "left_to_right" or "right_to_left",
 //    "readout_s": 0.03}                                              of a rolling shutter; may be missing
 //
-// with fields as in host/sensors/camera.hpp. A LiDAR:
+// with fields as in host/core/sensors/camera.hpp. A LiDAR:
 //
 //   {"kind": "lidar", "name": "my sensor",
 //    "source": "...", "licence": "...", "note": "...",               these four may be missing
@@ -22,23 +22,23 @@
 //    "rows": [{"elevation_rad": 0.26, "azimuth_offset_rad": 0, "vertical_offset_m": 0,
 //              "horizontal_offset_m": 0, "time_offset_s": 0, "radial_offset_m": 0, "range_bias_m": 0}, ...]}
 //
-// with rows from top to bottom, fields as in host/sensors/lidar.hpp; and for a sensor without rows
+// with rows from top to bottom, fields as in host/core/sensors/lidar.hpp; and for a sensor without rows
 //
 //   {"kind": "ray_list", "name": "my sensor", "sweep_s": 0.1, "range_min_m": 0.5, "range_max_m": 120,
 //    "beam_divergence_rad": 0.003, "divergence_variance": 0.25,
 //    "azimuth_rad": [...], "elevation_rad": [...], "time_fraction": [...],      one value per ray
 //    "origin_m": [x0, y0, z0, x1, ...]}                                        may be missing: the sensor's
 //
-// fields as in host/sensors/ray_list.hpp. A sweep_s that no mode tells either is 0.1. Any other key is an
+// fields as in host/core/sensors/ray_list.hpp. A sweep_s that no mode tells either is 0.1. Any other key is an
 // error.
 #include <filesystem>
 #include <string>
 #include <variant>
 
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar_library.hpp"
-#include "host/sensors/lidar_model.hpp"
-#include "host/sensors/sensor.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar_library.hpp"
+#include "host/core/sensors/lidar_model.hpp"
+#include "host/core/sensors/sensor.hpp"
 
 namespace simuli {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <numbers>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/log/log.hpp"

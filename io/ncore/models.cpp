@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/export/camera_calibration.hpp"
 
 namespace simuli::ncore {

@@ -2,8 +2,8 @@
 // Sensors as NCore's intrinsics have them. For io/ncore, io/import/ncore and tests.
 #include <string>
 
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar_model.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar_model.hpp"
 #include "io/base/json_reader.hpp"
 
 namespace simuli::ncore {

@@ -8,7 +8,7 @@
 #include <span>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/export/camera_calibration.hpp"
 #include "io/log/log_json.hpp"

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::ncore {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "host/base/error.hpp"
-#include "host/base/image.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/image.hpp"
 
 namespace simuli {
 namespace {

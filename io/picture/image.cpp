@@ -8,7 +8,7 @@
 #include <memory>
 #include <string_view>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/picture/codec/picture_codec.hpp"

@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "host/base/image.hpp"
+#include "host/core/base/image.hpp"
 
 namespace simuli {
 

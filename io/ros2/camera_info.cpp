@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "host/base/error.hpp"
-#include "host/base/image.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/image.hpp"
 
 namespace simuli::ros2 {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 // CameraInfo and cameras. Here pixel centres are at halves, in ROS at whole numbers: cx and cy differ by 0.5.
-#include "host/sensors/camera.hpp"
+#include "host/core/sensors/camera.hpp"
 #include "io/ros2/messages.hpp"
 
 namespace simuli::ros2 {

@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::ros2 {
 

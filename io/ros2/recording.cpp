@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/picture/image.hpp"
 #include "io/ros2/camera_info.hpp"
 #include "io/ros2/messages.hpp"

@@ -19,11 +19,11 @@
 #include <string>
 #include <vector>
 
-#include "host/base/image.hpp"
-#include "host/base/point_cloud.hpp"
-#include "host/scene/actor.hpp"
-#include "host/sensors/sensor.hpp"
-#include "host/sensors/trajectory.hpp"
+#include "host/core/base/image.hpp"
+#include "host/core/base/point_cloud.hpp"
+#include "host/core/scene/actor.hpp"
+#include "host/core/sensors/sensor.hpp"
+#include "host/core/sensors/trajectory.hpp"
 #include "io/bag/mcap_writer.hpp"
 
 namespace simuli {

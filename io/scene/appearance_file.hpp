@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
 #include "io/log/log_json.hpp"
 
 namespace simuli {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/pose.hpp"
-#include "host/sensors/sensor.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/sensor.hpp"
 
 namespace simuli {
 

@@ -3,10 +3,10 @@
 #include <optional>
 #include <set>
 
-#include "host/base/error.hpp"
-#include "host/base/image.hpp"
-#include "host/base/names.hpp"
-#include "host/scene/mounting.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/image.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/scene/mounting.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"

@@ -9,7 +9,7 @@
 //     {"name": "ahead", "sensor": {"kind": "camera", ...}}]}
 //
 // name: of the sensor's files, each once. sensor: as SensorRig::find() takes it, files beside this one; or
-// the content of such a file. mount: as of Mounting (host/scene/mounting.hpp), angles that are missing are 0;
+// the content of such a file. mount: as of Mounting (host/core/scene/mounting.hpp), angles that are missing are 0;
 // or rig_from_sensor, as frames.json has it. A sensor with neither stands where it was recorded, or in the
 // place of the first of its kind. width_px, height_px: of cameras, both or neither. readout_s: of a rolling
 // shutter, unless the camera is a recorded one, whose frames say it.

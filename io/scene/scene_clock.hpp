@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/sensors/trajectory.hpp"
+#include "host/core/sensors/trajectory.hpp"
 
 namespace simuli {
 

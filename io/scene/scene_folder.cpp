@@ -7,10 +7,10 @@
 #include <system_error>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
-#include "host/scene/owners/occluders.hpp"
-#include "host/scene/particle_order.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/scene/occluders.hpp"
+#include "host/core/scene/particle_order.hpp"
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"

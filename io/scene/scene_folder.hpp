@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
 #include "io/log/frame_spans.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/training_record.hpp"
 
 namespace simuli {
 
-struct SupportRecord;  // host/support/record/support_record.hpp
+struct SupportRecord;  // host/core/record/support_record.hpp
 
 /// A scene with the sensors and the trajectory it was trained on, so that it renders without its log.
 struct SceneFile {

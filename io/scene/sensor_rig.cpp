@@ -7,9 +7,9 @@
 #include <system_error>
 #include <utility>
 
-#include "host/base/close_names.hpp"
-#include "host/base/error.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/close_names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/spread.hpp"
 #include "io/log/sensor_file.hpp"
 
 namespace simuli {

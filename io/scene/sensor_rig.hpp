@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "host/sensors/sensor.hpp"
+#include "host/core/sensors/sensor.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli {

@@ -5,12 +5,12 @@
 #include <system_error>
 #include <utility>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
-#include "host/scene/mounting.hpp"
-#include "host/scene/placement.hpp"
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/scene/mounting.hpp"
+#include "host/core/scene/placement.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 #include "io/splat/splat_axes.hpp"
 
 namespace simuli {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/inside.hpp"
 #include "io/picture/image.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a scene folder keeps of the frames that it was made of (host/support/record/support_record.hpp):
+// What a scene folder keeps of the frames that it was made of (host/core/record/support_record.hpp):
 // scene.json has the sensors' grids, the views and the actors' tracks as recorded, support.exr the cells of
 // all views one behind the other, four numbers each, in rows of kSupportRow numbers:
 //   "support": {"sensors": [{"sensor", "set", "columns", "rows", "first_column", "columns_per_unit",
@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "host/support/record/support_record.hpp"
+#include "host/core/record/support_record.hpp"
 #include "io/log/log_json.hpp"
 
 namespace simuli {

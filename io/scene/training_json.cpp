@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
 
 namespace simuli {
 namespace {

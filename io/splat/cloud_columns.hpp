@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "host/base/point_cloud.hpp"
+#include "host/core/base/point_cloud.hpp"
 #include "io/base/bytes.hpp"
 
 namespace simuli {

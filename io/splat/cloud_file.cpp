@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/archive/npz.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/cloud_columns.hpp"

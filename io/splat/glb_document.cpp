@@ -4,7 +4,7 @@
 #include <array>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/splat/glb.hpp"
 

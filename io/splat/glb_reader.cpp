@@ -5,8 +5,8 @@
 #include <initializer_list>
 #include <set>
 
-#include "host/base/error.hpp"
-#include "host/scene/placement.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/placement.hpp"
 #include "io/splat/glb.hpp"
 #include "io/splat/glb_document.hpp"
 #include "io/splat/ply.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.hpp"
-#include "host/base/version.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/version.hpp"
 #include "io/base/bytes.hpp"
 #include "io/splat/glb.hpp"
 #include "io/splat/splat_axes.hpp"

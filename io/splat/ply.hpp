@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/point_cloud.hpp"
-#include "host/scene/gaussians.hpp"
+#include "host/core/base/point_cloud.hpp"
+#include "host/core/scene/gaussians.hpp"
 
 namespace simuli {
 

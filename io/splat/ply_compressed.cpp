@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_file.hpp"
 

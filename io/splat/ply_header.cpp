@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 namespace {

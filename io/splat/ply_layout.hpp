@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
 
 namespace simuli {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/ply_header.hpp"

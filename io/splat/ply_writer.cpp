@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fstream>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/cloud_columns.hpp"
 #include "io/splat/ply.hpp"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/error.hpp"
-#include "host/scene/mounting.hpp"
-#include "host/scene/placement.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/mounting.hpp"
+#include "host/core/scene/placement.hpp"
 #include "io/splat/ply.hpp"
 
 namespace simuli {

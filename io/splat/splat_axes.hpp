@@ -2,7 +2,7 @@
 // Splats in the axes that a format asks for.
 #include <Eigen/Geometry>
 
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
 #include "io/splat/splat_file.hpp"
 
 namespace simuli {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/archive/stored_zip.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/ply.hpp"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
 
 namespace simuli {
 

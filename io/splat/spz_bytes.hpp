@@ -2,7 +2,7 @@
 // SPZ without a file around it, in whatever axes: as other formats carry it.
 #include <string>
 
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
 
 namespace simuli {
 

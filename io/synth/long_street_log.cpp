@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/log/new_log.hpp"
 #include "io/synth/long_street.hpp"
 #include "io/synth/street_sensors.hpp"

@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/log/new_log.hpp"
 #include "io/synth/street.hpp"
 #include "io/synth/street_sensors.hpp"

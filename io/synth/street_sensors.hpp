@@ -3,7 +3,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 #include "io/zarr/itar_index.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/bytes.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/zarr/zarr_store.hpp"

@@ -1,5 +1,5 @@
 // In builds without libblosc or liblzma.
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/zarr/zarr_codec.hpp"
 #include "io/zarr/zarr_store.hpp"
 

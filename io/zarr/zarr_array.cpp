@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/gzip.hpp"
 #include "io/zarr/zarr_codec.hpp"
 #include "io/zarr/zarr_store.hpp"

@@ -6,7 +6,7 @@
 #include <lzma.h>
 #include <memory>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/zarr/zarr_store.hpp"
 
 namespace simuli {

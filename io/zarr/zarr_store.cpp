@@ -4,7 +4,7 @@
 #include <set>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/zarr/itar_index.hpp"
 #include "io/zarr/zarr_codec.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "host/base/parallel.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/parallel.hpp"
+#include "host/core/base/spread.hpp"
 #include "optim/init/actor_tracks.hpp"
 
 namespace simuli {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 #include "optim/actors/moving_clusters.hpp"
 #include "optim/actors/sweep_series.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 
 namespace simuli {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 
 namespace simuli {
 

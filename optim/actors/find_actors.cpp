@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/base/fields.hpp"
+#include "host/core/base/fields.hpp"
 #include "optim/actors/body_track.hpp"
 #include "optim/actors/motion_evidence.hpp"
 #include "optim/actors/moving_clusters.hpp"

@@ -2,7 +2,7 @@
 // Moving things of a log that has no boxes, found from its LiDAR alone.
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "optim/actors/finding_options.hpp"

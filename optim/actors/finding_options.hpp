@@ -2,7 +2,7 @@
 // What the search for moving things is told, and what it says of itself.
 #include <cstddef>
 
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 
 namespace simuli {
 
@@ -14,7 +14,7 @@ struct ActorFinding {
   int min_sweeps = 8;
 };
 
-/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(ActorFinding& o, F&& field) {
   field("actors.min_sweeps",

@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "host/base/parallel.hpp"
+#include "host/core/base/parallel.hpp"
 #include "optim/points/point_tree.hpp"
 
 namespace simuli {

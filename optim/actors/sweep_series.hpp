@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/scene/ground/ground_map.hpp"
+#include "host/core/scene/ground/ground_map.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/initialize_moving.hpp"

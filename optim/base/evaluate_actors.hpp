@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "host/render/scene/view.hpp"
-#include "host/scene/actor.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar_model.hpp"
+#include "host/core/scene/actor.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar_model.hpp"
+#include "host/device/render/scene/view.hpp"
 
 namespace simuli {
 

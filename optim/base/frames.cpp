@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/log/camera_mask.hpp"
 
 namespace simuli {

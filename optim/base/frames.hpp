@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/render/scene/view.hpp"
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
+#include "host/device/render/scene/view.hpp"
 #include "io/log/frame_files.hpp"
 #include "io/log/log.hpp"
 #include "io/picture/image.hpp"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <nanoflann.hpp>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 namespace {

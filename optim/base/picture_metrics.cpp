@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "optim/base/metrics.hpp"
 
 namespace simuli {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli {

@@ -2,8 +2,8 @@
 // What an evaluation is told.
 #include <optional>
 
-#include "host/base/allowed.hpp"
-#include "host/render/options/options.hpp"
+#include "host/core/base/allowed.hpp"
+#include "host/device/render/options/options.hpp"
 
 namespace simuli {
 
@@ -20,7 +20,7 @@ struct EvalOptions {
   RenderOptions render = {};
 };
 
-/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(EvalOptions& o, F&& field) {
   field.keyless(o.image_scale);  // checked as those of a FrameSelection

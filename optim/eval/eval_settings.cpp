@@ -1,7 +1,7 @@
 #include "optim/eval/eval_settings.hpp"
 
-#include "host/base/fields.hpp"
-#include "host/render/options/render_settings.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/device/render/options/render_settings.hpp"
 
 namespace simuli {
 namespace {

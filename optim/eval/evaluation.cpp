@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/fields.hpp"
-#include "host/render/options/validate.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/device/render/options/validate.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"

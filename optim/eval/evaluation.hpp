@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/image.hpp"
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/core/base/image.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/eval/eval_frames.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/render/scene/readings.hpp"
+#include "host/device/render/scene/readings.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 

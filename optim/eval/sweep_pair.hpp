@@ -2,7 +2,7 @@
 // A recorded sweep beside what a scene says of its rays.
 #include <cstddef>
 
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/scene/owners/moment.hpp"
-#include "host/scene/owners/occluders.hpp"
-#include "host/scene/particle_order.hpp"
+#include "host/core/scene/moment.hpp"
+#include "host/core/scene/occluders.hpp"
+#include "host/core/scene/particle_order.hpp"
 #include "optim/eval/scene_sensors.hpp"
 #include "optim/fill/fill_views.hpp"
 #include "optim/init/initialize_sets.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // What stood behind actors and was never seen: told apart from what was, and filled from around.
-#include "host/render/options/options.hpp"
-#include "host/runtime/device.hpp"
+#include "host/device/render/options/options.hpp"
+#include "host/device/runtime/device.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"

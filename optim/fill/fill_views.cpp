@@ -6,8 +6,8 @@
 #include <utility>
 #include <variant>
 
-#include "host/base/parallel.hpp"
-#include "host/scene/placement.hpp"
+#include "host/core/base/parallel.hpp"
+#include "host/core/scene/placement.hpp"
 #include "optim/base/evenly_spread.hpp"
 #include "optim/base/frames.hpp"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "optim/base/evaluate_actors.hpp"

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/scene/splitmix.hpp"
-#include "host/support/support.hpp"
+#include "host/core/scene/splitmix.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
+#include "host/device/support/support.hpp"
 #include "io/log/camera_mask.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/fixer/run_fixer.hpp"

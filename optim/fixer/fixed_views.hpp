@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/render/scene/renderer.hpp"
+#include "host/device/render/scene/renderer.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 // Pictures from beside the path that a program of the user's mends, to learn from.
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 
 namespace simuli {
 

@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/scratch_folder.hpp"
 #include "io/log/log_json.hpp"

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "host/base/image.hpp"
-#include "host/scene/pose.hpp"
-#include "host/sensors/camera.hpp"
+#include "host/core/base/image.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/camera.hpp"
 
 namespace simuli {
 

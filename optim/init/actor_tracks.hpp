@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 
 namespace simuli {
 

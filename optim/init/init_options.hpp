@@ -2,7 +2,7 @@
 // What the first guess of a scene is told, and what it says of itself.
 #include <cstddef>
 
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 
 namespace simuli {
 
@@ -18,8 +18,8 @@ struct InitOptions {
   double shell_distance_m = 0.0;  // from the scene's origin; 0: follows from the farthest point
   double max_scale_m = 0.5;       // standard deviation of a particle
   bool sweep_depth = true;
-  bool walls = true;           // see beyond/initialize_walls.hpp
-  double lidar_walls_m = 3.0;  // see beyond/walls_upward.hpp
+  bool walls = true;           // see initialize_walls.hpp
+  double lidar_walls_m = 3.0;  // see walls_upward.hpp
   bool drop_moving = true;     // see initialize_moving.hpp
   bool actors = true;
   double actor_min_travel_m = 1.0;
@@ -28,7 +28,7 @@ struct InitOptions {
   bool dark_surfaces = true;    // see dark_surfaces.hpp
 };
 
-/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(InitOptions& o, F&& field) {
   field.group("Start");

@@ -10,21 +10,21 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/frames.hpp"
-#include "optim/init/beyond/dark_surfaces.hpp"
-#include "optim/init/beyond/initialize_depth.hpp"
-#include "optim/init/beyond/initialize_walls.hpp"
-#include "optim/init/beyond/walls_upward.hpp"
+#include "optim/init/dark_surfaces.hpp"
 #include "optim/init/initialize_actors.hpp"
+#include "optim/init/initialize_depth.hpp"
 #include "optim/init/initialize_environment.hpp"
 #include "optim/init/initialize_moving.hpp"
 #include "optim/init/initialize_sets.hpp"
 #include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/init/initialize_walls.hpp"
 #include "optim/init/posed_frames.hpp"
+#include "optim/init/walls_upward.hpp"
 #include "optim/points/points.hpp"
 
 namespace simuli {

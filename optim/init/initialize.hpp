@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/init_options.hpp"

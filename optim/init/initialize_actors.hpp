@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 #include "optim/init/initialize_views.hpp"
 #include "optim/points/points.hpp"
 

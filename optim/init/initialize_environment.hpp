@@ -2,7 +2,7 @@
 #include <array>
 #include <vector>
 
-#include "host/scene/appearance.hpp"
+#include "host/core/scene/appearance.hpp"
 #include "optim/init/initialize_views.hpp"
 
 namespace simuli {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "host/base/error.hpp"
-#include "host/base/parallel.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/parallel.hpp"
 #include "optim/init/initialize_views.hpp"
 
 namespace simuli {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/pose.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "io/log/log.hpp"
 #include "optim/points/points.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "optim/points/surface_shapes.hpp"
 
 namespace simuli {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nanoflann.hpp>
 
-#include "host/base/parallel.hpp"
+#include "host/core/base/parallel.hpp"
 
 namespace simuli {
 namespace {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 namespace {

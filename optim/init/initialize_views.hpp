@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "host/scene/pose.hpp"
-#include "host/sensors/camera.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/camera.hpp"
 #include "io/picture/image.hpp"
 #include "optim/points/points.hpp"
 

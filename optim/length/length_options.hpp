@@ -1,6 +1,6 @@
 #pragma once
 // What a training is told that decides itself how long it goes on, and what it says of that.
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 
 namespace simuli {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "host/base/parallel.hpp"
+#include "host/core/base/parallel.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/base/metrics.hpp"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "optim/base/metrics.hpp"
 
 namespace simuli {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/render/scene/ray_results.hpp"
+#include "host/device/render/scene/ray_results.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/stopwatch.hpp"
-#include "host/sensors/sensor.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/stopwatch.hpp"
+#include "host/core/sensors/sensor.hpp"
 #include "optim/calibration/path/align.hpp"
 
 namespace simuli {

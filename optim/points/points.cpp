@@ -8,9 +8,9 @@
 #include <limits>
 #include <numeric>
 
-#include "host/base/error.hpp"
-#include "host/base/parallel.hpp"
-#include "host/scene/splitmix.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/parallel.hpp"
+#include "host/core/scene/splitmix.hpp"
 #include "optim/points/point_tree.hpp"
 
 namespace simuli {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/sensors/lidar_model.hpp"
+#include "host/core/sensors/lidar_model.hpp"
 
 namespace simuli {
 

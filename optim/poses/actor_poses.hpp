@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "host/render/train/actor.hpp"
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
+#include "host/device/render/train/actor.hpp"
 #include "optim/poses/pose_rates.hpp"
 
 namespace simuli {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "host/render/backward/deform_bwd.hpp"
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
+#include "host/device/render/backward/deform_bwd.hpp"
 
 namespace simuli {
 

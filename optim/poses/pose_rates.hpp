@@ -1,5 +1,5 @@
 #pragma once
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 
 namespace simuli {
 

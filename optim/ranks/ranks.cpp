@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "host/base/one_line.hpp"
+#include "host/core/base/one_line.hpp"
 
 namespace simuli {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/runtime/real_buffer.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/runtime/real_buffer.hpp"
 
 namespace simuli {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <type_traits>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/state_file.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/state/state.hpp"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 
 namespace simuli {
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
-#include "host/scene/owners/occluders.hpp"
-#include "host/scene/particle_order.hpp"
+#include "host/core/scene/occluders.hpp"
+#include "host/core/scene/particle_order.hpp"
 
 namespace simuli {
 namespace {

@@ -9,8 +9,8 @@
 #include <numeric>
 #include <string_view>
 
-#include "host/base/error.hpp"
-#include "host/sensors/lidar_model.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/sensors/lidar_model.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/points/point_tree.hpp"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "optim/base/evenly_spread.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/scene_sensors.hpp"

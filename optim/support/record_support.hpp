@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <memory>
 
-#include "host/render/options/options.hpp"
-#include "host/runtime/device.hpp"
-#include "host/support/record/support_record.hpp"
+#include "host/core/record/support_record.hpp"
+#include "host/device/render/options/options.hpp"
+#include "host/device/runtime/device.hpp"
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"

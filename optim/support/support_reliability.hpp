@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/support/support.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
+#include "host/device/support/support.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {

@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 #include "optim/fill/fill_behind.hpp"

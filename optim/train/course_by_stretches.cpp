@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/temporary.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_actors.hpp"

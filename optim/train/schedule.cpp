@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "host/render/train/adam.hpp"
-#include "host/scene/splitmix.hpp"
+#include "host/core/scene/splitmix.hpp"
+#include "host/device/render/train/adam.hpp"
 
 namespace simuli {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/base/allowed.hpp"
-#include "host/scene/gaussians.hpp"
+#include "host/core/base/allowed.hpp"
+#include "host/core/scene/gaussians.hpp"
 
 namespace simuli {
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "host/render/scene/pass.hpp"
-#include "host/render/train/shard_sum.hpp"
+#include "host/device/render/scene/pass.hpp"
+#include "host/device/render/train/shard_sum.hpp"
 #include "optim/ranks/ranks.hpp"
 #include "optim/train/trained_drop.hpp"
 #include "optim/train/trained_set.hpp"

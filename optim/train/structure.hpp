@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "host/render/scene/renderer.hpp"
-#include "host/render/train/anchor.hpp"
-#include "host/render/train/densify.hpp"
+#include "host/device/render/scene/renderer.hpp"
+#include "host/device/render/train/anchor.hpp"
+#include "host/device/render/train/densify.hpp"
 #include "optim/report/train_report.hpp"
 #include "optim/state/state.hpp"
 #include "optim/train/train_options.hpp"

@@ -2,7 +2,7 @@
 // How training changes what particles there are and what holds them in place.
 #include <cstddef>
 
-#include "host/base/allowed.hpp"
+#include "host/core/base/allowed.hpp"
 
 namespace simuli {
 

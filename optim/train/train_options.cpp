@@ -1,11 +1,11 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/options/render_settings.hpp"
-#include "host/render/options/validate.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/options/render_settings.hpp"
+#include "host/device/render/options/validate.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {

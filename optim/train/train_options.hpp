@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <string>
 
-#include "host/base/allowed.hpp"
-#include "host/render/options/options.hpp"
+#include "host/core/base/allowed.hpp"
+#include "host/device/render/options/options.hpp"
 #include "optim/length/length_options.hpp"
 #include "optim/poses/pose_rates.hpp"
 #include "optim/train/schedule.hpp"
@@ -168,7 +168,7 @@ struct TrainOptions {
   std::size_t host_cache_bytes = std::size_t{2} << 30U;
 };
 
-/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.group("Length");
@@ -226,7 +226,7 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
 /// The options themselves. Error{kUsage} naming the key when one is outside its range.
 [[nodiscard]] TrainOptions checked(const TrainOptions& options);
 
-/// The name of the bundle (host/render/options/quality.hpp) that these options of a training are, or
+/// The name of the bundle (host/device/render/options/quality.hpp) that these options of a training are, or
 /// "custom".
 [[nodiscard]] std::string quality_of(const RenderOptions& options);
 

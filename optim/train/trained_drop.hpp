@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/render/scene/renderer.hpp"
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
+#include "host/device/render/scene/renderer.hpp"
 #include "optim/poses/small_adam.hpp"
 #include "optim/state/state.hpp"
 #include "optim/train/training_options.hpp"

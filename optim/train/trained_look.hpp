@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "host/render/scene/renderer.hpp"
-#include "host/render/train/adam.hpp"
-#include "host/render/train/shard_sum.hpp"
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
+#include "host/device/render/scene/renderer.hpp"
+#include "host/device/render/train/adam.hpp"
+#include "host/device/render/train/shard_sum.hpp"
 #include "io/log/log.hpp"
 #include "optim/state/state.hpp"
 #include "optim/train/training_options.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "host/scene/particle_order.hpp"
+#include "host/core/scene/particle_order.hpp"
 
 namespace simuli {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "host/render/train/adam.hpp"
+#include "host/device/render/train/adam.hpp"
 #include "optim/poses/actor_poses.hpp"
 #include "optim/poses/actor_shapes.hpp"
 #include "optim/state/state.hpp"

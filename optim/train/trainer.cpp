@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/base/stopwatch.hpp"
-#include "host/scene/particle_order.hpp"
+#include "host/core/base/stopwatch.hpp"
+#include "host/core/scene/particle_order.hpp"
 #include "optim/train/pruning.hpp"
 
 namespace simuli {

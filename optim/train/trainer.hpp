@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
 #include "io/log/log.hpp"
 #include "optim/ranks/ranks.hpp"
 #include "optim/report/train_report.hpp"

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/scene/particle_order.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/particle_order.hpp"
 #include "io/base/state_file.hpp"
-#include "optim/train/memory/memory.hpp"
+#include "optim/train/memory.hpp"
 
 namespace simuli {
 namespace {

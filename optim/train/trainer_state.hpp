@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string>
 
-#include "host/render/scene/renderer.hpp"
-#include "host/scene/scene.hpp"
+#include "host/core/scene/scene.hpp"
+#include "host/device/render/scene/renderer.hpp"
 #include "io/log/log.hpp"
 #include "optim/fixer/fixed_views.hpp"
 #include "optim/length/length.hpp"

@@ -5,18 +5,18 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
-#include "host/base/version.hpp"
-#include "host/runtime/cache/tuning.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/core/base/version.hpp"
+#include "host/device/runtime/tuning.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
 #include "optim/stretch/stretch_parts.hpp"
 #include "optim/support/record_support.hpp"
 #include "optim/train/course.hpp"
-#include "optim/train/memory/memory.hpp"
-#include "optim/train/memory/stretch_plan.hpp"
+#include "optim/train/memory.hpp"
+#include "optim/train/stretch_plan.hpp"
 
 namespace simuli {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/runtime/device.hpp"
+#include "host/device/runtime/device.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/actors/finding_options.hpp"

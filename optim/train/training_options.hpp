@@ -26,7 +26,7 @@ struct TrainingOptions {
   std::string fixer_command = {};  // that mends pictures from beside the path (docs/FIXERS.md); empty: none
 };
 
-/// The keys that users set, with what is allowed and what it means (host/base/fields.hpp).
+/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.part("", o.train);

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/lru_cache.hpp"
-#include "host/render/scene/renderer.hpp"
+#include "host/core/base/lru_cache.hpp"
+#include "host/device/render/scene/renderer.hpp"
 #include "io/log/log.hpp"
 #include "optim/train/training_options.hpp"
 

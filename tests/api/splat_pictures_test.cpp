@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <iostream>
 
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "io/base/gzip.hpp"
 #include "io/splat/splat_file.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/scene/renderer.hpp"
+#include "host/device/render/scene/renderer.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli::bench {

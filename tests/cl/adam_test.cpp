@@ -1,5 +1,5 @@
 // Adam against the textbook (Kingma and Ba, algorithm 1) in double.
-#include "host/render/train/adam.hpp"
+#include "host/device/render/train/adam.hpp"
 
 #include <algorithm>
 #include <cmath>

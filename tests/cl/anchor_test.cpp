@@ -1,5 +1,5 @@
 // Neighbours found by the tree against all distances computed, and the anchoring loss against differences.
-#include "host/render/train/anchor.hpp"
+#include "host/device/render/train/anchor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/scene/particle_order.hpp"
+#include "host/core/scene/particle_order.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

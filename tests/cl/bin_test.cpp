@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/render/frame/stages.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/frame/stages.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

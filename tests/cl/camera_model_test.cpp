@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <iostream>
 
-#include "host/base/angles.hpp"
-#include "host/runtime/kernel.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/device/runtime/kernel.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/opencv_cameras.hpp"
 #include "tests/host/windshields.hpp"

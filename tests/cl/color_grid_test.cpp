@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "host/render/backward/backward_stages.hpp"
+#include "host/device/render/backward/backward_stages.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/gradient/gradient_check.hpp"
 

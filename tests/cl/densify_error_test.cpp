@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/render/train/densify.hpp"
+#include "host/device/render/train/densify.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

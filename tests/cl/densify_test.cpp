@@ -1,5 +1,5 @@
 // Relocation, growth and noise: what is drawn, what is copied, what stays.
-#include "host/render/train/densify.hpp"
+#include "host/device/render/train/densify.hpp"
 
 #include <algorithm>
 #include <cmath>

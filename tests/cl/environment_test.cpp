@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/gradient/gradient_check.hpp"
 

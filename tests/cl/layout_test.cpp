@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "cl/shared/sensor_constants.h"
-#include "host/runtime/kernel.hpp"
-#include "host/runtime/text/source.hpp"
+#include "host/device/runtime/kernel.hpp"
+#include "host/device/runtime/source.hpp"
 
 namespace simuli {
 namespace layout_test {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/render/rays/lidar_tiles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/rays/lidar_tiles.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

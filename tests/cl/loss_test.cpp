@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/render/train/loss_stages.hpp"
+#include "host/device/render/train/loss_stages.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

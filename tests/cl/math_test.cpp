@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/runtime/kernel.hpp"
+#include "host/device/runtime/kernel.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {

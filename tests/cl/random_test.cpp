@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "host/runtime/kernel.hpp"
+#include "host/device/runtime/kernel.hpp"
 
 namespace simuli {
 namespace random_test {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

@@ -1,5 +1,5 @@
 // Prefix sums against the standard library, in the shapes of CPUs and of GPUs.
-#include "host/render/device/scan.hpp"
+#include "host/device/render/device/scan.hpp"
 
 #include <cstdint>
 #include <gtest/gtest.h>

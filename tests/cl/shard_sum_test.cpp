@@ -1,5 +1,5 @@
 // Sums of shards: one tree, whoever has added which of its nodes.
-#include "host/render/train/shard_sum.hpp"
+#include "host/device/render/train/shard_sum.hpp"
 
 #include <cmath>
 #include <deque>
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

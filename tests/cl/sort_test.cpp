@@ -1,5 +1,5 @@
 // Radix sort against the standard library, in the shapes of CPUs and of GPUs.
-#include "host/render/device/sort.hpp"
+#include "host/device/render/device/sort.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <vector>
 
-#include "host/render/scene/renderer.hpp"
+#include "host/device/render/scene/renderer.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -1,11 +1,11 @@
 // Command lines as the commands describe them.
-#include "host/cli/base/command.hpp"
+#include "host/apps/cli/base/command.hpp"
 
 #include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/cli/base/progress.hpp"
+#include "host/apps/cli/base/progress.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

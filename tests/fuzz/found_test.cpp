@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/fuzz/readers.hpp"
 #include "tests/io/scratch.hpp"
 

@@ -17,7 +17,7 @@
 #include <system_error>
 #include <unistd.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/fuzz/readers.hpp"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);

@@ -1,5 +1,5 @@
 // The command line and the viewer's requests.
-#include "host/cli/base/program.hpp"
+#include "host/apps/cli/base/program.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,14 +13,14 @@
 #include <utility>
 #include <vector>
 
-#include "host/scene/edit.hpp"
+#include "host/core/scene/edit.hpp"
 #include "io/base/file.hpp"
 #include "io/picture/image.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "tests/fuzz/readers.hpp"
 #ifdef SIMULI_FUZZ_VIEWER
-#include "host/cli/view/view_session.hpp"
+#include "host/apps/cli/view/view_session.hpp"
 #endif
 
 namespace simuli::test {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 #include "io/bag/bag.hpp"
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"

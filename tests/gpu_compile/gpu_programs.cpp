@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "host/render/frame/variant.hpp"
-#include "host/runtime/text/source.hpp"
+#include "host/device/render/frame/variant.hpp"
+#include "host/device/runtime/source.hpp"
 
 namespace simuli::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "host/runtime/build_options.hpp"
+#include "host/device/runtime/build_options.hpp"
 
 namespace simuli::test {
 

@@ -5,9 +5,9 @@
 #include <set>
 #include <sstream>
 
-#include "host/render/options/quality.hpp"
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/runtime/program.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
+#include "host/device/runtime/program.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/init/street_with_car.hpp"

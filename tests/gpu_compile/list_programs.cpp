@@ -5,9 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.hpp"
-#include "host/runtime/text/declaration.hpp"
-#include "host/runtime/text/source.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/runtime/declaration.hpp"
+#include "host/device/runtime/source.hpp"
 #include "tests/gpu_compile/gpu_programs.hpp"
 
 int main(int argc, char** argv) {

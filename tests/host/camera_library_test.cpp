@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <iostream>
 
-#include "host/base/angles.hpp"
-#include "host/sensors/camera.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/sensors/camera.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {

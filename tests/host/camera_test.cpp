@@ -1,4 +1,4 @@
-#include "host/sensors/camera.hpp"
+#include "host/core/sensors/camera.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "host/base/close_names.hpp"
+#include "host/core/base/close_names.hpp"
 
 #include <gtest/gtest.h>
 

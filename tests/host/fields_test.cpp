@@ -1,4 +1,4 @@
-#include "host/base/fields.hpp"
+#include "host/core/base/fields.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,12 +1,12 @@
 // Every lens against its textbook formula, and where its domain ends. The formulas here are written anew.
-#include "host/sensors/lens.hpp"
+#include "host/core/sensors/lens.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 
 #include "cl/shared/sensor_constants.h"
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {

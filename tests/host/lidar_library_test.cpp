@@ -1,12 +1,12 @@
 // Properties that hold for every built-in LiDAR in each of its modes.
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <set>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {

@@ -1,13 +1,13 @@
 // Every firing is found again from a point on its ray.
-#include "host/sensors/lidar_locate.hpp"
+#include "host/core/sensors/lidar_locate.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <string>
 
-#include "host/base/angles.hpp"
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 
 namespace simuli {
 namespace {

@@ -1,10 +1,10 @@
-#include "host/sensors/lidar.hpp"
+#include "host/core/sensors/lidar.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {

@@ -1,4 +1,4 @@
-#include "host/base/names.hpp"
+#include "host/core/base/names.hpp"
 
 #include <gtest/gtest.h>
 #include <string>

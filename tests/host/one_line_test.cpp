@@ -1,8 +1,8 @@
-#include "host/base/one_line.hpp"
+#include "host/core/base/one_line.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/host/expect_error.hpp"
 
 namespace simuli {

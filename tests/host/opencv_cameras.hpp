@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/sensors/camera.hpp"
+#include "host/core/sensors/camera.hpp"
 
 namespace simuli::test {
 

@@ -1,4 +1,4 @@
-#include "host/sensors/ray_list.hpp"
+#include "host/core/sensors/ray_list.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
-#include "host/sensors/sensor.hpp"
+#include "host/core/sensors/sensor.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/support/scenes.hpp"
 

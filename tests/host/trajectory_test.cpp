@@ -1,4 +1,4 @@
-#include "host/sensors/trajectory.hpp"
+#include "host/core/sensors/trajectory.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>

@@ -3,9 +3,9 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
-#include "host/sensors/camera.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/sensors/camera.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/host/windshields.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 // Windshields as they are before cameras in cars: fractions of a degree, more towards the edge.
-#include "host/sensors/lens.hpp"
+#include "host/core/sensors/lens.hpp"
 
 namespace simuli::test {
 

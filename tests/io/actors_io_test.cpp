@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "host/scene/particle_order.hpp"
+#include "host/core/scene/particle_order.hpp"
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/log/log_json.hpp"

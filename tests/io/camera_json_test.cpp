@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "cl/shared/sensor_constants.h"
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/log/log_json.hpp"
 #include "tests/host/windshields.hpp"
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "tests/io/scratch.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/scene/mounting.hpp"
+#include "host/core/scene/mounting.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/sensor_json.hpp"
 #include "tests/io/scratch.hpp"

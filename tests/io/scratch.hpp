@@ -8,7 +8,7 @@
 #include <unistd.h>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::test {
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/support/street_rays.hpp"
 

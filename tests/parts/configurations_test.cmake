@@ -59,4 +59,4 @@ forbid(no_calibration ceres glog ${SOURCE}/optim/calibration calibration/fit.cpp
 
 configure(core all ${least} -DSIMULI_CORE_ONLY=ON)
 need(bin/simuli_bench core)
-forbid(core grpc protoc ceres httplib nlohmann OpenImageIO nanoflann CLI11 ${SOURCE}/host/cli ${SOURCE}/optim/ libz.)
+forbid(core grpc protoc ceres httplib nlohmann OpenImageIO nanoflann CLI11 ${SOURCE}/host/apps/cli ${SOURCE}/optim/ libz.)

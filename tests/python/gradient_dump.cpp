@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "host/render/rays/sensor_in_frame.hpp"
+#include "host/device/render/rays/sensor_in_frame.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

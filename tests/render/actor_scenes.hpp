@@ -2,7 +2,7 @@
 // Two cars that tests of actors share.
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 
 namespace simuli::test {
 

@@ -4,15 +4,15 @@
 #include <set>
 #include <string>
 
-#include "host/render/backward/backward_stages.hpp"
-#include "host/render/backward/deform_bwd.hpp"
-#include "host/render/frame/stages.hpp"
-#include "host/render/rays/ray_mask.hpp"
-#include "host/render/train/actor.hpp"
-#include "host/render/train/adam.hpp"
-#include "host/render/train/anchor.hpp"
-#include "host/render/train/densify.hpp"
-#include "host/render/train/loss_stages.hpp"
+#include "host/device/render/backward/backward_stages.hpp"
+#include "host/device/render/backward/deform_bwd.hpp"
+#include "host/device/render/frame/stages.hpp"
+#include "host/device/render/rays/ray_mask.hpp"
+#include "host/device/render/train/actor.hpp"
+#include "host/device/render/train/adam.hpp"
+#include "host/device/render/train/anchor.hpp"
+#include "host/device/render/train/densify.hpp"
+#include "host/device/render/train/loss_stages.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

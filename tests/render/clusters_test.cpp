@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "host/base/angles.hpp"
-#include "host/render/frame/actor_constants.hpp"
-#include "host/render/pages/frame_sight.hpp"
-#include "host/render/rays/sensor_in_frame.hpp"
-#include "host/scene/particle_order.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/scene/particle_order.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/device/render/frame/actor_constants.hpp"
+#include "host/device/render/pages/frame_sight.hpp"
+#include "host/device/render/rays/sensor_in_frame.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/render/detail/levels.hpp"
+#include "host/device/render/levels/levels.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "host/render/train/adam.hpp"
+#include "host/device/render/train/adam.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

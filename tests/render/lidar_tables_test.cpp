@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/angles.hpp"
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

@@ -5,8 +5,8 @@
 #include <set>
 #include <string>
 
-#include "host/render/scene/appearance_on_device.hpp"
-#include "host/runtime/device_state.hpp"
+#include "host/device/render/scene/appearance_on_device.hpp"
+#include "host/device/runtime/device_state.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

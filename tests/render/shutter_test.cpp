@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/actor_scenes.hpp"

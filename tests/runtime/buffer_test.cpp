@@ -1,11 +1,11 @@
-#include "host/runtime/buffer.hpp"
+#include "host/device/runtime/buffer.hpp"
 
 #include <limits>
 #include <numeric>
 #include <optional>
 
-#include "host/runtime/opencl.hpp"
-#include "host/runtime/real_buffer.hpp"
+#include "host/device/runtime/opencl.hpp"
+#include "host/device/runtime/real_buffer.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {

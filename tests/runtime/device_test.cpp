@@ -1,11 +1,11 @@
-#include "host/runtime/device.hpp"
+#include "host/device/runtime/device.hpp"
 
 #include <algorithm>
 #include <cctype>
 
-#include "host/runtime/buffer.hpp"
-#include "host/runtime/cl/cl_error.hpp"
-#include "host/runtime/opencl.hpp"
+#include "host/device/runtime/buffer.hpp"
+#include "host/device/runtime/cl_error.hpp"
+#include "host/device/runtime/opencl.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {

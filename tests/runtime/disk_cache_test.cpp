@@ -1,8 +1,8 @@
-#include "host/runtime/cache/disk_cache.hpp"
+#include "host/device/runtime/disk_cache.hpp"
 
 #include <algorithm>
 
-#include "host/runtime/kernel.hpp"
+#include "host/device/runtime/kernel.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {

@@ -1,4 +1,4 @@
-#include "host/runtime/kernel.hpp"
+#include "host/device/runtime/kernel.hpp"
 
 #include "tests/runtime/support.hpp"
 

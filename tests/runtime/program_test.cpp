@@ -1,7 +1,7 @@
-#include "host/runtime/program.hpp"
+#include "host/device/runtime/program.hpp"
 
-#include "host/runtime/kernel.hpp"
-#include "host/runtime/text/source.hpp"
+#include "host/device/runtime/kernel.hpp"
+#include "host/device/runtime/source.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {

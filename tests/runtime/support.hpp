@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "host/base/error.hpp"
-#include "host/runtime/device.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/runtime/device.hpp"
 
 namespace simuli::test {
 

@@ -1,6 +1,6 @@
-#include "host/runtime/cache/tuning.hpp"
+#include "host/device/runtime/tuning.hpp"
 
-#include "host/runtime/kernel.hpp"
+#include "host/device/runtime/kernel.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {

@@ -1,11 +1,11 @@
 // Where units and conventions of lenses differ: pixel centres, degrees of polynomials, sizes, shutters.
-#include "host/serve/messages/camera_message.hpp"
+#include "host/apps/serve/messages/camera_message.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "host/serve/messages/render_message.hpp"
+#include "host/apps/serve/messages/render_message.hpp"
 #include "tests/host/windshields.hpp"
 #include "tests/serve/served_scene.hpp"
 

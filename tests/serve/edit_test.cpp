@@ -1,12 +1,12 @@
 // Scenes that clients change.
-#include "host/scene/edit.hpp"
+#include "host/core/scene/edit.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/serve/messages/edit_message.hpp"
-#include "host/serve/messages/render_message.hpp"
+#include "host/apps/serve/messages/edit_message.hpp"
+#include "host/apps/serve/messages/render_message.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {

@@ -1,8 +1,8 @@
-#include "host/serve/session/ego_masks.hpp"
+#include "host/apps/serve/session/ego_masks.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/serve/messages/render_message.hpp"
+#include "host/apps/serve/messages/render_message.hpp"
 #include "tests/serve/ego_mask_picture.hpp"
 #include "tests/serve/served_scene.hpp"
 

@@ -9,7 +9,7 @@
 #include <iostream>
 #include <random>
 
-#include "host/serve/messages/render_message.hpp"
+#include "host/apps/serve/messages/render_message.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {

@@ -1,5 +1,5 @@
 // What the server counts, read as strictly as Prometheus does.
-#include "host/serve/session/metrics.hpp"
+#include "host/apps/serve/session/metrics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-#include "host/render/scene/readings.hpp"
-#include "host/serve/messages/render_message.hpp"
+#include "host/apps/serve/messages/render_message.hpp"
+#include "host/device/render/scene/readings.hpp"
 #include "io/picture/image.hpp"
 #include "tests/serve/ego_mask_picture.hpp"
 #include "tests/serve/served_scene.hpp"

@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "host/serve/messages/handlers.hpp"
-#include "host/serve/messages/shot_message.hpp"
-#include "host/serve/session/refusal.hpp"
+#include "host/apps/serve/messages/handlers.hpp"
+#include "host/apps/serve/messages/shot_message.hpp"
+#include "host/apps/serve/session/refusal.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/support/scenes.hpp"
 

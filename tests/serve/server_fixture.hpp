@@ -9,7 +9,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "host/serve/server/server.hpp"
+#include "host/apps/serve/server/server.hpp"
 #include "tests/serve/served_client.hpp"
 #include "tests/serve/served_scene.hpp"
 

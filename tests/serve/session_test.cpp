@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-#include "host/serve/session/refusal.hpp"
-#include "host/serve/session/render_session.hpp"
+#include "host/apps/serve/session/refusal.hpp"
+#include "host/apps/serve/session/render_session.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/serve/served_scene.hpp"
 

@@ -1,5 +1,5 @@
 // Work that several ask for at once is done once.
-#include "host/serve/session/shared_work.hpp"
+#include "host/apps/serve/session/shared_work.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "host/serve/session/refusal.hpp"
+#include "host/apps/serve/session/refusal.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {

@@ -1,5 +1,5 @@
 // Where units and conventions of poses and times differ.
-#include "host/serve/messages/shot_message.hpp"
+#include "host/apps/serve/messages/shot_message.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

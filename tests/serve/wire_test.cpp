@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/serve/messages/camera_message.hpp"
+#include "host/apps/serve/messages/camera_message.hpp"
 
 namespace simuli::serve {
 namespace {

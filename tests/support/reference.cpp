@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::reference {
 namespace {

@@ -1,18 +1,18 @@
 #pragma once
 // The reference of the forward pass: sequential, double precision, one particle and one ray after the
 // other, no tiles, no culling. It defines what the kernels compute and shares no mathematics with them;
-// host/scene and host/sensors give input types only. Slow: meant for hundreds of particles and rays.
+// host/core/scene and host/core/sensors give input types only. Slow: meant for hundreds of particles and rays.
 //
 // Frames: `scene` is the world shifted to Scene::origin, `sensor` the camera or LiDAR frame.
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/gaussians.hpp"
-#include "host/scene/pose.hpp"
-#include "host/scene/ray_drop.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/scene/gaussians.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/scene/ray_drop.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar.hpp"
 
 namespace simuli::reference {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/support/reference.hpp"
 
 namespace simuli::reference {

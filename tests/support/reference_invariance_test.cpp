@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/support/reference.hpp"
 
 namespace simuli::reference {

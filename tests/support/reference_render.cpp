@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/support/reference.hpp"
 
 namespace simuli::reference {

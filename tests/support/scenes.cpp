@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::test {
 namespace {

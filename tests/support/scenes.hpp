@@ -7,11 +7,11 @@
 #include <random>
 #include <vector>
 
-#include "host/scene/gaussians.hpp"
-#include "host/scene/pose.hpp"
-#include "host/scene/ray_drop.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/scene/gaussians.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/scene/ray_drop.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar.hpp"
 
 namespace simuli::test {
 

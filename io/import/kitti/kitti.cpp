@@ -7,8 +7,8 @@
 #include <regex>
 #include <system_error>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/log/new_log.hpp"

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
 namespace simuli::kitti {

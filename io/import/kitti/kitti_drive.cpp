@@ -5,7 +5,7 @@
 #include <numbers>
 #include <variant>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/import/kitti/kitti.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/log/sensor_file.hpp"

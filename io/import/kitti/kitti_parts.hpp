@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/scene/actor.hpp"
-#include "host/scene/pose.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar.hpp"
-#include "host/sensors/trajectory.hpp"
+#include "host/core/scene/actor.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar.hpp"
+#include "host/core/sensors/trajectory.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <numbers>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/import/kitti/kitti_parts.hpp"

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 

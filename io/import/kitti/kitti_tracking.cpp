@@ -8,8 +8,8 @@
 #include <numbers>
 #include <sstream>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
 namespace simuli::kitti {

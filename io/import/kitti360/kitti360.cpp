@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/import/kitti360/kitti360_parts.hpp"

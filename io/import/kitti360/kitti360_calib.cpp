@@ -4,10 +4,10 @@
 #include <numbers>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/import/kitti360/kitti360_parts.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
+#include "io/import/kitti360/kitti360_parts.hpp"
 
 namespace simuli::kitti360 {
 namespace {

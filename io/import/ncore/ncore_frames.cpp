@@ -6,9 +6,9 @@
 #include <limits>
 #include <set>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/base/spread.hpp"
 #include "io/import/ncore/ncore_sequence.hpp"
 #include "io/ncore/names.hpp"
 

@@ -6,8 +6,8 @@
 #include <fmt/ranges.h>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/import/ncore/ncore_sequence.hpp"
 #include "io/log/log_json.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/sensors/lidar.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/log/log.hpp"
 

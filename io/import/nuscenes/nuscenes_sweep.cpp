@@ -10,7 +10,7 @@
 #include <numbers>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 
 namespace simuli::nuscenes {

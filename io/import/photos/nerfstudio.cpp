@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"

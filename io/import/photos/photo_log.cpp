@@ -7,10 +7,10 @@
 #include <system_error>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
-#include "host/base/spread.hpp"
-#include "host/scene/mounting.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/base/spread.hpp"
+#include "host/core/scene/mounting.hpp"
 #include "io/log/new_log.hpp"
 #include "io/splat/cloud_file.hpp"
 

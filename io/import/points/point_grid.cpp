@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
 namespace simuli {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/log/log_json.hpp"

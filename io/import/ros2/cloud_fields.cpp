@@ -6,8 +6,8 @@
 #include <cstring>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
-#include "host/base/split.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/split.hpp"
 
 namespace simuli::ros2 {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <set>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/bag/bag.hpp"
 #include "io/import/ros2/cloud_fields.hpp"
 #include "io/import/ros2/ros2_scan.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "host/base/image.hpp"
+#include "host/core/base/image.hpp"
 #include "io/bag/bag.hpp"
 #include "io/import/ros2/cloud_fields.hpp"
 #include "io/import/ros2/ros2_lidar.hpp"

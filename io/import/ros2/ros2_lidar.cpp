@@ -7,9 +7,9 @@
 #include <map>
 #include <optional>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
-#include "host/sensors/lidar_locate.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/sensors/lidar_locate.hpp"
 
 namespace simuli::ros2 {
 namespace {

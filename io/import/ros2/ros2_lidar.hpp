@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/pose.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/scene/pose.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/import/ros2/cloud_fields.hpp"
 

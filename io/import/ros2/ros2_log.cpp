@@ -5,8 +5,8 @@
 #include <set>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/names.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "io/import/ros2/ros2_frames.hpp"
 #include "io/import/ros2/ros2_lidar.hpp"
 #include "io/import/ros2/ros2_scan.hpp"

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/mounting.hpp"
-#include "host/sensors/camera.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/scene/mounting.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/log/log.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/pose.hpp"
+#include "host/core/scene/pose.hpp"
 #include "io/ros2/messages.hpp"
 
 namespace simuli::ros2 {

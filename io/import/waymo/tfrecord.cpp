@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <system_error>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/regular_file.hpp"
 
 namespace simuli {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <numbers>
 
-#include "host/base/error.hpp"
-#include "host/scene/mounting.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/mounting.hpp"
 #include "io/base/gzip.hpp"
 #include "io/import/waymo/wire.hpp"
 

@@ -4,7 +4,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #endif
 
 namespace simuli {

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <unsupported/Eigen/FFT>
 
-#include "host/base/angles.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/spread.hpp"
 #include "optim/calibration/beams/beam_parts.hpp"
 
 namespace simuli::calibration {

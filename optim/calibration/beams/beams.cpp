@@ -9,9 +9,9 @@
 #include <optional>
 #include <utility>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/spread.hpp"
 #include "optim/calibration/beams/beam_parts.hpp"
 
 namespace simuli::calibration {

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/spread.hpp"
 #include "optim/calibration/camera/mounting_problem.hpp"
 
 namespace simuli::calibration {

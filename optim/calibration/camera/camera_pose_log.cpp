@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/spread.hpp"
+#include "host/core/base/spread.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // The distance of a depth edge from an edge of a picture, for Ceres.
-#include "host/sensors/camera.hpp"
-#include "host/sensors/trajectory.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/trajectory.hpp"
 #include "optim/calibration/lens/lens_jets.hpp"
 #include "optim/calibration/path/residuals.hpp"
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "host/base/parallel.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/parallel.hpp"
+#include "host/core/base/spread.hpp"
 #include "optim/calibration/camera/camera_residual.hpp"
 #include "optim/calibration/camera/placed_view.hpp"
 #include "optim/calibration/path/plane_map.hpp"

@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
-#include "host/sensors/camera.hpp"
-#include "host/sensors/trajectory.hpp"
+#include "host/core/sensors/camera.hpp"
+#include "host/core/sensors/trajectory.hpp"
 #include "optim/calibration/camera/luminance.hpp"
 #include "optim/calibration/path/returns.hpp"
 

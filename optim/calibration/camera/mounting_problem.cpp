@@ -5,9 +5,9 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
-#include "host/base/parallel.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/parallel.hpp"
 #include "optim/calibration/path/odometry.hpp"
 
 namespace simuli::calibration {

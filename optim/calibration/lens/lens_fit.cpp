@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <vector>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "optim/calibration/lens/lens_jets.hpp"
 
 namespace simuli::calibration {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
-#include "host/sensors/camera.hpp"
+#include "host/core/sensors/camera.hpp"
 
 namespace simuli::calibration {
 

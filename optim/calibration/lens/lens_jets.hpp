@@ -1,13 +1,13 @@
 #pragma once
 // cl/math/camera.h compiled for automatic derivatives: the text that the device and the host run is the one
 // that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this,
-// and none that includes host/sensors/lens/lens_forward.hpp.
+// and none that includes host/core/sensors/lens/lens_forward.hpp.
 #include <Eigen/Core>
 #include <algorithm>
 #include <ceres/jet.h>
 
 #include "cl/shared/sensor_constants.h"
-#include "host/sensors/lens.hpp"
+#include "host/core/sensors/lens.hpp"
 
 namespace simuli::calibration::lens_jets {
 
@@ -21,7 +21,7 @@ inline void sincos_lanes(const F& x, F* sine, F* cosine) {
   *cosine = ceres::cos(x);
 }
 
-#include "host/sensors/lens/lens_text.hpp"
+#include "host/core/sensors/lens/lens_text.hpp"
 
 using Constants = shared::LensConstants<F>;
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/log/frame_files.hpp"
 
 namespace simuli::calibration {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <unordered_map>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
-#include "host/base/parallel.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/parallel.hpp"
 #include "optim/calibration/path/refine.hpp"
 #include "optim/calibration/path/residuals.hpp"
 

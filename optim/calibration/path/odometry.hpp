@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/sensors/trajectory.hpp"
+#include "host/core/sensors/trajectory.hpp"
 #include "optim/calibration/path/plane_map.hpp"
 #include "optim/calibration/path/returns.hpp"
 

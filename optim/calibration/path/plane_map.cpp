@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "host/base/parallel.hpp"
+#include "host/core/base/parallel.hpp"
 
 namespace simuli::calibration {
 namespace {

@@ -10,9 +10,9 @@
 #include <map>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/parallel.hpp"
-#include "host/base/spread.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/parallel.hpp"
+#include "host/core/base/spread.hpp"
 #include "optim/calibration/path/odometry.hpp"
 #include "optim/calibration/path/residuals.hpp"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/sensors/trajectory.hpp"
+#include "host/core/sensors/trajectory.hpp"
 #include "optim/calibration/path/returns.hpp"
 
 namespace simuli::calibration {

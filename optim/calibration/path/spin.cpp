@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <limits>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::calibration {
 namespace {

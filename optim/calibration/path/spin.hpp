@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/sensors/lidar.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "optim/calibration/path/odometry.hpp"
 
 namespace simuli::calibration {

@@ -1,4 +1,4 @@
-#include "host/cli/draw/html_report.hpp"
+#include "host/apps/cli/draw/html_report.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include "host/cli/draw/pictures.hpp"
-#include "host/cli/draw/sweep_canvas.hpp"
+#include "host/apps/cli/draw/pictures.hpp"
+#include "host/apps/cli/draw/sweep_canvas.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "host/cli/draw/html_report.hpp"
+#include "host/apps/cli/draw/html_report.hpp"
 #include "tests/cli/background_program.hpp"
 #include "tests/cli/draw/browser.hpp"
 #include "tests/io/scratch.hpp"

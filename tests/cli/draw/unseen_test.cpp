@@ -1,5 +1,5 @@
 // What no recorded camera faced.
-#include "host/cli/draw/unseen.hpp"
+#include "host/apps/cli/draw/unseen.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

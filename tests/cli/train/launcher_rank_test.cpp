@@ -3,8 +3,8 @@
 #include <map>
 #include <string>
 
-#include "host/base/error.hpp"
-#include "host/cli/train/launched_ranks.hpp"
+#include "host/apps/cli/train/launched_ranks.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/json_reader.hpp"
 #include "tests/fuzz/mutate/mutate.hpp"
 

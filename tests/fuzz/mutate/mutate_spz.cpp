@@ -2,7 +2,7 @@
 #include <array>
 #include <cstdint>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/gzip.hpp"
 #include "tests/fuzz/mutate/mutate.hpp"
 

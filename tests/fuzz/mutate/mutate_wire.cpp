@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/event_file.hpp"
 #include "io/base/gzip.hpp"
 #include "tests/fuzz/mutate/mutate.hpp"

@@ -1,4 +1,4 @@
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

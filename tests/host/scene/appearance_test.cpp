@@ -1,4 +1,4 @@
-#include "host/scene/appearance.hpp"
+#include "host/core/scene/appearance.hpp"
 
 #include <gtest/gtest.h>
 

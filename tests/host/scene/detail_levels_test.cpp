@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "host/render/detail/levels.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/device/render/levels/levels.hpp"
 
 namespace simuli {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/scene/edit.hpp"
+#include "host/core/scene/edit.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

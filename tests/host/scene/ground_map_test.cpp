@@ -1,4 +1,4 @@
-#include "host/scene/ground/ground_map.hpp"
+#include "host/core/scene/ground/ground_map.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/scene/owners/moment.hpp"
+#include "host/core/scene/moment.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "host/scene/mounting.hpp"
+#include "host/core/scene/mounting.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "host/scene/owners/occluders.hpp"
+#include "host/core/scene/occluders.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
 
-#include "host/scene/edit.hpp"
-#include "host/scene/owners/moment.hpp"
+#include "host/core/scene/edit.hpp"
+#include "host/core/scene/moment.hpp"
 
 namespace simuli {
 namespace {

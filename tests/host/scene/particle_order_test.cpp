@@ -1,10 +1,10 @@
-#include "host/scene/particle_order.hpp"
+#include "host/core/scene/particle_order.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_street.hpp"
 
 namespace simuli {
 namespace particle_order_test {

@@ -1,10 +1,10 @@
-#include "host/scene/placement.hpp"
+#include "host/core/scene/placement.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 #include <random>
 
-#include "host/scene/edit.hpp"
+#include "host/core/scene/edit.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/support/reference.hpp"
 

@@ -1,4 +1,4 @@
-#include "host/scene/pose.hpp"
+#include "host/core/scene/pose.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "host/scene/ray_drop.hpp"
+#include "host/core/scene/ray_drop.hpp"
 
 #include <gtest/gtest.h>
 

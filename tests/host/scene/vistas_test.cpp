@@ -1,11 +1,11 @@
-#include "host/scene/owners/vistas.hpp"
+#include "host/core/scene/vistas.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/scene/owners/moment.hpp"
-#include "host/scene/owners/occluders.hpp"
+#include "host/core/scene/moment.hpp"
+#include "host/core/scene/occluders.hpp"
 
 namespace simuli {
 namespace {

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/sensors/lidar_library.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 #include "io/base/file.hpp"
 #include "io/export/ftheta_camera.hpp"
 #include "io/export/track_labels.hpp"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host/sensors/lidar.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "io/picture/image.hpp"
 #include "tests/io/scratch.hpp"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <utility>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/import/kitti/kitti.hpp"
 #include "tests/io/import/kitti_folder.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/io/import/kitti_folder.hpp"
 #include "tests/io/scratch.hpp"
 

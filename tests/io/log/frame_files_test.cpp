@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-#include "host/base/error.hpp"
-#include "host/sensors/lidar.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "io/synth/street.hpp"
 #include "tests/io/scratch.hpp"
 

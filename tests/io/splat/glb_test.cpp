@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host/scene/placement.hpp"
+#include "host/core/scene/placement.hpp"
 #include "io/base/bytes.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/ply.hpp"

@@ -2,7 +2,7 @@
 // Particles for tests of files.
 #include <random>
 
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
 
 namespace simuli::test {
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "optim/actors/compare_actors.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/actors/moving_world.hpp"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli::test {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/optim/calibration/street_drive.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "io/log/camera_mask.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/optim/calibration/street_drive.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli::calibration {
 namespace {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "host/base/angles.hpp"
-#include "host/base/error.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/import/kitti/kitti_parts.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/optim/calibration/street_drive.hpp"
 #include "tests/support/scenes.hpp"

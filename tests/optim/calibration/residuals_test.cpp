@@ -1,11 +1,11 @@
-// Automatic derivatives against central differences, and the residuals' poses against host/scene/pose.hpp.
+// Automatic derivatives against central differences, and the residuals' poses against host/core/scene/pose.hpp.
 #include "optim/calibration/path/residuals.hpp"
 
 #include <ceres/numeric_diff_cost_function.h>
 #include <gtest/gtest.h>
 #include <random>
 
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "optim/calibration/camera/camera_residual.hpp"
 
 namespace simuli::calibration {

@@ -8,8 +8,8 @@
 #include <string>
 #include <variant>
 
-#include "host/base/error.hpp"
-#include "host/render/scene/readings.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/scene/readings.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/sweep_pair.hpp"
 #include "tests/optim/small_street.hpp"

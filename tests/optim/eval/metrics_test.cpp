@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {

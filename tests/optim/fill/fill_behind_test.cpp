@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/scene/edit.hpp"
-#include "host/scene/owners/occluders.hpp"
+#include "host/core/scene/edit.hpp"
+#include "host/core/scene/occluders.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "optim/fill/fill_views.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -1,5 +1,5 @@
 // A pane that stands beside a road, seen by a LiDAR that drives past it.
-#include "optim/init/beyond/dark_still.hpp"
+#include "optim/init/dark_still.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

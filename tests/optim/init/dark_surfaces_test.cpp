@@ -1,5 +1,5 @@
 // A black lorry in front of a wall, seen by a LiDAR that drives past it.
-#include "optim/init/beyond/dark_surfaces.hpp"
+#include "optim/init/dark_surfaces.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

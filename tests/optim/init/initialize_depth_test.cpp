@@ -1,4 +1,4 @@
-#include "optim/init/beyond/initialize_depth.hpp"
+#include "optim/init/initialize_depth.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "host/base/angles.hpp"
+#include "host/core/base/angles.hpp"
 #include "optim/init/initialize_environment.hpp"
 
 #include <cmath>

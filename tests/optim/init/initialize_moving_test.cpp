@@ -3,7 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "optim/init/initialize_views.hpp"
 
 namespace simuli {

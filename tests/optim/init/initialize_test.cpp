@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdlib.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/picture/image.hpp"
 #include "io/synth/street.hpp"
 

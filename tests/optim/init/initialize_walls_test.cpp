@@ -1,10 +1,10 @@
 // Walls above the laser's reach: where they are told from, what pictures say of them, and the street's truth.
-#include "optim/init/beyond/initialize_walls.hpp"
+#include "optim/init/initialize_walls.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/scene/actor.hpp"
+#include "host/core/scene/actor.hpp"
 #include "io/base/scratch_folder.hpp"
 #include "io/synth/street.hpp"
 #include "optim/init/posed_frames.hpp"

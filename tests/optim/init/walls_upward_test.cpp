@@ -1,5 +1,5 @@
 // A wall beside a road that a LiDAR sees the foot of, as it drives past and from farther away.
-#include "optim/init/beyond/walls_upward.hpp"
+#include "optim/init/walls_upward.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 

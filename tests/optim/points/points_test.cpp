@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 
 namespace simuli {
 namespace {

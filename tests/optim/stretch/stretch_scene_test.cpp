@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "host/scene/owners/occluders.hpp"
+#include "host/core/scene/occluders.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/stretch/stretch_parts.hpp"
 #include "tests/io/scratch.hpp"

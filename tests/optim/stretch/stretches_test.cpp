@@ -6,14 +6,14 @@
 #include <stdlib.h>
 #include <utility>
 
-#include "host/scene/owners/occluders.hpp"
-#include "host/support/record/support_record.hpp"
+#include "host/core/record/support_record.hpp"
+#include "host/core/scene/occluders.hpp"
 #include "io/synth/long_street.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/stretch/stretch_parts.hpp"
-#include "optim/train/memory/memory.hpp"
-#include "optim/train/memory/stretch_plan.hpp"
+#include "optim/train/memory.hpp"
+#include "optim/train/stretch_plan.hpp"
 #include "optim/train/training.hpp"
 #include "tests/host/expect_error.hpp"
 

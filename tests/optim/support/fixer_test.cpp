@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <memory>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "optim/fixer/run_fixer.hpp"
 #include "optim/train/trainer.hpp"
 #include "optim/train/training.hpp"

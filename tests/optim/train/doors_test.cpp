@@ -6,10 +6,10 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
-#include "host/render/frame/variant.hpp"
-#include "host/render/options/render_settings.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/device/render/frame/variant.hpp"
+#include "host/device/render/options/render_settings.hpp"
 #include "optim/eval/eval_settings.hpp"
 #include "optim/train/training_options.hpp"
 

@@ -1,7 +1,7 @@
 // What a camera's mask hides tells training and scores nothing.
 #include <gtest/gtest.h>
 
-#include "host/support/record/support_record.hpp"
+#include "host/core/record/support_record.hpp"
 #include "io/log/camera_mask.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"

@@ -3,9 +3,9 @@
 #include <limits>
 #include <set>
 
-#include "host/base/fields.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/options/validate.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/options/validate.hpp"
 #include "optim/eval/eval_options.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/train/training_options.hpp"

@@ -5,7 +5,7 @@
 #include "optim/base/frames.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/path/refined_path.hpp"
-#include "optim/train/memory/memory.hpp"
+#include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 

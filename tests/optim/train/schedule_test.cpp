@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/base/lru_cache.hpp"
+#include "host/core/base/lru_cache.hpp"
 
 namespace simuli {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-#include "host/scene/particle_order.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/scene/particle_order.hpp"
+#include "host/core/scene/particle_street.hpp"
 
 namespace simuli {
 namespace {

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
-#include "optim/train/memory/memory.hpp"
+#include "host/core/base/error.hpp"
+#include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "host/base/error.hpp"
-#include "host/scene/particle_order.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/particle_order.hpp"
 #include "tests/optim/small_street.hpp"
 
 namespace simuli {

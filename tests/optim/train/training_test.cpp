@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/render/options/quality.hpp"
+#include "host/device/render/options/quality.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/train/trainer.hpp"

@@ -4,7 +4,7 @@
 #include <iostream>
 #include <stdlib.h>
 
-#include "host/scene/edit.hpp"
+#include "host/core/scene/edit.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/scene/gaussians.hpp"
+#include "host/core/scene/gaussians.hpp"
 
 namespace simuli::test {
 

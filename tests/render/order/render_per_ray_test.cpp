@@ -1,12 +1,12 @@
 // What pictures may ask for beyond the default: each ray's own order, colours along each ray, fewer bands,
-// built-in functions (host/render/options/options.hpp).
+// built-in functions (host/device/render/options/options.hpp).
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <string>
 #include <vector>
 
-#include "host/render/options/quality.hpp"
+#include "host/device/render/options/quality.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 

@@ -1,11 +1,11 @@
-#include "host/render/outputs/camera_output.hpp"
+#include "host/device/render/outputs/camera_output.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
-#include "host/render/outputs/cloud.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/outputs/cloud.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"
 
 namespace simuli {

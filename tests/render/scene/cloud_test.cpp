@@ -1,8 +1,8 @@
-#include "host/render/outputs/cloud.hpp"
+#include "host/device/render/outputs/cloud.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/render/scene/two_cars.hpp"
 
 namespace simuli {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "tests/render/scene/two_cars.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"
 

@@ -1,11 +1,11 @@
-#include "host/render/scene/frame.hpp"
+#include "host/device/render/scene/frame.hpp"
 
 #include <gtest/gtest.h>
 #include <memory>
 #include <numbers>
 
-#include "host/base/error.hpp"
-#include "host/render/scene/frame_state.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/scene/frame_state.hpp"
 #include "tests/render/scene/two_cars.hpp"
 
 namespace simuli {

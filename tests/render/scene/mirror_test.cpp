@@ -1,12 +1,12 @@
 // Actors of which one side was seen: the other shows the mirror image.
-#include "host/support/record/mirror.hpp"
+#include "host/core/record/mirror.hpp"
 
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <numbers>
 
-#include "host/base/error.hpp"
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {

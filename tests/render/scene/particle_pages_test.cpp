@@ -1,15 +1,15 @@
 // Sets of which a part is on the device at a time: the same bits as with all of it there.
-#include "host/render/pages/particle_pages.hpp"
+#include "host/device/render/pages/particle_pages.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/base/angles.hpp"
-#include "host/render/frame/actor_constants.hpp"
-#include "host/render/rays/sensor_in_frame.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/render/scene/scene_on_device.hpp"
-#include "host/scene/particle_street.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/scene/particle_street.hpp"
+#include "host/device/render/frame/actor_constants.hpp"
+#include "host/device/render/rays/sensor_in_frame.hpp"
+#include "host/device/render/scene/renderer.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/actor_scenes.hpp"

@@ -1,9 +1,9 @@
-#include "host/render/outputs/picture_bytes.hpp"
+#include "host/device/render/outputs/picture_bytes.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "host/base/error.hpp"
+#include "host/core/base/error.hpp"
 #include "io/picture/image.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"

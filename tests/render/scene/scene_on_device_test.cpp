@@ -1,4 +1,4 @@
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,13 +6,13 @@
 #include <gtest/gtest.h>
 #include <utility>
 
-#include "host/base/error.hpp"
-#include "host/base/fields.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/scene/appearance_on_device.hpp"
-#include "host/render/scene/renderer.hpp"
-#include "host/scene/owners/occluders.hpp"
-#include "host/scene/particle_order.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
+#include "host/core/scene/occluders.hpp"
+#include "host/core/scene/particle_order.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/scene/appearance_on_device.hpp"
+#include "host/device/render/scene/renderer.hpp"
 #include "tests/render/scene/two_cars.hpp"
 
 namespace simuli {

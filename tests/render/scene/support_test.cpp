@@ -1,14 +1,14 @@
 // Support: the kernel against a sequential loop in double, and what it is meant to say.
-#include "host/support/support.hpp"
+#include "host/device/support/support.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/base/error.hpp"
-#include "host/render/options/quality.hpp"
-#include "host/render/outputs/cloud.hpp"
-#include "host/render/scene/frame_state.hpp"
+#include "host/core/base/error.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "host/device/render/outputs/cloud.hpp"
+#include "host/device/render/scene/frame_state.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"
 
 namespace simuli {

@@ -1,8 +1,8 @@
-#include "host/render/scene/tuning.hpp"
+#include "host/device/render/scene/tuning.hpp"
 
 #include <gtest/gtest.h>
 
-#include "host/render/options/lane_shape.hpp"
+#include "host/device/render/options/lane_shape.hpp"
 
 namespace simuli {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli::test {

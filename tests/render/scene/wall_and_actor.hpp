@@ -1,6 +1,6 @@
 #pragma once
 // A scene that tells depths and actors apart: a wall, an actor before it, another behind the sensor.
-#include "host/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli::test {

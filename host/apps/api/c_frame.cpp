@@ -1,0 +1,166 @@
+// Frames in C.
+#include "host/apps/api/c_handles.hpp"
+
+using namespace simuli;
+using namespace simuli::capi;
+
+namespace {
+
+/// Feature by feature [3][rays] -> [rays][3].
+std::vector<float> interleaved(const RayResults& results) {
+  std::vector<float> out;
+  out.reserve(3 * results.rays);
+  for (std::size_t i = 0; i < results.rays; ++i) {
+    for (const std::vector<float>& channel : results.feature) out.push_back(channel[i]);
+  }
+  return out;
+}
+
+template <class F>
+std::vector<float> each(const RayResults& results, F&& value) {
+  std::vector<float> out(results.rays);
+  for (std::size_t i = 0; i < results.rays; ++i) out[i] = value(i);
+  return out;
+}
+
+/// But for the options, which are the scene's, and the edits, which are the shot's.
+FrameRequest request_of(const simuli_request* request, std::size_t rays) {
+  FrameRequest out{.camera_median = true};
+  if (request == nullptr) return out;
+  out.graded = request->is_ungraded == 0;
+  if (request->rays == nullptr) return out;
+  need_length("ray_count", request->ray_count, rays);
+  for (std::size_t i = 0; i < rays; ++i) out.rays.push_back(request->rays[i] != 0);
+  return out;
+}
+
+std::vector<float> values_of(const Frame& frame, simuli_quantity quantity) {
+  switch (quantity) {
+    case SIMULI_RGB:
+      return frame.image().data;
+    case SIMULI_RANGE:
+      return frame.lidar().range;
+    case SIMULI_INTENSITY:
+      return frame.lidar().intensity;
+    case SIMULI_DROP:
+      return frame.lidar().drop;
+    default:
+      break;
+  }
+  const RayResults& r = frame.results();
+  switch (quantity) {
+    case SIMULI_FEATURE:
+      return interleaved(r);
+    case SIMULI_OPACITY:
+      return each(r, [&](std::size_t i) { return 1.0F - r.transmittance[i]; });
+    case SIMULI_DISTANCE:
+      return each(r, [&](std::size_t i) { return r.expected_distance(i); });
+    case SIMULI_MEDIAN:
+      return r.median;
+    case SIMULI_TRANSMITTANCE:
+      return r.transmittance;
+    case SIMULI_DISTANCE_SUM:
+      return r.distance;
+    default:
+      break;
+  }
+  throw Error(ErrorKind::kUsage,
+              fmt::format("quantity: found {}, allowed {} to {}",
+                          static_cast<int>(quantity),
+                          static_cast<int>(SIMULI_RGB),
+                          static_cast<int>(SIMULI_DISTANCE_SUM)));
+}
+
+}  // namespace
+
+extern "C" {
+
+simuli_status simuli_render(simuli_scene* scene,
+                            const char* name,
+                            const simuli_shot* shot,
+                            const simuli_request* request,
+                            simuli_frame** frame) {
+  return guarded([&] {
+    simuli_frame*& out = need(frame, "frame");
+    const Sensor sensor = sensor_of(need(scene, "scene"), name);
+    Shot wanted = shot_of(need(shot, "shot"));
+    FrameRequest asked = request_of(request, sensor.ray_count());
+    asked.options = scene->options;
+    for (std::size_t i = 0; request != nullptr && i < request->edit_count; ++i) {
+      wanted.edits.push_back(edit_of((&need(request->edits, "edits"))[i]));
+    }
+    out = new simuli_frame{scene->on_device.render(sensor, wanted, asked)};
+  });
+}
+
+void simuli_frame_close(simuli_frame* frame) { delete frame; }
+
+simuli_status simuli_frame_is_ready(const simuli_frame* frame, int* is_ready) {
+  return guarded([&] { need(is_ready, "is_ready") = need(frame, "frame").frame.is_ready() ? 1 : 0; });
+}
+
+simuli_status simuli_frame_wait(const simuli_frame* frame) {
+  return guarded([&] { need(frame, "frame").frame.wait(); });
+}
+
+simuli_status simuli_frame_fetch(const simuli_frame* frame) {
+  return guarded([&] { need(frame, "frame").frame.fetch(); });
+}
+
+simuli_status simuli_frame_values(const simuli_frame* frame,
+                                  simuli_quantity quantity,
+                                  float* values,
+                                  size_t count) {
+  return guarded([&] {
+    const std::vector<float> found = values_of(need(frame, "frame").frame, quantity);
+    need_length("count", count, found.size());
+    std::copy(found.begin(), found.end(), &need(values, "values"));
+  });
+}
+
+simuli_status simuli_frame_points(const simuli_frame* frame, double* xyz, size_t count) {
+  return guarded([&] {
+    const std::vector<Eigen::Vector3d> points = need(frame, "frame").frame.points();
+    need_length("count", count, 3 * points.size());
+    double* to = &need(xyz, "xyz");
+    for (const Eigen::Vector3d& p : points) to = std::copy(p.begin(), p.end(), to);
+  });
+}
+
+simuli_status simuli_frame_support(simuli_scene* scene,
+                                   const simuli_frame* frame,
+                                   float* values,
+                                   size_t count) {
+  return guarded([&] {
+    simuli_scene& of = need(scene, "scene");
+    const Frame& asked = need(frame, "frame").frame;
+    need_length("count", count, asked.sensor().ray_count());
+    if (!of.support) of.support.emplace(of.on_device.device(), of.file.support);
+    const std::vector<float> found = of.support->of(asked, of.on_device.scene(), of.copies);
+    std::copy(found.begin(), found.end(), &need(values, "values"));
+  });
+}
+
+simuli_status simuli_frame_gradients(simuli_scene* scene,
+                                     const simuli_frame* frame,
+                                     const float* feature,
+                                     const float* transmittance,
+                                     const float* distance_sum,
+                                     float* values,
+                                     size_t count) {
+  return guarded([&] {
+    const Frame& of = need(frame, "frame").frame;
+    const std::size_t rays = of.sensor().ray_count();
+    RayGradients given;
+    for (std::size_t c = 0; c < 3 && feature != nullptr; ++c) {
+      for (std::size_t i = 0; i < rays; ++i) given.feature[c].push_back(feature[3 * i + c]);
+    }
+    if (transmittance != nullptr) given.transmittance.assign(transmittance, transmittance + rays);
+    if (distance_sum != nullptr) given.distance.assign(distance_sum, distance_sum + rays);
+    const Eigen::MatrixXf gradients = need(scene, "scene").on_device.gradients(of, given);
+    need_length("count", count, static_cast<std::size_t>(gradients.size()));
+    std::copy(gradients.data(), gradients.data() + gradients.size(), &need(values, "values"));
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,86 @@
+#pragma once
+// What the handles of simuli.h point to, and how calls report errors. For the sources of the C calls.
+#include <algorithm>
+#include <exception>
+#include <fmt/format.h>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/apps/api/simuli.h"
+#include "host/core/base/error.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
+#include "host/device/support/support.hpp"
+#include "io/scene/sensor_rig.hpp"
+
+struct simuli_device {
+  simuli::Device device;
+  std::string name;
+};
+
+struct simuli_scene {
+  simuli::SensorRig rig;
+  simuli::SceneFile file;  // its scene is empty: on_device has it
+  simuli::RenderOptions options;
+  simuli::SceneOnDevice on_device;
+  simuli::ActorCopies copies;                      // of actors that it was opened with
+  std::optional<simuli::SupportOnDevice> support;  // when first asked for
+};
+
+struct simuli_frame {
+  simuli::Frame frame;
+};
+
+namespace simuli::capi {
+
+/// What simuli_error() says of this thread.
+[[nodiscard]] std::string& last_error();
+
+/// Runs f; nothing leaves it but a status.
+template <class F>
+simuli_status guarded(F&& f) noexcept {
+  const auto fail = [](simuli_status status, const char* what) {
+    try {
+      last_error() = what;
+    } catch (...) {
+      last_error().clear();
+    }
+    return status;
+  };
+  try {
+    f();
+    return SIMULI_OK;
+  } catch (const Error& error) {
+    return fail(static_cast<simuli_status>(error.exit_code()), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(SIMULI_MEMORY, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(SIMULI_INTERNAL, error.what());
+  } catch (...) {
+    return fail(SIMULI_INTERNAL, "an unknown exception");
+  }
+}
+
+template <class T>
+T& need(T* pointer, const char* argument) {
+  if (pointer == nullptr) throw Error(ErrorKind::kUsage, fmt::format("{}: found NULL", argument));
+  return *pointer;
+}
+void need_length(const char* argument, std::size_t found, std::size_t allowed);
+
+[[nodiscard]] inline std::string text(const char* optional) { return optional == nullptr ? "" : optional; }
+/// Error{kUsage} for a zero quaternion and numbers that are not finite.
+[[nodiscard]] Pose pose_of(const simuli_pose& p);
+[[nodiscard]] simuli_pose to_c(const Pose& p);
+/// Error{kUsage} for an end before the start and times that are not finite.
+[[nodiscard]] Shot shot_of(const simuli_shot& s);
+[[nodiscard]] std::string quality_of(const simuli_options* options);
+[[nodiscard]] std::vector<std::string> settings_of(const simuli_options* options);
+/// Of a single frame: Error{kUsage} for one that makes a second actor.
+[[nodiscard]] ActorEdit edit_of(const simuli_edit& edit);
+/// A sensor of the scene, those that were added among them.
+[[nodiscard]] Sensor sensor_of(const simuli_scene& scene, const char* name);
+
+}  // namespace simuli::capi

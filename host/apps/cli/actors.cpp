@@ -1,0 +1,199 @@
+#include <cmath>
+#include <fmt/format.h>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/json_text.hpp"
+#include "host/apps/cli/base/settings.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/fields.hpp"
+#include "io/base/output.hpp"
+#include "optim/actors/compare_actors.hpp"
+#include "optim/actors/complete_actors.hpp"
+#include "optim/actors/find_actors.hpp"
+
+namespace simuli::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ActorsCommand {
+  std::string log;
+  std::string output;
+  std::string labelled;
+  bool keeps_labels = false;
+  FrameSelection frames{.held_out_every = 0};
+  std::vector<std::string> settings;
+  ActorFinding options;
+};
+
+Json json_of(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+/// Way from key to key, m: what stops has a shorter way than it took time for.
+double way_m(const Actor& actor) {
+  double way = 0.0;
+  for (std::size_t k = 1; k < actor.track.size(); ++k) {
+    way += (actor.track[k].world_from_actor.translation - actor.track[k - 1].world_from_actor.translation)
+               .norm();
+  }
+  return way;
+}
+
+Json json_of(const Actor& actor) {
+  return {{"name", actor.name},
+          {"size_m", json_of(actor.size_m)},
+          {"first_s", actor.track.front().time_s},
+          {"last_s", actor.track.back().time_s},
+          {"poses", actor.track.size()},
+          {"way_m", way_m(actor)},
+          {"first_position_m", json_of(actor.track.front().world_from_actor.translation)},
+          {"last_position_m", json_of(actor.track.back().world_from_actor.translation)}};
+}
+
+Json json_of(const ActorMatch& m) {
+  Json json = {{"labelled", m.labelled}, {"labelled_s", m.labelled_s}, {"found", nullptr}};
+  if (m.found.empty()) return json;
+  json["found"] = m.found;
+  json["times"] = m.times;
+  json["offset_m"] = json_of(m.offset_m);
+  json["centre_median_m"] = m.centre_m;
+  json["centre_p90_m"] = m.centre_p90_m;
+  json["turned_deg"] = m.turned_rad / kDegree;
+  json["heading_median_deg"] = m.heading_rad / kDegree;
+  json["labelled_size_m"] = json_of(m.labelled_size_m);
+  json["found_size_m"] = json_of(m.found_size_m);
+  return json;
+}
+
+std::string size_text(const Eigen::Vector3d& size) {
+  return fmt::format("{:.1f} x {:.1f} x {:.1f} m", size.x(), size.y(), size.z());
+}
+
+std::string text_of(const FoundActors& found) {
+  const FindReport& r = found.report;
+  std::string text = fmt::format("{} moving things in {} sweeps, {:.1f} s\n", r.actors, r.sweeps, r.seconds);
+  for (const Actor& actor : found.actors) {
+    text += fmt::format("  {:<10} {}, {:.1f} to {:.1f} s in {} poses, way {:.1f} m\n",
+                        actor.name,
+                        size_text(actor.size_m),
+                        actor.track.front().time_s,
+                        actor.track.back().time_s,
+                        actor.track.size(),
+                        way_m(actor));
+  }
+  text += fmt::format("  {} returns moved, {} of them on these; {} chains of clusters followed\n",
+                      r.moving_returns,
+                      r.moving_on_actors,
+                      r.chains);
+  return text;
+}
+
+std::string text_of(const ActorComparison& comparison) {
+  std::string text;
+  for (const ActorMatch& m : comparison.labels) {
+    if (m.found.empty()) {
+      text += fmt::format("  {}: missed ({:.1f} s)\n", m.labelled, m.labelled_s);
+      continue;
+    }
+    text += fmt::format(
+        "  {}: {}, {} times in {:.1f} s; centre {:.3f} m median, {:.3f} m 90 % after the common offset "
+        "({:.2f}, {:.2f}, {:.2f}) m; heading {:.2f} deg median after {:.2f} deg; {}, labelled {}\n",
+        m.labelled,
+        m.found,
+        m.times,
+        m.labelled_s,
+        m.centre_m,
+        m.centre_p90_m,
+        m.offset_m.x(),
+        m.offset_m.y(),
+        m.offset_m.z(),
+        m.heading_rad / kDegree,
+        m.turned_rad / kDegree,
+        size_text(m.found_size_m),
+        size_text(m.labelled_size_m));
+  }
+  for (const std::string& name : comparison.others) text += fmt::format("  {}: has no label\n", name);
+  return text;
+}
+
+void actors(const ActorsCommand& command, const Globals& globals) {
+  Log log = read_log(command.log);
+  if (!command.output.empty()) need_new_path(command.output);  // known now, not after the search
+  std::optional<Log> labelled;
+  if (!command.labelled.empty()) labelled = read_log(command.labelled);
+  const FoundActors found = find_actors(log, command.frames, command.options);
+  std::optional<CompletedActors> completed;
+  if (command.keeps_labels) completed = complete_actors(std::move(log.actors), found.actors);
+  if (!command.output.empty()) {
+    log.actors = completed ? completed->actors : found.actors;
+    copy_log(log, command.output);
+  }
+  std::optional<ActorComparison> comparison;
+  if (labelled) comparison = compare_actors(labelled->actors, found.actors, kLeastFoundTravel_m);
+  if (globals.json) {
+    Json json = {{"sweeps", found.report.sweeps},
+                 {"moving_returns", found.report.moving_returns},
+                 {"moving_returns_on_actors", found.report.moving_on_actors},
+                 {"returns_on_actors", found.report.returns_on_actors},
+                 {"chains", found.report.chains},
+                 {"seconds", found.report.seconds},
+                 {"actors", Json::array()}};
+    for (const Actor& actor : found.actors) json["actors"].push_back(json_of(actor));
+    if (comparison) {
+      json["labelled"] = Json::array();
+      for (const ActorMatch& match : comparison->labels) json["labelled"].push_back(json_of(match));
+      json["without_label"] = comparison->others;
+    }
+    if (completed) {
+      json["added"] = completed->added;
+      json["continued"] = completed->continued;
+    }
+    if (!command.output.empty()) json["log"] = command.output;
+    std::cout << json_text(json) << '\n';
+    return;
+  }
+  std::cout << text_of(found);
+  if (comparison) std::cout << text_of(*comparison);
+  if (completed)
+    std::cout << fmt::format("  {} of them have no label; {} labels go on where they had ended\n",
+                             completed->added,
+                             completed->continued);
+  if (!command.output.empty()) std::cout << fmt::format("log {} written\n", command.output);
+}
+
+}  // namespace
+
+void add_actors(Command app, const Globals& globals) {
+  const auto command = std::make_shared<ActorsCommand>();
+  Command sub = app.command("actors", "find what moves through a log from its LiDAR alone");
+  sub.option("LOG", command->log, "log folder").required();
+  sub.option(
+      "-o,--output",
+      command->output,
+      "log folder to write, with what is found in place of the log's own actors; default: report only");
+  sub.flag(
+      "--keep-labels",
+      command->keeps_labels,
+      "keep the log's own actors, as a training does: what has no label is added, and what is seen before "
+      "and after a label continues it");
+  sub.option("--compare", command->labelled, "log whose labels what is found is compared with");
+  sub.option("--held-out",
+             command->frames.held_out_every,
+             "leave out every N-th sweep, as a training does; 0: none")
+      .with_default();
+  const auto fields = [command] { return fields_of(command->options); };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
+  sub.run([command, &globals] {
+    fields_of(command->options).apply(command->settings);
+    actors(*command, globals);
+  });
+}
+
+}  // namespace simuli::cli

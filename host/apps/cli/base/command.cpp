@@ -1,0 +1,347 @@
+#include "host/apps/cli/base/command.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "host/core/base/close_names.hpp"
+#include "host/core/base/error.hpp"
+
+namespace simuli::cli {
+
+/// By option, as the library that reads arguments has no place for them.
+struct OptionMarks {
+  std::map<const CLI::Option*, std::function<std::vector<std::string>()>> completions;
+};
+
+namespace {
+
+/// The library's own checks of open ranges tell the largest double in 309 digits.
+CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(double)) {
+  const auto check = [=](const std::string& text) -> std::string {
+    double value = 0.0;
+    if (CLI::detail::lexical_cast(text, value) && is_allowed(value)) return {};
+    return fmt::format("found {}, allowed {}", text, allowed);
+  };
+  return {check, name};
+}
+
+/// "program draw": what is typed to come here.
+std::string full_name(const CLI::App& app) {
+  const CLI::App* const parent = app.get_parent();
+  return parent == nullptr ? app.get_name() : full_name(*parent) + ' ' + app.get_name();
+}
+
+/// The innermost command that was met.
+const CLI::App& reached(const CLI::App& app) {
+  const std::vector<CLI::App*> met = app.get_subcommands();
+  return met.empty() ? app : reached(*met.front());
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+/// Of a command and those that it is one of.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
+  }
+  if (app.get_parent() != nullptr) {
+    for (std::string& name : option_names(*app.get_parent())) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+/// What is wrong with a word that nothing takes.
+std::string unknown_word(const CLI::App& app, const std::string& word) {
+  if (word.starts_with('-')) {
+    const std::string name = word.substr(0, word.find('='));
+    return fmt::format("found option \"{}\", {}allowed those of {}",
+                       name,
+                       did_you_mean(name, option_names(app)),
+                       full_name(app));
+  }
+  const std::vector<std::string> commands = command_names(app);
+  if (commands.empty()) return fmt::format("found \"{}\", allowed no further value", word);
+  return fmt::format(
+      "found \"{}\", {}allowed {}", word, did_you_mean(word, commands), fmt::join(commands, ", "));
+}
+
+/// What the arguments are refused with.
+std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
+  const CLI::App& app = reached(root);
+  const std::vector<std::string> unknown = root.remaining(true);
+  const bool lacks_something = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  const bool has_more = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  std::string what = error.what();
+  // The library names a missing command or value before it names an unknown word.
+  if (!unknown.empty() && (lacks_something || has_more)) {
+    what = unknown_word(app, unknown.front());
+  } else if (const auto commands = command_names(app); lacks_something && !commands.empty()) {
+    what = fmt::format("found no command, allowed {}", fmt::join(commands, ", "));
+  }
+  return fmt::format("{} ({} --help)", what, full_name(app));
+}
+
+OptionText text_of(const CLI::Option& option, const OptionMarks& marks) {
+  OptionText text;
+  for (const std::string& name : option.get_lnames()) text.names.push_back("--" + name);
+  for (const std::string& name : option.get_snames()) text.names.push_back("-" + name);
+  text.is_named = !text.names.empty();
+  if (!text.is_named) text.names.push_back(option.get_name(true));
+  text.is_flag = option.get_items_expected_max() == 0;
+  text.takes_many =
+      option.get_allow_extra_args() && option.get_expected_max() == CLI::detail::expected_max_vector_size;
+  text.is_required = option.get_required();
+  if (!text.is_flag) {
+    text.type = option.get_type_name();
+    text.preset = option.get_default_str();
+  }
+  text.help = option.get_description();
+  const auto known = marks.completions.find(&option);
+  if (known != marks.completions.end()) text.completions = known->second();
+  return text;
+}
+
+CommandText text_of(const CLI::App& app, const OptionMarks& marks) {
+  CommandText text{app.get_name(), app.get_description(), {}, {}};
+  for (const CLI::Option* const option : app.get_options()) {
+    text.options.push_back(text_of(*option, marks));
+  }
+  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    text.commands.push_back(text_of(*command, marks));
+  }
+  return text;
+}
+
+/// The program's own options, below those of each command that takes them, too.
+std::string shared_options(const CLI::App& command) {
+  const CLI::App* root = &command;
+  while (root->get_parent() != nullptr) root = root->get_parent();
+  const auto shown = root->get_options([root](const CLI::Option* option) {
+    return option->nonpositional() && option != root->get_help_ptr() && option->get_name() != "--version";
+  });
+  const auto formatter = std::dynamic_pointer_cast<CLI::Formatter>(root->get_formatter());
+  if (shown.empty() || formatter == nullptr) return {};
+  return formatter->make_group("Options of every command", false, shown);
+}
+
+/// Leaves the library's parsing with what is to be run instead.
+struct Answer {
+  std::function<void()> run;
+};
+
+}  // namespace
+
+Option& Option::required() {
+  option_->required();
+  return *this;
+}
+
+Option& Option::completed_by(std::function<std::vector<std::string>()> values) {
+  marks_->completions[option_] = std::move(values);
+  return *this;
+}
+
+Option& Option::with_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option& Option::shown_as(const std::string& type, const std::string& value) {
+  option_->type_name(type)->default_str(value);
+  return *this;
+}
+
+Option& Option::range(int least, int most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option& Option::range(std::int64_t least, std::int64_t most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option& Option::range(double least, double most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+
+Option& Option::positive() {
+  option_->check(number("POSITIVE", "a number above 0", [](double value) { return value > 0.0; }));
+  return *this;
+}
+
+Option& Option::non_negative() {
+  option_->check(number("NONNEGATIVE", "a number from 0 on", [](double value) { return value >= 0.0; }));
+  return *this;
+}
+
+Option& Option::one_of(std::initializer_list<const char*> values) {
+  const std::vector<std::string> names(values.begin(), values.end());
+  option_->check(CLI::IsMember(names));
+  return completed_by([names] { return names; });
+}
+
+Option& Option::one_of(std::initializer_list<int> values) {
+  option_->check(CLI::IsMember(values));
+  return *this;
+}
+
+Option& Option::values(int least, int most) {
+  option_->expected(least, most);
+  return *this;
+}
+
+Option& Option::one_at_a_time() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option& Option::answers(const std::string& value, std::function<void()> answer) {
+  option_->each([value, answer = std::move(answer)](const std::string& given) {
+    if (given == value) throw Answer{answer};
+  });
+  return *this;
+}
+
+Option& Option::excludes(const std::string& name) {
+  option_->excludes(name);
+  return *this;
+}
+
+bool Option::is_given() const { return option_->count() > 0; }
+
+template <OptionValue T>
+Option Command::option(const std::string& names, T& value, const std::string& help) const {
+  CLI::Option* const option = app_->add_option(names, value, help);
+  // The library reads -1 as the largest of them.
+  if constexpr (std::same_as<T, std::size_t>) {
+    option->check(number("", "a whole number from 0 on", [](double number) { return number >= 0.0; }));
+  }
+  // Which would read as not given at all.
+  if constexpr (std::same_as<T, std::string> || std::same_as<T, std::filesystem::path>) {
+    option->check(CLI::Validator(
+        [](const std::string& text) {
+          return text.empty() ? std::string("found nothing, allowed a text") : std::string();
+        },
+        ""));
+  }
+  // And "nan" and "inf" as numbers, which no range of the library's refuses.
+  if constexpr (std::same_as<T, double>) {
+    option->check(CLI::Validator(
+        [](const std::string& text) -> std::string {
+          double read = 0.0;
+          if (!CLI::detail::lexical_cast(text, read) || std::isfinite(read)) return {};
+          return fmt::format("found {}, allowed a finite number", text);
+        },
+        ""));
+  }
+  return Option(option, marks_);
+}
+
+template Option Command::option(const std::string&, std::string&, const std::string&) const;
+template Option Command::option(const std::string&, std::filesystem::path&, const std::string&) const;
+template Option Command::option(const std::string&, int&, const std::string&) const;
+template Option Command::option(const std::string&, std::int64_t&, const std::string&) const;
+template Option Command::option(const std::string&, std::size_t&, const std::string&) const;
+template Option Command::option(const std::string&, double&, const std::string&) const;
+template Option Command::option(const std::string&, std::vector<std::string>&, const std::string&) const;
+
+Option Command::option(const std::string& names,
+                       const std::function<void(const std::string&)>& read,
+                       const std::string& help) const {
+  return Option(app_->add_option_function<std::string>(names, read, help)->trigger_on_parse(), marks_);
+}
+
+Option Command::flag(const std::string& names, bool& value, const std::string& help) const {
+  return Option(app_->add_flag(names, value, help), marks_);
+}
+
+Command Command::command(const std::string& name, const std::string& help) const {
+  CLI::App* const command = app_->add_subcommand(name, help);
+  command->footer([command] { return shared_options(*command); });
+  return Command(command, marks_);
+}
+
+void Command::require_command() const { app_->require_subcommand(1); }
+
+void Command::take_anything() const { app_->allow_extras()->fallthrough(false); }
+
+void Command::run(std::function<void()> work) const { app_->callback(std::move(work)); }
+
+struct CommandLine::Impl {
+  CLI::App app;
+  OptionMarks marks;
+  std::map<std::string, Forward, std::less<>> foreign;
+
+  Impl(const std::string& name, const std::string& about) : app(about, name) {}
+
+  /// Place of the command's name, or argc.
+  [[nodiscard]] int command_at(int argc, const char* const* argv) const {
+    for (int i = 1; i < argc; ++i) {
+      const std::string_view word = argv[i];
+      if (!word.starts_with('-')) return i;
+      const CLI::Option* const option = app.get_option_no_throw(std::string(word));
+      if (option != nullptr && option->get_items_expected_max() > 0) ++i;  // its value
+    }
+    return argc;
+  }
+};
+
+CommandLine::CommandLine(const std::string& name, const std::string& about, std::function<std::string()> ask)
+    : impl_(std::make_unique<Impl>(name, about)) {
+  impl_->app.set_version_flag("--version", std::move(ask));
+  impl_->app.fallthrough();  // global options may stand behind the command's name
+}
+
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::root() { return Command(&impl_->app, &impl_->marks); }
+
+CommandText CommandLine::text() const { return text_of(impl_->app, impl_->marks); }
+
+void CommandLine::add_foreign(const std::string& name, const std::string& help, Forward run) {
+  impl_->app.add_subcommand(name, help);
+  impl_->foreign.emplace(name, std::move(run));
+}
+
+bool CommandLine::parse(int argc, const char* const* argv) {
+  const int at = impl_->command_at(argc, argv);
+  const auto foreign = at < argc ? impl_->foreign.find(std::string_view(argv[at])) : impl_->foreign.end();
+  if (foreign != impl_->foreign.end()) {
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    arguments.erase(arguments.begin() + (at - 1));
+    foreign->second(arguments);
+    return true;
+  }
+  CLI::App& app = impl_->app;
+  try {
+    app.parse(argc, argv);
+  } catch (const Answer& answer) {
+    answer.run();
+    return false;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {  // --help, --version
+      app.exit(error);
+      return false;
+    }
+    throw Error(ErrorKind::kUsage, refusal(app, error));
+  }
+  return true;
+}
+
+}  // namespace simuli::cli

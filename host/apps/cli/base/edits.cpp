@@ -1,0 +1,168 @@
+#include "host/apps/cli/base/edits.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <iostream>
+
+#include "host/apps/cli/base/numbers.hpp"
+#include "host/apps/cli/base/refuse.hpp"
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/base/split.hpp"
+#include "host/core/record/mirror.hpp"
+#include "host/core/scene/edit.hpp"
+#include "host/core/scene/placement.hpp"
+#include "io/scene/splat_scene.hpp"
+
+namespace simuli::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// `text` parted at ':' into `least` to `most` parts that say something.
+std::vector<std::string> parts_of(
+    const char* option, const std::string& text, std::size_t least, std::size_t most, const char* allowed) {
+  std::vector<std::string> parts = split(text, ':');
+  for (const std::string& part : parts) {
+    if (part.empty()) refuse(option, text, allowed);
+  }
+  if (parts.size() < least || parts.size() > most) refuse(option, text, allowed);
+  return parts;
+}
+
+double number(const char* option, const std::string& text, const char* allowed) {
+  return parse_numbers(option, text, 1, ',', allowed).front();
+}
+
+}  // namespace
+
+Mounting parse_mounting(const char* option, const std::string& text) {
+  const std::vector<double> values =
+      parse_numbers(option, text, 6, ',', "X,Y,Z,ROLL,PITCH,YAW, finite numbers, m and degrees");
+  const Eigen::Map<const Eigen::Vector<double, 6>> v(values.data());
+  return {v.head<3>(), v[3], v[4], v[5]};
+}
+
+void add_edit_options(Command sub, Edits& edits) {
+  const auto add = [&](const char* name, std::vector<std::string>& to, const char* text) {
+    return sub.option(name, to, text);
+  };
+  add("--add",
+      edits.add,
+      "SCENE:ACTOR[:NAME], an actor of another scene; then give it a --track. SPLAT:NAME, all of a .ply or "
+      ".spz: it stands where the path begins; then --resize, --move and --turn it, or give it a --track");
+  add("--duplicate", edits.duplicate, "ACTOR:NAME, a second one of the same");
+  add("--mirror",
+      edits.mirror,
+      "ACTOR, of which one side alone was recorded: the other shows it mirrored; nothing where both were");
+  add("--resize", edits.resize, "ACTOR:FACTOR, so many times as large; it stands where it stood");
+  add("--track", edits.track, "ACTOR:LOG[:ACTOR], the track of an actor of that log instead of its own");
+  add("--retime", edits.retime, "ACTOR:RATE[:DELAY_S], its track RATE times as fast, DELAY_S later");
+  add("--move", edits.move, "ACTOR:FORWARD,LEFT,UP, metres in the actor's own frame");
+  add("--turn", edits.turn, "ACTOR:DEGREES, to its left, about its own up");
+  add("--remove", edits.remove, "ACTOR, take it away");
+}
+
+std::vector<std::string> lines_of(const Edits& edits) {
+  std::vector<std::string> lines;
+  const auto tell = [&](const char* name, const std::vector<std::string>& given) {
+    for (const std::string& edit : given) lines.push_back(fmt::format("{} {}", name, edit));
+  };
+  tell("--add", edits.add);
+  tell("--duplicate", edits.duplicate);
+  tell("--mirror", edits.mirror);
+  tell("--resize", edits.resize);
+  tell("--track", edits.track);
+  tell("--retime", edits.retime);
+  tell("--move", edits.move);
+  tell("--turn", edits.turn);
+  tell("--remove", edits.remove);
+  return lines;
+}
+
+Pose standing_pose(const Trajectory& world_from_rig) {
+  const Pose& start = world_from_rig.poses().front().pose;
+  const Eigen::Vector3d ahead = start.rotation * Eigen::Vector3d::UnitX();
+  const Eigen::AngleAxisd level(std::atan2(ahead.y(), ahead.x()), Eigen::Vector3d::UnitZ());
+  return {Eigen::Quaterniond(level), start.translation};
+}
+
+std::map<std::string, std::string> copies_of(const Edits& edits) {
+  std::map<std::string, std::string> copies;
+  for (const std::string& edit : edits.duplicate) {
+    const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");
+    const auto of_copy = copies.find(parts[0]);
+    copies[parts[1]] = of_copy == copies.end() ? parts[0] : of_copy->second;
+  }
+  return copies;
+}
+
+void apply(const Edits& edits, SceneFile& file) {
+  Scene& scene = file.scene;
+  for (const std::string& edit : edits.add) {
+    constexpr const char* kAllowed = "SCENE:ACTOR, SCENE:ACTOR:NAME or SPLAT:NAME";
+    const auto parts = parts_of("--add", edit, 2, 3, kAllowed);
+    if (is_splat_file(parts[0])) {
+      if (parts.size() != 2) refuse("--add", edit, kAllowed);
+      if (file.world_from_rig.poses().empty()) {
+        throw_input_error("--add " + edit, "trajectory", "no poses", "a scene with a path, where it begins");
+      }
+      need_name(parts[1], "--add " + edit, "name");
+      const Pose base = standing_pose(file.world_from_rig);
+      add_actor(scene, as_actor(read_scene(parts[0]).scene, parts[1], base), parts[1], parts[1]);
+      continue;
+    }
+    add_actor(scene, read_scene(parts[0]).scene, parts[1], parts.back());
+  }
+  for (const std::string& edit : edits.duplicate) {
+    const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");
+    duplicate_actor(scene, parts[0], parts[1]);
+  }
+  for (const std::string& name : edits.mirror) {
+    if (file.support == nullptr) {
+      throw_usage_error(
+          "--mirror",
+          fmt::format("\"{}\" of a scene that does not say which sides of actors were seen", name),
+          "one of a scene with support: train it anew");
+    }
+    const std::map<std::string, std::string> copies = copies_of(edits);
+    const auto original = copies.find(name);
+    const std::string& recorded = original == copies.end() ? name : original->second;
+    if (!mirror_actor(scene, *file.support, name, recorded)) {
+      std::cerr << fmt::format("simuli: --mirror {}: both of its sides were seen, or none: it is as it was\n",
+                               name);
+    }
+  }
+  for (const std::string& edit : edits.resize) {
+    constexpr const char* kAllowed = "ACTOR:FACTOR, a finite number above 0";
+    const auto parts = parts_of("--resize", edit, 2, 2, kAllowed);
+    resize_actor(scene, parts[0], number("--resize", parts[1], kAllowed));
+  }
+  for (const std::string& edit : edits.track) {
+    const auto parts = parts_of("--track", edit, 2, 3, "ACTOR:LOG or ACTOR:LOG:ACTOR");
+    const std::vector<Actor> actors = read_log(parts[1]).actors;
+    const std::string& name = parts.size() > 2 ? parts[2] : parts[0];
+    retrack_actor(scene, parts[0], actors[find_actor(actors, name)].track);
+  }
+  for (const std::string& edit : edits.retime) {
+    constexpr const char* kAllowed = "ACTOR:RATE or ACTOR:RATE:DELAY_S, finite numbers";
+    const auto parts = parts_of("--retime", edit, 2, 3, kAllowed);
+    const double delay_s = parts.size() > 2 ? number("--retime", parts[2], kAllowed) : 0.0;
+    retime_actor(scene, parts[0], number("--retime", parts[1], kAllowed), delay_s);
+  }
+  for (const std::string& edit : edits.move) {
+    constexpr const char* kAllowed = "ACTOR:FORWARD,LEFT,UP in metres";
+    const auto parts = parts_of("--move", edit, 2, 2, kAllowed);
+    const std::vector<double> by_m = parse_numbers("--move", parts[1], 3, ',', kAllowed);
+    move_actor(scene, parts[0], Eigen::Map<const Eigen::Vector3d>(by_m.data()));
+  }
+  for (const std::string& edit : edits.turn) {
+    constexpr const char* kAllowed = "ACTOR:DEGREES, a finite number";
+    const auto parts = parts_of("--turn", edit, 2, 2, kAllowed);
+    turn_actor(scene, parts[0], number("--turn", parts[1], kAllowed) * kDegree);
+  }
+  for (const std::string& name : edits.remove) remove_actor(scene, name);
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,100 @@
+#include "host/apps/cli/base/interrupt.hpp"
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <fcntl.h>
+#include <iostream>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
+
+#include "host/device/runtime/disk_cache.hpp"
+#include "io/base/temporary.hpp"
+
+namespace simuli::cli {
+namespace {
+
+std::atomic<int> points{0};  // InterruptionPoint objects
+std::atomic<const char*> point_note{""};
+std::atomic<bool> is_noted{false};
+int signal_pipe = -1;  // the handler's end
+
+/// All that a handler may do; files are removed by a thread.
+void note_signal(int signal) {
+  const int error = errno;
+  const auto byte = static_cast<unsigned char>(signal);
+  static_cast<void>(!::write(signal_pipe, &byte, 1));
+  errno = error;
+}
+
+constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+std::array<bool, kSignals.size()> ignored{};  // from the start, as under nohup
+
+std::atomic<bool> is_ending{false};
+
+void watch_for_signals() {
+  if (is_ending) return;
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    if (ignored[i]) continue;
+    struct sigaction action {};
+    action.sa_handler = note_signal;
+    action.sa_flags = SA_RESTART;
+    static_cast<void>(::sigaction(kSignals[i], &action, nullptr));
+  }
+}
+
+void end_by(int signal) {
+  remove_temporaries();
+  is_ending = true;
+  for (;;) {  // another thread may just have put the handler back
+    std::signal(signal, SIG_DFL);
+    ::kill(::getpid(), signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+void serve(int pipe) {
+  unsigned char signal = 0;
+  for (;;) {
+    const ssize_t got = ::read(pipe, &signal, 1);
+    if (got < 0 && errno == EINTR) continue;
+    if (got != 1) return;
+    if (points > 0 && !is_noted.exchange(true)) {
+      std::cerr << "simuli: interrupted: " << point_note << std::endl;
+      continue;
+    }
+    end_by(signal);
+  }
+}
+
+}  // namespace
+
+void watch_signals() {
+  std::array<int, 2> ends{};
+  if (signal_pipe >= 0 || ::pipe2(ends.data(), O_CLOEXEC) != 0) return;  // signals end it as they would
+  try {
+    std::thread(serve, ends[0]).detach();
+  } catch (const std::system_error&) {  // no memory for its stack: as above
+    ::close(ends[0]);
+    ::close(ends[1]);
+    return;
+  }
+  signal_pipe = ends[1];
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    struct sigaction action {};
+    ignored[i] = ::sigaction(kSignals[i], nullptr, &action) != 0 || action.sa_handler == SIG_IGN;
+  }
+  keep_installed(watch_for_signals);
+}
+
+InterruptionPoint::InterruptionPoint(const char* note) {
+  point_note = note;
+  ++points;
+}
+InterruptionPoint::~InterruptionPoint() { --points; }
+bool InterruptionPoint::is_asked_for() const { return is_noted; }
+
+}  // namespace simuli::cli

@@ -1,0 +1,90 @@
+#include "host/apps/cli/base/provenance.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "host/core/base/fields.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "optim/train/training_options.hpp"
+
+namespace simuli::cli {
+
+namespace {
+
+/// Those that a training of that quality does not have by itself, but for what has a line of its own. Keys that
+/// other versions had are counted: what they were by default is not known.
+std::string settings_text(const TrainingRecord& r) {
+  const std::set<std::string> told{
+      "image_scale", "held_out_every", "held_out_middle", "held_out_last", "seed", "iterations"};
+  TrainingOptions defaults = training_options(find_quality(r.quality) ? r.quality : "", {});
+  const Fields fields = fields_of(defaults);
+  std::vector<std::string> others;
+  std::size_t unknown = 0;
+  for (const std::string& line : r.settings) {
+    const std::string key = line.substr(0, line.find('='));
+    const Field* const field = fields.find(key);
+    if (field == nullptr) {
+      ++unknown;
+    } else if (!told.contains(key) && line != key + '=' + field->text()) {
+      others.push_back(line);
+    }
+  }
+  const std::string text = others.empty() ? "as by default" : fmt::format("{}", fmt::join(others, " "));
+  return unknown == 0 ? text : fmt::format("{} ({} that this version does not have: --json)", text, unknown);
+}
+
+}  // namespace
+
+std::vector<RecordLine> record_lines(const TrainingRecord& r) {
+  const FrameSelection& f = r.frames;
+  const std::string held_out = held_out_text(f);
+  const std::string iterations = r.iterations == r.planned_iterations
+                                     ? fmt::format("{}", r.iterations)
+                                     : fmt::format("{} of {}", r.iterations, r.planned_iterations);
+  return {{"log", fmt::format("{} ({})", r.log_name, r.log_hash)},
+          {"iterations", iterations},
+          {"size of pictures", fmt::format("{} of the recorded", f.image_scale)},
+          {"held out", held_out.empty() ? "nothing" : held_out},
+          {"seed", fmt::format("{}", f.seed)},
+          {"quality", r.quality},
+          {"settings", settings_text(r)},
+          {"by", fmt::format("simuli {} on {}, driver {}", r.version, r.device, r.driver)}};
+}
+
+std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOptions& options) {
+  std::vector<std::string> unlike;
+  if (!scene.training) return unlike;
+  std::map<std::string, std::string> trained;  // by key
+  for (const std::string& line : scene.training->settings) {
+    const std::size_t equals = line.find('=');
+    if (equals != std::string::npos) trained[line.substr(0, equals)] = line.substr(equals + 1);
+  }
+  RenderOptions usual;
+  const Fields defaults = fields_of(usual);
+  for (const Field& field : defaults.all()) {
+    if (field.in_training == InTraining::kNoGradients) trained.emplace(field.key, field.text());
+  }
+  // What it was trained with may have been left to it, too.
+  trained["render.camera_filter_px2"] = fmt::format("{}", scene.scene.camera_filter_px2);
+  RenderOptions own = options;
+  own.camera_filter_px2 = camera_filter_px2(options, scene.scene.camera_filter_px2);
+  const Fields fields = fields_of(own);
+  for (const Field& field : fields.all()) {
+    const auto known = trained.find(field.key);
+    if (known == trained.end() || known->second == field.text()) continue;
+    unlike.push_back(fmt::format("{}={} (trained with {})", field.key, field.text(), known->second));
+  }
+  return unlike;
+}
+
+void warn_unlike_training(const SceneFile& scene, const RenderOptions& options) {
+  const std::vector<std::string> unlike = unlike_training(scene, options);
+  if (unlike.empty()) return;
+  std::cerr << fmt::format("simuli: warning: a scene is at its best as it was trained; found {}\n",
+                           fmt::join(unlike, ", "));
+}
+
+}  // namespace simuli::cli

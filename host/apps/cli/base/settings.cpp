@@ -1,0 +1,56 @@
+#include "host/apps/cli/base/settings.hpp"
+
+#include <iostream>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "host/apps/cli/base/json_text.hpp"
+#include "io/base/json_reader.hpp"
+
+namespace simuli::cli {
+namespace {
+
+/// What Fields::help() tells, as [{"group", "key", "default", "allowed", "help"}...].
+Json help_json(const Fields& fields) {
+  Json rows = Json::array();
+  for (const Field& field : fields.all()) {
+    const Json preset = std::visit(
+        [&](const auto& value) -> Json {
+          if constexpr (std::is_same_v<decltype(value), const EnumValue&>) {
+            return field.text();
+          } else {
+            return *value;
+          }
+        },
+        field.value);
+    rows.push_back({{"group", field.group},
+                    {"key", field.key},
+                    {"default", preset},
+                    {"allowed", field.allowed()},
+                    {"help", field.help}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+void add_settings(Command command,
+                  std::vector<std::string>& settings,
+                  const Globals& globals,
+                  std::function<Fields()> fields,
+                  const std::string& help) {
+  command.option("--set", settings, help)
+      .answers("help",
+               [&globals, fields] {
+                 std::cout << (globals.json ? json_text(help_json(fields())) + '\n' : fields().help());
+               })
+      .completed_by([fields = std::move(fields)] {
+        std::vector<std::string> keys{"help"};
+        const Fields all = fields();
+        for (const Field& field : all.all()) keys.push_back(field.key + '=');
+        return keys;
+      });
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,177 @@
+#include "host/apps/cli/draw/chart.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <fmt/format.h>
+#include <limits>
+
+#include "host/apps/cli/draw/html_text.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr int kWidth = 420, kHeight = 240, kLeft = 56, kRight = 12, kTop = 14, kBottom = 34, kSteps = 5;
+constexpr std::array<const char*, 6> kColours{
+    "#2a78d6", "#d6612a", "#3a9a4a", "#9a4ab0", "#b08a1a", "#2aa0a8"};
+
+struct Span {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  void include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+/// 1, 2 or 5 times a power of ten: about `count` steps over `span`.
+double nice_step(double span, int count) {
+  const double raw = span / count;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= raw) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+/// A drawing with a vertical axis.
+class Drawing {
+ public:
+  explicit Drawing(const Span& values) : y_(values) {
+    if (!(y_.high > y_.low)) {  // a constant gets a band around it
+      const double around = std::max(std::abs(y_.high), 1.0) * 0.01;
+      y_ = {y_.low - around, y_.high + around};
+    }
+    svg_ = fmt::format(R"(<svg width="{0}" height="{1}" viewBox="0 0 {0} {1}" role="img">)", kWidth, kHeight);
+    const double step = nice_step(y_.high - y_.low, kSteps);
+    for (double v = std::ceil(y_.low / step) * step; v <= y_.high; v += step) {
+      line(kLeft, y(v), kWidth - kRight, y(v));
+      text(kLeft - 6.0, y(v) + 4, "end", fmt::format("{:g}", std::abs(v) < 1e-9 * step ? 0.0 : v));
+    }
+  }
+  [[nodiscard]] double y(double v) const {
+    return kHeight - kBottom - (v - y_.low) / (y_.high - y_.low) * (kHeight - kTop - kBottom);
+  }
+  void line(double x0, double y0, double x1, double y1) {
+    svg_ += fmt::format(
+        R"(<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" stroke="currentColor" stroke-opacity=".2"/>)",
+        x0,
+        y0,
+        x1,
+        y1);
+  }
+  void text(double x, double y, const char* anchor, const std::string& what) {
+    svg_ += fmt::format(
+        R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}">{}</text>)", x, y, anchor, escaped_html(what));
+  }
+  void add(const std::string& shape) { svg_ += shape; }
+  [[nodiscard]] std::string finish() && { return std::move(svg_) + "</svg>"; }
+
+ private:
+  Span y_;
+  std::string svg_;
+};
+
+const char* colour_of(std::size_t series) { return kColours[series % kColours.size()]; }
+
+}  // namespace
+
+std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries>& series) {
+  constexpr std::size_t kMostMarks = 60;
+  Span x, y;
+  std::size_t drawn = 0;
+  for (const ChartSeries& s : series) {
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      if (!std::isfinite(s.y[i])) continue;
+      x.include(s.x[i]);
+      y.include(s.y[i]);
+      ++drawn;
+    }
+  }
+  if (drawn < 2 || !(x.high > x.low)) return {};
+  constexpr double kMargin = 0.04;  // so that no mark is cut off
+  const double margin = kMargin * (y.high - y.low);
+  y = {y.low - margin, y.high + margin};
+  const auto px = [&](double v) {
+    return kLeft + (v - x.low) / (x.high - x.low) * (kWidth - kLeft - kRight);
+  };
+  Drawing drawing(y);
+  const double step = nice_step(x.high - x.low, kSteps);
+  for (double v = std::ceil(x.low / step) * step; v <= x.high; v += step) {
+    drawing.line(px(v), kTop, px(v), kHeight - kBottom);
+    drawing.text(
+        px(v), kHeight - kBottom + 14, "middle", fmt::format("{:g}", std::abs(v) < 1e-9 * step ? 0.0 : v));
+  }
+  drawing.text(0.5 * (kLeft + kWidth - kRight), kHeight - 4, "middle", x_label);
+  for (std::size_t s = 0; s < series.size(); ++s) {
+    std::string points, marks;
+    for (std::size_t i = 0; i < series[s].x.size(); ++i) {
+      if (!std::isfinite(series[s].y[i])) continue;
+      const double at_x = px(series[s].x[i]), at_y = drawing.y(series[s].y[i]);
+      points += fmt::format("{:.1f},{:.1f} ", at_x, at_y);
+      marks += fmt::format(
+          R"(<circle cx="{:.1f}" cy="{:.1f}" r="2.5" fill="{}"><title>{} {:.5g}: {:.5g}</title></circle>)",
+          at_x,
+          at_y,
+          colour_of(s),
+          escaped_html(series[s].name),
+          series[s].x[i],
+          series[s].y[i]);
+    }
+    drawing.add(fmt::format(
+        R"(<polyline fill="none" stroke="{}" stroke-width="1.6" points="{}"/>)", colour_of(s), points));
+    if (series[s].x.size() <= kMostMarks) drawing.add(marks);
+  }
+  return std::move(drawing).finish();
+}
+
+std::string bars_svg(const std::vector<std::string>& labels, const std::vector<ChartSeries>& series) {
+  Span y;
+  for (const ChartSeries& s : series) {
+    for (const double value : s.y) {
+      if (std::isfinite(value)) y.include(value);
+    }
+  }
+  if (!(y.high >= y.low)) return {};
+  constexpr double kHardlyDiffer = 0.5;  // of the greatest
+  const bool from_zero = !(y.low > kHardlyDiffer * y.high);
+  const double foot =
+      from_zero ? std::min(0.0, y.low) : y.low - 0.3 * std::max(y.high - y.low, 0.05 * y.high);
+  Drawing drawing({foot, y.high > foot ? y.high : foot + 1.0});
+  const double place = static_cast<double>(kWidth - kLeft - kRight) / static_cast<double>(labels.size());
+  const double width = 0.8 * place / static_cast<double>(series.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const double left = kLeft + place * (static_cast<double>(i) + 0.1);
+    drawing.text(left + 0.4 * place, kHeight - kBottom + 14, "middle", labels[i]);
+    for (std::size_t s = 0; s < series.size(); ++s) {
+      const double value = series[s].y[i];
+      if (!std::isfinite(value)) continue;
+      const double top = drawing.y(value), bottom = drawing.y(foot),
+                   x = left + width * static_cast<double>(s);
+      drawing.add(fmt::format(
+          R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="{}"><title>{} {}: {:.5g}</title></rect>)",
+          x,
+          std::min(top, bottom),
+          0.94 * width,
+          std::abs(bottom - top),
+          colour_of(s),
+          escaped_html(labels[i]),
+          escaped_html(series[s].name),
+          value));
+      drawing.text(x + 0.47 * width, top - 3, "middle", fmt::format("{:.3g}", value));
+    }
+  }
+  return std::move(drawing).finish();
+}
+
+std::string chart_legend(const std::vector<ChartSeries>& series) {
+  std::string legend;
+  for (std::size_t s = 0; s < series.size() && series.size() > 1; ++s) {
+    legend += fmt::format(
+        R"( <span style="color:{}">&#9632;</span>&nbsp;{})", colour_of(s), escaped_html(series[s].name));
+  }
+  return legend;
+}
+
+}  // namespace simuli

@@ -1,0 +1,11 @@
+#pragma once
+#include <span>
+
+#include "host/device/runtime/source.hpp"
+
+namespace simuli::cli {
+
+/// The files of host/apps/cli/draw/page/, as embedded at build time.
+[[nodiscard]] std::span<const EmbeddedFile> report_files();
+
+}  // namespace simuli::cli

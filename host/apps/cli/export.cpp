@@ -1,0 +1,185 @@
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/edits.hpp"
+#include "host/apps/cli/base/file_progress.hpp"
+#include "host/apps/cli/base/json_text.hpp"
+#include "host/apps/cli/base/refuse.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/scene/moment.hpp"
+#include "io/base/regular_file.hpp"
+#include "io/export/drive_archive.hpp"
+#include "io/log/log.hpp"
+#include "io/ncore/ncore_export.hpp"
+#include "io/scene/scene_clock.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/splat/ply.hpp"
+#include "io/splat/splat_file.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct ExportCommand {
+  std::string input;
+  std::string output;
+  Edits edits;
+  double at_s = 0.0;
+  bool is_moment = false;
+  bool lidar = false;
+  bool compress = false;
+  bool drive = false;
+};
+
+SetKind kind_of(const ExportCommand& command) { return command.lidar ? SetKind::kLidar : SetKind::kCamera; }
+
+/// What is written, and what of the scene is not.
+struct Export {
+  GaussianSet set;
+  SplatAxes axes = SplatAxes::kYDown;
+  std::vector<std::string> left_out = {};
+};
+
+/// A splat file as it is: read_scene() would turn it.
+Export of_splats(const ExportCommand& command) {
+  if (command.is_moment || !lines_of(command.edits).empty()) {
+    throw_usage_error("INPUT", "a file of splats", "a scene with --at and with edits");
+  }
+  return {command.lidar ? read_gaussians_ply(command.input, SetKind::kLidar) : read_splats(command.input)};
+}
+
+Export of_scene(const ExportCommand& command) {
+  SceneFile file = read_scene(command.input);
+  apply(command.edits, file);
+  const Scene& scene = file.scene;
+  const GaussianSet& all = command.lidar ? scene.lidar : scene.camera;
+  Export out{command.is_moment ? moment_of(scene, kind_of(command), command.at_s)
+                               : background_of(scene, kind_of(command)),
+             SplatAxes::kZUp};
+  if (out.set.size() < all.size()) {
+    out.left_out.push_back(
+        fmt::format("{} particles of actors{}",
+                    all.size() - out.set.size(),
+                    command.is_moment ? " that are not there then" : " (--at TIME: as then)"));
+  }
+  if (!command.lidar && !scene.environment.empty()) out.left_out.emplace_back("what is infinitely far");
+  if (!command.lidar && !scene.color_grids.empty())
+    out.left_out.emplace_back("colour transforms of pictures");
+  return out;
+}
+
+void tell_left_out(const std::vector<std::string>& left_out) {
+  if (!left_out.empty()) std::cerr << fmt::format("simuli: note: left out: {}\n", fmt::join(left_out, ", "));
+}
+
+void export_drive(const ExportCommand& command, const Globals& globals) {
+  SceneFile scene = read_scene(command.input);
+  apply(command.edits, scene);
+  const std::string id = scene_id_of(command.input);
+  const DriveArchive archive = write_drive_archive(command.output, scene, id);
+  std::vector<std::string> left_out;
+  if (archive.ground_triangles == 0) left_out.emplace_back("the ground, which no LiDAR saw");
+  if (archive.cameras_without_model > 0) {
+    left_out.push_back(fmt::format("the lenses of {} cameras", archive.cameras_without_model));
+  }
+  tell_left_out(left_out);
+  if (globals.json) {
+    const nlohmann::ordered_json out = {{"file", command.output},
+                                        {"scene_id", id},
+                                        {"cameras", scene.cameras.size()},
+                                        {"actors", archive.actors},
+                                        {"ground_triangles", archive.ground_triangles}};
+    std::cout << json_text(out) << '\n';
+  } else {
+    std::cout << fmt::format("scene {}: {} cameras, {} actors, {} triangles of ground in {}\n",
+                             id,
+                             scene.cameras.size(),
+                             archive.actors,
+                             archive.ground_triangles,
+                             command.output);
+  }
+}
+
+/// A log becomes NCore, which its name's ending says.
+void export_log(const ExportCommand& command, const Globals& globals) {
+  if (command.is_moment || command.drive || command.lidar || command.compress ||
+      !lines_of(command.edits).empty()) {
+    throw_usage_error("INPUT", "a log", "a scene with edits and with options");
+  }
+  const Log log = read_log(command.input);
+  FileProgress progress("export", globals);
+  const NcoreExport done = export_ncore(log, command.output, progress.callback());
+  progress.finish();
+  tell_left_out(done.left_out);
+  if (globals.json) {
+    const nlohmann::ordered_json out = {{"file", command.output},
+                                        {"pictures", done.pictures},
+                                        {"sweeps", done.sweeps},
+                                        {"boxes", done.boxes}};
+    std::cout << json_text(out) << '\n';
+  } else {
+    std::cout << fmt::format(
+        "{} pictures, {} sweeps, {} boxes in {}\n", done.pictures, done.sweeps, done.boxes, command.output);
+  }
+}
+
+void run_export(const ExportCommand& command, const Globals& globals) {
+  if (is_there(std::filesystem::path(command.input) / "log.json")) return export_log(command, globals);
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(command.input, ignored);
+  if (command.drive && is_folder) return export_drive(command, globals);
+  if (command.drive) {
+    throw_usage_error("--drive", "no scene's folder", "one: other files have no path");
+  }
+  const Export exported = is_folder ? of_scene(command) : of_splats(command);
+  write_splats(command.output, exported.set, {exported.axes, command.compress});
+  tell_left_out(exported.left_out);
+  if (globals.json) {
+    const nlohmann::ordered_json out = {
+        {"file", command.output}, {"particles", exported.set.size()}, {"sh_degree", exported.set.sh_degree}};
+    std::cout << json_text(out) << '\n';
+  } else {
+    std::cout << fmt::format(
+        "{} particles of SH degree {} in {}\n", exported.set.size(), exported.set.sh_degree, command.output);
+  }
+}
+
+}  // namespace
+
+void add_export(Command app, const Globals& globals) {
+  const auto command = std::make_shared<ExportCommand>();
+  Command sub = app.command("export", "a scene, a splat file or a log for other programs");
+  sub.option("INPUT",
+             command->input,
+             "scene folder, .ply (also SuperSplat's compressed), .spz or .glb; a log folder for NCore")
+      .required();
+  sub.option("-o,--output",
+             command->output,
+             ".ply, .spz, .glb (glTF), .usda or .usdz (OpenUSD); of a log .zarr or .zarr.itar (NCore)")
+      .required();
+  const Option at = sub.option(
+      "--at", command->at_s, "with its actors where they are then, s of the log; default: without them");
+  sub.flag("--compress", command->compress, "in .glb: particles as SPZ, a tenth of the size");
+  sub.flag("--lidar", command->lidar, "the LiDAR set instead of the camera set; .ply alone");
+  sub.flag("--drive",
+           command->drive,
+           "a .usdz with path, cameras, actors, road and ground, for AlpaSim and CARLA")
+      .excludes("--at")
+      .excludes("--compress")
+      .excludes("--lidar");
+  add_edit_options(sub, command->edits);
+  sub.run([command, at, &globals] {
+    command->is_moment = at.is_given();
+    run_export(*command, globals);
+  });
+}
+
+}  // namespace simuli::cli

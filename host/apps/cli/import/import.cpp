@@ -1,0 +1,315 @@
+#include <charconv>
+#include <fmt/format.h>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/edits.hpp"
+#include "host/apps/cli/base/json_text.hpp"
+#include "host/apps/cli/base/refuse.hpp"
+#include "host/apps/cli/import/run_import.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/split.hpp"
+#include "host/core/scene/placement.hpp"
+#include "io/base/output.hpp"
+#include "io/import/kitti/kitti.hpp"
+#include "io/import/kitti360/kitti360.hpp"
+#include "io/import/nuscenes/nuscenes.hpp"
+#include "io/import/photos/colmap.hpp"
+#include "io/import/photos/nerfstudio.hpp"
+#include "io/import/points/points_log.hpp"
+#include "io/import/waymo/waymo.hpp"
+#include "io/scene/splat_scene.hpp"
+
+namespace simuli::cli {
+namespace {
+
+/// What became of the recorded points, on stderr: it is about the import, not part of the log.
+void print_report(const KittiReport& r) {
+  const auto percent = [](std::size_t part, std::size_t whole) {
+    return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+  };
+  std::cerr << fmt::format(
+      "{} points, {} of them on no beam and left out ({:.3f} %); {:.1f} % of {} rays returned\n",
+      r.points,
+      r.unplaced,
+      percent(r.unplaced, r.points),
+      percent(r.returned, r.rays),
+      r.rays);
+}
+
+/// "3, 177 to 180"; what is beyond the tenth run is only told to be there.
+std::string runs_text(const std::vector<std::size_t>& numbers) {
+  constexpr int kMostRuns = 10;
+  std::string text;
+  int runs = 0;
+  for (std::size_t i = 0; i < numbers.size() && runs <= kMostRuns; ++runs) {
+    std::size_t last = i;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    if (runs > 0) text += ", ";
+    if (runs == kMostRuns) return text + "and more";
+    text += fmt::format("{}", numbers[i]);
+    if (last > i) text += fmt::format(" to {}", numbers[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
+/// --frames a:b, and its ends each by itself.
+template <class Options>
+void add_frames(Command command, const std::shared_ptr<Options>& options, const char* whose) {
+  command
+      .option(
+          "--frames",
+          [options](const std::string& text) {
+            const std::size_t colon = text.find(':');
+            const auto number = [&](std::size_t from, std::size_t to, std::size_t& value) {
+              const char* const end = text.data() + to;
+              return std::from_chars(text.data() + from, end, value) == std::from_chars_result{end, {}};
+            };
+            if (colon == std::string::npos || !number(0, colon, options->first) ||
+                !number(colon + 1, text.size(), options->last)) {
+              refuse("--frames", text, "a:b, numbers of frames");
+            }
+          },
+          "a:b, numbers of the first and the last frame")
+      .shown_as("A:B", "");
+  command.option("--first", options->first, "number of the first frame; default: 0").excludes("--frames");
+  command.option("--last", options->last, fmt::format("number of the last frame; default: {}", whose))
+      .excludes("--frames");
+}
+
+void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
+  run_import<KittiReport>(
+      "kitti",
+      globals,
+      [&](const auto& progress, KittiReport& r) { return import_kitti(options, progress, &r); },
+      [](const KittiReport& r) {
+        for (const KittiGaps& gaps : r.gaps) {
+          std::cerr << fmt::format("{}: nothing recorded in {} of the frames: {}\n",
+                                   gaps.sensor,
+                                   gaps.frames.size(),
+                                   runs_text(gaps.frames));
+        }
+        for (const KittiGaps& gaps : r.disordered) {
+          std::cerr << fmt::format("{}: the clock runs backwards; {} of the frames are left out: {}\n",
+                                   gaps.sensor,
+                                   gaps.frames.size(),
+                                   runs_text(gaps.frames));
+        }
+        for (const KittiJump& jump : r.jumps) {
+          std::cerr << fmt::format(
+              "{}: {:.3g} s pass before frame {}\n", jump.sensor, jump.step_s, jump.frame);
+        }
+        print_report(r);
+      });
+}
+
+void import_kitti360_sequence(const Kitti360Options& options, const Globals& globals) {
+  run_import<Kitti360Report>(
+      "kitti360",
+      globals,
+      [&](const auto& progress, Kitti360Report& r) { return import_kitti360(options, progress, r); },
+      [](const Kitti360Report& r) {
+        std::cerr << fmt::format(
+            "{} pictures and sweeps are absent, {} without a pose\n", r.absent, r.unposed);
+        print_report(r.points);
+      });
+}
+
+/// Adds what `import` does for posed photographs: `run(options, progress, report)` returns the log.
+template <class Options, class Run>
+void add_photos(Command command,
+                const char* name,
+                const std::shared_ptr<Options>& options,
+                const Globals& globals,
+                const Run& run) {
+  command.option("-o,--output", options->output, "log folder to write").required();
+  command
+      .option("--metres-per-unit",
+              options->metres_per_unit,
+              "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
+      .positive();
+  command.run([options, name, run, &globals] {
+    run_import<PhotoReport>(
+        name,
+        globals,
+        [&](const auto& progress, PhotoReport& r) { return run(*options, progress, r); },
+        [](const PhotoReport& r) {
+          std::cerr << fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit\n",
+                                   r.photos,
+                                   r.absent,
+                                   r.points,
+                                   r.metres_per_unit);
+          if (r.masked > 0) {
+            std::cerr << fmt::format(
+                "{} masks of single photographs are left out; simuli mask hides what a camera always sees\n",
+                r.masked);
+          }
+        });
+  });
+}
+
+void import_nuscenes_scene(const NuscenesOptions& options, const Globals& globals) {
+  run_import<NuscenesReport>(
+      "nuscenes",
+      globals,
+      [&](const auto& progress, NuscenesReport& r) { return import_nuscenes(options, progress, r); },
+      [](const NuscenesReport& r) {
+        std::cerr << fmt::format(
+            "{} named files are absent; {} of {} rays returned\n", r.absent, r.returned, r.rays);
+      });
+}
+
+void import_waymo_segment(const WaymoOptions& options, const Globals& globals) {
+  run_import<WaymoReport>(
+      "waymo",
+      globals,
+      [&](const auto& progress, WaymoReport& r) { return import_waymo(options, progress, r); },
+      [](const WaymoReport& r) {
+        std::cerr << fmt::format("{} frames; {} of {} rays returned\n", r.frames, r.returned, r.rays);
+      });
+}
+
+void import_point_drive(const PointsOptions& options, const Globals& globals) {
+  run_import<PointReport>(
+      "points",
+      globals,
+      [&](const auto& progress, PointReport& r) { return import_points(options, progress, r); },
+      [](const PointReport& r) {
+        std::cerr << fmt::format(
+            "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
+            r.points,
+            r.unplaced,
+            r.echoes,
+            r.returned,
+            r.rays);
+      });
+}
+
+struct SplatCommand {
+  std::string file, output, pose, axes = "y-down";
+  SplatPlacement placement;
+};
+
+void import_splats(SplatCommand command, const Globals& globals) {
+  need_new_path(command.output);
+  if (command.axes == "y-up") command.placement.axes = SplatAxes::kYUp;
+  if (command.axes == "z-up") command.placement.axes = SplatAxes::kZUp;
+  if (!command.pose.empty())
+    command.placement.world_from_model = parse_mounting("--pose", command.pose).rig_from_lidar();
+  const SceneFile scene = scene_of_splats(command.file, command.placement);
+  write_scene(command.output, scene);
+  const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);
+  const Eigen::Vector3d size = box.sizes(), from = scene.scene.origin + box.min();
+  if (globals.json) {
+    const nlohmann::ordered_json out = {{"folder", command.output},
+                                        {"particles", scene.scene.camera.size()},
+                                        {"sh_degree", scene.scene.camera.sh_degree},
+                                        {"from_m", {from.x(), from.y(), from.z()}},
+                                        {"size_m", {size.x(), size.y(), size.z()}}};
+    std::cout << json_text(out) << '\n';
+  } else {
+    std::cout << fmt::format(
+        "{} particles of SH degree {}, {:.2f} x {:.2f} x {:.2f} m from ({:.2f}, {:.2f}, {:.2f}) m on, in "
+        "{}\n",
+        scene.scene.camera.size(),
+        scene.scene.camera.sh_degree,
+        size.x(),
+        size.y(),
+        size.z(),
+        from.x(),
+        from.y(),
+        from.z(),
+        command.output);
+  }
+}
+
+}  // namespace
+
+void add_import(Command app, const Globals& globals) {
+  Command import =
+      app.command("import", "turn a recorded drive of another format into a log folder, splats into a scene");
+  import.require_command();
+
+  const auto options = std::make_shared<KittiOptions>();
+  Command kitti = import.command("kitti", "KITTI raw drive: cameras, HDL-64E, oxts");
+  kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent").required();
+  kitti.option("-o,--output", options->output, "log folder to write").required();
+  kitti
+      .option(
+          "--cameras",
+          [options](const std::string& names) { options->cameras = split(names, ','); },
+          "of image_02 (left), image_03 (right) and the grey ones image_00 and image_01, parted by commas")
+      .shown_as("NAME,...", "image_02");
+  add_frames(kitti, options, "the drive's");
+  kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
+  kitti.option("--tracking",
+               options->tracking,
+               "label file of the tracking benchmark with this drive's boxes: actors");
+  kitti.flag("--no-poses", options->without_poses, "a rig at rest; simuli align finds the path")
+      .excludes("--poses");
+  kitti.option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
+  kitti.run([options, &globals] { import_kitti_drive(*options, globals); });
+
+  const auto kitti360 = std::make_shared<Kitti360Options>();
+  Command sequence =
+      import.command("kitti360", "frames of KITTI-360: perspective and fisheye cameras, HDL-64E");
+  sequence.option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..").required();
+  sequence.option("-o,--output", kitti360->output, "log folder to write").required();
+  sequence.option("--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
+  add_frames(sequence, kitti360, "the sequence's");
+  sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
+  sequence.run([kitti360, &globals] { import_kitti360_sequence(*kitti360, globals); });
+
+  const auto nuscenes = std::make_shared<NuscenesOptions>();
+  Command scene = import.command("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
+  scene.option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps").required();
+  scene.option("-o,--output", nuscenes->output, "log folder to write").required();
+  scene.option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
+  scene.option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
+  scene.run([nuscenes, &globals] { import_nuscenes_scene(*nuscenes, globals); });
+
+  const auto waymo = std::make_shared<WaymoOptions>();
+  Command segment = import.command("waymo", "a segment of the Waymo Open Dataset: cameras, LiDAR TOP, boxes");
+  segment.option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)").required();
+  segment.option("-o,--output", waymo->output, "log folder to write").required();
+  segment.run([waymo, &globals] { import_waymo_segment(*waymo, globals); });
+
+  add_import_ros2(import, globals);
+  add_import_ncore(import, globals);
+
+  const auto points = std::make_shared<PointsOptions>();
+  Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");
+  bare.option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")
+      .required();
+  bare.option("-o,--output", points->output, "log folder to write").required();
+  bare.run([points, &globals] { import_point_drive(*points, globals); });
+
+  const auto colmap = std::make_shared<ColmapOptions>();
+  Command sub = import.command("colmap", "a COLMAP model with its photographs");
+  sub.option("DIR", colmap->model, "folder of cameras.bin or .txt, or one above its sparse/0").required();
+  sub.option("--images", colmap->images, "folder of the photographs; default: images, near the model");
+  add_photos(sub, "colmap", colmap, globals, import_colmap);
+
+  const auto nerfstudio = std::make_shared<NerfstudioOptions>();
+  sub = import.command("nerfstudio", "posed photographs of a transforms.json");
+  sub.option("FILE", nerfstudio->transforms, "transforms.json, or its folder").required();
+  add_photos(sub, "nerfstudio", nerfstudio, globals, import_nerfstudio);
+
+  const auto splat = std::make_shared<SplatCommand>();
+  sub = import.command("splat", "a file of splats as a scene: .ply (also SuperSplat's compressed), .spz");
+  sub.option("FILE", splat->file, "its LiDAR set becomes the particles' geometry, as bright as they are")
+      .required();
+  sub.option("-o,--output", splat->output, "scene folder to write").required();
+  sub.option("--axes", splat->axes, "what is up in the file")
+      .one_of({"y-down", "y-up", "z-up"})
+      .with_default();
+  sub.option("--metres-per-unit", splat->placement.metres_per_unit, "size of the model").positive();
+  sub.option("--pose", splat->pose, "X,Y,Z,ROLL,PITCH,YAW of the model in the world, m and degrees");
+  sub.run([splat, &globals] { import_splats(*splat, globals); });
+}
+
+}  // namespace simuli::cli

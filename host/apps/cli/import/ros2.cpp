@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "host/apps/cli/base/edits.hpp"
+#include "host/apps/cli/base/refuse.hpp"
+#include "host/apps/cli/import/run_import.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/split.hpp"
+#include "io/import/ros2/ros2_log.hpp"
+#include "io/scene/sensor_rig.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct Ros2Command {
+  Ros2Options options;
+  std::vector<std::string> lidars, mounts, shutters;
+};
+
+Ros2Lidar lidar_of(const std::string& text) {
+  const auto [topic, rest] = parted("--lidar", text, '=');
+  const std::string name = rest.substr(0, rest.rfind(':'));
+  return {topic, lidar_table(name), name.size() < rest.size() ? rest.substr(name.size() + 1) : ""};
+}
+
+std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
+  const auto [topic, rest] = parted("--shutter", text, ':');
+  const std::vector<std::string> parts = split(rest, ':');
+  char* end = nullptr;
+  const double readout_s = parts.size() == 2 ? std::strtod(parts[1].c_str(), &end) : 0.0;
+  if (parts.size() != 2 || end == parts[1].c_str() || *end != '\0' ||
+      !(readout_s > 0.0 && readout_s <= 1.0)) {
+    refuse("--shutter", text, "TOPIC:KIND:SECONDS, to 1");
+  }
+  try {
+    return {topic, {shutter_from_string(parts[0], "--shutter", topic), readout_s}};
+  } catch (const Error& error) {
+    throw Error(ErrorKind::kUsage, error.what());
+  }
+}
+
+void import_recording(const Ros2Command& command, const Globals& globals) {
+  Ros2Options options = command.options;
+  for (const std::string& text : command.lidars) options.lidars.push_back(lidar_of(text));
+  for (const std::string& text : command.mounts) {
+    const auto [topic, mount] = parted("--mount", text, ':');
+    options.mounts[topic] = parse_mounting("--mount", mount);
+  }
+  for (const std::string& text : command.shutters) options.shutters.insert(shutter_of(text));
+  run_import<Ros2Report>(
+      "mcap",
+      globals,
+      [&](const auto& progress, Ros2Report& r) { return import_ros2(options, progress, r); },
+      [](const Ros2Report& r) {
+        for (const std::string& note : r.notes) std::cerr << note << '\n';
+        if (r.unposed > 0)
+          std::cerr << fmt::format("{} clouds and pictures lie beside the path and are left out\n",
+                                   r.unposed);
+        if (r.sweeps > 0) {
+          std::cerr << fmt::format(
+              "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
+              r.points.points,
+              r.points.unplaced,
+              r.points.echoes,
+              r.points.returned,
+              r.points.rays);
+        }
+      });
+}
+
+}  // namespace
+
+std::pair<std::string, std::string> parted(const char* option,
+                                           const std::string& text,
+                                           char at,
+                                           const char* first) {
+  const std::size_t place = text.find(at);
+  if (place == 0 || place == std::string::npos || place + 1 == text.size()) {
+    refuse(option, text, fmt::format("{}{}...", first, at));
+  }
+  return {text.substr(0, place), text.substr(place + 1)};
+}
+
+Lidar lidar_table(const std::string& name) {
+  const Sensor sensor = named_sensor(name);
+  const auto* table = sensor.is_camera() ? nullptr : std::get_if<Lidar>(&sensor.lidar());
+  if (table == nullptr) {
+    refuse("--lidar", name, "a LiDAR with rows (simuli info sensors)");
+  }
+  return *table;
+}
+
+void add_import_ros2(Command import, const Globals& globals) {
+  const auto command = std::make_shared<Ros2Command>();
+  Ros2Options& options = command->options;
+  Command sub = import.command("mcap", "a recording of ROS 2: clouds, pictures, transforms");
+  sub.option("FILE", options.recording, ".mcap or .db3, or a folder of such").required();
+  sub.option("-o,--output", options.output, "log folder to write").required();
+  sub.option(
+         "--lidar",
+         command->lidars,
+         "TOPIC=SENSOR[:FRAME], a topic of PointCloud2, whose beams it has, built-in (velodyne_vlp16) or a "
+         "LiDAR file (simuli fit beams), and the frame that these are in, if it is not the clouds'")
+      .one_at_a_time();
+  sub.flag("--no-lidars", options.without_lidars, "pictures alone").excludes("--lidar");
+  sub.option(
+         "--cameras",
+         [command](const std::string& topics) { command->options.cameras = split(topics, ','); },
+         "topics of Image or CompressedImage, parted by commas; default: all with a camera_info beside them")
+      .shown_as("TOPIC,...", "");
+  sub.option("--rig-frame", options.rig_frame, "the vehicle's frame").with_default();
+  sub.option(
+      "--world-frame", options.world_frame, "that the path is in; default: the uppermost above the rig");
+  sub.option("--odometry", options.odometry, "topic of Odometry for the path, instead of transforms");
+  sub.flag("--no-poses", options.without_poses, "a rig at rest; simuli align finds the path");
+  sub.option("--mount",
+             command->mounts,
+             "TOPIC:X,Y,Z,ROLL,PITCH,YAW of a sensor on the rig, m and degrees, instead of transforms")
+      .one_at_a_time();
+  sub.option("--shutter",
+             command->shutters,
+             "TOPIC:KIND:SECONDS of a camera that reads out its rows from the stamp on: top_to_bottom ...")
+      .one_at_a_time();
+  sub.option("--stamp",
+             options.stamp,
+             "start or end: which of a sweep a cloud's stamp is; default: by points' times")
+      .one_of({"start", "end"});
+  sub.option("--point-time",
+             options.point_time,
+             "FIELD:UNIT[:absolute], UNIT s, ms, us, ns; default: as the drivers name it");
+  sub.option(
+      "--intensity", options.intensity, "FIELD:MOST; default: intensity:255, of Ouster reflectivity:255");
+  sub.run([command, &globals] { import_recording(*command, globals); });
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,364 @@
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/edits.hpp"
+#include "host/apps/cli/base/file_progress.hpp"
+#include "host/apps/cli/base/json_text.hpp"
+#include "host/apps/cli/base/provenance.hpp"
+#include "host/apps/cli/base/refuse.hpp"
+#include "host/apps/cli/base/settings.hpp"
+#include "host/apps/cli/base/video.hpp"
+#include "host/apps/cli/render/frame_files.hpp"
+#include "host/apps/cli/render/plan.hpp"
+#include "host/apps/cli/render/rendered_bag.hpp"
+#include "host/apps/cli/render/rendered_log.hpp"
+#include "host/apps/cli/render/sensors.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/version.hpp"
+#include "host/device/render/options/validate.hpp"
+#include "host/device/render/scene/scene_on_device.hpp"
+#include "io/base/file.hpp"
+#include "io/scene/frames_file.hpp"
+
+namespace simuli::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderCommand {
+  std::string scene;
+  SensorOptions sensors;
+  PlanOptions plan;
+  Edits edits;
+  std::string output;
+  FileOptions files;
+  bool as_log = false;
+  std::int64_t start_ns = -1;  // of a recording; below 0: as the log says, or usual_start_ns()
+  double frames_per_s = 0.0;   // of a video; 0: as the frames follow each other
+  std::vector<std::string> settings;
+};
+
+/// Frames per second of videos: others no player shows, nor does ffmpeg write them.
+constexpr double kLeastRate = 0.01, kMostRate = 1000.0;
+
+/// Of the video: as asked for, or as the frames follow each other.
+double frame_rate(const Plan& plan, const RenderCommand& command) {
+  if (command.frames_per_s > 0.0) return command.frames_per_s;
+  constexpr double kUsual = 10.0;
+  if (plan.spans.size() < 2) return kUsual;
+  const double seconds = plan.spans.back().time_start_s - plan.spans.front().time_start_s;
+  const double rate = static_cast<double>(plan.spans.size() - 1) / seconds;
+  return seconds > 0.0 ? std::clamp(rate, kLeastRate, kMostRate) : kUsual;
+}
+
+/// All but the frames.
+FramesRecord record_of(const RenderCommand& command,
+                       const Globals& globals,
+                       const RenderOptions& options,
+                       const Sensor& sensor,
+                       const SceneOnDevice& scene) {
+  FramesRecord record{.sensor = sensor};
+  record.scene = scene.scene().name;
+  record.trajectory = command.plan.trajectory;
+  record.edits = lines_of(command.edits);
+  if (!command.sensors.mount.empty()) record.edits.push_back("--mount " + command.sensors.mount);
+  if (command.sensors.lane_shift_m != 0.0)
+    record.edits.push_back(fmt::format("--lane-shift {}", command.sensors.lane_shift_m));
+  if (command.files.mark_unseen) record.edits.emplace_back("--mark-unseen");
+  if (command.plan.speed != 1.0) record.edits.push_back(fmt::format("--speed {}", command.plan.speed));
+  record.quality = quality_names()[static_cast<std::size_t>(globals.quality)];
+  record.settings = simuli::lines_of(options);
+  record.version = version();
+  record.device = scene.device().info().label();
+  record.driver = scene.device().info().driver_version;
+  return record;
+}
+
+/// Where the scene's cameras looked, if that is to be told; else nothing.
+std::unique_ptr<const RecordedViews> recorded_views(const RenderCommand& command, const SceneFile& file) {
+  if (!command.files.mark_unseen) return nullptr;
+  auto views = std::make_unique<const RecordedViews>(file);
+  if (views->empty()) {
+    throw_input_error(
+        command.scene, "cameras", "none that were carried along a path", "at least one, to mark unseen");
+  }
+  return views;
+}
+
+/// What the frames become.
+enum class OutputKind { kFolder, kFolders, kLog, kVideo, kRecording };
+
+/// Of options that do not go together Error{kUsage}.
+OutputKind kind_of(const RenderCommand& command) {
+  const std::string quoted = '"' + command.output + '"';
+  if (is_bag(command.output)) {
+    need_options_of_bags(command.files);
+    if (command.as_log) throw_usage_error("--as-log", "with an .mcap file", "with a folder");
+    return OutputKind::kRecording;
+  }
+  if (command.files.images == "raw") throw_usage_error("--images", "\"raw\" for a folder", "png, jpeg, exr");
+  if (is_video(command.output)) {
+    if (command.as_log) throw_usage_error("--as-log", "with " + quoted, "with a folder");
+    if (command.files.outputs != FileOptions{}.outputs)
+      throw_usage_error("--outputs", "with " + quoted, "with a folder: a video shows rgb");
+    return OutputKind::kVideo;
+  }
+  if (command.as_log) return OutputKind::kLog;
+  const bool has_many = !command.sensors.rig.empty() || command.sensors.names.size() > 1;
+  return has_many ? OutputKind::kFolders : OutputKind::kFolder;
+}
+
+/// One sensor, and its frames.
+struct SensorPlan {
+  Sensor sensor;
+  Plan plan;
+};
+
+std::vector<SensorPlan> views_of(const Drive& drive, const SceneFile& file, const RenderCommand& command) {
+  std::vector<SensorPlan> views;
+  for (const RigSensor& asked : find_sensors(file, command.sensors, command.plan.duration_s)) {
+    views.push_back({asked.sensor, make_plan(drive, asked, command.plan)});
+  }
+  return views;
+}
+
+fs::path folder_of(const SensorPlan& view, OutputKind kind, const fs::path& output) {
+  return kind == OutputKind::kFolders ? output / view.sensor.name() : output;
+}
+
+/// Pictures or clouds, and frames.json, into a folder that there is.
+template <class OnFrame>
+void write_frames(SceneOnDevice& scene,
+                  const SensorPlan& view,
+                  const FrameFiles& files,
+                  FramesRecord record,
+                  const fs::path& folder,
+                  const SupportSource* support,
+                  const OnFrame& on_frame) {
+  files.describe(record, scene.scene());
+  for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+    const Frame frame = scene.render(view.sensor, view.plan.shot(view.sensor, i), files.request());
+    const Shot& shot = frame.shot();
+    record.frames.push_back(
+        {files.write(
+             frame, folder, fmt::format("{}_{:06d}", view.sensor.name(), view.plan.first + i), support),
+         shot.time_start_s,
+         shot.time_end_s,
+         shot.world_from_sensor_start,
+         shot.world_from_sensor_end});
+    on_frame();
+  }
+  write_frames_file(folder / "frames.json", record);
+}
+
+void write_rendered_folder(SceneOnDevice& scene,
+                           const std::vector<SensorPlan>& views,
+                           OutputKind kind,
+                           const RenderCommand& command,
+                           const FramesRecord& record,
+                           const std::shared_ptr<const SupportRecord>& seen,
+                           const RecordedViews* recorded,
+                           const std::function<void()>& on_frame) {
+  std::vector<FrameFiles> files;
+  for (const SensorPlan& view : views) files.emplace_back(command.files, view.sensor, view.plan, recorded);
+  std::optional<SupportOnDevice> support_on;
+  std::optional<SupportSource> support;
+  const ActorCopies copies = copies_of(command.edits);
+  if (std::any_of(files.begin(), files.end(), [](const FrameFiles& f) { return f.needs_support(); })) {
+    support_on.emplace(scene.device(), seen);
+    support.emplace(SupportSource{*support_on, scene.scene(), copies});
+  }
+  write_folder_atomically(command.output, [&](const fs::path& folder) {
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      const fs::path to = folder_of(views[k], kind, folder);
+      fs::create_directories(to);
+      FramesRecord own = record;
+      own.sensor = views[k].sensor;
+      write_frames(scene, views[k], files[k], std::move(own), to, support ? &*support : nullptr, on_frame);
+    }
+  });
+}
+
+void write_rendered_log(SceneOnDevice& scene,
+                        const std::vector<SensorPlan>& views,
+                        const RenderCommand& command,
+                        const std::function<void()>& on_frame) {
+  write_folder_atomically(command.output, [&](const fs::path& folder) {
+    std::vector<Sensor> sensors;
+    for (const SensorPlan& view : views) sensors.push_back(view.sensor);
+    RenderedLog log(folder, scene.scene(), views.front().plan.world_from_rig, sensors);
+    for (const SensorPlan& view : views) {
+      for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+        log.add(scene.render(view.sensor, view.plan.shot(view.sensor, i)),
+                view.plan.first + i,
+                command.files.images);
+        on_frame();
+      }
+    }
+    log.finish();
+  });
+}
+
+/// In the order of the frames' starts, over all sensors.
+void write_rendered_bag(SceneOnDevice& scene,
+                        const std::vector<SensorPlan>& views,
+                        std::optional<std::int64_t> start_ns,
+                        const RenderCommand& command,
+                        const RecordedViews* recorded,
+                        const std::function<void()>& on_frame) {
+  struct Due {
+    double start_s;
+    const SensorPlan* view;
+    std::size_t frame;
+  };
+  std::vector<Due> due;
+  std::vector<Sensor> sensors;
+  for (const SensorPlan& view : views) {
+    sensors.push_back(view.sensor);
+    for (std::size_t i = 0; i < view.plan.spans.size(); ++i)
+      due.push_back({view.plan.spans[i].time_start_s, &view, i});
+  }
+  std::stable_sort(due.begin(), due.end(), [](const Due& a, const Due& b) { return a.start_s < b.start_s; });
+  const Trajectory& path = views.front().plan.world_from_rig;
+  if (command.start_ns >= 0) start_ns = command.start_ns;
+  const Ros2Drive drive{path, sensors, scene.scene().actors, start_ns.value_or(usual_start_ns(path))};
+  const FrameRequest request{.camera_median = recorded != nullptr};
+  write_atomically(command.output, [&](const fs::path& file) {
+    RenderedBag bag(file, drive, command.files);
+    for (const Due& d : due) {
+      bag.add(scene.render(d.view->sensor, d.view->plan.shot(d.view->sensor, d.frame), request), recorded);
+      on_frame();
+    }
+    bag.finish();
+  });
+}
+
+void write_video(SceneOnDevice& scene,
+                 const SensorPlan& view,
+                 const RenderCommand& command,
+                 const RecordedViews* recorded,
+                 const std::function<void()>& on_frame) {
+  Video video(command.output, frame_rate(view.plan, command));
+  const FrameRequest request{.camera_median = recorded != nullptr};
+  for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+    video.add(shown(scene.render(view.sensor, view.plan.shot(view.sensor, i), request), recorded));
+    on_frame();
+  }
+  video.finish();
+}
+
+void print_outcome(const RenderCommand& command,
+                   OutputKind kind,
+                   bool json,
+                   const std::vector<SensorPlan>& views,
+                   const std::string& device) {
+  nlohmann::ordered_json sensors = nlohmann::ordered_json::array();
+  for (const SensorPlan& view : views) {
+    const std::string folder = folder_of(view, kind, command.output).string();
+    const std::size_t frames = view.plan.spans.size();
+    if (!json) std::cout << fmt::format("{} frames of {} in {}\n", frames, view.sensor.name(), folder);
+    sensors.push_back({{"folder", folder}, {"sensor", view.sensor.name()}, {"frames", frames}});
+  }
+  if (!json) return;
+  const bool is_list = kind == OutputKind::kFolders || views.size() > 1;
+  nlohmann::ordered_json out =
+      is_list ? nlohmann::ordered_json{{"sensors", std::move(sensors)}} : std::move(sensors.front());
+  out["device"] = device;
+  std::cout << json_text(out) << '\n';
+}
+
+void render(RenderCommand command, const Globals& globals) {
+  const OutputKind kind = kind_of(command);
+  command.sensors.are_all = kind == OutputKind::kLog || kind == OutputKind::kRecording;
+  RenderOptions options = options_of(globals.quality);
+  fields_of(options).apply(command.settings);
+  validate(options);
+  SceneFile file = read_scene(command.scene);
+  warn_unlike_training(file, options);
+  apply(command.edits, file);
+  const Drive drive = read_drive(command.scene, file, command.plan);
+  const std::vector<SensorPlan> views = views_of(drive, file, command);
+  if (kind == OutputKind::kVideo && views.size() > 1) {
+    throw_usage_error(
+        "-o", fmt::format("\"{}\" for {} sensors", command.output, views.size()), "a folder, or one sensor");
+  }
+  const std::unique_ptr<const RecordedViews> recorded = recorded_views(command, file);
+  std::size_t frames = 0, done = 0;
+  for (const SensorPlan& view : views) frames += view.plan.spans.size();
+
+  SceneOnDevice scene(Device::best(globals.device), std::move(file.scene), options);
+  FileProgress progress("render", globals);
+  const auto on_frame = [&, tell = progress.callback()] { tell(++done, frames); };
+  switch (kind) {
+    case OutputKind::kLog:
+      write_rendered_log(scene, views, command, on_frame);
+      break;
+    case OutputKind::kRecording:
+      write_rendered_bag(scene, views, drive.start_ns, command, recorded.get(), on_frame);
+      break;
+    case OutputKind::kVideo:
+      write_video(scene, views.front(), command, recorded.get(), on_frame);
+      break;
+    case OutputKind::kFolder:
+    case OutputKind::kFolders:
+      write_rendered_folder(scene,
+                            views,
+                            kind,
+                            command,
+                            record_of(command, globals, options, views.front().sensor, scene),
+                            file.support,
+                            recorded.get(),
+                            on_frame);
+  }
+  progress.finish();
+  print_outcome(command, kind, globals.json, views, scene.device().info().label());
+}
+
+}  // namespace
+
+void add_render(Command app, const Globals& globals) {
+  const auto command = std::make_shared<RenderCommand>();
+  Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
+  add_sensor_options(sub, command->sensors);
+  sub.option(
+         "-o,--output",
+         command->output,
+         "folder to make: pictures, or clouds and range pictures, and frames.json; of several sensors in "
+         "a folder each; or a video.mp4; or a recording of ROS 2, drive.mcap, by default of all sensors of "
+         "the scene")
+      .required();
+  add_file_options(sub, command->files);
+  sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
+      .range(kLeastRate, kMostRate);
+  sub.option("--start-ns",
+             command->start_ns,
+             "of an .mcap file: nanoseconds since 1970 of the scene's time 0; default: as the log of "
+             "--trajectory says, else about a second")
+      .non_negative();
+  Option as_log = sub.flag("--as-log",
+                           command->as_log,
+                           "the folder becomes a log, by default of all sensors of the scene, to train on");
+  for (const char* other : {"--clouds", "--cloud-frame", "--outputs", "--values", "--fps", "--mark-unseen"})
+    as_log.excludes(other);
+  add_plan_options(sub, command->plan);
+  add_edit_options(sub, command->edits);
+  const auto options = std::make_shared<RenderOptions>();
+  const auto fields = [options, &globals] {
+    *options = options_of(globals.quality);
+    return fields_of(*options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
+  sub.run([command, &globals] { render(*command, globals); });
+}
+
+}  // namespace simuli::cli

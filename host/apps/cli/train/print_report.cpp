@@ -1,0 +1,162 @@
+#include "host/apps/cli/train/print_report.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "host/apps/cli/base/json_text.hpp"
+
+namespace simuli::cli {
+namespace {
+
+nlohmann::ordered_json json_of(const std::vector<LengthStage>& stages) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const LengthStage& s : stages) {
+    out.push_back({{"iterations", s.iterations},
+                   {"square", s.square},
+                   {"lidar_loss", s.lidar_loss},
+                   {"gain_db", s.gain_db},
+                   {"gain_share", s.gain_share}});
+  }
+  return out;
+}
+
+std::string stages_text(const std::vector<LengthStage>& stages) {
+  std::string text;
+  for (const LengthStage& s : stages) {
+    text += fmt::format("  {} iterations", s.iterations);
+    if (&s != &stages.front()) {
+      text += fmt::format(": per doubling {:+.2f} dB of training pictures, LiDAR loss {:+.1f} %",
+                          s.gain_db,
+                          -100.0 * s.gain_share);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// A line, or none of a training by itself.
+std::string ranks_text(const TrainReport& r) {
+  if (r.ranks == 1) return "";
+  const int iterations = std::max(1, r.last.iteration - r.first_iteration);
+  return fmt::format("  {} ranks, {:.2f} MB of shards gathered a step\n",
+                     r.ranks,
+                     static_cast<double>(r.gathered_bytes) * 1e-6 / iterations);
+}
+
+/// A line, or none where nothing was asked for.
+std::string path_text(const PathReport& path) {
+  if (path.sweeps == 0)
+    return path.reason.empty() ? "" : fmt::format("  path as recorded: {}\n", path.reason);
+  const std::string fit = fmt::format("surfaces {:.2f} cm thick, {:.2f} cm on the refined path",
+                                      100.0 * path.recorded_m,
+                                      100.0 * path.refined_m);
+  if (!path.used)
+    return fmt::format("  path as recorded: {} ({}; {:.1f} s)\n", path.reason, fit, path.seconds);
+  return fmt::format(
+      "  path refined by up to {:.1f} cm: {}; {:.1f} s\n", 100.0 * path.largest_change_m, fit, path.seconds);
+}
+
+}  // namespace
+
+void print_report(const TrainingReport& report, const std::string& scene, bool json) {
+  const TrainReport& r = report.train;
+  const InitReport& init = report.init;
+  const FindReport& found = report.found;
+  const PathReport& path = report.path;
+  if (json) {
+    const nlohmann::ordered_json out = {{"scene", scene},
+                                        {"iterations", r.last.iteration},
+                                        {"stretches", report.stretches.count},
+                                        {"stretch_m", report.stretches.length_m},
+                                        {"foretold_host_bytes", report.stretches.host_bytes},
+                                        {"foretold_device_bytes", report.stretches.device_bytes},
+                                        {"stopped_early", r.stopped_early},
+                                        {"stages", json_of(r.stages)},
+                                        {"images", r.images},
+                                        {"sweeps", r.sweeps},
+                                        {"camera_particles", r.camera_particles},
+                                        {"lidar_particles", r.lidar_particles},
+                                        {"path_refined", path.used},
+                                        {"path_recorded_m", path.recorded_m},
+                                        {"path_refined_m", path.refined_m},
+                                        {"path_largest_change_m", path.largest_change_m},
+                                        {"path_seconds", path.seconds},
+                                        {"found_actors", found.actors},
+                                        {"added_actors", found.added},
+                                        {"continued_labels", found.continued},
+                                        {"moving_returns", found.moving_returns},
+                                        {"moving_returns_on_actors", found.moving_on_actors},
+                                        {"find_seconds", found.seconds},
+                                        {"depth_points", init.depth_points},
+                                        {"wall_points", init.wall_points},
+                                        {"moving_points", init.moving_points},
+                                        {"train_psnr_db", r.last.psnr_db},
+                                        {"train_distance_m", r.last.distance_m},
+                                        {"train_drop_accuracy", r.last.drop_accuracy},
+                                        {"relocated", r.relocated},
+                                        {"grown", r.grown},
+                                        {"pruned", r.pruned},
+                                        {"row_ranges_m", r.row_ranges_m},
+                                        {"lidar_cells", init.lidar_cells},
+                                        {"lidar_thinned", init.lidar_thinned},
+                                        {"anchor_m", r.anchor_m},
+                                        {"rejected_gradients", r.rejected_gradients},
+                                        {"unsound_particles", r.unsound_particles},
+                                        {"unsound_losses", r.unsound_losses},
+                                        {"warnings", r.warnings},
+                                        {"ranks", r.ranks},
+                                        {"gathered_bytes", r.gathered_bytes},
+                                        {"init_seconds", init.seconds},
+                                        {"seconds", r.seconds}};
+    std::cout << json_text(out) << '\n';
+    return;
+  }
+  std::cout
+      << fmt::format("scene {}\n  {} iterations on {} images and {} sweeps, {:.1f} s + {:.1f} s\n",
+                     scene,
+                     r.last.iteration,
+                     r.images,
+                     r.sweeps,
+                     init.seconds,
+                     r.seconds)
+      << ranks_text(r) << stages_text(r.stages) << path_text(path)
+      << (found.sweeps == 0
+              ? ""
+              : fmt::format("  {} moving things found in {:.1f} s, with {} of {} returns that moved; {} of "
+                            "them have no label, {} labels go on where they had ended\n",
+                            found.actors,
+                            found.seconds,
+                            found.moving_on_actors,
+                            found.moving_returns,
+                            found.added,
+                            found.continued))
+      << fmt::format(
+             "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
+             "there), LiDAR set {} particles ({} of them on surfaces that return nothing; and {} on walls "
+             "above)\n",
+             r.camera_particles,
+             init.shell_particles,
+             init.filled_particles,
+             r.lidar_particles,
+             init.dark_points,
+             init.unmet_points)
+      << fmt::format("  {} relocated, {} new, {} pruned; ranges of rows corrected by up to {:.1f} cm{}\n",
+                     r.relocated,
+                     r.grown,
+                     r.pruned,
+                     100.0 * r.row_ranges_m,
+                     r.anchor_m > 0.0 ? fmt::format("; anchors {:.1f} cm away", 100.0 * r.anchor_m) : "")
+      << fmt::format(
+             "  left out: {} points that moved, {} thinned from the LiDAR set, {} from the "
+             "camera set, {} that no image saw, {} that none shows apart from others\n",
+             init.moving_points,
+             init.lidar_thinned,
+             init.camera_thinned,
+             init.unseen_points,
+             init.joined_points);
+}
+
+}  // namespace simuli::cli

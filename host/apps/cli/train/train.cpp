@@ -1,0 +1,333 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/interrupt.hpp"
+#include "host/apps/cli/base/program.hpp"
+#include "host/apps/cli/base/refuse.hpp"
+#include "host/apps/cli/base/settings.hpp"
+#include "host/apps/cli/report/report.hpp"
+#include "host/apps/cli/report/training.hpp"
+#include "host/apps/cli/train/launched_ranks.hpp"
+#include "host/apps/cli/train/print_report.hpp"
+#include "host/apps/cli/train/program_build.hpp"
+#include "host/apps/cli/view/live_page.hpp"
+#include "host/core/base/error.hpp"
+#include "io/base/output.hpp"
+#include "io/base/regular_file.hpp"
+#include "io/base/temporary.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "io/scene/scene_output.hpp"
+#include "optim/ranks/rank_threads.hpp"
+#include "optim/stretch/stretch_parts.hpp"
+#include "optim/train/training.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct TrainCommand {
+  std::string log;
+  std::string output;
+  bool overwrite = false;
+  std::vector<std::string> settings;
+  TrainingOptions options;
+  TrainOutputs outputs;
+  std::string report;  // file to write; empty: none
+  int view_port = -1;  // of the viewer; below 0: none
+};
+
+void take_iterations(const std::string& text, TrainOptions& options) {
+  options.length.automatic = text == "auto";
+  if (options.length.automatic) return;
+  const Fields fields = fields_of(options);
+  const Field& iterations = *fields.find("iterations");
+  if (iterations.set(text)) return;
+  throw_usage_error("--iterations", text, "auto, or " + iterations.allowed());
+}
+
+/// "6GB", "512MiB" or a number of bytes.
+std::size_t memory_size(const char* option, const std::string& text) {
+  constexpr std::array<std::pair<const char*, double>, 8> kUnits{{{"", 1.0},
+                                                                  {"B", 1.0},
+                                                                  {"MB", 1e6},
+                                                                  {"GB", 1e9},
+                                                                  {"TB", 1e12},
+                                                                  {"MiB", 1048576.0},
+                                                                  {"GiB", 1073741824.0},
+                                                                  {"TiB", 1099511627776.0}}};
+  constexpr double kMost = 1e18;
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, failed] = std::from_chars(text.data(), end, number, std::chars_format::fixed);
+  const std::string unit(rest, end);
+  const auto found =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const auto& known) { return known.first == unit; });
+  const bool is_size = failed == std::errc() && found != kUnits.end();
+  if (const double bytes = is_size ? number * found->second : 0.0; bytes >= 1.0 && bytes <= kMost) {
+    return static_cast<std::size_t>(bytes);
+  }
+  throw_usage_error(option, text, "a size above 0: 6GB, 512MiB, or bytes");
+}
+
+/// With what held-out frames say; of all frames when none was held out.
+void write_train_report(const TrainCommand& command,
+                        const Device& device,
+                        SceneFile scene,
+                        Log log,
+                        const TrainedReport& trained,
+                        const Globals& globals) {
+  Evaluation evaluation(device, std::move(scene), std::move(log), {.render = command.options.train.render});
+  const EvalReport report = run_evaluation(evaluation, globals);
+  write_report(
+      command.report,
+      {.title = fmt::format("simuli train: {} from {}", command.output, command.log), .trained = &trained},
+      globals,
+      evaluation,
+      report);
+}
+
+std::filesystem::path checkpoint_beside(const std::string& output) {
+  std::filesystem::path file = std::filesystem::path(output).lexically_normal();
+  if (!file.has_filename()) file = file.parent_path();
+  return file += ".checkpoint";
+}
+
+/// Refuses before any work what would be lost or could not be written at its end. The output is this
+/// process's from here on.
+std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
+  const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
+  const bool resumes = command.outputs.resume && is_there(checkpoint);
+  if (std::error_code failed; resumes && !std::filesystem::is_regular_file(checkpoint, failed)) {
+    throw_input_error(checkpoint.string(), "file", "something that is no file", "the state of a training");
+  }
+  auto lock = std::make_unique<OutputLock>(command.output);
+  if (!command.overwrite && !resumes) {
+    if (is_there(command.output)) {
+      throw_input_error(command.output,
+                        "folder",
+                        "something of that name",
+                        command.outputs.resume
+                            ? "its checkpoint beside it, a path that does not exist yet, or "
+                              "--overwrite"
+                            : "a path that does not exist yet, or --overwrite");
+    }
+    if (is_there(checkpoint)) {
+      throw_input_error(checkpoint.string(),
+                        "file",
+                        "the state of a training that has not ended",
+                        "--resume, or --overwrite");
+    }
+  }
+  need_scene_output(command.output);
+  if (!command.report.empty()) need_writable(command.report);
+  const std::filesystem::path& events = command.outputs.event_folder;
+  if (!events.empty()) {
+    std::error_code failed;
+    std::filesystem::create_directories(events, failed);
+    need_writable(events / "events");
+  }
+  for (const std::filesystem::path& path :
+       {std::filesystem::path(command.output), checkpoint, std::filesystem::path(command.report)}) {
+    if (!path.empty()) remove_stale_temporaries(path);
+  }
+  return lock;
+}
+
+/// What a page shows before there are particles.
+SceneFile without_particles(const Log& log) {
+  SceneFile file;
+  file.scene.name = log.name;
+  file.cameras = log.cameras;
+  file.lidars = log.lidars;
+  file.world_from_rig = log.world_from_rig;
+  return file;
+}
+
+using OpenDevice = std::function<Device()>;
+
+/// What a rank without an output does.
+void share(TrainCommand command, const OpenDevice& open, const Globals& globals, Ranks& ranks) {
+  ranks.wait_for_all();  // the first one has taken the output, and the log is there
+  const Log log = read_log(command.log);
+  const Device device = open();
+  command.outputs.event_folder.clear();
+  command.outputs.ranks = &ranks;
+  Training training(device, log, command.options, ranks);
+  static_cast<void>(run_training(training, device, globals, command.outputs));
+}
+
+void train(TrainCommand command, const OpenDevice& open, const Globals& globals, Ranks& ranks) {
+  if (!ranks.is_first()) return share(std::move(command), open, globals, ranks);
+  TrainingOptions& options = command.options;
+  const Log log = read_log(command.log);
+  const std::unique_ptr<OutputLock> lock = take_output(command);
+  ranks.wait_for_all();
+  const Device device = open();
+  if (globals.verbose) {
+    std::cerr << fmt::format(
+        "simuli: {}; {}\n", device.info().label(), fmt::join(fields_of(options).lines(), " "));
+  }
+  std::unique_ptr<LivePage> page;
+  if (command.view_port >= 0) {
+    page = open_live_page(globals, without_particles(log), command.view_port);
+    std::cerr << fmt::format("simuli: the training in the browser: {}\n", page->url());
+    command.outputs.view = page.get();
+  }
+  command.outputs.ranks = &ranks;
+  Training training(device, log, options, ranks);
+  TrainedReport trained;
+  trained.history = run_training(training, device, globals, command.outputs);
+  trained.report = training.report();
+  SceneFile scene = std::move(training).result();
+  write_scene(command.output, scene);
+  if (command.outputs.checkpoints.every == 0) {
+    std::error_code ignored;  // nobody needs it any more, and the scene is there
+    const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
+    std::filesystem::remove(checkpoint, ignored);
+    for (std::size_t i = 0; std::filesystem::remove(stretch_file(checkpoint, i), ignored); ++i) {
+    }
+  }
+  if (!command.report.empty()) {
+    write_train_report(command, device, std::move(scene), log, trained, globals);
+  }
+  print_report(trained.report, command.output, globals.json);
+}
+
+/// A rank of a launcher. What all of them know is told by the first one alone.
+void train_launched(const TrainCommand& command,
+                    const OpenDevice& open,
+                    const Globals& globals,
+                    LaunchedRanks& ranks) {
+  const auto end = [&ranks](int exit_code, const std::string& line) {
+    // The launcher kills those that are left when one has ended: said before any can be gone.
+    if (ranks.is_first()) std::cerr << "simuli: " << line << std::endl;
+    ranks.finish();
+    throw Ended(exit_code, "");
+  };
+  try {
+    need_same(ranks,
+              {{"build", program_build(globals.commit)},
+               {"shards", fmt::format("{}", command.options.train.shards.count)}});
+    try {
+      Training::need_shards(ranks, command.options);
+    } catch (const Error& error) {  // all of them find the same
+      end(error.exit_code(), error.what());
+    }
+    train(command, open, globals, ranks);
+    ranks.finish();
+  } catch (const RanksDiffer& differ) {
+    end(kRanksDifferExit, differ.what());
+  } catch (const Interrupted& interrupted) {
+    end(kInterruptedExit, interrupted.what());
+  } catch (const Error& error) {
+    if (ranks.is_first()) throw;
+    throw Error(error.kind(), fmt::format("rank {}: {}", ranks.rank(), error.what()));
+  }
+}
+
+void train_on_ranks(TrainCommand command, const Globals& globals) {
+  TrainingOptions& options = command.options;
+  options.train.render = training_options_of(globals.quality);
+  fields_of(options).apply(command.settings);
+  static_cast<void>(checked(options));
+  command.outputs.checkpoints.file = checkpoint_beside(command.output);
+  const std::vector<std::string> devices = devices_of(globals.device);
+  const Environment environment = [](const char* name) { return std::getenv(name); };
+  if (const std::unique_ptr<LaunchedRanks> launched = launched_ranks(environment)) {
+    const std::string own = device_of_rank(devices, environment);
+    return train_launched(
+        command, [own] { return Device::best(own); }, globals, *launched);
+  }
+  if (devices.size() == 1) {
+    return train(
+        std::move(command), [&] { return Device::best(devices.front()); }, globals, one_rank());
+  }
+  // One after the other: drivers are not all ready to be looked for by several threads.
+  std::vector<Device> opened;
+  for (const std::string& device : devices) opened.push_back(Device::best(device));
+  try {
+    run_rank_threads(opened.size(), [&](Ranks& ranks) {
+      train(
+          command, [&] { return opened[ranks.rank()]; }, globals, ranks);
+    });
+  } catch (const RanksDiffer& differ) {
+    throw Ended(kRanksDifferExit, differ.what());
+  }
+}
+
+}  // namespace
+
+void add_train(Command app, const Globals& globals) {
+  const auto command = std::make_shared<TrainCommand>();
+  Command sub = app.command("train", "fit a scene to a log");
+  sub.option("LOG", command->log, "log folder").required();
+  sub.option("-o,--output", command->output, "scene folder to write").required();
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    sub.option(name, value, text).with_default();
+  };
+  sub.option(
+         "--iterations",
+         [command](const std::string& text) { take_iterations(text, command->options.train); },
+         "one image each, a sweep every lidar_every; auto: until the training frames gain little")
+      .shown_as("INT|auto", fmt::format("{}", command->options.train.iterations));
+  add("--max-seconds", command->options.train.max_seconds, "stop training early after this time; 0: never");
+  add("--scale", command->options.frames.image_scale, "size of the training pictures over the recorded");
+  add("--held-out", command->options.frames.held_out_every, "keep every N-th frame for evaluation; 0: none");
+  add("--held-out-middle",
+      command->options.frames.held_out_middle,
+      "keep the frames of that share of the path, around its middle, for evaluation, too");
+  add("--held-out-last",
+      command->options.frames.held_out_last,
+      "keep the frames of that share of the path, at its end, for evaluation, too");
+  add("--seed", command->options.frames.seed, "of the frames' order and of thinning");
+  const auto add_memory = [&](const char* name, auto set, const char* text) {
+    sub.option(
+           name, [name, set](const std::string& size) { set(memory_size(name, size)); }, text)
+        .shown_as("SIZE", "not limited");
+  };
+  add_memory(
+      "--host-memory",
+      [command](std::size_t bytes) { command->options.stretches.host_memory_bytes = bytes; },
+      "that the training may need, as 6GB: a long drive is cut into stretches that fit (host_memory_bytes)");
+  add_memory(
+      "--device-memory",
+      [command](std::size_t bytes) { command->options.train.memory_bytes = bytes; },
+      "of the device, in the same way (memory_bytes)");
+  sub.option("--checkpoint-every",
+             command->outputs.checkpoints.every,
+             "iterations between states in OUTPUT.checkpoint, the last of which is kept; 0: none")
+      .range(0, std::numeric_limits<int>::max())
+      .with_default();
+  sub.flag("--overwrite", command->overwrite, "replace the scene, or the checkpoint, that is there");
+  sub.flag("--resume",
+           command->outputs.resume,
+           "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "
+           "training that has kept it: the rates of what is left are those of the longer training");
+  sub.option("--fixer",
+             command->options.fixer_command,
+             "program, with arguments, that mends pictures from beside the path for the scene to learn from: "
+             "docs/FIXERS.md");
+  sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
+  sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
+      .range(0, 65535);
+  sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
+  const auto fields = [command, &globals] {
+    command->options.train.render = training_options_of(globals.quality);
+    return fields_of(command->options);
+  };
+  add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
+  sub.run([command, &globals] { train_on_ranks(*command, globals); });
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,69 @@
+// simuli view: a scene in the browser.
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+
+#include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/edits.hpp"
+#include "host/apps/cli/view/view_server.hpp"
+#include "host/core/base/error.hpp"
+#include "io/base/file.hpp"
+#include "io/scene/scene_folder.hpp"
+
+namespace simuli::cli {
+namespace {
+
+struct ViewCommand {
+  std::string scene;
+  Edits edits;
+  ServerOptions server;
+  std::string token_file;
+};
+
+/// As it was told: on the command line, in a file, in the environment; empty: not at all.
+std::string token_of(const ViewCommand& command) {
+  if (!command.server.token.empty()) return command.server.token;
+  if (command.token_file.empty()) {
+    const char* const token = std::getenv("SIMULI_VIEW_TOKEN");
+    return token == nullptr ? "" : token;
+  }
+  constexpr std::size_t kLongest = 4096;
+  const std::string text = read_file(command.token_file, kLongest);
+  const std::string token = text.substr(0, text.find_first_of("\r\n"));
+  if (token.empty()) throw_input_error(command.token_file, "token", "an empty line", "a secret");
+  return token;
+}
+
+void view(const ViewCommand& command, const Globals& globals) {
+  SceneFile file = read_scene(command.scene);
+  if (file.world_from_rig.poses().empty()) {
+    throw_input_error(command.scene, "trajectory", "no poses", "at least one");
+  }
+  apply(command.edits, file);
+  ViewSession session(globals, std::move(file), {command.scene, command.edits});
+  ServerOptions options = command.server;
+  options.token = token_of(command);
+  ViewServer server(session, options);
+  std::cout << server.url() << std::endl;  // at once: somebody waits for it
+  server.wait();
+}
+
+}  // namespace
+
+void add_view(Command app, const Globals& globals) {
+  const auto command = std::make_shared<ViewCommand>();
+  Command sub = app.command("view", "a scene in the browser, rendered live, until Ctrl-C");
+  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
+  sub.option("--port", command->server.port, "0: any free one").range(0, 65535).with_default();
+  sub.option("--host", command->server.host, "address to listen on; others than loopback need --token")
+      .with_default();
+  sub.option("--token",
+             command->server.token,
+             "a secret that pages must know; safer, as nobody sees it in a list of processes: "
+             "$SIMULI_VIEW_TOKEN, --token-file");
+  sub.option("--token-file", command->token_file, "a file whose first line is the token").excludes("--token");
+  add_edit_options(sub, command->edits);
+  sub.run([command, &globals] { view(*command, globals); });
+}
+
+}  // namespace simuli::cli

@@ -1,0 +1,127 @@
+// Arrays in and out by the buffer protocol.
+#include <cmath>
+
+#include "host/apps/python/bindings.hpp"
+
+namespace simuli::python {
+namespace {
+
+/// Memory of ours that Python may look at.
+struct View {
+  std::shared_ptr<const void> owner;
+  const void* data;
+  std::string format;  // of the module `struct`
+  py::ssize_t item_bytes;
+  std::vector<py::ssize_t> shape, strides;
+};
+
+std::string shape_text(const std::vector<py::ssize_t>& shape) {
+  std::string text;
+  for (const py::ssize_t n : shape) text += (text.empty() ? "" : " x ") + std::to_string(n);
+  return text.empty() ? "one number" : text;
+}
+
+py::object numpy_array(View view) {
+  if (view.strides.empty()) {
+    py::ssize_t bytes = view.item_bytes;
+    view.strides.resize(view.shape.size());
+    for (std::size_t i = view.shape.size(); i-- > 0;) {
+      view.strides[i] = bytes;
+      bytes *= view.shape[i];
+    }
+  }
+  return py::module_::import("numpy").attr("asarray")(py::cast(std::move(view)));
+}
+
+Pose pose_at(const double* row_major) {
+  return Pose::from_matrix(Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(row_major));
+}
+
+}  // namespace
+
+double finite(double value, const char* what) {
+  if (std::isfinite(value)) return value;
+  throw Error(ErrorKind::kUsage, std::string(what) + ": found NaN or infinity, allowed finite");
+}
+
+Numbers numbers_of(const py::handle& from, const std::string& what) {
+  const py::module_ numpy = py::module_::import("numpy");
+  py::object array;
+  std::string kind;
+  try {
+    array = numpy.attr("asarray")(from);
+    kind = array.attr("dtype").attr("kind").cast<std::string>();
+  } catch (py::error_already_set&) {  // ragged lists
+    kind = "O";
+  }
+  if (kind != "f" && kind != "i" && kind != "u" && kind != "b") {
+    throw Error(ErrorKind::kUsage, what + ": found something else, allowed an array of real numbers");
+  }
+  array = numpy.attr("ascontiguousarray")(array, "float64");
+  const py::buffer_info info = py::reinterpret_borrow<py::buffer>(array).request();
+  const auto* const first = static_cast<const double*>(info.ptr);
+  return {{first, first + info.size}, info.shape};
+}
+
+Pose pose_of(const py::handle& from, const std::string& what) {
+  const Numbers matrix = numbers_of(from, what);
+  if (matrix.shape.size() != 2 || matrix.shape[0] < 3 || matrix.shape[0] > 4 || matrix.shape[1] != 4) {
+    throw Error(ErrorKind::kUsage, what + ": found " + shape_text(matrix.shape) + ", allowed 4 x 4 or 3 x 4");
+  }
+  return pose_at(matrix.values.data());
+}
+
+std::vector<Pose> poses_of(const py::handle& from, const std::string& what) {
+  const Numbers stack = numbers_of(from, what);
+  if (stack.shape.size() != 3 || stack.shape[1] < 3 || stack.shape[1] > 4 || stack.shape[2] != 4) {
+    throw Error(ErrorKind::kUsage,
+                what + ": found " + shape_text(stack.shape) + ", allowed n x 4 x 4 or n x 3 x 4");
+  }
+  std::vector<Pose> poses;
+  for (py::ssize_t i = 0; i < stack.shape[0]; ++i) {
+    poses.push_back(pose_at(stack.values.data() + i * stack.shape[1] * stack.shape[2]));
+  }
+  return poses;
+}
+
+py::object array_on(std::shared_ptr<const void> owner,
+                    const float* data,
+                    std::vector<py::ssize_t> shape,
+                    std::vector<py::ssize_t> strides) {
+  return numpy_array({std::move(owner),
+                      data,
+                      py::format_descriptor<float>::format(),
+                      sizeof(float),
+                      std::move(shape),
+                      std::move(strides)});
+}
+
+py::object array_on(std::shared_ptr<const void> owner, const double* data, std::vector<py::ssize_t> shape) {
+  return numpy_array({std::move(owner),
+                      data,
+                      py::format_descriptor<double>::format(),
+                      sizeof(double),
+                      std::move(shape),
+                      {}});
+}
+
+py::object array_of(const Pose& a_from_b) {
+  using Matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+  const auto matrix = std::make_shared<const Matrix>(a_from_b.matrix());
+  return array_on(matrix, matrix->data(), {4, 4});
+}
+
+void add_arrays(py::module_& m) {
+  py::class_<View>(m, "_View", py::buffer_protocol(), "Memory of the library's, for NumPy.")
+      .def_buffer([](const View& view) {
+        return py::buffer_info(const_cast<void*>(view.data),
+                               view.item_bytes,
+                               view.format,
+                               static_cast<py::ssize_t>(view.shape.size()),
+                               view.shape,
+                               view.strides,
+                               true);
+      });
+}
+
+}  // namespace simuli::python

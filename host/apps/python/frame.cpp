@@ -1,0 +1,202 @@
+// Frames in Python.
+#include <cstdint>
+#include <simuli/opencl.h>
+
+#include "host/apps/python/bindings.hpp"
+
+namespace simuli::python {
+namespace {
+
+std::vector<py::ssize_t> shape_of(const Sensor& sensor) {
+  return {static_cast<py::ssize_t>(sensor.rows()), static_cast<py::ssize_t>(sensor.columns())};
+}
+
+std::uintptr_t number_of(const void* handle) { return reinterpret_cast<std::uintptr_t>(handle); }
+
+}  // namespace
+
+PyFrame::~PyFrame() {
+  const DeviceLock lock(mutex_);
+  frame_.reset();
+}
+
+std::vector<float> PyFrame::computed(const std::string& name) const {
+  if (name == "image") return frame().image().data;
+  if (name == "range_m") return frame().lidar().range;
+  if (name == "intensity") return frame().lidar().intensity;
+  if (name == "drop") return frame().lidar().drop;
+  if (name == "time_s") {
+    std::vector<float> times = frame().sensor().rays().time_fraction;
+    const double duration_s = frame().shot().time_end_s - frame().shot().time_start_s;
+    for (float& time : times) time = static_cast<float>(static_cast<double>(time) * duration_s);
+    return times;
+  }
+  if (name == "depth_m") return image_of(frame(), CameraOutput::kDepth).data;
+  if (name == "mean_depth_m") return image_of(frame(), CameraOutput::kMeanDepth).data;
+  if (name == "normals") return image_of(frame(), CameraOutput::kNormals).data;
+  if (name == "actors") {
+    const std::vector<std::uint32_t> ids = frame().actors();
+    return {ids.begin(), ids.end()};
+  }
+  const RayResults& r = frame().results();
+  std::vector<float> out;
+  out.reserve(r.rays);
+  for (std::size_t i = 0; i < r.rays; ++i) {
+    if (name == "feature") {
+      for (const std::vector<float>& channel : r.feature) out.push_back(channel[i]);
+    } else {
+      out.push_back(name == "opacity" ? 1.0F - r.transmittance[i] : r.expected_distance(i));
+    }
+  }
+  return out;
+}
+
+/// What the library has is shown where it is, the rest worked out once.
+py::object PyFrame::values(const std::string& name) {
+  std::vector<py::ssize_t> shape = shape_of(frame().sensor());
+  const std::vector<float>* values = nullptr;
+  {
+    const DeviceLock lock(mutex_);
+    if (name == "transmittance") {
+      values = &frame().results().transmittance;
+    } else if (name == "distance_sum_m") {
+      values = &frame().results().distance;
+    } else if (name == "median_m") {
+      values = &frame().results().median;
+      if (values->empty()) {
+        throw Error(ErrorKind::kUsage, "median_m: found a frame rendered with render.median_distance=false");
+      }
+    } else {
+      auto& known = computed_[name];
+      if (!known) known = std::make_shared<const std::vector<float>>(computed(name));
+      values = known.get();
+    }
+  }
+  if (name == "image" || name == "feature" || name == "normals") shape.push_back(3);
+  return array_on(shared_from_this(), values->data(), std::move(shape));
+}
+
+py::object PyFrame::points() {
+  std::vector<py::ssize_t> shape = shape_of(frame().sensor());
+  shape.push_back(3);
+  {
+    const DeviceLock lock(mutex_);
+    if (!points_) points_ = std::make_shared<const std::vector<Eigen::Vector3d>>(frame().points());
+  }
+  return array_on(shared_from_this(), points_->data()->data(), std::move(shape));
+}
+
+py::dict PyFrame::cloud(const std::string& in) const {
+  const auto cloud = [&] {
+    const DeviceLock lock(mutex_);
+    return std::make_shared<const PointCloud>(
+        point_cloud(frame(), {.frame = point_frame(in), .coordinates = ColumnType::kDouble}));
+  }();
+  const auto all = array_on(cloud, cloud->values.data(), {cloud->values.rows(), cloud->values.cols()});
+  const auto columns = [&all](const py::object& which) {
+    return all.attr("__getitem__")(py::make_tuple(py::ellipsis(), which));
+  };
+  py::dict out;
+  out["xyz"] = columns(py::slice(0, 3, 1));
+  for (std::size_t c = 3; c < cloud->columns.size(); ++c) {
+    const char* type = cloud->type(c) == ColumnType::kUint16 ? "uint16" : "float32";
+    out[cloud->columns[c].c_str()] = columns(py::int_(c)).attr("astype")(type);
+  }
+  return out;
+}
+
+py::dict PyFrame::memory() const {
+  const simuli_frame_memory m = [&] {
+    const DeviceLock lock(mutex_);
+    return opencl::memory(frame());
+  }();
+  py::dict out;
+  out["outputs"] = number_of(m.outputs);
+  out["picture"] = m.picture == nullptr ? py::object(py::none()) : py::int_(number_of(m.picture));
+  out["ray_of_slot"] = number_of(m.ray_of_slot);
+  out["slot_of_ray"] = number_of(m.slot_of_ray);
+  out["ready"] = number_of(m.ready);
+  out["slots"] = m.slots;
+  out["rays"] = m.rays;
+  out["dtype"] = m.is_double != 0 ? "float64" : "float32";
+  return out;
+}
+
+void add_frames(py::module_& m) {
+  py::class_<PyFrame, std::shared_ptr<PyFrame>> frame(
+      m,
+      "Frame",
+      "What a sensor saw. Arrays are float32 [rows, columns], read-only, the frame's own memory: pixels of a "
+      "picture, beams x firings of a sweep. Asking for one waits for the device.");
+  frame
+      .def_property_readonly(
+          "sensor", [](const PyFrame& f) { return f.frame().sensor(); }, "what saw it")
+      .def_property_readonly(
+          "is_ready",
+          [](const PyFrame& f) {
+            const DeviceLock lock = f.lock();
+            return f.frame().is_ready();
+          },
+          "whether its results can be had without waiting")
+      .def(
+          "wait",
+          [](const PyFrame& f) {
+            const DeviceLock lock = f.lock();
+            f.frame().wait();
+          },
+          "Until the device has made it.")
+      .def(
+          "fetch",
+          [](const PyFrame& f) {
+            const DeviceLock lock = f.lock();
+            f.frame().fetch();
+          },
+          "Starts bringing its results to the host; does not wait.")
+      .def_property_readonly("points_m",
+                             &PyFrame::points,
+                             "float64 [beams, firings, 3] in the world; without a return the ray's origin")
+      .def("cloud",
+           &PyFrame::cloud,
+           py::arg("frame") = "world",
+           "The rays that returned, as `simuli render` writes them: a dict of xyz (float64 [n, 3], in the "
+           "frame \"world\", \"sensor\", at each ray's own time, or \"sensor_start\", at the frame's start), "
+           "intensity, range, drop, time (s since the start; float32 [n]) and, of LiDARs with rows, ring "
+           "(uint16 [n])")
+      .def_property_readonly(
+          "actors",
+          [](PyFrame& f) { return f.values("actors").attr("astype")("uint32"); },
+          "uint32 [rows, columns], of frames rendered with actors=True: 1 + the place in scene.actors of "
+          "whose "
+          "particle takes a ray's light below a half; 0: none's")
+      .def_property_readonly("memory",
+                             &PyFrame::memory,
+                             "OpenCL handles as numbers, alive as long as the frame: outputs [6][slots] "
+                             "(features, transmittance, distance_sum, median), of LiDARs [7][slots] (and the "
+                             "logit of drop), picture [3][slots] or None, "
+                             "ray_of_slot, slot_of_ray (int32), ready (event); slots, rays, dtype");
+  const std::pair<const char*, const char*> all[] = {
+      {"image", "of cameras: [height, width, 3] in [0, 1]"},
+      {"feature", "[rows, columns, 3] as blended: colour, or intensity, hit logit, drop logit"},
+      {"transmittance", "light that comes through all"},
+      {"opacity", "1 - transmittance"},
+      {"distance_m", "mean of where a ray's light comes from; 0: nothing was met"},
+      {"median_m", "where half of the light is gone; 0: nowhere"},
+      {"distance_sum_m", "sum of w tau: distance_m times opacity, what gradients are taken of"},
+      {"depth_m", "of cameras: the part of median_m along the optical axis"},
+      {"mean_depth_m", "of cameras: the part of distance_m along the optical axis"},
+      {"normals",
+       "of cameras: [height, width, 3] of the surface at median_m, in the camera's axes and towards it; "
+       "zeros: "
+       "none"},
+      {"range_m", "of LiDARs, from the ray's own origin; 0: no return"},
+      {"intensity", "of LiDARs, [0, 1]"},
+      {"drop", "of LiDARs: probability that the ray does not return"},
+      {"time_s", "of LiDARs: when the ray is fired, since the frame's start"},
+  };
+  for (const auto& [name, text] : all) {
+    frame.def_property_readonly(
+        name, [name = std::string(name)](PyFrame& f) { return f.values(name); }, text);
+  }
+}
+
+}  // namespace simuli::python

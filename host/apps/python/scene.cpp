@@ -1,0 +1,397 @@
+// Scenes in Python.
+#include <cmath>
+#include <functional>
+#include <tuple>
+
+#include "host/apps/python/bindings.hpp"
+
+namespace simuli::python {
+namespace {
+
+class PyScene {
+ public:
+  PyScene(const std::string& folder,
+          const py::object& device,
+          const std::string& quality,
+          const std::vector<std::string>& settings)
+      : device_(device_of(device)) {
+    const DeviceLock lock(device_.mutex);
+    const RenderOptions options = render_options(quality, settings);
+    file_ = read_scene(folder);
+    rig_ = SensorRig(file_);
+    scene_ = std::make_shared<const Scene>(std::exchange(file_.scene, {}));
+    on_device_.emplace(device_.device, scene_, options);
+  }
+  PyScene(const PyScene&) = delete;
+  PyScene& operator=(const PyScene&) = delete;
+  ~PyScene() {
+    const DeviceLock lock(device_.mutex);
+    support_.reset();
+    on_device_.reset();
+  }
+
+  [[nodiscard]] const PyDevice& device() const { return device_; }
+  [[nodiscard]] SensorRig& rig() { return rig_; }
+  [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  [[nodiscard]] std::map<std::string, Sensor> sensors(bool cameras) const {
+    std::map<std::string, Sensor> out;
+    for (const Sensor& s : rig_.sensors()) {
+      if (s.is_camera() == cameras) out.emplace(s.name(), s);
+    }
+    return out;
+  }
+  [[nodiscard]] const FrameSpans& recorded_frames() const { return file_.recorded_frames; }
+  [[nodiscard]] const Trajectory& path() const {
+    if (!file_.world_from_rig.poses().empty()) return file_.world_from_rig;
+    throw Error(ErrorKind::kInput, "scene: found no recorded path");
+  }
+
+  [[nodiscard]] std::shared_ptr<PyFrame> render(const py::object& sensor,
+                                                const py::object& world_from_sensor,
+                                                double time_s,
+                                                const py::object& world_from_sensor_end,
+                                                std::optional<double> duration_s,
+                                                const std::vector<ActorEdit>& edits,
+                                                bool graded,
+                                                const py::object& rays,
+                                                bool actors) {
+    const bool is_placed = !world_from_sensor.is_none();
+    const Sensor used = sensor_of(sensor, is_placed, duration_s);
+    std::optional<Pose> start, end;
+    if (is_placed) start = pose_of(world_from_sensor, "world_from_sensor");
+    if (!world_from_sensor_end.is_none()) end = pose_of(world_from_sensor_end, "world_from_sensor_end");
+    return queue(used, shot_of(used, start, end, time_s, edits), request_of(used, graded, rays, actors));
+  }
+
+  /// All are queued, and on their way to the host, before this returns.
+  [[nodiscard]] std::vector<std::shared_ptr<PyFrame>> render_batch(const py::object& sensor,
+                                                                   const py::object& time_s,
+                                                                   const py::object& world_from_sensor,
+                                                                   std::optional<double> duration_s,
+                                                                   const std::vector<ActorEdit>& edits,
+                                                                   bool graded,
+                                                                   const py::object& rays,
+                                                                   bool actors) {
+    const Numbers times = numbers_of(time_s, "time_s");
+    const bool is_placed = !world_from_sensor.is_none();
+    std::vector<Pose> poses;
+    if (is_placed) poses = poses_of(world_from_sensor, "world_from_sensor");
+    if (times.shape.size() != 1 || (is_placed && poses.size() != times.values.size())) {
+      throw Error(ErrorKind::kUsage, "time_s: found another shape, allowed one time for each pose");
+    }
+    const Sensor used = sensor_of(sensor, is_placed, duration_s);
+    const FrameRequest request = request_of(used, graded, rays, actors);
+    std::vector<std::shared_ptr<PyFrame>> frames;
+    for (std::size_t i = 0; i < times.values.size(); ++i) {
+      const auto start = is_placed ? std::optional(poses[i]) : std::nullopt;
+      frames.push_back(queue(used, shot_of(used, start, {}, times.values[i], edits), request));
+      const DeviceLock lock(device_.mutex);
+      frames.back()->frame().fetch();
+    }
+    return frames;
+  }
+
+  void change(const std::function<void(Scene&)>& f) {
+    const DeviceLock lock(device_.mutex);
+    Scene changed = *scene_;
+    f(changed);
+    scene_ = std::make_shared<const Scene>(std::move(changed));
+    on_device_->set_scene(scene_);
+  }
+  void edit(const ActorEdit& edit) {
+    change([&](Scene& s) { edit_actor(s, edit); });
+  }
+  void save(const std::string& folder) const {
+    SceneFile file = file_;
+    file.scene = *scene_;
+    const py::gil_scoped_release release;
+    write_scene(folder, file);
+  }
+
+  [[nodiscard]] py::object particles(bool of_lidar) const {
+    const Eigen::MatrixXf& params = of_lidar ? scene_->lidar.params : scene_->camera.params;
+    return on_matrix(scene_, params).attr("copy")();
+  }
+  void set_particles(const py::object& params, bool of_lidar) {
+    const Numbers given = numbers_of(params, "particles");
+    change([&](Scene& s) {
+      GaussianSet& set = of_lidar ? s.lidar : s.camera;
+      const bool as_many = given.shape.size() == 2 && given.shape[0] == set.params.rows();
+      if (given.shape.size() != 2 || given.shape[0] == 0 || given.shape[1] != set.params.cols() ||
+          (!as_many && has_particles_of_actors(s, set))) {
+        throw Error(ErrorKind::kUsage, "particles: found another shape than particles() gives");
+      }
+      if (!as_many) set.actor.clear();  // what occluders hid is no longer there
+      using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+      const Eigen::Map<const Rows> values(given.values.data(), given.shape[0], given.shape[1]);
+      set.params = values.cast<float>();
+      validate(set, "particles");
+    });
+  }
+  [[nodiscard]] py::object gradients(const PyFrame& frame,
+                                     const py::object& feature,
+                                     const py::object& transmittance,
+                                     const py::object& distance_sum_m) {
+    const std::size_t rays = frame.frame().sensor().ray_count();
+    RayGradients given;
+    for (std::size_t c = 0; c < 3 && !feature.is_none(); ++c) {
+      const std::vector<double> values = per_ray(feature, "feature", 3 * rays);
+      for (std::size_t i = 0; i < rays; ++i)
+        given.feature[c].push_back(static_cast<float>(values[3 * i + c]));
+    }
+    for (const auto& [from, to, name] : {std::tuple(&transmittance, &given.transmittance, "transmittance"),
+                                         std::tuple(&distance_sum_m, &given.distance, "distance_sum_m")}) {
+      if (from->is_none()) continue;
+      const std::vector<double> values = per_ray(*from, name, rays);
+      to->assign(values.begin(), values.end());
+    }
+    const auto found = [&] {
+      const DeviceLock lock(device_.mutex);
+      return std::make_shared<const Eigen::MatrixXf>(on_device_->gradients(frame.frame(), given));
+    }();
+    return on_matrix(found, *found);
+  }
+
+  [[nodiscard]] py::object support(const PyFrame& frame, const ActorCopies& copies) {
+    const auto found = [&] {
+      const DeviceLock lock(device_.mutex);
+      if (!support_) support_.emplace(device_.device, file_.support);
+      return std::make_shared<const std::vector<float>>(support_->of(frame.frame(), *scene_, copies));
+    }();
+    const Sensor& sensor = frame.frame().sensor();
+    return array_on(found,
+                    found->data(),
+                    {static_cast<py::ssize_t>(sensor.rows()), static_cast<py::ssize_t>(sensor.columns())});
+  }
+
+ private:
+  /// A column-major matrix as NumPy sees it, without a copy.
+  static py::object on_matrix(std::shared_ptr<const void> owner, const Eigen::MatrixXf& matrix) {
+    constexpr py::ssize_t kReal = sizeof(float);
+    return array_on(
+        std::move(owner), matrix.data(), {matrix.rows(), matrix.cols()}, {kReal, kReal * matrix.rows()});
+  }
+  static std::vector<double> per_ray(const py::object& from, const std::string& what, std::size_t count) {
+    Numbers given = numbers_of(from, what);
+    if (given.values.size() == count) return std::move(given.values);
+    throw Error(ErrorKind::kUsage,
+                what + ": found " + std::to_string(given.values.size()) + " values, allowed " +
+                    std::to_string(count));
+  }
+
+  [[nodiscard]] Sensor sensor_of(const py::object& sensor,
+                                 bool is_placed,
+                                 std::optional<double> duration_s) const {
+    const auto found = [&] {
+      if (py::isinstance<Sensor>(sensor)) return sensor.cast<Sensor>();
+      if (!py::isinstance<py::str>(sensor)) {
+        throw Error(ErrorKind::kUsage, "sensor: found something else, allowed a Sensor or a name");
+      }
+      const auto name = sensor.cast<std::string>();
+      return is_placed ? rig_.find(name, Pose{}) : rig_.find(name);
+    }();
+    if (!duration_s) return found;
+    if (!(*duration_s >= 0.0) || !std::isfinite(*duration_s)) {
+      throw Error(ErrorKind::kUsage,
+                  "duration_s: found " + std::to_string(*duration_s) + ", allowed 0 or more and finite");
+    }
+    return found.with_duration(*duration_s);
+  }
+  [[nodiscard]] Shot shot_of(const Sensor& sensor,
+                             const std::optional<Pose>& start,
+                             const std::optional<Pose>& end,
+                             double time_s,
+                             const std::vector<ActorEdit>& edits) const {
+    finite(time_s, "time_s");
+    if (end && !start) {
+      throw Error(ErrorKind::kUsage,
+                  "world_from_sensor_end: found without world_from_sensor, allowed with it");
+    }
+    Shot shot = start ? Shot::at(*start, time_s, sensor.duration_s()) : Shot::along(path(), sensor, time_s);
+    if (end) shot.world_from_sensor_end = *end;
+    shot.edits = edits;
+    return shot;
+  }
+  /// rays: None, or a flag for each, [rows, columns].
+  [[nodiscard]] static FrameRequest request_of(const Sensor& sensor,
+                                               bool graded,
+                                               const py::object& rays,
+                                               bool actors) {
+    FrameRequest out{.graded = graded, .camera_median = true, .actors = actors};
+    if (rays.is_none()) return out;
+    const Numbers flags = numbers_of(rays, "rays");
+    const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(sensor.rows()),
+                                         static_cast<py::ssize_t>(sensor.columns())};
+    if (flags.shape != shape) {
+      throw Error(ErrorKind::kUsage,
+                  "rays: found another shape, allowed the sensor's, " + std::to_string(sensor.rows()) +
+                      " x " + std::to_string(sensor.columns()));
+    }
+    for (const double flag : flags.values) out.rays.push_back(flag != 0.0);
+    return out;
+  }
+  [[nodiscard]] std::shared_ptr<PyFrame> queue(const Sensor& sensor,
+                                               const Shot& shot,
+                                               const FrameRequest& request) {
+    const DeviceLock lock(device_.mutex);
+    return std::make_shared<PyFrame>(on_device_->render(sensor, shot, request), device_.mutex);
+  }
+
+  PyDevice device_;
+  SceneFile file_;  // its scene is empty
+  SensorRig rig_;
+  std::shared_ptr<const Scene> scene_;
+  std::optional<SceneOnDevice> on_device_;
+  std::optional<SupportOnDevice> support_;  // when first asked for
+};
+
+py::list actors_of(const Scene& scene) {
+  py::list out;
+  for (const Actor& actor : scene.actors) {
+    py::list times, poses;
+    for (const KeyPose& key : actor.track) {
+      times.append(key.time_s);
+      poses.append(array_of(key.corrected()));
+    }
+    py::dict one;
+    one["name"] = actor.name;
+    one["kind"] = actor.kind;
+    one["size_m"] = py::make_tuple(actor.size_m.x(), actor.size_m.y(), actor.size_m.z());
+    one["times_s"] = times;
+    one["world_from_actor"] = poses;
+    out.append(one);
+  }
+  return out;
+}
+
+void add_rendering(py::class_<PyScene>& scene) {
+  scene
+      .def("render",
+           &PyScene::render,
+           py::arg("sensor"),
+           py::arg("world_from_sensor") = py::none(),
+           py::arg("time_s") = 0.0,
+           py::arg("world_from_sensor_end") = py::none(),
+           py::arg("duration_s") = py::none(),
+           py::arg("edits") = std::vector<ActorEdit>{},
+           py::arg("graded") = true,
+           py::arg("rays") = py::none(),
+           py::arg("actors") = false,
+           "Queues a frame of a Sensor, or of one by name: the scene's own, a built-in one, a sensor file. "
+           "Without a pose where it is on the recorded path. graded: pictures through the scene's colour "
+           "grids; rays: [rows, columns], those that are not 0 are rendered, the others see the background; "
+           "actors: also frame.actors.")
+      .def("render_batch",
+           &PyScene::render_batch,
+           py::arg("sensor"),
+           py::arg("time_s"),
+           py::arg("world_from_sensor") = py::none(),
+           py::arg("duration_s") = py::none(),
+           py::arg("edits") = std::vector<ActorEdit>{},
+           py::arg("graded") = true,
+           py::arg("rays") = py::none(),
+           py::arg("actors") = false,
+           "A frame for each time (and pose, [n, 4, 4]), all on their way at once.")
+      .def("particles",
+           &PyScene::particles,
+           py::arg("lidar") = false,
+           "float32 [N, 11 + 3 K]: mean, log scale, rotation w x y z, opacity logit, SH coefficients.")
+      .def("set_particles",
+           &PyScene::set_particles,
+           py::arg("params"),
+           py::arg("lidar") = false,
+           "Those of particles() from now on; another number of them only where no actor has any.")
+      .def("gradients",
+           &PyScene::gradients,
+           py::arg("frame"),
+           py::arg("feature") = py::none(),
+           py::arg("transmittance") = py::none(),
+           py::arg("distance_sum_m") = py::none(),
+           "dL/d(particles) [N, 11 + 3 K] from dL/d(a frame's arrays); 0 for particles that no ray sees.")
+      .def("support",
+           &PyScene::support,
+           py::arg("frame"),
+           py::arg("copies") = ActorCopies{},
+           "float32 [rows, columns] in [0, 1]: how well what a frame of this scene shows is known from the "
+           "frames that it was made of; 0: not at all. copies: whose copies duplicated actors are, by name.");
+}
+
+}  // namespace
+
+void add_scenes(py::module_& m) {
+  py::class_<PyScene> scene(m, "Scene", "A scene folder on a device, ready to render.");
+  scene
+      .def(py::init<const std::string&,
+                    const py::object&,
+                    const std::string&,
+                    const std::vector<std::string>&>(),
+           py::arg("folder"),
+           py::arg("device") = py::none(),
+           py::arg("quality") = "",
+           py::arg("settings") = std::vector<std::string>{},
+           "quality: draft, balanced, exact or reference; settings: \"render.KEY=VALUE\".")
+      .def_property_readonly(
+          "device", [](const PyScene& s) { return s.device().device.info().label(); }, "its name")
+      .def_property_readonly(
+          "cameras", [](const PyScene& s) { return s.sensors(true); }, "name -> Sensor")
+      .def_property_readonly(
+          "lidars", [](const PyScene& s) { return s.sensors(false); }, "name -> Sensor")
+      .def(
+          "add_sensor",
+          [](PyScene& s, const Sensor& sensor) { s.rig().add(sensor); },
+          py::arg("sensor"),
+          "Makes it one of the scene's, to be rendered by its name.")
+      .def_property_readonly(
+          "span",
+          [](const PyScene& s) { return std::pair(s.path().start_s(), s.path().end_s()); },
+          "first and last time of the recorded path, s")
+      .def_property_readonly(
+          "recorded_frames",
+          [](const PyScene& s) {
+            std::map<std::string, std::vector<std::pair<double, double>>> out;
+            for (const auto& [sensor, spans] : s.recorded_frames()) {
+              for (const FrameSpan& f : spans) out[sensor].emplace_back(f.time_start_s, f.time_end_s);
+            }
+            return out;
+          },
+          "start and end of each frame that was recorded, s, by sensor")
+      .def(
+          "world_from_rig",
+          [](const PyScene& s, double time_s) { return array_of(s.path().at(finite(time_s, "time_s"))); },
+          py::arg("time_s"),
+          "4 x 4, on the recorded path")
+      .def_property_readonly(
+          "origin_m",
+          [](const PyScene& s) {
+            const Eigen::Vector3d& origin = s.scene()->origin;
+            return std::tuple(origin.x(), origin.y(), origin.z());
+          },
+          "where in the world the means of particles() count from")
+      .def_property_readonly(
+          "actors",
+          [](const PyScene& s) { return actors_of(*s.scene()); },
+          "name, kind, size_m, times_s, world_from_actor of each")
+      .def("edit", &PyScene::edit, py::arg("edit"), "remove(), move(), retime(), retrack(): for all frames.")
+      .def(
+          "duplicate_actor",
+          [](PyScene& s, const std::string& actor, const std::string& as) {
+            s.change([&](Scene& scene_) { duplicate_actor(scene_, actor, as); });
+          },
+          py::arg("actor"),
+          py::arg("new_name"),
+          "The same once more, at the same place until it is edited.")
+      .def(
+          "add_actor",
+          [](PyScene& s, const PyScene& other, const std::string& actor, const std::string& as) {
+            const std::shared_ptr<const Scene> from = other.scene();
+            s.change([&](Scene& scene_) { add_actor(scene_, *from, actor, as); });
+          },
+          py::arg("other"),
+          py::arg("actor"),
+          py::arg("new_name"),
+          "An actor of another scene, with its particles and its track.")
+      .def("save", &PyScene::save, py::arg("folder"), "Writes the scene as it is now.");
+  add_rendering(scene);
+}
+
+}  // namespace simuli::python

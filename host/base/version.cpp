@@ -1,3 +1,0 @@
-#include "host/base/version.hpp"
-
-const char* simuli::version() { return SIMULI_VERSION; }

@@ -1,0 +1,31 @@
+#include "host/core/base/error.hpp"
+
+#include <fmt/format.h>
+
+#include "host/core/base/one_line.hpp"
+
+namespace simuli {
+namespace {
+
+/// Of each part of a message, which may be a file's own text.
+constexpr std::size_t kLongestPart = 1000;
+
+std::string part_of_message(std::string_view text) {
+  return on_one_line(text.substr(0, kLongestPart)) + (text.size() > kLongestPart ? "..." : "");
+}
+
+}  // namespace
+
+void throw_input_error(std::string_view file,
+                       std::string_view field,
+                       std::string_view found,
+                       std::string_view allowed) {
+  throw Error(ErrorKind::kInput,
+              fmt::format("{}: {}: found {}, allowed {}",
+                          part_of_message(file),
+                          part_of_message(field),
+                          part_of_message(found),
+                          part_of_message(allowed)));
+}
+
+}  // namespace simuli

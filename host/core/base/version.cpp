@@ -1,0 +1,3 @@
+#include "host/core/base/version.hpp"
+
+const char* simuli::version() { return SIMULI_VERSION; }

@@ -1,0 +1,101 @@
+#include "host/core/scene/moment.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "host/core/scene/occluders.hpp"
+#include "host/core/scene/particle_order.hpp"
+#include "host/core/scene/placement.hpp"
+
+namespace simuli {
+namespace {
+
+/// The particles of that number (GaussianSet::actor), none of which it says.
+GaussianSet of_owner(const GaussianSet& set, std::uint32_t number) {
+  if (set.actor.empty()) return number == 0 ? set : GaussianSet(set.kind, set.sh_degree, 0);
+  std::vector<Eigen::Index> rows;
+  for (std::size_t i = 0; i < set.actor.size(); ++i) {
+    if (set.actor[i] == number) rows.push_back(static_cast<Eigen::Index>(i));
+  }
+  GaussianSet out = subset(set, rows);
+  out.actor.clear();
+  return out;
+}
+
+void deform(GaussianSet& set, const DeformationView& shape) {
+  if (shape.empty()) return;
+  for (Eigen::Index i = 0; i < set.size(); ++i) {
+    const Eigen::Vector3d mean = set.mean().row(i).transpose().cast<double>();
+    const Eigen::Vector3d offset = deformation_at(shape.nodes, shape.half_m, shape.start_m, mean);
+    set.mean().row(i) = (mean + offset).cast<float>().transpose();
+  }
+}
+
+/// Of a vista's particles those that stand nearest to its own path: what several vistas have of one place is
+/// there once then.
+GaussianSet nearest_to(const Scene& scene, std::size_t vista, GaussianSet set) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < set.size(); ++i) {
+    const Eigen::Vector3d p_scene = set.mean().row(i).transpose().cast<double>();
+    if (nearest_vista(scene.vistas, p_scene + scene.origin) == vista) rows.push_back(i);
+  }
+  return static_cast<std::size_t>(set.size()) == rows.size() ? set : subset(set, rows);
+}
+
+GaussianSet joined(const std::vector<GaussianSet>& parts) {
+  Eigen::Index count = 0, row = 0;
+  for (const GaussianSet& part : parts) count += part.size();
+  GaussianSet out(parts.front().kind, parts.front().sh_degree, count);
+  for (const GaussianSet& part : parts) {
+    out.params.middleRows(row, part.size()) = part.params;
+    row += part.size();
+  }
+  return out;
+}
+
+/// Of which vista the particles of owners_during()[index] are.
+std::optional<std::size_t> vista_of(const Scene& scene, std::size_t index) {
+  if (index < scene.actors.size()) return std::nullopt;
+  index -= scene.actors.size();
+  if (index < scene.vistas.size()) return index;
+  return occluders_of(scene)[(index - scene.vistas.size()) / 2].vista;
+}
+
+const GaussianSet& set_of(const Scene& scene, SetKind kind) {
+  return kind == SetKind::kCamera ? scene.camera : scene.lidar;
+}
+
+}  // namespace
+
+GaussianSet background_of(const Scene& scene, SetKind kind) {
+  const GaussianSet& set = set_of(scene, kind);
+  std::vector<GaussianSet> parts{of_owner(set, 0)};
+  for (std::size_t i = 0; i < scene.vistas.size(); ++i)
+    parts.push_back(nearest_to(scene, i, of_owner(set, number_of_vista(scene, i))));
+  const std::vector<Occluder> occluders = occluders_of(scene);
+  for (std::size_t i = 0; i < occluders.size(); ++i) {
+    GaussianSet instead = of_owner(set, number_instead(scene, i));
+    if (occluders[i].vista) instead = nearest_to(scene, *occluders[i].vista, std::move(instead));
+    parts.push_back(std::move(instead));
+  }
+  return joined(parts);
+}
+
+GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s) {
+  const GaussianSet& set = set_of(scene, kind);
+  std::vector<GaussianSet> parts{of_owner(set, 0)};
+  const auto views = owners_during(scene, scene.actors, time_s, time_s, std::nullopt);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!views[i].is_there) continue;
+    parts.push_back(of_owner(set, static_cast<std::uint32_t>(i + 1)));
+    if (const auto vista = vista_of(scene, i))
+      parts.back() = nearest_to(scene, *vista, std::move(parts.back()));
+    deform(parts.back(), views[i].deformation);
+    transform(parts.back(), views[i].scene_from_actor_start);
+  }
+  return joined(parts);
+}
+
+}  // namespace simuli

@@ -1,0 +1,66 @@
+#include "host/core/scene/pose.hpp"
+
+#include <Eigen/SVD>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host/core/base/error.hpp"
+
+namespace simuli {
+
+Pose Pose::inverse() const {
+  const Eigen::Quaterniond b_from_a = rotation.conjugate();
+  return {b_from_a, -(b_from_a * translation)};
+}
+
+void Pose::check(const std::string& what) const {
+  const double size = translation.norm() + rotation.norm();
+  if (std::isfinite(size) && std::abs(rotation.norm() - 1.0) < 1e-3) return;
+  throw Error(
+      ErrorKind::kNumeric,
+      fmt::format(
+          "pose of {}: found a place of norm {} and a quaternion of norm {}, allowed finite ones and 1",
+          what,
+          translation.norm(),
+          rotation.norm()));
+}
+
+Eigen::Matrix4d Pose::matrix() const {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.topLeftCorner<3, 3>() = rotation.toRotationMatrix();
+  m.topRightCorner<3, 1>() = translation;
+  return m;
+}
+
+Pose Pose::from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b) {
+  // Calibration files print 6 or 7 digits: the nearest rotation is what was meant.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a_from_b.leftCols<3>(),
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
+  const Eigen::Vector3d scale = svd.singularValues();
+  if (!(rotation.determinant() > 0.0 && scale(0) < 1.01 && scale(2) > 0.99)) {
+    throw_input_error("pose",
+                      "rotation",
+                      fmt::format("determinant {:.4g}, scales {:.4g} to {:.4g}",
+                                  a_from_b.leftCols<3>().determinant(),
+                                  scale(2),
+                                  scale(0)),
+                      "a rotation within 1 %");
+  }
+  return {Eigen::Quaterniond(rotation).normalized(), a_from_b.col(3)};
+}
+
+Pose operator*(const Pose& a_from_b, const Pose& b_from_c) {
+  return {(a_from_b.rotation * b_from_c.rotation).normalized(),
+          a_from_b.rotation * b_from_c.translation + a_from_b.translation};
+}
+
+Eigen::Vector3d operator*(const Pose& a_from_b, const Eigen::Vector3d& p_b) {
+  return a_from_b.rotation * p_b + a_from_b.translation;
+}
+
+Pose interpolate(const Pose& a, const Pose& b, double u) {
+  return {a.rotation.slerp(u, b.rotation), (1.0 - u) * a.translation + u * b.translation};
+}
+
+}  // namespace simuli

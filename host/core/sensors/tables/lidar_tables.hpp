@@ -1,0 +1,44 @@
+#pragma once
+// The built-in beam tables as they stand in lidar_tables_*.cpp; lidar_library.cpp turns them into models.
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "host/core/sensors/lidar_library.hpp"
+
+namespace simuli {
+
+/// Angles in microradians, lever arms in 0.1 mm, times in ns: integers, because that is what is known.
+/// An empty list stands for zeros; the others have one value per beam, top beam first.
+struct LidarTable {
+  static constexpr std::int32_t kFromBehind = std::numeric_limits<std::int32_t>::min();
+
+  const char* name = "";
+  std::span<const std::int32_t> elevation_urad{};
+  std::span<const std::int32_t> azimuth_offset_urad{};  // positive to the left
+  // Both across the beam: a vertical offset tilts with the elevation, a horizontal one points to the left.
+  std::span<const std::int32_t> vertical_offset_100um{};
+  std::span<const std::int32_t> horizontal_offset_100um{};
+  std::span<const std::int32_t> time_offset_ns{};
+  std::int32_t beam_origin_um = 0;  // the beams start on a circle of this radius that turns with the head
+  std::int32_t height_um = 0;       // of the beams' common plane above the sensor frame
+  std::span<const LidarMode> modes{};
+  std::int32_t azimuth_first_urad = kFromBehind;  // kFromBehind: half a column after the back
+  std::int32_t azimuth_span_urad = 0;             // 0: a full turn
+  double range_min_m = 0.0;
+  double range_max_m = 0.0;
+  std::int32_t divergence_horizontal_urad = 0;  // 0: unknown
+  std::int32_t divergence_vertical_urad = 0;
+  double divergence_variance = 0.25;
+  const char* source = "";
+  const char* licence = "";
+  const char* note = "";
+};
+
+[[nodiscard]] std::span<const LidarTable> datasets_lidar_tables();
+[[nodiscard]] std::span<const LidarTable> hesai_lidar_tables();
+[[nodiscard]] std::span<const LidarTable> ouster_lidar_tables();
+[[nodiscard]] std::span<const LidarTable> robosense_lidar_tables();
+[[nodiscard]] std::span<const LidarTable> velodyne_lidar_tables();
+
+}  // namespace simuli

@@ -1,0 +1,34 @@
+#pragma once
+#include <vector>
+
+#include "host/core/scene/pose.hpp"
+
+namespace simuli {
+
+struct TimedPose {
+  double time_s = 0.0;  // seconds since the start of the log
+  Pose pose;            // world_from_rig
+};
+
+/// Timed world_from_rig poses, strictly increasing in time, interpolated by slerp + centre lerp.
+class Trajectory {
+ public:
+  Trajectory() = default;
+  /// Throws Error{kInput} when empty, not strictly increasing in time, not finite, or a rotation is zero.
+  explicit Trajectory(std::vector<TimedPose> poses);
+
+  /// world_from_rig at time_s. Up to `kExtrapolation_s` outside the recorded span the end segment is
+  /// continued at constant velocity; further out throws Error{kInput} naming time and span.
+  [[nodiscard]] Pose at(double time_s) const;
+
+  [[nodiscard]] const std::vector<TimedPose>& poses() const { return poses_; }
+  [[nodiscard]] double start_s() const { return poses_.front().time_s; }
+  [[nodiscard]] double end_s() const { return poses_.back().time_s; }
+
+  static constexpr double kExtrapolation_s = 0.25;
+
+ private:
+  std::vector<TimedPose> poses_;
+};
+
+}  // namespace simuli

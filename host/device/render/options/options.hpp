@@ -1,0 +1,235 @@
+#pragma once
+// How frames are rendered.
+#include <compare>
+#include <cstddef>
+
+#include "host/core/base/allowed.hpp"
+#include "host/core/base/precision.hpp"
+#include "host/core/scene/pixel_footprint.hpp"
+
+namespace simuli {
+
+/// How the 256 rays of a tile are spread: work_items x vectors x lanes = 256 (cl/math/lanes.h).
+struct LaneShape {
+  int lanes = 16;
+  int vectors = 16;
+  int work_items = 1;
+  auto operator<=>(const LaneShape&) const = default;
+};
+
+/// How a particle's extent on the sensor is found (METHOD section 4; the paper's table 8).
+enum class Projection : int {
+  kUnscented = 0,   // seven sigma points
+  kLinearized = 1,  // the derivative at the centre, as in EWA splatting
+  kMonteCarlo = 2,  // 200 samples: slow, the yardstick of the other two
+};
+
+/// Which rays a particle may contribute to (METHOD section 4): how much is lost against how much is tested.
+enum class Extent : int {
+  kUnscented = 0,  // those within the box of Projection; the response is clipped there
+  kExact = 1,      // all with an alpha of at least alpha_cut: closed-form bounds, nothing is lost
+};
+
+/// In which order a ray blends what it meets (METHOD section 7).
+enum class Order : int {
+  kRange = 0,   // by the particles' distances from the sensor: one sort for all rays
+  kWindow = 1,  // by where each ray itself meets them, among some that follow each other in that order
+  kPerRay = 2,  // so among all: exact
+};
+
+/// From where a particle's colour is seen.
+enum class ShDirection : int {
+  kParticle = 0,  // from the sensor to its centre: once per particle
+  kRay = 1,       // along each ray; has no backward pass
+};
+
+/// How coefficients of spherical harmonics lie in device memory; sums are reals either way.
+enum class ShStorage : int {
+  kFull = 0,
+  kHalf = 1,  // 16 bits, each rounded to nearest (11 bits): half the traffic; float only, no backward pass
+};
+
+/// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile instances
+/// (METHOD section 6). Pictures are the same bits either way.
+enum class Culling : int {
+  kOff = 0,
+  kAuto = 1,  // where the ray mask has a cell without a ray
+};
+
+/// RenderOptions::camera_filter_px2: what the scene was trained with (Scene::camera_filter_px2), which is
+/// part of what its particles mean; where there is no scene, and in training, kPixelVariance_px2.
+inline constexpr double kOfScene = -1.0;
+
+/// What of its particles a scene has on the device.
+struct UploadOptions {
+  int sh_degree = 3;
+  ShStorage sh_storage = ShStorage::kFull;
+  int particle_memory_mb = 0;
+  bool operator==(const UploadOptions&) const = default;
+};
+template <class F>
+constexpr void visit_fields(UploadOptions& o, F&& field) {
+  field("render.sh_degree",
+        o.sh_degree,
+        range(0, 3),
+        "bands of spherical harmonics, at most. Gradients with 3 alone",
+        InTraining::kNoGradients);
+  field("render.sh_storage",
+        o.sh_storage,
+        one_of("full", "half"),
+        "of coefficients on the device: as computed, or 16 bits (float alone); half has no gradients",
+        InTraining::kNoGradients);
+  field("render.particle_memory_mb",
+        o.particle_memory_mb,
+        range(0, 1 << 24),
+        "MiB of the device, for the particles of either set: of sets that need more those are there that "
+        "frames may see, and go when they are the least recently seen. 0: a third of the device. The same "
+        "bits either way",
+        InTraining::kFixed);
+}
+
+/// What a sensor's rays on the device are made with.
+struct RayOptions {
+  double camera_filter_px2 = kOfScene;
+  double camera_near_m = 0.01;
+  Culling culling = Culling::kAuto;
+  bool operator==(const RayOptions&) const = default;
+};
+template <class F>
+constexpr void visit_fields(RayOptions& o, F&& field) {
+  field("render.camera_filter_px2",
+        o.camera_filter_px2,
+        either(kOfScene, range(0.0, 100.0)),
+        "px^2, variance of a pixel's footprint; -1: what the scene was trained with, in training a square "
+        "pixel's 1/12");
+  field("render.camera_near_m",
+        o.camera_near_m,
+        range(0.01, 1000.0),
+        "m, cameras see nothing nearer; a LiDAR's nearest range is its own");
+  field("render.culling",
+        o.culling,
+        one_of("off", "auto"),
+        "of particles that no ray of a LiDAR meets: never, or where cells of the ray mask are empty. The "
+        "same bits either way");
+}
+
+/// What kernels are compiled for.
+struct ProgramOptions {
+  Projection projection = Projection::kUnscented;
+  Extent extent = Extent::kExact;  // as accurate as the paper's boxes, and faster where sensors move
+  Order order = Order::kRange;
+  int window = 64;
+  ShDirection sh_direction = ShDirection::kParticle;
+  int shutter_iterations = 4;  // where a point's own time isn't found, extents are bounds
+  bool camera_compensation = false;
+  bool lidar_compensation = false;  // blends thin things with what is behind
+  bool median_distance = true;
+  LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
+  bool operator==(const ProgramOptions&) const = default;
+};
+template <class F>
+constexpr void visit_fields(ProgramOptions& o, F&& field) {
+  field("render.projection",
+        o.projection,
+        one_of("unscented", "linearized", "monte_carlo"),
+        "how a particle's box on the sensor is found: sigma points, the derivative, 200 samples; with "
+        "extent=unscented");
+  field("render.extent",
+        o.extent,
+        one_of("unscented", "exact"),
+        "rays a particle may contribute to: those in the box of render.projection (the paper's), or all with "
+        "an alpha of at least render.alpha_cut");
+  field("render.order",
+        o.order,
+        one_of("range", "window", "per_ray"),
+        "in which a ray blends: by the particles' distances from the sensor, or by where it meets each, of "
+        "the render.window latest or of all");
+  field("render.window",
+        o.window,
+        range(2, 64),
+        "particles that 16 rays side by side keep to choose the nearest from, with order=window; with "
+        "per_ray it changes time alone");
+  field("render.sh_direction",
+        o.sh_direction,
+        one_of("particle", "ray"),
+        "from where colours are seen: once per particle, or along each ray; ray has no gradients",
+        InTraining::kNoGradients);
+  field("render.shutter_iterations",
+        o.shutter_iterations,
+        range(0, 64),
+        "looks for the moment at which a moving sensor sees a point; 0: all stands still half-way through "
+        "the frame");
+  field("render.camera_compensation",
+        o.camera_compensation,
+        "particles that a pixel's footprint widens lose opacity in proportion");
+  field("render.lidar_compensation",
+        o.lidar_compensation,
+        "the same for beams: blends thin things with what is behind");
+  field("render.median_distance",
+        o.median_distance,
+        "LiDARs: also the distance at which half the light is gone; trainings never do",
+        InTraining::kFixed);
+  field.keyless(o.shape);  // follows from the device
+}
+
+/// What kernels are told with each frame.
+struct FrameOptions {
+  double alpha_cut = 1.0 / 255.0;
+  double transmittance_cut = 1e-4;
+  double detail = 0.0;  // kernels and particles know whether it is 0
+  std::size_t max_instances = std::size_t{1} << 28U;
+  bool operator==(const FrameOptions&) const = default;
+};
+template <class F>
+constexpr void visit_fields(FrameOptions& o, F&& field) {
+  field("render.alpha_cut", o.alpha_cut, range(1e-30, 0.5), "of 1: contributions below it are not made");
+  field("render.transmittance_cut", o.transmittance_cut, range(0.0, 0.5), "of 1: a ray is done below it");
+  field(
+      "render.detail",
+      o.detail,
+      range(0.0, 100.0),
+      "rays side by side: particles smaller than this (standard deviation) are drawn as fewer, larger ones; "
+      "0: all as they are. Has no gradients",
+      InTraining::kNoGradients);
+  field("render.max_instances",
+        o.max_instances,
+        at_least(1),
+        "pairs of tile and particle: a frame that needs more is refused");
+}
+
+/// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
+/// unless asked (Quality::kBalanced). They are the paper's but for the extents (paper_options()). Each part
+/// is what one thing on the device depends on: as long as it and the precision are the same, so is that.
+struct RenderOptions : UploadOptions, RayOptions, ProgramOptions, FrameOptions {
+  Precision precision = Precision::kFloat;
+  bool operator==(const RenderOptions&) const = default;
+};
+
+/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+template <class F>
+constexpr void visit_fields(RenderOptions& o, F&& field) {
+  field("render.precision",
+        o.precision,
+        one_of("float", "double"),
+        "of all numbers on the device",
+        InTraining::kFixed);
+  field.part("", static_cast<ProgramOptions&>(o));
+  field.part("", static_cast<UploadOptions&>(o));
+  field.part("", static_cast<RayOptions&>(o));
+  field.part("", static_cast<FrameOptions&>(o));
+}
+
+/// px^2, of frames with these options in a scene that was trained with `of_scene`.
+[[nodiscard]] constexpr double camera_filter_px2(const RayOptions& options,
+                                                 double of_scene = kPixelVariance_px2) {
+  return options.camera_filter_px2 == kOfScene ? of_scene : options.camera_filter_px2;
+}
+
+/// The paper's choices: extents from boxes, at which responses are clipped.
+[[nodiscard]] constexpr RenderOptions paper_options() {
+  RenderOptions options;
+  options.extent = Extent::kUnscented;
+  return options;
+}
+
+}  // namespace simuli

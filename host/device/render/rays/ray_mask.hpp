@@ -1,0 +1,39 @@
+#pragma once
+// Ray-based culling (docs/METHOD.md section 6): where a LiDAR's requested rays are, as a summed-area table.
+#include "host/device/render/rays/ray_buffers.hpp"
+#include "host/device/runtime/kernel.hpp"
+
+namespace simuli {
+
+/// Cells over a LiDAR's sweep, and over its beams: each row has equally many.
+struct RayMaskSize {
+  int columns = 1600;
+  int rows = 8;
+};
+
+struct RayMaskScratch : BufferTable<RayMaskSize> {
+  using BufferTable::BufferTable;
+  Words cells{*this, "cells", [](const RayMaskSize& s) {
+                return static_cast<std::uint64_t>(s.rows) * static_cast<std::uint64_t>(s.columns);
+              }};
+};
+
+/// What frames are told of it.
+struct RayMask {
+  double scale = 0.0, columns = 0.0;  // columns per rad of the sweep, and their number
+  bool can_cull = false;              // some cell holds no ray: only then can the table cull anything
+};
+
+class RayMaskStage {
+ public:
+  RayMaskStage(const Device& device, Precision precision);
+  /// The rays that `requested` holds a direction of, `all` of them or some -> its mask_row_of_row and areas.
+  /// Waits.
+  RayMask run(const RayGrid& grid, bool all, const RayLayout& layout, RequestedRays& requested);
+
+ private:
+  RayMaskScratch scratch_;
+  Kernel cells_, row_sums_, column_sums_;
+};
+
+}  // namespace simuli

@@ -1,0 +1,87 @@
+#include "host/device/render/rays/sensor_in_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "host/core/base/angles.hpp"
+#include "host/core/scene/splitmix.hpp"
+
+namespace simuli {
+namespace {
+
+void put(const Eigen::Vector3d& from, double* to) { std::copy_n(from.data(), 3, to); }
+
+/// sensor_from_scene, row-major.
+void put_inverse(const Eigen::Quaterniond& scene_from_sensor, double* to) {
+  const Eigen::Matrix3d m = scene_from_sensor.toRotationMatrix();
+  for (Eigen::Index k = 0; k < 9; ++k) to[k] = m(k % 3, k / 3);
+}
+
+}  // namespace
+
+SensorInFrame sensor_in_frame(const RayGrid& grid,
+                              const Pose& scene_from_sensor_start,
+                              const Pose& scene_from_sensor_end,
+                              const RenderOptions& options,
+                              const std::array<float, 3>& background,
+                              const RayDrop::Parameters& drop) {
+  SensorInFrame out;
+  auto& c = out.constants;
+  c.model = grid.model;
+  const Pose& a = scene_from_sensor_start;
+  const Pose& b = scene_from_sensor_end;
+  a.check("the sensor");
+  b.check("the sensor");
+  const Pose middle = interpolate(a, b, 0.5);
+  put(middle.translation, c.centre_ref);
+  put(Eigen::Vector3d(b.translation - a.translation), c.centre_step);
+  put_inverse(a.rotation, c.rotation_start);
+  put_inverse(middle.rotation, c.rotation_ref);
+
+  // The turn from start to end in the sensor frame, by the shorter arc as slerp takes it.
+  Eigen::Quaterniond turn = a.rotation.conjugate() * b.rotation;
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  c.turn_angle = 2.0 * std::atan2(sine, turn.w());
+  put(sine > 0.0 ? Eigen::Vector3d(turn.vec() / sine) : Eigen::Vector3d::UnitX(), c.turn_axis);
+  // Below what float poses resolve there is no motion: 1e-9 m and rad over the frame.
+  out.moving = c.turn_angle > 1e-9 || (b.translation - a.translation).norm() > 1e-9;
+
+  c.alpha_cut = options.alpha_cut;
+  c.transmittance_cut = options.transmittance_cut;
+  for (std::size_t k = 0; k < 3; ++k) c.background[k] = static_cast<double>(background[k]);
+  if (options.detail > 0.0) c.detail_reach = grid.model.rays_per_rad / options.detail;
+  c.drop = shared::from_reals<shared::DropConstants>(drop);
+  if (grid.type == SensorType::kCamera) {
+    const double cone = std::min(grid.view_angle + c.turn_angle / 2.0 + 1e-4, kPi);
+    c.cos_view = std::cos(cone);
+    c.sin_view = std::sin(cone);
+  }
+  return out;
+}
+
+/// By splitmix64 and Box-Muller.
+std::vector<double> normal_samples() {
+  std::vector<double> values;
+  std::uint64_t state = 0;
+  const auto uniform = [&state] {
+    const std::uint64_t z = splitmix(state);
+    state += kSplitmixStep;
+    return (static_cast<double>(z >> 11U) + 0.5) * 0x1p-53;
+  };
+  for (int pair = 0; pair < SIM_MONTE_CARLO / 2; ++pair) {
+    double sample[3];
+    for (double& value : sample) {
+      const double radius = std::sqrt(-2.0 * std::log(uniform()));
+      value = radius * std::cos(2.0 * std::numbers::pi * uniform());
+    }
+    for (const double sign : {1.0, -1.0}) {
+      for (const double value : sample) values.push_back(sign * value);
+    }
+  }
+  return values;
+}
+
+}  // namespace simuli

@@ -1,0 +1,78 @@
+#pragma once
+// What a Frame consists of on the device: for the room itself, and for those who hand device memory out.
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/device/render/scene/frame.hpp"
+#include "host/device/render/scene/renderer.hpp"
+#include "host/device/runtime/pending.hpp"
+
+namespace simuli {
+
+/// Output buffers that frames have finished with, for the next ones.
+class OutputPool {
+ public:
+  [[nodiscard]] RealBuffer take(const Device& device, const char* name, Precision precision);
+  void give_back(RealBuffer buffer);
+
+ private:
+  static constexpr std::size_t kMost = 8;  // free ones; what more frames leave goes back to the device
+  std::vector<RealBuffer> free_;
+};
+
+struct Frame::State {
+  State(const Device& device,
+        Precision precision,
+        Sensor of,
+        Shot at,
+        FrameRequest as,
+        SensorRays on,
+        std::shared_ptr<OutputPool> from);
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State();
+
+  Sensor sensor;
+  Shot shot;
+  FrameRequest request;
+  std::weak_ptr<const Scene> scene;
+  std::size_t actors = 0;  // of it
+  SensorRays rays;
+  std::shared_ptr<OutputPool> pool;
+  RealBuffer outputs;  // [SIM_OUTPUTS][slots], of cameras without the last
+  RealBuffer picture;  // [3][slots] when graded
+  bool graded = false;
+  bool has_median = false;
+  std::array<float, 3> background{};
+  std::optional<Event> done;
+  std::optional<Download> outputs_coming, picture_coming;
+  std::optional<RayResults> results;
+  std::optional<Frame> of_actors;  // the same with View::actor_ids; of a scene with actors, when asked for
+};
+
+/// A frame's results where they are, in slot order, with the map that tells rays from slots. All of it lives
+/// as long as the frame, and holds its values when the frame is_ready().
+struct FrameBuffersOfRays {
+  const RealBuffer&
+      outputs;  // [6][slots]: features, transmittance, distance, median; LiDARs: [7], drop logit
+  const RealBuffer* picture;                // [3][slots], graded: instead of the features; null: not graded
+  const Buffer<std::int32_t>& ray_of_slot;  // [slots], -1: none
+  const Buffer<std::int32_t>& slot_of_ray;  // [rays], -1: none
+  std::size_t slots = 0;
+  std::size_t rays = 0;
+};
+
+struct FrameAccess {
+  [[nodiscard]] static FrameBuffersOfRays buffers(const Frame& frame);
+  [[nodiscard]] static _cl_event* ready(const Frame& frame) { return frame.state_->done->handle(); }
+  [[nodiscard]] static const std::array<float, 3>& background(const Frame& frame) {
+    return frame.state_->background;
+  }
+  [[nodiscard]] static const RayGrid& grid(const Frame& frame) { return frame.state_->rays.grid(); }
+  [[nodiscard]] static const SensorRays& rays(const Frame& frame) { return frame.state_->rays; }
+};
+
+}  // namespace simuli

@@ -1,0 +1,56 @@
+#pragma once
+// Actors in training: gradients of their poses, and the boxes that hold particles.
+#include <Eigen/Core>
+#include <vector>
+
+#include "host/core/scene/actor.hpp"
+#include "host/device/render/backward/gradient_buffers.hpp"
+#include "host/device/render/frame/particle_buffers.hpp"
+#include "host/device/runtime/kernel.hpp"
+
+namespace simuli {
+
+/// dL/d(pose) of an actor at a frame's start and end: by its position, and by a rotation vector about its
+/// origin, both in scene axes.
+struct ActorPoseGradient {
+  Eigen::Vector3d shift_start = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn_start = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shift_end = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn_end = Eigen::Vector3d::Zero();
+};
+
+struct ActorSizes {
+  std::uint64_t actors = 0;
+
+  static constexpr std::uint32_t kChunks = 64;  // of each actor's list, summed side by side
+};
+struct ActorBuffers : BufferTable<ActorSizes> {
+  using BufferTable::BufferTable;
+  /// [actors][chunks][2][SIM_POSE_GRAD]
+  Reals partial{*this, "actor_sums", [](const ActorSizes& s) {
+                  return s.actors * ActorSizes::kChunks * 2 * SIM_POSE_GRAD;
+                }};
+  Reals bounds{*this, "bounds", [](const ActorSizes& s) { return 4 * (s.actors + 1); }};
+};
+
+class ActorStage {
+ public:
+  ActorStage(const Device& device, Precision precision);
+  /// Sums of the pose gradients over the particles that the frame did not cull, by actor. In one fixed order:
+  /// the same frame gives the same bits. Waits.
+  [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles,
+                                                              const Projected& projected,
+                                                              const GradientBuffers& gradients,
+                                                              bool actor_motion);
+  /// Moves means into the boxes of `actors`, widened by margin_m to all sides, and shortens particles whose
+  /// standard deviation is above kLongest of the box's longest side.
+  void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m);
+
+  static constexpr double kLongest = 0.25;
+
+ private:
+  ActorBuffers buffers_;
+  Kernel sums_, confine_;
+};
+
+}  // namespace simuli

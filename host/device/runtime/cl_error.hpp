@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+#include <utility>
+
+#include "host/core/base/error.hpp"
+#include "host/device/runtime/cl.hpp"
+
+namespace simuli {
+
+/// "CL_OUT_OF_RESOURCES" for -5; "unknown OpenCL code" for what the standard doesn't name.
+[[nodiscard]] std::string cl_code_name(cl_int code);
+
+/// Throws Error{kind} reading "CALL failed: CL_NAME (NUMBER), CONTEXT".
+[[noreturn]] void throw_cl_error(ErrorKind kind, const cl::Error& error, const std::string& context);
+
+/// Runs f; a cl::Error that leaves it becomes our Error{kind}. `context` is called only then, so that
+/// the usual path formats nothing.
+template <class Context, class F>
+decltype(auto) cl_call(ErrorKind kind, Context&& context, F&& f) {
+  try {
+    return std::forward<F>(f)();
+  } catch (const cl::Error& error) {
+    throw_cl_error(kind, error, std::forward<Context>(context)());
+  }
+}
+
+}  // namespace simuli
