@@ -16,8 +16,9 @@
 
 namespace simuli {
 
-constexpr double kFirstShare = 0.5;  // of the iterations, when the program is first asked: scenes are whole then
-constexpr int kEvery = 2;            // iterations per mended picture
+constexpr double kFirstShare =
+    0.5;                   // of the iterations, when the program is first asked: scenes are whole then
+constexpr int kEvery = 2;  // iterations per mended picture
 
 FixedViews::FixedViews(const Device& device,
                        const Log& log,
@@ -35,8 +36,7 @@ FixedViews::FixedViews(const Device& device,
 bool FixedViews::is_due(int iteration, int iterations) const {
   if (command_.empty()) return false;
   for (int round = 0; round < options_.rounds; ++round) {
-    const double share =
-        kFirstShare + (1.0 - kFirstShare) * static_cast<double>(round) / options_.rounds;
+    const double share = kFirstShare + (1.0 - kFirstShare) * static_cast<double>(round) / options_.rounds;
     if (iteration == static_cast<int>(share * iterations)) return true;
   }
   return false;

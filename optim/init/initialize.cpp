@@ -287,8 +287,7 @@ void Initialisation::take_colours() {
   shell_.emplace(kShellSpacing_deg,
                  options_.shell_distance_m > 0.0 ? options_.shell_distance_m : shell_distance_m(extent_m));
   const bool has_environment = options_.environment_width > 0;
-  sky_.emplace(has_environment ? 360.0 / options_.environment_width : kShellSpacing_deg,
-               kInfinitelyFar_m);
+  sky_.emplace(has_environment ? 360.0 / options_.environment_width : kShellSpacing_deg, kInfinitelyFar_m);
   looks_.resize(points_.size() + actors_->camera_count());
   const PointBlocks blocks(points_);
   expect(log_, images_, frames_.image_scale);

@@ -17,7 +17,7 @@ constexpr float kUnseenOpacityLogit = 2.0F;    // 0.88
 /// Standard deviation of a camera particle over the distance to its neighbours. Street: 0.4 32.70 dB, 0.5
 /// 32.70, 0.6 32.67; drive 0052: 0.35 26.16 dB, 0.5 26.17.
 constexpr double kCameraScale = 0.5;
-constexpr double kFlatRatio = 0.2;             // thickness of a particle on a plane over its width
+constexpr double kFlatRatio = 0.2;  // thickness of a particle on a plane over its width
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
 constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells

@@ -156,9 +156,7 @@ UnseenSurfaces unseen_surfaces(const PointSet& points,
   cells.flat_side_m = kFlatSide_m;
   out.cells = surface_cells(own, cells);
   out.shapes = surface_shapes(
-      own,
-      out.cells,
-      {.voxel_m = options.voxel_m, .scale = kCellScale, .max_m = options.max_scale_m});
+      own, out.cells, {.voxel_m = options.voxel_m, .scale = kCellScale, .max_m = options.max_scale_m});
 
   const std::vector<LocalShape> shapes = local_shapes(points);
   const std::vector<std::uint32_t> lenders = lenders_of(seen, looks, views.size());

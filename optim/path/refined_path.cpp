@@ -77,8 +77,7 @@ calibration::AlignOptions align_options(const std::string& lidar) {
 
 }  // namespace
 
-RefinedLog with_refined_path(Log log,
-                             const std::function<void(std::size_t, std::size_t)>& progress) {
+RefinedLog with_refined_path(Log log, const std::function<void(std::size_t, std::size_t)>& progress) {
   RefinedLog out{std::move(log), {}};
   const auto [lidar, sweeps] = busiest_lidar(out.log);
   if (sweeps < kFewestSweeps) {

@@ -19,7 +19,6 @@ struct RefinedLog {
 /// held-out ones too: this is where frames were taken, of which a recorded path tells as well, not what they
 /// show. A build without calibration leaves logs as they are. progress(done, total) of rounds and sweeps.
 [[nodiscard]] RefinedLog with_refined_path(
-    Log log,
-    const std::function<void(std::size_t, std::size_t)>& progress = {});
+    Log log, const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 }  // namespace simuli

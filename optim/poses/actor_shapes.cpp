@@ -15,9 +15,9 @@ constexpr double kFirstDecay = 0.9;
 constexpr double kSecondDecay = 0.999;
 constexpr double kLeastRoot = 1e-15;
 
-constexpr double kRate_m = 0.01;     // per step of Adam, at the start: a body's width in some ten steps
+constexpr double kRate_m = 0.01;          // per step of Adam, at the start: a body's width in some ten steps
 constexpr double kShapeFinalShare = 0.1;  // of it, at the end
-constexpr double kInterval_s = 0.1;  // between knots in time: a fifth of a leg's swing
+constexpr double kInterval_s = 0.1;       // between knots in time: a fifth of a leg's swing
 /// Of its distance to the mean of its neighbours, in space and time, by which each offset goes there per step
 /// that moves it.
 constexpr double kSmooth = 0.01;

@@ -14,9 +14,10 @@ struct PoseRates {
 template <class F>
 constexpr void visit_fields(PoseRates& o, F&& field) {
   field.group("Actors");
-  field("actors.track.learn",
-        o.learn,
-        "Learn corrections of the actors' tracks while training. true: for labels that are off by decimetres.");
+  field(
+      "actors.track.learn",
+      o.learn,
+      "Learn corrections of the actors' tracks while training. true: for labels that are off by decimetres.");
   field.keyless(o.shift_m);
   field.keyless(o.turn_rad);
   field.keyless(o.final_share);

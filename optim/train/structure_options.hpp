@@ -52,10 +52,7 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
   field.keyless(o.growth);
   field.keyless(o.noise);
   field.group("Memory");
-  field("densify.cap",
-        o.cap,
-        at_least(0),
-        "Most particles of both sets together. Lower it to save memory.");
+  field("densify.cap", o.cap, at_least(0), "Most particles of both sets together. Lower it to save memory.");
 }
 
 /// LiDAR particles that no training sweep needs are taken out (METHOD section 11).

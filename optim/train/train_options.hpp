@@ -23,16 +23,13 @@ struct LidarWeights {
 template <class F>
 constexpr void visit_fields(LidarWeights& o, F&& field) {
   field.group("LiDAR set");
-  field("loss.intensity",
-        o.intensity,
-        at_least(0.0),
-        "Weight of errors of intensity, beside 0.5 for each metre of distance. More: truer intensities, less "
-        "exact distances.");
   field("loss.drop",
         o.drop,
         at_least(0.0),
-        "Weight of errors of ray drop (cross entropy). More: truer drops, less exact distances.");
+        "Weight of errors of ray drop (cross entropy), beside 0.5 for each metre of distance. More: truer "
+        "drops, less exact distances.");
   field.keyless(o.distance);
+  field.keyless(o.intensity);
 }
 
 /// How the LiDARs' drop functions are learned (METHOD section 7).
@@ -101,18 +98,20 @@ constexpr void visit_fields(DepthOptions& o, F&& field) {
 /// The camera set from beside the path (METHOD section 10): pictures alone leave open what it looks like from
 /// where none was taken.
 struct BesideOptions {
-  static constexpr int kEvery = 2;  // iterations per picture; weight 1 every 4: 27.04 dB for 27.13, 1 m beside
+  /// Iterations per picture. Weight 1 every 4: 27.04 dB for 27.13, 1 m beside the path.
+  static constexpr int kEvery = 2;
   double weight = 0.5;
   double reach_m = 2.5;
 };
 template <class F>
 constexpr void visit_fields(BesideOptions& o, F&& field) {
   field.group("Camera set");
-  field("beside.weight",
-        o.weight,
-        at_least(0.0),
-        "Weight of pictures from beside the path, made of the LiDARs' surfaces in the colours of the recorded "
-        "pictures. More: better views beside the path; 0: off, faster.");
+  field(
+      "beside.weight",
+      o.weight,
+      at_least(0.0),
+      "Weight of pictures from beside the path, made of the LiDARs' surfaces in the colours of the recorded "
+      "pictures. More: better views beside the path; 0: off, faster.");
   field("beside.reach_m",
         o.reach_m,
         range(0.0, 10.0),

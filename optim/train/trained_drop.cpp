@@ -8,7 +8,7 @@
 namespace simuli {
 
 constexpr double kDropFinalShare = 0.1;  // of the rate, at the end
-constexpr int kLooks = 10;               // steps of a function on a sweep that teaches it, which is rendered once
+constexpr int kLooks = 10;  // steps of a function on a sweep that teaches it, which is rendered once
 
 TrainedDrop::TrainedDrop(const Log& log, const Scene& scene, const TrainingOptions& options)
     : options_(options.train.ray_drop) {

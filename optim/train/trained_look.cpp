@@ -72,10 +72,8 @@ void TrainedLook::backward(Pass& pass, std::size_t image) {
   if (grids_) {
     Grids& g = *grids_;
     const auto values = static_cast<double>(g.frames.values_per_frame());
-    pass.grade_backward(g.buffers,
-                        g.of_image[image],
-                        {kGridVariation / values, kGridDrift / values},
-                        g.grads);
+    pass.grade_backward(
+        g.buffers, g.of_image[image], {kGridVariation / values, kGridDrift / values}, g.grads);
   }
   if (environment_) {
     Environment& e = *environment_;

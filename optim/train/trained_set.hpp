@@ -14,10 +14,7 @@ enum SetNumber : std::uint32_t { kCameraSet = 0, kLidarSet = 1 };
 
 /// A particle set in training: parameters, their gradients, and the optimiser's state.
 struct TrainedSet {
-  TrainedSet(const Device& device,
-             const GaussianSet& set,
-             const PoseRates& pose_rates,
-             bool learns_shapes);
+  TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates, bool learns_shapes);
   /// Makes the gradients fit the particles after those have grown.
   void fit_gradients();
   /// Leaves the particles at `kept`, in that order, each with its optimiser's state. Waits.

@@ -42,9 +42,10 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
         "false: the recorded path is exact.");
   field.part("", o.init);
   field.group("Actors");
-  field("actors.find",
-        o.find_actors,
-        "Find in the sweeps what moves and has no label, and where labels go on. false: labels are complete.");
+  field(
+      "actors.find",
+      o.find_actors,
+      "Find in the sweeps what moves and has no label, and where labels go on. false: labels are complete.");
   field.keyless(o.actors);
   field("actors.fill",
         o.fill_behind_actors,

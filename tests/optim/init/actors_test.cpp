@@ -209,8 +209,7 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   EXPECT_GT(report.relocated, static_cast<std::uint64_t>(start.camera.size() / 10));
   EXPECT_GT(report.grown, 100U);
   const Scene scene = whole.scene();
-  const Vector3d half =
-      0.5 * scene.actors[0].size_m + Vector3d::Constant(options.init.actor_margin_m + 1e-5);
+  const Vector3d half = 0.5 * scene.actors[0].size_m + Vector3d::Constant(options.init.actor_margin_m + 1e-5);
   for (const GaussianSet* set : {&scene.camera, &scene.lidar}) {
     ASSERT_EQ(set->actor.size(), static_cast<std::size_t>(set->size()));
     const auto count = std::count(set->actor.begin(), set->actor.end(), 1U);

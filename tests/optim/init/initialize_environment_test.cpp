@@ -1,8 +1,9 @@
-#include "host/core/base/angles.hpp"
 #include "optim/init/initialize_environment.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
+
+#include "host/core/base/angles.hpp"
 
 namespace simuli {
 namespace {

@@ -72,19 +72,18 @@ constexpr void visit_fields(UploadOptions& o, F&& field) {
   field("render.sh_degree",
         o.sh_degree,
         range(0, 3),
-        "bands of spherical harmonics, at most. Gradients with 3 alone",
+        "Bands of spherical harmonics, at most. Fewer: less memory, no highlights.",
         InTraining::kNoGradients);
   field("render.sh_storage",
         o.sh_storage,
         one_of("full", "half"),
-        "of coefficients on the device: as computed, or 16 bits (float alone); half has no gradients",
+        "Coefficients on the device: as computed, or of 16 bits (float alone). half: less memory, faster.",
         InTraining::kNoGradients);
   field("render.particle_memory_mb",
         o.particle_memory_mb,
         range(0, 1 << 24),
-        "MiB of the device, for the particles of either set: of sets that need more those are there that "
-        "frames may see, and go when they are the least recently seen. 0: a third of the device. The same "
-        "bits either way",
+        "MiB of the device for the particles of either set; of larger sets those are there that frames see. "
+        "0: a third of the device. The same bits either way.",
         InTraining::kFixed);
 }
 
@@ -100,17 +99,18 @@ constexpr void visit_fields(RayOptions& o, F&& field) {
   field("render.camera_filter_px2",
         o.camera_filter_px2,
         either(kOfScene, range(0.0, 100.0)),
-        "px^2, variance of a pixel's footprint; -1: what the scene was trained with, in training a square "
-        "pixel's 1/12");
+        "Variance of a pixel's footprint in px^2. 0.3: for viewers of splats; -1: the scene's own, in "
+        "training a square pixel's 1/12.");
   field("render.camera_near_m",
         o.camera_near_m,
         range(0.01, 1000.0),
-        "m, cameras see nothing nearer; a LiDAR's nearest range is its own");
+        "Distance in m from which on cameras see. More: nothing of the own vehicle before the lens.");
   field("render.culling",
         o.culling,
         one_of("off", "auto"),
-        "of particles that no ray of a LiDAR meets: never, or where cells of the ray mask are empty. The "
-        "same bits either way");
+        "Drop particles that no requested ray of a LiDAR meets: never, or where that saves time. The same "
+        "bits either way.",
+        InTraining::kFixed);
 }
 
 /// What kernels are compiled for.
@@ -132,42 +132,43 @@ constexpr void visit_fields(ProgramOptions& o, F&& field) {
   field("render.projection",
         o.projection,
         one_of("unscented", "linearized", "monte_carlo"),
-        "how a particle's box on the sensor is found: sigma points, the derivative, 200 samples; with "
-        "extent=unscented");
+        "How a particle's box on the sensor is found, with render.extent=unscented: from sigma points, the "
+        "derivative or 200 samples. For comparisons with the paper.");
   field("render.extent",
         o.extent,
         one_of("unscented", "exact"),
-        "rays a particle may contribute to: those in the box of render.projection (the paper's), or all with "
-        "an alpha of at least render.alpha_cut");
+        "Rays that a particle contributes to: those in the box of render.projection (the paper's), or all "
+        "with an alpha of at least render.alpha_cut.");
   field("render.order",
         o.order,
         one_of("range", "window", "per_ray"),
-        "in which a ray blends: by the particles' distances from the sensor, or by where it meets each, of "
-        "the render.window latest or of all");
+        "Order in which a ray blends particles: by their distances from the sensor, or by where the ray "
+        "meets them, of the render.window latest or of all. per_ray: exact, slowest.");
   field("render.window",
         o.window,
         range(2, 64),
-        "particles that 16 rays side by side keep to choose the nearest from, with order=window; with "
-        "per_ray it changes time alone");
+        "Particles among which order=window chooses the nearest. More: more exact, slower; with per_ray it "
+        "changes time alone.",
+        InTraining::kFixed);
   field("render.sh_direction",
         o.sh_direction,
         one_of("particle", "ray"),
-        "from where colours are seen: once per particle, or along each ray; ray has no gradients",
+        "Colours are seen from the sensor once for each particle, or along each ray. ray: exact, slower.",
         InTraining::kNoGradients);
   field("render.shutter_iterations",
         o.shutter_iterations,
         range(0, 64),
-        "looks for the moment at which a moving sensor sees a point; 0: all stands still half-way through "
-        "the frame");
+        "Steps in which the moment is found at which a moving sensor sees a point. Fewer: faster; 0: all "
+        "stands still half-way through the frame.");
   field("render.camera_compensation",
         o.camera_compensation,
-        "particles that a pixel's footprint widens lose opacity in proportion");
+        "Particles that a pixel's footprint widens lose opacity. true: for splats trained so (antialiased).");
   field("render.lidar_compensation",
         o.lidar_compensation,
-        "the same for beams: blends thin things with what is behind");
+        "The same for beams. true: thin things blend with what is behind them.");
   field("render.median_distance",
         o.median_distance,
-        "LiDARs: also the distance at which half the light is gone; trainings never do",
+        "LiDARs also measure the distance at which half the light is gone. false: a little faster.",
         InTraining::kFixed);
   field.keyless(o.shape);  // follows from the device
 }
@@ -182,19 +183,26 @@ struct FrameOptions {
 };
 template <class F>
 constexpr void visit_fields(FrameOptions& o, F&& field) {
-  field("render.alpha_cut", o.alpha_cut, range(1e-30, 0.5), "of 1: contributions below it are not made");
-  field("render.transmittance_cut", o.transmittance_cut, range(0.0, 0.5), "of 1: a ray is done below it");
+  field("render.alpha_cut",
+        o.alpha_cut,
+        range(1e-30, 0.5),
+        "Opacity below which a particle adds nothing to a ray. More: faster, less exact.");
+  field("render.transmittance_cut",
+        o.transmittance_cut,
+        range(0.0, 0.5),
+        "Light left of 1 below which a ray ends. More: faster, less exact.");
   field(
       "render.detail",
       o.detail,
       range(0.0, 100.0),
-      "rays side by side: particles smaller than this (standard deviation) are drawn as fewer, larger ones; "
-      "0: all as they are. Has no gradients",
+      "Width in rays (standard deviation) below which particles are drawn as fewer, larger ones. 0.5: three "
+      "times as fast down long streets; 0: all as they are.",
       InTraining::kNoGradients);
   field("render.max_instances",
         o.max_instances,
         at_least(1),
-        "pairs of tile and particle: a frame that needs more is refused");
+        "Most pairs of tile and particle; a frame that needs more is refused. Lower it to bound memory.",
+        InTraining::kFixed);
 }
 
 /// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
@@ -211,7 +219,7 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
   field("render.precision",
         o.precision,
         one_of("float", "double"),
-        "of all numbers on the device",
+        "Of all numbers on the device. double: exact to 1e-12, much slower.",
         InTraining::kFixed);
   field.part("", static_cast<ProgramOptions&>(o));
   field.part("", static_cast<UploadOptions&>(o));
