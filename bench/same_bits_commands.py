@@ -155,43 +155,36 @@ def describe_sensors(run):
 
 SHUTTERS = ("top_to_bottom", "bottom_to_top", "left_to_right", "right_to_left")
 SMALL = "--frames 10 --image-width 160 --image-height 90 --lidar-columns 400"
-CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.every=10 densify.first=10 anchor.weight=0.01"
+CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.every=10 anchor.weight=0.01"
 TIMES = "--times 0.3:0.4:0.1"
 TRAININGS = {
     "half_size": "--scale 0.5 --held-out 3 --seed 7",
     "no_held_out": "--held-out 0 --seed 2",
     "draft": "--quality draft",
     "exact": "--quality exact",
-    "color_grids": "--set color_grids=true look.rate.grid=0.01 loss.grid_variation=5 loss.grid_drift=0.01 "
-                   "look.rate.final_share=0.5",
-    "environment": "--set init.environment_width=64 look.rate.environment=0.02 loss.environment_variation=2",
-    "densify": "--set densify.every=6 densify.first=6 densify.growth=0.1 densify.noise=100 densify.last_share=0.9",
-    "densify_full": "--set densify.every=6 densify.first=6 densify.cap=68000",
+    "color_grids": "--set color_grids=true",
+    "environment": "--set init.environment_width=64",
+    "densify": "--set densify.every=6",
+    "densify_full": "--set densify.every=6 densify.cap=68000",
     "anchors": "--set anchor.weight=0.01",
-    "actor_rates": "--set actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001 actors.rate.final_share=0.5 actors.margin_m=0.2",
+    "actor_rates": "--set actors.track.learn=true actors.margin_m=0.2",
     "no_actors": "--set init.actors=false",
-    "actor_init": "--set init.actor_voxel_m=0.1 init.actor_margin_m=0.2 init.actor_min_travel_m=0.5",
+    "actor_init": "--set actors.margin_m=0.2 actors.least_travel_m=0.5",
     "believed_tracks": "--set init.register_tracks=false",
-    "init_sizes": "--set init.voxel_m=0.2 init.camera_scale=0.6 init.lidar_scale=0.5 init.min_scale_m=0.02 init.max_scale_m=0.4",
-    "init_caps": "--set init.max_camera=5000 init.max_lidar=8000 init.max_shell=1000 init.shell_spacing_deg=1",
-    "init_off": "--set init.sweep_depth=false init.range_bias=false init.own_vehicle=false init.drop_moving=false "
-                "init.max_shell=0",
-    "init_depth": "--set init.sweep_cell_px=2",
-    "sh_none": "--set init.camera_sh_degree=0 init.lidar_sh_degree=0",
-    "sh_most": "--set init.camera_sh_degree=3 init.lidar_sh_degree=3",
-    "losses": "--set loss.colour_absolute=0.5 loss.colour_squared=5 loss.ssim=0.5 loss.distance=1 loss.intensity=0.2 "
-              "loss.drop=0.1",
-    "no_ssim": "--set loss.ssim=0 loss.colour_squared=0",
-    "rates": "--set camera.rate.mean_m=1e-3 camera.rate.mean_final_m=1e-5 camera.rate.log_scale=1e-2 camera.rate.rotation=2e-3 "
-             "camera.rate.opacity=2e-2 camera.rate.sh=1e-2 camera.rate.sh_rest=1e-3 camera.rate.final_share=0.5 "
-             "lidar.rate.mean_m=1e-3 lidar.rate.log_scale=1e-2 lidar.rate.sh=1e-2 lidar.rate.final_share=0.2",
+    "init_sizes": "--set init.voxel_m=0.2",
+    "init_caps": "--set init.max_camera=5000 init.max_lidar=8000",
+    "init_off": "--set init.sweep_depth=false sensors.learn=false init.dark_surfaces=false",
+    "sh_none": "--set init.camera_sh_degree=0",
+    "sh_most": "--set init.camera_sh_degree=3",
+    "losses": "--set loss.ssim=0.5 loss.drop=0.1",
+    "no_ssim": "--set loss.ssim=0",
     "lidar_each": "--set lidar_every=1 cache_bytes=300000",
     "linearized": "--set render.projection=linearized render.extent=unscented",
     "unscented_extent": "--set render.extent=unscented render.shutter_iterations=3",
     "compensation": "--set render.camera_compensation=true render.lidar_compensation=true",
     "cuts": "--set render.alpha_cut=0.01 render.transmittance_cut=0.01 render.camera_filter_px2=0.1",
-    "everything": "--set color_grids=true init.environment_width=64 densify.every=6 densify.first=6 anchor.weight=0.01 "
-                  "lidar_every=1 actors.rate.shift_m=0.005 actors.rate.turn_rad=0.001",
+    "everything": "--set color_grids=true init.environment_width=64 densify.every=6 anchor.weight=0.01 "
+                  "lidar_every=1 actors.track.learn=true",
 }
 OPTIONS = {
     "draft": "--quality draft", "balanced": "--quality balanced", "exact": "--quality exact",
@@ -299,7 +292,6 @@ def all_commands():
     evaluate("color_grids", "", train="color_grids")
     evaluate("environment", "", train="environment")
     evaluate("everything", "--set render.order=per_ray", train="everything")
-    evaluate("poses", "", train="poses")
     evaluate("rolling", "", train="rolling", log="street/rolling")
     add("demo", "demo -o out --iterations 20 --json > eval.json")
     add("agreement", "bench --agreement every_ray")
