@@ -13,13 +13,13 @@
 namespace simuli {
 namespace {
 
-constexpr double kNearestReturn_m = 1.0;  // from the sensor
-constexpr double kFarthest_m = 60.0;
+constexpr double kNearestWall_m = 1.0;  // from the sensor
+constexpr double kFarthestWall_m = 60.0;
 /// A beam passes a place when it is no farther off than this, or than half-way to the next beam.
 constexpr double kBesideBeam_m = 0.15;
 /// A ray ends at a place when their ranges differ by no more than this, or this share of the range.
-constexpr double kMargin_m = 0.3;
-constexpr double kMarginShare = 0.02;
+constexpr double kWallMargin_m = 0.3;
+constexpr double kWallMarginShare = 0.02;
 constexpr int kRounds = 3;  // until the time of a firing and where it looks agree
 
 /// The rays of one sweep, by the places they pass.
@@ -38,11 +38,11 @@ class PassingRays {
       share = (column(p, 0.0) + 0.5) / lidar_.columns;
     }
     const double across_m = p.head<2>().norm();
-    if (!(across_m > kNearestReturn_m && across_m < kFarthest_m)) return false;
+    if (!(across_m > kNearestWall_m && across_m < kFarthestWall_m)) return false;
     const std::size_t row = nearest_row(across_m, p.z());
     if (row == lidar_.rows.size()) return false;
     const double range_m = std::hypot(across_m, p.z() - lidar_.rows[row].vertical_offset);
-    const double margin_m = std::max(kMargin_m, kMarginShare * range_m);
+    const double margin_m = std::max(kWallMargin_m, kWallMarginShare * range_m);
     const int middle = column(p, lidar_.rows[row].azimuth_offset);
     for (const int beside : {-1, 0, 1}) {
       const int at = (middle + beside + lidar_.columns) % lidar_.columns;
