@@ -38,6 +38,7 @@ constexpr int kRuns = 7;
 // As kernels/render.cl walks its lists; of blending it keeps what retires rays.
 constexpr std::string_view kVisitsText = R"(
 #include "math/response.h"
+#include "math/tile.h"
 __kernel void count_visits(const FrameParams frame,
                            __global const SensorConstants* sensor,
                            __global const real* world_ray,
@@ -46,13 +47,13 @@ __kernel void count_visits(const FrameParams frame,
                            __global const uint* payload,
                            __global const real* records,
                            __global uint* visits) {
-  const uint tile = get_group_id(0), lid = get_local_id(0), base = tile * TILE_RAYS;
+  const uint tile = get_group_id(0), lid = get_local_id(0), base = tile * SIM_TILE_RAYS;
   const real log_cut = log(sensor->alpha_cut);
   RayLanes ray[NR];
   F transmittance[NR];
   uint alive = 0, looked = 0, changed = 0;
   for (int j = 0; j < NR; ++j) {
-    load_ray(world_ray, ray_u, frame.slots, base + VECTOR_SLOT(j, lid), &ray[j]);
+    load_ray(world_ray, ray_u, frame.slots, base + SIM_VECTOR_SLOT(j, lid), &ray[j]);
     transmittance[j] = (F)R(1.0);
     alive |= (ANY(is_ray(ray[j].d[0], ray[j].d[1], ray[j].d[2])) ? 1u : 0u) << j;
   }
@@ -61,14 +62,14 @@ __kernel void count_visits(const FrameParams frame,
     real record[SIM_RECORD];
     for (int k = 0; k < SIM_RECORD; ++k) record[k] = records[(ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD + k];
     const real box_mean = nearest_box_mean(record, ray_u[base]);
-    for (int j = J_FIRST(packed); j <= J_LAST(packed); ++j) {
-      if (J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
+    for (int j = SIM_J_FIRST(packed); j <= SIM_J_LAST(packed); ++j) {
+      if (SIM_J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
       ++looked;
       Response response;
       respond(record, box_mean, &ray[j], sensor->model.t_min, sensor->model.t_max, &response);
       if (!ANY(response.inside)) continue;
       ++changed;
-      const F alpha = SEL(response.inside, VMIN(raw_alpha(record, response.q, log_cut), (F)ALPHA_MAX), (F)R(0.0));
+      const F alpha = SEL(response.inside, VMIN(raw_alpha(record, response.q, log_cut), (F)SIM_ALPHA_MAX), (F)R(0.0));
       transmittance[j] -= alpha * transmittance[j];
       const I done = AND(transmittance[j] < sensor->transmittance_cut, response.inside);
       for (int k = 0; k < 3; ++k) ray[j].d[k] = SEL(done, (F)R(0.0), ray[j].d[k]);

@@ -104,7 +104,8 @@ TEST_P(Gradients, OfOtherFramesAreRefused) {
   given.transmittance.push_back(std::nanf(""));
   EXPECT_NE(says(frame, given).find("finite"), std::string::npos);
   const RenderOptions options = options_of(Quality::kReference);
-  EXPECT_NE(says(scene.render(sensor_, shot(), {.options = options}), weights()).find("sh_direction=ray"),
+  EXPECT_NE(says(scene.render(sensor_, shot(), {.options = options}), weights())
+                .find("render.sh_direction: found ray"),
             std::string::npos);
   scene.set_scene(file_.scene);
   EXPECT_NE(says(frame, weights()).find("another scene"), std::string::npos);

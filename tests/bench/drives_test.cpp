@@ -35,7 +35,7 @@ class DrivesTest : public testing::Test {
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
   static DrivesOptions options() {
-    return {{(folder_ / "small.log").string()}, {}, {"init.voxel_m=0.3", "iterations=3"}, {}};
+    return {{(folder_ / "small.log").string()}, {}, {"iterations=3", "init.voxel_m=0.3"}, {}};
   }
   static std::vector<DriveRow> run(const DrivesOptions& options) {
     return run_drives("", options, [](const std::string& line) { said_ += line + '\n'; });
@@ -72,7 +72,7 @@ TEST_F(DrivesTest, ALogWithBoxesIsTrainedOnWithThemAndWithout) {
     EXPECT_EQ(row.value("iterations"), 3.0);
     EXPECT_TRUE(std::isfinite(row.value("psnr_db")));
     EXPECT_TRUE(std::isfinite(row.value("actor_psnr_db")));  // in the log's boxes, whoever knew of them
-    EXPECT_EQ(row.settings, (std::vector<std::string>{"init.voxel_m=0.3", "iterations=3"}));
+    EXPECT_EQ(row.settings, (std::vector<std::string>{"iterations=3", "init.voxel_m=0.3"}));
   }
   EXPECT_NE(rows[0].value("actor_distance_median_m"), rows[1].value("actor_distance_median_m"));
   // It is what the program's own commands say.
@@ -91,7 +91,7 @@ TEST_F(DrivesTest, ALogWithBoxesIsTrainedOnWithThemAndWithout) {
       std::string::npos)
       << table;
   EXPECT_NE(table.find("| every 5. frame: 1 + 1 |"), std::string::npos) << table;
-  EXPECT_NE(table.find("`init.voxel_m=0.3 iterations=3`"), std::string::npos) << table;
+  EXPECT_NE(table.find("`iterations=3 init.voxel_m=0.3`"), std::string::npos) << table;
   const nlohmann::json json = nlohmann::json::parse(to_json(rows));
   EXPECT_EQ(json.at(1).at("psnr_db"), rows[1].value("psnr_db"));
   EXPECT_EQ(json.at(1).at("labels"), false);

@@ -194,15 +194,22 @@ TEST(Layout, DeviceAndHostAgree) {
   EXPECT_EQ(device_offsets(load_source("shared/layout.h")), host_offsets());
 }
 
+/// The structs of reals, as a text that lies at the root.
+std::string constants_of_sensors() {
+  std::string text = load_source("shared/sensor_constants.h");
+  const std::string beside = "#include \"reals.h\"";
+  return text.replace(text.find(beside), beside.size(), "#include \"shared/reals.h\"");
+}
+
 TEST(Layout, DeviceAndHostAgreeOnStructsOfReals) {
-  const std::string constants = load_source("shared/sensor_constants.h");
+  const std::string constants = constants_of_sensors();
   EXPECT_EQ(device_reals(constants, Precision::kFloat), host_reals());
   if (!Device::best().info().fp64) return;
   EXPECT_EQ(device_reals(constants, Precision::kDouble), host_reals());
 }
 
 TEST(Layout, TheProbeSeesSwappedReals) {
-  const std::string constants = load_source("shared/sensor_constants.h");
+  const std::string constants = constants_of_sensors();
   EXPECT_NE(device_reals(swapped(constants, "real centre_ref[3];", "real turn_angle;"), Precision::kFloat),
             host_reals());
 }

@@ -49,8 +49,8 @@ TEST_F(Cli, SetHelpListsKeysWithDefaultsRangesAndMeanings) {
   EXPECT_EQ(line_of(draft.out, "init.voxel_m"), "");
   const Outcome render = run("--json render --set help");
   const auto rows = nlohmann::json::parse(render.out);
-  EXPECT_EQ(rows.at(0).at("key"), "render.projection");
-  EXPECT_EQ(rows.at(0).at("default"), "unscented");
+  EXPECT_EQ(rows.at(0).at("key"), "render.precision");
+  EXPECT_EQ(rows.at(0).at("default"), "float");
 }
 
 TEST_F(Cli, HelpAndVersionGoToStdout) {

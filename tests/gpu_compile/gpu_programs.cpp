@@ -62,7 +62,12 @@ std::vector<NamedVariant> changed(const NamedVariant& from) {
     v.options.order = Order::kWindow;
     v.options.window = 16;
   });
-  add("per ray", [](Variant& v) { v.options.order = Order::kPerRay; });
+  for (int degree = 0; degree < 4; ++degree) {
+    add(degree == 3 ? "per ray" : "per ray, sh " + std::to_string(degree), [=](Variant& v) {
+      v.options.order = Order::kPerRay;
+      v.frame.sh_degree = degree;
+    });
+  }
   add("sh by ray", [](Variant& v) { v.options.sh_direction = ShDirection::kRay; });
   add("detail", [](Variant& v) { v.options.detail = 0.5; });
   add("compensated", [](Variant& v) { v.options.camera_compensation = v.options.lidar_compensation = true; });

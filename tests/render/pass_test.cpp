@@ -83,9 +83,9 @@ TEST_F(Passes, AreNotOfThingsMadeWithOtherOptions) {
   wide.camera_filter_px2 = 1.0;
   const std::string own = fmt::format("{}", kPixelVariance_px2);
   unculled.culling = Culling::kOff;
-  refused("rays: camera_filter_px2: found 1, allowed " + own + " as the renderer's",
+  refused("rays: render.camera_filter_px2: found 1, allowed " + own + " as the renderer's",
           [&] { (void)renderer_.render(camera_set_, picture_.on(device_, wide), picture_.view); });
-  refused("rays: culling: found off, allowed on as the renderer's",
+  refused("rays: render.culling: found off, allowed auto as the renderer's",
           [&] { (void)renderer_.render(lidar_set_, sweep_.on(device_, unculled), sweep_.view); });
   refused("an environment behind a LiDAR",
           [&] { (void)renderer_.render(lidar_set_, lidar_, sweep_.view, &sky_); });
@@ -96,13 +96,13 @@ TEST_F(Passes, AreNotOfThingsMadeWithOtherOptions) {
           [&] { (void)renderer_.render(of_actors, camera_, picture_.view); });
   // Nothing of that was a frame: the last one is still the last.
   const Pass pass = camera_pass();
-  refused("rays: camera",
+  refused("rays: render.camera",
           [&] { (void)renderer_.render(camera_set_, picture_.on(device_, wide), picture_.view); });
   EXPECT_EQ(pass.results().rays, camera_.grid().rays);
   if (!test::has_double(device_)) return;
   RenderOptions precise;
   precise.precision = Precision::kDouble;
-  refused("rays: precision: found double, allowed float as the renderer's",
+  refused("rays: render.precision: found double, allowed float as the renderer's",
           [&] { (void)renderer_.render(camera_set_, picture_.on(device_, precise), picture_.view); });
   const ParticleBuffers doubles(device_, riding, Precision::kDouble);
   refused("particles of the other precision",

@@ -83,14 +83,15 @@ void expect_refused(const std::string& answer, const std::string& key) {
 }
 
 TEST(Doors, TakeWhatAKeyAllowsAndRefuseTheRestByItsName) {
-  std::size_t opened = 0;
   for (const Door& door : doors()) {
     SCOPED_TRACE(door.name);
+    EXPECT_GT(door.fields.size(), 10U);
     for (const Field& field : door.fields) {
       const auto answer_to = [&](const std::string& value) {
-        ++opened;
         return answer(door, {field.key + '=' + value});
       };
+      EXPECT_FALSE(allowed(field).empty()) << field.key;
+      EXPECT_FALSE(refused(field).empty()) << field.key;
       EXPECT_EQ(answer_to(field.text()), "") << field.key;
       // Another key may allow less.
       for (const std::string& value : allowed(field)) {
@@ -100,7 +101,6 @@ TEST(Doors, TakeWhatAKeyAllowsAndRefuseTheRestByItsName) {
       for (const std::string& value : refused(field)) expect_refused(answer_to(value), field.key);
     }
   }
-  EXPECT_GT(opened, 1000U);
 }
 
 TEST(Doors, OfFramesTakeEveryValueOfEveryKey) {

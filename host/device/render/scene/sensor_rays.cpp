@@ -148,20 +148,20 @@ template std::vector<double> SensorRays::to_slots(const std::vector<double>& val
                                                   std::size_t channels) const;
 
 void SensorRays::need_made_with(const RenderOptions& options) const {
-  if (shared_->precision != options.precision) {
-    throw Error(ErrorKind::kUsage, "rays: found the other precision, allowed the renderer's");
+  const auto refuse = [](const std::string& key, const std::string& found, const std::string& allowed) {
+    throw Error(ErrorKind::kUsage,
+                fmt::format("rays: {}: found {}, allowed {} as the renderer's", key, found, allowed));
+  };
+  if (const bool own = shared_->precision == Precision::kDouble; shared_->precision != options.precision) {
+    refuse("render.precision", own ? "double" : "float", own ? "float" : "double");
   }
   RayOptions own = shared_->options, wanted = resolved(options);
   if (own == wanted) return;
   const Fields found = fields_of(own), allowed = fields_of(wanted);
   for (std::size_t i = 0; i < found.all().size(); ++i) {
     const Field& field = found.all()[i];
-    if (field.text() == allowed.all()[i].text()) continue;
-    throw Error(ErrorKind::kUsage,
-                fmt::format("rays: {}: found {}, allowed {} as the renderer's",
-                            field.key,
-                            field.text(),
-                            allowed.all()[i].text()));
+    const std::string other = allowed.all()[i].text();
+    if (field.text() != other) refuse(field.key, field.text(), other);
   }
 }
 
