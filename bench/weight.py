@@ -68,7 +68,7 @@ def main():
     print(f"{len(re.findall(r'[a-z0-9_/]+[.]hpp', public)):8}  public headers")
     if args.program:
         shown = subprocess.run([args.program, "train", "--set", "help"], capture_output=True, text=True, check=True).stdout
-        print(f"{len(re.findall(r'^ *[a-z][a-z0-9_.]* ', shown, re.M)):8}  lines of settings of train")
+        print(f"{len(re.findall(r'^  [a-z][a-z0-9_.]*=', shown, re.M)):8}  settings that `train --set help` shows")
     if args.build:
         counts = headers_of(args.build)
         print(f"{statistics.median(counts):8.0f}  own headers of a unit, median; most {max(counts)} ({len(counts)} units)")

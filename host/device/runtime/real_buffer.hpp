@@ -49,7 +49,7 @@ class RealBuffer {
   std::variant<Buffer<float>, Buffer<double>> buffer_;
 };
 
-/// Structs of `real`s (cl/shared/sensor_constants.h), one behind the other, for kernel arguments of T. Counts
+/// Structs of `real`s (cl/shared/reals.h), one behind the other, for kernel arguments of T. Counts
 /// and values are those of the reals: shared::kReals<T> and shared::reals_of().
 template <template <class> class T>
 class StructBuffer : public RealBuffer {
