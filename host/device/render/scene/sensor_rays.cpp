@@ -148,20 +148,18 @@ template std::vector<double> SensorRays::to_slots(const std::vector<double>& val
                                                   std::size_t channels) const;
 
 void SensorRays::need_made_with(const RenderOptions& options) const {
-  const auto refuse = [](const std::string& key, const std::string& found, const std::string& allowed) {
-    throw Error(ErrorKind::kUsage,
-                fmt::format("rays: {}: found {}, allowed {} as the renderer's", key, found, allowed));
-  };
-  if (const bool own = shared_->precision == Precision::kDouble; shared_->precision != options.precision) {
-    refuse("render.precision", own ? "double" : "float", own ? "float" : "double");
-  }
-  RayOptions own = shared_->options, wanted = resolved(options);
+  RenderOptions own = options, wanted = options;
+  own.precision = shared_->precision;
+  static_cast<RayOptions&>(own) = shared_->options;
+  static_cast<RayOptions&>(wanted) = resolved(options);
   if (own == wanted) return;
   const Fields found = fields_of(own), allowed = fields_of(wanted);
   for (std::size_t i = 0; i < found.all().size(); ++i) {
-    const Field& field = found.all()[i];
-    const std::string other = allowed.all()[i].text();
-    if (field.text() != other) refuse(field.key, field.text(), other);
+    const std::string text = found.all()[i].text(), other = allowed.all()[i].text();
+    if (text == other) continue;
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format("rays: {}: found {}, allowed {} as the renderer's", found.all()[i].key, text, other));
   }
 }
 
