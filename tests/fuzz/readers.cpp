@@ -17,6 +17,7 @@
 #include "io/import/kitti360/kitti360_parts.hpp"
 #include "io/import/nuscenes/nuscenes.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
+#include "io/import/pandaset/data_frame.hpp"
 #include "io/import/photos/colmap.hpp"
 #include "io/import/photos/nerfstudio.hpp"
 #include "io/import/points/points_log.hpp"
@@ -219,6 +220,13 @@ void read_waymo_records(const fs::path& file) {
   }
 }
 
+/// Columns that the seeds have, as numbers and as texts.
+void read_pandas_table(const fs::path& file) {
+  const pandaset::DataFrame table(file);
+  for (const char* const column : {"x", "d"}) (void)table.numbers(column);
+  (void)table.texts("label");
+}
+
 #ifdef SIMULI_TEST_SQLITE
 constexpr bool kHasSqlite = true;
 #else
@@ -293,6 +301,7 @@ constexpr std::array kReaders{
                  "transforms.json"},
     FuzzedReader{"nuscenes_tables", Form::kJson, read_nuscenes_tables, "tables", false},
     FuzzedReader{"nuscenes_sweep", Form::kBytes, read_nuscenes_sweep, "0.pcd.bin"},
+    FuzzedReader{"pandas", Form::kBytes, read_pandas_table, "00.pkl.gz"},
     FuzzedReader{"points", Form::kJson, read_point_drive, "drive"},
     FuzzedReader{"mcap", Form::kMcap, read_recording, "a.mcap"},
     FuzzedReader{"rosbag2", Form::kBytes, read_messages, "a.db3", kHasSqlite},
