@@ -99,6 +99,7 @@ TEST_F(Cli, InputErrorsNameWhatWasFoundAndExitWith3) {
                    fmt::format("--frames: found \"{}\", allowed a:b", frames));
   }
   expect_failure("import kitti360 nowhere -o x.log --frames 1:2 --last 2", kUsage, "--frames");
+  expect_failure("import pandaset nowhere -o x.log", kInput, "camera: folders: found none");
   EXPECT_FALSE(fs::exists(folder_ / "x.log"));
 }
 

@@ -1,6 +1,6 @@
 """pages_test.py SIMULI SOURCE PAGE WORK: the commands of a page run, on a street of a few pixels.
 
-Its sensors and its actor stand for those of the pages' drives. What asks for a drive of KITTI's, or for what is made of one, is not here:
+Its sensors and its actor stand for those of the pages' drives. What asks for a drive of KITTI's or PandaSet's, or for what is made of one, is not here:
 such a command must end with the exit code of an input that can't be read, not with that of a wrong usage.
 """
 import json
@@ -20,7 +20,7 @@ from pages import commands_of  # noqa: E402
 
 INPUT_ERROR = 3
 SMALL = "--image-width 64 --image-height 36 --lidar-columns 90"
-ABSENT = ("2011_09_26", "raw.log")
+ABSENT = ("2011_09_26", "pandaset/002", "raw.log")
 STAND_FOR = {"image_02": "front", "velodyne": "top", "car_0": "car", "moving_0": "car"}
 
 

@@ -1,4 +1,4 @@
-"""Made-up folders of PandaSet and Argoverse 2 through their converters: converters_test.py SIMULI EXAMPLES WORK"""
+"""A made-up folder of Argoverse 2 through its converter: converters_test.py SIMULI EXAMPLES WORK"""
 import json
 import pathlib
 import subprocess
@@ -10,7 +10,6 @@ from PIL import Image
 
 simuli, examples, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
 sys.path.insert(0, str(examples))
-import convert_pandaset  # noqa: E402
 import points_folder as pf  # noqa: E402
 
 START_NS, TURNS, ROOM_M, RAYS = 1_600_000_000_000_000_000, 3, 12.0, 600
@@ -65,75 +64,6 @@ def straight(axes):
         m[:3, 3] = [-2 + 0.5 * i, 0.3, 0.1]
         poses.append(m)
     return pf.Path(times, poses)
-
-
-def pandaset():
-    root = work / "pandaset" / "001"
-    # Their LiDAR looks along its y; the world begins somewhere else.
-    axes = pf.matrix([np.sqrt(0.5), 0, 0, -np.sqrt(0.5)], [0, 0, 0])
-    path = straight(axes)
-    far = pf.matrix([np.cos(0.4), 0, 0, np.sin(0.4)], [100, -50, 3])
-    elevations = table("ncore_pandaset_pandar64")
-    (root / "lidar").mkdir(parents=True)
-    (root / "annotations" / "cuboids").mkdir(parents=True)
-    times, poses = [], []
-    for i in range(TURNS):
-        start_ns = START_NS + i * 100_000_000
-        world, _, offset_ns = turn(elevations, RAYS, -1, 2.0, path, start_ns, np.eye(4))
-        world = world @ far[:3, :3].T + far[:3, 3]
-        t = (start_ns + offset_ns) * 1e-9
-        frame = pd.DataFrame({"x": world[:, 0], "y": world[:, 1], "z": world[:, 2], "i": 51.0, "t": t, "d": 0})
-        front = frame.iloc[:10].assign(d=1)
-        pd.concat([frame, front]).to_pickle(root / "lidar" / f"{i:02}.pkl.gz")
-        m = far @ path.at(start_ns + 50_000_000)
-        times.append((start_ns + 50_000_000) * 1e-9)
-        poses.append(m)
-        car = pd.DataFrame([{"uuid": "u", "label": "Car", "yaw": 0.8, "position.x": 100.0 + i, "position.y": -50.0,
-                             "position.z": 3.0, "dimensions.x": 1.9, "dimensions.y": 4.5, "dimensions.z": 1.6,
-                             "cuboids.sensor_id": -1}])
-        car.to_pickle(root / "annotations" / "cuboids" / f"{i:02}.pkl.gz")
-
-    def write(folder, mount):
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "timestamps.json").write_text(json.dumps(times))
-        out = []
-        for m in poses:
-            q, p = pf.quaternion(m @ mount), (m @ mount)[:3, 3]
-            out.append({"position": dict(zip("xyz", p)), "heading": dict(zip("wxyz", q))})
-        (folder / "poses.json").write_text(json.dumps(out))
-
-    write(root / "lidar", np.eye(4))
-    looks_along_y = pf.matrix([np.sqrt(0.5), -np.sqrt(0.5), 0, 0], [0, 0.5, -0.3])
-    published = np.linalg.inv(convert_pandaset.CAMERA_FROM_LIDAR)
-    assert published[1, 2] < -0.999, published  # that camera looks back along the LiDAR's y
-    write(root / "camera" / "front_camera", looks_along_y)
-    (root / "camera" / "front_camera" / "intrinsics.json").write_text(json.dumps({"fx": 9, "fy": 9, "cx": 3.5,
-                                                                                  "cy": 2.5}))
-    for i in range(TURNS):
-        jpeg(root / "camera" / "front_camera" / f"{i:02}.jpg")
-    (work / "camera_from_lidar.json").write_text(json.dumps(np.linalg.inv(looks_along_y).tolist()))
-    for extra in ("lidar", str(work / "camera_from_lidar.json"), ""):
-        if not extra:  # a camera where the devkit has it, and poses of the LiDAR that are none
-            looks_along_y = published
-            write(root / "camera" / "front_camera", published)
-            write(root / "lidar", pf.matrix([1, 0, 0, 0], [0, 0, -1.8]))
-        name = f"pandaset_{pathlib.Path(extra).stem}"
-        out = work / name
-        subprocess.run([sys.executable, examples / "convert_pandaset.py", root, out, *filter(None, [extra])], check=True,
-                       stdout=subprocess.DEVNULL)
-        said = imported(out, work / f"{name}.log")
-        assert said["points"] == TURNS * 64 * RAYS, said
-        assert said["unplaced"] == 0 and said["returned"] > 0.99 * said["points"], said
-        log = json.loads((work / f"{name}.log" / "log.json").read_text())
-        assert log["lidars"][0]["spin"] == "clockwise"
-        first, last = (np.array(p["position_m"]) for p in (log["world_from_rig"][0], log["world_from_rig"][-1]))
-        assert np.allclose(first, 0, atol=1e-6) and np.allclose(last, [2.0, 0, 0], atol=1e-5), last
-        mount = log["cameras"][0]["rig_from_camera"]
-        place, axis = looks_along_y[:3, 3], looks_along_y[:3, 2]  # the rig's x is the LiDAR's y
-        assert np.allclose(mount["position_m"], [place[1], -place[0], place[2]], atol=1e-5), mount
-        looks = pf.matrix(mount["rotation_wxyz"], [0, 0, 0])[:3, 2]
-        assert np.allclose(looks, [axis[1], -axis[0], axis[2]], atol=1e-5), looks
-        assert log["actors"][0]["length_m"] == 4.5 and len(log["actors"][0]["track"]) == TURNS
 
 
 def argoverse2():
@@ -191,5 +121,4 @@ def argoverse2():
     assert len(log["images"]) == TURNS and log["cameras"][0]["cx_px"] == 4.0
 
 
-pandaset()
 argoverse2()

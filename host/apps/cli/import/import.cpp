@@ -1,4 +1,3 @@
-#include <charconv>
 #include <fmt/format.h>
 #include <iostream>
 #include <memory>
@@ -8,7 +7,6 @@
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/edits.hpp"
 #include "host/apps/cli/base/json_text.hpp"
-#include "host/apps/cli/base/refuse.hpp"
 #include "host/apps/cli/import/run_import.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/split.hpp"
@@ -38,47 +36,6 @@ void print_report(const KittiReport& r) {
       percent(r.unplaced, r.points),
       percent(r.returned, r.rays),
       r.rays);
-}
-
-/// "3, 177 to 180"; what is beyond the tenth run is only told to be there.
-std::string runs_text(const std::vector<std::size_t>& numbers) {
-  constexpr int kMostRuns = 10;
-  std::string text;
-  int runs = 0;
-  for (std::size_t i = 0; i < numbers.size() && runs <= kMostRuns; ++runs) {
-    std::size_t last = i;
-    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
-    if (runs > 0) text += ", ";
-    if (runs == kMostRuns) return text + "and more";
-    text += fmt::format("{}", numbers[i]);
-    if (last > i) text += fmt::format(" to {}", numbers[last]);
-    i = last + 1;
-  }
-  return text;
-}
-
-/// --frames a:b, and its ends each by itself.
-template <class Options>
-void add_frames(Command command, const std::shared_ptr<Options>& options, const char* whose) {
-  command
-      .option(
-          "--frames",
-          [options](const std::string& text) {
-            const std::size_t colon = text.find(':');
-            const auto number = [&](std::size_t from, std::size_t to, std::size_t& value) {
-              const char* const end = text.data() + to;
-              return std::from_chars(text.data() + from, end, value) == std::from_chars_result{end, {}};
-            };
-            if (colon == std::string::npos || !number(0, colon, options->first) ||
-                !number(colon + 1, text.size(), options->last)) {
-              refuse("--frames", text, "a:b, numbers of frames");
-            }
-          },
-          "a:b, numbers of the first and the last frame")
-      .shown_as("A:B", "");
-  command.option("--first", options->first, "number of the first frame; default: 0").excludes("--frames");
-  command.option("--last", options->last, fmt::format("number of the last frame; default: {}", whose))
-      .excludes("--frames");
 }
 
 void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
@@ -229,6 +186,22 @@ void import_splats(SplatCommand command, const Globals& globals) {
 
 }  // namespace
 
+std::string runs_text(const std::vector<std::size_t>& numbers) {
+  constexpr int kMostRuns = 10;
+  std::string text;
+  int runs = 0;
+  for (std::size_t i = 0; i < numbers.size() && runs <= kMostRuns; ++runs) {
+    std::size_t last = i;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    if (runs > 0) text += ", ";
+    if (runs == kMostRuns) return text + "and more";
+    text += fmt::format("{}", numbers[i]);
+    if (last > i) text += fmt::format(" to {}", numbers[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
 void add_import(Command app, const Globals& globals) {
   Command import =
       app.command("import", "turn a recorded drive of another format into a log folder, splats into a scene");
@@ -278,6 +251,7 @@ void add_import(Command app, const Globals& globals) {
   segment.option("-o,--output", waymo->output, "log folder to write").required();
   segment.run([waymo, &globals] { import_waymo_segment(*waymo, globals); });
 
+  add_import_pandaset(import, globals);
   add_import_ros2(import, globals);
   add_import_ncore(import, globals);
 

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fmt/format.h>
+#include <optional>
+#include <set>
+
+#include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/base/spread.hpp"
+#include "io/import/pandaset/pandaset_parts.hpp"
+
+namespace simuli::pandaset {
+namespace {
+
+/// Column cuboids.sensor_id: -1, only one LiDAR sees it; the Pandar64's label; the PandarGT's.
+constexpr double kSeenByPandarGt = 1.0;
+
+struct Label {
+  std::string object, kind;
+  PointSource source = PointSource::kPandar64;
+  Eigen::Vector3d size_m;  // length, width, height
+  Pose world_from_box;
+};
+
+/// Median time of the points inside a box; none: nothing.
+std::optional<double> time_inside(const PointFrame& points, const Label& label) {
+  const Pose box_from_world = label.world_from_box.inverse();
+  const Eigen::Vector3d half = 0.5 * label.size_m;
+  const double reach = half.squaredNorm();
+  std::vector<double> times;
+  for (std::size_t i = 0; i < points.position.size(); ++i) {
+    if ((points.position[i] - label.world_from_box.translation).squaredNorm() > reach) continue;
+    const Eigen::Vector3d p = box_from_world * points.position[i];
+    if ((p.cwiseAbs().array() <= half.array()).all()) times.push_back(points.time_s[i]);
+  }
+  if (times.empty()) return {};
+  return upper_median(std::move(times));
+}
+
+std::vector<Label> labels_of(const DataFrame& table, const std::string& file, const Frame& frame) {
+  const auto numbers = [&](const char* column) { return table.numbers(column); };
+  const std::vector<std::string> uuid = table.texts("uuid"), kind = table.texts("label");
+  const std::vector<double> yaw = numbers("yaw"), x = numbers("position.x"), y = numbers("position.y"),
+                            z = numbers("position.z"), width = numbers("dimensions.x"),
+                            length = numbers("dimensions.y"), height = numbers("dimensions.z");
+  std::vector<double> sensor;
+  std::vector<std::string> sibling;
+  if (table.has("cuboids.sensor_id") && table.has("cuboids.sibling_id")) {
+    sensor = numbers("cuboids.sensor_id");
+    sibling = table.texts("cuboids.sibling_id");
+  }
+  const std::set<std::string> here(uuid.begin(), uuid.end());
+  std::vector<Label> out;
+  for (std::size_t i = 0; i < uuid.size(); ++i) {
+    if (!std::isfinite(yaw[i])) throw_input_error(file, fmt::format("yaw of box {}", i), "no number", "rad");
+    Label label{uuid[i], kind[i], PointSource::kPandar64, {length[i], width[i], height[i]}, {}};
+    if (!sensor.empty() && sensor[i] == kSeenByPandarGt) {
+      label.source = PointSource::kPandarGt;
+      const bool is_known = !sibling[i].empty() && sibling[i] != "-";
+      if (is_known) label.object = sibling[i];
+    }
+    // Their boxes' y is along the object.
+    const Pose theirs{Eigen::Quaterniond(Eigen::AngleAxisd(yaw[i] + 0.5 * kPi, Eigen::Vector3d::UnitZ())),
+                      {x[i], y[i], z[i]}};
+    label.world_from_box = frame.world_from_theirs * theirs;
+    out.push_back(std::move(label));
+  }
+  return out;
+}
+
+/// "pedestrian_with_object_3".
+std::string name_of(const std::string& kind, std::size_t number) {
+  std::string name = name_from(fmt::format("{}_{}", kind, number));
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return c == ' ' ? '_' : static_cast<char>(std::tolower(c));
+  });
+  return name;
+}
+
+}  // namespace
+
+void Boxes::add(const DataFrame& table,
+                const std::string& file,
+                const std::map<PointSource, PointFrame>& points,
+                const Frame& frame,
+                double front_s) {
+  const std::vector<Label> labels = labels_of(table, file, frame);
+  std::set<std::string> seen;  // by the Pandar64
+  for (const Label& label : labels) {
+    if (label.source == PointSource::kPandar64) seen.insert(label.object);
+  }
+  for (const Label& label : labels) {
+    if (label.source == PointSource::kPandarGt && seen.contains(label.object)) {
+      ++twice_;
+      continue;
+    }
+    std::optional<double> time_s;
+    // Of one LiDAR alone it is not said which.
+    for (const PointSource source : {label.source, PointSource::kPandar64, PointSource::kPandarGt}) {
+      const auto own = points.find(source);
+      if (!time_s && own != points.end()) time_s = time_inside(own->second, label);
+    }
+    if (!time_s) ++by_front_;
+    const auto [entry, is_new] = index_.emplace(label.object, objects_.size());
+    if (is_new) {
+      objects_.emplace_back();
+      objects_.back().actor.name = name_of(label.kind, entry->second);
+      objects_.back().actor.kind = label.kind;
+    }
+    Object& object = objects_[entry->second];
+    for (int side = 0; side < 3; ++side) object.sizes[side].push_back(label.size_m[side]);
+    KeyPose key;
+    key.time_s = time_s.value_or(front_s);
+    key.world_from_actor = label.world_from_box;
+    object.actor.track.push_back(key);
+  }
+}
+
+std::vector<Actor> Boxes::take(const std::string& file, PandasetReport& report) {
+  std::vector<Actor> out;
+  for (Object& object : objects_) {
+    Actor& actor = object.actor;
+    for (int side = 0; side < 3; ++side) actor.size_m[side] = upper_median(std::move(object.sizes[side]));
+    std::stable_sort(actor.track.begin(), actor.track.end(), [](const KeyPose& a, const KeyPose& b) {
+      return a.time_s < b.time_s;
+    });
+    const auto is_same = [](const KeyPose& a, const KeyPose& b) { return a.time_s == b.time_s; };
+    const auto kept = std::unique(actor.track.begin(), actor.track.end(), is_same);
+    twice_ += static_cast<std::size_t>(actor.track.end() - kept);
+    actor.track.erase(kept, actor.track.end());
+    validate(actor, file);
+    report.boxes += actor.track.size();
+    out.push_back(std::move(actor));
+  }
+  report.boxes_twice = twice_;
+  report.boxes_by_front = by_front_;
+  return out;
+}
+
+}  // namespace simuli::pandaset
