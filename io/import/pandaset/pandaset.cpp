@@ -99,7 +99,7 @@ class Importer {
         add_cloud(number, file);
         step();
       }
-      need_placed();
+      need_placed(report_.points, (folder_ / "lidar").string());
       for (const Picture& picture : pictures_) {
         add_picture(picture);
         step();
@@ -379,16 +379,6 @@ class Importer {
     report_.list_points += points.size();
     report_.list_repeated += more;
     return sweep;
-  }
-
-  void need_placed() const {
-    constexpr double kMostUnplaced = 0.05;
-    const PointReport& r = report_.points;
-    if (static_cast<double>(r.unplaced) <= kMostUnplaced * static_cast<double>(r.points)) return;
-    throw_input_error((folder_ / "lidar").string(),
-                      "points on no ray of the Pandar64",
-                      fmt::format("{} of {}", r.unplaced, r.points),
-                      fmt::format("at most {} %", 100.0 * kMostUnplaced));
   }
 
   void add_picture(const Picture& picture) {

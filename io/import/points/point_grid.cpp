@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
 #include "host/core/base/angles.hpp"
+#include "host/core/base/error.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 
 namespace simuli {
@@ -174,6 +176,15 @@ Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, 
     spread(columns, time_off, sweep.rays.time_fraction.data() + first, lidar.columns);
   }
   return sweep;
+}
+
+void need_placed(const PointReport& report, const std::string& file) {
+  constexpr double kMostUnplaced = 0.05;
+  if (static_cast<double>(report.unplaced) <= kMostUnplaced * static_cast<double>(report.points)) return;
+  throw_input_error(file,
+                    "points on no ray of their LiDAR",
+                    fmt::format("{} of {}", report.unplaced, report.points),
+                    fmt::format("at most {} %: is it that sensor?", 100.0 * kMostUnplaced));
 }
 
 }  // namespace simuli

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "io/log/log.hpp"
@@ -34,5 +35,8 @@ struct PointReport {
 [[nodiscard]] Sweep grid_points(const std::vector<MeasuredPoint>& points,
                                 const Lidar& lidar,
                                 PointReport& report);
+
+/// Error{kInput} naming `file` for more than 5 % of all points unplaced: another sensor than the table says.
+void need_placed(const PointReport& report, const std::string& file);
 
 }  // namespace simuli

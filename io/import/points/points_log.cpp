@@ -22,7 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostUnplaced = 0.05;
 constexpr std::array<const char*, 6> kColumns{"x_m", "y_m", "z_m", "intensity", "row", "time_s"};
 
 /// Where the known columns stand in a point; below 0: nowhere.
@@ -204,12 +203,7 @@ Log import_points(const PointsOptions& options,
       write_sweep(log.folder / sweep.file, grid_points(points, lidar, report));
       step();
     }
-    if (static_cast<double>(report.unplaced) > kMostUnplaced * static_cast<double>(report.points)) {
-      throw_input_error(source.string(),
-                        "points on no ray of their LiDAR",
-                        fmt::format("{} of {}", report.unplaced, report.points),
-                        fmt::format("at most {} %", 100.0 * kMostUnplaced));
-    }
+    need_placed(report, source.string());
     for (std::size_t i = 0; i < log.images.size(); ++i) {
       ImageFrame& image = log.images[i];
       const fs::path from = options.folder / image.file;

@@ -19,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace ros2;  // NOLINT(google-build-using-namespace): the import is about them
 
-constexpr double kMostUnplaced = 0.05;
 constexpr double kNanosecond_s = 1e-9;
 
 /// "/a/b/c" -> "/a/b"; of a picture compressed by a transport what the picture itself has.
@@ -57,13 +56,7 @@ class Importer {
       for (const auto& [topic, unused] : lidars_) writer.total += scan_.clouds.at(topic).stamps_ns.size();
       for (const auto& [topic, unused] : cameras_) writer.total += scan_.pictures.at(topic).stamps_ns.size();
       writer.write(lidars_, cameras_, field_options(options_), progress);
-      if (static_cast<double>(report_.points.unplaced) >
-          kMostUnplaced * static_cast<double>(report_.points.points)) {
-        throw_input_error(file_,
-                          "points on no ray of their LiDAR",
-                          fmt::format("{} of {}", report_.points.unplaced, report_.points.points),
-                          fmt::format("at most {} %: is it that sensor?", 100.0 * kMostUnplaced));
-      }
+      need_placed(report_.points, file_);
       sort_by_time(log_);
     });
   }
