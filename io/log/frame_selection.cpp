@@ -56,6 +56,25 @@ double time_at(const Log& log, const char* key, double share) {
   return path.back().time_s;
 }
 
+std::vector<std::string> sensor_names(const Log& log) {
+  std::vector<std::string> names;
+  for (const LogCamera& camera : log.cameras) names.push_back(camera.model.name);
+  for (const LogLidar& lidar : log.lidars) names.push_back(name_of(lidar.model));
+  return names;
+}
+
+std::set<std::string> known(const Log& log, const std::vector<std::string>& sensors, const std::string& key) {
+  const std::vector<std::string> names = sensor_names(log);
+  for (const std::string& sensor : sensors) {
+    if (std::find(names.begin(), names.end(), sensor) != names.end()) continue;
+    throw Error(
+        ErrorKind::kUsage,
+        fmt::format(
+            "{}: {}: found {}, allowed {}", log.folder.string(), key, sensor, fmt::join(names, ", ")));
+  }
+  return {sensors.begin(), sensors.end()};
+}
+
 }  // namespace
 
 std::string held_out_text(const FrameSelection& frames) {
@@ -66,6 +85,9 @@ std::string held_out_text(const FrameSelection& frames) {
   };
   add("middle", frames.held_out_middle);
   add("last", frames.held_out_last);
+  if (!frames.held_out_sensors.empty()) {
+    texts.push_back(fmt::format("all of {}", fmt::join(frames.held_out_sensors, " and ")));
+  }
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
@@ -73,11 +95,15 @@ FrameSelection nothing_held_out(FrameSelection frames) {
   frames.held_out_every = 0;
   frames.held_out_middle = 0.0;
   frames.held_out_last = 0.0;
+  frames.held_out_sensors.clear();
   return frames;
 }
 
 HeldOutRule::HeldOutRule(const Log& log, const FrameSelection& frames)
-    : every_(static_cast<std::size_t>(std::max(frames.held_out_every, 0))) {
+    : every_(static_cast<std::size_t>(std::max(frames.held_out_every, 0))),
+      counts_by_sensor_(frames.counts_by_sensor),
+      sensors_(known(log, frames.held_out_sensors, "held_out_sensors")) {
+  if (every_ > 0 && counts_by_sensor_) moments_ = rig_moments(log);
   if (frames.held_out_last > 0.0) cut_s_ = time_at(log, "held_out_last", 1.0 - frames.held_out_last);
   if (frames.held_out_middle > 0.0) {
     for (const std::size_t end : {0U, 1U}) {
@@ -85,6 +111,31 @@ HeldOutRule::HeldOutRule(const Log& log, const FrameSelection& frames)
       middle_s_[end] = time_at(log, "held_out_middle", share);
     }
   }
+}
+
+std::vector<SensorUse> sensor_uses(const Log& log, const HeldOutRule& rule) {
+  std::vector<SensorUse> uses;
+  const auto add = [&](const std::string& sensor, const auto& frames, const auto& name) {
+    SensorUse& of = uses.emplace_back(SensorUse{.sensor = sensor});
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (name(frames[i]) == sensor)
+        ++(rule.use(i, frames[i]) == FrameUse::kTraining ? of.training : of.held_out);
+    }
+  };
+  for (const LogCamera& c : log.cameras)
+    add(c.model.name, log.images, [](const ImageFrame& f) { return f.camera; });
+  for (const LogLidar& l : log.lidars)
+    add(name_of(l.model), log.sweeps, [](const SweepFrame& f) { return f.lidar; });
+  return uses;
+}
+
+std::vector<std::string> other_sensors(const Log& log,
+                                       const std::vector<std::string>& sensors,
+                                       const std::string& key) {
+  const std::set<std::string> named = known(log, sensors, key);
+  std::vector<std::string> others = sensor_names(log);
+  std::erase_if(others, [&](const std::string& name) { return named.contains(name); });
+  return others;
 }
 
 }  // namespace simuli

@@ -35,11 +35,18 @@ std::vector<std::string> read_lines(JsonObject& object, const std::string& key) 
 }  // namespace
 
 Json to_json(const TrainingRecord& r) {
+  Json sensors = Json::array();
+  for (const SensorUse& use : r.sensors) {
+    sensors.push_back({{"sensor", use.sensor}, {"training", use.training}, {"held_out", use.held_out}});
+  }
   return {{"log", {{"name", r.log_name}, {"hash", r.log_hash}}},
           {"image_scale", r.frames.image_scale},
           {"held_out_every", r.frames.held_out_every},
           {"held_out_middle", r.frames.held_out_middle},
           {"held_out_last", r.frames.held_out_last},
+          {"held_out_sensors", r.frames.held_out_sensors},
+          {"held_out_by_sensor", r.frames.counts_by_sensor},
+          {"sensors", sensors},
           {"seed", r.frames.seed},
           {"iterations", r.iterations},
           {"planned_iterations", r.planned_iterations},
@@ -62,6 +69,17 @@ TrainingRecord training_from_json(JsonObject& object) {
   // Scenes made before there were such rules are without.
   if (object.has("held_out_middle")) r.frames.held_out_middle = object.number("held_out_middle", 0.0, 1.0);
   if (object.has("held_out_last")) r.frames.held_out_last = object.number("held_out_last", 0.0, 1.0);
+  if (object.has("held_out_sensors")) r.frames.held_out_sensors = read_lines(object, "held_out_sensors");
+  // Before it was said, every N-th of all cameras' pictures together was held out, and of all LiDARs' sweeps.
+  r.frames.counts_by_sensor = object.has("held_out_by_sensor") && object.boolean("held_out_by_sensor");
+  if (object.has("sensors")) {
+    r.sensors = object.objects("sensors", [](JsonObject& sensor) {
+      const auto count = [&](const char* key) {
+        return static_cast<std::size_t>(sensor.integer(key, 0, std::numeric_limits<int>::max()));
+      };
+      return SensorUse{sensor.text("sensor"), count("training"), count("held_out")};
+    });
+  }
   r.frames.seed = read_seed(object, "seed");
   r.iterations = static_cast<int>(object.integer("iterations", 0, kMost));
   r.planned_iterations = static_cast<int>(object.integer("planned_iterations", 0, kMost));

@@ -12,6 +12,7 @@ struct TrainingRecord {
   std::string log_name = {};
   std::string log_hash = {};  // io/log/log.hpp
   FrameSelection frames = {};
+  std::vector<SensorUse> sensors = {};     // what that made of each one's frames; empty: not told
   int iterations = 0;                      // done
   int planned_iterations = 0;              // that the learning rates were made for
   std::string quality = {};                // the bundle that render.* are; "custom": none

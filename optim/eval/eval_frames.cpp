@@ -45,10 +45,14 @@ void take_uses(EvalFrames& frames, const Log& log, const FrameSelection& made) {
 
 /// What is asked for instead of the training's own rule: wholly, or not at all.
 void take_rule(const EvalOptions& options, FrameSelection& as) {
-  if (!options.held_out_every && !options.held_out_middle && !options.held_out_last) return;
+  if (!options.held_out_every && !options.held_out_middle && !options.held_out_last &&
+      !options.held_out_sensors) {
+    return;
+  }
   as.held_out_every = options.held_out_every.value_or(0);
   as.held_out_middle = options.held_out_middle.value_or(0.0);
   as.held_out_last = options.held_out_last.value_or(0.0);
+  as.held_out_sensors = options.held_out_sensors.value_or(std::vector<std::string>{});
 }
 
 }  // namespace
@@ -76,6 +80,10 @@ std::string EvalFrames::label() const {
   switch (kind) {
     case FrameKind::kHeldOut:
       if (has(FrameUse::kBetween)) return "held-out frames";
+      if (has(FrameUse::kSensor)) {
+        return has(FrameUse::kMiddle) || has(FrameUse::kBeyond) ? "held-out frames"
+                                                                : "frames of held-out sensors";
+      }
       if (!has(FrameUse::kBeyond)) return "held-out frames in the middle of the path";
       return has(FrameUse::kMiddle) ? "held-out frames in the middle and at the end of the path"
                                     : "held-out frames at the end of the path";

@@ -1,6 +1,8 @@
 #pragma once
 // What an evaluation is told.
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "host/core/base/allowed.hpp"
 #include "host/device/render/options/options.hpp"
@@ -10,12 +12,13 @@ namespace simuli {
 struct EvalOptions {
   std::optional<double> image_scale =
       {};  // of the compared pictures over the recorded; nothing: as in training
-  // Nothing in all three: the frames that were not trained on. One that is there asks for a rule of its own,
+  // Nothing in all four: the frames that were not trained on. One that is there asks for a rule of its own,
   // in which the others count as 0; all 0: all frames.
-  std::optional<int> held_out_every = {};      // every N-th frame
-  std::optional<double> held_out_middle = {};  // share of the path, around its middle
-  std::optional<double> held_out_last = {};    // share of the path, at its end
-  int timed_renders = 5;                       // behind a first one that warms up
+  std::optional<int> held_out_every = {};                         // every N-th frame of each sensor
+  std::optional<double> held_out_middle = {};                     // share of the path, around its middle
+  std::optional<double> held_out_last = {};                       // share of the path, at its end
+  std::optional<std::vector<std::string>> held_out_sensors = {};  // all frames of these
+  int timed_renders = 5;                                          // behind a first one that warms up
   double actor_min_travel_m = 1.0;
   RenderOptions render = {};
 };
@@ -27,6 +30,7 @@ constexpr void visit_fields(EvalOptions& o, F&& field) {
   field.keyless(o.held_out_every);
   field.keyless(o.held_out_middle);
   field.keyless(o.held_out_last);
+  field.keyless(o.held_out_sensors);
   field("timed_renders",
         o.timed_renders,
         at_least(1),

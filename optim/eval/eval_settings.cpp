@@ -12,6 +12,7 @@ struct Told {
   int held_out_every = -1;
   double held_out_middle = -1.0;
   double held_out_last = -1.0;
+  std::vector<std::string> held_out_sensors = {};
 };
 template <class F>
 constexpr void visit_fields(Told& o, F&& field) {
@@ -22,6 +23,7 @@ constexpr void visit_fields(Told& o, F&& field) {
         range(0.0, 0.9),
         "frames of that share of the path, around its middle");
   field("held_out_last", o.held_out_last, range(0.0, 0.9), "frames of that share of the path, at its end");
+  field("held_out_sensors", o.held_out_sensors, "all frames of these cameras and LiDARs");
 }
 
 }  // namespace
@@ -38,6 +40,7 @@ EvalOptions eval_options(const std::string& quality, const std::vector<std::stri
   if (told.held_out_every >= 0) options.held_out_every = told.held_out_every;
   if (told.held_out_middle >= 0.0) options.held_out_middle = told.held_out_middle;
   if (told.held_out_last >= 0.0) options.held_out_last = told.held_out_last;
+  if (!told.held_out_sensors.empty()) options.held_out_sensors = told.held_out_sensors;
   check(options);
   return options;
 }

@@ -1,10 +1,11 @@
 #include "optim/eval/evaluation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -133,10 +134,7 @@ class Evaluation::Run {
         progress_(progress),
         actors_(moving_actors(of.log_.actors, of.options_.actor_min_travel_m)),
         kinds_(kinds_of(actors_)),
-        all_(kinds_),
-        between_(kinds_),
-        middle_(kinds_),
-        beyond_(kinds_) {
+        all_(kinds_) {
     report_.frames = of.frames_;
     report_.device = of.on_device_.device().info().label();
   }
@@ -146,6 +144,7 @@ class Evaluation::Run {
     sweeps();
     static_cast<EvalScores&>(report_) = all_.scores();
     take_uses();
+    take_sensors();
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return std::move(report_);
   }
@@ -154,6 +153,7 @@ class Evaluation::Run {
   void images();
   void sweeps();
   void take_uses();
+  void take_sensors();
   [[nodiscard]] PictureScore score_picture(const ImageFrame& frame, ErrorPools& pools);
   [[nodiscard]] SweepScore score_sweep(const SweepFrame& frame, ErrorPools& pools);
   void pool_pixels(const ImageFrame& frame, const Image& rendered, const Image& truth, ErrorPools& pools);
@@ -172,10 +172,6 @@ class Evaluation::Run {
     return pools.by_kind[static_cast<std::size_t>(kind - kinds_.begin())];
   }
   [[nodiscard]] ErrorPools pools() const { return ErrorPools(kinds_.empty() ? 0 : kinds_.size() + 1); }
-  [[nodiscard]] ScoreSums& sums_of(FrameUse use) {
-    if (use == FrameUse::kBeyond) return beyond_;
-    return use == FrameUse::kMiddle ? middle_ : between_;
-  }
   /// `uses`: of the frames, as EvalFrames has them.
   template <class Score>
   void add(const Score& score,
@@ -183,7 +179,8 @@ class Evaluation::Run {
            const std::vector<FrameUse>& uses,
            std::size_t index) {
     all_.add(score, pools);
-    if (!uses.empty()) sums_of(uses[index]).add(score, pools);
+    if (!uses.empty()) by_use_.try_emplace(uses[index], kinds_).first->second.add(score, pools);
+    by_sensor_.try_emplace(score.sensor, kinds_).first->second.add(score, pools);
     ++done_;
     if (progress_) progress_(done_, of_.frames_.images.size() + of_.frames_.sweeps.size());
   }
@@ -192,7 +189,9 @@ class Evaluation::Run {
   const Progress& progress_;
   std::vector<Actor> actors_;  // of the log, as recorded
   std::vector<std::string> kinds_;
-  ScoreSums all_, between_, middle_, beyond_;
+  ScoreSums all_;
+  std::map<FrameUse, ScoreSums> by_use_;
+  std::map<std::string, ScoreSums> by_sensor_;
   ReturnsNear returns_near_{of_.log_, of_.scene_.scene};
   EvalReport report_;
   std::size_t done_ = 0;
@@ -200,13 +199,22 @@ class Evaluation::Run {
 
 /// Each use by itself, when frames of several are compared.
 void Evaluation::Run::take_uses() {
-  const EvalFrames& frames = of_.frames_;
-  const std::array<FrameUse, 3> uses{FrameUse::kBetween, FrameUse::kMiddle, FrameUse::kBeyond};
-  const std::array<std::optional<EvalScores>*, 3> parts{&report_.between, &report_.middle, &report_.beyond};
-  if (std::count_if(uses.begin(), uses.end(), [&](FrameUse use) { return frames.has(use); }) < 2) return;
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    if (frames.has(uses[i])) *parts[i] = sums_of(uses[i]).scores();
+  if (by_use_.size() < 2) return;
+  for (auto& [use, sums] : by_use_) {
+    std::optional<EvalScores>& part = use == FrameUse::kBetween  ? report_.between
+                                      : use == FrameUse::kMiddle ? report_.middle
+                                      : use == FrameUse::kBeyond ? report_.beyond
+                                                                 : report_.sensor;
+    part = sums.scores();
   }
+}
+
+void Evaluation::Run::take_sensors() {
+  std::set<std::string> cameras, lidars;
+  for (const PictureScore& score : report_.picture_scores) cameras.insert(score.sensor);
+  for (const SweepScore& score : report_.sweep_scores) lidars.insert(score.sensor);
+  if (cameras.size() < 2 && lidars.size() < 2) return;
+  for (const auto& [sensor, sums] : by_sensor_) report_.by_sensor.emplace_back(sensor, sums.scores());
 }
 
 void Evaluation::Run::time_picture(const ImageFrame& frame) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/core/base/image.hpp"
@@ -19,7 +20,9 @@ namespace simuli {
 struct EvalReport : EvalScores {
   EvalFrames frames;  // that were compared
   /// Of held-out frames that are of several uses: each use by itself; else nothing.
-  std::optional<EvalScores> between, middle, beyond;
+  std::optional<EvalScores> between, middle, beyond, sensor;
+  /// Of each camera and LiDAR, by its name: its frames by themselves. Empty where there is one of either.
+  std::vector<std::pair<std::string, EvalScores>> by_sensor;
   /// Each of frames.images and frames.sweeps by itself, in their order.
   std::vector<PictureScore> picture_scores;
   std::vector<SweepScore> sweep_scores;

@@ -1,5 +1,6 @@
 #include "optim/train/training.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <string>
 #include <utility>
@@ -120,6 +121,13 @@ void Training::save(const std::filesystem::path& checkpoint) { state_->started()
 const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& checkpoints) {
   prepare();
   state_->drive.report.train = state_->started().run(on_step, checkpoints);
+  const FrameSelection& frames = state_->drive.options.frames;
+  for (const SensorUse& use : sensor_uses(state_->drive.log, HeldOutRule(state_->drive.log, frames))) {
+    const auto& asked = frames.held_out_sensors;
+    if (use.training > 0 || std::find(asked.begin(), asked.end(), use.sensor) != asked.end()) continue;
+    state_->drive.report.train.warnings.push_back(
+        fmt::format("no frame of {} was trained on ({} held out)", use.sensor, use.held_out));
+  }
   return report();
 }
 
@@ -133,6 +141,7 @@ SceneFile Training::State::completed(SceneFile file) const {
   file.training = TrainingRecord{.log_name = drive.log.name,
                                  .log_hash = drive.log_hash,
                                  .frames = o.frames,
+                                 .sensors = sensor_uses(drive.log, HeldOutRule(drive.log, o.frames)),
                                  .iterations = course->status().iteration,
                                  .planned_iterations = course->status().planned,
                                  .quality = quality_of(o.train.render),

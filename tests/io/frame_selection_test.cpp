@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
+#include <map>
+#include <set>
+#include <string>
 
 #include "tests/io/scratch.hpp"
 
@@ -38,6 +41,109 @@ TEST(HeldOutRule, IsEveryNth) {
   EXPECT_EQ(HeldOutRule(log, {}).held_out(log.sweeps), (Indices{4, 9}));
   EXPECT_EQ(HeldOutRule(log, {}).training(log.images).size(), 10U);
   EXPECT_TRUE(HeldOutRule(log, {.held_out_every = 0}).held_out(log.images).empty());
+}
+
+/// A rig's moments at 10 Hz: a LiDAR and these cameras, each a little later than the one before.
+Log surround_drive(int moments, const std::vector<std::string>& cameras) {
+  Log log = steady_drive(moments);
+  log.images.clear();
+  Lidar top;
+  top.name = "top";
+  log.lidars.push_back({.model = top, .rig_from_lidar = {}});
+  for (const std::string& camera : cameras) log.cameras.emplace_back().model.name = camera;
+  for (int i = 0; i < moments; ++i) {
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      const double time_s = 0.1 * i + 0.1 * static_cast<double>(c) / static_cast<double>(cameras.size());
+      log.images.push_back({cameras[c], "", time_s, time_s + 0.01});
+    }
+  }
+  return log;
+}
+
+/// How many frames of each sensor are held out, and the moments of them.
+std::map<std::string, std::set<int>> moments_held_out(const Log& log, const HeldOutRule& rule) {
+  std::map<std::string, std::set<int>> moments;
+  for (const std::size_t i : rule.held_out(log.images)) {
+    moments[log.images[i].camera].insert(static_cast<int>(log.images[i].time_start_s / 0.1 + 1e-6));
+  }
+  for (const std::size_t i : rule.held_out(log.sweeps)) {
+    moments[log.sweeps[i].lidar].insert(static_cast<int>(log.sweeps[i].time_start_s / 0.1 + 1e-6));
+  }
+  return moments;
+}
+
+TEST(HeldOutRule, HoldsTheSameMomentsOfEverySensorOut) {
+  // As many cameras as share a factor with N, and as do not.
+  for (const std::size_t cameras : {1U, 2U, 3U, 5U, 6U}) {
+    std::vector<std::string> names;
+    for (std::size_t c = 0; c < cameras; ++c) names.push_back("camera_" + std::to_string(c));
+    const Log log = surround_drive(20, names);
+    for (const int every : {2, 3, 4, 5}) {
+      std::set<int> moments;
+      for (int i = every - 1; i < 20; i += every) moments.insert(i);
+      const auto found = moments_held_out(log, HeldOutRule(log, {.held_out_every = every}));
+      EXPECT_EQ(found.size(), cameras + 1);
+      for (const auto& [sensor, held_out] : found) {
+        EXPECT_EQ(held_out, moments) << sensor << " of " << cameras << ", every " << every;
+      }
+    }
+  }
+}
+
+TEST(HeldOutRule, KeepsMomentsTogetherWhereFramesAreMissing) {
+  Log log = surround_drive(20, {"front", "left", "right"});
+  // A picture that was dropped here and there, three sweeps on end.
+  std::erase_if(log.images, [](const ImageFrame& frame) {
+    const int moment = static_cast<int>(frame.time_start_s / 0.1 + 1e-6);
+    return (frame.camera == "front" && moment == 3) || (frame.camera == "left" && moment >= 7 && moment < 9);
+  });
+  std::erase_if(log.sweeps,
+                [](const SweepFrame& s) { return s.time_start_s > 0.95 && s.time_start_s < 1.25; });
+  const auto found = moments_held_out(log, HeldOutRule(log, {.held_out_every = 5}));
+  const std::set<int> moments{4, 9, 14, 19};
+  EXPECT_EQ(found.at("front"), moments);
+  EXPECT_EQ(found.at("left"), moments);
+  EXPECT_EQ(found.at("right"), moments);
+  EXPECT_EQ(found.at("top"), moments);
+}
+
+TEST(HeldOutRule, ASensorOfAnotherRateCountsItsOwnFrames) {
+  Log log = surround_drive(20, {"front", "left"});
+  for (int i = 0; i < 60; ++i) log.images.push_back({"fast", "", i / 30.0, i / 30.0});
+  sort_by_time(log);
+  const HeldOutRule rule(log, {.held_out_every = 4});
+  std::map<std::string, int> held_out;
+  for (const std::size_t i : rule.held_out(log.images)) ++held_out[log.images[i].camera];
+  EXPECT_EQ(held_out, (std::map<std::string, int>{{"front", 5}, {"left", 5}, {"fast", 15}}));
+  EXPECT_EQ(rule.held_out(log.sweeps), (Indices{3, 7, 11, 15, 19}));
+}
+
+TEST(HeldOutRule, HoldsASensorOutWhole) {
+  const Log log = surround_drive(10, {"front", "left"});
+  const FrameSelection frames{.held_out_sensors = {"left"}};
+  const HeldOutRule rule(log, frames);
+  EXPECT_EQ(held_out_text(frames), "every 5. frame, all of left");
+  const std::vector<SensorUse> uses = sensor_uses(log, rule);
+  ASSERT_EQ(uses.size(), 3U);
+  EXPECT_EQ(uses[0].sensor, "front");
+  EXPECT_EQ(uses[0].training, 8U);
+  EXPECT_EQ(uses[0].held_out, 2U);
+  EXPECT_EQ(uses[1].training, 0U);
+  EXPECT_EQ(uses[1].held_out, 10U);
+  for (std::size_t i = 0; i < log.images.size(); ++i) {
+    EXPECT_EQ(rule.use(i, log.images[i]) == FrameUse::kSensor, log.images[i].camera == "left");
+  }
+  EXPECT_EQ(other_sensors(log, {"left"}, "--sensors").front(), "front");
+  test::expect_error(ErrorKind::kUsage,
+                     [&] { (void)HeldOutRule(log, {.held_out_sensors = {"rear"}}); },
+                     {"held_out_sensors", "rear", "front, left"});
+}
+
+TEST(HeldOutRule, CountsAllPicturesTogetherForScenesThatDid) {
+  const Log log = surround_drive(6, {"front", "left"});
+  const HeldOutRule rule(log, {.held_out_every = 4, .counts_by_sensor = false});
+  EXPECT_EQ(rule.held_out(log.images), (Indices{3, 7, 11}));
+  EXPECT_EQ(rule.held_out(log.sweeps), (Indices{3}));
 }
 
 TEST(HeldOutRule, IsTheEndOfThePath) {

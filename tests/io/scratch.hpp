@@ -40,19 +40,24 @@ class Scratch {
   std::filesystem::path path_;
 };
 
-/// Expects Error{kInput} of one line that holds every one of `words`.
-inline void expect_input_error(const std::function<void()>& run, const std::vector<std::string>& words) {
+/// Expects an error of that kind, of one line that holds every one of `words`.
+inline void expect_error(ErrorKind kind,
+                         const std::function<void()>& run,
+                         const std::vector<std::string>& words) {
   try {
     run();
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Error& error) {
     const std::string message = error.what();
-    EXPECT_EQ(error.kind(), ErrorKind::kInput) << message;
+    EXPECT_EQ(error.kind(), kind) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     for (const std::string& word : words) {
       EXPECT_NE(message.find(word), std::string::npos) << '"' << word << "\" is missing in: " << message;
     }
   }
+}
+inline void expect_input_error(const std::function<void()>& run, const std::vector<std::string>& words) {
+  expect_error(ErrorKind::kInput, run, words);
 }
 
 }  // namespace simuli::test

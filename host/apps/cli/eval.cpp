@@ -27,6 +27,7 @@ struct EvalCommand {
   double scale = 1.0;  // where they are given
   int held_out = 0;
   double held_out_middle = 0.0, held_out_last = 0.0;
+  std::vector<std::string> held_out_sensors;
   std::string report;    // file to write; empty: none
   bool support = false;  // beside errors
 };
@@ -73,15 +74,22 @@ void add_eval(Command app, const Globals& globals) {
   const Option scale =
       sub.option("--scale", command->scale, "size of the compared pictures over the recorded")
           .shown_as("FLOAT", "as in training");
-  const Option held_out = sub.option("--held-out", command->held_out, "every N-th frame, 0: all frames")
-                              .shown_as("INT", "those that training held out, all of another log");
+  const Option held_out =
+      sub.option("--held-out", command->held_out, "every N-th frame of each sensor, 0: all")
+          .shown_as("INT", "those that training held out, all of another log");
   const Option held_out_middle = sub.option("--held-out-middle",
                                             command->held_out_middle,
                                             "frames of that share of the path, around its middle")
                                      .shown_as("FLOAT", "as --held-out");
   const Option held_out_last =
       sub.option("--held-out-last", command->held_out_last, "frames of that share of the path, at its end")
-          .shown_as("FLOAT", "as --held-out; of the three, those that are given stand for all that is asked");
+          .shown_as("FLOAT", "as --held-out");
+  const Option held_out_sensor =
+      sub.option("--held-out-sensor", command->held_out_sensors, "all frames of that camera or LiDAR")
+          .one_at_a_time()
+          .shown_as("NAME",
+                    "as --held-out, any number of times; of these four, those that are given stand for all "
+                    "that is asked");
   sub.option("--repeats", command->options.timed_renders, "timed renders of each sensor").with_default();
   const auto fields = [command, &globals] {
     command->options.render = options_of(globals.quality);
@@ -93,11 +101,12 @@ void add_eval(Command app, const Globals& globals) {
              "HTML file to write: metrics, curves, pictures, points to turn, settings, times");
   sub.flag("--support", command->support, "also how well support (docs/RENDERS.md) foretells the errors");
   add_edit_options(sub, command->edits);
-  sub.run([command, scale, held_out, held_out_middle, held_out_last, &globals] {
+  sub.run([=, &globals] {
     if (scale.is_given()) command->options.image_scale = command->scale;
     if (held_out.is_given()) command->options.held_out_every = command->held_out;
     if (held_out_middle.is_given()) command->options.held_out_middle = command->held_out_middle;
     if (held_out_last.is_given()) command->options.held_out_last = command->held_out_last;
+    if (held_out_sensor.is_given()) command->options.held_out_sensors = command->held_out_sensors;
     eval(*command, globals);
   });
 }

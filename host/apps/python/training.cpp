@@ -111,6 +111,7 @@ py::dict evaluate(const std::string& scene,
   out["held_out_every"] = r.frames.asked.held_out_every;
   out["held_out_middle"] = r.frames.asked.held_out_middle;
   out["held_out_last"] = r.frames.asked.held_out_last;
+  out["held_out_sensors"] = r.frames.asked.held_out_sensors;
   out["image_scale"] = r.frames.asked.image_scale;
   put_scores(out, r);
   const auto part = [](const std::optional<EvalScores>& scores) -> py::object {
@@ -122,6 +123,10 @@ py::dict evaluate(const std::string& scene,
   out["between"] = part(r.between);
   out["middle"] = part(r.middle);
   out["beyond"] = part(r.beyond);
+  out["sensor"] = part(r.sensor);
+  py::dict sensors;
+  for (const auto& [sensor, scores] : r.by_sensor) sensors[sensor.c_str()] = part(scores);
+  out["by_sensor"] = sensors;
   return out;
 }
 

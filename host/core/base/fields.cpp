@@ -54,7 +54,23 @@ std::optional<T> parsed(const std::string& text) {
   return value;
 }
 
+/// Names with commas between; nothing where one is empty. No text is no names.
+template <>
+std::optional<std::vector<std::string>> parsed(const std::string& text) {
+  std::vector<std::string> names;
+  std::size_t at = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    if (end == at) return std::nullopt;
+    names.push_back(text.substr(at, end - at));
+    if (end == text.size()) break;
+    at = end + 1;
+  }
+  return names;
+}
+
 bool may_be(bool /*unused*/, const Allowed& /*unused*/) { return true; }
+bool may_be(const std::vector<std::string>& /*unused*/, const Allowed& /*unused*/) { return true; }
 template <class Number>
 bool may_be(Number value, const Allowed& range) {
   return range.holds(static_cast<double>(value));
@@ -90,6 +106,9 @@ template <class T>
 std::string text_of(const T* target, const Field& /*unused*/) {
   return fmt::format("{}", *target);
 }
+std::string text_of(const std::vector<std::string>* names, const Field& /*unused*/) {
+  return fmt::format("{}", fmt::join(*names, ","));
+}
 
 }  // namespace
 
@@ -100,6 +119,7 @@ std::string Field::text() const {
 std::string Field::allowed() const {
   if (std::holds_alternative<EnumValue>(value)) return fmt::format("{}", fmt::join(names, ", "));
   if (std::holds_alternative<bool*>(value)) return "true, false";
+  if (std::holds_alternative<std::vector<std::string>*>(value)) return "names with commas between";
   const bool is_whole = !std::holds_alternative<double*>(value) && !range.even;
   return is_whole ? range.text() + " (whole)" : range.text();
 }

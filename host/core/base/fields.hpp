@@ -5,6 +5,7 @@
 //   constexpr void visit_fields(Options& o, F&& field) {
 //     field("voxel_m", o.voxel_m, range(1e-3, 100.0), "m, side of a voxel");    // a number
 //     field("shell", o.shell, "place particles of the far shell");              // true or false
+//     field("sensors", o.sensors, "that are left out");                         // names, with commas between
 //     field("order", o.order, one_of("range", "per_ray"), "of blending");       // an enum
 //     field.group("Learning");                                                  // heads what follows in the help
 //     field.part("camera.", o.camera_rates);                                    // a struct of such fields
@@ -92,7 +93,7 @@ struct EnumValue {
 
 struct Field {
   std::string key;
-  std::variant<double*, int*, std::size_t*, bool*, EnumValue> value;
+  std::variant<double*, int*, std::size_t*, bool*, std::vector<std::string>*, EnumValue> value;
   Allowed range;                   // of numbers
   std::vector<std::string> names;  // of an enum's values
   std::string help;                // unit and meaning
@@ -147,6 +148,12 @@ class Fields {
     fields_.push_back({prefix_ + key, &value, allowed, {}, help, in_training, group_});
   }
   void operator()(const char* key, bool& value, const char* help, InTraining in_training = InTraining::kAny) {
+    fields_.push_back({prefix_ + key, &value, {}, {}, help, in_training, group_});
+  }
+  void operator()(const char* key,
+                  std::vector<std::string>& value,
+                  const char* help,
+                  InTraining in_training = InTraining::kAny) {
     fields_.push_back({prefix_ + key, &value, {}, {}, help, in_training, group_});
   }
   template <class Enum, std::size_t N>

@@ -69,4 +69,50 @@ TEST_F(HeldOutCli, TheMiddleOfThePathIsHeldOutAndToldApart) {
       "train s.log -o x.scene --held-out-middle 1", kUsage, "held_out_middle: found 1, allowed 0 to 0.9");
 }
 
+TEST_F(HeldOutCli, EverySensorIsHeldOutAlikeAndOneWhole) {
+  ASSERT_EQ(run("synth street -o rig.log --length 12 --frames 6 --cameras 2 --lidars 1 --image-width 48 "
+                "--image-height 27 --lidar-columns 60")
+                .exit_code,
+            0);
+  const std::string few = " --iterations 1 --set init.voxel_m=0.3";
+  // Two cameras and every 2nd frame: counted over both together one would be held out whole.
+  const Outcome trained = run("train rig.log -o rig.scene --held-out 2" + few);
+  ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  EXPECT_NE(trained.err.find("front 3 (3 held out), left 3 (3 held out), top 3 (3 held out)"),
+            std::string::npos)
+      << trained.err;
+  const auto all = nlohmann::json::parse(run("eval rig.scene rig.log --json").out);
+  EXPECT_EQ(all.at("by_sensor").at("front").at("images"), 3);
+  EXPECT_EQ(all.at("by_sensor").at("left").at("images"), 3);
+  EXPECT_EQ(all.at("by_sensor").at("top").at("sweeps"), 3);
+  // A scene that does not say how it counted is of a version that counted all pictures together.
+  std::string scene = simuli::read_file(folder_ / "rig.scene" / "scene.json");
+  const std::string line = "\"held_out_by_sensor\": true,";
+  ASSERT_NE(scene.find(line), std::string::npos) << scene;
+  simuli::write_file_atomically(folder_ / "rig.scene" / "scene.json",
+                                scene.erase(scene.find(line), line.size()));
+  EXPECT_EQ(nlohmann::json::parse(run("eval rig.scene rig.log --json").out).at("by_picture").size(), 6);
+
+  const Outcome front = run("train rig.log -o front.scene --held-out 3 --held-out-sensor left" + few);
+  ASSERT_EQ(front.exit_code, 0) << front.err;
+  EXPECT_NE(front.err.find("front 4 (2 held out), left none (6 held out)"), std::string::npos) << front.err;
+  EXPECT_EQ(front.err.find("warning: no frame"), std::string::npos) << front.err;  // it was asked for
+  const auto held = nlohmann::json::parse(run("eval front.scene rig.log --json").out);
+  EXPECT_EQ(held.at("sensor").at("images"), 6);
+  EXPECT_EQ(held.at("between").at("images"), 2);
+  const auto left = nlohmann::json::parse(run("eval front.scene rig.log --held-out-sensor left --json").out);
+  EXPECT_EQ(left.at("images"), 6);
+  EXPECT_EQ(left.at("sweeps"), 0);
+  EXPECT_EQ(left.at("psnr_db"), held.at("sensor").at("psnr_db"));
+  EXPECT_NE(run("info front.scene").out.find("left none (6 held out)"), std::string::npos);
+
+  ASSERT_EQ(run("train rig.log -o named.scene --held-out 3 --sensors front --sensors top" + few).exit_code,
+            0);
+  EXPECT_EQ(nlohmann::json::parse(run("info named.scene --json").out).at("training").at("held_out_sensors"),
+            nlohmann::json::array({"left"}));
+  expect_failure(
+      "train rig.log -o x.scene --held-out-sensor rear", kUsage, "found rear, allowed front, left, top");
+  expect_failure("train rig.log -o x.scene --sensors rear", kUsage, "--sensors: found rear, allowed front");
+}
+
 }  // namespace

@@ -46,8 +46,11 @@ std::string text_of(const Field& field, double value) {
   return is_whole(field) ? fmt::format("{}", static_cast<std::int64_t>(value)) : fmt::format("{}", value);
 }
 
+bool is_list(const Field& field) { return std::holds_alternative<std::vector<std::string>*>(field.value); }
+
 /// The lowest and the highest that the key itself allows, and all names of an enum.
 std::vector<std::string> allowed(const Field& field) {
+  if (is_list(field)) return {"", "front", "front,left"};
   if (!is_number(field)) return field.names.empty() ? std::vector<std::string>{"true", "false"} : field.names;
   std::vector<std::string> values;
   for (const double bound : {field.range.least, field.range.most, field.range.also})
@@ -56,6 +59,7 @@ std::vector<std::string> allowed(const Field& field) {
 }
 
 std::vector<std::string> refused(const Field& field) {
+  if (is_list(field)) return {",", ",front", "front,", "front,,left"};
   std::vector<std::string> values{"", "nothing", "nan", "1e999", "1 "};
   if (!is_number(field)) return values;
   if (is_whole(field)) values.emplace_back("1.5");

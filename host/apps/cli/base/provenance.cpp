@@ -17,8 +17,13 @@ namespace {
 /// Those that a training of that quality does not have by itself, but for what has a line of its own. Keys that
 /// other versions had are counted: what they were by default is not known.
 std::string settings_text(const TrainingRecord& r) {
-  const std::set<std::string> told{
-      "image_scale", "held_out_every", "held_out_middle", "held_out_last", "seed", "iterations"};
+  const std::set<std::string> told{"image_scale",
+                                   "held_out_every",
+                                   "held_out_middle",
+                                   "held_out_last",
+                                   "held_out_sensors",
+                                   "seed",
+                                   "iterations"};
   TrainingOptions defaults = training_options(find_quality(r.quality) ? r.quality : "", {});
   const Fields fields = fields_of(defaults);
   std::vector<std::string> others;
@@ -38,6 +43,16 @@ std::string settings_text(const TrainingRecord& r) {
 
 }  // namespace
 
+std::string uses_text(const std::vector<SensorUse>& sensors) {
+  std::vector<std::string> texts;
+  for (const SensorUse& use : sensors) {
+    const std::string training = use.training == 0 ? "none" : fmt::format("{}", use.training);
+    const std::string rest = use.held_out == 0 ? "" : fmt::format(" ({} held out)", use.held_out);
+    texts.push_back(fmt::format("{} {}{}", use.sensor, training, rest));
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
 std::vector<RecordLine> record_lines(const TrainingRecord& r) {
   const FrameSelection& f = r.frames;
   const std::string held_out = held_out_text(f);
@@ -48,6 +63,7 @@ std::vector<RecordLine> record_lines(const TrainingRecord& r) {
           {"iterations", iterations},
           {"size of pictures", fmt::format("{} of the recorded", f.image_scale)},
           {"held out", held_out.empty() ? "nothing" : held_out},
+          {"trained on", r.sensors.empty() ? "not told" : uses_text(r.sensors)},
           {"seed", fmt::format("{}", f.seed)},
           {"quality", r.quality},
           {"settings", settings_text(r)},

@@ -13,6 +13,8 @@ struct RecordLine {
   std::string name;
   std::string value;
 };
+/// "front 16 (4 held out), left none (20 held out)": frames that were trained on.
+[[nodiscard]] std::string uses_text(const std::vector<SensorUse>& sensors);
 [[nodiscard]] std::vector<RecordLine> record_lines(const TrainingRecord& record);
 
 /// "render.KEY=VALUE (trained with VALUE)" of each option that the scene was not trained with; of a scene

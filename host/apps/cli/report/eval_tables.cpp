@@ -25,21 +25,32 @@ std::vector<std::string> score_cells(const std::string& name, const EvalScores& 
           number_text(s.lidar.intensity_rmse, 4)};
 }
 
+TextTable table_of_scores(const char* title) {
+  return {title,
+          {"",
+           "pictures + sweeps",
+           "PSNR dB",
+           "SSIM",
+           "median cm",
+           "rel. L2",
+           "drop right %",
+           "Chamfer m",
+           "intensity RMS"},
+          {}};
+}
+
 TextTable table_of_uses(const EvalReport& r) {
-  TextTable table{"held-out frames",
-                  {"",
-                   "pictures + sweeps",
-                   "PSNR dB",
-                   "SSIM",
-                   "median cm",
-                   "rel. L2",
-                   "drop right %",
-                   "Chamfer m",
-                   "intensity RMS"},
-                  {}};
+  TextTable table = table_of_scores("held-out frames");
   if (r.between) table.rows.push_back(score_cells("between training frames", *r.between));
   if (r.middle) table.rows.push_back(score_cells("in the middle of the path", *r.middle));
   if (r.beyond) table.rows.push_back(score_cells("at the end of the path", *r.beyond));
+  if (r.sensor) table.rows.push_back(score_cells("of held-out sensors", *r.sensor));
+  return table;
+}
+
+TextTable table_of_sensors(const EvalReport& r) {
+  TextTable table = table_of_scores("by sensor");
+  for (const auto& [sensor, scores] : r.by_sensor) table.rows.push_back(score_cells(sensor, scores));
   return table;
 }
 
@@ -103,8 +114,10 @@ Json json_of(const KindScores& s) {
 
 std::vector<TextTable> eval_tables(const EvalReport& report) {
   std::vector<TextTable> tables;
-  for (TextTable& table :
-       std::vector{table_of_uses(report), table_of_ranges(report), table_of_kinds(report)}) {
+  for (TextTable& table : std::vector{table_of_uses(report),
+                                      table_of_sensors(report),
+                                      table_of_ranges(report),
+                                      table_of_kinds(report)}) {
     if (!table.rows.empty()) tables.push_back(std::move(table));
   }
   return tables;

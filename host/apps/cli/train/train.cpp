@@ -15,6 +15,7 @@
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/interrupt.hpp"
 #include "host/apps/cli/base/program.hpp"
+#include "host/apps/cli/base/provenance.hpp"
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/apps/cli/base/settings.hpp"
 #include "host/apps/cli/report/report.hpp"
@@ -41,6 +42,7 @@ struct TrainCommand {
   std::string output;
   bool overwrite = false;
   std::vector<std::string> settings;
+  std::vector<std::string> sensors;  // to train on; empty: all
   TrainingOptions options;
   TrainOutputs outputs;
   std::string report;  // file to write; empty: none
@@ -154,12 +156,22 @@ SceneFile without_particles(const Log& log) {
   return file;
 }
 
+/// --sensors as what it says: all frames of the others are held out.
+void take_sensors(TrainCommand& command, const Log& log) {
+  if (command.sensors.empty()) return;
+  std::vector<std::string>& held_out = command.options.frames.held_out_sensors;
+  for (std::string& other : other_sensors(log, command.sensors, "--sensors")) {
+    if (std::find(held_out.begin(), held_out.end(), other) == held_out.end()) held_out.push_back(other);
+  }
+}
+
 using OpenDevice = std::function<Device()>;
 
 /// What a rank without an output does.
 void share(TrainCommand command, const OpenDevice& open, const Globals& globals, Ranks& ranks) {
   ranks.wait_for_all();  // the first one has taken the output, and the log is there
   const Log log = read_log(command.log);
+  take_sensors(command, log);
   const Device device = open();
   command.outputs.event_folder.clear();
   command.outputs.ranks = &ranks;
@@ -171,6 +183,8 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
   if (!ranks.is_first()) return share(std::move(command), open, globals, ranks);
   TrainingOptions& options = command.options;
   const Log log = read_log(command.log);
+  take_sensors(command, log);
+  const std::vector<SensorUse> uses = sensor_uses(log, HeldOutRule(log, options.frames));
   const std::unique_ptr<OutputLock> lock = take_output(command);
   ranks.wait_for_all();
   const Device device = open();
@@ -178,6 +192,7 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
     std::cerr << fmt::format(
         "simuli: {}; {}\n", device.info().label(), fmt::join(fields_of(options).lines(), " "));
   }
+  if (!globals.json) std::cerr << fmt::format("simuli: frames to train on: {}\n", uses_text(uses));
   std::unique_ptr<LivePage> page;
   if (command.view_port >= 0) {
     page = open_live_page(globals, without_particles(log), command.view_port);
@@ -283,13 +298,24 @@ void add_train(Command app, const Globals& globals) {
       .shown_as("INT|auto", fmt::format("{}", command->options.train.iterations));
   add("--max-seconds", command->options.train.max_seconds, "stop training early after this time; 0: never");
   add("--scale", command->options.frames.image_scale, "size of the training pictures over the recorded");
-  add("--held-out", command->options.frames.held_out_every, "keep every N-th frame for evaluation; 0: none");
+  add("--held-out",
+      command->options.frames.held_out_every,
+      "keep every N-th frame of each sensor for evaluation; 0: none");
   add("--held-out-middle",
       command->options.frames.held_out_middle,
       "keep the frames of that share of the path, around its middle, for evaluation, too");
   add("--held-out-last",
       command->options.frames.held_out_last,
       "keep the frames of that share of the path, at its end, for evaluation, too");
+  sub.option("--held-out-sensor",
+             command->options.frames.held_out_sensors,
+             "camera or LiDAR of which all frames are kept for evaluation")
+      .one_at_a_time()
+      .shown_as("NAME", "none; any number of times");
+  sub.option(
+         "--sensors", command->sensors, "cameras and LiDARs to train on; those of the others are held out")
+      .one_at_a_time()
+      .shown_as("NAME", "all; any number of times");
   add("--seed", command->options.frames.seed, "of the frames' order and of thinning");
   const auto add_memory = [&](const char* name, auto set, const char* text) {
     sub.option(
