@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <utility>
 
 #include "host/core/base/error.hpp"
+#include "io/log/rig_moments.hpp"
 
 namespace simuli {
 namespace {
@@ -103,7 +105,11 @@ HeldOutRule::HeldOutRule(const Log& log, const FrameSelection& frames)
     : every_(static_cast<std::size_t>(std::max(frames.held_out_every, 0))),
       counts_by_sensor_(frames.counts_by_sensor),
       sensors_(known(log, frames.held_out_sensors, "held_out_sensors")) {
-  if (every_ > 0 && counts_by_sensor_) moments_ = rig_moments(log);
+  if (every_ > 0 && counts_by_sensor_) {
+    RigMoments moments = rig_moments(log);
+    images_ = std::move(moments.images);
+    sweeps_ = std::move(moments.sweeps);
+  }
   if (frames.held_out_last > 0.0) cut_s_ = time_at(log, "held_out_last", 1.0 - frames.held_out_last);
   if (frames.held_out_middle > 0.0) {
     for (const std::size_t end : {0U, 1U}) {

@@ -11,7 +11,6 @@
 
 #include "host/core/base/allowed.hpp"
 #include "io/log/log.hpp"
-#include "io/log/rig_moments.hpp"
 
 namespace simuli {
 
@@ -116,16 +115,16 @@ class HeldOutRule {
   [[nodiscard]] static const std::string& sensor_of(const ImageFrame& frame) { return frame.camera; }
   [[nodiscard]] static const std::string& sensor_of(const SweepFrame& frame) { return frame.lidar; }
   [[nodiscard]] const std::vector<std::size_t>& moments_of(const ImageFrame& /*any*/) const {
-    return moments_.images;
+    return images_;
   }
   [[nodiscard]] const std::vector<std::size_t>& moments_of(const SweepFrame& /*any*/) const {
-    return moments_.sweeps;
+    return sweeps_;
   }
 
   std::size_t every_;
   bool counts_by_sensor_;
-  RigMoments moments_;
-  std::set<std::string> sensors_;  // held out
+  std::vector<std::size_t> images_, sweeps_;  // of which moment they are
+  std::set<std::string> sensors_;             // held out
   double cut_s_ = std::numeric_limits<double>::infinity();
   std::array<double, 2> middle_s_{cut_s_, cut_s_};  // from, until
 };
