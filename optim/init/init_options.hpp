@@ -81,10 +81,6 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         o.actor_min_travel_m,
         at_least(0.0),
         "Distance in m that a labelled actor must travel; those that travel less are background.");
-  field("actors.margin_m",
-        o.actor_margin_m,
-        at_least(0.0),
-        "Distance in m by which actors reach beyond their labelled boxes. Larger: for inexact labels.");
   field("init.register_tracks",
         o.register_tracks,
         "Correct the actors' labelled tracks by their LiDAR returns. false: labels are exact.");
@@ -92,6 +88,7 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field.keyless(o.max_shell);
   field.keyless(o.shell_distance_m);
   field.keyless(o.max_scale_m);
+  field.keyless(o.actor_margin_m);
   field.keyless(o.drop_moving);
 }
 

@@ -78,7 +78,6 @@ TEST(Options, OfInitialisationAreCheckedByKey) {
   refused("init.camera_sh_degree: found 4, allowed 0 to 3", [](auto& o) { o.camera_sh_degree = 4; });
   refused("init.environment_width: found 9, allowed 0, or 8 to 7200 and even",
           [](auto& o) { o.environment_width = 9; });
-  refused("actors.margin_m: found -1", [](auto& o) { o.actor_margin_m = -1.0; });
 }
 
 TEST(Options, OfTrainingAreCheckedByKey) {
