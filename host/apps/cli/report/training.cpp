@@ -190,6 +190,11 @@ TrainHistory run_training(Training& training,
     training.prepare(reading.callback());
   }
   reading.finish();
+  // Not before it is ready: a request that is refused leaves one line.
+  const ProgressStyle style = progress_style(globals);
+  if (!outputs.frames.empty() && (style == ProgressStyle::kBar || style == ProgressStyle::kLines)) {
+    std::cerr << fmt::format("simuli: frames to train on: {}\n", outputs.frames);
+  }
   if (const StretchPlan& plan = training.report().stretches; plan.count > 0 && ranks.is_first()) {
     std::cerr << plan_text(plan) << '\n';
   }
@@ -198,10 +203,10 @@ TrainHistory run_training(Training& training,
   // The first iteration compiles what is not in a cache: its time tells nothing of the others'.
   std::optional<Progress> compiling;
   if (training.status().iteration < training.status().planned) {
-    compiling.emplace("compile kernels", 1, progress_style(globals));
+    compiling.emplace("compile kernels", 1, style);
     compiling->update(0);
   }
-  Progress progress("train", planned(), progress_style(globals));
+  Progress progress("train", planned(), style);
   Outlook outlook(training);
   std::optional<InterruptionPoint> interruption;
   if (checkpoints.every > 0) interruption.emplace();

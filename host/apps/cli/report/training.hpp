@@ -31,6 +31,7 @@ struct TrainOutputs {
   bool resume = false;                 // from checkpoints.file, if it is there
   std::filesystem::path event_folder;  // TensorBoard's; empty: none
   LivePage* view = nullptr;            // who shows it; may be nobody
+  std::string frames = {};             // of each sensor, told before the first step; empty: not told
   Ranks* ranks = &one_rank();          // the training's; only the first one shows and warns
 };
 

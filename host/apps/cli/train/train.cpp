@@ -184,7 +184,6 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
   TrainingOptions& options = command.options;
   const Log log = read_log(command.log);
   take_sensors(command, log);
-  const std::vector<SensorUse> uses = sensor_uses(log, HeldOutRule(log, options.frames));
   const std::unique_ptr<OutputLock> lock = take_output(command);
   ranks.wait_for_all();
   const Device device = open();
@@ -192,7 +191,6 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
     std::cerr << fmt::format(
         "simuli: {}; {}\n", device.info().label(), fmt::join(fields_of(options).lines(), " "));
   }
-  if (!globals.json) std::cerr << fmt::format("simuli: frames to train on: {}\n", uses_text(uses));
   std::unique_ptr<LivePage> page;
   if (command.view_port >= 0) {
     page = open_live_page(globals, without_particles(log), command.view_port);
@@ -200,6 +198,7 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
     command.outputs.view = page.get();
   }
   command.outputs.ranks = &ranks;
+  command.outputs.frames = uses_text(sensor_uses(log, HeldOutRule(log, options.frames)));
   Training training(device, log, options, ranks);
   TrainedReport trained;
   trained.history = run_training(training, device, globals, command.outputs);
