@@ -1,7 +1,9 @@
 #include "io/base/json_reader.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <string_view>
 #include <utility>
 
 #include "host/core/base/error.hpp"
@@ -11,7 +13,7 @@ namespace {
 
 /// Files are data and lists of it; what nests deeper is made to exhaust the stack of whoever walks through
 /// it.
-constexpr int kDeepest = 64;
+constexpr std::size_t kDeepest = 64;
 /// Of a file's own text, what one line of a message can carry.
 constexpr std::size_t kLongest = 60;
 
@@ -49,6 +51,77 @@ std::string shortened(const Json& value) {
   append(text, value);
   return cut(std::move(text));
 }
+
+/// Builds the value from the parser's events, each in constant time: nlohmann's own parser with a callback
+/// looks through the whole parent behind every object, and its objects through their keys at every key.
+class Builder final : public nlohmann::json_sax<Json> {
+ public:
+  Builder(const std::string& file, Json& root) : file_(file), root_(root) {}
+
+  bool null() override { return add(nullptr); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(value); }
+  bool number_unsigned(number_unsigned_t value) override { return add(value); }
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& value) override { return add(std::move(value)); }
+  bool binary(binary_t& value) override { return add(std::move(value)); }
+  bool key(string_t& name) override {
+    open_.back()->get_ref<Json::object_t&>().emplace_back(std::move(name), nullptr);
+    return true;
+  }
+  bool start_object(std::size_t) override { return open(Json::value_t::object); }
+  bool start_array(std::size_t) override { return open(Json::value_t::array); }
+  bool end_array() override {
+    open_.pop_back();
+    return true;
+  }
+  bool end_object() override {
+    keys_.clear();
+    for (const auto& entry : open_.back()->get_ref<const Json::object_t&>()) keys_.push_back(entry.first);
+    std::sort(keys_.begin(), keys_.end());
+    const auto twice = std::adjacent_find(keys_.begin(), keys_.end());
+    if (twice != keys_.end()) {
+      throw_input_error(file_, quoted(std::string(*twice)), "the key twice in one object", "once");
+    }
+    return end_array();
+  }
+  bool parse_error(std::size_t, const std::string&, const Json::exception& error) override {
+    // It quotes what it read last: a string without an end is the rest of the file.
+    constexpr std::size_t kMost = 200;
+    std::string what(error.what());
+    if (what.size() > kMost) what = what.substr(0, kMost) + "...";
+    throw_input_error(file_, "JSON", what, "well-formed JSON");
+  }
+
+ private:
+  /// Puts a value where the innermost open one takes it; a parent does not grow while a child is open.
+  Json& put(Json value) {
+    if (open_.empty()) return root_ = std::move(value);
+    if (open_.back()->is_array()) {
+      auto& elements = open_.back()->get_ref<Json::array_t&>();
+      elements.push_back(std::move(value));
+      return elements.back();
+    }
+    return open_.back()->get_ref<Json::object_t&>().back().second = std::move(value);
+  }
+  bool add(Json value) {
+    put(std::move(value));
+    return true;
+  }
+  bool open(Json::value_t type) {
+    if (open_.size() >= kDeepest) {
+      throw_input_error(
+          file_, "JSON", fmt::format("more than {} levels", kDeepest), "objects and arrays less deep");
+    }
+    open_.push_back(&put(type));
+    return true;
+  }
+
+  const std::string& file_;
+  Json& root_;
+  std::vector<Json*> open_;
+  std::vector<std::string_view> keys_;
+};
 
 }  // namespace
 
@@ -151,31 +224,10 @@ void JsonObject::finish() const {
 }
 
 Json parse_json(const std::string& text, const std::string& file) {
-  std::vector<std::set<std::string>> keys_of_open_objects;
-  const auto check = [&](int depth, Json::parse_event_t event, Json& value) {
-    const bool opens =
-        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-    if (opens && depth >= kDeepest) {
-      throw_input_error(
-          file, "JSON", fmt::format("more than {} levels", kDeepest), "objects and arrays less deep");
-    }
-    if (event == Json::parse_event_t::object_start) keys_of_open_objects.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys_of_open_objects.pop_back();
-    if (event == Json::parse_event_t::key &&
-        !keys_of_open_objects.back().insert(value.get<std::string>()).second) {
-      throw_input_error(file, quoted(value.get<std::string>()), "the key twice in one object", "once");
-    }
-    return true;
-  };
-  try {
-    return Json::parse(text, check);
-  } catch (const Json::exception& error) {
-    // It quotes what it read last: a string without an end is the rest of the file.
-    constexpr std::size_t kMost = 200;
-    std::string what(error.what());
-    if (what.size() > kMost) what = what.substr(0, kMost) + "...";
-    throw_input_error(file, "JSON", what, "well-formed JSON");
-  }
+  Json root;
+  Builder builder(file, root);
+  Json::sax_parse(text, &builder);
+  return root;
 }
 
 }  // namespace simuli
