@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -38,7 +39,7 @@ struct Textbook {
 class Adam : public testing::TestWithParam<Precision> {};
 
 TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   constexpr std::uint32_t kSteps = 20;
   const GaussianSet set = test::set_for(test::kCameraRolling, {.count = 37}, 8);
@@ -93,7 +94,7 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
 }
 
 TEST_P(Adam, DenseStepsMoveTheirPartAlone) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   constexpr std::size_t kPart = 48, kParts = 3;
   constexpr double kRate = 0.01;

@@ -11,6 +11,7 @@
 
 #include "host/core/scene/particle_order.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -122,7 +123,7 @@ class Anchor : public testing::TestWithParam<Precision> {
   void SetUp() override {
     if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
   }
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 class AnchorSearch : public testing::TestWithParam<std::pair<Precision, std::size_t>> {
@@ -130,7 +131,7 @@ class AnchorSearch : public testing::TestWithParam<std::pair<Precision, std::siz
   void SetUp() override {
     if (GetParam().first == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
   }
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(AnchorSearch, NeighboursAreThoseOfBruteForce) {

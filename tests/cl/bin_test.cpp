@@ -14,6 +14,7 @@
 #include "host/core/base/error.hpp"
 #include "host/device/render/frame/stages.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -101,7 +102,7 @@ void random_footprints(const shared::FrameParams& frame,
 class Bin : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(Bin, ListsAreThoseOfTheRectangles) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   BinStage bin(device, GetParam());
   FrameBuffers buffers(device, Precision::kFloat);
   const ParticleBuffers all(device, GaussianSet(SetKind::kCamera, 0, 0), Precision::kFloat);
@@ -174,7 +175,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
 }
 
 TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   BinStage bin(device, GetParam());
   FrameBuffers buffers(device, Precision::kFloat);
   const ParticleBuffers all(device, GaussianSet(SetKind::kCamera, 0, 0), Precision::kFloat);
@@ -228,7 +229,7 @@ class BinOfScenes : public testing::TestWithParam<SceneCase> {};
 TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
   const SceneCase& scene = GetParam();
   const bool camera = scene.kind == SetKind::kCamera;
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const test::SetRecipe recipe{
@@ -296,7 +297,7 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   GaussianSet set(SetKind::kLidar, test::kLidarMoving.sh_degree, 1);
   set.params.leftCols(flat.params.cols()) = flat.params;
 
-  const Device device = Device::best();
+  const Device& device = test::device();
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);

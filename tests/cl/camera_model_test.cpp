@@ -9,6 +9,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/host/opencv_cameras.hpp"
 #include "tests/host/windshields.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -44,7 +45,7 @@ Images project_on_device(const Camera& camera,
                          const std::vector<Vector3d>& points,
                          Precision precision,
                          int lanes) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   BuildOptions options;
   options.real(precision).define("V", lanes).define("SENSOR", 0).define("MOVING", 0);
   options.define("LENS", camera.lens.kind());
@@ -144,7 +145,7 @@ TEST(CameraModel, TheDeviceProjectsAsTheHostDoes) {
     const double radius = std::tan(random.uniform(0.58, 0.66)), direction = random.uniform(0.0, 2.0 * kPi);
     points.emplace_back(radius * std::cos(direction), radius * std::sin(direction), 1.0);
   }
-  const bool fp64 = test::has_double(Device::best());
+  const bool fp64 = test::has_double(test::device());
   struct Build {
     Precision precision;
     int lanes;
@@ -238,7 +239,7 @@ Picture picture_of(const Camera& camera, bool moving) {
 
 /// Compares a picture with the reference without boxes, which knows neither tiles nor sigma points.
 void expect_reference(const Picture& picture, std::size_t least_covered) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options = paper_options();
   options.camera_filter_px2 = kSplatVariance_px2;  // so that what is below a coarse pixel meets its ray
   Renderer renderer(device, options);
@@ -319,7 +320,7 @@ TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
   particle.mean = 5.0 * Vector3d(std::cos(azimuth), -std::sin(azimuth), 0.0);
   particle.scale.setConstant(0.05);
   picture.set = test::set_of(SetKind::kCamera, {particle});
-  const Device device = Device::best();
+  const Device& device = test::device();
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
@@ -347,7 +348,7 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
     }
   }
   picture.set = test::set_of(SetKind::kCamera, around);
-  const Device device = Device::best();
+  const Device& device = test::device();
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());

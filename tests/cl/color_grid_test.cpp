@@ -9,6 +9,7 @@
 #include "host/device/render/backward/backward_stages.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/gradient/gradient_check.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kGradientTolerance = 1e-6;
 
 class ColorGrid : public testing::TestWithParam<Precision> {
  protected:
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 /// Two grids near the identity.

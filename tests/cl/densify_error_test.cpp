@@ -8,6 +8,7 @@
 
 #include "host/device/render/train/densify.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -18,7 +19,7 @@ double sigma_of(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 class BlendedError : public testing::TestWithParam<LaneShape> {};
 
 TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options = paper_options();
   options.shape = GetParam();
   const test::SceneCase& scene = test::kCameraStill;
@@ -79,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes,
                          });
 
 TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const RenderOptions options = paper_options();
   const GaussianSet set = test::set_for(test::kLidarStill, {.count = 500}, 3);
   const test::Shot shot = test::shot_of(test::kLidarStill, 64, 16);

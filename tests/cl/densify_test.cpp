@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace densify_test {
@@ -48,7 +49,7 @@ GaussianSet distinct_set(Eigen::Index count) {
 
 class Densify : public testing::Test {
  protected:
-  Device device_ = Device::best();
+  Device device_ = test::device();
   DensifyStage densify_{device_, Precision::kFloat};
 };
 

@@ -9,6 +9,7 @@
 #include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/gradient/gradient_check.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace environment_test {
@@ -93,7 +94,7 @@ double variation(const EnvironmentMap& map, const std::vector<double>& texture) 
 
 class Environment : public testing::TestWithParam<Precision> {
  protected:
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(Environment, FillsWhatTheForegroundLeaves) {

@@ -10,6 +10,7 @@
 #include "cl/shared/sensor_constants.h"
 #include "host/device/runtime/kernel.hpp"
 #include "host/device/runtime/source.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace layout_test {
@@ -160,7 +161,7 @@ Offsets device_reals(const std::string& constants, Precision precision) {
   }
   const std::string text = "#include \"math/lanes.h\"\n" + constants +
                            "\n__kernel void probe(__global uint* at) {\n" + structs + body + "}\n";
-  const Device device = Device::best();
+  const Device& device = test::device();
   BuildOptions options;
   Kernel probe(Program::from_text(device, "reals.cl", text, options.real(precision)), "probe");
   Buffer<std::uint32_t> offsets(device, "offsets", at);
@@ -170,7 +171,7 @@ Offsets device_reals(const std::string& constants, Precision precision) {
 }
 
 Offsets device_offsets(const std::string& layout) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Kernel probe(Program::from_text(device, "probe.cl", layout + kProbe), "probe");
   Buffer<std::uint32_t> at(device, "offsets", host_offsets().size());
   at.fill(0xffffffffU);
@@ -204,7 +205,7 @@ std::string constants_of_sensors() {
 TEST(Layout, DeviceAndHostAgreeOnStructsOfReals) {
   const std::string constants = constants_of_sensors();
   EXPECT_EQ(device_reals(constants, Precision::kFloat), host_reals());
-  if (!Device::best().info().fp64) return;
+  if (!test::device().info().fp64) return;
   EXPECT_EQ(device_reals(constants, Precision::kDouble), host_reals());
 }
 

@@ -9,6 +9,7 @@
 #include "host/core/base/error.hpp"
 #include "host/device/render/rays/lidar_tiles.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace lidar_tiling_test {
@@ -68,7 +69,7 @@ Rays rays_of(const Lidar& lidar) {
 }
 
 TEST(LidarTiling, EveryTable) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const std::string& name : builtin_lidar_names()) {
     SCOPED_TRACE(name);
     const Rays rays = rays_of(builtin_lidar(name));
@@ -92,7 +93,7 @@ TEST(LidarTiling, EveryTable) {
 }
 
 TEST(LidarTiling, OddSensors) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const auto check = [&](const std::vector<float>& elevation, std::uint32_t columns, double span) {
     Rays rays;
     rays.elevation = elevation;
@@ -114,13 +115,13 @@ TEST(LidarTiling, OddSensors) {
 }
 
 TEST(LidarTiling, RaysTooUnevenAreRefused) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const std::vector<float> bundled(4000, 0.5F);
   EXPECT_THROW((void)tile_rows_of_rays(device, "bundled", {0.1F, 0.0F}, bundled), Error);
 }
 
 TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   test::Random random(7);
   for (const std::size_t count : {1U, 40U, 20000U}) {
     std::vector<float> elevation, x;
@@ -167,7 +168,7 @@ class Lists {
 };
 
 TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const std::string& name : builtin_lidar_names()) {
     const Lidar lidar = builtin_lidar(name);
     const LidarRays nominal = nominal_rays(lidar);

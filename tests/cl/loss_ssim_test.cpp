@@ -9,6 +9,7 @@
 
 #include "host/device/render/train/loss_stages.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace loss_ssim_test {
@@ -116,7 +117,7 @@ class Ssim : public testing::TestWithParam<std::pair<Precision, int>> {
     for (double& g : out.gradient) g -= 7.0;
     return out;
   }
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(Ssim, MatchesTheLoopWithHolesMasksAndBorders) {

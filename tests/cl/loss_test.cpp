@@ -8,6 +8,7 @@
 
 #include "host/device/render/train/loss_stages.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -82,7 +83,7 @@ class Loss : public testing::TestWithParam<std::pair<Precision, std::size_t>> {
   [[nodiscard]] double sum_tolerance() const {
     return precision() == Precision::kDouble ? 1e-12 : kFloatSumTolerance;
   }
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/device/runtime/kernel.hpp"
+#include "tests/support/device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
@@ -34,7 +35,7 @@ struct Probed {
 };
 
 Probed probe(int lanes, const std::vector<float>& a, const std::vector<float>& b) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   BuildOptions options;
   options.define("V", lanes);
   Kernel kernel(Program::from_text(device, "probe.cl", kProbe, options), "probe");
@@ -133,7 +134,7 @@ __kernel void sums(__global const real* values, __global real* each, __global re
   STV(together, hsum16_each(v));
 }
 )";
-  const Device device = Device::best();
+  const Device& device = test::device();
   BuildOptions options;
   options.define("V", 16);
   Kernel kernel(Program::from_text(device, "sums.cl", kSums, options), "sums");

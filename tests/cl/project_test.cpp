@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -53,7 +54,7 @@ class ProjectionOption : public testing::TestWithParam<test::SceneCase> {
     return range_m * Vector3d(1.0, random.uniform(-0.4, 0.4), random.uniform(-0.25, 0.1)).normalized();
   }
 
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(ProjectionOption, SmallParticlesHaveTheSameBox) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/device/runtime/kernel.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace random_test {
@@ -42,7 +43,7 @@ __kernel void normals(const uint key, __global real* out) {
 )";
 
 TEST(Philox, PublishedVectorsOnHostAndDevice) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Kernel words(Program::from_text(device, "probe.cl", kProbe, BuildOptions()), "words");
   std::vector<std::uint32_t> in, expected;
   for (const Vector& v : kVectors) {
@@ -69,7 +70,7 @@ TEST(Philox, PublishedVectorsOnHostAndDevice) {
 
 TEST(Philox, NormalsHaveTheMomentsOfTheNormalDistribution) {
   constexpr std::size_t kCount = 200'000;
-  const Device device = Device::best();
+  const Device& device = test::device();
   Kernel normals(Program::from_text(device, "probe.cl", kProbe, BuildOptions()), "normals");
   RealBuffer out(device, "out", Precision::kFloat, 3 * kCount);
   normals.run(kCount, 1, {{"key", 5U}, {"out", out}});

@@ -13,6 +13,7 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -46,7 +47,7 @@ std::vector<bool> flags_of(const Request& request, std::size_t rays, std::size_t
 }
 
 TEST(RayMask, AreasCountOccupiedCells) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const Lidar lidar = test::small_lidar(20, 150);
   const SensorRays all(device, lidar, nominal_rays(lidar), paper_options());
   for (const Request& request : requests()) {
@@ -89,7 +90,7 @@ TEST(RayMask, AreasCountOccupiedCells) {
 }
 
 TEST(RayMask, SomeRaysGetARowPerBeamAndTwoColumnsPerFiring) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const Lidar lidar = test::small_lidar(20, 900);
   const SensorRays rays(device, lidar, nominal_rays(lidar), paper_options());
   const auto cells = [](const SensorRays& of) { return of.buffers().requested.areas.count(); };
@@ -101,7 +102,7 @@ TEST(RayMask, SomeRaysGetARowPerBeamAndTwoColumnsPerFiring) {
 }
 
 TEST(RayMask, RowsHoldEqualNumbersOfBeams) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Lidar lidar = test::small_lidar(16, 40);
   for (std::size_t r = 0; r < 12; ++r) lidar.rows[r].elevation = 0.1 - 0.001 * static_cast<double>(r);
   const SensorRays rays(device, lidar, nominal_rays(lidar), paper_options());
@@ -198,7 +199,7 @@ class Comparison {
     options.culling = culling;
     return options;
   }
-  Device device_ = Device::best();
+  Device device_ = test::device();
   RenderOptions off_ = paper_options(), auto_ = off_;
   Renderer without_culling_, with_culling_;
 };
@@ -254,7 +255,7 @@ TEST(RayMask, NorInOtherShapesAndExtents) {
 }
 
 TEST(RayMask, AFullMaskIsNotAsked) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options = paper_options();
   const Lidar lidar = builtin_lidar("generic64");
   const SensorRays rays(device, lidar, nominal_rays(lidar), options);
@@ -270,7 +271,7 @@ TEST(RayMask, AFullMaskIsNotAsked) {
 }
 
 TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, crowd(3, 1), Precision::kFloat);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -26,7 +27,7 @@ constexpr std::size_t kSizes[] = {0, 1, 2, 15, 16, 17, 63, 64, 65, 255, 256, 257
 
 class Scan : public testing::TestWithParam<std::size_t> {
  protected:
-  Device device_ = Device::best();
+  Device device_ = test::device();
   ScanStage scan_{device_, GetParam()};
 };
 

@@ -10,6 +10,7 @@
 
 #include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace shard_sum_test {
@@ -39,7 +40,7 @@ Shard shard_of(std::size_t particles, std::size_t count, unsigned seed) {
 
 class ShardSumTest : public testing::Test {
  protected:
-  const Device device = Device::best();
+  const Device& device = test::device();
   const ParticleBuffers particles{
       device, test::set_for(test::kLidarMoving, {.count = 1037, .scale_max = 3.0}, 12), Precision::kFloat};
   const std::size_t stride = particles.stride, rows = particles.params.count() / particles.stride;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace sort_test {
@@ -63,7 +64,7 @@ class Sort : public testing::TestWithParam<SortCase> {
       ASSERT_EQ(values.download(), order) << n << " keys of " << bits << " bits";
     }
   }
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(Sort, OfFewIsThatOfTheStandardLibraryAndStable) { expect_sorted(kFew); }

@@ -7,6 +7,7 @@
 #include "io/synth/street.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/init/initialize.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli::test {
 
@@ -15,7 +16,7 @@ inline SceneFile file_of(const Log& log, Scene scene) {
   return {std::move(scene), log.cameras, log.lidars, log.world_from_rig, frame_spans(log)};
 }
 inline EvalReport compare(const Log& log, const Scene& scene, const EvalOptions& options) {
-  return Evaluation(Device::best(), file_of(log, scene), log, options).run();
+  return Evaluation(test::device(), file_of(log, scene), log, options).run();
 }
 
 /// Six pictures of 64 x 36 and six sweeps of 32 x 90, made once per process; frame 4 is held out of five.

@@ -5,6 +5,7 @@
 
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -107,7 +108,7 @@ Difference difference(const SceneCase& scene, double step_m, double turn_rad, Pr
   test::Shot shot = camera ? test::shot_of(scene, 64, 48) : test::shot_of(scene, 180, 24);
   shot.view.actors = test::cars(step_m, turn_rad);
   const GaussianSet set = set_with_actors(scene);
-  const Device device = Device::best();
+  const Device& device = test::device();
   const RenderOptions options = exact_options(precision);
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
@@ -137,7 +138,7 @@ Difference difference(const SceneCase& scene, double step_m, double turn_rad, Pr
 constexpr double kExact = 2e-6;
 
 TEST(Actors, ThatDriveAreWhereEachRayMeetsThem) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   // 4 m per frame: 40 m/s in a sweep. What drives straight is drawn exactly.
   for (const SceneCase& scene : {test::kLidarMoving, kCameraRollingSh0}) {
@@ -149,7 +150,7 @@ TEST(Actors, ThatDriveAreWhereEachRayMeetsThem) {
 }
 
 TEST(Actors, ThatTurnAreOffBySecondOrder) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   // 45 degrees/s and 20 m/s in a sweep. A particle keeps the heading it has when its middle is seen: what is
   // left is the turn between that time and a ray's, times the particle's size.
@@ -167,7 +168,7 @@ TEST(Actors, AreDrawnInFloatAsInDouble) {
 }
 
 TEST(Actors, UnderAGlobalShutterStandStill) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   test::Shot shot = test::shot_of(test::kCameraStill, 64, 48);
@@ -205,7 +206,7 @@ TEST(Actors, UnderAGlobalShutterStandStill) {
 }
 
 TEST(Actors, ThatAreNotThereLeaveTheBackgroundsBits) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   for (const double step_m : {0.0, 3.0}) {
@@ -239,7 +240,7 @@ TEST(Actors, ThatAreNotThereLeaveTheBackgroundsBits) {
 }
 
 TEST(Actors, KeepTheirParticlesInTheirBoxes) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   GaussianSet set = set_with_actors(test::kCameraStill);
   set.mean() *= 3.0F;
   set.log_scale()(1, 0) = 2.0F;

@@ -14,6 +14,7 @@
 #include "host/device/render/train/densify.hpp"
 #include "host/device/render/train/loss_stages.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -28,7 +29,7 @@ void expect_counted(const Device& device, const BufferTable<Sizes>& table, const
 TEST(BufferTable, TellsWhatAFrameTakes) {
   for (const test::SceneCase& scene : {test::kCameraStill, test::kLidarMoving}) {
     SCOPED_TRACE(scene.name);
-    const Device device = Device::best();
+    const Device& device = test::device();
     const test::Shot shot = test::shot_of(scene, 72, 40);
     Renderer renderer(device, {});
     const GaussianSet set = test::set_for(scene, {.count = 200, .low = {-8, -8, -3}, .high = {8, 8, 3}}, 5);
@@ -56,7 +57,7 @@ TEST(BufferTable, TellsWhatAFrameTakes) {
 }
 
 TEST(BufferTable, KeepsItsMembersWhenItMoves) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Projected first(device);
   Projected second(std::move(first));
   second.reserve({.particles = 7});
@@ -65,7 +66,7 @@ TEST(BufferTable, KeepsItsMembersWhenItMoves) {
 }
 
 TEST(BufferTable, NamesAreUnique) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   std::map<std::string, int> times;
   const auto add = [&](const auto& table) {
     for (const BufferBytes& buffer : table.bytes({})) ++times[buffer.name];

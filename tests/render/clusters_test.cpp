@@ -18,6 +18,7 @@
 #include "host/device/render/rays/sensor_in_frame.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -193,7 +194,7 @@ class Clusters : public testing::Test {
     left_out_ = unseen_ = out_of_sight_ = 0;
   }
 
-  Device device_ = Device::best();
+  Device device_ = test::device();
   std::size_t left_out_ = 0, unseen_ = 0, out_of_sight_ = 0;
 };
 

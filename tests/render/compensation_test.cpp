@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -23,7 +24,7 @@ double kept_share(const test::SingleParticle& p, const Eigen::Vector3d& directio
 class OpacityCompensation : public testing::TestWithParam<Precision> {};
 
 TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   // The set's parameters are floats, those of the reference are not.
   const double tolerance = GetParam() == Precision::kDouble ? 1e-7 : 1e-5;
@@ -73,7 +74,7 @@ TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
 }
 
 TEST_P(OpacityCompensation, WithoutAFootprintNothingChanges) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   const test::Shot shot = test::shot_of(test::kCameraRolling, 40, 30);
   const GaussianSet set = test::set_for(test::kCameraRolling, {.count = 60}, 6);

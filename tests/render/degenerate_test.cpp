@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -98,7 +99,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
     EXPECT_LT(*std::min_element(results.transmittance.begin(), results.transmittance.end()), 0.5F);
   }
 
-  Device device_ = Device::best();
+  Device device_ = test::device();
   RenderOptions options_ = paper_options();
   Renderer renderer_{device_, options_};
   std::vector<float> gradients_;  // of what the last render did not cull

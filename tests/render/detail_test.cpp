@@ -5,6 +5,7 @@
 #include "host/device/render/levels/levels.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -43,7 +44,7 @@ GaussianSet shared_out(const DetailLevels& levels, const View& view, double reac
 class DetailInFrames : public testing::TestWithParam<Precision> {};
 
 TEST_P(DetailInFrames, IsThatOfSharesByHand) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   const test::Tolerance tolerance =
       GetParam() == Precision::kDouble ? test::kDoubleTolerance : test::kFloatTolerance;

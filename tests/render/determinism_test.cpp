@@ -7,6 +7,7 @@
 
 #include "host/device/render/train/adam.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -28,7 +29,7 @@ GaussianSet crowd(const SceneCase& scene) {
 }
 
 Step step_of(const SceneCase& scene, const GaussianSet& set, const LaneShape& shape) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options = paper_options();
   options.shape = shape;
   const test::Shot shot =
@@ -86,7 +87,7 @@ TEST_P(Determinism, StepsRepeatBitForBit) {
   expect_same_bits(first.grads, second.grads);
   expect_same_bits(first.params, second.params);
   // The step did something, so that equality says something.
-  const ParticleBuffers untouched(Device::best(), set, Precision::kFloat);
+  const ParticleBuffers untouched(test::device(), set, Precision::kFloat);
   EXPECT_NE(
       std::memcmp(
           first.params.data(), untouched.params.download_float().data(), first.params.size() * sizeof(float)),

@@ -8,6 +8,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace extent_brute_test {
@@ -54,7 +55,7 @@ Decided through(const std::vector<SingleParticle>& particles,
 
 /// The rays of `shot` at rest see all that meets them.
 void expect_nothing_lost(const Shot& shot, const std::vector<SingleParticle>& particles) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options;
   options.extent = Extent::kExact;
   options.camera_filter_px2 = 0.0;
@@ -128,7 +129,7 @@ std::vector<SingleParticle> scattered(int count,
 }
 
 std::size_t instances_of(const Shot& shot, const std::vector<SingleParticle>& particles, Extent extent) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options;
   options.extent = extent;
   Renderer renderer(device, options);

@@ -9,6 +9,7 @@
 #include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/windshields.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -50,7 +51,7 @@ struct Comparison {
 };
 
 Comparison compare(const Shot& shot, const RenderOptions& options, double rounding) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const GaussianSet set = awkward_set(shot.kind, 5);
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
@@ -136,7 +137,7 @@ Shot lidar_shot(bool moving, bool measured, SpinDirection spin) {
 }
 
 TEST(ExactExtent, LosesNothingInDouble) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   expect_nothing_lost("pinhole", camera_shot(false), Precision::kDouble);
   expect_nothing_lost("pinhole, rolling shutter", camera_shot(true), Precision::kDouble);
   expect_nothing_lost("fisheye, rolling shutter", fisheye_shot(0.9, true), Precision::kDouble);
@@ -202,7 +203,7 @@ struct Boxes {
   std::vector<double> records;
   std::vector<shared::Footprint> footprints;
   Boxes(const Shot& shot, const GaussianSet& set) {
-    const Device device = Device::best();
+    const Device& device = test::device();
     RenderOptions options;
     options.extent = Extent::kExact;
     options.camera_filter_px2 = 0.0;

@@ -8,6 +8,7 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/sensors/lidar_library.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr float kHit = 0.3F;
 
 TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const std::string& name : builtin_lidar_names()) {
     const BuiltinLidar sensor = builtin_lidar_with_facts(name);
     const LidarRays rays = nominal_rays(sensor.model);
@@ -71,7 +72,7 @@ GaussianSet balls_on_rays(const BuiltinLidar& sensor,
 }
 
 void expect_hits(const Pose& start, const Pose& end) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   for (const std::string& name : builtin_lidar_names()) {
@@ -102,7 +103,7 @@ TEST(LidarTables, MovingRaysMeetWhatStandsOnThem) {
 
 /// Transmittance of all rays over one ball of radius 12 cm at `p_sensor`.
 std::vector<float> past_ball(const Lidar& lidar, const LidarRays& rays, const Eigen::Vector3d& p_sensor) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Renderer renderer(device, paper_options());
   test::SingleParticle ball;
   ball.mean = p_sensor;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -26,7 +27,7 @@ class Near : public testing::TestWithParam<Order> {
         .results();
   }
 
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(Near, OnlyWhatIsNearerIsLeftOut) {

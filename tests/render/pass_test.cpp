@@ -8,6 +8,7 @@
 
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -32,7 +33,7 @@ class Passes : public testing::Test {
     expect_error(ErrorKind::kUsage, part, f);
   }
 
-  Device device_ = Device::best();
+  Device device_ = test::device();
   Renderer renderer_{device_, {}};
   test::Shot picture_ = test::shot_of(test::kCameraStill, 40, 30),
              sweep_ = test::shot_of(test::kLidarStill, 60, 12);

@@ -11,6 +11,7 @@
 #include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -107,11 +108,11 @@ TEST(RayGrid, SweepsAreComplete) {
   for (const auto& [rows, columns] : {std::pair(1, 1), {1, 500}, {20, 150}, {33, 7}, {64, 257}}) {
     const Lidar lidar = test::small_lidar(rows, columns);
     const LidarRays nominal = nominal_rays(lidar);
-    const RayGrid grid = make_ray_grid(Device::best(), lidar, nominal);
+    const RayGrid grid = make_ray_grid(test::device(), lidar, nominal);
     expect_complete(grid);
     expect_lidar_places(grid, nominal);
     const LidarRays measured = jittered(lidar, 2.0, 3);
-    const RayGrid uneven = make_ray_grid(Device::best(), lidar, measured);
+    const RayGrid uneven = make_ray_grid(test::device(), lidar, measured);
     expect_complete(uneven);
     expect_lidar_places(uneven, measured);
   }
@@ -122,7 +123,7 @@ TEST(RayGrid, BuiltInLidarsAreComplete) {
     SCOPED_TRACE(name);
     const Lidar lidar = builtin_lidar(name);
     const LidarRays rays = nominal_rays(lidar);
-    const RayGrid grid = make_ray_grid(Device::best(), lidar, rays);
+    const RayGrid grid = make_ray_grid(test::device(), lidar, rays);
     expect_complete(grid);
     expect_lidar_places(grid, rays);
   }
@@ -133,7 +134,7 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   lidar.azimuth_first = -0.4;
   lidar.azimuth_span = 0.8;
   const LidarRays narrow = nominal_rays(lidar);
-  const RayGrid grid = make_ray_grid(Device::best(), lidar, narrow);
+  const RayGrid grid = make_ray_grid(test::device(), lidar, narrow);
   expect_complete(grid);
   expect_lidar_places(grid, narrow);
 
@@ -144,10 +145,10 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   for (float& a : turned.azimuth) {
     if (a < 0.0F) a = static_cast<float>(static_cast<double>(a) + 2.0 * kPi);
   }
-  const RayGrid from_zero = make_ray_grid(Device::best(), full, turned);
+  const RayGrid from_zero = make_ray_grid(test::device(), full, turned);
   expect_complete(from_zero);
   expect_lidar_places(from_zero, turned);
-  EXPECT_EQ(from_zero.frame.tiles_x, make_ray_grid(Device::best(), full, centred).frame.tiles_x);
+  EXPECT_EQ(from_zero.frame.tiles_x, make_ray_grid(test::device(), full, centred).frame.tiles_x);
 }
 
 std::string refusal(const std::function<void()>& f) {
@@ -168,7 +169,7 @@ TEST(RayGrid, WrongRaysAreRefused) {
     LidarRays rays = good;
     spoil(rays);
     const std::string message =
-        refusal([&] { static_cast<void>(make_ray_grid(Device::best(), lidar, rays)); });
+        refusal([&] { static_cast<void>(make_ray_grid(test::device(), lidar, rays)); });
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -186,13 +187,13 @@ TEST(RayGrid, WrongRaysAreRefused) {
   LidarRays bundled = nominal_rays(dense);
   std::fill(bundled.azimuth.begin(), bundled.azimuth.end(), 0.5F);
   EXPECT_NE(
-      refusal([&] { static_cast<void>(make_ray_grid(Device::best(), dense, bundled)); }).find("ray azimuths"),
+      refusal([&] { static_cast<void>(make_ray_grid(test::device(), dense, bundled)); }).find("ray azimuths"),
       std::string::npos);
 }
 
 /// Places a small particle on every sampled ray, 20 m out, renders, and looks at those rays.
 void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::size_t>& sampled) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const auto rays = reference::rays(shot.reference());
   std::vector<test::SingleParticle> particles;
   for (const std::size_t ray : sampled) {
@@ -237,7 +238,7 @@ TEST(SmallParticles, AreSeenInEveryTileOfASweepAndAtItsSeam) {
   test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   for (const double jitter : {0.0, 0.4}) {
     if (jitter > 0.0) shot.rays = jittered(shot.lidar, jitter, 5);
-    std::vector<std::size_t> sampled = sample_of_tiles(make_ray_grid(Device::best(), shot.lidar, shot.rays));
+    std::vector<std::size_t> sampled = sample_of_tiles(make_ray_grid(test::device(), shot.lidar, shot.rays));
     // Both sides of the seam at +-pi, which is also the sweep's cut: first and last firings of each beam.
     std::size_t low = 0, high = 0;
     for (std::size_t row = 0; row < 20; ++row) {

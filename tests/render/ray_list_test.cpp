@@ -7,6 +7,7 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace ray_list_test {
@@ -81,7 +82,7 @@ void expect_complete(const RayList& list, const RayGrid& grid) {
 }
 
 TEST(RayListGrid, AnyListIsComplete) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const std::size_t rays : {1U, 2U, 257U, 24000U}) {
     const RayList list = rosette(rays);
     const RayGrid grid = make_ray_grid(device, list);
@@ -103,7 +104,7 @@ TEST(RayListGrid, AnyListIsComplete) {
 TEST(RayListGrid, BadListsAreRefused) {
   RayList list = rosette(10);
   list.azimuth[3] = std::nan("");
-  EXPECT_THROW((void)make_ray_grid(Device::best(), list), Error);
+  EXPECT_THROW((void)make_ray_grid(test::device(), list), Error);
 }
 
 Pose drive() {
@@ -138,7 +139,7 @@ TEST(RayListGrid, RaysMeetWhatStandsOnThem) {
       balls.push_back(ball);
       chosen.push_back(ray);
     }
-    const Device device = Device::best();
+    const Device& device = test::device();
     const std::vector<float> found =
         transmittance(device,
                       test::set_of(SetKind::kLidar, balls),
@@ -161,7 +162,7 @@ TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
   recipe.scale_min = 0.05;
   recipe.scale_max = 0.5;
   const GaussianSet set = test::random_set(recipe, 5);
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const Pose& end : {Pose{}, drive()}) {
     const std::vector<float> expected =
         transmittance(device, set, SensorRays(device, lidar, rays, paper_options()), end);

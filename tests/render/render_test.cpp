@@ -3,6 +3,7 @@
 #include <string>
 
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -20,7 +21,7 @@ class Forward : public testing::TestWithParam<ForwardCase> {};
 
 TEST_P(Forward, MatchesTheReference) {
   const auto& [scene, precision, shape] = GetParam();
-  const Device device = Device::best();
+  const Device& device = test::device();
   if (precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   const test::SetRecipe recipe{
       .count = 400, .low = {-12, -12, -4}, .high = {12, 12, 4}, .scale_min = 0.05, .scale_max = 0.8};

@@ -5,6 +5,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -14,7 +15,7 @@ constexpr int kColumns = 160;  // divisible by four: a quarter turn is a whole n
 
 /// Transmittance of every ray of a sweep of `lidar` over `set`, row-major.
 std::vector<float> sweep(const GaussianSet& set, const Lidar& lidar, const Pose& start, const Pose& end) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const RenderOptions options = paper_options();
   Renderer renderer(device, options);
   const SensorRays rays(device, lidar, nominal_rays(lidar), options);

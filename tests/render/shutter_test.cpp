@@ -8,6 +8,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "tests/cl/support.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace shutter_test {
@@ -85,7 +86,7 @@ Comparison compare(const Shot& shot,
                    const std::vector<test::SingleParticle>& particles,
                    const RenderOptions& options,
                    double lost) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const GaussianSet set = test::set_of(shot.kind, particles);
   Renderer renderer(device, options);
   const SensorRays rays = shot.on(device, options);
@@ -153,7 +154,7 @@ TEST(Shutter, LosesNoParticleWhateverTheSpeed) {
 }
 
 TEST(Shutter, LosesNoParticleInDouble) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   RenderOptions options = paper_options();
   options.precision = Precision::kDouble;
   for (const double speed : {0.9, 1.0, 3.0}) expect_found_at(speed, options, kClipped);
@@ -208,7 +209,7 @@ struct Found {
   std::vector<shared::Footprint> footprints;
 };
 Found find(const Shot& shot, const std::vector<test::SingleParticle>& particles, Precision precision) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options = paper_options();
   options.precision = precision;
   Renderer renderer(device, options);
@@ -264,7 +265,7 @@ void expect_ordinary_speeds_settle(Precision precision) {
 
 TEST(Shutter, OrdinarySpeedsSettle) { expect_ordinary_speeds_settle(Precision::kFloat); }
 TEST(Shutter, OrdinarySpeedsSettleInDouble) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   expect_ordinary_speeds_settle(Precision::kDouble);
 }
 

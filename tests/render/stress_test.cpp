@@ -10,6 +10,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -51,7 +52,7 @@ class Stress : public testing::TestWithParam<SceneCase> {
       ASSERT_LE(t, 1.0F);
     }
   }
-  Device device_ = Device::best();
+  Device device_ = test::device();
 };
 
 TEST_P(Stress, TenThousandOnOneRay) {
@@ -149,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(All,
 
 // What a picture has beside particles and poses: extremes come out as numbers, what is none is refused.
 TEST(StressOfLooks, EnvironmentsAndGrids) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const GaussianSet set = queue_of(test::kCameraRolling, 20, 1.0F);
   const test::Shot shot = shot_for(test::kCameraRolling);
   Renderer renderer(device, paper_options());
@@ -186,7 +187,7 @@ TEST(StressOfLooks, EnvironmentsAndGrids) {
 }
 
 TEST(StressOfActors, PosesThatAreNoNumbersAreRefused) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   GaussianSet set = queue_of(test::kCameraRolling, 20, 1.0F);
   set.actor.assign(20, 1);
   const test::Shot shot = shot_for(test::kCameraRolling);
@@ -215,7 +216,7 @@ TEST(StressOfActors, PosesThatAreNoNumbersAreRefused) {
 }
 
 TEST(HugePictures, AreRefusedBeforeAnythingIsAllocated) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Camera camera;
   camera.name = "huge";
   camera.fx = camera.fy = 10000.0;

@@ -13,6 +13,7 @@
 #include "optim/base/frames.hpp"
 #include "optim/eval/sweep_pair.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -31,7 +32,7 @@ class EvaluationTest : public test::SmallStreet {
     log.folder = folder_ / name;
     fs::create_directories(log.folder / "images");
     fs::create_directories(log.folder / "sweeps");
-    SceneOnDevice on_device(Device::best(), borrowed(scene));
+    SceneOnDevice on_device(test::device(), borrowed(scene));
     const ImageFrame& image = log.images[4];
     const Sensor camera(log.camera(image.camera).model);
     write_image(log.folder / image.file, on_device.render(camera, shot_of(log, image)).image());
@@ -127,7 +128,7 @@ TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
   EXPECT_EQ(frames.asked.image_scale, 0.5);
   EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 5}));
   EXPECT_EQ(frames.sweeps, (std::vector<std::size_t>{2, 5}));
-  const EvalReport report = Evaluation(Device::best(), scene, log_).run();
+  const EvalReport report = Evaluation(test::device(), scene, log_).run();
   EXPECT_EQ(report.image_width, 32);
   EXPECT_EQ(report.images, 2U);
   EXPECT_EQ(report.frames.kind, FrameKind::kHeldOut);
@@ -175,7 +176,7 @@ TEST_F(EvaluationTest, TheEndOfThePathIsToldApart) {
   EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
   EXPECT_EQ(frames.image_uses[2], FrameUse::kBetween);
   EXPECT_EQ(frames.image_uses[5], FrameUse::kBeyond);  // every third's, too, but behind the cut
-  const EvalReport r = Evaluation(Device::best(), scene, log_).run();
+  const EvalReport r = Evaluation(test::device(), scene, log_).run();
   ASSERT_TRUE(r.between && r.beyond);
   EXPECT_EQ(r.images, 3U);
   EXPECT_EQ(r.between->images, 1U);
@@ -199,7 +200,7 @@ TEST_F(EvaluationTest, TheMiddleOfThePathIsToldApart) {
   const EvalFrames frames = select_eval_frames(log_, scene);
   EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 3, 4}));
   EXPECT_EQ(frames.image_uses[3], FrameUse::kMiddle);
-  const EvalReport r = Evaluation(Device::best(), scene, log_).run();
+  const EvalReport r = Evaluation(test::device(), scene, log_).run();
   ASSERT_TRUE(r.between && r.middle && !r.beyond);
   EXPECT_EQ(r.between->images, 1U);
   EXPECT_EQ(r.middle->images, 2U);
@@ -210,7 +211,7 @@ TEST_F(EvaluationTest, TheMiddleOfThePathIsToldApart) {
   // Both stretches and no frame between: two parts, and the label names both.
   const SceneFile both =
       trained_on(log_, initial_scene(), {.held_out_every = 0, .held_out_middle = 0.3, .held_out_last = 0.1});
-  const EvalReport parts = Evaluation(Device::best(), both, log_).run();
+  const EvalReport parts = Evaluation(test::device(), both, log_).run();
   EXPECT_TRUE(!parts.between && parts.middle && parts.beyond);
   EXPECT_EQ(parts.frames.label(), "held-out frames in the middle and at the end of the path");
   // What the middle of another path holds is mixed with what this training read.
@@ -288,11 +289,11 @@ TEST_F(EvaluationTest, KindsPartActorsFromTheBackground) {
 
 TEST_F(EvaluationTest, SensorsAreWhereTheSceneHasThem) {
   const SceneFile scene = test::file_of(log_, initial_scene());
-  const EvalReport expected = Evaluation(Device::best(), scene, log_, kFull).run();
+  const EvalReport expected = Evaluation(test::device(), scene, log_, kFull).run();
   Log wrong = log_;  // training has learned better
   wrong.cameras[0].rig_from_camera.translation.y() += 0.2;
   wrong.lidars[0].rig_from_lidar.translation.z() += 0.2;
-  const EvalReport found = Evaluation(Device::best(), scene, wrong, kFull).run();
+  const EvalReport found = Evaluation(test::device(), scene, wrong, kFull).run();
   EXPECT_EQ(found.psnr_db, expected.psnr_db);
   EXPECT_EQ(found.lidar.distance_median_m, expected.lidar.distance_median_m);
 }
@@ -300,10 +301,10 @@ TEST_F(EvaluationTest, SensorsAreWhereTheSceneHasThem) {
 TEST_F(EvaluationTest, RangeBiasesOfTheSceneCorrectRangesAndAreStatedAgain) {
   constexpr double kBias_m = 0.25;
   SceneFile scene = test::file_of(log_, initial_scene());
-  Evaluation unbiased(Device::best(), scene, log_, kFull);
+  Evaluation unbiased(test::device(), scene, log_, kFull);
   const LidarPair plain = unbiased.sweep(4);
   for (LidarRow& row : std::get<Lidar>(scene.lidars[0].model).rows) row.range_bias = kBias_m;
-  Evaluation biased(Device::best(), scene, log_, kFull);
+  Evaluation biased(test::device(), scene, log_, kFull);
   const LidarPair pair = biased.sweep(4);
   EXPECT_NEAR(biased.run().lidar.distance_median_m, kBias_m, 0.1);  // sweeps read too long, which they aren't
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {

@@ -7,6 +7,7 @@
 #include "host/core/scene/occluders.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "optim/fill/fill_views.hpp"
+#include "tests/support/device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
@@ -86,7 +87,7 @@ SceneFile trained() {
 
 SceneFile filled() {
   SceneFile file = trained();
-  fill_behind_actors(Device::best(), stand(), {{.image_scale = 1.0, .held_out_every = 0}, {}, {}}, file);
+  fill_behind_actors(test::device(), stand(), {{.image_scale = 1.0, .held_out_every = 0}, {}, {}}, file);
   return file;
 }
 
@@ -96,7 +97,7 @@ struct Ahead {
   Eigen::Vector3d look;
 };
 Ahead ahead(const Scene& scene, const Sensor& sensor) {
-  SceneOnDevice on_device(Device::best(), borrowed(scene));
+  SceneOnDevice on_device(test::device(), borrowed(scene));
   const Frame frame =
       on_device.render(sensor, Shot::at(sensor, {Eigen::Quaterniond::Identity(), kOrigin}, 0.2));
   const RayResults& rays = frame.results();
@@ -147,7 +148,7 @@ TEST(FillBehindActors, RecordedViewsStayAsTheyAre) {
   const Scene before = trained().scene, after = filled().scene;
   for (const Sensor& sensor : sensors()) {
     SCOPED_TRACE(sensor.name());
-    SceneOnDevice old_one(Device::best(), borrowed(before)), new_one(Device::best(), borrowed(after));
+    SceneOnDevice old_one(test::device(), borrowed(before)), new_one(test::device(), borrowed(after));
     const Shot shot = Shot::at(sensor, {Eigen::Quaterniond::Identity(), kOrigin}, 0.2);
     const RayResults a = old_one.render(sensor, shot).results(), b = new_one.render(sensor, shot).results();
     // But for the order of what is equally far away.
@@ -171,7 +172,7 @@ TEST(FillBehindActors, NothingWithoutActors) {
   SceneFile file = trained();
   remove_actor(file.scene, "car");
   const Eigen::MatrixXf params = file.scene.camera.params;
-  fill_behind_actors(Device::best(), stand(), {{.image_scale = 1.0}, {}, {}}, file);
+  fill_behind_actors(test::device(), stand(), {{.image_scale = 1.0}, {}, {}}, file);
   EXPECT_TRUE(file.scene.occluders.empty());
   EXPECT_EQ(file.scene.camera.params, params);
   EXPECT_TRUE(file.scene.camera.actor.empty());
@@ -198,8 +199,8 @@ TEST(SeenWeights, AreThoseOfTheRaysThatAreCounted) {
   EXPECT_DOUBLE_EQ(views[1].shot.time_start_s, 0.2);  // evenly spread
   const std::size_t rays = views[0].sensor().ray_count();
   const SeenWeights seen = seen_weights(
-      Device::best(), one, views, {ActorsBefore(std::vector<std::uint32_t>(rays, 1)), {}}, kOrigin, {});
-  SceneOnDevice on_device(Device::best(), [&] {
+      test::device(), one, views, {ActorsBefore(std::vector<std::uint32_t>(rays, 1)), {}}, kOrigin, {});
+  SceneOnDevice on_device(test::device(), [&] {
     Scene scene;
     scene.origin = kOrigin;
     scene.camera = one;

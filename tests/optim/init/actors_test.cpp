@@ -14,6 +14,7 @@
 #include "optim/train/training.hpp"
 #include "tests/optim/init/street_with_car.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
@@ -136,7 +137,7 @@ TEST(ActorPoints, TakeReturnsWhereTheyAreMeanwhile) {
 }
 
 TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   EvalReport reports[2];
   for (const bool actors : {false, true}) {
     TrainingOptions options;
@@ -163,7 +164,7 @@ TEST_F(StreetWithCar, TrainingWithActorsIsBetterWhereTheCarIs) {
 }
 
 TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   TrainingOptions options;
   options.train.iterations = 4;
   options.frames.image_scale = 1.0;
@@ -190,7 +191,7 @@ TEST_F(StreetWithCar, TracksStayAsRecordedUnlessTheyAreLearned) {
 }
 
 TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   TrainingOptions options;
   options.train.iterations = 24;
   options.frames.image_scale = 1.0;
@@ -243,7 +244,7 @@ TEST_F(StreetWithCar, WhatIsNotANumberLeavesTheOthersWithTheirActor) {
   TrainingOptions options;
   options.train.iterations = 1;
   options.frames.image_scale = 1.0;
-  const Scene scene = Trainer(Device::best(), log_, start, options).scene();
+  const Scene scene = Trainer(test::device(), log_, start, options).scene();
   ASSERT_EQ(scene.camera.size(), start.camera.size() - 1);
   start.camera.actor.erase(first_of_car);
   EXPECT_EQ(scene.camera.actor, start.camera.actor);

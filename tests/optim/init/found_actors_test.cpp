@@ -5,6 +5,7 @@
 
 #include "optim/train/training.hpp"
 #include "tests/optim/init/street_with_car.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -20,7 +21,7 @@ TEST_F(ATrainingsActors, TrainingFindsTheCarOfALogWithoutLabels) {
   options.init = small(true);
   options.frames.image_scale = 1.0;
   options.train.iterations = 0;
-  Training training(Device::best(), bare, options);
+  Training training(test::device(), bare, options);
   training.prepare();
   const Scene scene = training.scene();
   ASSERT_EQ(scene.actors.size(), 1U);
@@ -34,7 +35,7 @@ TEST_F(ATrainingsActors, TrainingFindsTheCarOfALogWithoutLabels) {
   EXPECT_TRUE(scene.actors[0].is_there(0.95));
   EXPECT_GT(std::count(scene.lidar.actor.begin(), scene.lidar.actor.end(), 1U), 50);
   options.find_actors = false;
-  Training blind(Device::best(), bare, options);
+  Training blind(test::device(), bare, options);
   blind.prepare();
   EXPECT_TRUE(blind.scene().actors.empty());
   EXPECT_EQ(blind.report().found.sweeps, 0U);
@@ -45,7 +46,7 @@ TEST_F(ATrainingsActors, TrainingGoesOnWhereALabelEnds) {
   options.init = small(true);
   options.frames.image_scale = 1.0;
   const auto prepared = [&](const Log& log) {
-    Training training(Device::best(), log, options);
+    Training training(test::device(), log, options);
     training.prepare();
     return std::pair{training.report().found, training.scene().actors};
   };

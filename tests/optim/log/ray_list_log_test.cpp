@@ -8,6 +8,7 @@
 #include "optim/log/own_vehicle.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -59,7 +60,7 @@ TEST_F(RayListLog, IsTrainedAndComparedLikeAnyOther) {
   options.init.voxel_m = 0.2;
   options.init.sweep_depth = false;
   options.train.iterations = 40;
-  const Device device = Device::best();
+  const Device& device = test::device();
   Training training(device, log, options);
   training.run();
   const EvalReport report = Evaluation(device, training.result(), log).run();

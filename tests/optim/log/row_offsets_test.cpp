@@ -7,6 +7,7 @@
 #include "host/core/base/error.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace row_offsets_test {
@@ -95,7 +96,7 @@ TEST_F(TrainedRanges, WrongOnesOfRowsAreTakenBack) {
   o.frames.image_scale = 1.0;
   o.train.lidar_every = 1;
   o.train.prune = {.weight = 1e-6, .first = 0, .times = 4, .last_share = 0.8};
-  Trainer trainer(Device::best(), log, initial_scene(), o);
+  Trainer trainer(test::device(), log, initial_scene(), o);
   const TrainReport report = trainer.run();
   EXPECT_LT(spread_m(trainer.lidar(lidar.name)), 0.02);
   EXPECT_GT(report.row_ranges_m, 0.02);
@@ -103,7 +104,7 @@ TEST_F(TrainedRanges, WrongOnesOfRowsAreTakenBack) {
   EXPECT_NEAR(spread_m(lidar), 0.06, 1e-9);
 
   o.train.prune.row_ranges = false;
-  Trainer without(Device::best(), log, initial_scene(), o);
+  Trainer without(test::device(), log, initial_scene(), o);
   EXPECT_EQ(without.run().row_ranges_m, 0.0);
   EXPECT_NEAR(spread_m(without.lidar(lidar.name)), 0.06, 1e-9);
 }

@@ -16,6 +16,7 @@
 #include "optim/train/stretch_plan.hpp"
 #include "optim/train/training.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -135,16 +136,16 @@ TEST_F(StretchesTest, HaveTheirOwnTrainingFramesAndThoseOfTheOverlap) {
 }
 
 TEST_F(StretchesTest, OneAloneIsTheTrainingAsItWas) {
-  Training whole(Device::best(), log_, options(0.0, 20));
+  Training whole(test::device(), log_, options(0.0, 20));
   whole.run();
-  Training one(Device::best(), log_, options(kLength_m, 20));
+  Training one(test::device(), log_, options(kLength_m, 20));
   one.run();
   expect_same(one.scene(), whole.scene());
 }
 
 TEST_F(StretchesTest, KilledAnywhereTheyGoOnToTheSameScene) {
   const fs::path file = folder_ / "killed.checkpoint";
-  Training undisturbed(Device::best(), log_, options(20.0));
+  Training undisturbed(test::device(), log_, options(20.0));
   std::vector<int> told;
   undisturbed.run([&](const TrainStatus& status) {
     told.push_back(status.iteration);
@@ -157,7 +158,7 @@ TEST_F(StretchesTest, KilledAnywhereTheyGoOnToTheSameScene) {
   // In the first stretch, at its very end, in the second, and twice in the third.
   bool begun = false;
   for (const int at : {13, 20, 33, 47, 58, 1000}) {
-    Training training(Device::best(), log_, options(20.0));
+    Training training(test::device(), log_, options(20.0));
     if (begun) training.resume(file);
     begun = true;
     try {
@@ -173,14 +174,14 @@ TEST_F(StretchesTest, KilledAnywhereTheyGoOnToTheSameScene) {
     }
   }
   // What is done stays done, and another training's state is refused.
-  Training finished(Device::best(), log_, options(20.0));
+  Training finished(test::device(), log_, options(20.0));
   finished.resume(file);
   expect_same(finished.scene(), expected);
   finished.run();
   expect_same(finished.scene(), expected);
-  Training longer(Device::best(), log_, options(20.0, 90));
+  Training longer(test::device(), log_, options(20.0, 90));
   expect_error(ErrorKind::kInput, "iterations=", [&] { longer.resume(file); });
-  Training uncut(Device::best(), log_, options(0.0));
+  Training uncut(test::device(), log_, options(0.0));
   expect_error(ErrorKind::kInput, "settings", [&] { uncut.resume(file); });
 }
 
@@ -198,11 +199,11 @@ double psnr_db(const EvalReport& report, F&& is_of) {
 
 TEST_F(StretchesTest, LeaveNoSeam) {
   const auto report_of = [&](const TrainingOptions& o, std::size_t& particles) {
-    Training training(Device::best(), log_, o);
+    Training training(test::device(), log_, o);
     training.run();
     SceneFile scene = training.result();
     particles = static_cast<std::size_t>(scene.scene.lidar.size());
-    return Evaluation(Device::best(), std::move(scene), log_, EvalOptions{}).run();
+    return Evaluation(test::device(), std::move(scene), log_, EvalOptions{}).run();
   };
   // As many iterations for each stretch as for the whole: densification counts them.
   std::size_t whole_particles = 0, particles = 0;
@@ -301,10 +302,10 @@ TEST_F(StretchesTest, AnActorIsOneAndItsTrackHasNoJump) {
 }
 
 TEST_F(StretchesTest, FilesHoldWhatMemoryWould) {
-  Training remembered(Device::best(), log_, options(20.0));
+  Training remembered(test::device(), log_, options(20.0));
   remembered.run();
   const fs::path file = folder_ / "files.checkpoint";
-  Training written(Device::best(), log_, options(20.0));
+  Training written(test::device(), log_, options(20.0));
   written.run({}, {file, 0});
   EXPECT_TRUE(fs::exists(stretch_file(file, 2)));
   expect_same(written.scene(), remembered.scene());
@@ -323,7 +324,7 @@ TEST_F(StretchesTest, AreAsFewAsFitInMemory) {
     o.stretches.host_memory_bytes = host;
     o.train.memory_bytes = device;
     o.train.look.color_grids = grids;
-    return plan_stretches(Device::best(), log_, o, path);
+    return plan_stretches(test::device(), log_, o, path);
   };
   EXPECT_FALSE(plans_stretches(options(0.0)));
   const StretchPlan whole = plan(std::size_t{1} << 40U, std::size_t{1} << 40U);
@@ -338,9 +339,9 @@ TEST_F(StretchesTest, AreAsFewAsFitInMemory) {
   EXPECT_NEAR(by_device.length_m * static_cast<double>(by_device.count), path.length_m(), 1e-6);
   // What is foretold is what a training of such a stretch then asks of the device, or more.
   TrainingOptions o = options(by_device.length_m);
-  Training training(Device::best(), log_, o);
+  Training training(test::device(), log_, o);
   training.prepare();
-  const MemoryNeed need = training_memory(Device::best(), log_, training.scene(), o);
+  const MemoryNeed need = training_memory(test::device(), log_, training.scene(), o);
   EXPECT_GT(static_cast<double>(by_device.device_bytes), 0.8 * static_cast<double>(need.total));
   EXPECT_LT(static_cast<double>(by_device.device_bytes), 3.0 * static_cast<double>(need.total));
   // What cannot fit says so, with what was found, allowed, and by what.
@@ -354,8 +355,8 @@ TEST_F(StretchesTest, PlannedTheyAreThoseOfTheirLength) {
   TrainingOptions planned = options(0.0);
   const DrivenPath path(log_);
   planned.train.memory_bytes = std::size_t{1} << 40U;
-  planned.train.memory_bytes = plan_stretches(Device::best(), log_, planned, path).device_bytes - 1;
-  Training training(Device::best(), log_, planned);
+  planned.train.memory_bytes = plan_stretches(test::device(), log_, planned, path).device_bytes - 1;
+  Training training(test::device(), log_, planned);
   const fs::path file = folder_ / "planned.checkpoint";
   struct Killed {};
   EXPECT_THROW(training.run(
@@ -366,17 +367,17 @@ TEST_F(StretchesTest, PlannedTheyAreThoseOfTheirLength) {
                Killed);
   const StretchPlan plan = training.report().stretches;
   ASSERT_GT(plan.count, 1U);
-  Training resumed(Device::best(), log_, planned);
+  Training resumed(test::device(), log_, planned);
   resumed.resume(file);
   resumed.run();
-  Training told(Device::best(), log_, options(plan.length_m));
+  Training told(test::device(), log_, options(plan.length_m));
   told.run();
   expect_same(resumed.scene(), told.scene());
 }
 
 TEST_F(StretchesTest, RefuseWhatOneWouldTellOtherThanTheNext) {
   const auto refuse = [&](const char* key, TrainingOptions o) {
-    expect_error(ErrorKind::kUsage, key, [&] { Training(Device::best(), log_, o); });
+    expect_error(ErrorKind::kUsage, key, [&] { Training(test::device(), log_, o); });
   };
   TrainingOptions o = options(20.0);
   o.train.length.automatic = true;

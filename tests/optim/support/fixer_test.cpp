@@ -10,6 +10,7 @@
 #include "optim/train/training.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -98,7 +99,7 @@ class FixerTest : public test::SmallStreet {
     return o;
   }
   static Scene trained(const TrainingOptions& o) {
-    Training training(Device::best(), log_, o);
+    Training training(test::device(), log_, o);
     training.run();
     return training.scene();
   }
@@ -118,7 +119,7 @@ TEST_F(FixerTest, ChangesTheCameraSetAloneAndAlwaysInTheSameWay) {
 TEST_F(FixerTest, GoesOnFromACheckpointWithTheSameBits) {
   const fs::path checkpoint = folder_ / "fixer.checkpoint";
   const TrainingOptions o = options(12, kCopy);
-  const auto started = [&] { return std::make_unique<Trainer>(Device::best(), log_, initial_scene(), o); };
+  const auto started = [&] { return std::make_unique<Trainer>(test::device(), log_, initial_scene(), o); };
   const auto whole = started(), first = started(), resumed = started();
   (void)whole->run();
   for (int i = 0; i < 8; ++i) first->step();  // the program was asked once, and will be again
@@ -130,9 +131,9 @@ TEST_F(FixerTest, GoesOnFromACheckpointWithTheSameBits) {
 
 TEST_F(FixerTest, AnotherProgramIsAnotherTraining) {
   const fs::path checkpoint = folder_ / "program.checkpoint";
-  Training first(Device::best(), log_, options(4, kCopy));
+  Training first(test::device(), log_, options(4, kCopy));
   first.run([](const TrainStatus&) {}, {.file = checkpoint, .every = 4});
-  Training other(Device::best(), log_, options(4, "true"));
+  Training other(test::device(), log_, options(4, "true"));
   EXPECT_THROW(other.resume(checkpoint), Error);
 }
 

@@ -8,6 +8,7 @@
 #include "optim/support/support_reliability.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -21,7 +22,7 @@ class RecordSupport : public test::SmallStreet {
     o.init.sweep_depth = false;
     o.train.iterations = 40;
     o.train.lidar_every = 2;
-    Training training(Device::best(), log_, o);
+    Training training(test::device(), log_, o);
     training.run();
     return training.result();
   }
@@ -47,7 +48,7 @@ TEST_F(RecordSupport, IsOfTheTrainingFramesAlone) {
 
 TEST_F(RecordSupport, IsHighOnThePathAndForetellsErrors) {
   const SceneFile file = trained();
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, file.scene);
   SupportOnDevice support(device, file.support);
   const ImageFrame& frame = log_.images[log_.images.size() / 2];

@@ -3,6 +3,7 @@
 
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -17,7 +18,7 @@ class BesideTest : public test::SmallStreet {
     return o;
   }
   static Scene train(double weight) {
-    Trainer trainer(Device::best(), log_, initial_scene(), options(weight));
+    Trainer trainer(test::device(), log_, initial_scene(), options(weight));
     static_cast<void>(trainer.run());
     return trainer.scene();
   }

@@ -9,6 +9,7 @@
 #include "optim/train/training.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -89,7 +90,7 @@ class AutoTraining : public test::SmallStreet {
 
 TEST_F(AutoTraining, IsTheChainOfItsStages) {
   TrainingOptions o = options();
-  Training automatic(Device::best(), log_, o);
+  Training automatic(test::device(), log_, o);
   const TrainReport report = automatic.run().train;
   ASSERT_EQ(report.stages.size(), 3U);
   EXPECT_EQ(report.stages[0].iterations, 100);
@@ -106,7 +107,7 @@ TEST_F(AutoTraining, IsTheChainOfItsStages) {
   std::optional<Scene> last;
   for (const int iterations : {100, 120, 144}) {
     o.train.iterations = iterations;
-    Training told(Device::best(), log_, o);
+    Training told(test::device(), log_, o);
     if (last) told.resume(file);
     told.run({}, {file, 1000});
     last = told.scene();
@@ -116,7 +117,7 @@ TEST_F(AutoTraining, IsTheChainOfItsStages) {
 
 TEST_F(AutoTraining, GoesOnFromItsCheckpointsWithTheSameBits) {
   const TrainingOptions o = options();
-  Training whole(Device::best(), log_, o);
+  Training whole(test::device(), log_, o);
   whole.run([&](const TrainStatus& status) {
     // In the first stage, at its very end, in the last.
     for (const int at : {50, 100, 130}) {
@@ -124,7 +125,7 @@ TEST_F(AutoTraining, GoesOnFromItsCheckpointsWithTheSameBits) {
     }
   });
   for (const int at : {50, 100, 130}) {
-    Training resumed(Device::best(), log_, o);
+    Training resumed(test::device(), log_, o);
     resumed.resume(folder_ / fmt::format("auto_{}.checkpoint", at));
     EXPECT_EQ(resumed.status().planned, at < 100 ? 100 : at < 120 ? 120 : 144);
     const TrainReport& report = resumed.run().train;
@@ -134,7 +135,7 @@ TEST_F(AutoTraining, GoesOnFromItsCheckpointsWithTheSameBits) {
   }
   TrainingOptions other = o;
   other.train.length.automatic = false;
-  Training refused(Device::best(), log_, other);
+  Training refused(test::device(), log_, other);
   expect_error(ErrorKind::kInput, "settings: found auto.on=true, allowed auto.on=false", [&] {
     refused.resume(folder_ / "auto_50.checkpoint");
   });
@@ -143,7 +144,7 @@ TEST_F(AutoTraining, GoesOnFromItsCheckpointsWithTheSameBits) {
 TEST_F(AutoTraining, EndsWhenLittleIsGained) {
   TrainingOptions o = options();
   o.train.length.gain_db = 1000.0;
-  Training training(Device::best(), log_, o);
+  Training training(test::device(), log_, o);
   EXPECT_EQ(training.run().train.last.iteration, 120);
   EXPECT_EQ(training.result().training->iterations, 120);
 }

@@ -5,6 +5,7 @@
 #include "io/log/camera_mask.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
@@ -46,7 +47,7 @@ class MaskedTest : public test::SmallStreet {
   }
 
   static SceneFile trained(const Log& log, const TrainingOptions& o) {
-    Training training(Device::best(), log, o);
+    Training training(test::device(), log, o);
     training.run();
     return std::move(training).result();
   }
@@ -73,8 +74,8 @@ TEST_F(MaskedTest, WhatIsHiddenChangesNoBit) {
     EXPECT_EQ(a.scene.lidar.params, b.scene.lidar.params);
     EXPECT_EQ(a.scene.environment.texels, b.scene.environment.texels);
     ASSERT_EQ(a.support->views.size(), b.support->views.size());
-    const EvalReport scores_a = Evaluation(Device::best(), a, one, {}).run();
-    const EvalReport scores_b = Evaluation(Device::best(), b, other, {}).run();
+    const EvalReport scores_a = Evaluation(test::device(), a, one, {}).run();
+    const EvalReport scores_b = Evaluation(test::device(), b, other, {}).run();
     EXPECT_EQ(scores_a.psnr_db, scores_b.psnr_db);
     EXPECT_GT(scores_a.psnr_db, 15.0);
     if (image_scale < 1.0) continue;
@@ -85,7 +86,7 @@ TEST_F(MaskedTest, WhatIsHiddenChangesNoBit) {
   // Without the mask it would be learned, and scored.
   const Log open = with_noise("open", 1, false);
   const SceneFile smeared = trained(open, options(1.0));
-  EXPECT_LT(Evaluation(Device::best(), smeared, open, {}).run().psnr_db, masked_db - 1.0);
+  EXPECT_LT(Evaluation(test::device(), smeared, open, {}).run().psnr_db, masked_db - 1.0);
 }
 
 }  // namespace

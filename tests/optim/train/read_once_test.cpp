@@ -8,6 +8,7 @@
 #include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -22,7 +23,7 @@ class ReadOnceTest : public test::SmallStreet {
     o.train.iterations = 24;
     o.train.cache_bytes = 1;
     SceneInit init = initialize_scene(log, o.frames, o.init);
-    Trainer trainer(Device::best(), log, std::move(init.scene), o);
+    Trainer trainer(test::device(), log, std::move(init.scene), o);
     (void)trainer.run();
     return trainer.scene();
   }

@@ -6,6 +6,7 @@
 
 #include "host/core/scene/particle_order.hpp"
 #include "host/core/scene/particle_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -14,7 +15,7 @@ constexpr Eigen::Index kCount = 333;
 
 /// Particles in no order; in all that belongs to particle i stand i and the row.
 struct Numbered {
-  Numbered() : trained(Device::best(), set(), {}, {}) {
+  Numbered() : trained(test::device(), set(), {}, {}) {
     const std::size_t stride = trained.particles.stride;
     for (RealBuffer* const buffer : {&trained.adam.first_moment(), &trained.adam.second_moment()}) {
       std::vector<float> values(buffer->count(), 0.0F);

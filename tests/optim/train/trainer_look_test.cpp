@@ -6,6 +6,7 @@
 #include "io/picture/image.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -49,7 +50,7 @@ TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
   o.train.look.color_grids = true;
   o.train.image.dissimilarity = 0.2;
   const auto train = [&] {
-    Trainer trainer(Device::best(), log_, scene_with_environment(), o);
+    Trainer trainer(test::device(), log_, scene_with_environment(), o);
     EXPECT_EQ(trainer.run().rejected_gradients, 0U);
     return trainer.scene();
   };
@@ -70,7 +71,7 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
   for (float& texel : scene.environment.texels) texel = 0.0F;
   TrainingOptions o = options(80);
   o.train.look.environment_rate = 0.05;
-  Trainer trainer(Device::best(), log_, scene, o);
+  Trainer trainer(test::device(), log_, scene, o);
   const TrainReport report = trainer.run();
   // The camera looks along +x: the middle of the texture, above the horizon.
   const EnvironmentMap& learned = trainer.scene().environment;
@@ -87,7 +88,7 @@ TEST_F(TrainerLook, WhatPicturesHardlyShowKeepsItsColours) {
   const auto moves = [&](double least_share) {
     TrainingOptions o = options(8);
     o.train.look.least_share = least_share;
-    Trainer trainer(Device::best(), log_, start, o);
+    Trainer trainer(test::device(), log_, start, o);
     EXPECT_EQ(trainer.run().rejected_gradients, 0U);
     std::vector<float> out = trainer.scene().environment.texels;
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::abs(out[i] - start.environment.texels[i]);
@@ -110,7 +111,7 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
     TrainingOptions o = options(120);
     o.train.look.color_grids = color_grids;
     o.train.look.grid_rate = 0.02;
-    Trainer trainer(Device::best(), log, initial_scene(), o);
+    Trainer trainer(test::device(), log, initial_scene(), o);
     const TrainReport report = trainer.run();
     return std::pair{trainer.scene(), report.last.psnr_db};
   };

@@ -9,6 +9,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/scene/particle_order.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -23,7 +24,7 @@ class TrainerTest : public test::SmallStreet {
     return o;
   }
   static Scene train(const TrainingOptions& o, TrainReport* report = nullptr) {
-    Trainer trainer(Device::best(), log_, initial_scene(), o);
+    Trainer trainer(test::device(), log_, initial_scene(), o);
     const TrainReport r = trainer.run();
     if (report != nullptr) *report = r;
     return trainer.scene();
@@ -54,7 +55,7 @@ TEST_F(TrainerTest, TrainingRecoversFromWrongColoursAndRanges) {
   Scene scene = initial_scene();
   scene.camera.sh(0).setZero();  // grey
   scene.lidar.mean().col(2).array() += 0.1F;
-  Trainer trainer(Device::best(), log_, scene, options(120));
+  Trainer trainer(test::device(), log_, scene, options(120));
   trainer.step();
   const TrainStatus first = trainer.status();
   const TrainReport report = trainer.run();
@@ -77,7 +78,7 @@ TEST_F(TrainerTest, AScenesBestOrderIsTheOneItWasTrainedIn) {
   // Of each picture before its step; the same pictures for both scenes.
   const auto psnr_db = [&](const Scene& scene, Order order) {
     constexpr int kPictures = 5;
-    Trainer trainer(Device::best(), log_, scene, options_in(order, kPictures));
+    Trainer trainer(test::device(), log_, scene, options_in(order, kPictures));
     double sum = 0.0;
     for (int k = 0; k < kPictures; ++k) {
       trainer.step();
@@ -104,7 +105,7 @@ TEST_F(TrainerTest, DropFunctionsAreLearnedByNameAndStored) {
   Scene start = initial_scene();
   start.ray_drop = scene.ray_drop;  // goes on from there
   o.train.iterations = 0;
-  EXPECT_EQ(Trainer(Device::best(), log_, start, o).scene().ray_drop, scene.ray_drop);
+  EXPECT_EQ(Trainer(test::device(), log_, start, o).scene().ray_drop, scene.ray_drop);
   o.train.iterations = 9;
   o.train.ray_drop.rate = 0.0;
   EXPECT_TRUE(train(o).ray_drop.empty());
@@ -131,9 +132,9 @@ TEST_F(TrainerTest, HeldOutFramesAreNeverRead) {
   log.images[4].file = "images/none.png";
   log.sweeps[4].file = "sweeps/none.exr";
   TrainingOptions o = options(12);  // more than two epochs
-  EXPECT_NO_THROW((void)Trainer(Device::best(), log, initial_scene(), o).run());
+  EXPECT_NO_THROW((void)Trainer(test::device(), log, initial_scene(), o).run());
   o.frames.held_out_every = 0;
-  EXPECT_THROW((void)Trainer(Device::best(), log, initial_scene(), o).run(), Error);
+  EXPECT_THROW((void)Trainer(test::device(), log, initial_scene(), o).run(), Error);
 }
 
 TEST_F(TrainerTest, TimeLimitStopsEarlyAndSaysSo) {
@@ -149,7 +150,7 @@ TEST_F(TrainerTest, TimeLimitStopsEarlyAndSaysSo) {
 TEST_F(TrainerTest, SweepsTakeTheirTurns) {
   TrainingOptions o = options(2);
   o.train.lidar_every = 2;
-  Trainer trainer(Device::best(), log_, initial_scene(), o);
+  Trainer trainer(test::device(), log_, initial_scene(), o);
   trainer.step();
   const Eigen::MatrixXf first = trainer.scene().lidar.params;
   trainer.step();
@@ -162,7 +163,7 @@ TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
   o.train.densify.every = 5;
   o.train.densify.growth = 0.5;
   const Scene start = initial_scene();
-  Trainer trainer(Device::best(), log_, start, o);
+  Trainer trainer(test::device(), log_, start, o);
   trainer.run();
   EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());
   EXPECT_EQ(trainer.scene().camera.size(), 2 * start.camera.size());  // densify.most
@@ -182,7 +183,7 @@ TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
                    .sh = 0.0,
                    .sh_rest = 0.0};
   o.train.prune = {.weight = 1e-6, .first = 0, .times = 1, .last_share = 0.5};
-  Trainer trainer(Device::best(), log_, start, o);
+  Trainer trainer(test::device(), log_, start, o);
   trainer.step();
   EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());  // it is not its turn yet
   const TrainReport report = trainer.run();
@@ -226,7 +227,7 @@ TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
   // Room for two times 5 %, and then no more.
   o.train.densify.cap = static_cast<std::size_t>(1.08 * static_cast<double>(count));
   const auto run = [&](TrainReport& report) {
-    Trainer trainer(Device::best(), log_, start, o);
+    Trainer trainer(test::device(), log_, start, o);
     report = trainer.run();
     return trainer.scene();
   };
@@ -271,7 +272,7 @@ TEST_F(TrainerTest, SweepsHoldTheCameraSetWhereTheirReturnsAre) {
     as_lidar.params.leftCols(kShRow) = scene.camera.params.leftCols(kShRow);
     scene.lidar = as_lidar;
     scene.ray_drop.clear();
-    Trainer trainer(Device::best(), log_, scene, options(5));
+    Trainer trainer(test::device(), log_, scene, options(5));
     for (int k = 0; k < 5; ++k) trainer.step();
     return trainer.status().distance_m;
   };
@@ -290,7 +291,7 @@ TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
     o.train.densify.every = relocate ? 10 : 0;
     o.train.densify.lidar = true;
     o.train.densify.growth = 0.0;
-    Trainer trainer(Device::best(), log_, scene, o);
+    Trainer trainer(test::device(), log_, scene, o);
     const TrainReport report = trainer.run();
     EXPECT_EQ(report.last.iteration, 30);
     EXPECT_EQ(report.unsound_losses, 0U);
@@ -313,7 +314,7 @@ TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
 TEST_F(TrainerTest, SetsWithoutParticlesAreLeftAlone) {
   Scene scene = initial_scene();
   scene.camera = GaussianSet(SetKind::kCamera, 0, 0);
-  Trainer trainer(Device::best(), log_, scene, options(2));
+  Trainer trainer(test::device(), log_, scene, options(2));
   const TrainReport report = trainer.run();
   EXPECT_TRUE(std::isnan(report.last.psnr_db));
   EXPECT_TRUE(std::isfinite(report.last.distance_m));
@@ -326,7 +327,7 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
     TrainingOptions o = options(1);
     change(o);
     try {
-      Trainer(Device::best(), log_, Scene{}, o).step();
+      Trainer(test::device(), log_, Scene{}, o).step();
       ADD_FAILURE() << "accepted";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kUsage) << error.what();
@@ -350,7 +351,7 @@ TEST_F(TrainerTest, LogWithoutTrainingFramesIsAnInputError) {
   log.images.clear();
   log.sweeps.clear();
   try {
-    Trainer(Device::best(), log, Scene{}, options(1)).step();
+    Trainer(test::device(), log, Scene{}, options(1)).step();
     ADD_FAILURE() << "accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();

@@ -11,6 +11,7 @@
 #include "optim/train/trainer.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -34,11 +35,11 @@ class TrainingTest : public test::SmallStreet {
 
 TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   const TrainingOptions o = options(12);
-  Training training(Device::best(), log_, o);
+  Training training(test::device(), log_, o);
   training.run();
   const Log log = with_learned_sensors(log_, o.frames);
   SceneInit start = initialize_scene(log, o.frames, o.init);
-  Trainer trainer(Device::best(), log, std::move(start.scene), o);
+  Trainer trainer(test::device(), log, std::move(start.scene), o);
   (void)trainer.run();
   expect_same(training.scene(), trainer.scene());
   EXPECT_EQ(training.report().init.voxels, start.report.voxels);
@@ -51,7 +52,7 @@ TEST_F(TrainingTest, WallsAboveTheLaserJoinWhatWasTrained) {
   o.init.voxel_m = 0.2;
   const GaussianSet above = initialize_scene(log_, o.frames, o.init).unmet;
   ASSERT_GT(above.size(), 0);
-  Training training(Device::best(), log_, o);
+  Training training(test::device(), log_, o);
   training.run();
   EXPECT_EQ(training.report().init.unmet_points, static_cast<std::size_t>(above.size()));
   const Eigen::Index trained = training.scene().lidar.size();
@@ -59,7 +60,7 @@ TEST_F(TrainingTest, WallsAboveTheLaserJoinWhatWasTrained) {
   ASSERT_EQ(scene.lidar.size(), trained + above.size());
   EXPECT_EQ(scene.lidar.mean().bottomRows(above.size()), above.mean());
   o.init.lidar_walls_m = 0.0;
-  Training without(Device::best(), log_, o);
+  Training without(test::device(), log_, o);
   without.run();
   EXPECT_EQ(without.result().scene.lidar.size(), trained);
 }
@@ -67,7 +68,7 @@ TEST_F(TrainingTest, WallsAboveTheLaserJoinWhatWasTrained) {
 TEST_F(TrainingTest, ADivergedOneIsNoScene) {
   TrainingOptions o = options(40);
   o.train.camera.sh = 100.0;
-  Training diverged(Device::best(), log_, o);
+  Training diverged(test::device(), log_, o);
   expect_error(ErrorKind::kNumeric, "PSNR of the training pictures fell from", [&] { diverged.run(); });
 }
 
@@ -75,7 +76,7 @@ TEST_F(TrainingTest, TheSceneSaysHowItWasMade) {
   TrainingOptions o = options(3);
   o.frames.seed = 0xffffffffffffffffU;
   o.train.densify.cap = 12345;
-  Training training(Device::best(), log_, o);
+  Training training(test::device(), log_, o);
   training.run();
   const SceneFile made = training.result();
   write_scene(folder_ / "made.scene", made);
@@ -93,8 +94,8 @@ TEST_F(TrainingTest, TheSceneSaysHowItWasMade) {
   EXPECT_NE(std::find(record.settings.begin(), record.settings.end(), "densify.cap=12345"),
             record.settings.end());
   EXPECT_EQ(record.settings, made.training->settings);
-  EXPECT_EQ(record.device, Device::best().info().label());
-  EXPECT_EQ(record.driver, Device::best().info().driver_version);
+  EXPECT_EQ(record.device, test::device().info().label());
+  EXPECT_EQ(record.driver, test::device().info().driver_version);
   EXPECT_FALSE(record.version.empty());
 }
 
@@ -102,7 +103,7 @@ TEST_F(TrainingTest, TheSceneIsDrawnWithTheWidthOfPixelsThatItWasTrainedWith) {
   TrainingOptions o = options(2);
   for (const double asked : {kOfScene, 0.3}) {
     o.train.render.camera_filter_px2 = asked;
-    Training training(Device::best(), log_, o);
+    Training training(test::device(), log_, o);
     training.run();
     EXPECT_EQ(training.result().scene.camera_filter_px2, asked == kOfScene ? kPixelVariance_px2 : asked);
   }
@@ -112,18 +113,18 @@ TEST_F(TrainingTest, AScenesOwnBundleIsNamed) {
   EXPECT_EQ(options(1).train.render.extent, Extent::kExact);  // as `simuli train` does
   TrainingOptions o = options(0);
   o.train.render = training_options_of(Quality::kDraft);
-  Training draft(Device::best(), log_, o);
+  Training draft(test::device(), log_, o);
   draft.run();
   EXPECT_EQ(draft.result().training->quality, "draft");
   o.train.render.alpha_cut = 0.01;
-  Training own(Device::best(), log_, o);
+  Training own(test::device(), log_, o);
   own.run();
   EXPECT_EQ(own.result().training->quality, "custom");
 }
 
 TEST_F(TrainingTest, CheckpointsGoOnWithTheSameBits) {
   const TrainingOptions o = options(20);
-  Training whole(Device::best(), log_, o);
+  Training whole(test::device(), log_, o);
   const std::filesystem::path file = folder_ / "a.checkpoint";
   std::vector<int> saved;
   whole.run(
@@ -137,7 +138,7 @@ TEST_F(TrainingTest, CheckpointsGoOnWithTheSameBits) {
   EXPECT_EQ(saved, (std::vector{9, 17}));
   EXPECT_TRUE(std::filesystem::exists(file));  // at the end
   for (const char* name : {"8", "16", "a"}) {
-    Training resumed(Device::best(), log_, o);
+    Training resumed(test::device(), log_, o);
     resumed.resume(folder_ / (std::string(name) + ".checkpoint"));
     resumed.run();
     expect_same(resumed.scene(), whole.scene());
@@ -147,10 +148,10 @@ TEST_F(TrainingTest, CheckpointsGoOnWithTheSameBits) {
 
 TEST_F(TrainingTest, ALongerTrainingGoesOnFromAFinishedOne) {
   const std::filesystem::path file = folder_ / "short.checkpoint";
-  Training first(Device::best(), log_, options(10));
+  Training first(test::device(), log_, options(10));
   first.run({}, {file, 100});
   const auto longer = [&] {
-    Training training(Device::best(), log_, options(20));
+    Training training(test::device(), log_, options(20));
     training.resume(file);
     EXPECT_EQ(training.status().iteration, 10);
     training.run();
@@ -160,10 +161,10 @@ TEST_F(TrainingTest, ALongerTrainingGoesOnFromAFinishedOne) {
   expect_same(longer().scene, a.scene);  // well defined
   EXPECT_EQ(a.training->iterations, 20);
   // The first half ran on the rates of the shorter one.
-  Training whole(Device::best(), log_, options(20));
+  Training whole(test::device(), log_, options(20));
   whole.run();
   EXPECT_NE(whole.scene().camera.params, a.scene.camera.params);
-  Training shorter(Device::best(), log_, options(9));
+  Training shorter(test::device(), log_, options(9));
   expect_error(ErrorKind::kInput, "iterations: found a training of 10, allowed of 9 or fewer", [&] {
     shorter.resume(file);
   });
@@ -171,10 +172,10 @@ TEST_F(TrainingTest, ALongerTrainingGoesOnFromAFinishedOne) {
 
 TEST_F(TrainingTest, AnotherTrainingsCheckpointIsRefusedBeforeTheStart) {
   const std::filesystem::path file = folder_ / "one.checkpoint";
-  Training one(Device::best(), log_, options(2));
+  Training one(test::device(), log_, options(2));
   one.run({}, {file, 100});
   const auto refused = [&](const Log& log, const TrainingOptions& o, const std::string& message) {
-    Training other(Device::best(), log, o);
+    Training other(test::device(), log, o);
     expect_error(ErrorKind::kInput, message, [&] {
       other.resume(file, [](std::size_t, std::size_t) { ADD_FAILURE() << "a file was read"; });
     });
@@ -202,7 +203,7 @@ TEST_F(TrainingTest, LogsAreKnownByWhatTheySayAndNotByWhereTheyLie) {
 }
 
 TEST_F(TrainingTest, HasNothingToShowBeforeItIsPrepared) {
-  const Training training(Device::best(), log_, options(1));
+  const Training training(test::device(), log_, options(1));
   EXPECT_THROW((void)training.scene(), Error);
   EXPECT_THROW((void)training.result(), Error);
 }

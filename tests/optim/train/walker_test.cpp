@@ -7,6 +7,7 @@
 #include "host/core/scene/edit.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -60,7 +61,7 @@ TEST_F(Walker, IsShownBetterWithAShapeThatChanges) {
   EvalReport reports[2];
   Scene scenes[2];
   for (const bool shapes : {false, true}) {
-    Trainer trainer(Device::best(), log_, initial_scene(), options(shapes, 250));
+    Trainer trainer(test::device(), log_, initial_scene(), options(shapes, 250));
     (void)trainer.run();
     scenes[shapes ? 1 : 0] = trainer.scene();
     reports[shapes ? 1 : 0] = test::compare(log_, trainer.scene(), {.held_out_every = 5});
@@ -90,12 +91,12 @@ TEST_F(Walker, IsShownBetterWithAShapeThatChanges) {
 
 TEST_F(Walker, ResumedGivesTheSameBits) {
   const TrainingOptions o = options(true, 12);
-  Trainer whole(Device::best(), log_, initial_scene(), o);
+  Trainer whole(test::device(), log_, initial_scene(), o);
   for (int i = 0; i < 12; ++i) {
     whole.step();
     if (i == 5) whole.save(folder_ / "checkpoint", "settings=1\n");
   }
-  Trainer resumed(Device::best(), log_, initial_scene(), o);
+  Trainer resumed(test::device(), log_, initial_scene(), o);
   resumed.resume(folder_ / "checkpoint", "settings=1\n");
   (void)resumed.run();
   const Scene expected = whole.scene(), found = resumed.scene();
@@ -108,7 +109,7 @@ TEST_F(Walker, ResumedGivesTheSameBits) {
 TEST_F(Walker, LearnsFromSeveralFramesAStep) {
   TrainingOptions o = options(true, 6);
   o.train.shards.count = 2;
-  Trainer trainer(Device::best(), log_, initial_scene(), o);
+  Trainer trainer(test::device(), log_, initial_scene(), o);
   (void)trainer.run();
   EXPECT_GT(largest_offset_m(trainer.scene()), 0.0);
 }

@@ -8,6 +8,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
 #include "tests/render/gradient/gradient_problem.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -19,7 +20,7 @@ using test::SceneCase;
 class ActorProblem {
  public:
   ActorProblem(const test::Shot& shot, const GaussianSet& set)
-      : device_(Device::best()),
+      : device_(test::device()),
         renderer_(device_, test::smooth_options(Precision::kDouble)),
         rays_(shot.on(device_, test::smooth_options(Precision::kDouble))),
         view_(shot.view),
@@ -161,7 +162,7 @@ WorstError worst_errors(ActorProblem& problem, const SceneCase& scene) {
 }
 
 TEST(ActorGradients, UnderAGlobalShutterMatchDifferences) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   constexpr SceneCase kCase{"camera_sh1", SetKind::kCamera, false, false, 1};
   ActorProblem problem = smooth_problem(kCase, 0.0, 0.0);
   // Start and end are one time here: a pose is half of each, and both moved together are the whole.
@@ -170,7 +171,7 @@ TEST(ActorGradients, UnderAGlobalShutterMatchDifferences) {
 }
 
 TEST(ActorGradients, OfWhatDrivesStraightMatchDifferences) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   ActorProblem problem = smooth_problem(test::kLidarMoving, 2.0, 0.0);
   const WorstError error = worst_errors(problem, test::kLidarMoving);
   EXPECT_LT(error.parameters, 1e-6);
@@ -179,7 +180,7 @@ TEST(ActorGradients, OfWhatDrivesStraightMatchDifferences) {
 }
 
 TEST(ActorGradients, OfWhatTurnsAreNearDifferences) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   ActorProblem problem = smooth_problem(test::kLidarMoving, 2.0, 0.1);
   const WorstError error = worst_errors(problem, test::kLidarMoving);
   EXPECT_LT(error.parameters, 2e-2);
@@ -187,7 +188,7 @@ TEST(ActorGradients, OfWhatTurnsAreNearDifferences) {
 }
 
 TEST(ActorGradients, OfPosesAreTheSameBitsEachTime) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   ActorProblem problem = smooth_problem(test::kLidarMoving, 2.0, 0.1);
   (void)problem.gradient();
   const auto first = problem.pose_gradients();

@@ -10,6 +10,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
 #include "tests/render/gradient/gradient_problem.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -63,7 +64,7 @@ GaussianSet particles_for(const SceneCase& scene) {
 class ShapeProblem {
  public:
   ShapeProblem(const SceneCase& scene, Precision precision)
-      : device_(Device::best()),
+      : device_(test::device()),
         options_(test::smooth_options(precision)),
         shot_(shot_with_shapes(scene, 0.4)),
         renderer_(device_, options_),
@@ -148,7 +149,7 @@ class ShapeProblem {
 };
 
 TEST(DeformationGradients, MatchDifferences) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   for (const SceneCase& scene : {kCamera, test::kLidarStill, test::kLidarMoving}) {
     SCOPED_TRACE(scene.name);
     ShapeProblem problem(scene, Precision::kDouble);
@@ -166,7 +167,7 @@ TEST(DeformationGradients, MatchDifferences) {
 }
 
 TEST(DeformationGradients, InFloatAreNearThoseInDouble) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   ShapeProblem exact(test::kLidarMoving, Precision::kDouble), single(test::kLidarMoving, Precision::kFloat);
   exact.differentiate();
   single.differentiate();
@@ -196,10 +197,10 @@ std::vector<double> shown(Renderer& renderer,
 }
 
 TEST(Deformation, ShowsWhatParticlesMovedByHandShow) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   for (const SceneCase& scene : {kCamera, test::kLidarStill}) {
     SCOPED_TRACE(scene.name);
-    Renderer renderer(Device::best(), test::smooth_options(Precision::kDouble));
+    Renderer renderer(test::device(), test::smooth_options(Precision::kDouble));
     test::Shot shot = shot_with_shapes(scene, 0.4);
     DeformationView& shape = shot.view.actors[0].deformation;
     shape.end_m = shape.start_m;  // at whatever share of the frame
@@ -218,7 +219,7 @@ TEST(Deformation, ShowsWhatParticlesMovedByHandShow) {
 
 TEST(Deformation, OfZeroChangesNoBit) {
   for (const SceneCase& scene : {kCamera, test::kLidarMoving}) {
-    Renderer renderer(Device::best(), {});
+    Renderer renderer(test::device(), {});
     const GaussianSet set = particles_for(scene);
     test::Shot still = shot_with_shapes(scene, 0.1);
     DeformationView& shape = still.view.actors[0].deformation;
@@ -234,7 +235,7 @@ TEST(Deformation, OfZeroChangesNoBit) {
 }
 
 TEST(Deformation, IsThatOfTheTimeAtWhichTheSensorLooks) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   // All of the first actor goes 0.4 m ahead during the sweep, and is looked at at one time of it.
   const SceneCase scene = test::kLidarStill;
   test::Shot shot = shot_with_shapes(scene, 0.1);
@@ -243,7 +244,7 @@ TEST(Deformation, IsThatOfTheTimeAtWhichTheSensorLooks) {
     shape.start_m[i] = 0.0;
     shape.end_m[i] = i % 3 == 0 ? 0.4 : 0.0;
   }
-  Renderer renderer(Device::best(), test::smooth_options(Precision::kDouble));
+  Renderer renderer(test::device(), test::smooth_options(Precision::kDouble));
   const std::vector<double> deformed = shown(renderer, particles_for(scene), shot);
   const Pose& pose = shot.view.actors[0].scene_from_actor_start;
   const Vector3d p = shot.view.scene_from_sensor_start.inverse() * pose.translation;

@@ -8,6 +8,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/render/gradient/gradient_check.hpp"
 #include "tests/render/gradient/gradient_problem.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -74,7 +75,7 @@ class Gradient : public testing::TestWithParam<GradientCase> {
 
 TEST_P(Gradient, MatchesDifferencesAndWrongOnesAreRejected) {
   const SceneCase& scene = GetParam().scene;
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   const GaussianSet set = well_placed_set(scene, 16, GetParam().compensated);
   Problem problem(device, shot(), set, options(Precision::kDouble));
@@ -113,7 +114,7 @@ TEST_P(Gradient, MatchesDifferencesAndWrongOnesAreRejected) {
 
 TEST_P(Gradient, FloatBuildAgreesWithTheDoubleBuild) {
   const SceneCase& scene = GetParam().scene;
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   const GaussianSet set = well_placed_set(scene, 16, GetParam().compensated);
   Problem in_double(device, shot(), set, options(Precision::kDouble));
@@ -165,7 +166,7 @@ GaussianSet plain_set(const std::vector<test::SingleParticle>& particles) {
 }
 
 TEST(GradientAtTheClamp, OpacityIsStillAndDistanceFlows) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   const Eigen::Quaterniond tilted(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
   // sigma = 0.9999 stays above the clamp of 0.999 out to 0.042 standard deviations: 4 cm, twice the picture.
@@ -198,7 +199,7 @@ TEST(GradientAtTheClamp, OpacityIsStillAndDistanceFlows) {
 }
 
 TEST(GradientAtTheCut, RaysThatEndAndRaysThatGoOnBothMatch) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   // Four layers leave 1e-4 at the centre, the cut; off the centre a little more. Only the fifth is red.
   std::vector<test::SingleParticle> layers;

@@ -9,6 +9,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/render/gradient/gradient_check.hpp"
 #include "tests/render/gradient/gradient_problem.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace render_window_bwd_test {
@@ -93,7 +94,7 @@ class GradientByRay : public testing::TestWithParam<OrderCase> {
 // Neither moves the place of the maximum response: the order stays while they are moved.
 TEST_P(GradientByRay, OfOpacitiesAndColoursMatchesDifferences) {
   const SceneCase& scene = GetParam().scene;
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   const GaussianSet set = crowd(scene);
   const test::Shot shot = shot_for(scene);
@@ -120,7 +121,7 @@ TEST_P(GradientByRay, OfOpacitiesAndColoursMatchesDifferences) {
 
 TEST_P(GradientByRay, OfFloatsIsThatOfDoubles) {
   const SceneCase& scene = GetParam().scene;
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   Problem in_double(device, shot_for(scene), crowd(scene), options(Precision::kDouble));
   Problem in_float(device, shot_for(scene), crowd(scene), options(Precision::kFloat));
@@ -143,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
 /// What a camera of 16 x 16 pixels that spans +-2 mrad sees of wide particles beside its axis: the same order
 /// for all rays, not that by range, and no two so near in it that a step swaps them.
 TEST(GradientInOwnOrder, OfShapesMatchesDifferences) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   test::Shot shot = test::shot_of(test::kCameraStill, 16, 16);
   shot.camera.fx = shot.camera.fy = 4000.0;
@@ -179,7 +180,7 @@ TEST(GradientInOwnOrder, OfShapesMatchesDifferences) {
 }
 
 TEST(GradientInOwnOrder, IsThatByRangeWhereTheOrdersAgree) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   // Small round ones, each a metre behind the last: rays meet them where they are.
   const GaussianSet set = [] {
     test::SetRecipe recipe{.count = 40, .scale_min = 0.04, .scale_max = 0.05, .opacity_max = 0.9};
@@ -203,7 +204,7 @@ TEST(GradientInOwnOrder, IsThatByRangeWhereTheOrdersAgree) {
 }
 
 TEST(GradientInOwnOrder, IsTheSameAFewTilesAtATime) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const test::Shot shot = shot_for(test::kCameraStill);
   for (const Order order : {Order::kWindow, Order::kPerRay}) {
     const RenderOptions options = options_with(order, 4, Precision::kFloat);

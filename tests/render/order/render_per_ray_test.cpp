@@ -9,6 +9,7 @@
 #include "host/device/render/options/quality.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace render_per_ray_test {
@@ -51,7 +52,7 @@ class PerRay : public testing::TestWithParam<OrderCase> {};
 
 TEST_P(PerRay, MatchesTheReference) {
   const auto& [scene, precision, shape, direction] = GetParam();
-  const Device device = Device::best();
+  const Device& device = test::device();
   if (precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
   const GaussianSet set = crowd(scene);
   test::Shot shot = shot_for(scene);
@@ -106,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST(RaySh, InOrderOfRangeMatchesTheReference) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   const GaussianSet set = crowd(test::kCameraSh3);
   const test::Shot shot = shot_for(test::kCameraSh3);
@@ -127,7 +128,7 @@ TEST(RaySh, InOrderOfRangeMatchesTheReference) {
 }
 
 TEST(RaySh, SumsThatAreNoNumbersAreNotSpread) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   GaussianSet set = crowd(test::kCameraSh3, 60);
   set.sh(2).row(3).setConstant(3e38F);  // 0 towards a particle straight ahead, huge a little beside it
   set.mean().row(3) << 5.0F, 0.0F, 0.0F;
@@ -143,7 +144,7 @@ TEST(RaySh, SumsThatAreNoNumbersAreNotSpread) {
 }
 
 TEST(ShDegrees, LeftOutBandsAreNotThere) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const GaussianSet set = crowd(test::kCameraSh3);
   GaussianSet cut(set.kind, 1, set.size());
   cut.params = set.params.leftCols(param_rows(1));
@@ -159,7 +160,7 @@ TEST(ShDegrees, LeftOutBandsAreNotThere) {
 }
 
 TEST(ShStorage, HalvesAreRoundedCoefficients) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const SceneCase& scene : {test::kCameraSh3, test::kLidarMoving}) {
     GaussianSet set = crowd(scene);
     set.sh(0).row(0).setConstant(1e-7F);  // a denormal half
@@ -194,7 +195,7 @@ TEST(ShStorage, HalvesAreRoundedCoefficients) {
 }
 
 TEST(ShStorage, WhatHalvesCannotHoldIsRefused) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   GaussianSet set = crowd(test::kCameraSh3, 20);
   RenderOptions options = paper_options();
   options.sh_storage = ShStorage::kHalf;
@@ -208,7 +209,7 @@ TEST(ShStorage, WhatHalvesCannotHoldIsRefused) {
 }
 
 TEST(ShutterOf0, IsAFrameHalfWay) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   RenderOptions options = paper_options();
   options.shutter_iterations = 0;
   for (const SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
@@ -223,7 +224,7 @@ TEST(ShutterOf0, IsAFrameHalfWay) {
 }
 
 TEST(PicturesOnly, HaveNoGradients) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const test::Shot shot = shot_for(test::kCameraSh3);
   const GaussianSet set = crowd(test::kCameraSh3, 40);
   RenderOptions options = paper_options();

@@ -8,6 +8,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace render_window_test {
@@ -40,7 +41,7 @@ RenderOptions options_with(Order order, int window) {
 }
 
 RayResults render(const GaussianSet& set, const test::Shot& shot, const RenderOptions& options) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Renderer renderer(device, options);
   return renderer.render(ParticleBuffers(device, set, options), shot.on(device, options), shot.view)
       .results();
@@ -91,7 +92,7 @@ void PrintTo(const WindowCase& c, std::ostream* out) { PrintTo(c.scene, out); }
 class Window : public testing::TestWithParam<WindowCase> {
  protected:
   void SetUp() override {
-    if (GetParam().precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(Device::best());
+    if (GetParam().precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(test::device());
   }
   [[nodiscard]] static RenderOptions options_of_case(Order order, int window) {
     RenderOptions options = options_with(order, window);
@@ -194,7 +195,7 @@ TEST(PerRayOrder, HoldsForActorsInMotion) {
 TEST(WindowWidth, IsCheckedByKey) {
   for (const int window : {1, 65}) {
     expect_error(ErrorKind::kUsage, "render.window: found", [&] {
-      Renderer(Device::best(), options_with(Order::kWindow, window));
+      Renderer(test::device(), options_with(Order::kWindow, window));
     });
   }
 }

@@ -7,6 +7,7 @@
 #include "host/core/base/error.hpp"
 #include "host/device/render/outputs/cloud.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -20,7 +21,7 @@ std::size_t pixel(const Camera& camera, int x, int y) {
 }
 
 TEST(CameraOutput, DepthIsAlongTheAxisAndDistanceAlongTheRay) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   const Sensor sensor = still_camera();
   const Camera& camera = sensor.camera();
   const std::vector<CameraOutput> outputs{CameraOutput::kDepth, CameraOutput::kActors};
@@ -57,7 +58,7 @@ TEST(CameraOutput, DepthIsAlongTheAxisAndDistanceAlongTheRay) {
 TEST(CameraOutput, NothingIsThereWhereNothingWasMet) {
   Scene empty = wall_and_actor();
   empty.camera.mean().col(0).array() -= 500.0F;  // all behind
-  SceneOnDevice scene(Device::best(), std::move(empty));
+  SceneOnDevice scene(test::device(), std::move(empty));
   const Sensor sensor = still_camera();
   Shot shot = at_origin(sensor);
   shot.edits = {{"ahead", ActorEdit::Remove{}}};
@@ -71,7 +72,7 @@ TEST(CameraOutput, NothingIsThereWhereNothingWasMet) {
 }
 
 TEST(CameraOutput, OfALidarActorsAreAColumn) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   const Sensor lidar = test::still_lidar();
   const Frame frame = scene.render(lidar, at_origin(lidar), request_for({CameraOutput::kActors}));
   const PointCloud cloud = point_cloud(frame, {.frame = PointFrame::kSensor, .actors = true});
@@ -88,7 +89,7 @@ TEST(CameraOutput, OfALidarActorsAreAColumn) {
 }
 
 TEST(CameraOutput, WhatAFrameWasNotAskedForIsRefused) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   const Sensor sensor = still_camera();
   const Frame frame = scene.render(sensor, at_origin(sensor));
   for (const CameraOutput output : {CameraOutput::kDepth,

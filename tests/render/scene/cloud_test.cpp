@@ -4,12 +4,13 @@
 
 #include "host/core/base/error.hpp"
 #include "tests/render/scene/two_cars.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
 
 TEST(Cloud, HasARowPerReturnWithItsBeamAndTime) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   const Sensor lidar = test::lidar();
   const Frame frame = scene.render(lidar, test::shot_of(lidar, 0.1));
   const LidarFrame sweep = frame.lidar();
@@ -40,7 +41,7 @@ TEST(Cloud, HasARowPerReturnWithItsBeamAndTime) {
 }
 
 TEST(Cloud, OfAListOfRaysHasNoRing) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   RayList list;
   list.name = "list";
   list.range_max = 60.0;

@@ -5,6 +5,7 @@
 #include "host/core/base/error.hpp"
 #include "tests/render/scene/two_cars.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -17,7 +18,7 @@ TEST(FrameActors, AreThoseAtTheMedianDistanceInEveryOrder) {
   for (const Order order : {Order::kRange, Order::kWindow, Order::kPerRay}) {
     RenderOptions options;
     options.order = order;
-    SceneOnDevice scene(Device::best(), wall_and_actor(), options);
+    SceneOnDevice scene(test::device(), wall_and_actor(), options);
     const Sensor sensor = still_camera();
     const Frame frame = scene.render(sensor, at_origin(sensor), {.camera_median = true, .actors = true});
     const std::vector<std::uint32_t> actors = frame.actors();
@@ -34,7 +35,7 @@ TEST(FrameActors, AreThoseAtTheMedianDistanceInEveryOrder) {
 }
 
 TEST(FrameActors, LeaveTheFrameAsItIs) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   for (const Sensor& sensor : {test::camera(), test::lidar()}) {
     const Shot shot = test::shot_of(sensor, 0.1);
     FrameRequest request;
@@ -63,7 +64,7 @@ TEST(FrameActors, LeaveTheFrameAsItIs) {
 }
 
 TEST(FrameActors, AreThereWhenAskedFor) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   const Sensor sensor = still_camera();
   EXPECT_THROW((void)scene.render(sensor, at_origin(sensor)).actors(), Error);
   // Without actors nobody is anywhere.

@@ -7,6 +7,7 @@
 #include "host/core/base/error.hpp"
 #include "host/device/render/scene/frame_state.hpp"
 #include "tests/render/scene/two_cars.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using test::shot_of;
 
 TEST(Frame, KeepsItsResultsWhateverIsRenderedLater) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const Sensor sensors[] = {test::camera(), test::lidar()};
   std::vector<RayResults> alone;
   for (int i = 0; i < 8; ++i) {
@@ -39,7 +40,7 @@ TEST(Frame, KeepsItsResultsWhateverIsRenderedLater) {
 }
 
 TEST(Frame, LeavesItsBuffersToTheNextOnes) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, test::two_cars());
   const Sensor lidar = test::lidar();
   const auto render = [&] { (void)scene.render(lidar, shot_of(lidar, 0.1)).results(); };
@@ -51,7 +52,7 @@ TEST(Frame, LeavesItsBuffersToTheNextOnes) {
 }
 
 TEST(Frame, KnowsWhereRaysAreOnTheDevice) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   for (const Sensor& sensor : {test::camera(), test::lidar()}) {
     const Frame frame = scene.render(sensor, shot_of(sensor, 0.1));
     const FrameBuffersOfRays at = FrameAccess::buffers(frame);
@@ -71,7 +72,7 @@ TEST(Frame, KnowsWhereRaysAreOnTheDevice) {
 }
 
 TEST(Frame, HasPointsInTheWorldToAMillimetre) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   const Sensor lidar = test::lidar();
   const Shot shot = shot_of(lidar, 0.1);
   const Frame frame = scene.render(lidar, shot);
@@ -87,7 +88,7 @@ TEST(Frame, HasPointsInTheWorldToAMillimetre) {
 }
 
 TEST(Frame, IsOfItsKindOfSensor) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   const Frame picture = scene.render(test::camera(), shot_of(test::camera(), 0.1));
   EXPECT_EQ(picture.image().width, 48);
   EXPECT_THROW((void)picture.lidar(), Error);

@@ -7,6 +7,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
+#include "tests/support/device.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
@@ -58,7 +59,7 @@ TEST(MirrorActor, TheUnseenSideIsTheSeenOnesMirrorImage) {
     ASSERT_TRUE(mirror_actor(scene, seen_from({seen, seen}), "car", "car"));
     EXPECT_EQ(scene.camera.actor.size(), static_cast<std::size_t>(scene.camera.size()));
     scene.camera.params(0, kOpacityRow) = -80.0F;  // the background's
-    SceneOnDevice on_device(Device::best(), scene);
+    SceneOnDevice on_device(test::device(), scene);
     const Sensor camera(test::small_camera(48, 32));
     const Image left = on_device.render(camera, Shot::at(facing(kAway_m), 0.0)).image();
     const Image right = on_device.render(camera, Shot::at(facing(-kAway_m), 0.0)).image();

@@ -13,6 +13,7 @@
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -66,7 +67,7 @@ constexpr double kPlaces_m[] = {-700, -660, -620, -500, -460, -500, -620, 300, 3
 
 void expect_same_along(const SceneCase& scene, const RenderOptions& options, std::uint32_t places) {
   SCOPED_TRACE(scene.name);
-  const Device device = Device::best();
+  const Device& device = test::device();
   Drive drive(device, scene, options);
   const auto set = street(scene);
   ParticleBuffers all(device, *set, drive.options());
@@ -106,7 +107,7 @@ TEST(ParticlePages, OfHalvesOfLevelsAndInOtherShapes) {
 }
 
 TEST(ParticlePages, InDouble) {
-  SIMULI_NEEDS_DOUBLE(Device::best());
+  SIMULI_NEEDS_DOUBLE(test::device());
   RenderOptions options;
   options.precision = Precision::kDouble;
   options.detail = 2.0;
@@ -115,7 +116,7 @@ TEST(ParticlePages, InDouble) {
 
 /// Cars and a shape that bends, all of their particles behind the street's.
 TEST(ParticlePages, WithActorsThatMoveAndBend) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
     Drive drive(device, scene, {});
     GaussianSet set = *street(scene);
@@ -155,7 +156,7 @@ TEST(ParticlePages, WithActorsThatMoveAndBend) {
 }
 
 TEST(ParticlePages, RefuseWhatDoesNotFitAndGoOn) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const SceneCase scene = test::kLidarStill;
   Drive drive(device, scene, {});
   const auto set = street(scene);
@@ -179,7 +180,7 @@ TEST(ParticlePages, RefuseWhatDoesNotFitAndGoOn) {
 }
 
 TEST(ParticlePages, HaveNoGradients) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const SceneCase scene = test::kLidarStill;
   const test::Shot shot = test::shot_of(scene, 60, 8);
   Renderer renderer(device, {});
@@ -196,7 +197,7 @@ TEST(ParticlePages, HaveNoGradients) {
 }
 
 TEST(Pages, AsManyAsFitInWhatIsAskedFor) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const auto set = street(test::kLidarStill);
   RenderOptions options;
   EXPECT_EQ(page_count(*set, options), 20U);  // 40 000 of 2048
@@ -209,7 +210,7 @@ TEST(Pages, AsManyAsFitInWhatIsAskedFor) {
 }
 
 TEST(Pages, ASceneInLittleMemoryIsTheSame) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const auto set = street(test::kLidarStill);
   Scene scene;
   scene.lidar = *set;

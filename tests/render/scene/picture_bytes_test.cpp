@@ -7,6 +7,7 @@
 #include "io/picture/image.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -29,7 +30,7 @@ std::string rounded(const Frame& frame, PixelOrder order) {
 /// Sizes that are and are no whole tiles; each after another one, whose buffer it takes over.
 TEST(PictureBytes, AreThoseOfTheResults) {
   for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
-    const Device device = Device::best();
+    const Device& device = test::device();
     if (precision == Precision::kDouble && !device.info().fp64) continue;
     RenderOptions options;
     options.precision = precision;
@@ -60,7 +61,7 @@ TEST(PictureBytes, RoundAsFilesDo) {
       values.insert(values.end(), {at, std::nextafter(at, 0.0F), std::nextafter(at, 2.0F)});
     }
   }
-  const Device device = Device::best();
+  const Device& device = test::device();
   PictureBytes bytes(device);
   Scene nothing;
   SceneOnDevice scene(device, nothing);
@@ -75,7 +76,7 @@ TEST(PictureBytes, RoundAsFilesDo) {
 }
 
 TEST(PictureBytes, AreOfCamerasAlone) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, test::wall_and_actor());
   const Frame frame = scene.render(test::still_lidar(), at_origin(test::still_lidar()));
   PictureBytes bytes(device);

@@ -14,6 +14,7 @@
 #include "host/device/render/scene/appearance_on_device.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "tests/render/scene/two_cars.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -46,7 +47,7 @@ RayResults by_hand(const Device& device, const Scene& scene, const Sensor& senso
 }
 
 TEST(SceneOnDevice, IsTheRendererWithEverythingInPlace) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice made(device, test::two_cars());
   SceneOnDevice scene = std::move(made);
   for (const Sensor& sensor : {test::camera(), test::lidar()}) {
@@ -59,7 +60,7 @@ TEST(SceneOnDevice, IsTheRendererWithEverythingInPlace) {
 }
 
 TEST(SceneOnDevice, TellsSensorsApart) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   const Sensor camera = test::camera();
   const Shot shot = shot_of(camera, 0.1);
   const Image image = scene.render(camera, shot).image();
@@ -106,7 +107,7 @@ TEST(SceneOnDevice, MakesTheTilesOfARigOnce) {
 }
 
 TEST(SceneOnDevice, EditsOfAShotAreThoseOfAScene) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, test::two_cars());
   struct Case {
     const char* name;
@@ -175,7 +176,7 @@ Scene two_cars_and_a_place() {
 }
 
 TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, two_cars_and_a_place());
   // The same without occluders: what is left of each of the background's thirds.
   const auto with = [&](const std::vector<std::uint32_t>& shown, bool removed) {
@@ -232,7 +233,7 @@ Scene two_cars_and_vistas() {
 }
 
 TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, two_cars_and_vistas());
   // The same without vistas: particles as opaque as they are seen from there.
   const auto plain_at = [](const std::vector<double>& shares) {
@@ -279,7 +280,7 @@ TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
 }
 
 TEST(SceneOnDevice, QualitiesShareAScene) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, test::two_cars());
   for (const Sensor& sensor : {test::camera(), test::lidar()}) {
     const Shot shot = shot_of(sensor, 0.1);
@@ -296,7 +297,7 @@ TEST(SceneOnDevice, QualitiesShareAScene) {
 }
 
 TEST(SceneOnDevice, PixelsAreAsWideAsTheSceneWasTrainedWithUnlessAsked) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const auto with = [&](double of_scene, double asked) {
     Scene scene = test::two_cars();
     scene.camera_filter_px2 = of_scene;
@@ -320,7 +321,7 @@ TEST(SceneOnDevice, PixelsAreAsWideAsTheSceneWasTrainedWithUnlessAsked) {
 }
 
 TEST(SceneOnDevice, PicturesHaveWhatTheirSceneHasBesideParticles) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const Sensor camera = test::camera();
   const Shot shot = shot_of(camera, 0.1);
   Scene plain = test::two_cars();
@@ -353,7 +354,7 @@ TEST(SceneOnDevice, PicturesHaveWhatTheirSceneHasBesideParticles) {
 }
 
 TEST(SceneOnDevice, RendersTheRaysThatAreAskedFor) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   for (const Sensor& sensor : {test::camera(), test::lidar()}) {
     const Shot shot = shot_of(sensor, 0.1);
     const RayResults all = scene.render(sensor, shot).results();
@@ -371,7 +372,7 @@ TEST(SceneOnDevice, RendersTheRaysThatAreAskedFor) {
 }
 
 TEST(SceneOnDevice, MakesRaysAnewForWhatTheyDependOnAlone) {
-  SceneOnDevice scene(Device::best(), test::two_cars());
+  SceneOnDevice scene(test::device(), test::two_cars());
   const Sensor camera = test::camera();
   const Shot shot = shot_of(camera, 0.1);
   const auto rendered = [&](const std::string& setting, std::vector<bool> rays = {}) {
@@ -391,7 +392,7 @@ TEST(SceneOnDevice, MakesRaysAnewForWhatTheyDependOnAlone) {
 }
 
 TEST(SceneOnDevice, RendersMeasuredRays) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   SceneOnDevice scene(device, test::two_cars());
   const Sensor nominal = test::lidar();
   const Shot shot = shot_of(nominal, 0.1);

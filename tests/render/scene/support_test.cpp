@@ -10,6 +10,7 @@
 #include "host/device/render/outputs/cloud.hpp"
 #include "host/device/render/scene/frame_state.hpp"
 #include "tests/render/scene/wall_and_actor.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -203,7 +204,7 @@ void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::si
   RenderOptions twice;
   twice.precision = Precision::kDouble;
   for (const auto& [options, tolerance] : {std::pair{twice, 2e-4}, std::pair{RenderOptions{}, 2e-3}}) {
-    SceneOnDevice scene(Device::best(), wall_and_actor(), options);
+    SceneOnDevice scene(test::device(), wall_and_actor(), options);
     const SupportRecord record = recorded(scene, recording, {0.0, 0.3, -0.5, 1.0, -1.5});
     SupportOnDevice support = on_device(scene, record);
     const Frame frame = scene.render(sensor, shot_beside(sensor, 0.4, 0.1));
@@ -260,7 +261,7 @@ TEST(SupportOfHoles, IsNoneThoughAPictureBeforeHadSome) {
     return Sensor(camera, still_camera().rig_from_sensor());
   };
   const Sensor whole = fisheye(1.2), narrow = fisheye(0.3);
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   SupportOnDevice support = on_device(scene, recorded(scene, whole, {0.0}));
   const std::vector<float> before = support.of(scene.render(whole, at_origin(whole)), scene.scene());
   const std::vector<float> found = support.of(scene.render(narrow, at_origin(narrow)), scene.scene());
@@ -275,7 +276,7 @@ TEST(SupportOfHoles, IsNoneThoughAPictureBeforeHadSome) {
 }
 
 TEST_P(Support, OfAFrameStaysWhenOthersAskForOtherRaysOfItsSensor) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   SupportOnDevice support = on_device(scene, recorded(scene, sensor(), {0.0, 0.3, -0.5}));
   const Frame frame = scene.render(sensor(), at_origin(sensor()));
   const std::vector<float> before = support.of(frame, scene.scene());
@@ -290,7 +291,7 @@ TEST_P(Support, OfAFrameStaysWhenOthersAskForOtherRaysOfItsSensor) {
 }
 
 TEST_P(Support, RisesWithLooks) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   const Frame frame = scene.render(sensor(), at_origin(sensor()));
   double last = 0.0;
   for (std::size_t looks = 1; looks <= kMostSupportViews; looks *= 2) {
@@ -302,7 +303,7 @@ TEST_P(Support, RisesWithLooks) {
 }
 
 TEST_P(Support, FallsWithAngleAndError) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   SupportOnDevice support = on_device(scene, recorded(scene, sensor(), {0.0, 0.0, 0.0}));
   const double here = mean(support.of(scene.render(sensor(), at_origin(sensor())), scene.scene()));
   EXPECT_GT(here, mean(support.of(scene.render(sensor(), shot_beside(sensor(), 1.0)), scene.scene())));
@@ -313,7 +314,7 @@ TEST_P(Support, FallsWithAngleAndError) {
 }
 
 TEST_P(Support, IsNoneWhereNothingWasRecorded) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   const Frame frame = scene.render(sensor(), at_origin(sensor()));
   const auto all_zero = [&](const SupportRecord& record) {
     const std::vector<float> found = on_device(scene, record).of(frame, scene.scene());
@@ -331,7 +332,7 @@ TEST_P(Support, IsNoneWhereNothingWasRecorded) {
 }
 
 TEST_P(Support, LeavesTheFrameAsItIs) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   SupportOnDevice support = on_device(scene, recorded(scene, sensor(), {0.0}));
   const Frame with = scene.render(sensor(), at_origin(sensor()));
   (void)support.of(with, scene.scene());
@@ -347,7 +348,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Support, testing::Bool(), [](const auto& of) {
 });
 
 TEST(SupportOfActors, GoesWithThemAndTheirCopies) {
-  SceneOnDevice scene(Device::best(), wall_and_actor());
+  SceneOnDevice scene(test::device(), wall_and_actor());
   const Sensor camera = still_camera().resized(192, 128);  // wide enough for runs of four
   const SupportRecord record = recorded(scene, camera, {0.0, 0.0});
   SupportOnDevice support = on_device(scene, record);
@@ -384,7 +385,7 @@ TEST(SupportOfActors, GoesWithThemAndTheirCopies) {
 
 TEST(SupportOnDevice, NeedsARecord) {
   try {
-    const SupportOnDevice none(Device::best(), nullptr);
+    const SupportOnDevice none(test::device(), nullptr);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kUsage);

@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "host/device/render/options/lane_shape.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
 
 TEST(TimeTunings, TriesShapesThenGroupsAndLeavesTheDeviceAsItWas) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const DeviceTuning before = tuning_of(device);
   const TuningSearch search = time_tunings(device, 500, 2);
   ASSERT_GE(search.times.size(), 4U);
@@ -30,7 +31,7 @@ TEST(TimeTunings, TriesShapesThenGroupsAndLeavesTheDeviceAsItWas) {
 }
 
 TEST(LaneShape, FollowsTheTuningInFloat) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   const DeviceTuning before = tuning_of(device);
   set_tuning(device, {.lanes = 8, .vectors = 32, .work_items = 1});
   EXPECT_EQ(lane_shape_of(device, Precision::kFloat).lanes, 8);

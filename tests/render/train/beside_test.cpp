@@ -8,6 +8,7 @@
 
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace beside_test {
@@ -157,7 +158,7 @@ class FromBeside : public testing::TestWithParam<test::SceneCase> {
     return out;
   }
 
-  const Device device_ = Device::best();
+  const Device device_ = test::device();
   const test::Shot shot_ = test::shot_of(GetParam(), kWidth, kHeight);
   const SensorRays rays_ = shot_.on(device_, RenderOptions());
 };
@@ -240,7 +241,7 @@ INSTANTIATE_TEST_SUITE_P(Of,
                          [](const auto& of) { return of.param.name; });
 
 TEST(FromBesideMisused, IsRefused) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Renderer renderer(device, {});
   const test::Shot lidar = test::shot_of(test::kLidarStill, 24, 6);
   const test::Shot camera = test::shot_of(test::kCameraStill, 32, 18);

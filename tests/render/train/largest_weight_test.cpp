@@ -6,6 +6,7 @@
 
 #include "tests/cl/support.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/support/device.hpp"
 
 namespace simuli {
 namespace {
@@ -21,7 +22,7 @@ std::vector<float> largest_weights(Pass& pass, const Device& device, std::size_t
 
 /// dL/d(a feature's SH of degree 0) is kSh0 times the weights of the rays that L sums.
 TEST(LargestWeight, IsThatOfTheRayThatSeesMostOfAParticle) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   for (const test::SceneCase& scene : {test::kLidarStill, test::kLidarMoving}) {
     Renderer renderer(device, {});
     const test::Shot shot = test::shot_of(scene, 24, 6);
@@ -55,7 +56,7 @@ TEST(LargestWeight, IsThatOfTheRayThatSeesMostOfAParticle) {
 }
 
 TEST(LargestWeight, OnlyRises) {
-  const Device device = Device::best();
+  const Device& device = test::device();
   Renderer renderer(device, {});
   const test::Shot shot = test::shot_of(test::kLidarStill, 24, 6);
   const SensorRays rays = shot.on(device, {});
