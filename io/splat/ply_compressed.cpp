@@ -11,6 +11,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/splat/ply.hpp"
+#include "io/splat/ply_header.hpp"
 #include "io/splat/splat_file.hpp"
 
 namespace simuli {
@@ -138,7 +139,7 @@ Contents parse(const std::string& bytes, const std::string& file) {
     }
     needed += sh.properties.size() * c.vertices;
   }
-  if (needed != left) {
+  if (needed > left || !is_blank(std::string_view(bytes).substr(body + needed))) {
     throw_input_error(file, "data", fmt::format("{} bytes", left), fmt::format("{}", needed));
   }
   c.chunk_data = bytes.data() + body;
@@ -233,7 +234,6 @@ GaussianSet read_compressed_ply(const std::string& bytes, const std::string& fil
       set.params(row, kShRow + 3 * (k % higher + 1) + k / higher) = unpack_sh(byte);
     }
   }
-  validate(set, file);
   return set;
 }
 

@@ -63,7 +63,7 @@ class HeaderParser {
     if (next_line() != "ply") refuse("magic", in_quotes(line_), "\"ply\"");
     parse_format();
     while (next_line() != "end_header") parse_line(split(line_));
-    if (!in_vertex_ && !header_.other_elements) refuse("element vertex", "none", "one");
+    if (!has_vertex_) refuse("element vertex", "none", "one");
     header_.body = at_;
     check_size();
     return std::move(header_);
@@ -125,38 +125,48 @@ class HeaderParser {
       good = stop == end && error == std::errc();
     }
     if (!good) refuse("element", in_quotes(line_), "\"element NAME COUNT\" with a count below 2^64");
-    const bool first = !in_vertex_ && !header_.other_elements;
-    if (first != (words[1] == "vertex")) refuse("element", in_quotes(words[1]), "vertex first, and once");
-    in_vertex_ = first;
-    if (first) {
+    if (words[1] == "vertex") {
+      if (has_vertex_) refuse("element", in_quotes(words[1]), "vertex once");
       header_.vertices = count;
-    } else {
-      header_.other_elements = true;
     }
+    has_element_ = true;
+    header_.other_elements = has_vertex_;
+    in_vertex_ = words[1] == "vertex";
+    has_vertex_ = has_vertex_ || in_vertex_;
+    count_ = count;
   }
 
   void parse_property(const std::vector<std::string_view>& words) {
-    if (!in_vertex_) {
-      if (!header_.other_elements) refuse("property", in_quotes(line_), "an element before it");
-      return;  // of an element behind the vertices, which nobody reads
-    }
+    if (!has_element_) refuse("property", in_quotes(line_), "an element before it");
+    if (header_.other_elements) return;  // of an element behind the vertices, which nobody reads
     if (words.size() != 3) refuse("property", in_quotes(line_), "\"property TYPE NAME\" with a scalar type");
     const auto* known = std::find_if(
         kTypeNames.begin(), kTypeNames.end(), [&](const auto& entry) { return entry.first == words[1]; });
     if (known == kTypeNames.end()) {
       refuse("property type", in_quotes(words[1]), "char, uchar, short, ushort, int, uint, float or double");
     }
+    if (!in_vertex_) return skip(ply_size(known->second));
     std::string name(words[2]);
     if (header_.find(name) >= 0) refuse("property", "a second " + in_quotes(name), "each name once");
     header_.properties.push_back({std::move(name), known->second, header_.vertex_bytes});
     header_.vertex_bytes += ply_size(known->second);
   }
 
+  /// A property of an element in front of the vertices.
+  void skip(std::uint64_t bytes) {
+    // No more than the file holds: sums stay far below 2^64.
+    if (count_ > bytes_.size()) refuse("element", fmt::format("{}", count_), "as many as the file holds");
+    header_.bytes_in_front += count_ * bytes;
+    header_.values_in_front += count_;
+  }
+
   /// Before anything is allocated for the vertices: the file must be able to hold as many as it declares.
   void check_size() {
     if (header_.properties.empty()) refuse("element vertex", "no property", "at least one");
-    const std::size_t left = bytes_.size() - header_.body;
     const bool ascii = header_.format == PlyFormat::kAscii;
+    const std::uint64_t all = bytes_.size() - header_.body;
+    const std::uint64_t in_front = ascii ? 2 * header_.values_in_front : header_.bytes_in_front;
+    const std::uint64_t left = all - std::min(in_front, all);
     // A value of an ascii file takes a digit and a separator, the last one perhaps only the digit.
     const std::size_t vertex_bytes = ascii ? 2 * header_.properties.size() : header_.vertex_bytes;
     const std::uint64_t fits = (left + (ascii ? 1 : 0)) / vertex_bytes;
@@ -165,12 +175,11 @@ class HeaderParser {
              fmt::format("{} vertices", header_.vertices),
              fmt::format("at most {} in the {} bytes that follow", fits, left));
     }
-    const bool exact = ascii || header_.other_elements || header_.vertices * vertex_bytes == left;
-    if (!exact) {
+    const std::uint64_t used = header_.vertices * vertex_bytes;
+    if (!ascii && !header_.other_elements &&
+        !is_blank(std::string_view(bytes_).substr(bytes_.size() - (left - used)))) {
       refuse("element vertex",
-             fmt::format("{} vertices and {} bytes behind them",
-                         header_.vertices,
-                         left - header_.vertices * vertex_bytes),
+             fmt::format("{} vertices and {} bytes behind them", header_.vertices, left - used),
              "nothing behind the last vertex");
     }
   }
@@ -181,7 +190,8 @@ class HeaderParser {
   std::size_t at_ = 0;
   std::size_t line_number_ = 0;
   std::string_view line_;
-  bool in_vertex_ = false;
+  bool in_vertex_ = false, has_vertex_ = false, has_element_ = false;
+  std::uint64_t count_ = 0;  // of the element whose properties are told
 };
 
 }  // namespace
@@ -208,6 +218,12 @@ std::size_t ply_size(PlyType type) {
       return 8;
   }
   throw Error(ErrorKind::kInternal, "PLY type without a size");
+}
+
+bool is_blank(std::string_view rest) {
+  constexpr std::size_t kMost = 4;
+  return rest.size() <= kMost &&
+         rest.find_first_not_of(std::string_view("\n\r \t\0", 5)) == std::string_view::npos;
 }
 
 PlyHeader parse_ply_header(const std::string& bytes, const std::string& file) {

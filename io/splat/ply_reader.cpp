@@ -104,11 +104,11 @@ double decode(PlyType type, const char* at, bool swap) {
   throw Error(ErrorKind::kInternal, "PLY type without a decoder");
 }
 
-/// Every value of a float is kept bit by bit on the way through double.
-float to_float(double value, const std::string& file, const std::string& property, std::uint64_t vertex) {
-  if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
-    const std::string found = std::isfinite(value) ? fmt::format("{}", value) : "NaN or Inf";
-    refuse_value(file, property, vertex, found, "a finite number in the range of float");
+/// Every value of a float is kept bit by bit on the way through double; what is beyond becomes Inf.
+float to_float(double value) {
+  if (std::isfinite(value) && std::abs(value) > static_cast<double>(std::numeric_limits<float>::max())) {
+    return std::copysign(std::numeric_limits<float>::infinity(),
+                         static_cast<float>(std::copysign(1.0, value)));
   }
   return static_cast<float>(value);
 }
@@ -120,7 +120,7 @@ void store(double value,
            std::uint64_t vertex,
            GaussianSet& set) {
   if (column != kActorColumn) {
-    set.params(static_cast<Eigen::Index>(vertex), column) = to_float(value, file, property, vertex);
+    set.params(static_cast<Eigen::Index>(vertex), column) = to_float(value);
     return;
   }
   if (!(value >= 0.0 && value <= std::numeric_limits<std::uint32_t>::max() && value == std::floor(value))) {
@@ -137,7 +137,7 @@ void read_binary(const std::string& bytes,
   const bool file_is_little = header.format == PlyFormat::kLittleEndian;
   const bool swap = file_is_little != (std::endian::native == std::endian::little);
   for (std::uint64_t v = 0; v < header.vertices; ++v) {
-    const char* vertex = bytes.data() + header.body + v * header.vertex_bytes;
+    const char* vertex = bytes.data() + header.body + header.bytes_in_front + v * header.vertex_bytes;
     for (const Source& source : sources) {
       const PlyProperty& property = header.properties[source.property];
       store(
@@ -163,9 +163,11 @@ class AsciiValues {
     if (stop != word.data() + word.size() || error == std::errc::invalid_argument) {
       refuse_value(file_, property, vertex, "a word that is no number", "a number");
     }
+    // Beyond double: too far out, or too near to 0 to tell.
     if (error == std::errc::result_out_of_range) {
-      refuse_value(
-          file_, property, vertex, "a number beyond double", "a finite number in the range of float");
+      return word.find("e-") == std::string_view::npos && word.find("E-") == std::string_view::npos
+                 ? std::numeric_limits<double>::infinity()
+                 : 0.0;
     }
     return value;
   }
@@ -192,6 +194,7 @@ void read_ascii(const std::string& bytes,
   std::vector<int> columns(header.properties.size(), kUnused);
   for (const Source& source : sources) columns[source.property] = source.column;
   AsciiValues values(std::string_view(bytes).substr(header.body), file);
+  for (std::uint64_t i = 0; i < header.values_in_front; ++i) (void)values.next("element in front", 0);
   for (std::uint64_t v = 0; v < header.vertices; ++v) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const std::string& name = header.properties[i].name;
@@ -227,6 +230,12 @@ GaussianSet read_gaussians_ply(const std::filesystem::path& file, SetKind kind) 
 }
 
 GaussianSet read_gaussians_ply(const std::string& bytes, SetKind kind, const std::string& file) {
+  GaussianSet set = parse_gaussians_ply(bytes, kind, file);
+  validate(set, file);
+  return set;
+}
+
+GaussianSet parse_gaussians_ply(const std::string& bytes, SetKind kind, const std::string& file) {
   if (is_compressed_ply(bytes)) {
     if (kind == SetKind::kCamera) return read_compressed_ply(bytes, file);
     throw_input_error(
@@ -239,7 +248,6 @@ GaussianSet read_gaussians_ply(const std::string& bytes, SetKind kind, const std
   GaussianSet set(kind, sh_degree, static_cast<Eigen::Index>(header.vertices));
   if (header.find(kPlyActor) >= 0) set.actor.resize(header.vertices);
   read_body(bytes, header, sources, file, set);
-  validate(set, file);  // zero quaternions: numbers were checked on the way
   return set;
 }
 

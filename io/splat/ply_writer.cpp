@@ -85,6 +85,23 @@ void validate(const GaussianSet& set, const std::string& file) {
   }
 }
 
+Eigen::Index leave_out_broken(GaussianSet& set) {
+  const auto actors = !set.actor.empty();
+  Eigen::Index kept = 0;
+  for (Eigen::Index v = 0; v < set.size(); ++v) {
+    const bool is_sound = set.params.row(v).allFinite() && set.rotation().row(v).cwiseAbs().maxCoeff() > 0.0F;
+    if (!is_sound) continue;
+    if (kept != v) set.params.row(kept) = set.params.row(v);
+    if (actors) set.actor[static_cast<std::size_t>(kept)] = set.actor[static_cast<std::size_t>(v)];
+    ++kept;
+  }
+  const Eigen::Index broken = set.size() - kept;
+  if (broken == 0) return 0;
+  set.params.conservativeResize(kept, Eigen::NoChange);
+  if (actors) set.actor.resize(static_cast<std::size_t>(kept));
+  return broken;
+}
+
 void write_gaussians_ply(const std::filesystem::path& file, const GaussianSet& set) {
   validate(set, file.string());
   const auto columns = ply_gaussian_columns(set.sh_degree);

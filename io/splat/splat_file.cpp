@@ -1,5 +1,7 @@
 #include "io/splat/splat_file.hpp"
 
+#include <cmath>
+#include <fmt/format.h>
 #include <utility>
 
 #include "host/core/base/error.hpp"
@@ -10,16 +12,27 @@
 
 namespace simuli {
 
-GaussianSet read_splats(const std::filesystem::path& file) {
-  if (file.extension() == ".spz") return read_spz(file);
-  if (file.extension() == ".glb") return read_glb(read_file(file), file.string());
-  return read_gaussians_ply(file, SetKind::kCamera);
+GaussianSet read_splats(const std::filesystem::path& file, Eigen::Index* left_out) {
+  constexpr std::size_t kMaxFileBytes = std::size_t{16} << 30U;
+  return read_splats(read_file(file, kMaxFileBytes), file, left_out);
 }
 
-GaussianSet read_splats(std::string bytes, const std::filesystem::path& file) {
-  if (file.extension() == ".spz") return read_spz(std::move(bytes), file.string());
-  if (file.extension() == ".glb") return read_glb(bytes, file.string());
-  return read_gaussians_ply(bytes, SetKind::kCamera, file.string());
+GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, Eigen::Index* left_out) {
+  const std::string extension = file.extension().string(), name = file.string();
+  GaussianSet set = extension == ".spz"   ? read_spz(std::move(bytes), name)
+                    : extension == ".glb" ? read_glb(bytes, name)
+                                          : parse_gaussians_ply(bytes, SetKind::kCamera, name);
+  // Others write 0 and 1 as logits without an end; here they are as far away as in 8 bits.
+  const float most = std::log(254.5F / 0.5F);
+  for (float& opacity : set.opacity_logit()) {
+    if (std::isinf(opacity)) opacity = std::copysign(most, opacity);
+  }
+  if (left_out != nullptr) *left_out = leave_out_broken(set);
+  if (left_out != nullptr && set.size() == 0 && *left_out > 0) {
+    throw_input_error(name, "particles", fmt::format("{}, none of them sound", *left_out), "sound ones");
+  }
+  validate(set, name);
+  return set;
 }
 
 bool has_splat_extension(const std::filesystem::path& file) {

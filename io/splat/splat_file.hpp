@@ -21,11 +21,14 @@ struct SplatOutput {
   bool compress = false;               // .glb: particles as SPZ in it, with what that rounds
 };
 
-/// Reads a camera set with y down: .spz and .glb by extension, any PLY else. Error{kInput} as the readers
-/// below say.
-[[nodiscard]] GaussianSet read_splats(const std::filesystem::path& file);
+/// Reads a camera set with y down: .spz and .glb by extension, any PLY else. An opacity of Inf is 1.
+/// Particles with NaN, Inf or a zero quaternion are left out and counted in `left_out`, or refused without it.
+/// Error{kInput} as the readers below say, and where no particle is left.
+[[nodiscard]] GaussianSet read_splats(const std::filesystem::path& file, Eigen::Index* left_out = nullptr);
 /// The same of the bytes of a file of that name.
-[[nodiscard]] GaussianSet read_splats(std::string bytes, const std::filesystem::path& file);
+[[nodiscard]] GaussianSet read_splats(std::string bytes,
+                                      const std::filesystem::path& file,
+                                      Eigen::Index* left_out = nullptr);
 /// Writes .ply, .spz, .glb, .usda or .usdz by extension, complete or not at all. Error{kInput} for another
 /// one, and for what the format does not hold.
 void write_splats(const std::filesystem::path& file, const GaussianSet& set, const SplatOutput& how = {});

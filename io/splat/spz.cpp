@@ -254,7 +254,6 @@ GaussianSet set_of_spz(std::string bytes, const std::string& file) {
     at += sizes[i];
   }
   GaussianSet set = decode(header, streams);
-  validate(set, file);
   return set;
 }
 

@@ -53,7 +53,12 @@ Export of_splats(const ExportCommand& command) {
   if (command.is_moment || !lines_of(command.edits).empty()) {
     throw_usage_error("INPUT", "a file of splats", "a scene with --at and with edits");
   }
-  return {command.lidar ? read_gaussians_ply(command.input, SetKind::kLidar) : read_splats(command.input)};
+  if (command.lidar) return {read_gaussians_ply(command.input, SetKind::kLidar)};
+  Eigen::Index broken = 0;
+  Export out{read_splats(command.input, &broken)};
+  if (broken > 0)
+    out.left_out.push_back(fmt::format("{} particles with NaN, Inf or a zero quaternion", broken));
+  return out;
 }
 
 Export of_scene(const ExportCommand& command) {

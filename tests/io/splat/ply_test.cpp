@@ -12,6 +12,7 @@
 #include <random>
 
 #include "io/base/file.hpp"
+#include "io/splat/splat_file.hpp"
 #include "tests/io/ascii_ply.hpp"
 #include "tests/io/scratch.hpp"
 
@@ -212,7 +213,7 @@ TEST(Ply, BadHeadersAreRefused) {
   refused(replaced(good, "float y", "float why"), {"property y", "none"});
   refused(replaced(good, "float scale_2", "float other"), {"2 (flat discs"});
   refused(replaced(good, "element vertex 1", "element vertex -1"), {"line 3", "-1"});
-  refused(replaced(good, "element vertex 1", "element face 1"), {"line 3", "face", "vertex first"});
+  refused(replaced(good, "element vertex 1", "element face 1"), {"line 18", "element vertex", "none"});
   refused(replaced(good, "vertex 1", "vertex 99999999999999999999"), {"line 3", "2^64"});
   refused(replaced(good, "element vertex 1\n", ""), {"line 3", "an element before it"});
   refused(replaced(good, "end_header", "end_hooder"), {"keyword", "end_hooder"});
@@ -250,8 +251,8 @@ TEST(Ply, BadValuesAreRefusedByVertexAndProperty) {
   };
   refused("1 nan 3 4 5 6 7 8 9 10 1 0 0 0\n", {"vertex 0: y", "NaN or Inf"});
   refused("1 2 -inf 4 5 6 7 8 9 10 1 0 0 0\n", {"vertex 0: z", "NaN or Inf"});
-  refused("1 2 3 4 5 6 1e39 8 9 10 1 0 0 0\n", {"vertex 0: opacity", "range of float"});
-  refused("1 2 3 4 5 6 1e999 8 9 10 1 0 0 0\n", {"vertex 0: opacity", "range of float"});
+  refused("1 2 3 4 5 6 1e39 8 9 10 1 0 0 0\n", {"vertex 0: opacity", "NaN or Inf"});
+  refused("1 2 3 4 5 6 1e999 8 9 10 1 0 0 0\n", {"vertex 0: opacity", "NaN or Inf"});
   refused("1 2 3 4 5 6 7 8 9 1,5 1 0 0 0\n", {"vertex 0: scale_2", "no number"});
   refused("1 2 3 4 5 6 7 8 9 10 0 0 -0 0\n", {"vertex 0", "zero quaternion"});
   refused("1.25 2.25 3.25 4.25 5.25 6.25 7.25\n", {"vertex 0: scale_0", "end of the file"});
@@ -263,6 +264,56 @@ TEST(Ply, BadValuesAreRefusedByVertexAndProperty) {
   std::memcpy(bytes.data() + bytes.size() - 2 * vertex, &nan, 4);
   const auto file = scratch.file("nan.ply", bytes);
   expect_input_error([&] { (void)read_gaussians_ply(file, SetKind::kCamera); }, {"nan.ply", "vertex 3: x"});
+}
+
+TEST(Ply, OneBadParticleOfAnothersFileIsLeftOut) {
+  const Scratch scratch;
+  const std::string rows =
+      "1 2 3 4 5 6 inf 8 9 10 1 0 0 0\n"
+      "2 nan 3 4 5 6 7 8 9 10 1 0 0 0\n"
+      "3 2 3 4 5 6 -inf 8 9 10 1 0 0 0\n"
+      "4 2 3 4 5 6 7 8 9 10 0 0 -0 0\n"
+      "5 2 3 4 5 6 7 8 1e39 10 1 0 0 0\n"
+      "6 2 3 4 5 6 1e-999 8 9 10 1 0 0 0\n";
+  const std::string text = replaced(ascii_ply("", rows), "vertex 1", "vertex 6");
+  Eigen::Index left_out = 0;
+  const GaussianSet set = read_splats(scratch.file("a.ply", text), &left_out);
+  ASSERT_EQ(set.size(), 3);
+  EXPECT_EQ(left_out, 3);
+  EXPECT_EQ(set.mean().col(0), Eigen::Vector3f(1.0F, 3.0F, 6.0F));
+  // sigmoid(Inf) is 1, of -Inf 0: as a byte of 255 and of 0 is read.
+  EXPECT_FLOAT_EQ(set.opacity_logit()(0), std::log(509.0F));
+  EXPECT_FLOAT_EQ(set.opacity_logit()(1), -std::log(509.0F));
+  EXPECT_EQ(set.opacity_logit()(2), 0.0F);
+  const auto none = scratch.file("b.ply", ascii_ply("", "1 nan 3 4 5 6 7 8 9 10 1 0 0 0\n"));
+  expect_input_error([&] { (void)read_splats(none, &left_out); }, {"b.ply", "1, none of them sound"});
+}
+
+TEST(Ply, ElementsInFrontAndBlanksBehindAreSkipped) {
+  const Scratch scratch;
+  write_gaussians_ply(scratch / "set.ply", any_set(SetKind::kCamera, 1, 10));
+  const std::string binary = read_file(scratch / "set.ply");
+  const std::string front = replaced(
+      binary, "element vertex", "element camera 2\nproperty float a\nproperty uchar b\nelement vertex");
+  const std::size_t body = front.find("end_header\n") + 11;
+  const Eigen::MatrixXf params = read_splats(scratch / "set.ply").params;
+  const std::vector<std::string> others{binary + "\n",
+                                        binary + "\r\n",
+                                        binary + std::string(3, '\0'),
+                                        std::string(front).insert(body, 10, 'x')};
+  for (const std::string& other : others)
+    EXPECT_TRUE(same_bits(params, read_splats(scratch.file("b.ply", other)).params));
+  std::string ascii =
+      replaced(ascii_ply(), "element vertex", "element camera 2\nproperty int a\nelement vertex");
+  ascii = replaced(ascii, "end_header\n", "end_header\n7\n8\n");
+  EXPECT_EQ(read_splats(scratch.file("c.ply", ascii)).params,
+            read_splats(scratch.file("d.ply", ascii_ply())).params);
+  for (const std::string& bad : {replaced(front, "camera 2", "camera 18446744073709551615"),
+                                 replaced(front, "camera 2", "camera 400"),
+                                 replaced(front, "uchar b", "list uchar int b"),
+                                 binary + "\n\n\n\n\n"}) {
+    expect_input_error([&] { (void)read_splats(scratch.file("e.ply", bad)); }, {"e.ply"});
+  }
 }
 
 TEST(Ply, NothingUnreadableIsWritten) {

@@ -20,6 +20,7 @@
 #include "io/import/points/points_log.hpp"
 #include "io/import/waymo/waymo.hpp"
 #include "io/scene/splat_scene.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -157,13 +158,18 @@ void import_splats(SplatCommand command, const Globals& globals) {
   if (command.axes == "z-up") command.placement.axes = SplatAxes::kZUp;
   if (!command.pose.empty())
     command.placement.world_from_model = parse_mounting("--pose", command.pose).rig_from_lidar();
-  const SceneFile scene = scene_of_splats(command.file, command.placement);
+  Eigen::Index left_out = 0;
+  const SceneFile scene =
+      scene_of_splats(read_splats(command.file, &left_out), command.file, command.placement);
   write_scene(command.output, scene);
   const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);
   const Eigen::Vector3d size = box.sizes(), from = scene.scene.origin + box.min();
+  if (left_out > 0)
+    std::cerr << fmt::format("{} particles left out: NaN, Inf or a zero quaternion\n", left_out);
   if (globals.json) {
     const nlohmann::ordered_json out = {{"folder", command.output},
                                         {"particles", scene.scene.camera.size()},
+                                        {"left_out", left_out},
                                         {"sh_degree", scene.scene.camera.sh_degree},
                                         {"from_m", {from.x(), from.y(), from.z()}},
                                         {"size_m", {size.x(), size.y(), size.z()}}};
