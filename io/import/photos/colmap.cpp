@@ -124,6 +124,8 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
+bool is_blank(const std::string& line) { return line.find_first_not_of(" \t") == std::string::npos; }
+
 [[noreturn]] void refuse_line(const fs::path& file, const std::string& line, const char* allowed) {
   throw_input_error(file.string(), "line", '"' + line.substr(0, 60) + '"', allowed);
 }
@@ -145,7 +147,7 @@ std::map<std::int64_t, Camera> read_cameras(const fs::path& folder, bool binary)
   }
   const fs::path file = folder / "cameras.txt";
   for (const std::string& line : lines_of(file)) {
-    if (line.empty()) continue;
+    if (is_blank(line)) continue;
     std::istringstream in(line);
     std::int64_t id = 0;
     std::string name;
@@ -182,6 +184,15 @@ Posed make_posed(const std::string& file,
   return {std::move(name), camera, camera_from_world.inverse()};
 }
 
+/// Triples of numbers. An image's own line has ten words, the last one a name.
+bool holds_observations(const std::string& line) {
+  if (line.find_first_not_of("0123456789+-.eE \t") != std::string::npos) return false;
+  std::size_t words = 0;
+  for (std::size_t i = 0; i < line.size(); ++i)
+    words += !is_blank(line.substr(i, 1)) && (i == 0 || is_blank(line.substr(i - 1, 1))) ? 1U : 0U;
+  return words % 3 == 0;
+}
+
 std::vector<Posed> read_images(const fs::path& folder, bool binary) {
   std::vector<Posed> images;
   std::array<double, 7> v{};
@@ -199,8 +210,8 @@ std::vector<Posed> read_images(const fs::path& folder, bool binary) {
   }
   const fs::path file = folder / "images.txt";
   const std::vector<std::string> lines = lines_of(file);
-  for (std::size_t i = 0; i < lines.size(); i += 2) {  // every other line: where it saw points
-    if (lines[i].empty()) break;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (is_blank(lines[i])) continue;
     std::istringstream in(lines[i]);
     std::int64_t id = 0, camera = 0;
     in >> id;
@@ -211,6 +222,10 @@ std::vector<Posed> read_images(const fs::path& folder, bool binary) {
       refuse_line(file, lines[i], "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
     }
     images.push_back(make_posed(file.string(), std::move(name), camera, v));
+    // The next line, blank or not: where it saw points.
+    if (++i < lines.size() && !holds_observations(lines[i]))
+      refuse_line(
+          file, lines[i], "X Y POINT3D_ID of points, or a blank line, behind each image's first line");
   }
   return images;
 }
@@ -220,8 +235,13 @@ std::vector<Eigen::Vector3d> read_points(const fs::path& folder, bool binary) {
   const fs::path file = folder / (binary ? "points3D.bin" : "points3D.txt");
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return points;
+  std::vector<Eigen::Vector3d> untracked;
+  bool has_tracks = false;
   const auto add = [&](const Eigen::Vector3d& p, std::size_t views) {
-    if (views >= kLeastViews && p.allFinite()) points.push_back(p);
+    has_tracks = has_tracks || views > 0;
+    if (!p.allFinite()) return;
+    if (views >= kLeastViews) points.push_back(p);
+    if (!has_tracks) untracked.push_back(p);
   };
   if (binary) {
     Bytes in(file);
@@ -234,10 +254,10 @@ std::vector<Eigen::Vector3d> read_points(const fs::path& folder, bool binary) {
       in.skip(views, 8);
       add(p, views);
     }
-    return points;
+    return has_tracks ? points : untracked;
   }
   for (const std::string& line : lines_of(file)) {
-    if (line.empty()) continue;
+    if (is_blank(line)) continue;
     std::istringstream in(line);
     std::uint64_t id = 0;
     Eigen::Vector3d p;
@@ -247,7 +267,7 @@ std::vector<Eigen::Vector3d> read_points(const fs::path& folder, bool binary) {
     while (in >> unused) ++numbers;
     add(p, numbers > 4 ? (numbers - 4) / 2 : 0);
   }
-  return points;
+  return has_tracks ? points : untracked;
 }
 
 bool holds_model(const fs::path& folder, const char* ending) {
@@ -290,7 +310,8 @@ PhotoSet read_colmap(const ColmapOptions& options) {
     set.cameras.push_back(camera);
   }
   std::vector<Posed> images = read_images(folder, binary);
-  std::sort(images.begin(), images.end(), [](const Posed& a, const Posed& b) { return a.name < b.name; });
+  std::sort(
+      images.begin(), images.end(), [](const Posed& a, const Posed& b) { return is_before(a.name, b.name); });
   const fs::path photos = find_images(folder, options.images);
   for (const Posed& image : images) {
     const auto camera = index.find(image.camera);

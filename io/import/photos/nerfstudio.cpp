@@ -29,6 +29,9 @@ class Intrinsics {
   [[nodiscard]] double number(const std::string& key) {
     return frame_.has(key) ? frame_.number(key) : all_.number(key);
   }
+  [[nodiscard]] bool boolean(const std::string& key) {
+    return frame_.has(key) ? frame_.boolean(key) : all_.boolean(key);
+  }
   [[nodiscard]] double number_or(const std::string& key, double other) {
     return has(key) ? number(key) : other;
   }
@@ -57,15 +60,23 @@ Camera camera_of(Intrinsics& of, const std::string& file) {
   } else {
     c.fx = 0.5 * c.width / std::tan(0.5 * of.number("camera_angle_x"));
   }
-  c.fy = of.number_or("fl_y", c.fx);
+  const bool has_vertical = !of.has("fl_y") && of.has("camera_angle_y");
+  c.fy = has_vertical ? 0.5 * c.height / std::tan(0.5 * of.number("camera_angle_y"))
+                      : of.number_or("fl_y", c.fx);
   c.cx = of.number_or("cx", 0.5 * c.width);
   c.cy = of.number_or("cy", 0.5 * c.height);
-  const std::string model = of.text_or("camera_model", "OPENCV");
+  // instant-ngp's key; its scripts write no camera_model.
+  const bool is_fisheye = of.has("is_fisheye") && of.boolean("is_fisheye");
+  const std::string model = of.text_or("camera_model", is_fisheye ? "OPENCV_FISHEYE" : "OPENCV");
+  if (is_fisheye && model != "OPENCV_FISHEYE")
+    throw_input_error(file, "is_fisheye", "true with camera_model " + model, "OPENCV_FISHEYE with it");
   const auto k = [&](const char* key) { return of.number_or(key, 0.0); };
   if (model == "OPENCV_FISHEYE") {
     c.lens = Lens(LensKind::kOpencvFisheye, {k("k1"), k("k2"), k("k3"), k("k4"), std::numbers::pi}, file);
   } else if (model == "OPENCV" || model == "SIMPLE_RADIAL" || model == "RADIAL") {
     std::vector<double> lens(lens_parameter_names(LensKind::kOpencvPinhole).size(), 0.0);
+    if (k("k4") != 0.0)
+      throw_input_error(file, "k4", fmt::format("{}", k("k4")), "0 with camera_model " + model);
     constexpr std::array kKeys{"k1", "k2", "p1", "p2", "k3"};
     for (std::size_t i = 0; i < kKeys.size(); ++i) lens[i] = k(kKeys[i]);
     const bool plain = std::all_of(lens.begin(), lens.end(), [](double value) { return value == 0.0; });
@@ -144,8 +155,9 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
     }
   });
   // By name, as they were taken: files are not always in order.
-  std::stable_sort(
-      set.photos.begin(), set.photos.end(), [](const Photo& a, const Photo& b) { return a.file < b.file; });
+  std::stable_sort(set.photos.begin(), set.photos.end(), [](const Photo& a, const Photo& b) {
+    return is_before(a.file.string(), b.file.string());
+  });
   return set;
 }
 

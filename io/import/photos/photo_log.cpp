@@ -86,6 +86,30 @@ void write_points(const PhotoSet& set, double typical_m, const fs::path& file, P
 
 }  // namespace
 
+bool is_before(const std::string& a, const std::string& b) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto run = [&](const std::string& text, std::size_t& at) {
+    const std::size_t from = std::min(text.find_first_not_of('0', at), text.size());
+    for (at = from; at < text.size() && is_digit(text[at]);) ++at;
+    return text.substr(from, at - from);
+  };
+  std::size_t i = 0, k = 0;
+  while (i < a.size() && k < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[k])) {
+      const std::string x = run(a, i), y = run(b, k);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+    } else if (a[i] != b[k]) {
+      return a[i] < b[k];
+    } else {
+      ++i;
+      ++k;
+    }
+  }
+  if ((i < a.size()) != (k < b.size())) return k < b.size();
+  return a < b;
+}
+
 Log write_photo_log(PhotoSet set,
                     double metres_per_unit,
                     const fs::path& output,

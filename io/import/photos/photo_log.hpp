@@ -35,6 +35,9 @@ struct PhotoReport {
   double metres_per_unit = 1.0;
 };
 
+/// Whether a comes before b when runs of digits count as numbers: 2.png before 10.png.
+[[nodiscard]] bool is_before(const std::string& a, const std::string& b);
+
 /// Writes the log folder, complete or not at all: photograph i is taken at i seconds by a rig that stands
 /// where its camera does. `metres_per_unit` 0: so that points are typically 10 m from the photographs that
 /// stand nearest to them, or without points that neighbouring photographs are typically 0.5 m apart, which is

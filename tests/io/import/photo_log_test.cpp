@@ -1,7 +1,9 @@
 // Importers of posed photographs: COLMAP in both of its forms, and transforms.json.
 #include "io/import/photos/photo_log.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -12,8 +14,8 @@
 #include <vector>
 
 #include "io/import/photos/colmap.hpp"
-#include "io/picture/image.hpp"
 #include "io/import/photos/nerfstudio.hpp"
+#include "io/picture/image.hpp"
 #include "io/splat/ply.hpp"
 #include "tests/io/scratch.hpp"
 
@@ -154,6 +156,53 @@ TEST(Colmap, SaysWhatIsMissing) {
   expect_input_error([&] { run(scratch / "text"); }, {"images.bin", "its end"});
 }
 
+TEST(Colmap, BlankLinesOfTheTextAreNoImages) {
+  const Scratch scratch;
+  write_photos(scratch / "images", kPhotos);
+  write_colmap_text(scratch / "text", kOpencv);
+  const fs::path file = scratch / "text/images.txt";
+  const auto count = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    return read_colmap({scratch / "text", {}, {}}).photos.size();
+  };
+  const std::string sound = colmap_images_text(), observed = "1 2 -1\n";
+  const auto with = [&](const std::string& second) {
+    std::string text = sound;
+    for (std::size_t at = 0; (at = text.find(observed, at)) != std::string::npos; at += second.size())
+      text.replace(at, observed.size(), second);
+    return text;
+  };
+  EXPECT_EQ(count("\n" + sound), 4U);
+  EXPECT_EQ(count("\n \t\r\n" + with("1 2 -1\n\n")), 4U);
+  EXPECT_EQ(count(with("\n")), 4U);         // no point was seen
+  EXPECT_EQ(count(with(" \r\n\n\n")), 4U);  // and blank lines between
+  EXPECT_EQ(count(with("1.5 -2e0 7 3 4 -1\n")), 4U);
+  // Half of the photographs would be taken for what the others saw.
+  for (const char* second : {"", "1 2\n", "1 x 3\n"})
+    expect_input_error([&] { (void)count(with(second)); }, {"images.txt: line", "POINT3D_ID"});
+}
+
+TEST(Colmap, PointsWithoutAnyTrackAreAllTaken) {
+  const Scratch scratch;
+  write_photos(scratch / "images", kPhotos);
+  write_colmap_text(scratch / "text", kOpencv);
+  const auto count = [&](const std::string& text) {
+    std::ofstream(scratch / "text/points3D.txt") << text;
+    return read_colmap({scratch / "text", {}, {}}).points.size();
+  };
+  EXPECT_EQ(count("1 0 1 20 9 9 9 0.5\n2 2 0 20 9 9 9 0.5\n3 5 5 5 9 9 9 0.5\n"), 3U);
+  EXPECT_EQ(count("1 0 1 20 9 9 9 0.5\n2 2 0 20 9 9 9 0.5 1 1 2 1 3 1\n"), 1U);
+}
+
+TEST(PhotoLog, NumbersInNamesCountAsNumbers) {
+  std::vector<std::string> names{
+      "b", "a10.png", "a2.png", "a1/10.png", "a1/9.png", "a01.png", "a1.png", "a", ""};
+  std::sort(names.begin(), names.end(), is_before);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{
+                "", "a", "a01.png", "a1.png", "a1/9.png", "a1/10.png", "a2.png", "a10.png", "b"}));
+}
+
 std::string transforms(const std::string& head, const std::string& model) {
   std::string frames;
   for (int i = 0; i < kPhotos; ++i) {
@@ -188,6 +237,17 @@ TEST(Nerfstudio, PosesAreOurs) {
   EXPECT_LT((world_from_camera.rotation * Eigen::Vector3d::UnitY() + Eigen::Vector3d::UnitZ()).norm(), 1e-9);
   EXPECT_NEAR(world_from_camera.translation.x(), 0.5, 1e-9);
 
+  // instant-ngp's scripts write is_fisheye and no camera_model.
+  std::string fisheye =
+      transforms(R"("fl_x": 9, "k1": 0.05, "k4": 0.01, "is_fisheye": true, "w": 8, "h": 6,)", "");
+  fisheye.replace(fisheye.find(R"("camera_model": "", )"), 20, "");
+  const PhotoSet set = read_nerfstudio({scratch.file("fisheye.json", fisheye), {}});
+  EXPECT_EQ(set.cameras.at(0).lens.kind(), LensKind::kOpencvFisheye);
+  const PhotoSet tall = read_nerfstudio(
+      {scratch.file("tall.json",
+                    transforms(R"("fl_x": 9, "camera_angle_y": 0.6, "w": 8, "h": 6,)", "OPENCV")),
+       {}});
+  EXPECT_NEAR(tall.cameras.at(0).fy, 3.0 / std::tan(0.3), 1e-12);
   const auto refuse = [&](const std::string& text, const char* word) {
     expect_input_error(
         [&] {
@@ -196,6 +256,8 @@ TEST(Nerfstudio, PosesAreOurs) {
         {"bad.json", word});
   };
   refuse(transforms(head, "EQUIRECTANGULAR"), "camera_model");
+  refuse(transforms(head + R"("is_fisheye": true,)", "OPENCV"), "is_fisheye");
+  refuse(transforms(head + R"("k4": 0.1,)", "OPENCV"), "k4");
   refuse(transforms(R"("fl_x": 9, "w": 8.5, "h": 6,)", "OPENCV"), "w: found 8.5");
   refuse(transforms(R"("w": 8, "h": 6,)", "OPENCV"), "camera_angle_x");
   refuse(R"({"fl_x": 9, "w": 8, "h": 6, "frames": [{"file_path": "a.png", "transform_matrix": [[1]]}]})",
