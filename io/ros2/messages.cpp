@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 namespace simuli::ros2 {
 namespace {
@@ -41,20 +42,24 @@ Header read_header(CdrReader& in) {
   return {seconds * kSecond_ns + rest, in.text("header.frame_id")};
 }
 
-Pose read_pose(CdrReader& in, const char* position, const char* rotation) {
-  Pose pose;
+/// What is wrong with it: field, found, allowed; nothing where it is sound.
+using Fault = std::optional<std::array<std::string, 3>>;
+
+Fault read_pose(CdrReader& in, const char* position, const char* rotation, Pose& pose) {
   for (Eigen::Index i = 0; i < 3; ++i) pose.translation[i] = in.number<double>(position);
   std::array<double, 4> q{};
   in.all(q, rotation);
   pose.rotation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]);
   constexpr double kFarthest_m = 1e9;
-  if (!(pose.translation.cwiseAbs().maxCoeff() <= kFarthest_m))
-    in.refuse(position, "values that are none or beyond", fmt::format("at most {} m", kFarthest_m));
+  const bool is_near =
+      pose.translation.array().isFinite().all() && pose.translation.cwiseAbs().maxCoeff() <= kFarthest_m;
+  if (!is_near)
+    return {{position, "values that are none or beyond", fmt::format("at most {} m", kFarthest_m)}};
   const double norm = pose.rotation.norm();
   constexpr double kOff = 1e-2;  // some recorders write floats
-  if (!(std::abs(norm - 1.0) <= kOff)) in.refuse(rotation, fmt::format("a norm of {}", norm), "1");
+  if (!(std::abs(norm - 1.0) <= kOff)) return {{rotation, fmt::format("a norm of {}", norm), "1"}};
   pose.rotation.normalize();
-  return pose;
+  return {};
 }
 
 }  // namespace
@@ -217,6 +222,7 @@ PointCloudMessage read_point_cloud(CdrReader in) {
   if (m.width == 0 || m.height == 0) m.width = m.height = 0;  // no point
   if (m.width > 0 && m.point_step == 0) in.refuse("point_step", "0", "1 or more");
   const std::uint64_t row = std::uint64_t{m.width} * m.point_step;
+  if (m.height <= 1 && m.row_step == 0) m.row_step = m.point_step * m.width;  // some drivers leave it at 0
   if (m.row_step < row)
     in.refuse(
         "row_step", fmt::format("{}", m.row_step), fmt::format("at least {} (width x point_step)", row));
@@ -228,13 +234,20 @@ PointCloudMessage read_point_cloud(CdrReader in) {
   return m;
 }
 
-std::vector<TransformMessage> read_transforms(CdrReader in) {
+Header read_header_of(CdrReader in) { return read_header(in); }
+
+std::vector<TransformMessage> read_transforms(CdrReader in, std::size_t& left_out) {
   constexpr std::size_t kLeast = 8 + 4 + 4 + 7 * sizeof(double);
-  std::vector<TransformMessage> transforms(in.length("transforms", kLeast));
-  for (TransformMessage& t : transforms) {
+  std::vector<TransformMessage> transforms;
+  for (std::size_t left = in.length("transforms", kLeast); left > 0; --left) {
+    TransformMessage t;
     t.header = read_header(in);
     t.child_frame_id = in.text("child_frame_id");
-    t.parent_from_child = read_pose(in, "translation", "rotation");
+    if (read_pose(in, "translation", "rotation", t.parent_from_child)) {
+      ++left_out;
+    } else {
+      transforms.push_back(std::move(t));
+    }
   }
   return transforms;
 }
@@ -243,7 +256,8 @@ OdometryMessage read_odometry(CdrReader in) {
   OdometryMessage m;
   m.header = read_header(in);
   m.child_frame_id = in.text("child_frame_id");
-  m.parent_from_child = read_pose(in, "pose.position", "pose.orientation");
+  if (const Fault fault = read_pose(in, "pose.position", "pose.orientation", m.parent_from_child))
+    in.refuse((*fault)[0], (*fault)[1], (*fault)[2]);
   return m;
 }
 

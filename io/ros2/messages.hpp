@@ -122,7 +122,10 @@ inline constexpr char kMarkerArray[] = "visualization_msgs/msg/MarkerArray";
 [[nodiscard]] CompressedImageMessage read_compressed_image(CdrReader in);
 [[nodiscard]] CameraInfoMessage read_camera_info(CdrReader in);
 [[nodiscard]] PointCloudMessage read_point_cloud(CdrReader in);
-[[nodiscard]] std::vector<TransformMessage> read_transforms(CdrReader in);
+/// Those that are none (NaN, beyond 1e9 m, a quaternion's norm 1 % from 1) are left out and counted, as tf2 does.
+[[nodiscard]] std::vector<TransformMessage> read_transforms(CdrReader in, std::size_t& left_out);
+/// What Image, CompressedImage and PointCloud2 begin with.
+[[nodiscard]] Header read_header_of(CdrReader in);
 [[nodiscard]] OdometryMessage read_odometry(CdrReader in);
 
 /// Bytes of one value; 0 of a type that there is not.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <set>
 #include <utility>
 
@@ -45,6 +46,19 @@ class Importer {
         scan_(scan_bag(*bag_, options)) {}
 
   Log run(const std::function<void(std::size_t, std::size_t)>& progress) {
+    for (const auto& [option, topics] :
+         {std::pair("--topics", options_.topics), std::pair("--ignore", options_.ignore)}) {
+      for (const std::string& topic : topics) {
+        if (scan_.topics.count(topic) == 0)
+          refuse_option(option, topic, fmt::format("a topic of it: {}", fmt::join(scan_.topics, ", ")));
+      }
+    }
+    if (scan_.bad_transforms > 0)
+      note(fmt::format("left out: {} transforms that are none (NaN, or no unit quaternion)",
+                       scan_.bad_transforms));
+    for (const std::string& frame : scan_.transforms.ambiguous())
+      note("frame " + frame +
+           " has several parents: the one that leads to --world-frame, else the newest is taken");
     choose_lidars();
     choose_cameras();
     if (lidars_.empty() && cameras_.empty())
@@ -56,12 +70,26 @@ class Importer {
       for (const auto& [topic, unused] : lidars_) writer.total += scan_.clouds.at(topic).stamps_ns.size();
       for (const auto& [topic, unused] : cameras_) writer.total += scan_.pictures.at(topic).stamps_ns.size();
       writer.write(lidars_, cameras_, field_options(options_), progress);
+      if (log_.images.empty() && log_.sweeps.empty()) need_common_clock();
       need_placed(report_.points, file_);
       sort_by_time(log_);
     });
   }
 
  private:
+  /// Nothing lies on the path: why.
+  [[noreturn]] void need_common_clock() const {
+    const auto [first_s, last_s] = frames_s_;
+    throw_input_error(
+        file_,
+        "stamps of clouds and pictures",
+        fmt::format("{:.3f} to {:.3f} s, none on the path", first_s, last_s),
+        fmt::format("within the path's {:.3f} to {:.3f} s: one clock for all (sensors often count "
+                    "from when they were switched on; PTP or their driver sets them)",
+                    static_cast<double>(span_.first) * kNanosecond_s,
+                    static_cast<double>(span_.second) * kNanosecond_s));
+  }
+
   void note(std::string text) { report_.notes.push_back(std::move(text)); }
 
   [[noreturn]] static void refuse_option(const char* option,
@@ -180,6 +208,12 @@ class Importer {
         note("left out: " + topic + ", " + lacks);
         continue;
       }
+      if (scan_.changing.count(info->first) != 0) {
+        const std::string found = "a calibration that changes";
+        if (is_asked) throw_input_error(file_, info->first, found, "one for the whole drive");
+        note("left out: " + topic + ", " + info->first + " has " + found);
+        continue;
+      }
       const auto [same, is_first] = taken.emplace(folder_of(topic), topic);
       if (!is_first) {
         if (is_asked)
@@ -236,6 +270,7 @@ class Importer {
     }
     log_.world_from_rig = Trajectory(std::move(poses));
     const auto [first_ns, last_ns] = span_;
+    frames_s_ = {static_cast<double>(first_ns) * kNanosecond_s, static_cast<double>(last_ns) * kNanosecond_s};
     span_ = {first_ns + static_cast<std::int64_t>(
                             (log_.world_from_rig.start_s() - Trajectory::kExtrapolation_s) / kNanosecond_s),
              first_ns + static_cast<std::int64_t>(
@@ -288,6 +323,7 @@ class Importer {
   std::unique_ptr<const Bag> bag_;
   Scan scan_;
   Log log_;
+  std::pair<double, double> frames_s_;  // first and last stamp of clouds and pictures
   std::set<std::string> names_;
   std::map<std::string, RecordedLidar> lidars_;    // by topic
   std::map<std::string, RecordedCamera> cameras_;  // by topic

@@ -38,6 +38,8 @@ struct Ros2Options {
   std::vector<Ros2Lidar> lidars;  // of all topics of clouds these
   bool without_lidars = false;
   std::vector<std::string> cameras;  // topics of pictures; empty: all that have a CameraInfo
+  std::vector<std::string> topics;   // that alone are read, of all types; empty: all but
+  std::vector<std::string> ignore;   // these
   std::string rig_frame = "base_link";
   std::string world_frame;                      // empty: the uppermost that the rig is in
   std::string odometry;                         // topic; empty: transforms, or else the only one

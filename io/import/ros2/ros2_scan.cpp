@@ -27,18 +27,19 @@ class Scanner {
     const CdrReader in = reader_of(channel, data, file_);
     const std::string& type = channel.type;
     if (type == kTfMessage) {
-      for (const TransformMessage& transform : read_transforms(in)) scan.transforms.add(transform);
+      for (const TransformMessage& transform : read_transforms(in, scan.bad_transforms))
+        scan.transforms.add(transform);
     } else if (type == kCameraInfo) {
       take_info(channel, read_camera_info(in));
     } else if (type == kOdometry) {
+      if (!options_.odometry.empty() && options_.odometry != channel.topic) return;
       const OdometryMessage pose = read_odometry(in);
       scan.odometry[channel.topic].push_back({pose.header.stamp_ns, pose.parent_from_child});
       scan.odometry_frames.emplace(channel.topic, pose);
     } else if (type == kPointCloud2) {
-      take_cloud(channel, read_point_cloud(in));
+      take_cloud(channel, in);
     } else {
-      const Header header = type == kImage ? read_image_message(in).header : read_compressed_image(in).header;
-      take_stamp(scan.pictures[channel.topic], channel, header);
+      take_stamp(scan.pictures[channel.topic], channel, read_header_of(in));
     }
   }
 
@@ -58,17 +59,17 @@ class Scanner {
     const CameraInfoMessage& first = known->second;
     const bool is_same = first.width == info.width && first.height == info.height && first.k == info.k &&
                          first.d == info.d && first.distortion_model == info.distortion_model;
-    if (!is_same)
-      throw_input_error(file_, channel.topic, "a calibration that changes", "one for the whole drive");
+    if (!is_same) scan.changing.insert(channel.topic);
   }
 
-  void take_cloud(const BagChannel& channel, const PointCloudMessage& cloud) {
+  void take_cloud(const BagChannel& channel, const CdrReader& in) {
     SensorTopic& topic = scan.clouds[channel.topic];
-    take_stamp(topic, channel, cloud.header);
+    take_stamp(topic, channel, read_header_of(in));
     const bool is_asked = std::any_of(options_.lidars.begin(),
                                       options_.lidars.end(),
                                       [&](const Ros2Lidar& lidar) { return lidar.topic == channel.topic; });
     if (!is_asked || topic.first_sweeps.size() >= kFirstSweeps) return;
+    const PointCloudMessage cloud = read_point_cloud(in);
     // Of each message: nothing says that they are laid out alike.
     const CloudFields fields = find_cloud_fields(cloud, field_options(options_), file_, channel.topic);
     if (!topic.fields) topic.fields = fields;
@@ -89,7 +90,13 @@ CdrReader reader_of(const BagChannel& channel, std::string_view data, const std:
 
 Scan scan_bag(const Bag& bag, const Ros2Options& options) {
   Scanner scanner(options, options.recording.string());
-  const auto is_wanted = [](const BagChannel& channel) {
+  const auto has = [](const std::vector<std::string>& topics, const std::string& topic) {
+    return std::find(topics.begin(), topics.end(), topic) != topics.end();
+  };
+  const auto is_wanted = [&](const BagChannel& channel) {
+    scanner.scan.topics.insert(channel.topic);
+    if (has(options.ignore, channel.topic)) return false;
+    if (!options.topics.empty() && !has(options.topics, channel.topic)) return false;
     const std::string& t = channel.type;
     return t == kTfMessage || t == kCameraInfo || t == kOdometry || t == kPointCloud2 || t == kImage ||
            t == kCompressedImage;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct Scan {
   std::map<std::string, std::vector<StampedPose>> odometry;  // by topic, header.frame_id from child_frame_id
   std::map<std::string, OdometryMessage> odometry_frames;    // the first of each
   TransformTree transforms;
+  std::set<std::string> changing;  // topics of CameraInfo whose calibration does not stay
+  std::set<std::string> topics;    // all of the recording
+  std::size_t bad_transforms = 0;  // no poses; left out
 };
 
 /// A reader of one message of that channel.

@@ -55,58 +55,89 @@ void TransformTree::add(const TransformMessage& transform) {
   if (++count_ > kMost) throw_input_error(file_, "/tf", "more transforms", fmt::format("at most {}", kMost));
   const std::string parent = frame_name(transform.header.frame_id),
                     child = frame_name(transform.child_frame_id);
-  Link& link = links_[child];
-  if (link.poses.empty()) link.parent = parent;
-  if (link.parent != parent) {
-    throw_input_error(file_,
-                      "/tf: frame " + child,
-                      fmt::format("in {} and in {}", link.parent, parent),
-                      "one frame that it is in");
-  }
-  link.poses.push_back({transform.header.stamp_ns, transform.parent_from_child});
+  std::vector<Link>& links = links_[child];
+  auto link = std::find_if(links.begin(), links.end(), [&](const Link& l) { return l.parent == parent; });
+  if (link == links.end()) link = links.insert(links.end(), Link{parent, {}});
+  link->poses.push_back({transform.header.stamp_ns, transform.parent_from_child});
 }
 
 void TransformTree::finish() {
-  for (auto& [child, link] : links_) {
-    sort_by_stamp(link.poses);
-    link.is_fixed = are_one(link.poses);
+  for (auto& [child, links] : links_) {
+    for (Link& link : links) {
+      sort_by_stamp(link.poses);
+      link.is_fixed = are_one(link.poses);
+    }
+    std::stable_sort(links.begin(), links.end(), [](const Link& a, const Link& b) {
+      return a.poses.back().stamp_ns < b.poses.back().stamp_ns;
+    });
   }
 }
 
 bool TransformTree::has(const std::string& frame) const {
-  if (links_.count(frame) != 0) return true;
-  return std::any_of(
-      links_.begin(), links_.end(), [&](const auto& link) { return link.second.parent == frame; });
+  return links_.count(frame) != 0 || std::any_of(links_.begin(), links_.end(), [&](const auto& child) {
+           return std::any_of(child.second.begin(), child.second.end(), [&](const Link& link) {
+             return link.parent == frame;
+           });
+         });
+}
+
+std::vector<std::string> TransformTree::ambiguous() const {
+  std::vector<std::string> names;
+  for (const auto& [child, links] : links_) {
+    if (links.size() > 1) names.push_back(child);
+  }
+  return names;
 }
 
 std::string TransformTree::frames() const {
   std::set<std::string> names;
-  for (const auto& [child, link] : links_) names.insert({child, link.parent});
+  for (const auto& [child, links] : links_) {
+    for (const Link& link : links) names.insert({child, link.parent});
+  }
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::vector<const TransformTree::Link*> TransformTree::above(const std::string& frame) const {
-  std::vector<const Link*> links;
-  for (auto link = links_.find(frame); link != links_.end(); link = links_.find(link->second.parent)) {
-    links.push_back(&link->second);
-    if (links.size() > links_.size())
+bool TransformTree::leads(const std::string& frame,
+                          const std::set<std::string>& wanted,
+                          std::set<std::string>& seen) const {
+  if (wanted.count(frame) != 0) return true;
+  const auto links = links_.find(frame);
+  if (links == links_.end() || !seen.insert(frame).second) return false;
+  return std::any_of(links->second.begin(), links->second.end(), [&](const Link& link) {
+    return leads(link.parent, wanted, seen);
+  });
+}
+
+std::vector<const TransformTree::Link*> TransformTree::above(const std::string& frame,
+                                                             const std::set<std::string>& wanted) const {
+  std::vector<const Link*> way;
+  for (auto links = links_.find(frame); links != links_.end(); links = links_.find(way.back()->parent)) {
+    const Link* next = &links->second.back();
+    for (const Link& link : links->second) {
+      std::set<std::string> seen;
+      if (links->second.size() > 1 && leads(link.parent, wanted, seen)) next = &link;
+    }
+    way.push_back(next);
+    if (way.size() > links_.size())
       throw_input_error(file_, "/tf: frame " + frame, "in itself, by way of others", "in a tree of frames");
   }
-  return links;
+  return way;
 }
 
 std::optional<Pose> TransformTree::fixed(const std::string& a, const std::string& b) const {
   std::map<std::string, Pose> from_b;  // of what b is fixed in
   Pose up;
   from_b[b] = up;
-  for (const Link* link : above(b)) {
+  for (const Link* link : above(b, {a})) {
     if (!link->is_fixed) break;
     up = link->poses.front().pose * up;
     from_b[link->parent] = up;
   }
   Pose from_a;
   if (from_b.count(a) != 0) return from_b[a];
-  for (const Link* link : above(a)) {
+  std::set<std::string> common_with;
+  for (const auto& [frame, unused] : from_b) common_with.insert(frame);
+  for (const Link* link : above(a, common_with)) {
     if (!link->is_fixed) break;
     from_a = link->poses.front().pose * from_a;
     const auto common = from_b.find(link->parent);
@@ -118,7 +149,7 @@ std::optional<Pose> TransformTree::fixed(const std::string& a, const std::string
 std::vector<StampedPose> TransformTree::path(const std::string& frame, std::string& world) const {
   std::vector<const Link*> links;
   bool is_found = world.empty() || world == frame;
-  for (const Link* link : above(frame)) {
+  for (const Link* link : above(frame, {world})) {
     if (!world.empty() && is_found) break;
     links.push_back(link);
     is_found = is_found || link->parent == world;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,12 +25,14 @@ class TransformTree {
  public:
   explicit TransformTree(std::string file) : file_(std::move(file)) {}
 
-  /// Error{kInput} for a frame with a second parent, and more transforms than 10 million.
+  /// A frame may have several parents. Error{kInput} for more transforms than 10 million.
   void add(const TransformMessage& transform);
   /// Once all have been added, before anything is asked.
   void finish();
 
   [[nodiscard]] bool has(const std::string& frame) const;
+  /// Names of those that have several parents.
+  [[nodiscard]] std::vector<std::string> ambiguous() const;
   /// All names, for messages.
   [[nodiscard]] std::string frames() const;
   /// Where frame b is in frame a, if it doesn't move there: through links whose transforms are all one.
@@ -45,11 +48,16 @@ class TransformTree {
     std::vector<StampedPose> poses;  // parent_from_child
     bool is_fixed = false;
   };
-  /// The links from a frame up to its root. Error{kInput} for a circle.
-  [[nodiscard]] std::vector<const Link*> above(const std::string& frame) const;
+  /// The links from a frame up to its root; of several parents the one that leads to one of `wanted`, else the
+  /// one told of last, as tf2 has it. Error{kInput} for a circle.
+  [[nodiscard]] std::vector<const Link*> above(const std::string& frame,
+                                               const std::set<std::string>& wanted) const;
+  [[nodiscard]] bool leads(const std::string& frame,
+                           const std::set<std::string>& wanted,
+                           std::set<std::string>& seen) const;
 
   std::string file_;
-  std::map<std::string, Link> links_;  // by child
+  std::map<std::string, std::vector<Link>> links_;  // by child; by their last stamp
   std::size_t count_ = 0;
 };
 

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <functional>
 #include <gtest/gtest.h>
 #include <numbers>
 #include <string>
@@ -137,8 +139,12 @@ std::string cloud_of(const Log& log, const SweepFrame& frame, const Driver& driv
   return to_cdr(cloud);
 }
 
-/// Clouds alone, by these drivers in turns, the path as odometry of a frame that is fixed to the rig.
-void record_by(const std::vector<Driver>& drivers, const Log& log, const fs::path& file) {
+/// Clouds alone, by these drivers in turns, the path as odometry of a frame that is fixed to the rig, and what
+/// `others` adds.
+void record_by(const std::vector<Driver>& drivers,
+               const Log& log,
+               const fs::path& file,
+               const std::function<void(McapWriter&)>& others = {}) {
   const Driver& driver = drivers.front();
   McapWriter mcap(file, "ros2", McapWriter::Compression::kNone);
   const auto channel = [&](const std::string& topic, const char* type) {
@@ -164,6 +170,7 @@ void record_by(const std::vector<Driver>& drivers, const Log& log, const fs::pat
                      static_cast<std::uint64_t>(ns),
                      ros2::to_cdr(ros2::OdometryMessage{{ns, "odom"}, "imu", pose.pose * rig_from_imu}));
   }
+  if (others) others(mcap);
   for (std::size_t i = 0; i < log.sweeps.size(); ++i)
     mcap.add_message(clouds, kStart_ns, cloud_of(log, log.sweeps[i], drivers[i % drivers.size()]));
   mcap.finish();
@@ -205,6 +212,84 @@ TEST(Ros2Log, DriversOfOthersAreUnderstood) {
           log.world_from_rig.at(frame.time_start_s).matrix(), 1e-6));
     }
   }
+}
+
+TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
+  const Scratch scratch;
+  const Log log = street(scratch);
+  const auto others = [](McapWriter& mcap) {
+    const auto add = [&](const char* topic, const char* type, const std::string& message) {
+      mcap.add_message(mcap.add_channel({topic, type, "", "", "cdr"}), kStart_ns, message);
+    };
+    const double nan = std::nan("");
+    const auto at = [](const char* parent, const char* child, const Pose& pose) {
+      return ros2::TransformMessage{{kStart_ns, parent}, child, pose};
+    };
+    const std::vector<ros2::TransformMessage> bad{
+        at("base_link", "wheel", {Eigen::Quaterniond::Identity(), {nan, 0.0, 0.0}}),
+        at("base_link", "arm", {Eigen::Quaterniond(0.0, 0.0, 0.0, 0.0), {0.0, 0.0, 0.0}}),
+        at("base_link", "gnss", {Eigen::Quaterniond(1.014, 0.0, 0.0, 0.0), {0.0, 0.0, 0.0}}),
+        at("front", "tag", {}),
+        at("rear", "tag", {})};
+    add("/tf", ros2::kTfMessage, ros2::to_cdr(bad));
+    ros2::PointCloudMessage radar;
+    radar.header = {kStart_ns, "radar"};
+    radar.is_bigendian = true;
+    add("/radar", ros2::kPointCloud2, ros2::to_cdr(radar));
+    ros2::CameraInfoMessage zoom;
+    zoom.header = {kStart_ns, "ptz"};
+    for (const double f : {50.0, 80.0}) {
+      zoom.k = {f, 0.0, 4.0, 0.0, f, 3.0, 0.0, 0.0, 1.0};
+      add("/ptz/camera_info", ros2::kCameraInfo, ros2::to_cdr(zoom));
+    }
+    add("/ptz/image_raw", ros2::kImage, ros2::to_cdr(ros2::ImageMessage{}));
+    ros2::OdometryMessage lost{
+        {kStart_ns, "odom"}, "wheels", {Eigen::Quaterniond::Identity(), {nan, 0.0, 0.0}}};
+    add("/wheels", ros2::kOdometry, ros2::to_cdr(lost));
+  };
+  record_by({drivers().front()}, log, scratch / "robot.mcap", others);
+  Ros2Options options = options_for(log, scratch / "robot.mcap", scratch / "robot.log");
+  options.lidars[0].topic = "/points";
+  options.odometry = "/odom";
+  Ros2Report report;
+  expect_same_sweeps(log, imported(options, report));
+  const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
+  for (const char* word :
+       {"3 transforms", "tag has several parents", "/radar, no --lidar", "/ptz/image_raw, /ptz"})
+    EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
+
+  // The same by what is read: the lost wheels are then no odometry to choose from.
+  options.odometry = {};
+  options.ignore = {"/wheels", "/radar", "/ptz/image_raw"};
+  options.output = scratch / "ignored.log";
+  report = {};
+  expect_same_sweeps(log, imported(options, report));
+  options.ignore = {};
+  options.topics = {"/points", "/odom", "/tf_static"};
+  options.output = scratch / "topics.log";
+  report = {};
+  expect_same_sweeps(log, imported(options, report));
+  options.topics = {"/pionts"};
+  EXPECT_THROW((void)imported(options, report), Error);
+}
+
+TEST(Ros2Log, NothingOnThePathIsAnError) {
+  const Scratch scratch;
+  Log log = street(scratch);
+  record_by({drivers().front()}, log, scratch / "a.mcap", [](McapWriter& mcap) {
+    ros2::TransformMessage moving{{kStart_ns + 3'600'000'000'000, "map"}, "base_link", {}};
+    const auto tf = mcap.add_channel({"/tf", ros2::kTfMessage, "", "", "cdr"});
+    for (int i = 0; i < 3; ++i) {
+      moving.header.stamp_ns += 100'000'000;
+      moving.parent_from_child.translation.x() += 1.0;
+      mcap.add_message(tf, kStart_ns, ros2::to_cdr(std::vector{moving}));
+    }
+  });
+  Ros2Options options = options_for(log, scratch / "a.mcap", scratch / "a.log");
+  options.lidars[0].topic = "/points";
+  Ros2Report report;
+  expect_input_error([&] { (void)imported(options, report); }, {"stamps", "none on the path", "one clock"});
+  EXPECT_FALSE(fs::exists(scratch / "a.log"));
 }
 
 TEST(Ros2Log, CloudsOfATopicMayBeLaidOutOtherwise) {

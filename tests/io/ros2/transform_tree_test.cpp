@@ -30,7 +30,19 @@ TEST(TransformTree, FixedAndMovingLinks) {
   EXPECT_EQ(world, "map");
   ASSERT_EQ(path.size(), 21U);
   EXPECT_NEAR(path[5].pose.translation.x(), 105.5, 1e-12);  // odom itself moves
-  expect_input_error([&] { tree.add(link("map", "top", 0, 0.0)); }, {"top", "mast", "map"});
+  // Of several parents the one that leads to where it is asked for, else the newest.
+  tree.add(link("utm", "base_link", 3, 7.0));
+  tree.add(link("camera", "tag", 0, 1.0));
+  tree.add(link("other_camera", "tag", 1, 1.0));
+  tree.finish();
+  EXPECT_EQ(tree.ambiguous(), (std::vector<std::string>{"base_link", "tag"}));
+  EXPECT_NEAR(tree.fixed("base_link", "top")->translation.x(), 2.5, 1e-12);
+  world = "utm";
+  EXPECT_EQ(tree.path("base_link", world).size(), 0U);
+  world = "map";
+  EXPECT_EQ(tree.path("base_link", world).size(), 21U);
+  EXPECT_TRUE(tree.fixed("camera", "tag"));
+  EXPECT_TRUE(tree.fixed("other_camera", "tag"));
   TransformTree circle("a.mcap");
   circle.add(link("a", "b", 0, 0.0));
   circle.add(link("b", "a", 0, 0.0));

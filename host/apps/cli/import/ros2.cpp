@@ -113,6 +113,17 @@ void add_import_ros2(Command import, const Globals& globals) {
          [command](const std::string& topics) { command->options.cameras = split(topics, ','); },
          "topics of Image or CompressedImage, parted by commas; default: all with a camera_info beside them")
       .shown_as("TOPIC,...", "");
+  sub.option(
+         "--topics",
+         [command](const std::string& topics) { command->options.topics = split(topics, ','); },
+         "that alone are read, parted by commas, of transforms and camera_infos, too; default: all")
+      .shown_as("TOPIC,...", "");
+  sub.option(
+         "--ignore",
+         [command](const std::string& topics) { command->options.ignore = split(topics, ','); },
+         "topics that are not read, parted by commas")
+      .shown_as("TOPIC,...", "")
+      .excludes("--topics");
   sub.option("--rig-frame", options.rig_frame, "the vehicle's frame").with_default();
   sub.option(
       "--world-frame", options.world_frame, "that the path is in; default: the uppermost above the rig");
