@@ -1,6 +1,8 @@
 #include "io/import/ros2/ros2_log.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <set>
@@ -191,6 +193,25 @@ class Importer {
     }
   }
 
+  /// Of pictures that are rectified P tells the lens: no distortion.
+  void rectify(CameraInfoMessage& info, const std::string& topic) const {
+    constexpr std::array<double, 9> kUnturned{1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (info.p[0] != 0.0) info.k = {info.p[0], 0, info.p[2], 0, info.p[5], info.p[6], 0, 0, 1};
+    const bool is_distorted = std::any_of(info.d.begin(), info.d.end(), [](double v) { return v != 0.0; });
+    double turned = 0.0;
+    for (std::size_t i = 0; i < kUnturned.size(); ++i)
+      turned = std::max(turned, std::abs(info.r[i] - kUnturned[i]));
+    constexpr double kTurned = 1e-6;
+    if ((info.p[0] == 0.0 && is_distorted) || (turned > kTurned && info.r != std::array<double, 9>{})) {
+      throw_input_error(file_,
+                        topic,
+                        info.p[0] == 0.0 ? "rectified pictures and no P" : "rectified pictures turned by R",
+                        "raw ones: --cameras names them");
+    }
+    info.d.clear();
+    info.distortion_model.clear();
+  }
+
   void choose_cameras() {
     for (const std::string& topic : options_.cameras) {
       if (scan_.pictures.count(topic) == 0)
@@ -221,14 +242,9 @@ class Importer {
         note("left out: " + topic + ", of the same camera as " + same->second);
         continue;
       }
-      if (topic.find("rect", folder_of(topic).size()) != std::string::npos &&
-          topic.find("/image_rect") != std::string::npos) {
-        throw_input_error(file_,
-                          topic,
-                          "rectified pictures, which K and D do not describe",
-                          "raw ones: --cameras names them");
-      }
-      Camera camera = camera_of(info->second, name_of_topic(topic), file_, info->first);
+      CameraInfoMessage lens = info->second;
+      if (topic.find("/image_rect", folder_of(topic).size()) != std::string::npos) rectify(lens, topic);
+      Camera camera = camera_of(lens, name_of_topic(topic), file_, info->first);
       const auto shutter = options_.shutters.find(topic);
       RecordedCamera recorded;
       if (shutter != options_.shutters.end()) {

@@ -179,6 +179,32 @@ TEST(Cdr, LensesComeBack) {
       there_and_back(Lens(LensKind::kDoubleSphere, {0.1, 0.5, 1.0}).behind(test::glass_by_its_way_back())),
       "double_sphere_behind_windshield");
   CameraInfoMessage info = camera_info_of(camera);
+  // OpenCV's vector of any length under either name; the rest of it is zero.
+  for (const char* name : {"plumb_bob", "rational_polynomial"}) {
+    info.distortion_model = name;
+    for (const std::size_t count : {4U, 5U, 8U, 12U, 14U}) {
+      info.d.assign(count, 0.0);
+      info.d[0] = 0.1;
+      if (count > 8) info.d[8] = 1e-3;  // thin prism
+      const Lens lens = camera_of(info, "c", "drive.mcap", "/info").lens;
+      EXPECT_EQ(lens.kind(), LensKind::kOpencvPinhole);
+      EXPECT_EQ(lens.parameters()[0], 0.1);
+      EXPECT_EQ(lens.parameters()[8], count > 8 ? 1e-3 : 0.0);
+    }
+    info.d.back() = 0.01;
+    expect_input_error([&] { (void)camera_of(info, "c", "drive.mcap", "/info"); }, {"/info: d", "tilted"});
+    info.d.pop_back();
+    expect_input_error([&] { (void)camera_of(info, "c", "drive.mcap", "/info"); },
+                       {"13 values", "4, 5, 8, 12"});
+    info.d.assign(14, 0.0);
+    EXPECT_EQ(camera_of(info, "c", "drive.mcap", "/info").lens.kind(), LensKind::kPinhole);
+  }
+  info.distortion_model = "none";
+  EXPECT_EQ(camera_of(info, "c", "drive.mcap", "/info").lens.kind(), LensKind::kPinhole);
+  info.distortion_model = "fisheye";
+  info.d = {0.01, 0.001, 0.0, 0.0};
+  EXPECT_EQ(camera_of(info, "c", "drive.mcap", "/info").lens.kind(), LensKind::kOpencvFisheye);
+  info = camera_info_of(camera);
   const auto refused = [&](const std::vector<std::string>& words) {
     expect_input_error([&] { (void)camera_of(info, "c", "drive.mcap", "/info"); }, words);
   };

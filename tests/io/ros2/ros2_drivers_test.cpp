@@ -273,6 +273,52 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
   EXPECT_THROW((void)imported(options, report), Error);
 }
 
+TEST(Ros2Log, RectifiedPicturesHaveTheLensOfP) {
+  const Scratch scratch;
+  ros2::CameraInfoMessage info;
+  const auto import = [&](const char* output) {
+    McapWriter mcap(scratch / "zed.mcap", "ros2", McapWriter::Compression::kNone);
+    const auto add = [&](const char* topic, const char* type, const std::string& message) {
+      mcap.add_message(mcap.add_channel({topic, type, "", "", "cdr"}), kStart_ns, message);
+    };
+    const std::string pixels(48, 'x');
+    ros2::ImageMessage picture;
+    picture.header = {kStart_ns, "left"};
+    picture.height = 6;
+    picture.width = picture.step = 8;
+    picture.encoding = "mono8";
+    picture.data = pixels;
+    add("/left/camera_info", ros2::kCameraInfo, ros2::to_cdr(info));
+    add("/left/image_rect_color", ros2::kImage, ros2::to_cdr(picture));
+    mcap.finish();
+    Ros2Options options;
+    options.recording = scratch / "zed.mcap";
+    options.output = scratch / output;
+    options.without_poses = true;
+    options.mounts["/left/image_rect_color"] = {};
+    Ros2Report report;
+    return imported(options, report).cameras.at(0).model;
+  };
+  info.header = {kStart_ns, "left"};
+  info.width = 8;
+  info.height = 6;
+  info.distortion_model = "rational_polynomial";
+  info.k = {9, 0, 3.5, 0, 9, 2.5, 0, 0, 1};
+  info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  info.d.assign(8, 0.0);
+  EXPECT_EQ(import("undistorted.log").fx, 9.0);  // no P: K tells it
+  info.d[0] = 0.1;
+  EXPECT_THROW((void)import("no_p.log"), Error);
+  info.p = {7, 0, 3.25, 0, 0, 7.5, 2.5, 0, 0, 0, 1, 0};
+  const Camera camera = import("p.log");
+  EXPECT_EQ(camera.lens.kind(), LensKind::kPinhole);
+  EXPECT_EQ(camera.fx, 7.0);
+  EXPECT_EQ(camera.fy, 7.5);
+  EXPECT_EQ(camera.cx, 3.75);
+  info.r = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+  EXPECT_THROW((void)import("turned.log"), Error);
+}
+
 TEST(Ros2Log, NothingOnThePathIsAnError) {
   const Scratch scratch;
   Log log = street(scratch);
