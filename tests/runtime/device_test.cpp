@@ -1,11 +1,19 @@
 #include "host/device/runtime/device.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <functional>
+#include <memory>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
 
 #include "host/device/runtime/buffer.hpp"
 #include "host/device/runtime/cl_error.hpp"
 #include "host/device/runtime/opencl.hpp"
+#include "host/device/runtime/pending.hpp"
 #include "tests/runtime/support.hpp"
 
 namespace simuli {
@@ -34,6 +42,54 @@ TEST(Device, DescribesItself) {
   EXPECT_GT(device.quirks().usable_local_bytes, 0U);
   EXPECT_LE(device.quirks().usable_local_bytes, info.local_bytes);
   EXPECT_LE(device.quirks().prefers_explicit_vectors, info.is_cpu);  // not on every CPU
+}
+
+/// What a child of fork() says of `f`, which has 10 s.
+std::string said_by_child(const std::function<void()>& f) {
+  std::array<int, 2> ends{};
+  EXPECT_EQ(::pipe(ends.data()), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::alarm(10);
+    std::string said = "nothing";
+    try {
+      f();
+    } catch (const Error& error) {
+      said = error.what();
+    }
+    static_cast<void>(!::write(ends[1], said.data(), said.size()));
+    ::_exit(0);
+  }
+  ::close(ends[1]);
+  std::string said;
+  for (char c = 0; ::read(ends[0], &c, 1) == 1;) said += c;
+  ::close(ends[0]);
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status));
+  return said;
+}
+
+TEST(Device, RefusesToWorkInAForkedChild) {
+  auto device = std::make_unique<Device>(test::open_device());
+  auto buffer = std::make_unique<Buffer<float>>(*device, "numbers", 4);
+  buffer->upload(std::vector<float>{1.0F, 2.0F, 3.0F, 4.0F});
+  const auto refuses = [](const std::function<void()>& f) {
+    return contains(said_by_child(f), {"forked after devices were used", "use the spawn start method"});
+  };
+  EXPECT_TRUE(refuses([] { static_cast<void>(Device::list()); }));
+  EXPECT_TRUE(refuses([] { static_cast<void>(Device::best()); }));
+  EXPECT_TRUE(refuses([&] { device->finish(); }));
+  EXPECT_TRUE(refuses([&] { static_cast<void>(buffer->download()); }));
+  EXPECT_TRUE(refuses([&] { const Event event(*device); }));
+  EXPECT_TRUE(
+      refuses([&] { static_cast<void>(Device::adopt(opencl::context(*device), opencl::queue(*device))); }));
+  EXPECT_EQ(said_by_child([&] {
+              buffer.reset();
+              device.reset();
+            }),
+            "nothing");
+  EXPECT_EQ(buffer->download().at(3), 4.0F);  // the parent goes on
 }
 
 TEST(Device, ListHasGpusFirst) {

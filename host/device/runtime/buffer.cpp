@@ -51,7 +51,9 @@ void MemoryLease::exchange(MemoryLease& other) noexcept {
   std::swap(bytes_, other.bytes_);
 }
 
-void Memory::Release::operator()(_cl_mem* handle) const noexcept { clReleaseMemObject(handle); }
+void Memory::Release::operator()(_cl_mem* handle) const noexcept {
+  if (!Device::is_forked()) clReleaseMemObject(handle);
+}
 
 Memory::Memory(const Device& device, std::string name, std::size_t element_bytes)
     : device_(device), name_(std::move(name)), element_bytes_(element_bytes) {

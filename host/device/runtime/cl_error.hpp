@@ -13,10 +13,14 @@ namespace simuli {
 /// Throws Error{kind} reading "CALL failed: CL_NAME (NUMBER), CONTEXT".
 [[noreturn]] void throw_cl_error(ErrorKind kind, const cl::Error& error, const std::string& context);
 
+/// Error{kDevice} where Device::is_forked(). Every way to the driver asks first.
+void need_own_process();
+
 /// Runs f; a cl::Error that leaves it becomes our Error{kind}. `context` is called only then, so that
-/// the usual path formats nothing.
+/// the usual path formats nothing. Error{kDevice} where Device::is_forked().
 template <class Context, class F>
 decltype(auto) cl_call(ErrorKind kind, Context&& context, F&& f) {
+  need_own_process();
   try {
     return std::forward<F>(f)();
   } catch (const cl::Error& error) {

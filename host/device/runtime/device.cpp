@@ -1,11 +1,14 @@
 #include "host/device/runtime/device.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <charconv>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <mutex>
 #include <optional>
+#include <pthread.h>
 #include <utility>
 
 #include "host/device/runtime/cl_error.hpp"
@@ -111,8 +114,17 @@ Quirks quirks_of(const DeviceInfo& info) {
 
 int rank(const DeviceInfo& info) { return info.is_gpu ? 0 : (info.is_cpu ? 1 : 2); }
 
+std::atomic<bool> is_used{false};
+std::atomic<bool> is_lost{false};
+const int watches_forks = ::pthread_atfork(nullptr, nullptr, [] { is_lost = is_used.load(); });
+
+/// One thread at a time: drivers set themselves up when they are first asked, and not every one has a lock there.
 std::vector<Found> find_all() {
   std::vector<Found> found;
+  need_own_process();
+  is_used = true;  // before the lock: a child that is forked meanwhile must not wait for it
+  static std::mutex driver;
+  const std::lock_guard lock(driver);
   prepare_driver_cache();
   std::vector<cl::Platform> platforms;
   try {
@@ -228,7 +240,19 @@ Device Device::best(std::string_view request, const DeviceOptions& options) {
   return Device(std::move(state));
 }
 
+bool Device::is_forked() { return is_lost.load(std::memory_order_relaxed); }
+
+void need_own_process() {
+  if (!Device::is_forked()) return;
+  throw Error(
+      ErrorKind::kDevice,
+      "device: found a process forked after devices were used, allowed one that is started anew (use the "
+      "spawn start method) or forked before");
+}
+
 Device Device::adopt(cl_context context, cl_command_queue queue) {
+  need_own_process();
+  is_used = true;
   auto state = std::make_shared<detail::DeviceState>();
   cl_call(
       ErrorKind::kDevice,

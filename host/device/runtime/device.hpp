@@ -77,6 +77,10 @@ class Device {
   /// device asked for can't be used: never silently another one.
   [[nodiscard]] static Device best(std::string_view request = {}, const DeviceOptions& options = {});
 
+  /// Whether this process is a fork() of one that had used devices. The threads of its driver are not there, so
+  /// that whatever needs a device throws Error{kDevice}, and what was made on one is left where it is.
+  [[nodiscard]] static bool is_forked();
+
   /// Works on a caller's own context and in-order queue (both are retained). Error{kDevice} for an
   /// out-of-order queue or a queue of another context.
   [[nodiscard]] static Device adopt(_cl_context* context, _cl_command_queue* queue);

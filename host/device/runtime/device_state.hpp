@@ -15,6 +15,13 @@ namespace simuli::detail {
 
 /// Holds no Device: the Device's own table of programs refers to this.
 struct ProgramState {
+  ProgramState() = default;
+  ProgramState(const ProgramState&) = delete;
+  ProgramState& operator=(const ProgramState&) = delete;
+  ~ProgramState() {
+    if (Device::is_forked()) program() = nullptr;
+  }
+
   std::string path;
   std::string options;
   Precision precision = Precision::kFloat;
@@ -30,7 +37,12 @@ struct DeviceState {
   /// Frames that nobody waited for may still be rendered: a program that ends meanwhile takes the driver away
   /// from under its threads.
   ~DeviceState() {
-    if (queue() != nullptr) clFinish(queue());
+    if (Device::is_forked()) {
+      queue() = nullptr;
+      context() = nullptr;
+    } else if (queue() != nullptr) {
+      clFinish(queue());
+    }
   }
 
   DeviceInfo info;

@@ -97,7 +97,9 @@ void compare_with_driver(const cl::Kernel& kernel,
 
 }  // namespace
 
-void Kernel::Release::operator()(_cl_kernel* kernel) const noexcept { clReleaseKernel(kernel); }
+void Kernel::Release::operator()(_cl_kernel* kernel) const noexcept {
+  if (!Device::is_forked()) clReleaseKernel(kernel);
+}
 
 Kernel::Kernel(const Program& program, std::string name) : program_(program), name_(std::move(name)) {
   const auto names = program.kernel_names();
@@ -230,6 +232,7 @@ void Kernel::bind(const Binding& binding) {
 
 void Kernel::run(const Range& global, const Range& local, std::initializer_list<Binding> arguments) {
   if (global.empty()) return;
+  need_own_process();
   at_ = 0;
   for (const Binding& binding : arguments) bind(binding);
   if (!is_complete_ || at_ != slots_.size()) {

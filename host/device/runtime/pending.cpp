@@ -9,13 +9,20 @@
 namespace simuli {
 
 struct Event::State {
+  explicit State(const Device& on) : device(on) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (Device::is_forked()) event() = nullptr;
+  }
+
   Device device;
   cl::Event event;
 
   [[nodiscard]] std::string where() const { return "waiting for " + device.info().label(); }
 };
 
-Event::Event(const Device& device) : state_(std::make_shared<State>(State{device, {}})) {
+Event::Event(const Device& device) : state_(std::make_shared<State>(device)) {
   cl_call(
       ErrorKind::kDevice,
       [&] { return "marking the queue of " + device.info().label(); },
@@ -81,7 +88,7 @@ struct Download::State {
 
 Download::Download(const RealBuffer& buffer) {
   const detail::Memory& memory = buffer.memory();
-  const auto event = std::make_shared<Event::State>(Event::State{memory.device(), {}});
+  const auto event = std::make_shared<Event::State>(memory.device());
   state_ = std::make_unique<State>(event);
   const bool is_float = buffer.precision() == Precision::kFloat;
   if (is_float) {
@@ -121,7 +128,7 @@ struct ByteDownload::State {
 
 ByteDownload::ByteDownload(const Buffer<std::uint8_t>& buffer) {
   const detail::Memory& memory = buffer.memory();
-  const auto event = std::make_shared<Event::State>(Event::State{memory.device(), {}});
+  const auto event = std::make_shared<Event::State>(memory.device());
   state_ = std::make_unique<State>(event);
   state_->bytes.resize(memory.count());
   start_reading(memory, memory.count(), state_->bytes.data(), event->event);

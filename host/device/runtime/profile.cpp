@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/device/runtime/cl_error.hpp"
+#include "host/device/runtime/device.hpp"
 
 namespace simuli {
 namespace {
@@ -14,7 +15,9 @@ constexpr double kMsPerNs = 1e-6;
 
 }  // namespace
 
-void Profile::ReleaseEvent::operator()(_cl_event* event) const noexcept { clReleaseEvent(event); }
+void Profile::ReleaseEvent::operator()(_cl_event* event) const noexcept {
+  if (!Device::is_forked()) clReleaseEvent(event);
+}
 
 void Profile::record(const std::string& kernel, _cl_event* event) {
   pending_.push_back({kernel, std::unique_ptr<_cl_event, ReleaseEvent>(event)});
