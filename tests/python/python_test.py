@@ -3,6 +3,7 @@ import filecmp
 import gc
 import json
 import os
+import pathlib
 import subprocess
 import sys
 import threading
@@ -66,7 +67,10 @@ except Enough:
 else:
     raise AssertionError("an exception of the callback was lost")
 
-scene = simuli.Scene(folder)
+scene = simuli.Scene(pathlib.Path(folder))
+refused(lambda: simuli.evaluate(pathlib.Path(folder), pathlib.Path("no.log")), "no.log")
+refused(lambda: simuli.sensor(pathlib.Path("no.json")), "no.json")
+refused(lambda: scene.render(pathlib.Path("no.json")), "no.json")
 assert scene.device in simuli.devices()
 (name, camera), = scene.cameras.items()
 height, width = camera.shape
@@ -227,7 +231,7 @@ refused(lambda: simuli.Scene(folder, settings=["render.alpha_cut=7"]), "render.a
 refused(lambda: simuli.Scene(folder, device="no such device"), "no such device")
 refused(lambda: scene.render("rear"), "rear")
 refused(lambda: scene.render(name, np.eye(3)), "4 x 4")
-refused(lambda: scene.render(name, np.full((4, 4), nan)), "pose")
+refused(lambda: scene.render(name, np.full((4, 4), nan)), "found NaN")
 refused(lambda: scene.render(name, pose.astype(complex)), "real numbers")
 refused(lambda: scene.render(name, [[1, 2], [3]]), "real numbers")
 refused(lambda: scene.render(name, pose, nan), "time_s")
@@ -248,3 +252,17 @@ example = os.path.join(os.path.dirname(__file__), "..", "..", "examples", "sweep
 out = subprocess.run([sys.executable, example, folder, "velodyne_vlp16"], cwd=work, check=True, text=True,
                      capture_output=True).stdout
 assert "rays of velodyne_vlp16 returned" in out, out
+
+# What is no pose, and edits that are no list, in words.
+eye, edit = np.eye(4), simuli.remove("car")
+moved = np.array([[1, 0, 0, 5], [0, 1, 0, -2], [0, 0, 1, 1], [0, 0, 0, 1.0]])
+for wrong in (moved.T, np.vstack([eye[:3], [1, 2, 3, 4]]), np.vstack([eye[:3], [0, 0, 0, 2]]), -eye):
+    refused(lambda: scene.render(name, world_from_sensor=wrong), "world_from_sensor" if wrong[3, 3] > 0 else "")
+    refused(lambda: camera.mounted(wrong), "allowed 0 0 0 1" if wrong[3, 3] > 0 else "")
+    refused(lambda: simuli.retrack("car", [0.4, 0.5], [eye, wrong]), "")
+    refused(lambda: scene.render_batch(name, [0.1], world_from_sensor=[wrong]), "")
+refused(lambda: camera.mounted(np.full((4, 4), np.nan)), "rig_from_sensor: found NaN")
+for edits in (edit, (e for e in [edit]), "car", [edit, "car"], None):
+    refused(lambda: scene.render(name, time_s=start_s, edits=edits), "allowed a list of Edits")
+    refused(lambda: scene.render_batch(name, [start_s], edits=edits), "allowed a list of Edits")
+scene.render(name, time_s=start_s, edits=(edit,))

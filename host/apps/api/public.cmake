@@ -10,7 +10,7 @@ set(SIMULI_PUBLIC_base
   "Errors, version, pictures, clouds, and the keys of options."
   host/core/base/version.hpp host/core/base/error.hpp host/core/base/image.hpp host/core/base/point_cloud.hpp
   host/core/base/allowed.hpp
-  host/core/base/fields.hpp host/core/base/precision.hpp)
+  host/core/base/fields.hpp host/core/base/interruption.hpp host/core/base/precision.hpp)
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/core/scene/pose.hpp host/core/scene/mounting.hpp host/core/scene/gaussians.hpp host/core/scene/appearance.hpp host/core/scene/actor.hpp

@@ -33,7 +33,17 @@ py::object numpy_array(View view) {
   return py::module_::import("numpy").attr("asarray")(py::cast(std::move(view)));
 }
 
-Pose pose_at(const double* row_major) {
+/// `rows`: 3, or 4, whose last one says nothing but that it is a pose.
+Pose pose_at(const double* row_major, py::ssize_t rows, const std::string& what) {
+  for (py::ssize_t i = 0; i < 4 * rows; ++i) finite(row_major[i], what.c_str());
+  constexpr double kSlack = 1e-5;  // of single precision
+  const Eigen::Vector4d last = rows < 4 ? Eigen::Vector4d::UnitW() : Eigen::Vector4d(row_major + 12);
+  if ((last - Eigen::Vector4d::UnitW()).cwiseAbs().maxCoeff() > kSlack) {
+    std::string found;
+    for (const double number : last) found += " " + py::str(py::float_(number)).cast<std::string>();
+    throw Error(ErrorKind::kInput,
+                what + ": found a last row of" + found + ", allowed 0 0 0 1 (is it transposed?)");
+  }
   return Pose::from_matrix(Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(row_major));
 }
 
@@ -68,7 +78,7 @@ Pose pose_of(const py::handle& from, const std::string& what) {
   if (matrix.shape.size() != 2 || matrix.shape[0] < 3 || matrix.shape[0] > 4 || matrix.shape[1] != 4) {
     throw Error(ErrorKind::kUsage, what + ": found " + shape_text(matrix.shape) + ", allowed 4 x 4 or 3 x 4");
   }
-  return pose_at(matrix.values.data());
+  return pose_at(matrix.values.data(), matrix.shape[0], what);
 }
 
 std::vector<Pose> poses_of(const py::handle& from, const std::string& what) {
@@ -79,7 +89,7 @@ std::vector<Pose> poses_of(const py::handle& from, const std::string& what) {
   }
   std::vector<Pose> poses;
   for (py::ssize_t i = 0; i < stack.shape[0]; ++i) {
-    poses.push_back(pose_at(stack.values.data() + i * stack.shape[1] * stack.shape[2]));
+    poses.push_back(pose_at(stack.values.data() + i * stack.shape[1] * stack.shape[2], stack.shape[1], what));
   }
   return poses;
 }

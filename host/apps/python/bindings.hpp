@@ -2,12 +2,15 @@
 // What the parts of the module share. NumPy is spoken to through Python's buffer protocol alone: its C
 // interface, which differs between NumPy 1 and 2, is not used.
 #include <cstddef>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 #include <simuli/simuli.hpp>
 #include <string>
 #include <utility>
@@ -20,14 +23,36 @@ namespace py = pybind11;
 /// Held while a device is used: its calls release the GIL, and another thread may come in between.
 using DeviceMutex = std::shared_ptr<std::recursive_mutex>;
 
-/// Releases the GIL, then waits for the device; for as long as it lives. Recursive, so that a callback of a
-/// training may render.
-class DeviceLock {
+/// Releases the GIL for as long as it lives. Threads that come back when the interpreter is leaving stay here:
+/// Python would end them by unwinding, which ends the process. The interpreter waits at its exit for those that
+/// are out, so that none is in the driver when that goes.
+class GilRelease {
  public:
-  explicit DeviceLock(const DeviceMutex& mutex) : mutex_(mutex), lock_(*mutex_) {}
+  GilRelease();
+  GilRelease(const GilRelease&) = delete;
+  GilRelease& operator=(const GilRelease&) = delete;
+  ~GilRelease();
+  /// Once, when the module is loaded.
+  static void watch_exit();
 
  private:
-  py::gil_scoped_release release_;
+  PyThreadState* state_;
+};
+
+/// For an Interruption: throws what Python's signal handlers raise (Ctrl-C), and Error{kUsage} in a thread that the
+/// interpreter is leaving behind. Takes the GIL ten times a second.
+[[nodiscard]] const std::function<void()>& signals();
+
+/// Releases the GIL, then waits for the device; for as long as it lives. Recursive, so that a callback of a
+/// training may render. In a forked child, where another thread may have had it for ever, nothing is waited for.
+class DeviceLock {
+ public:
+  explicit DeviceLock(const DeviceMutex& mutex) : mutex_(mutex), lock_(*mutex_, std::defer_lock) {
+    if (!Device::is_forked()) lock_.lock();
+  }
+
+ private:
+  GilRelease release_;
   DeviceMutex mutex_;
   std::unique_lock<std::recursive_mutex> lock_;
 };
@@ -47,7 +72,8 @@ struct Numbers {
   std::vector<py::ssize_t> shape;
 };
 [[nodiscard]] Numbers numbers_of(const py::handle& from, const std::string& what);
-/// A 4 x 4 or 3 x 4 matrix. Error{kUsage} for another shape, Error{kInput} for what is no pose.
+/// A 4 x 4 or 3 x 4 matrix. Error{kUsage} for another shape, Error{kInput} for what is no pose: a last row other than
+/// 0 0 0 1 among it.
 [[nodiscard]] Pose pose_of(const py::handle& from, const std::string& what);
 /// [n, 4, 4] or [n, 3, 4].
 [[nodiscard]] std::vector<Pose> poses_of(const py::handle& from, const std::string& what);

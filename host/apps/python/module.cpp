@@ -1,6 +1,64 @@
 // import simuli: what the library does, from Python. Arrays are NumPy's, of any version. The package around
 // it is host/apps/python/simuli; its __init__.pyi has the types.
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <unistd.h>
+
 #include "host/apps/python/bindings.hpp"
+
+namespace simuli::python {
+namespace {
+
+std::atomic<bool> is_leaving{false};
+std::atomic<int> outside{0};  // threads that have released the GIL and will want it back
+std::thread::id leaver;
+
+bool is_left_behind() { return is_leaving && std::this_thread::get_id() != leaver; }
+
+}  // namespace
+
+GilRelease::GilRelease() {
+  ++outside;
+  state_ = PyEval_SaveThread();
+}
+
+GilRelease::~GilRelease() {
+  if (is_left_behind()) {
+    --outside;
+    for (;;) ::pause();
+  }
+  PyEval_RestoreThread(state_);
+  --outside;
+}
+
+const std::function<void()>& signals() {
+  static const std::function<void()> check = [] {
+    using Clock = std::chrono::steady_clock;
+    thread_local Clock::time_point last;
+    if (Clock::now() - last < std::chrono::milliseconds(100)) return;
+    last = Clock::now();
+    if (is_leaving)
+      throw Error(ErrorKind::kUsage, "found an interpreter that is leaving, allowed one that stays");
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  };
+  return check;
+}
+
+void GilRelease::watch_exit() {
+  // The other threads are not in a child.
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =
+                                                         py::cpp_function([] { outside = 0; }));
+  py::module_::import("atexit").attr("register")(py::cpp_function([] {
+    leaver = std::this_thread::get_id();
+    is_leaving = true;
+    const py::gil_scoped_release release;
+    while (outside > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }));
+}
+
+}  // namespace simuli::python
 
 PYBIND11_MODULE(_simuli, m) {
   namespace py = pybind11;
@@ -11,6 +69,7 @@ PYBIND11_MODULE(_simuli, m) {
   error.attr("__module__") = "simuli";
   error.attr("__doc__") =
       "What is raised: one line that names the file or the argument, what was found and what is allowed.";
+  simuli::python::GilRelease::watch_exit();
   simuli::python::add_arrays(m);
   simuli::python::add_devices(m);
   simuli::python::add_sensors(m);

@@ -10,12 +10,13 @@ namespace {
 
 class PyScene {
  public:
-  PyScene(const std::string& folder,
+  PyScene(const std::filesystem::path& folder,
           const py::object& device,
           const std::string& quality,
           const std::vector<std::string>& settings)
       : device_(device_of(device)) {
     const DeviceLock lock(device_.mutex);
+    const Interruption interruption(signals());
     const RenderOptions options = render_options(quality, settings);
     file_ = read_scene(folder);
     rig_ = SensorRig(file_);
@@ -51,7 +52,7 @@ class PyScene {
                                                 double time_s,
                                                 const py::object& world_from_sensor_end,
                                                 std::optional<double> duration_s,
-                                                const std::vector<ActorEdit>& edits,
+                                                const py::object& edits,
                                                 bool graded,
                                                 const py::object& rays,
                                                 bool actors) {
@@ -60,7 +61,8 @@ class PyScene {
     std::optional<Pose> start, end;
     if (is_placed) start = pose_of(world_from_sensor, "world_from_sensor");
     if (!world_from_sensor_end.is_none()) end = pose_of(world_from_sensor_end, "world_from_sensor_end");
-    return queue(used, shot_of(used, start, end, time_s, edits), request_of(used, graded, rays, actors));
+    return queue(
+        used, shot_of(used, start, end, time_s, edits_of(edits)), request_of(used, graded, rays, actors));
   }
 
   /// All are queued, and on their way to the host, before this returns.
@@ -68,7 +70,7 @@ class PyScene {
                                                                    const py::object& time_s,
                                                                    const py::object& world_from_sensor,
                                                                    std::optional<double> duration_s,
-                                                                   const std::vector<ActorEdit>& edits,
+                                                                   const py::object& edits,
                                                                    bool graded,
                                                                    const py::object& rays,
                                                                    bool actors) {
@@ -81,10 +83,11 @@ class PyScene {
     }
     const Sensor used = sensor_of(sensor, is_placed, duration_s);
     const FrameRequest request = request_of(used, graded, rays, actors);
+    const std::vector<ActorEdit> given = edits_of(edits);
     std::vector<std::shared_ptr<PyFrame>> frames;
     for (std::size_t i = 0; i < times.values.size(); ++i) {
       const auto start = is_placed ? std::optional(poses[i]) : std::nullopt;
-      frames.push_back(queue(used, shot_of(used, start, {}, times.values[i], edits), request));
+      frames.push_back(queue(used, shot_of(used, start, {}, times.values[i], given), request));
       const DeviceLock lock(device_.mutex);
       frames.back()->frame().fetch();
     }
@@ -101,10 +104,10 @@ class PyScene {
   void edit(const ActorEdit& edit) {
     change([&](Scene& s) { edit_actor(s, edit); });
   }
-  void save(const std::string& folder) const {
+  void save(const std::filesystem::path& folder) const {
     SceneFile file = file_;
     file.scene = *scene_;
-    const py::gil_scoped_release release;
+    const GilRelease release;
     write_scene(folder, file);
   }
 
@@ -184,10 +187,10 @@ class PyScene {
                                  std::optional<double> duration_s) const {
     const auto found = [&] {
       if (py::isinstance<Sensor>(sensor)) return sensor.cast<Sensor>();
-      if (!py::isinstance<py::str>(sensor)) {
-        throw Error(ErrorKind::kUsage, "sensor: found something else, allowed a Sensor or a name");
+      if (!py::isinstance<py::str>(sensor) && !py::hasattr(sensor, "__fspath__")) {
+        throw Error(ErrorKind::kUsage, "sensor: found something else, allowed a Sensor, a name or a path");
       }
-      const auto name = sensor.cast<std::string>();
+      const std::string name = sensor.cast<std::filesystem::path>();
       return is_placed ? rig_.find(name, Pose{}) : rig_.find(name);
     }();
     if (!duration_s) return found;
@@ -196,6 +199,19 @@ class PyScene {
                   "duration_s: found " + std::to_string(*duration_s) + ", allowed 0 or more and finite");
     }
     return found.with_duration(*duration_s);
+  }
+  [[nodiscard]] static std::vector<ActorEdit> edits_of(const py::object& edits) {
+    if (py::isinstance<py::sequence>(edits) && !py::isinstance<py::str>(edits)) {
+      std::vector<ActorEdit> out;
+      for (const py::handle edit : edits) {
+        if (py::isinstance<ActorEdit>(edit)) out.push_back(edit.cast<ActorEdit>());
+      }
+      if (out.size() == py::len(edits)) return out;
+    }
+    throw Error(ErrorKind::kUsage,
+                std::string("edits: found ") +
+                    (py::isinstance<ActorEdit>(edits) ? "one Edit" : "something else") +
+                    ", allowed a list of Edits");
   }
   [[nodiscard]] Shot shot_of(const Sensor& sensor,
                              const std::optional<Pose>& start,
@@ -273,7 +289,7 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("time_s") = 0.0,
            py::arg("world_from_sensor_end") = py::none(),
            py::arg("duration_s") = py::none(),
-           py::arg("edits") = std::vector<ActorEdit>{},
+           py::arg("edits") = py::list(),
            py::arg("graded") = true,
            py::arg("rays") = py::none(),
            py::arg("actors") = false,
@@ -287,7 +303,7 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("time_s"),
            py::arg("world_from_sensor") = py::none(),
            py::arg("duration_s") = py::none(),
-           py::arg("edits") = std::vector<ActorEdit>{},
+           py::arg("edits") = py::list(),
            py::arg("graded") = true,
            py::arg("rays") = py::none(),
            py::arg("actors") = false,
@@ -321,7 +337,7 @@ void add_rendering(py::class_<PyScene>& scene) {
 void add_scenes(py::module_& m) {
   py::class_<PyScene> scene(m, "Scene", "A scene folder on a device, ready to render.");
   scene
-      .def(py::init<const std::string&,
+      .def(py::init<const std::filesystem::path&,
                     const py::object&,
                     const std::string&,
                     const std::vector<std::string>&>(),

@@ -91,7 +91,7 @@ ActorEdit move(const std::string& actor, const py::object& by_m) {
 PyDevice device_of(const py::object& device) {
   if (py::isinstance<PyDevice>(device)) return device.cast<PyDevice>();
   const auto request = device.is_none() ? std::string() : device.cast<std::string>();
-  const py::gil_scoped_release release;
+  const GilRelease release;
   return {Device::best(request)};
 }
 
@@ -152,10 +152,11 @@ void add_sensors(py::module_& m) {
           },
           py::arg("rig_from_sensor"),
           "The same at another place on the rig: 4 x 4 or 3 x 4.");
-  m.def("sensor",
-        &named_sensor,
-        py::arg("name"),
-        "A built-in camera or LiDAR (\"hesai_xt32@20\"), or the one of a sensor file (.json).");
+  m.def(
+      "sensor",
+      [](const std::filesystem::path& name) { return named_sensor(name); },
+      py::arg("name"),
+      "A built-in camera or LiDAR (\"hesai_xt32@20\"), or the one of a sensor file (.json).");
   m.def("camera",
         &camera,
         py::arg("name"),

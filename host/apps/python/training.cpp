@@ -9,8 +9,8 @@
 namespace simuli::python {
 namespace {
 
-py::dict train(const std::string& log,
-               const std::string& scene,
+py::dict train(const std::filesystem::path& log,
+               const std::filesystem::path& scene,
                const std::string& quality,
                const std::vector<std::string>& settings,
                const std::function<void(int, double)>& progress,
@@ -19,12 +19,12 @@ py::dict train(const std::string& log,
   const PyDevice on = device_of(device);
   const TrainReport report = [&] {
     const DeviceLock lock(on.mutex);
+    const Interruption interruption(signals());
     Training training(on.device, read_log(log), options);
     const TrainReport& done = training
                                   .run([&](const TrainStatus& status) {
                                     const py::gil_scoped_acquire acquire;
                                     if (progress) progress(status.iteration, status.psnr_db);
-                                    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
                                   })
                                   .train;
     write_scene(scene, std::move(training).result());
@@ -95,8 +95,8 @@ void put_scores(py::dict& out, const EvalScores& r) {
   out["kinds"] = kinds;
 }
 
-py::dict evaluate(const std::string& scene,
-                  const std::string& log,
+py::dict evaluate(const std::filesystem::path& scene,
+                  const std::filesystem::path& log,
                   const std::string& quality,
                   const std::vector<std::string>& settings,
                   const py::object& device) {
@@ -104,6 +104,7 @@ py::dict evaluate(const std::string& scene,
   const PyDevice on = device_of(device);
   const EvalReport r = [&] {
     const DeviceLock lock(on.mutex);
+    const Interruption interruption(signals());
     return Evaluation(on.device, read_scene(scene), read_log(log), options).run();
   }();
   py::dict out;

@@ -4,11 +4,13 @@
 #include <atomic>
 #include <cctype>
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <mutex>
 #include <optional>
 #include <pthread.h>
+#include <unistd.h>
 #include <utility>
 
 #include "host/device/runtime/cl_error.hpp"
@@ -116,7 +118,21 @@ int rank(const DeviceInfo& info) { return info.is_gpu ? 0 : (info.is_cpu ? 1 : 2
 
 std::atomic<bool> is_used{false};
 std::atomic<bool> is_lost{false};
-const int watches_forks = ::pthread_atfork(nullptr, nullptr, [] { is_lost = is_used.load(); });
+
+/// In a child. Libraries that wait for their threads when the process ends would wait for ever, and what the
+/// parent still needs (folders of its own) would be removed: it ends with its files written and no more.
+void lose_devices() {
+  if (!is_used) return;
+  is_lost = true;
+#ifdef __GLIBC__
+  const auto end = [](int status, void*) {
+    static_cast<void>(std::fflush(nullptr));
+    ::_exit(status);
+  };
+  static_cast<void>(::on_exit(end, nullptr));
+#endif
+}
+const int watches_forks = ::pthread_atfork(nullptr, nullptr, lose_devices);
 
 /// One thread at a time: drivers set themselves up when they are first asked, and not every one has a lock there.
 std::vector<Found> find_all() {

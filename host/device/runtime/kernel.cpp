@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
+#include "host/core/base/interruption.hpp"
 #include "host/device/runtime/cl_error.hpp"
 #include "host/device/runtime/device_state.hpp"
 
@@ -233,6 +234,7 @@ void Kernel::bind(const Binding& binding) {
 void Kernel::run(const Range& global, const Range& local, std::initializer_list<Binding> arguments) {
   if (global.empty()) return;
   need_own_process();
+  Interruption::ask();
   at_ = 0;
   for (const Binding& binding : arguments) bind(binding);
   if (!is_complete_ || at_ != slots_.size()) {

@@ -1,4 +1,5 @@
 """What type checkers and editors know of the module; tests/python/stub_test.py holds it against what is compiled."""
+from os import PathLike
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
@@ -78,7 +79,11 @@ class Frame:
 
 class Scene:
     def __init__(
-        self, folder: str, device: Device | str | None = None, quality: str = "", settings: Sequence[str] = []
+        self,
+        folder: str | PathLike[str],
+        device: Device | str | None = None,
+        quality: str = "",
+        settings: Sequence[str] = [],
     ) -> None: ...
     @property
     def device(self) -> str: ...
@@ -99,10 +104,10 @@ class Scene:
     def edit(self, edit: Edit) -> None: ...
     def duplicate_actor(self, actor: str, new_name: str) -> None: ...
     def add_actor(self, other: Scene, actor: str, new_name: str) -> None: ...
-    def save(self, folder: str) -> None: ...
+    def save(self, folder: str | PathLike[str]) -> None: ...
     def render(
         self,
-        sensor: Sensor | str,
+        sensor: Sensor | str | PathLike[str],
         world_from_sensor: ArrayLike | None = None,
         time_s: float = 0.0,
         world_from_sensor_end: ArrayLike | None = None,
@@ -114,7 +119,7 @@ class Scene:
     ) -> Frame: ...
     def render_batch(
         self,
-        sensor: Sensor | str,
+        sensor: Sensor | str | PathLike[str],
         time_s: ArrayLike,
         world_from_sensor: ArrayLike | None = None,
         duration_s: float | None = None,
@@ -135,7 +140,7 @@ class Scene:
     def support(self, frame: Frame, copies: Mapping[str, str] = {}) -> NDArray[np.float32]: ...
 
 def devices() -> list[str]: ...
-def sensor(name: str) -> Sensor: ...
+def sensor(name: str | PathLike[str]) -> Sensor: ...
 def camera(
     name: str,
     width: int,
@@ -168,13 +173,17 @@ def turn(actor: str, yaw_rad: float) -> Edit: ...
 def retime(actor: str, rate: float = 1.0, delay_s: float = 0.0) -> Edit: ...
 def retrack(actor: str, times_s: ArrayLike, world_from_actor: ArrayLike) -> Edit: ...
 def train(
-    log: str,
-    scene: str,
+    log: str | PathLike[str],
+    scene: str | PathLike[str],
     quality: str = "",
     settings: Sequence[str] = [],
     progress: Callable[[int, float], object] | None = None,
     device: Device | str | None = None,
 ) -> dict[str, Any]: ...
 def evaluate(
-    scene: str, log: str, quality: str = "", settings: Sequence[str] = [], device: Device | str | None = None
+    scene: str | PathLike[str],
+    log: str | PathLike[str],
+    quality: str = "",
+    settings: Sequence[str] = [],
+    device: Device | str | None = None,
 ) -> dict[str, Any]: ...
