@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <zlib.h>
 #ifdef SIMULI_HAS_LZ4
 #include <lz4frame.h>
@@ -28,11 +29,8 @@ uInt part(std::size_t left) {
   return static_cast<uInt>(std::min<std::size_t>(left, std::numeric_limits<uInt>::max()));
 }
 
-}  // namespace
-
-bool is_gzip(const std::string& bytes) { return bytes.starts_with("\x1f\x8b"); }
-
-std::string gunzip(const std::string& bytes, const std::string& file, std::size_t most_bytes) {
+/// Until more than most_bytes have come out; with zlib's last word.
+std::pair<std::string, int> inflated(const std::string& bytes, std::size_t most_bytes) {
   z_stream stream{};
   if (inflateInit2(&stream, kAnyWindow) != Z_OK) throw Error(ErrorKind::kInternal, "zlib: no memory");
   std::string in = bytes;  // zlib's pointer is not const
@@ -50,11 +48,28 @@ std::string gunzip(const std::string& bytes, const std::string& file, std::size_
     out.append(chunk, 0, chunk.size() - stream.avail_out);
   }
   inflateEnd(&stream);
+  return {std::move(out), status};
+}
+
+}  // namespace
+
+bool is_gzip(const std::string& bytes) { return bytes.starts_with("\x1f\x8b"); }
+
+std::string gunzip(const std::string& bytes, const std::string& file, std::size_t most_bytes) {
+  auto [out, status] = inflated(bytes, most_bytes);
   if (out.size() > most_bytes) {
     throw_input_error(file, "content", fmt::format("more than {} bytes", most_bytes), "at most that");
   }
   if (status != Z_STREAM_END) throw_input_error(file, "compressed data", "damaged or cut short", "whole");
-  return out;
+  return std::move(out);
+}
+
+std::string gunzip_start(const std::string& bytes, std::size_t count, const std::string& file) {
+  const auto [out, status] = inflated(bytes, count);
+  if (status != Z_STREAM_END && out.size() < count) {
+    throw_input_error(file, "compressed data", "damaged or cut short", "whole");
+  }
+  return out.substr(0, count);
 }
 
 std::string gzip(const std::string& bytes) {
@@ -94,7 +109,9 @@ std::string zstd(const std::string& bytes) {
 }
 
 std::string unzstd(const char* bytes, std::size_t count, std::size_t size, const std::string& file) {
-  std::string out(size, '\0');
+  // A block takes 4 bytes at least and holds 128 KiB at most: what says to hold more would only take memory.
+  constexpr std::size_t kMostOfByte = std::size_t{1} << 15U;
+  std::string out(size / kMostOfByte <= count ? size : 0, '\0');
   const std::size_t got = ZSTD_decompress(out.data(), out.size(), bytes, count);
   if (ZSTD_isError(got) != 0U || got != size) {
     throw_input_error(file, "Zstandard data", "damaged, cut short or of another size", "whole");

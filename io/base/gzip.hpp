@@ -11,6 +11,8 @@ namespace simuli {
 /// The contents, of gzip or zlib; Error{kInput} naming `file` when they are damaged, cut short or more than
 /// most_bytes.
 [[nodiscard]] std::string gunzip(const std::string& bytes, const std::string& file, std::size_t most_bytes);
+/// The first `count` bytes of it, fewer where there are no more, and nothing further unpacked. Errors alike.
+[[nodiscard]] std::string gunzip_start(const std::string& bytes, std::size_t count, const std::string& file);
 [[nodiscard]] std::string gzip(const std::string& bytes);
 
 /// Whether zstd() and unzstd() work in this build.

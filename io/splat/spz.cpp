@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <fmt/format.h>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -237,7 +238,13 @@ GaussianSet read_spz(std::string bytes, const std::string& file) {
 }
 
 GaussianSet set_of_spz(std::string bytes, const std::string& file) {
-  if (is_gzip(bytes)) bytes = gunzip(bytes, file, kMaxBytes);
+  if (is_gzip(bytes)) {
+    const Header header = parse_header(gunzip_start(bytes, kHeaderBytes, file), file);
+    const auto sizes = stream_bytes(header);
+    constexpr std::size_t kBeside = std::size_t{1} << 16U;
+    const std::size_t wanted = std::accumulate(sizes.begin(), sizes.end(), kBeside);
+    bytes = gunzip(bytes, file, std::min(wanted, kMaxBytes));
+  }
   const Header header = parse_header(bytes, file);
   if (header.version == 4) bytes = unpack_v4(bytes, header, file);
   Streams streams;

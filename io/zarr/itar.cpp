@@ -34,7 +34,9 @@ class ItarStore : public ZarrStore {
       throw_input_error(file_, "size", fmt::format("{} bytes", size), "blocks of 512, the last of the index");
     }
     const ItarTrailer trailer = read_itar_trailer(part(size - kTarBlock, kTarBlock), size - kTarBlock, file_);
-    const std::string index = unxz(part(trailer.offset, trailer.size), file_ + ": index", kLargestEntry);
+    // No larger than what it lists, where each entry has a block of its own.
+    const std::uint64_t most = std::min(kLargestEntry, trailer.offset + 8 * kTarBlock);
+    const std::string index = unxz(part(trailer.offset, trailer.size), file_ + ": index", most);
     entries_ = read_itar_index(index, trailer.offset, file_);
   }
   [[nodiscard]] bool has(const std::string& key) const override { return entries_.contains(key); }

@@ -89,6 +89,9 @@ TEST(ActorsInALog, AreRefusedWhenTheyAreNone) {
   refuse_edit("\"car_2\"", "\"car_1\"", {"actors[1].name", "\"car_1\" twice"});
   refuse_edit("length_m", "length_cm", {"actors[0].length_m"});
   refuse_edit("\"height_m\": 1.5", "\"height_m\": -1.5", {"car_1: size", "-1.5", "above 0"});
+  for (const char* size : {"201", "1e3", "1e6", "1e9", "1e300"}) {
+    refuse_edit("\"height_m\": 1.5", std::string("\"height_m\": ") + size, {"car_1: size", "at most 200 m"});
+  }
   refuse_edit("1317042651156324297", "1317042652156324297", {"car_1: track[1]", "strictly increasing"});
   refuse_edit("shift_m", "shift", {"track[1].shift"});
   refuse_edit("\"kind\": \"car\",", "", {"actors[0].kind"});

@@ -229,6 +229,10 @@ TEST_F(ServedFrames, ABatchTellsOfEachItem) {
   unknown.set_scene_id("elsewhere");
   add("b", unknown);
   add("c", picture_request("rolling", 0.5, 0.75, proto::PNG));
+  auto wide = picture_request("front", 0.5, 0.5);  // more than a JPEG's coder takes
+  wide.set_resolution_w(65501);
+  wide.set_resolution_h(1);
+  EXPECT_THROW(static_cast<void>(rendered(wide)), std::exception);
   auto huge = picture_request("front", 0.5, 0.5);
   huge.set_resolution_w(100000);
   huge.set_resolution_h(100000);

@@ -155,11 +155,14 @@ double Actor::travel_m() const {
 
 void validate(const Actor& actor, const std::string& where) {
   if (actor.name.empty()) throw_input_error(where, "name", "none", "a name of its own");
-  if (!(actor.size_m.allFinite() && actor.size_m.minCoeff() > 0.0)) {
+  // Surfaces within a box are looked for in cells of 0.1 m: what is on the road is smaller than this.
+  constexpr double kLongest_m = 200.0, kMost_m3 = 1e5;
+  if (!(actor.size_m.allFinite() && actor.size_m.minCoeff() > 0.0 && actor.size_m.maxCoeff() <= kLongest_m &&
+        actor.size_m.prod() <= kMost_m3)) {
     throw_input_error(where,
                       actor.name + ": size",
                       fmt::format("{} x {} x {} m", actor.size_m.x(), actor.size_m.y(), actor.size_m.z()),
-                      "finite and above 0");
+                      fmt::format("above 0, at most {} m a side and {} m3", kLongest_m, kMost_m3));
   }
   if (actor.track.empty()) throw_input_error(where, actor.name + ": track", "no pose", "at least one");
   for (std::size_t i = 0; i < actor.track.size(); ++i) {

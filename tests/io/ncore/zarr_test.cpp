@@ -12,6 +12,7 @@
 
 #include "io/base/file.hpp"
 #include "io/zarr/itar_index.hpp"
+#include "io/zarr/zarr_codec.hpp"
 #include "io/zarr/zarr_store.hpp"
 #include "io/zarr/zarr_writer.hpp"
 #include "tests/io/scratch.hpp"
@@ -141,6 +142,22 @@ TEST_F(ZarrTest, RefusesEveryTruncationInOneLine) {
   for (std::size_t size = 0; size < whole.size(); size += size % 512 == 511 ? 1 : 73) {
     const fs::path cut = scratch.file("cut.itar", whole.substr(0, size));
     expect_input_error([&] { (void)open_zarr(cut); }, {"cut.itar"});
+  }
+}
+
+TEST_F(ZarrTest, RefusesAnIndexThatIsLargerThanWhatItLists) {
+  const Scratch scratch;
+  for (const std::size_t count : {std::size_t{20'000}, std::size_t{2'000'000}}) {
+    const Json zeros(count, 0);
+    const auto cbor = Json::to_cbor(
+        Json{{"items", std::vector<std::string>(count)}, {"offset_datas", zeros}, {"sizes", zeros}});
+    const std::string index = xz({cbor.begin(), cbor.end()});
+    std::string file(kTarBlock, '\0');
+    file += index;
+    file.resize((file.size() + kTarBlock - 1) / kTarBlock * kTarBlock, '\0');
+    file += itar_trailer({kTarBlock, index.size()});
+    expect_input_error([&] { (void)open_zarr(scratch.file("bomb.itar", file)); },
+                       {"bomb.itar: index: xz data", "more than 4608 bytes"});
   }
 }
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
+#include "io/base/bytes.hpp"
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
 #include "io/splat/ply.hpp"
@@ -100,6 +101,28 @@ TEST(Spz, ReadsOlderVersions) {
       EXPECT_NEAR(set.rotation()(0, 1), 1.0F, 1e-4F);
       EXPECT_NEAR(set.rotation()(0, 0), 0.0F, 0.1F);
     }
+  }
+}
+
+TEST(Spz, TakesNoMoreMemoryThanItsSizeAllows) {
+  const Scratch scratch;
+  constexpr std::size_t kZeros = std::size_t{64} << 20U;
+  expect_input_error([&] { (void)read_spz(gzip(small_spz(2) + std::string(kZeros, '\0')), "b.spz"); },
+                     {"b.spz", "more than", "bytes"});
+  if (!has_zstd()) GTEST_SKIP() << "no Zstandard";
+  for (const std::uint64_t points : {std::uint64_t{0xffffffff}, std::uint64_t{150'000'000}}) {
+    std::string v4 = small_spz(2).substr(0, 16), streams;
+    v4[4] = 4;
+    v4[15] = 5;
+    for (std::size_t i = 0; i < 4; ++i) v4[8 + i] = static_cast<char>(points >> 8U * i);
+    append_little_endian(v4, 32, 4);
+    v4.resize(32);
+    for (const std::uint64_t bytes_each : {9, 1, 3, 3, 4}) {
+      append_little_endian(v4, 12, 8);
+      append_little_endian(v4, bytes_each * points, 8);
+      streams += std::string(12, '\0');
+    }
+    expect_input_error([&] { (void)read_spz(v4 + streams, "c.spz"); }, {"c.spz", "Zstandard data"});
   }
 }
 

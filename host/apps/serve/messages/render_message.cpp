@@ -18,7 +18,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "buffers of replies are little-endian");
 
-constexpr double kTallestJpeg_px = 65535.0;
+constexpr double kTallestJpeg_px = 65500.0;
 
 Camera camera_before_size(const ServedScene& scene, const proto::CameraSpec& spec) {
   const Sensor* const own = scene.find_camera(spec.logical_id());
