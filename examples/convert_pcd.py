@@ -67,10 +67,18 @@ def read_pcd(file):
         at = end + 1
         if words and not words[0].startswith("#"):
             head[words[0]] = words[1:]
-    names, count = head["FIELDS"], int(head.get("POINTS", ["0"])[0])
-    counts = [int(n) for n in head.get("COUNT", ["1"] * len(names))]
-    kind = np.dtype([(f"{name}/{i}", f"<{t.lower()}{s}", (n,)) for i, (name, t, s, n) in
-                     enumerate(zip(names, head["TYPE"], head["SIZE"], counts))])
+    try:
+        given = head["FIELDS"]
+        fields = zip(given, head["TYPE"], head["SIZE"], head.get("COUNT", ["1"] * len(given)), strict=True)
+        fields = [(n, f"<{t.lower()}{s}", int(c)) for n, t, s, c in fields if int(c) > 0]  # PCL pads with none of "_"
+        count = int(head["POINTS"][0]) if "POINTS" in head else int(head["WIDTH"][0]) * int(head["HEIGHT"][0])
+        names, counts = [f[0] for f in fields], [f[2] for f in fields]
+        kind = np.dtype([(f"{name}/{i}", t, (n,)) for i, (name, t, n) in enumerate(fields)])
+        if not {"x", "y", "z"} <= set(names):
+            raise ValueError("no x, y, z")
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        sys.exit(f"{file}: header: found {type(error).__name__} {error}, allowed FIELDS with x y z, SIZE, TYPE, "
+                 "COUNT and POINTS (or WIDTH and HEIGHT) that fit together")
     need = count * kind.itemsize
     if head["DATA"][0] == "ascii":
         values = np.array(data[at:].split(), float)
@@ -106,6 +114,11 @@ def time_of(stem):
     if dotted := re.fullmatch(r"(\d+)\.(\d+)", stem):
         return int(dotted[1]) * 1_000_000_000 + int(dotted[2][:9].ljust(9, "0"))
     return None
+
+
+def natural(text):
+    """Sorts 2 before 10."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", text)], text
 
 
 def read_poses(file):
@@ -174,7 +187,7 @@ def placed(files, times, poses, sweep_ns):
 
 def main():
     args = parse()
-    files = sorted(args.clouds.glob("*.pcd"), key=lambda f: (time_of(f.stem) or 0, f.name))
+    files = sorted(args.clouds.glob("*.pcd"), key=lambda f: (time_of(f.stem) or 0, natural(f.stem)))
     if not files:
         sys.exit(f"{args.clouds}: no *.pcd")
     times, poses = read_poses(args.poses)
@@ -193,10 +206,12 @@ def main():
         columns = read_pcd(file)
         xyz = np.stack([columns[k] for k in "xyz"], 1)
         good = np.isfinite(xyz).all(1) & (np.abs(xyz).sum(1) > 0)
+        field = next((k for k in TIMES if k in columns), None)
+        if field:
+            good &= np.isfinite(columns[field])
         left_out += int((~good).sum())
         xyz = xyz[good]
         bright = columns.get(next((k for k in INTENSITY if k in columns), ""), np.zeros(len(good)))[good]
-        field = next((k for k in TIMES if k in columns), None)
         start_ns = stamp_ns if args.stamp == "start" else stamp_ns - sweep_ns
         time_s = None
         if field:
@@ -234,7 +249,7 @@ def main():
         print(f"turns {'counter-' if sign > 0 else ''}clockwise from {np.degrees(start):.1f} deg, agreement "
               f"{np.mean([t[2] for t in turns]):.3f}")
     if left_out:
-        print(f"{left_out} points without a place are left out")
+        print(f"{left_out} points without a place or a time are left out")
     folder.json["lidars"].append(entry)
     folder.finish(path)
 

@@ -159,6 +159,30 @@ short.write_text("\n".join(tum.read_text().splitlines()[:4]) + "\n")
 said, _, _ = check("d", timed, short, "--lidar", TABLE, "--columns", RAYS, "--mount", mount, mount=MOUNT, turns=2)
 assert "1 clouds lie beside the path and are left out" in said, said
 
+# Clouds called 8 to 12 have their poses in that order; padding of no bytes is no field, without POINTS the size is
+# WIDTH x HEIGHT; a point whose time is NaN is left out.
+plain = work / "plain"
+plain.mkdir()
+for i, number in enumerate((8, 9, 10, 11, 12)):
+    cloud = plain / f"{number}.pcd"
+    write_pcd(cloud, "binary", {"x": ("f4", np.full(4, i + 1.0)), "y": ("f4", np.ones(4)), "z": ("f4", np.zeros(4)),
+                                "t": ("f4", [0.0, 0.05, 0.0999, np.nan])})
+    bytes_ = cloud.read_bytes()
+    if number == 9:
+        bytes_ = bytes_.replace(b"POINTS 4\n", b"")
+    if number == 10:
+        padded, at = bytearray(), bytes_.index(b"binary\n") + 7
+        for k in range(4):  # without the three bytes behind x y z
+            padded += bytes_[at + 19 * k:at + 19 * k + 12] + bytes_[at + 19 * k + 15:at + 19 * (k + 1)]
+        bytes_ = bytes_[:at].replace(b"COUNT 1 1 1 3", b"COUNT 1 1 1 0") + bytes(padded)
+    cloud.write_bytes(bytes_)
+ahead = work / "ahead.txt"
+ahead.write_text("".join(f"1 0 0 {i} 0 1 0 0 0 0 1 0\n" for i in range(5)))
+run = convert(plain, ahead, work / "plain_out", "--lidar", TABLE)
+assert run.returncode == 0 and "5 points without a place or a time" in run.stdout, (run.stdout, run.stderr)
+order = [np.fromfile(f, "<f4")[0] for f in sorted((work / "plain_out").rglob("*.bin"))]
+assert order == [1, 2, 3, 4, 5], order
+
 
 def refuse(word, *arguments):
     run = convert(*arguments, "--lidar", TABLE)
@@ -171,3 +195,5 @@ refuse("3 clouds, 1 poses", bare, short if short.write_text(kitti.read_text().sp
 refuse("000001.pcd: found", bare, kitti, work / "y")
 (bare / "000001.pcd").write_bytes(b"ply\n")
 refuse("found no DATA line", bare, kitti, work / "z")
+(bare / "000001.pcd").write_bytes(b"FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 0\nDATA ascii\n")
+refuse("000001.pcd: header: found ValueError no x, y, z", bare, kitti, work / "w")
