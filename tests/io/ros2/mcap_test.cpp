@@ -178,6 +178,13 @@ TEST(Mcap, WhatIsNoRecordingIsRefused) {
   expect_input_error([&] { (void)open_bag(scratch.file("a.bag", "#ROSBAG V2.0\n")); },
                      {".bag", ".mcap, .db3"});
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"no .mcap and no .db3"});
+  // What `ros2 bag record --compression-mode` leaves behind.
+  (void)scratch.file("a.mcap.zstd", "");
+  expect_input_error([&] { (void)open_bag(scratch.path()); }, {"compressed whole", "unzstd"});
+  (void)scratch.file("a.mcap", "");
+  (void)scratch.file("metadata.yaml", "x:\n  compression_mode: MESSAGE\n");
+  expect_input_error([&] { (void)open_bag(scratch.path()); },
+                     {"metadata.yaml", "message", "ros2 bag convert"});
 }
 
 #ifdef SIMULI_TEST_SQLITE
