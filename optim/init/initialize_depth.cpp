@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -25,6 +26,11 @@ constexpr std::size_t kReach = 8;       // pictures before and after
 constexpr double kApart_m = 0.5;        // between two of them, or
 constexpr double kApart_rad = 0.1;      // turned by that: others tell little more
 constexpr std::size_t kLeastViews = 2;  // that must agree
+// Sky (see is_sky), chosen on 0052 and 0013: docs/DECISIONS.md.
+constexpr float kAlikeGrey = 0.02F;    // grey values of one thing differ by that
+constexpr float kFlat = 0.02F;         // mean deviation of what has no texture
+constexpr float kFlatAsThere = 0.03F;  // mean difference of two pictures of it
+constexpr float kLeastSkyGrey = 0.6F;  // what is darker is a thing
 
 using Patch = std::array<float, kPatch>;
 
@@ -57,10 +63,37 @@ Patch read_patch(const Image& grey,
   return patch;
 }
 
-float mean_difference(const Patch& a, const Patch& b) {
+/// How much each pixel of a patch counts when those as bright as its middle do; their sum is 1 (adaptive
+/// support weights: Yoon and Kweon, IEEE TPAMI 28(4), 2006).
+Patch support_weights(const Patch& grey) {
+  Patch weight{};
   float sum = 0.0F;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
-  return sum / static_cast<float>(kPatch);
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    weight[i] = std::exp(-std::abs(grey[i] - grey[grey.size() / 2]) / kAlikeGrey);
+    sum += weight[i];
+  }
+  for (float& w : weight) w /= sum;
+  return weight;
+}
+
+/// Mean absolute difference from their weighted mean.
+float deviation(const Patch& grey, const Patch& weight) {
+  const float mean = std::inner_product(grey.begin(), grey.end(), weight.begin(), 0.0F);
+  float sum = 0.0F;
+  for (std::size_t i = 0; i < grey.size(); ++i) sum += weight[i] * std::abs(grey[i] - mean);
+  return sum;
+}
+
+constexpr Patch kEvenWeights = [] {
+  Patch even{};
+  even.fill(1.0F / kPatch);
+  return even;
+}();
+
+float mean_difference(const Patch& a, const Patch& b, const Patch& weight) {
+  float sum = 0.0F;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += weight[i] * std::abs(a[i] - b[i]);
+  return sum;
 }
 
 /// Rays through a pixel and its right and lower neighbours: the patch as a small plane at any distance.
@@ -77,11 +110,20 @@ PatchRays patch_rays(const ImageView& view, const Eigen::Vector2d& pixel) {
   return rays;
 }
 
+/// Step 0 lies beyond kSweepFarthest_m.
+double distance_of(int step) {
+  const double near = 1.0 / kSweepNearest_m;
+  return step == 0 ? 10.0 * kSweepFarthest_m
+                   : 1.0 / (1.0 / kSweepFarthest_m +
+                            (near - 1.0 / kSweepFarthest_m) * (step - 1) / (kDistances - 2));
+}
+
 /// How much another picture differs from `patch` at that distance; nothing when it does not see it.
 std::optional<float> cost_in(const SweepPicture& other,
                              const PatchRays& rays,
                              double distance_m,
-                             const Patch& patch) {
+                             const Patch& patch,
+                             const Patch& weight) {
   std::array<Eigen::Vector2d, 3> pixel;
   double range_m = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -92,7 +134,23 @@ std::optional<float> cost_in(const SweepPicture& other,
   const Eigen::Vector2f centre = pixel[0].cast<float>();
   return mean_difference(
       patch,
-      read_patch(other.grey, centre, pixel[1].cast<float>() - centre, pixel[2].cast<float>() - centre));
+      read_patch(other.grey, centre, pixel[1].cast<float>() - centre, pixel[2].cast<float>() - centre),
+      weight);
+}
+
+/// A bright patch without texture that two pictures show just as flat in the same direction, too. It would
+/// be found at any distance where the others have nothing in front, and in most of them that is near: seen
+/// from farther on, what is beside it stands before the sky. Its pixels alone are compared, not the wire or
+/// the roof that crosses it.
+bool is_sky(const std::vector<const SweepPicture*>& others, const PatchRays& rays, const Patch& patch) {
+  const Patch weight = support_weights(patch);
+  if (patch[patch.size() / 2] < kLeastSkyGrey || deviation(patch, weight) >= kFlat) return false;
+  std::size_t fit = 0;
+  for (const SweepPicture* other : others) {
+    const auto cost = cost_in(*other, rays, distance_of(0), patch, weight);
+    if (cost && *cost <= kFlatAsThere && ++fit == kLeastViews) return true;
+  }
+  return false;
 }
 
 /// Mean of the better half of the pictures: the others may have something in front.
@@ -102,7 +160,7 @@ float cost_at(const std::vector<const SweepPicture*>& others,
               const Patch& patch) {
   std::vector<float> costs;
   for (const SweepPicture* other : others) {
-    if (const auto cost = cost_in(*other, rays, distance_m, patch)) costs.push_back(*cost);
+    if (const auto cost = cost_in(*other, rays, distance_m, patch, kEvenWeights)) costs.push_back(*cost);
   }
   if (costs.size() < kLeastViews) return std::numeric_limits<float>::infinity();
   std::sort(costs.begin(), costs.end());
@@ -110,14 +168,6 @@ float cost_at(const std::vector<const SweepPicture*>& others,
   float sum = 0.0F;
   for (std::size_t i = 0; i < used; ++i) sum += costs[i];
   return sum / static_cast<float>(used);
-}
-
-/// Step 0 lies beyond kSweepFarthest_m.
-double distance_of(int step) {
-  const double near = 1.0 / kSweepNearest_m;
-  return step == 0 ? 10.0 * kSweepFarthest_m
-                   : 1.0 / (1.0 / kSweepFarthest_m +
-                            (near - 1.0 / kSweepFarthest_m) * (step - 1) / (kDistances - 2));
 }
 
 std::optional<Eigen::Vector3d> find_point(const SweepPicture& picture,
@@ -130,6 +180,7 @@ std::optional<Eigen::Vector3d> find_point(const SweepPicture& picture,
   for (const Eigen::Vector3d& direction : rays.direction) {
     if (direction.isZero()) return std::nullopt;  // outside the lens
   }
+  if (is_sky(others, rays, patch)) return std::nullopt;
   std::array<float, kDistances> costs{};
   for (int i = 0; i < kDistances; ++i) {
     costs[static_cast<std::size_t>(i)] = cost_at(others, rays, distance_of(i), patch);
