@@ -42,13 +42,13 @@ inline constexpr char kSplatExtensions[] = ".ply, .spz or .glb";
 /// SuperSplat's compressed PLY (PlayCanvas; little endian): chunks of 256 with their bounds, positions and
 /// log-scales of 11, 10, 11 bits, the three smaller quaternion components of 10 bits, colours and opacities
 /// of 8, higher SH coefficients of 8 within -4 to 4. Error{kInput} naming file and field for elements, sizes
-/// and bounds that don't belong together.
+/// and bounds that don't belong together; particles are not judged (validate()).
 [[nodiscard]] GaussianSet read_compressed_ply(const std::string& bytes, const std::string& file);
 
 /// SPZ versions 1 to 4 (4 where libzstd was there at build time), compressed or raw: positions of 24 bits,
 /// log-scales of 1/16, quaternions of 8 bits or (from version 3) of 10, everything else of 8. Sizes are
 /// checked before anything is allocated. Error{kInput} naming file and field. Extensions of version 4 are
-/// skipped; SH degree 4 is cut to 3.
+/// skipped; SH degree 4 is cut to 3. Particles are not judged (validate()).
 [[nodiscard]] GaussianSet read_spz(const std::filesystem::path& file);
 /// The same of its bytes; `file` is for messages.
 [[nodiscard]] GaussianSet read_spz(std::string bytes, const std::string& file);

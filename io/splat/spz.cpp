@@ -260,8 +260,7 @@ GaussianSet set_of_spz(std::string bytes, const std::string& file) {
     streams.at[i] = reinterpret_cast<const std::uint8_t*>(bytes.data() + at);
     at += sizes[i];
   }
-  GaussianSet set = decode(header, streams);
-  return set;
+  return decode(header, streams);
 }
 
 void write_spz(const std::filesystem::path& file, const GaussianSet& set) {

@@ -143,8 +143,9 @@ std::optional<float> cost_in(const SweepPicture& other,
 /// from farther on, what is beside it stands before the sky. Its pixels alone are compared, not the wire or
 /// the roof that crosses it.
 bool is_sky(const std::vector<const SweepPicture*>& others, const PatchRays& rays, const Patch& patch) {
+  if (patch[patch.size() / 2] < kLeastSkyGrey) return false;
   const Patch weight = support_weights(patch);
-  if (patch[patch.size() / 2] < kLeastSkyGrey || deviation(patch, weight) >= kFlat) return false;
+  if (deviation(patch, weight) >= kFlat) return false;
   std::size_t fit = 0;
   for (const SweepPicture* other : others) {
     const auto cost = cost_in(*other, rays, distance_of(0), patch, weight);

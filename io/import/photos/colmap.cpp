@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fmt/format.h>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <sstream>
@@ -187,10 +188,8 @@ Posed make_posed(const std::string& file,
 /// Triples of numbers. An image's own line has ten words, the last one a name.
 bool holds_observations(const std::string& line) {
   if (line.find_first_not_of("0123456789+-.eE \t") != std::string::npos) return false;
-  std::size_t words = 0;
-  for (std::size_t i = 0; i < line.size(); ++i)
-    words += !is_blank(line.substr(i, 1)) && (i == 0 || is_blank(line.substr(i - 1, 1))) ? 1U : 0U;
-  return words % 3 == 0;
+  std::istringstream in(line);
+  return std::distance(std::istream_iterator<std::string>(in), {}) % 3 == 0;
 }
 
 std::vector<Posed> read_images(const fs::path& folder, bool binary) {

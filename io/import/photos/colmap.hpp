@@ -14,8 +14,8 @@ struct ColmapOptions {
 };
 
 /// A COLMAP model: cameras SIMPLE_PINHOLE to FULL_OPENCV, OPENCV_FISHEYE and its simpler kinds; poses
-/// by name; points seen by at least three photographs, or all where none has a track. The world is turned so that +z is up on average.
-/// Error{kInput} naming file and field for anything missing, truncated, or a camera of another model.
+/// by name; points seen by at least three photographs, or all where none has a track. The world is turned so
+/// that +z is up on average. Error{kInput} naming file and field for anything missing, truncated, or a camera of another model.
 [[nodiscard]] PhotoSet read_colmap(const ColmapOptions& options);
 /// Imports it with its photographs as write_photo_log() says.
 Log import_colmap(const ColmapOptions& options,
