@@ -2,9 +2,12 @@
 #include "host/apps/cli/base/command.hpp"
 
 #include <gtest/gtest.h>
+#include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "host/apps/cli/base/crash.hpp"
 #include "host/core/base/error.hpp"
 
 namespace simuli::cli {
@@ -178,6 +181,18 @@ TEST_F(CommandTest, ForeignCommandsGetAllArgumentsButTheirName) {
   ASSERT_TRUE(parse({"draw", "far"}));  // a value of another command
   EXPECT_EQ(runs_, 2);
   EXPECT_EQ(values_.file, "far");
+}
+
+TEST(CrashDeathTest, WantOfMemoryInAThreadIsNoCrash) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "not run: crashes, AddressSanitizer tells of them itself";
+#endif
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto run = [] {
+    watch_crashes();
+    std::thread([] { throw std::bad_alloc(); }).join();
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(kMemoryExit), "^simuli: out of memory\n$");
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // What clients do with a server beside asking for frames, and how the known ones ask.
+#include <list>
+
 #include "tests/serve/metrics_text.hpp"
 #include "tests/serve/server_fixture.hpp"
 
@@ -38,6 +40,105 @@ TEST_F(ServerTest, CountsWhatItDoes) {
   EXPECT_EQ(text.value("simuli_requests_waiting"), 0.0);
   EXPECT_EQ(text.value("simuli_device_memory_bytes"), static_cast<double>(session_->device().memory().now));
   EXPECT_GT(text.value("simuli_device_memory_limit_bytes"), text.value("simuli_device_memory_peak_bytes"));
+}
+
+/// 1 MiB of nothing packs into a thousandth: what it would become is not made.
+TEST_F(ServerTest, PackedRequestsAreRefused) {
+  auto request = picture_request("front", 0.5, 0.5);
+  request.set_scene_id(std::string(std::size_t{1} << 20U, 'x'));
+  for (const grpc_compression_algorithm how : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE}) {
+    grpc::ClientContext context;
+    context.set_compression_algorithm(how);
+    proto::RGBRenderReturn reply;
+    EXPECT_EQ(stub_->render_rgb(&context, request, &reply).error_code(), grpc::UNIMPLEMENTED);
+  }
+  expect_answers();
+}
+
+/// Clients that ask and never read: their replies fill the windows of their connections.
+class Unread {
+ public:
+  Unread(const std::string& address, const proto::RGBRenderRequest& request, int count)
+      : stub_(narrow(address)), calls_(static_cast<std::size_t>(count)) {
+    for (Call& call : calls_) {
+      call.stream =
+          stub_.PrepareCall(&call.context, "/nre.grpc.protos.sensorsim.SensorsimService/render_rgb", &queue_);
+      call.stream->StartCall(&call);
+      wait();
+      const grpc::Slice slice(request.SerializeAsString());
+      call.stream->WriteLast(grpc::ByteBuffer(&slice, 1), {}, &call);
+      wait();
+    }
+  }
+  ~Unread() {
+    for (Call& call : calls_) {
+      call.context.TryCancel();
+      call.stream->Finish(&call.status, &call);
+      wait();
+    }
+  }
+
+ private:
+  struct Call {
+    grpc::ClientContext context;
+    std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream;
+    grpc::Status status;
+  };
+  /// Whose windows stay as they are.
+  static std::shared_ptr<grpc::Channel> narrow(const std::string& address) {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  }
+  void wait() {
+    void* tag = nullptr;
+    bool is_ok = false;
+    queue_.Next(&tag, &is_ok);
+  }
+  grpc::GenericStub stub_;
+  grpc::CompletionQueue queue_;
+  std::list<Call> calls_;
+};
+
+TEST_F(ServerTest, GivesUpRepliesThatNobodyReads) {
+  auto request = picture_request("front", 0.5, 0.5);
+  request.set_resolution_w(640);
+  request.set_resolution_h(480);
+  const auto unread = [&] { return test::MetricsText(server_->metrics()).value("simuli_replies_unread"); };
+  const auto wait_until = [&](const std::function<bool()>& is_so) {
+    for (int i = 0; i < 2000 && !is_so(); ++i) std::this_thread::sleep_for(milliseconds(5));
+    EXPECT_TRUE(is_so());
+  };
+  struct Case {
+    const char* name;
+    ReplyLimits limits;
+    double kept;  // at last
+  };
+  const std::size_t of_one = 640U * 480U * 3U;
+  for (const Case& of : {Case{"patience", {.patience = milliseconds(300)}, 0.0},
+                         Case{"count", {.hurried = milliseconds(100), .most = 2}, 2.0},
+                         Case{"bytes", {.hurried = milliseconds(100), .most_bytes = 4 * of_one}, 3.0}}) {
+    SCOPED_TRACE(of.name);
+    ServerOptions options;
+    options.replies = of.limits;
+    start(options);
+    {
+      const Unread clients(server_->address(), request, 6);
+      wait_until([&] { return unread() > 0.0; });
+      wait_until([&] {
+        return unread() == of.kept &&
+               test::MetricsText(server_->metrics())
+                       .value("simuli_requests_total{call=\"render_rgb\",status=\"OK\"}") >= 6.0;
+      });
+      expect_answers();
+    }
+    wait_until([&] { return unread() == 0.0; });  // who reads takes all of it; who goes leaves nothing
+    grpc::ClientContext context;
+    proto::RGBRenderReturn reply;
+    EXPECT_TRUE(stub_->render_rgb(&context, request, &reply).ok());
+    EXPECT_EQ(reply.image_bytes().size(), of_one);
+  }
 }
 
 TEST_F(ServerTest, EditsUnderBothNames) {

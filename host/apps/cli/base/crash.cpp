@@ -2,13 +2,16 @@
 
 #include <array>
 #include <csignal>
+#include <exception>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <memory>
+#include <new>
 #include <stdlib.h>
 #include <string>
 #include <unistd.h>
 
+#include "host/core/base/error.hpp"
 #include "host/device/runtime/disk_cache.hpp"
 
 namespace simuli::cli {
@@ -46,6 +49,21 @@ void watch_for_crashes() {
   }
 }
 
+std::terminate_handler end_otherwise = nullptr;
+
+/// Memory that a thread of a library's did not get is no crash.
+[[noreturn]] void end_without_memory() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    write_all(STDERR_FILENO, "simuli: out of memory\n");
+    ::_exit(kMemoryExit);
+  } catch (...) {  // below
+  }
+  end_otherwise();
+  ::abort();
+}
+
 }  // namespace
 
 void watch_crashes() {
@@ -71,6 +89,7 @@ void watch_crashes() {
   alternate.ss_size = stack.size();
   static_cast<void>(::sigaltstack(&alternate, nullptr));
   keep_installed(watch_for_crashes);
+  end_otherwise = std::set_terminate(end_without_memory);
 }
 
 }  // namespace simuli::cli

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/stubs/logging.h>
+#include <grpc/grpc.h>
 #include <grpc/support/log.h>
 #include <grpcpp/ext/health_check_service_server_builder_option.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/resource_quota.h>
+#include <grpcpp/support/server_interceptor.h>
 
 #include "host/apps/serve/session/refusal.hpp"
 #include "host/apps/serve/session/shared_work.hpp"
+#include "host/apps/serve/session/unread_replies.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/stopwatch.hpp"
 #include "io/base/file.hpp"
@@ -25,6 +28,8 @@ using grpc::Status;
 
 constexpr int kMostStreams = 64;      // of a connection, at once
 constexpr int kWaitingThreads = 128;  // of requests that wait for a worker
+// Of all connections together: requests that have not come whole. Beyond it those are given up.
+constexpr std::size_t kMostRequestBytes = std::size_t{256} << 20U;
 constexpr const char* kLidarKey = "x-simuli-lidar";
 
 /// As the protocol's documents spell it.
@@ -62,6 +67,28 @@ Call call_of(const ServerContext& context) {
   return call;
 }
 
+/// Tells when the library lets go of a call: nothing else does.
+class CallEnds final : public grpc::experimental::ServerInterceptorFactoryInterface {
+ public:
+  explicit CallEnds(UnreadReplies& replies) : replies_(replies) {}
+  grpc::experimental::Interceptor* CreateServerInterceptor(grpc::experimental::ServerRpcInfo* info) override {
+    return new OfCall(replies_, info->server_context());
+  }
+
+ private:
+  class OfCall final : public grpc::experimental::Interceptor {
+   public:
+    OfCall(UnreadReplies& replies, const void* call) : replies_(replies), call_(call) {}
+    ~OfCall() override { replies_.end(call_); }
+    void Intercept(grpc::experimental::InterceptorBatchMethods* batch) override { batch->Proceed(); }
+
+   private:
+    UnreadReplies& replies_;
+    const void* call_;
+  };
+  UnreadReplies& replies_;
+};
+
 /// By a client.
 struct End {
   bool is_allowed = false;
@@ -72,28 +99,32 @@ struct End {
 template <class Base>
 class Sensorsim final : public Base::Service {
  public:
-  Sensorsim(const Handlers& handlers, const FairQueue& workers, SharedWork& rendering, End& end)
-      : handlers_(handlers), workers_(workers), rendering_(rendering), end_(end) {}
+  Sensorsim(const Handlers& handlers,
+            const FairQueue& workers,
+            SharedWork& rendering,
+            UnreadReplies& replies,
+            End& end)
+      : handlers_(handlers), workers_(workers), rendering_(rendering), replies_(replies), end_(end) {}
 
-  Status get_version(ServerContext* /*c*/,
+  Status get_version(ServerContext* c,
                      const proto_common::Empty* /*q*/,
                      proto_common::VersionId* r) override {
-    return told("get_version", *r, [&] { handlers_.get_version(*r); });
+    return told("get_version", c, *r, [&] { handlers_.get_version(*r); });
   }
-  Status get_available_scenes(ServerContext* /*c*/,
+  Status get_available_scenes(ServerContext* c,
                               const proto_common::Empty* /*q*/,
                               proto_common::AvailableScenesReturn* r) override {
-    return told("get_available_scenes", *r, [&] { handlers_.get_available_scenes(*r); });
+    return told("get_available_scenes", c, *r, [&] { handlers_.get_available_scenes(*r); });
   }
-  Status get_loaded_scenes(ServerContext* /*c*/,
+  Status get_loaded_scenes(ServerContext* c,
                            const proto_common::Empty* /*q*/,
                            proto::LoadedScenesReturn* r) override {
-    return told("get_loaded_scenes", *r, [&] { handlers_.get_loaded_scenes(*r); });
+    return told("get_loaded_scenes", c, *r, [&] { handlers_.get_loaded_scenes(*r); });
   }
-  Status get_available_ego_masks(ServerContext* /*c*/,
+  Status get_available_ego_masks(ServerContext* c,
                                  const proto_common::Empty* /*q*/,
                                  proto::AvailableEgoMasksReturn* r) override {
-    return told("get_available_ego_masks", *r, [&] { handlers_.get_available_ego_masks(*r); });
+    return told("get_available_ego_masks", c, *r, [&] { handlers_.get_available_ego_masks(*r); });
   }
   Status get_available_cameras(ServerContext* c,
                                const proto::AvailableCamerasRequest* q,
@@ -134,13 +165,13 @@ class Sensorsim final : public Base::Service {
       handlers_.get_external_asset_objects(call, *q, *r);
     });
   }
-  Status get_server_config(ServerContext* /*c*/,
+  Status get_server_config(ServerContext* c,
                            const proto_common::Empty* /*q*/,
                            proto::ServerConfig* r) override {
-    return told("get_server_config", *r, [&] { handlers_.get_server_config(*r); });
+    return told("get_server_config", c, *r, [&] { handlers_.get_server_config(*r); });
   }
-  Status shut_down(ServerContext* /*c*/, const proto_common::Empty* /*q*/, proto_common::Empty* r) override {
-    return told("shut_down", *r, [&] {
+  Status shut_down(ServerContext* c, const proto_common::Empty* /*q*/, proto_common::Empty* r) override {
+    return told("shut_down", c, *r, [&] {
       if (!end_.is_allowed) {
         throw Refusal(RefusalKind::kDenied,
                       "shut_down: found a server without --allow-shut-down, allowed one with it");
@@ -178,11 +209,15 @@ class Sensorsim final : public Base::Service {
 
  private:
   template <class Reply, class Work>
-  Status told(const char* name, const Reply& reply, const Work& work) const {
+  Status told(const char* name, ServerContext* context, const Reply& reply, const Work& work) const {
     const Stopwatch watch;
     const Status status = status_of(work);
-    handlers_.metrics().count_call(
-        name, name_of(status.error_code()), watch.seconds(), status.ok() ? reply.ByteSizeLong() : 0);
+    const std::size_t bytes = status.ok() ? reply.ByteSizeLong() : 0;
+    handlers_.metrics().count_call(name, name_of(status.error_code()), watch.seconds(), bytes);
+    replies_.begin(static_cast<const grpc::ServerContextBase*>(context), bytes, [call = context->c_call()] {
+      grpc_call_cancel_with_status(
+          call, GRPC_STATUS_RESOURCE_EXHAUSTED, "reply: found a client that does not read it", nullptr);
+    });
     return status;
   }
   template <class Work>
@@ -196,13 +231,14 @@ class Sensorsim final : public Base::Service {
     }
   }
   template <class Reply, class Work>
-  Status worked(const char* name, const ServerContext* context, const Reply& reply, const Work& work) const {
-    return told(name, reply, [&] { in_turn(call_of(*context), work); });
+  Status worked(const char* name, ServerContext* context, const Reply& reply, const Work& work) const {
+    return told(name, context, reply, [&] { in_turn(call_of(*context), work); });
   }
   template <class Work>
   void in_turn(const Call& call, const Work& work) const {
     const Stopwatch watch;
     const FairQueue::Ticket worker = workers_.take(call.is_given_up);
+    replies_.need_room(call.is_given_up);
     handlers_.metrics().add_time(RequestStage::kWorkerWait, watch.seconds());
     need_wanted(call.is_given_up);
     work(call);
@@ -210,11 +246,11 @@ class Sensorsim final : public Base::Service {
   /// One answer for all who ask the same of the same scenes meanwhile.
   template <class Request, class Reply, class Work>
   Status shared(const char* name,
-                const ServerContext* context,
+                ServerContext* context,
                 const Request& request,
                 Reply& reply,
                 const Work& work) const {
-    return told(name, reply, [&] {
+    return told(name, context, reply, [&] {
       Call call = call_of(*context);
       const std::string key =
           fmt::format("{} {} {}\n", name, handlers_.edition(), call.lidar) + request.SerializeAsString();
@@ -235,6 +271,7 @@ class Sensorsim final : public Base::Service {
   const Handlers& handlers_;
   const FairQueue& workers_;
   SharedWork& rendering_;
+  UnreadReplies& replies_;
   End& end_;
 };
 
@@ -275,14 +312,16 @@ struct Server::Impl {
       : handlers(of),
         options(with),
         workers(with.max_workers),
+        replies(with.replies),
         end{with.allows_shut_down},
-        nre(handlers, workers, rendering, end),
-        nurec(handlers, workers, rendering, end) {}
+        nre(handlers, workers, rendering, replies, end),
+        nurec(handlers, workers, rendering, replies, end) {}
 
   const Handlers& handlers;
   ServerOptions options;
   FairQueue workers;
   SharedWork rendering;  // by either name
+  UnreadReplies replies;
   End end;
   Sensorsim<NreService> nre;
   Sensorsim<NurecService> nurec;
@@ -305,7 +344,15 @@ Server::Server(const Handlers& handlers, const ServerOptions& options)
   grpc::ServerBuilder builder;
   grpc::ResourceQuota quota("simuli serve");
   quota.SetMaxThreads(static_cast<int>(options.max_workers) + kWaitingThreads);
+  quota.Resize(kMostRequestBytes);
   builder.SetResourceQuota(quota);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<CallEnds>(impl_->replies));
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
+  // The library unpacks a request whole before it looks how large that is.
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.SetMaxReceiveMessageSize(kLargestRequest);
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostStreams);
@@ -340,6 +387,9 @@ std::string Server::metrics() const {
   gauges.push_back({"simuli_requests_in_work",
                     "Requests that a worker has.",
                     static_cast<double>(impl_->options.max_workers - workers.free())});
+  gauges.push_back({"simuli_replies_unread",
+                    "Replies that are made and that clients have not taken yet.",
+                    static_cast<double>(impl_->replies.count())});
   gauges.push_back(
       {"simuli_requests_shared",
        "Requests that came while another one was rendered for, in the same words, and got its answer.",

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/apps/serve/messages/handlers.hpp"
+#include "host/apps/serve/session/unread_replies.hpp"
 
 namespace simuli::serve {
 
@@ -14,6 +15,7 @@ struct ServerOptions {
   int port = 8080;                // 0: any free one
   std::size_t max_workers = 4;    // requests at once; others wait
   bool allows_shut_down = false;  // by any client
+  ReplyLimits replies;
   std::string tls_certificate,
       tls_key;              // PEM files, both or neither: then everybody on the way can read along
   std::string tls_clients;  // PEM file of authorities: clients must have a certificate of one
