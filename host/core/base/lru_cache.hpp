@@ -39,6 +39,16 @@ class LruCache {
     entries_.splice(entries_.begin(), entries_, found->second);
     return found->second->value;
   }
+  /// The entry under `key`, which is no longer kept; null: not here.
+  [[nodiscard]] std::shared_ptr<const T> take(const Key& key) {
+    auto value = find(key);
+    if (value) {
+      used_bytes_ -= entries_.front().bytes;
+      where_.erase(key);
+      entries_.pop_front();
+    }
+    return value;
+  }
   [[nodiscard]] std::size_t used_bytes() const { return used_bytes_; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 

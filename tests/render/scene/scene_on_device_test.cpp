@@ -12,6 +12,7 @@
 #include "host/core/scene/particle_order.hpp"
 #include "host/device/render/options/quality.hpp"
 #include "host/device/render/scene/appearance_on_device.hpp"
+#include "host/device/render/scene/ray_cache.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "tests/render/scene/two_cars.hpp"
 #include "tests/support/device.hpp"
@@ -389,6 +390,50 @@ TEST(SceneOnDevice, MakesRaysAnewForWhatTheyDependOnAlone) {
   const std::vector<bool> some(camera.ray_count(), false);
   EXPECT_EQ(rendered("render.alpha_cut=0.02", some), 5U);
   EXPECT_EQ(rendered("render.alpha_cut=0.03", some), 5U);
+}
+
+/// Cameras that differ in their focal lengths.
+TEST(RayCache, KeepsWhatComesBackAndLittleOfWhatDoesNot) {
+  const Device& device = test::device();
+  const RenderOptions options;
+  std::size_t made = 0;
+  const auto sensor_of = [](std::size_t number) {
+    Camera camera = test::camera().camera();
+    camera.fx += 0.01 * static_cast<double>(number);
+    return Sensor(camera);
+  };
+  const std::size_t one = SensorRays(device, sensor_of(0).camera(), options).bytes();
+  EXPECT_GT(one, sensor_of(0).ray_count() * (8 + 8 + 3) * sizeof(float));  // device, host, maps
+  RayCache cache(40 * one + 40);
+  const auto use = [&](std::size_t number) {
+    const Sensor sensor = sensor_of(number);
+    (void)cache.get({sensor, options.precision, options, {}}, [&] {
+      ++made;
+      return SensorRays(device, sensor.camera(), options);
+    });
+    EXPECT_LE(cache.used_bytes(), 40 * one + 40);
+  };
+  for (std::size_t number = 0; number < 100; ++number) use(number);
+  EXPECT_EQ(made, 100U);
+  EXPECT_EQ(cache.size(), 10U);  // a quarter
+  for (std::size_t number = 90; number < 100; ++number) use(number);
+  EXPECT_EQ(made, 100U);
+  for (std::size_t number = 0; number < 20; ++number) use(number);  // went before they came back: known
+  EXPECT_EQ(made, 120U);
+  for (std::size_t number = 100; number < 200; ++number) use(number);
+  EXPECT_EQ(made, 220U);
+  for (std::size_t number = 0; number < 20; ++number) use(number);
+  for (std::size_t number = 90; number < 100; ++number) use(number);
+  EXPECT_EQ(made, 220U);
+}
+
+TEST(SceneOnDevice, RaysAreOfAllScenesOfADevice) {
+  SceneOnDevice one(test::device(), test::two_cars()), other(test::device(), test::two_cars());
+  const Sensor camera = test::camera();
+  const RayResults first = one.render(camera, shot_of(camera, 0.1)).results();
+  const std::size_t kept = one.sensor_count();
+  expect_same(other.render(camera, shot_of(camera, 0.1)).results(), first);
+  EXPECT_EQ(other.sensor_count(), kept);
 }
 
 TEST(SceneOnDevice, RendersMeasuredRays) {

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iostream>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,7 +46,16 @@ void need_safe(const ServeCommand& command) {
                   host));
 }
 
+/// glibc gives each of many threads an arena of its own, and what rays that are kept leave between them is
+/// lost: 2.7 GB after 5000 cameras, 0.8 GB with two arenas.
+void allocate_from_few_arenas() {
+#ifdef __GLIBC__
+  static_cast<void>(mallopt(M_ARENA_MAX, 2));
+#endif
+}
+
 void serve_scenes(const ServeCommand& command, const Globals& globals) {
+  allocate_from_few_arenas();
   need_safe(command);
   serve::SessionOptions of_session;
   of_session.scenes = serve::scene_sources(command.scenes);

@@ -8,12 +8,12 @@
 #include <variant>
 #include <vector>
 
-#include "host/core/base/lru_cache.hpp"
 #include "host/device/render/options/quality.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "host/device/render/pages/particle_pages.hpp"
 #include "host/device/render/scene/appearance_on_device.hpp"
 #include "host/device/render/scene/frame_state.hpp"
+#include "host/device/render/scene/ray_cache.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "host/device/render/scene/view.hpp"
 
@@ -36,23 +36,6 @@ struct Upload {
   [[nodiscard]] const ParticleBuffers& buffers() const {
     const auto* const pages = std::get_if<ParticlePages>(&particles);
     return pages != nullptr ? pages->buffers() : std::get<ParticleBuffers>(particles);
-  }
-};
-
-/// What the rays of a sensor on the device depend on.
-struct RaysKey {
-  Sensor sensor;
-  Precision precision;
-  RayOptions options;
-  std::vector<bool> requested;  // [rays]; empty: all
-  bool operator==(const RaysKey& other) const {
-    return sensor.has_rays_of(other.sensor) && precision == other.precision && options == other.options &&
-           requested == other.requested;
-  }
-};
-struct RaysHash {
-  std::size_t operator()(const RaysKey& key) const {
-    return key.sensor.rays_hash() ^ std::hash<std::vector<bool>>()(key.requested);
   }
 };
 
@@ -131,10 +114,7 @@ struct SceneOnDevice::State {
   static constexpr std::size_t kMostPainters = 2;
 
   State(const Device& on, std::shared_ptr<const Scene> of, const RenderOptions& with)
-      : device(on),
-        scene(std::move(of)),
-        options(valid(with)),
-        sensors(static_cast<std::size_t>(on.info().global_bytes / 4)) {}
+      : device(on), scene(std::move(of)), options(valid(with)), sensors(RayCache::of(on)) {}
 
   /// `whole`: all of it on the device, or an Error.
   Upload& particles(SetKind kind, const RenderOptions& o, bool whole) {
@@ -172,8 +152,7 @@ struct SceneOnDevice::State {
       if (sensor.is_camera()) return SensorRays(device, sensor.camera(), o);
       return SensorRays(device, sensor.lidar(), sensor.rays(), o);
     };
-    return *sensors.get(
-        {sensor, o.precision, o, requested}, make, [](const SensorRays& made) { return made.bytes(); });
+    return sensors->get({sensor, o.precision, o, requested}, make);
   }
 
   AppearanceOnDevice& appearance_on(Precision precision) {
@@ -235,7 +214,7 @@ struct SceneOnDevice::State {
   RenderOptions options;
   std::list<Upload> uploads;
   std::list<Painter> painters;
-  LruCache<SensorRays, RaysKey, RaysHash> sensors;
+  std::shared_ptr<RayCache> sensors;  // of the device
   std::optional<AppearanceOnDevice> appearance;
   Precision appearance_precision = Precision::kFloat;
   std::shared_ptr<OutputPool> pool = std::make_shared<OutputPool>();
@@ -293,6 +272,6 @@ void SceneOnDevice::set_scene(std::shared_ptr<const Scene> scene) {
 
 const Scene& SceneOnDevice::scene() const { return *state_->scene; }
 const Device& SceneOnDevice::device() const { return state_->device; }
-std::size_t SceneOnDevice::sensor_count() const { return state_->sensors.size(); }
+std::size_t SceneOnDevice::sensor_count() const { return state_->sensors->size(); }
 
 }  // namespace simuli

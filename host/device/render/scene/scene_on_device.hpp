@@ -24,8 +24,10 @@ namespace simuli {
 ///   const Frame frame = scene.render(lidar, Shot::along(file.world_from_rig, lidar, 1.5));
 ///   frame.points();
 /// A particle set goes to the device when a sensor of its kind is first rendered, once for all options that
-/// keep the same of it. What rays a sensor has there is kept until sensors used later have taken a quarter of
-/// the device's memory: those of a rig are made once, whatever the order of its frames.
+/// keep the same of it. What rays a sensor has there is kept, for all scenes of the device, until sensors used
+/// later have taken a quarter of the device's memory, copies on the host counted: those of a rig are made
+/// once or twice, whatever the order of its frames. Those of sensors that were used once have a quarter of that,
+/// 256 MiB at most.
 class SceneOnDevice {
  public:
   /// Error{kUsage} for options that validate() refuses.
@@ -55,7 +57,7 @@ class SceneOnDevice {
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] const Device& device() const;
-  /// Sensors whose rays are on the device now.
+  /// Sensors whose rays are kept on the device now, of any scene.
   [[nodiscard]] std::size_t sensor_count() const;
 
  private:

@@ -116,10 +116,19 @@ const RayMap& SensorRays::map() const {
 std::size_t SensorRays::bytes() const {
   const RayLayout& l = shared_->layout;
   const RequestedRays& r = request_->rays;
+  const RayGrid& g = shared_->grid;
   const std::size_t real = shared_->precision == Precision::kFloat ? sizeof(float) : sizeof(double);
-  return real * (r.sensor_ray.capacity() + l.u.capacity() + l.row_elevation.capacity()) + l.row_lut.bytes() +
-         l.tile_rows.bytes() + l.tile_row_of_row.bytes() + l.column_of_bin.bytes() +
-         r.mask_row_of_row.bytes() + r.areas.bytes();
+  const std::size_t on_device =
+      real * (r.sensor_ray.capacity() + l.u.capacity() + l.row_elevation.capacity()) + l.row_lut.bytes() +
+      l.tile_rows.bytes() + l.tile_row_of_row.bytes() + l.column_of_bin.bytes() + r.mask_row_of_row.bytes() +
+      r.areas.bytes();
+  const std::size_t of_map = (g.ray_of_slot.size() + g.rays) * sizeof(std::int32_t);  // once a frame is read
+  const std::size_t on_host =
+      (g.sensor_ray.size() + g.u.size()) * sizeof(float) + g.row_elevation.size() * sizeof(double) +
+      (g.ray_of_slot.size() + g.row_lut.size()) * sizeof(std::int32_t) +
+      (g.tile_rows.size() + g.tile_row_of_row.size() + g.column_of_bin.size()) * sizeof(std::uint32_t) +
+      shared_->sees.size() / 8;
+  return on_device + of_map + on_host;
 }
 
 template <class T>

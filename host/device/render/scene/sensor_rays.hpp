@@ -50,7 +50,7 @@ class SensorRays {
   [[nodiscard]] RayBuffers buffers() const { return {shared_->layout, request_->rays}; }
   /// The map between slots and rays on the device, made when first asked for.
   [[nodiscard]] const RayMap& map() const;
-  /// Device memory, and as much on the host.
+  /// Of the device and of the host together; what all requests have in common counts for each.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] Precision precision() const { return shared_->precision; }
   /// Whether both are of the same sensor, made once.
