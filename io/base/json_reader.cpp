@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 
 namespace simuli {
 namespace {
@@ -183,7 +184,7 @@ std::int64_t JsonObject::integer(const std::string& key, std::int64_t minimum, s
 std::string JsonObject::text(const std::string& key) {
   const Json& value = get(key);
   if (!value.is_string()) refuse(key, "a string");
-  return value.get<std::string>();
+  return on_one_line(value.get<std::string>());
 }
 
 bool JsonObject::boolean(const std::string& key) {

@@ -39,6 +39,7 @@ class JsonObject {
   [[nodiscard]] std::int64_t integer(const std::string& key,
                                      std::int64_t minimum = std::numeric_limits<std::int64_t>::min(),
                                      std::int64_t maximum = std::numeric_limits<std::int64_t>::max());
+  /// As on_one_line() has it: it is shown to people, by whoever.
   [[nodiscard]] std::string text(const std::string& key);
   [[nodiscard]] bool boolean(const std::string& key);
   /// An array of numbers.

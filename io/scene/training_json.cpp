@@ -5,6 +5,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
+#include "host/core/base/one_line.hpp"
 
 namespace simuli {
 namespace {
@@ -27,7 +28,7 @@ std::vector<std::string> read_lines(JsonObject& object, const std::string& key) 
   if (!array.is_array()) refuse();
   for (const Json& line : array) {
     if (!line.is_string()) refuse();
-    lines.push_back(line.get<std::string>());
+    lines.push_back(on_one_line(line.get<std::string>()));
   }
   return lines;
 }

@@ -27,6 +27,45 @@ class InfoCli : public Cli {
   }
 };
 
+/// Of terminals, of lines, and of the direction of text.
+void spoil_texts(json& value, int& spoilt) {
+  constexpr const char* kText = "\x1b]0;title\x07\x1b[2Jx\nsecond\x7f\xc2\x9b\xe2\x80\xae\xe2\x81\xa6";
+  for (auto& [key, inner] : value.items()) {
+    const bool is_name = key == "name" && !value.contains("hash");  // others are refused
+    if (inner.is_string() && !is_name && key != "format" && key != "sensor") {
+      inner = kText;
+      ++spoilt;
+    }
+    if (inner.is_structured()) spoil_texts(inner, spoilt);
+  }
+}
+
+TEST_F(InfoCli, TextsOfFilesAreShownOnOneLineAndWithoutEscapes) {
+  make_street();
+  ASSERT_EQ(run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3").exit_code, 0);
+  const auto spoil = [&](const fs::path& file, const std::string& part) {
+    json root = json::parse(std::ifstream(file));
+    int spoilt = 0;
+    spoil_texts(root.at(part), spoilt);
+    std::ofstream(file) << root;
+    return spoilt;
+  };
+  EXPECT_GE(spoil(folder_ / "s.scene" / "scene.json", "training"), 7);
+  EXPECT_GE(spoil(folder_ / "s.scene" / "scene.json", "actors"), 1);
+  EXPECT_GE(spoil(folder_ / "s.log" / "log.json", "actors"), 1);
+  for (const std::string command :
+       {"info s.scene", "info s.log", "info s.scene --json", "eval s.scene s.log"}) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit_code, 0) << command << outcome.err;
+    const std::string all = outcome.out + outcome.err;
+    for (const char* const raw :
+         {"\x1b", "\x07", "\x7f", "\xc2\x9b", "\xe2\x80\xae", "\xe2\x81\xa6", "\nsecond"}) {
+      EXPECT_EQ(all.find(raw), std::string::npos) << command << '\n' << all;
+    }
+    EXPECT_NE(all.find("x0asecond"), std::string::npos) << command << '\n' << all;
+  }
+}
+
 TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   make_street();
   const json log = told("s.log");

@@ -11,6 +11,7 @@
 
 #include "host/apps/api/simuli.h"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "host/device/support/support.hpp"
 #include "io/scene/sensor_rig.hpp"
@@ -41,7 +42,7 @@ namespace simuli::capi {
 /// Runs f; nothing leaves it but a status.
 template <class F>
 simuli_status guarded(F&& f) noexcept {
-  const auto fail = [](simuli_status status, const char* what) {
+  const auto fail = [](simuli_status status, const std::string& what) {
     try {
       last_error() = what;
     } catch (...) {
@@ -53,11 +54,14 @@ simuli_status guarded(F&& f) noexcept {
     f();
     return SIMULI_OK;
   } catch (const Error& error) {
-    return fail(static_cast<simuli_status>(error.exit_code()), error.what());
+    // A driver's build log has lines of its own.
+    const bool is_log = error.kind() == ErrorKind::kKernel;
+    return fail(static_cast<simuli_status>(error.exit_code()),
+                is_log ? std::string(error.what()) : on_one_line(error.what()));
   } catch (const std::bad_alloc&) {
     return fail(SIMULI_MEMORY, "out of memory");
   } catch (const std::exception& error) {
-    return fail(SIMULI_INTERNAL, error.what());
+    return fail(SIMULI_INTERNAL, on_one_line(error.what()));
   } catch (...) {
     return fail(SIMULI_INTERNAL, "an unknown exception");
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/apps/cli/import/run_import.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/base/split.hpp"
 #include "io/import/ncore/ncore_log.hpp"
 
@@ -17,7 +18,7 @@ struct NcoreCommand {
 };
 
 void tell_ncore(const NcoreReport& r) {
-  for (const std::string& note : r.notes) std::cerr << note << '\n';
+  for (const std::string& note : r.notes) std::cerr << on_one_line(note) << '\n';
   const auto left_out = [](std::size_t count, const char* what) {
     if (count > 0) std::cerr << fmt::format("left out: {} {}\n", count, what);
   };

@@ -10,6 +10,7 @@
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/apps/cli/import/run_import.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/base/split.hpp"
 #include "io/import/ros2/ros2_log.hpp"
 #include "io/scene/sensor_rig.hpp"
@@ -57,7 +58,7 @@ void import_recording(const Ros2Command& command, const Globals& globals) {
       globals,
       [&](const auto& progress, Ros2Report& r) { return import_ros2(options, progress, r); },
       [](const Ros2Report& r) {
-        for (const std::string& note : r.notes) std::cerr << note << '\n';
+        for (const std::string& note : r.notes) std::cerr << on_one_line(note) << '\n';
         if (r.unposed > 0)
           std::cerr << fmt::format("{} clouds and pictures lie beside the path and are left out\n",
                                    r.unposed);

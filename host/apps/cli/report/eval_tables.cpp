@@ -4,6 +4,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "host/core/base/one_line.hpp"
+
 namespace simuli::cli {
 namespace {
 
@@ -127,6 +129,9 @@ std::string text_of(const TextTable& table) {
   std::vector<std::vector<std::string>> lines = table.rows;
   lines.insert(lines.begin(), table.header);
   lines.front().front() = table.title;
+  for (auto& line : lines) {
+    for (std::string& cell : line) cell = on_one_line(cell);
+  }
   std::vector<std::size_t> widths(table.header.size(), 0);
   for (const auto& line : lines) {
     for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());

@@ -16,6 +16,7 @@
 #include "host/apps/cli/view/loopback.hpp"
 #include "host/apps/cli/view/page.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -139,7 +140,7 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
         response.set_content(work(request), type);
       } catch (const std::exception& error) {
         response.status = 400;
-        response.set_content(error.what(), "text/plain");
+        response.set_content(on_one_line(error.what()), "text/plain");
       }
     };
   };
