@@ -29,6 +29,13 @@ TEST(Judgement, SoundTrainingsAreLeftAlone) {
   report.last.iteration = 3;
   report.last.psnr_db = 12.0;
   EXPECT_TRUE(judge(report).warnings.empty());
+  report = sound();  // pictures of one colour: particles begin with it
+  for (const double begin_dB : {91.5, std::numeric_limits<double>::infinity()}) {
+    report.begin.psnr_db = begin_dB;
+    report.last.psnr_db = 54.5;
+    EXPECT_TRUE(judge(report).warnings.empty());
+    EXPECT_EQ(judge(report).failure, "");
+  }
   report = sound();  // no pictures, no sweeps
   report.sweeps = 0;
   report.lidar_particles = 0;
