@@ -312,6 +312,18 @@ TEST_F(SceneCli, OtherFormatsOut) {
     const Outcome video = run("render s.scene --sensor front --times 0:0.3:0.1 -o 'it'\\''s.mp4'");
     EXPECT_EQ(video.exit_code, 0) << video.err;
     expect_file("it's.mp4");
+    const std::string told = (folder_ / "told.txt").string();
+    const std::string probe =
+        "ffprobe -v error -select_streams v -show_entries stream=color_range,color_space,"
+        "color_primaries,color_transfer -of csv=p=0 '" +
+        (folder_ / "it's.mp4").string();
+    const std::string quoted =
+        std::string(probe).replace(probe.find("it's"), 4, "it'\\''s") + "' > '" + told + "'";
+    if (std::system("command -v ffprobe >/dev/null") == 0 && std::system(quoted.c_str()) == 0) {
+      std::string line;
+      std::getline(std::ifstream(told) >> std::ws, line);
+      EXPECT_EQ(line, "tv,bt709,bt709,bt709");
+    }
   }
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nowhere", 1);

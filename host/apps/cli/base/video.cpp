@@ -66,13 +66,19 @@ void Video::add(const Image& image) {
     std::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that gives up is an error here, not the end of the program
     width_ = image.width;
     height_ = image.height;
-    // Most encoders want even sides.
+    // Most encoders want even sides. Players take what says nothing for BT.601 or BT.709, by its size.
+    const bool has_matrix = file_.extension() != ".gif";
+    const std::string colours =
+        has_matrix ? ",scale=out_color_matrix=bt709:out_range=tv,format=yuv420p' -color_range tv "
+                     "-colorspace bt709 -color_primaries bt709 -color_trc bt709"
+                   : "'";
     const std::string command = fmt::format(
         "ffmpeg -y -loglevel error -f rawvideo -pix_fmt rgb24 -s {}x{} -r {:.6f} -i - "
-        "-vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' -pix_fmt yuv420p {}",
+        "-vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2{} -pix_fmt yuv420p {}",
         width_,
         height_,
         frames_per_s_,
+        colours,
         in_quotes(temporary_->path().string()));
     pipe_ = popen(command.c_str(), "w");
     if (pipe_ == nullptr) fail();
