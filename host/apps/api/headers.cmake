@@ -44,7 +44,15 @@ function(write_header name about)
     string(PREPEND ours "\n")
   endif()
   set(standard "#if __cplusplus < 202002L\n#error \"simuli needs C++20: -std=c++20\"\n#endif\n")
-  file(WRITE "${OUTPUT}/${name}.hpp" "#pragma once\n// ${about}\n${standard}${system}${ours}${bodies}")
+  set(alignment "")
+  if(system MATCHES "<Eigen/")
+    string(CONCAT alignment
+      "#if EIGEN_MAX_ALIGN_BYTES != 16 || EIGEN_MAX_STATIC_ALIGN_BYTES != 16\n"
+      "#error \"simuli's types are aligned to 16 bytes, and -mavx or -march=native has Eigen align to others: "
+      "-DEIGEN_MAX_ALIGN_BYTES=16, as find_package(simuli) and pkg-config have it\"\n"
+      "#endif\n")
+  endif()
+  file(WRITE "${OUTPUT}/${name}.hpp" "#pragma once\n// ${about}\n${standard}${system}${alignment}${ours}${bodies}")
 endfunction()
 
 set(all "")
