@@ -137,6 +137,8 @@ TEST_F(CTraining, GivesTheSameSceneAndTheSameNumbers) {
 
 TEST_F(CTraining, EndsWhenItsObserverSaysSoAndNamesWhatIsWrong) {
   const auto stop = [](int iteration, double, void*) { return iteration == 2 ? 1 : 0; };
+  EXPECT_EQ(simuli_train(device_, log_.c_str(), log_.c_str(), nullptr, stop, nullptr, nullptr), SIMULI_INPUT);
+  EXPECT_NE(std::string(simuli_error()).find("not exist yet"), std::string::npos) << simuli_error();
   const std::string scene = (folder_ / "c.scene").string();
   EXPECT_EQ(simuli_train(device_, log_.c_str(), scene.c_str(), nullptr, stop, nullptr, nullptr),
             SIMULI_USAGE);

@@ -246,6 +246,15 @@ refused(lambda: scene.set_particles(np.zeros(particles.shape, dtype="U1")), "rea
 refused(lambda: scene.gradients(frame, transmittance=[1.0]), "transmittance")
 refused(lambda: scene.edit(simuli.remove("nobody")), "nobody")
 refused(lambda: simuli.train(log, folder, settings=["no.such=1"]), "no.such")
+before = os.stat(os.path.join(folder, "camera.ply")).st_ino
+refused(lambda: simuli.train(log, folder, settings=["iterations=1"], progress=lambda i, psnr: 1 / 0), "not exist yet")
+mine = os.path.join(work, "mine")
+os.mkdir(mine)
+open(os.path.join(mine, "notes.txt"), "w").close()
+for overwrite in (False, True):
+    refused(lambda: simuli.train(log, mine, progress=lambda i, psnr: 1 / 0, overwrite=overwrite), "mine")
+assert os.listdir(mine) == ["notes.txt"] and os.stat(os.path.join(folder, "camera.ply")).st_ino == before
+refused(lambda: simuli.Scene(folder).render(name, np.full((4, 4), nan), 1.0), "found NaN")
 refused(lambda: simuli.train(log, folder, settings=["iterations=-1"]), "iterations")
 
 example = os.path.join(os.path.dirname(__file__), "..", "..", "examples", "sweep.py")

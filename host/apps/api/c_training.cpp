@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "host/apps/api/c_handles.hpp"
+#include "io/scene/scene_output.hpp"
 #include "optim/eval/eval_settings.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/train/training.hpp"
@@ -22,6 +23,7 @@ simuli_status simuli_train(const simuli_device* device,
     const std::string folder = &need(scene, "scene");
     const TrainingOptions asked =
         training_options(capi::quality_of(options), capi::settings_of(options));  // before anything is read
+    const SceneOutput output(folder);
     Training training(need(device, "device").device, read_log(&need(log, "log")), asked);
     const TrainReport& report = training
                                     .run([&](const TrainStatus& status) {

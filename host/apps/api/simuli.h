@@ -72,7 +72,8 @@ typedef struct simuli_training {
   double seconds;
 } simuli_training;
 
-/* What `simuli train LOG -o SCENE` does, bit for bit. progress and result may be NULL. */
+/* What `simuli train LOG -o SCENE` does, bit for bit. progress and result may be NULL. SIMULI_INPUT, before
+ * anything is read, when there is something at `scene`: nothing is replaced. */
 simuli_status simuli_train(const simuli_device* device,
                            const char* log,
                            const char* scene,

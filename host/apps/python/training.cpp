@@ -14,12 +14,14 @@ py::dict train(const std::filesystem::path& log,
                const std::string& quality,
                const std::vector<std::string>& settings,
                const std::function<void(int, double)>& progress,
-               const py::object& device) {
+               const py::object& device,
+               bool overwrite) {
   const TrainingOptions options = training_options(quality, settings);  // before anything is read
   const PyDevice on = device_of(device);
   const TrainReport report = [&] {
     const DeviceLock lock(on.mutex);
     const Interruption interruption(signals());
+    const SceneOutput output(scene, overwrite);
     Training training(on.device, read_log(log), options);
     const TrainReport& done = training
                                   .run([&](const TrainStatus& status) {
@@ -142,8 +144,11 @@ void add_training(py::module_& m) {
         py::arg("settings") = std::vector<std::string>{},
         py::arg("progress") = nullptr,
         py::arg("device") = py::none(),
+        py::arg("overwrite") = false,
         "A scene from a log folder, as `simuli train` makes it, bit for bit. settings: \"key=value\", as "
-        "`simuli train --set help` lists them; progress(iteration, psnr_db) is called after each iteration.");
+        "`simuli train --set help` lists them; progress(iteration, psnr_db) is called after each iteration. "
+        "simuli.Error, before the training, when there is something at `scene`; "
+        "overwrite replaces a scene.");
   m.def("evaluate",
         &evaluate,
         py::arg("scene"),

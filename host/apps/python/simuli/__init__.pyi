@@ -179,6 +179,7 @@ def train(
     settings: Sequence[str] = [],
     progress: Callable[[int, float], object] | None = None,
     device: Device | str | None = None,
+    overwrite: bool = False,
 ) -> dict[str, Any]: ...
 def evaluate(
     scene: str | PathLike[str],
