@@ -146,7 +146,21 @@ void require_writable(const fs::path& file, const Image& image) {
   }
 }
 
+/// libjpeg ends the process beyond it.
+void need_jpeg_size(const fs::path& file, int width, int height) {
+  constexpr int kMostOfJpeg = 65500;
+  if (std::max(width, height) <= kMostOfJpeg) return;
+  throw_input_error(file.string(),
+                    "picture",
+                    fmt::format("{} x {} px", width, height),
+                    fmt::format("at most {} px a side of JPEG", kMostOfJpeg));
+}
+
 void write_pixels(const fs::path& file, const PictureSamples& picture) {
+  const std::string extension = file.extension().string();
+  if (extension == ".jpg" || extension == ".jpeg") {
+    need_jpeg_size(file, picture.layout.width, picture.layout.height);
+  }
   write_atomically(file, [&](const fs::path& temporary) {
     if (const PictureFailure failure = picture_codec().write(temporary, picture)) {
       throw_input_error(
@@ -219,6 +233,7 @@ std::string encode_bytes(
                       fmt::format("{} x {} px", width, height),
                       fmt::format("{} a side and more of JPEG 2000", kLeastOfJpeg2000));
   }
+  if (code == ImageCode::kJpeg) need_jpeg_size(name, width, height);
   PictureSamples picture{{width, height, 1, channels}, SampleType::kUint8, pixels.data()};
   if (code == ImageCode::kJpeg) picture.attributes = {{"Compression", fmt::format("jpeg:{}", quality)}};
   std::string bytes;

@@ -324,7 +324,14 @@ FarShell::Meeting FarShell::meeting(const Eigen::Vector3d& origin, const Eigen::
   // Where the ray leaves the sphere: |origin + t direction| = distance.
   const double b = origin.dot(direction);
   const double c = origin.squaredNorm() - distance_m_ * distance_m_;
-  if (!(c < 0.0)) throw Error(ErrorKind::kInternal, "far shell: the camera stands outside");
+  if (!(c < 0.0)) {
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("far shell: found a camera {:.3g} m from the middle of the path, allowed less than "
+                    "{:.3g} m: are its mounting and the path right?",
+                    origin.norm(),
+                    distance_m_));
+  }
   const double t = -b + std::sqrt(b * b - c);
   const Eigen::Vector3d from_origin = ((origin + t * direction) / distance_m_).normalized();
 

@@ -259,5 +259,16 @@ TEST(ImageFile, BytesAreThoseOfAPng) {
       ErrorKind::kUsage, "bytes: found room for 1", [&] { to_bytes(values, std::span(bytes).first(1)); });
 }
 
+/// libjpeg would end the process.
+TEST(Image, JpegHasALargestSize) {
+  const Scratch scratch;
+  for (const auto& [width, height] : {std::pair(65501, 1), std::pair(1, 65501)}) {
+    Image image(width, height, 3);
+    expect_error(ErrorKind::kInput, "at most 65500 px", [&] { (void)encode_image(image, ImageCode::kJpeg); });
+    expect_error(ErrorKind::kInput, "at most 65500 px", [&] { write_image(scratch / "a.jpg", image); });
+    EXPECT_FALSE(encode_image(image, ImageCode::kPng).empty());
+  }
+}
+
 }  // namespace
 }  // namespace simuli

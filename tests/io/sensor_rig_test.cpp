@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "io/log/sensor_json.hpp"
+#include "tests/host/expect_error.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -93,6 +94,15 @@ TEST(SensorRig, TakesOneMore) {
   rig.add(named_sensor("velodyne_vlp16").mounted(at(5.0)));
   EXPECT_EQ(rig.find("velodyne_vlp16").rig_from_sensor().translation.x(), 5.0);
   EXPECT_THROW(rig.add(named_sensor("velodyne_vlp16")), Error);
+  for (const std::string& name : {std::string("../x"),
+                                  std::string("a/b"),
+                                  std::string(".."),
+                                  std::string("a\n"),
+                                  std::string("\xE2\x80\xAE"),
+                                  std::string(),
+                                  std::string(129, 'a')}) {
+    expect_error(ErrorKind::kInput, "name", [&] { rig.add(named_sensor("velodyne_vlp16").named(name)); });
+  }
 }
 
 TEST(SensorRig, CamerasOfASceneTakeWhatTheyTook) {

@@ -135,6 +135,20 @@ TEST_F(ServedEdits, WhoIsReplacedKeepsItsTrackAndStandsOnTheGround) {
             }));
 }
 
+TEST_F(ServedEdits, NamesAndKindsAreAsInFiles) {
+  for (const char* const name : {"..", "../x", "a/b", "a\n", "\xE2\x80\xAE", ""}) {
+    auto request = insertion();
+    request.mutable_insert(0)->set_id(name);
+    const auto reply = edit(request);
+    EXPECT_FALSE(reply.success()) << name;
+    EXPECT_NE(reply.message().find("insert 0.id"), std::string::npos) << reply.message();
+  }
+  auto request = insertion();
+  request.mutable_insert(0)->set_semantic_class("a\x1b[2J\nb");
+  EXPECT_TRUE(edit(request).success());
+  EXPECT_EQ(session_->open(test::kSceneId)->scene().actors.back().kind, "a\\x1b[2J\\x0ab");
+}
+
 TEST_F(ServedEdits, ASizeIsAFactor) {
   auto request = insertion();
   request.mutable_insert(0)->mutable_object_size()->set_size_x(8.0F);

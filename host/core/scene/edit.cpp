@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "host/core/scene/occluders.hpp"
 
 namespace simuli {
@@ -65,7 +66,8 @@ std::uint32_t number_of(const std::vector<Actor>& actors, const std::string& nam
 }
 
 void need_new_name(const Scene& scene, const std::string& name) {
-  if (!name.empty() && !has_actor(scene.actors, name)) return;
+  need_name(name, "edit", "the new actor's name");
+  if (!has_actor(scene.actors, name)) return;
   throw Error(ErrorKind::kUsage, fmt::format("actor: found the name \"{}\", allowed one that is new", name));
 }
 
@@ -161,6 +163,9 @@ void resize_actor(Scene& scene, const std::string& name, double factor) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("resize {}: found {} times, allowed above 0 and finite", name, factor));
   }
+  Actor resized = scene.actors[number - 1];
+  resized.size_m *= factor;
+  validate(resized, "resize");  // as where it is read again
   for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
     const auto log_factor = static_cast<float>(std::log(factor));
     for (const Eigen::Index row : rows_of(*set, number)) {

@@ -51,7 +51,8 @@ void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by
 void turn_actor(Scene& scene, const std::string& name, double yaw_rad);
 
 /// Makes an actor `factor` times as large: its box and its particles, about the middle of the box's base, so
-/// that it stands where it stood. Error{kUsage} for a factor that is not above 0 and finite.
+/// that it stands where it stood. Error{kUsage} for a factor that is not above 0 and finite, Error{kInput} for
+/// a box that validate() refuses.
 void resize_actor(Scene& scene, const std::string& name, double factor);
 
 /// ActorEdit::Retime for good.
@@ -60,7 +61,8 @@ void retime_actor(Scene& scene, const std::string& name, double rate, double del
 /// ActorEdit::Retrack for good.
 void retrack_actor(Scene& scene, const std::string& name, std::vector<KeyPose> track);
 
-/// Adds a second actor `copy_name` with the particles and the track of `name`.
+/// Adds a second actor `copy_name` with the particles and the track of `name`. Error{kInput} for what is no name
+/// (need_name()), Error{kUsage} for one that is taken.
 void duplicate_actor(Scene& scene, const std::string& name, const std::string& copy_name);
 
 /// Adds the actor `name` of another scene as `new_name`, with its particles of both sets. Its track is in the

@@ -33,6 +33,7 @@ Eigen::Matrix4d Pose::matrix() const {
 }
 
 Pose Pose::from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b) {
+  if (!a_from_b.allFinite()) throw_input_error("pose", "matrix", "NaN or Inf", "finite numbers");
   // Calibration files print 6 or 7 digits: the nearest rotation is what was meant.
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a_from_b.leftCols<3>(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -97,6 +97,24 @@ TEST(Edit, ResizesOnItsBase) {
   EXPECT_NEAR(scene.camera.log_scale()(3, 1), std::log(2.0F), 1e-6F);
   EXPECT_EQ(scene.camera.log_scale()(2, 1), 0.0F);
   expect_error(ErrorKind::kUsage, "found 0 times", [&] { resize_actor(scene, "first", 0.0); });
+  const Eigen::Vector3d size_m = scene.actors[0].size_m;
+  for (const double factor : {30.0, 1e3, 1e36, 1e300}) {  // as boxes are judged where they are read
+    expect_error(ErrorKind::kInput, "resize: first: size", [&] { resize_actor(scene, "first", factor); });
+  }
+  EXPECT_EQ(scene.actors[0].size_m, size_m);
+  for (const std::string& name : {std::string("../../x"),
+                                  std::string("a/b"),
+                                  std::string("a\\b"),
+                                  std::string(".a"),
+                                  std::string("a\nb"),
+                                  std::string("\xE2\x80\xAE"
+                                              "b"),
+                                  std::string("\xC2\x9B"),
+                                  std::string(),
+                                  std::string(129, 'a')}) {
+    expect_error(ErrorKind::kInput, "name", [&] { duplicate_actor(scene, "first", name); });
+    expect_error(ErrorKind::kInput, "name", [&] { add_actor(scene, two_cars(), "first", name); });
+  }
 }
 
 TEST(Edit, RetimesFromTheStartOfTheTrack) {

@@ -59,7 +59,7 @@ TEST(Pose, FromMatrixRefusesWhatIsNoRotation) {
   scaled(2, 2) = 1.1;
   expect_error(ErrorKind::kInput, "rotation within 1 %", [&] { (void)Pose::from_matrix(scaled); });
   scaled(2, 2) = std::nan("");
-  expect_error(ErrorKind::kInput, "rotation within 1 %", [&] { (void)Pose::from_matrix(scaled); });
+  expect_error(ErrorKind::kInput, "NaN or Inf", [&] { (void)Pose::from_matrix(scaled); });
 }
 
 TEST(Pose, InterpolationTurnsAtConstantRate) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "host/core/base/error.hpp"
+#include "tests/host/expect_error.hpp"
 
 namespace simuli {
 namespace initialize_views_test {
@@ -160,6 +161,15 @@ TEST(SampleBilinear, PixelCentresAreAtHalves) {
   EXPECT_FLOAT_EQ(sample_bilinear(image, {1.0, 0.5}).x(), 0.5F);
   EXPECT_FLOAT_EQ(sample_bilinear(image, {1.25, 0.2}).y(), 0.75F);
   EXPECT_FLOAT_EQ(sample_bilinear(image, {2.0, 1.0}).z(), 1.0F);  // the border goes on
+}
+
+TEST(FarShell, CamerasFarAwayAreRefused) {
+  FarShell shell(1.0, 500.0);
+  for (const double place : {500.0, 501.0, 1.4e12}) {
+    expect_error(ErrorKind::kInput, "allowed less than 500 m", [&] {
+      shell.add({place, 0.0, 0.0}, Eigen::Vector3d::UnitX(), {1, 0, 0});
+    });
+  }
 }
 
 TEST(FarShell, DirectionsWithinACellBecomeOnePatch) {

@@ -8,6 +8,8 @@
 #include "host/apps/serve/messages/shot_message.hpp"
 #include "host/apps/serve/session/refusal.hpp"
 #include "host/core/base/close_names.hpp"
+#include "host/core/base/names.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/scene/edit.hpp"
 
 namespace simuli::serve {
@@ -86,14 +88,15 @@ void insert(Scene& scene,
             const std::vector<KeyPose>& track,
             const std::string& field) {
   const Actor asset = actor_of(scene, object.asset_id(), field + ".asset_id");
-  if (object.id().empty() || has_actor(scene.actors, object.id())) {
+  need_name(object.id(), "edit_assets", field + ".id");
+  if (has_actor(scene.actors, object.id())) {
     refuse(field + ".id", fmt::format("\"{}\"", object.id()), "a name that no actor has");
   }
   const double factor = factor_of(object.object_size(), asset, field + ".object_size");
   duplicate_actor(scene, asset.name, object.id());
   if (factor != 1.0) resize_actor(scene, object.id(), factor);
   if (!track.empty()) retrack_actor(scene, object.id(), track);
-  if (!object.semantic_class().empty()) scene.actors.back().kind = object.semantic_class();
+  if (!object.semantic_class().empty()) scene.actors.back().kind = on_one_line(object.semantic_class());
 }
 
 }  // namespace

@@ -66,6 +66,10 @@ struct FrameBuffersOfRays {
 };
 
 struct FrameAccess {
+  /// Whether it was rendered of this scene, as it is now.
+  [[nodiscard]] static bool is_of(const Frame& frame, const Scene& scene) {
+    return frame.state_->scene.lock().get() == &scene;
+  }
   [[nodiscard]] static FrameBuffersOfRays buffers(const Frame& frame);
   [[nodiscard]] static _cl_event* ready(const Frame& frame) { return frame.state_->done->handle(); }
   [[nodiscard]] static const std::array<float, 3>& background(const Frame& frame) {
