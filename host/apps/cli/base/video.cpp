@@ -69,7 +69,8 @@ void Video::add(const Image& image) {
     // Most encoders want even sides. Players take what says nothing for BT.601 or BT.709, by its size.
     const bool has_matrix = file_.extension() != ".gif";
     const std::string colours =
-        has_matrix ? ",scale=out_color_matrix=bt709:out_range=tv,format=yuv420p' -color_range tv "
+        has_matrix ? ",scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:"
+                     "colorspace=bt709:color_primaries=bt709:color_trc=bt709' -color_range tv "
                      "-colorspace bt709 -color_primaries bt709 -color_trc bt709"
                    : "'";
     const std::string command = fmt::format(
