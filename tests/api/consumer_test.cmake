@@ -103,9 +103,10 @@ run(${CMAKE_COMMAND} -G Ninja -S ${pages} -B ${pages}/build -DCMAKE_PREFIX_PATH=
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags}" "-DCMAKE_C_FLAGS=${flags}")
 run(${CMAKE_COMMAND} --build ${pages}/build)
 file(CREATE_LINK ${WORK}/street.log ${WORK}/drive.log SYMBOLIC)
-foreach(page api api_c readme)
-  run(${pages}/build/${page})
-endforeach()
+run(${pages}/build/api)
+file(REMOVE_RECURSE ${WORK}/drive.scene)  # a training in C replaces none
+run(${pages}/build/api_c)
+run(${pages}/build/readme)
 
 find_program(PKG_CONFIG pkg-config REQUIRED)
 file(GLOB_RECURSE pc ${prefix}/*.pc)
@@ -118,6 +119,18 @@ separate_arguments(own_flags UNIX_COMMAND "${flags}")
 if(SHARED)
   run(${CXX} ${own_flags} -x c++ ${SOURCE}/examples/render.cpp -std=c++20 -o render_pc ${pc_flags} -Wl,-rpath,${lib_folder})
   run(./render_pc street.scene velodyne_vlp16)
+  # For other instructions than the library's: with its alignment, or not at all.
+  cmake_host_system_information(RESULT processor QUERY OS_PLATFORM)
+  if(processor STREQUAL "x86_64")
+    run(${CXX} ${own_flags} -mavx -x c++ ${SOURCE}/examples/render.cpp -std=c++20 -o render_avx ${pc_flags}
+        -Wl,-rpath,${lib_folder})
+    list(FILTER pc_flags EXCLUDE REGEX "EIGEN_MAX_ALIGN_BYTES")
+    execute_process(COMMAND ${CXX} ${own_flags} -mavx -x c++ ${SOURCE}/examples/render.cpp -std=c++20 -fsyntax-only ${pc_flags}
+                    RESULT_VARIABLE code ERROR_VARIABLE err)
+    if(code EQUAL 0 OR NOT err MATCHES "aligned to 16 bytes")
+      message(FATAL_ERROR "a program with other alignments was not refused: ${err}")
+    endif()
+  endif()
   run(${NM} -D --defined-only --demangle ${LIBRARY})
   string(REGEX MATCHALL "[^\n]+" symbols "${out}")
   list(FILTER symbols EXCLUDE REGEX " (simuli_|SIMULI_|.*simuli::)")
