@@ -245,6 +245,13 @@ refused(lambda: scene.set_particles(np.where(np.arange(particles.shape[1]) == 3,
 refused(lambda: scene.set_particles(np.zeros(particles.shape, dtype="U1")), "real numbers")
 refused(lambda: scene.gradients(frame, transmittance=[1.0]), "transmittance")
 refused(lambda: scene.edit(simuli.remove("nobody")), "nobody")
+for kind, member in ((simuli.Scene, "particles"), (simuli.Frame, "image"), (simuli.Sensor, "name"), (simuli.Device, "name")):
+    try:
+        getattr(kind.__new__(kind), member)
+    except TypeError as error:
+        assert "__init__() has not made" in str(error), error
+    else:
+        raise AssertionError(kind)
 refused(lambda: simuli.train(log, folder, settings=["no.such=1"]), "no.such")
 before = os.stat(os.path.join(folder, "camera.ply")).st_ino
 refused(lambda: simuli.train(log, folder, settings=["iterations=1"], progress=lambda i, psnr: 1 / 0), "not exist yet")

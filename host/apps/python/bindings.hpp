@@ -20,6 +20,27 @@ namespace simuli::python {
 
 namespace py = pybind11;
 
+/// For each class: an object that Class.__new__() alone has made has none of its attributes, instead of no
+/// memory.
+[[nodiscard]] inline py::custom_type_setup made_objects_only() {
+  return py::custom_type_setup([](PyHeapTypeObject* type) {
+    type->ht_type.tp_getattro = [](PyObject* object, PyObject* name) -> PyObject* {
+      auto* const kind = reinterpret_cast<PyObject*>(Py_TYPE(object));
+      const bool is_made =
+          reinterpret_cast<py::detail::instance*>(object)->get_value_and_holder().value_ptr() != nullptr;
+      const char* const text = is_made ? nullptr : PyUnicode_AsUTF8(name);
+      if (is_made || (text != nullptr && (text[0] == '_' || PyObject_HasAttr(kind, name) == 0))) {
+        return PyObject_GenericGetAttr(object, name);
+      }
+      if (text != nullptr) {
+        PyErr_Format(
+            PyExc_TypeError, "%s: found an object that __init__() has not made", Py_TYPE(object)->tp_name);
+      }
+      return nullptr;
+    };
+  });
+}
+
 /// Held while a device is used: its calls release the GIL, and another thread may come in between.
 using DeviceMutex = std::shared_ptr<std::recursive_mutex>;
 

@@ -127,7 +127,8 @@ void add_frames(py::module_& m) {
       m,
       "Frame",
       "What a sensor saw. Arrays are float32 [rows, columns], read-only, the frame's own memory: pixels of a "
-      "picture, beams x firings of a sweep. Asking for one waits for the device.");
+      "picture, beams x firings of a sweep. Asking for one waits for the device.",
+      made_objects_only());
   frame
       .def_property_readonly(
           "sensor", [](const PyFrame& f) { return f.frame().sensor(); }, "what saw it")

@@ -335,7 +335,7 @@ void add_rendering(py::class_<PyScene>& scene) {
 }  // namespace
 
 void add_scenes(py::module_& m) {
-  py::class_<PyScene> scene(m, "Scene", "A scene folder on a device, ready to render.");
+  py::class_<PyScene> scene(m, "Scene", "A scene folder on a device, ready to render.", made_objects_only());
   scene
       .def(py::init<const std::filesystem::path&,
                     const py::object&,

@@ -104,7 +104,8 @@ void add_devices(py::module_& m) {
         return names;
       },
       "The OpenCL devices of this machine, by the names that Device() takes.");
-  py::class_<PyDevice>(m, "Device", "An OpenCL device; its calls take turns, without the GIL.")
+  py::class_<PyDevice>(
+      m, "Device", "An OpenCL device; its calls take turns, without the GIL.", made_objects_only())
       .def(py::init([](const std::string& request) { return device_of(py::str(request)); }),
            py::arg("request") = "",
            "The best one, or the one whose name has the request in it.")
@@ -122,7 +123,7 @@ void add_devices(py::module_& m) {
 }
 
 void add_sensors(py::module_& m) {
-  py::class_<Sensor>(m, "Sensor", "A camera or a LiDAR.")
+  py::class_<Sensor>(m, "Sensor", "A camera or a LiDAR.", made_objects_only())
       .def_property_readonly("name", &Sensor::name, "what scenes and files call it")
       .def_property_readonly("is_camera", &Sensor::is_camera, "or a LiDAR")
       .def_property_readonly(
@@ -185,7 +186,8 @@ void add_sensors(py::module_& m) {
         py::arg("beam_divergence_rad") = 0.0,
         py::arg("azimuth_offset_rad") = py::none(),
         "Beams from top to bottom.");
-  py::class_<ActorEdit>(m, "Edit", "A change of what an actor does: remove, move, turn, retime, retrack.");
+  py::class_<ActorEdit>(
+      m, "Edit", "A change of what an actor does: remove, move, turn, retime, retrack.", made_objects_only());
   m.def(
       "remove",
       [](const std::string& actor) {
