@@ -3,6 +3,7 @@ import filecmp
 import gc
 import json
 import os
+import pickle
 import pathlib
 import subprocess
 import sys
@@ -245,6 +246,18 @@ refused(lambda: scene.set_particles(np.where(np.arange(particles.shape[1]) == 3,
 refused(lambda: scene.set_particles(np.zeros(particles.shape, dtype="U1")), "real numbers")
 refused(lambda: scene.gradients(frame, transmittance=[1.0]), "transmittance")
 refused(lambda: scene.edit(simuli.remove("nobody")), "nobody")
+# Sensors and edits are values: they are equal, have a text, and edits go to other processes.
+same = simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0)
+assert same == simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0) and len({same, same.named("own")}) == 1
+assert same != same.named("other") and same != same.with_duration(0.1) and same != 7 and same != simuli.sensor("hesai_xt32")
+assert repr(same) == '<simuli.Sensor: camera "own", 32 x 18 px>' and same.K.tolist() == [[20, 0, 16], [0, 20, 9], [0, 0, 1]]
+edits = [simuli.remove("a"), simuli.move("a", [0.1, 1 / 3, 3]), simuli.turn("a", 0.1), simuli.retime("a", 2.0, 1 / 3),
+         simuli.retrack("a", [0.1, 0.2], [np.eye(4), np.eye(4)])]
+assert [repr(edit).split()[1] for edit in edits] == ["remove", "move", "turn", "retime", "retrack"]
+for edit in edits:
+    assert pickle.loads(pickle.dumps(edit)) == edit and sum(edit == other for other in edits) == 1
+assert edits[1] != simuli.move("b", [0.1, 1 / 3, 3]) and edits[1].actor == "a"
+refused(lambda: simuli.Edit.__new__(simuli.Edit).__setstate__(("a", 1, [0.0])), "state")
 for kind, member in ((simuli.Scene, "particles"), (simuli.Frame, "image"), (simuli.Sensor, "name"), (simuli.Device, "name")):
     try:
         getattr(kind.__new__(kind), member)

@@ -1,5 +1,10 @@
 // Devices, sensors and edits in Python.
+#include <array>
 #include <cstdint>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <functional>
+#include <variant>
 
 #include "host/apps/python/bindings.hpp"
 
@@ -122,6 +127,101 @@ void add_devices(py::module_& m) {
           "name", [](const PyDevice& d) { return d.device.info().label(); }, "platform and device");
 }
 
+namespace {
+
+bool is_same(const Pose& a, const Pose& b) {
+  return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
+}
+
+bool is_same(const Sensor& a, const Sensor& b) {
+  return a.is_camera() == b.is_camera() && a.has_rays_of(b) && a.name() == b.name() &&
+         a.duration_s() == b.duration_s() && is_same(a.rig_from_sensor(), b.rig_from_sensor());
+}
+
+std::string text_of(const Sensor& s) {
+  return s.is_camera()
+             ? fmt::format("<simuli.Sensor: camera \"{}\", {} x {} px>", s.name(), s.columns(), s.rows())
+             : fmt::format(
+                   "<simuli.Sensor: LiDAR \"{}\", {} beams x {} firings>", s.name(), s.rows(), s.columns());
+}
+
+/// [3, 3] of a camera, px.
+py::object intrinsics_of(const Sensor& s) {
+  const Camera& c = s.camera();
+  py::list rows;
+  rows.append(py::make_tuple(c.fx, 0.0, c.cx));
+  rows.append(py::make_tuple(0.0, c.fy, c.cy));
+  rows.append(py::make_tuple(0.0, 0.0, 1.0));
+  return py::module_::import("numpy").attr("array")(rows);
+}
+
+// An edit as numbers: what it is by ActorEdit::Change's index, and all of its values, to the last bit.
+constexpr std::array<const char*, 5> kEdits{"remove", "move", "retime", "retrack", "turn"};
+constexpr std::size_t kOfKey = 14;
+
+std::vector<double> values_of(const ActorEdit& edit) {
+  std::vector<double> values;
+  if (const auto* const move = std::get_if<ActorEdit::Move>(&edit.change)) {
+    values.assign(move->by_m.begin(), move->by_m.end());
+  } else if (const auto* const turn = std::get_if<ActorEdit::Turn>(&edit.change)) {
+    values = {turn->yaw_rad};
+  } else if (const auto* const retime = std::get_if<ActorEdit::Retime>(&edit.change)) {
+    values = {retime->rate, retime->delay_s};
+  } else if (const auto* const retrack = std::get_if<ActorEdit::Retrack>(&edit.change)) {
+    for (const KeyPose& key : retrack->track) {
+      const Eigen::Quaterniond& q = key.world_from_actor.rotation;
+      values.insert(values.end(), {key.time_s, q.w(), q.x(), q.y(), q.z()});
+      for (const Eigen::Vector3d* const v :
+           {&key.world_from_actor.translation, &key.shift_m, &key.turn_rad}) {
+        values.insert(values.end(), v->begin(), v->end());
+      }
+    }
+  }
+  return values;
+}
+
+ActorEdit edit_of(const std::string& actor, std::size_t kind, const std::vector<double>& v) {
+  const std::array<std::size_t, 5> counts{0, 3, 2, v.size() / kOfKey * kOfKey, 1};
+  if (kind >= counts.size() || v.size() != counts.at(kind)) {
+    throw Error(ErrorKind::kUsage,
+                "Edit: found a state that is none, allowed one that Edit was pickled into");
+  }
+  switch (kind) {
+    case 0:
+      return {actor, ActorEdit::Remove{}};
+    case 1:
+      return {actor, ActorEdit::Move{{v[0], v[1], v[2]}}};
+    case 2:
+      return {actor, ActorEdit::Retime{v[0], v[1]}};
+    case 4:
+      return {actor, ActorEdit::Turn{v[0]}};
+    default:
+      break;
+  }
+  ActorEdit::Retrack retrack;
+  for (std::size_t i = 0; i < v.size(); i += kOfKey) {
+    retrack.track.push_back(
+        {v[i],
+         {Eigen::Quaterniond(v[i + 1], v[i + 2], v[i + 3], v[i + 4]), {v[i + 5], v[i + 6], v[i + 7]}},
+         {v[i + 8], v[i + 9], v[i + 10]},
+         {v[i + 11], v[i + 12], v[i + 13]}});
+  }
+  return {actor, std::move(retrack)};
+}
+
+std::string text_of(const ActorEdit& edit) {
+  const auto* const retrack = std::get_if<ActorEdit::Retrack>(&edit.change);
+  const std::string values = retrack != nullptr ? fmt::format("{} poses", retrack->track.size())
+                                                : fmt::format("{}", fmt::join(values_of(edit), " "));
+  return fmt::format("<simuli.Edit: {} \"{}\"{}{}>",
+                     kEdits.at(edit.change.index()),
+                     edit.actor,
+                     values.empty() ? "" : ", ",
+                     values);
+}
+
+}  // namespace
+
 void add_sensors(py::module_& m) {
   py::class_<Sensor>(m, "Sensor", "A camera or a LiDAR.", made_objects_only())
       .def_property_readonly("name", &Sensor::name, "what scenes and files call it")
@@ -136,6 +236,11 @@ void add_sensors(py::module_& m) {
           "rig_from_sensor",
           [](const Sensor& s) { return array_of(s.rig_from_sensor()); },
           "4 x 4, its mounting")
+      .def_property_readonly("K", &intrinsics_of, "of a camera: 3 x 3, px; lenses bend beside it")
+      .def(
+          "__eq__", [](const Sensor& a, const Sensor& b) { return is_same(a, b); }, py::is_operator())
+      .def("__hash__", &Sensor::rays_hash)
+      .def("__repr__", [](const Sensor& s) { return text_of(s); })
       .def("named", &Sensor::named, py::arg("name"), "The same by another name.")
       .def("resized",
            &Sensor::resized,
@@ -187,7 +292,24 @@ void add_sensors(py::module_& m) {
         py::arg("azimuth_offset_rad") = py::none(),
         "Beams from top to bottom.");
   py::class_<ActorEdit>(
-      m, "Edit", "A change of what an actor does: remove, move, turn, retime, retrack.", made_objects_only());
+      m, "Edit", "A change of what an actor does: remove, move, turn, retime, retrack.", made_objects_only())
+      .def_readonly("actor", &ActorEdit::actor, "whose")
+      .def(
+          "__eq__",
+          [](const ActorEdit& a, const ActorEdit& b) {
+            return a.actor == b.actor && a.change.index() == b.change.index() && values_of(a) == values_of(b);
+          },
+          py::is_operator())
+      .def("__hash__", [](const ActorEdit& e) { return std::hash<std::string>()(e.actor); })
+      .def("__repr__", [](const ActorEdit& e) { return text_of(e); })
+      .def(py::pickle(
+          [](const ActorEdit& e) { return py::make_tuple(e.actor, e.change.index(), values_of(e)); },
+          [](const py::tuple& state) {
+            if (state.size() != 3) return edit_of("", 5, {});
+            return edit_of(state[0].cast<std::string>(),
+                           state[1].cast<std::size_t>(),
+                           state[2].cast<std::vector<double>>());
+          }));
   m.def(
       "remove",
       [](const std::string& actor) {
