@@ -91,5 +91,26 @@ TEST(Pose, InterpolationTakesTheShorterArc) {
   EXPECT_LT(interpolate(a, b, 0.5).rotation.angularDistance(expected), 1e-7);
 }
 
+/// Near rotations by series, others by sines; shutters ask a little outside of [0, 1], too.
+TEST(Pose, InterpolatesAlongTheArcHoweverShortItIs) {
+  const Pose a = make_pose(1.3, {1, -2, 0.5}, {4, -5, 6});
+  for (const double turned_rad : {0.0, 1e-12, 1e-6, 1e-3, 0.05, 0.0632, 0.0633, 0.2, 1.5, 3.0}) {
+    const Eigen::Quaterniond near(Eigen::AngleAxisd(turned_rad, Eigen::Vector3d(3, 1, 2).normalized()));
+    for (const double sign : {1.0, -1.0}) {
+      Pose b{a.rotation * near, a.translation};
+      b.rotation.coeffs() *= sign;  // the same rotation
+      for (const double u : {-0.25, 0.0, 0.3, 0.5, 0.9, 1.0, 1.25}) {
+        const Eigen::Quaterniond got = interpolate(a, b, u).rotation;
+        const Eigen::Quaterniond along =
+            a.rotation *
+            Eigen::Quaterniond(Eigen::AngleAxisd(u * turned_rad, Eigen::Vector3d(3, 1, 2).normalized()));
+        EXPECT_LT((got.toRotationMatrix() - along.toRotationMatrix()).norm(), kRounding)
+            << turned_rad << " " << sign << " " << u;
+        EXPECT_NEAR(got.norm(), 1.0, kRounding);
+      }
+    }
+  }
+}
+
 }  // namespace pose_test
 }  // namespace simuli
