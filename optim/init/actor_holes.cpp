@@ -1,4 +1,5 @@
 // What closes the holes that no laser fills in what pictures show of actors.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,8 +31,9 @@ class RangePicture {
     if (view.project(p_scene, pixel, range_m)) add(pixel, range_m);
   }
   void add(const Eigen::Vector2d& pixel, double range_m) {
-    double& nearest =
-        nearest_[index(static_cast<int>(pixel.x() / cell_px_), static_cast<int>(pixel.y() / cell_px_))];
+    const Eigen::Vector2i cell = (pixel / cell_px_).cast<int>();
+    used_.extend(cell);
+    double& nearest = nearest_[index(cell.x(), cell.y())];
     nearest = std::min(nearest, range_m);
   }
   [[nodiscard]] double range_m(int column, int row) const { return nearest_[index(column, row)]; }
@@ -47,17 +49,18 @@ class RangePicture {
   };
   [[nodiscard]] std::vector<Hole> holes() const {
     std::vector<Hole> out;
-    for (int row = 0; row < rows_; ++row) {
-      for (int column = 0; column < columns_; ++column) {
+    // Outside of the rectangle around all points a cell has them on one side at most.
+    for (int row = used_.min().y(); row <= used_.max().y(); ++row) {
+      for (int column = used_.min().x(); column <= used_.max().x(); ++column) {
         if (range_m(column, row) < kNothing) continue;
         constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
         double sum = 0.0, weight = 0.0;
         int sides = 0;
         for (const auto& [dx, dy] : kSides) {
           int x = column + dx, y = row + dy, steps = 1;
-          while (x >= 0 && y >= 0 && x < columns_ && y < rows_ && range_m(x, y) == kNothing)
+          while (used_.contains(Eigen::Vector2i(x, y)) && range_m(x, y) == kNothing)
             x += dx, y += dy, ++steps;
-          if (x < 0 || y < 0 || x >= columns_ || y >= rows_) continue;
+          if (!used_.contains(Eigen::Vector2i(x, y))) continue;
           ++sides;
           sum += range_m(x, y) / steps;
           weight += 1.0 / steps;
@@ -89,6 +92,43 @@ class RangePicture {
   double cell_px_;
   int columns_, rows_;
   std::vector<double> nearest_;
+  Eigen::AlignedBox2i used_;  // cells, around all with points
+};
+
+/// What lies in a picture, square by square.
+class PictureSquares {
+ public:
+  explicit PictureSquares(const Camera& camera)
+      : columns_(camera.width / kSide_px + 1),
+        rows_(camera.height / kSide_px + 1),
+        squares_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
+  /// `pixel` lies in the picture.
+  void add(const Eigen::Vector2d& pixel, std::size_t what) {
+    squares_[index(static_cast<int>(pixel.x()) / kSide_px, static_cast<int>(pixel.y()) / kSide_px)].push_back(
+        what);
+  }
+  /// All in the squares that meet an area, px, and so all in it.
+  template <class Visit>
+  void visit(const Eigen::AlignedBox2d& area, Visit&& visit) const {
+    const auto square = [](double at_px, int count) {
+      return std::clamp(static_cast<int>(std::floor(at_px / kSide_px)), 0, count - 1);
+    };
+    for (int row = square(area.min().y(), rows_); row <= square(area.max().y(), rows_); ++row) {
+      for (int column = square(area.min().x(), columns_); column <= square(area.max().x(), columns_);
+           ++column) {
+        for (const std::size_t what : squares_[index(column, row)]) visit(what);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kSide_px = 16;
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
+  int columns_, rows_;
+  std::vector<std::vector<std::size_t>> squares_;
 };
 
 }  // namespace
@@ -147,22 +187,24 @@ void ActorPoints::add_holes(const ImageView& view,
     all.push_back(std::move(closed));
   }
   if (all.empty()) return;
-  // What stands before them is told by the background, each point of which is looked at once.
-  struct Before {
-    Eigen::Vector2d pixel;
-    double range_m, away_m;
-  };
-  std::vector<Before> before;
-  for (const std::uint32_t k : blocks.seen_from(view, farthest_m)) {
-    const Eigen::Vector3d p = background.position.col(static_cast<Eigen::Index>(k)).cast<double>();
-    Before at{{}, 0.0, (p - eye).norm()};
-    if (at.away_m < farthest_m && view.project(p, at.pixel, at.range_m)) before.push_back(at);
+  // What stands before them is told by the background, each point of which is looked at once and then stands
+  // with those of its square of the picture: actors are small in it.
+  const PointSet near = background.subset(blocks.seen_from(view, farthest_m));
+  const std::vector<SeenPoint> before = seen_points(view, near);
+  std::vector<double> away_m(before.size());
+  PictureSquares squares(view.camera());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    away_m[i] = (near.position.col(before[i].index).cast<double>() - eye).norm();
+    squares.add(before[i].pixel, i);
   }
   for (const Closed& closed : all) {
     RangePicture others(view.camera(), closed.cell_px);
-    for (const Before& at : before) {
-      if (at.away_m < closed.reach_m) others.add(at.pixel, at.range_m);
-    }
+    Eigen::AlignedBox2d where;
+    for (const RangePicture::Hole& hole : closed.holes) where.extend(others.middle_px(hole.column, hole.row));
+    const Eigen::Vector2d cell = Eigen::Vector2d::Constant(closed.cell_px);
+    squares.visit({where.min() - cell, where.max() + cell}, [&](std::size_t i) {
+      if (away_m[i] < closed.reach_m) others.add(before[i].pixel, before[i].range_m);
+    });
     for (std::size_t k = 0; k < closed.holes.size(); ++k) {
       const RangePicture::Hole& hole = closed.holes[k];
       if (others.range_m(hole.column, hole.row) < hole.range_m) continue;
