@@ -31,13 +31,17 @@ bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, 
   if (!camera_.project(p_camera, pixel)) return false;
   if (moves_) {
     // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it
-    // cannot come back into it. The fixed point contracts by (shift / height) per round: three are plenty.
-    constexpr double kMargin = 0.25;
+    // cannot come back into it. The fixed point contracts by (shift / height) per round: three are plenty, and
+    // one that moves it by less than kSettled_px is the last.
+    constexpr double kMargin = 0.25, kSettled_px = 0.01;
     constexpr int kRounds = 3;
     if (!is_inside(camera_, pixel, kMargin)) return false;
     for (int i = 0; i < kRounds; ++i) {
-      p_camera = scene_from_camera(pixel).inverse() * p_scene;
+      const Eigen::Vector2d before = pixel;
+      const Pose pose = scene_from_camera(pixel);
+      p_camera = pose.rotation.conjugate() * (p_scene - pose.translation);
       if (!camera_.project(p_camera, pixel)) return false;
+      if ((pixel - before).squaredNorm() < kSettled_px * kSettled_px) break;
     }
   }
   range_m = p_camera.norm();

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/core/base/parallel.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/init/actor_tracks.hpp"
 
@@ -225,22 +226,43 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s, const Im
 }
 
 void ActorPoints::cover(const ImageView& view, double time_s, Coverage& coverage) const {
-  std::vector<Actor> wider = actors_;
-  for (Actor& actor : wider) actor.size_m += Eigen::Vector3d::Constant(2.0 * options_.margin_m);
-  View still;  // rays come in the scene frame
-  still.actors = actors_during(wider, time_s, time_s, scene_origin_);
-  const ActorBoxes boxes(wider, still);
-  for (int row = 0; row < coverage.rows; ++row) {
-    for (int column = 0; column < coverage.columns; ++column) {
-      const Eigen::Vector2d middle =
-          (Eigen::Vector2d(column, row).array() + 0.5) * static_cast<double>(coverage.cell_px);
-      Eigen::Vector3d origin, direction;
-      view.unproject(middle, origin, direction);
-      if (direction.isZero(0.0) || boxes.met_first(origin, direction, 0.5) == ActorBoxes::kNone) continue;
-      coverage.covered[static_cast<std::size_t>(row) * static_cast<std::size_t>(coverage.columns) +
-                       static_cast<std::size_t>(column)] = 1;
-    }
+  struct Box {
+    Pose actor_from_scene;
+    Eigen::Vector3d half, centre;  // the centre in the scene frame
+  };
+  std::vector<Box> boxes;
+  const ViewCone cone(view);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    if (!actors_[i].is_there(time_s)) continue;
+    const Eigen::Vector3d half = half_m(i);
+    const Pose pose = scene_from_actor(i, time_s);
+    if (cone.may_meet(pose.translation, half.norm()))
+      boxes.push_back({pose.inverse(), half, pose.translation});
   }
+  if (boxes.empty()) return;
+  const auto meets = [](const Box& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+    const Eigen::Vector3d way = box.centre - origin;  // the direction is a unit vector
+    if (way.cross(direction).squaredNorm() > 1.001 * box.half.squaredNorm()) return false;
+    const BoxInterval in =
+        inside_box(box.actor_from_scene * origin, box.actor_from_scene.rotation * direction, box.half);
+    return std::max(in.first, 0.0) <= in.last;
+  };
+  const auto columns = static_cast<std::size_t>(coverage.columns);
+  constexpr std::size_t kRowsPerThread = 4;
+  parallel_ranges(
+      static_cast<std::size_t>(coverage.rows),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin * columns; i < end * columns; ++i) {
+          const Eigen::Vector2d at(static_cast<double>(i % columns), static_cast<double>(i / columns));
+          Eigen::Vector3d origin, direction;
+          view.unproject((at.array() + 0.5) * static_cast<double>(coverage.cell_px), origin, direction);
+          if (direction.isZero(0.0)) continue;
+          const bool is_met = std::any_of(
+              boxes.begin(), boxes.end(), [&](const Box& box) { return meets(box, origin, direction); });
+          if (is_met) coverage.covered[i] = 1;
+        }
+      },
+      kRowsPerThread);
 }
 
 std::vector<std::vector<PointLook>> ActorPoints::split(const std::vector<PointLook>& looks,

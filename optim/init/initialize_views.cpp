@@ -10,17 +10,29 @@
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/parallel.hpp"
 
 namespace simuli {
 namespace {
 
-struct Seen {
-  std::uint32_t index;
-  float range_m;
-  Eigen::Vector2f pixel;
-};
+constexpr std::size_t kRowsPerThread = 4;  // of cells
 
 }  // namespace
+
+std::vector<SeenPoint> seen_points(const ImageView& view, const PointSet& points) {
+  constexpr float kUnseen = -1.0F;
+  std::vector<SeenPoint> all(points.size());
+  parallel_ranges(points.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d p_scene = points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
+      SeenPoint& seen = all[i];
+      seen.index = static_cast<std::uint32_t>(i);
+      if (!view.project(p_scene, seen.pixel, seen.range_m)) seen.range_m = kUnseen;
+    }
+  });
+  std::erase_if(all, [](const SeenPoint& seen) { return seen.range_m == kUnseen; });
+  return all;
+}
 
 void Coverage::cover(const Eigen::Vector2d& pixel, double radius_px) {
   const double radius = std::min(radius_px, kMostRadius_px);
@@ -198,26 +210,22 @@ Coverage look_at_points(const ImageView& view,
 
   // First the nearest range per small cell, each point as wide as it is in the picture ...
   NearestPoints nearest(camera);
-  std::vector<Seen> seen;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    Eigen::Vector2d pixel;
-    double range_m = 0.0;
-    const Eigen::Vector3d p_scene = points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
-    if (!view.project(p_scene, pixel, range_m)) continue;
-    seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(range_m), pixel.cast<float>()});
-    const double radius_px = 0.5 * point_size_m / (view.pixel_size_at_1m() * range_m);
-    coverage.cover(pixel, radius_px);
-    nearest.add(pixel, range_m, radius_px);
+  const std::vector<SeenPoint> seen = seen_points(view, points);
+  for (const SeenPoint& s : seen) {
+    const double radius_px = 0.5 * point_size_m / (view.pixel_size_at_1m() * s.range_m);
+    coverage.cover(s.pixel, radius_px);
+    nearest.add(s.pixel, s.range_m, radius_px);
   }
   // ... then the colour of every point that nothing nearer hides.
-  for (const Seen& s : seen) {
+  for (const SeenPoint& s : seen) {
     PointLook& look = looks[s.index];
-    if (nearest.hide(s.pixel.cast<double>(), static_cast<double>(s.range_m))) continue;
-    const Eigen::Vector3f colour = sample_bilinear(image, s.pixel.cast<double>());
+    if (nearest.hide(s.pixel, s.range_m)) continue;
+    const Eigen::Vector3f colour = sample_bilinear(image, s.pixel);
     ++look.images;
     look.colours.extend(colour);
-    if (!(s.range_m < look.range_m)) continue;
-    look.range_m = s.range_m;
+    const auto range_m = static_cast<float>(s.range_m);
+    if (!(range_m < look.range_m)) continue;
+    look.range_m = range_m;
     look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
     look.colour = colour;
   }
@@ -289,35 +297,65 @@ FarShell::FarShell(double spacing_deg, double distance_m)
 }
 
 void FarShell::add(const ImageView& view, const Image& image, const Coverage& coverage) {
-  for (int row = 0; row < coverage.rows; ++row) {
-    for (int column = 0; column < coverage.columns; ++column) {
-      // The last row and column of cells may be cut off by the picture's edge.
-      const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
-                                  std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
-      Eigen::Vector3d origin;
-      Eigen::Vector3d direction;
-      view.unproject(pixel, origin, direction);
-      if (direction.isZero(0.0) || view.hides(pixel)) continue;
-      if (coverage.is_empty_around(column, row))
-        add(origin, direction, sample_bilinear(image, pixel));
-      else
-        add_hidden(origin, direction);
-    }
+  enum class Kind : std::uint8_t { kNone, kOpen, kHidden };
+  struct Look {
+    Kind kind = Kind::kNone;
+    Meeting met;
+    Eigen::Vector3f colour = Eigen::Vector3f::Zero();
+  };
+  std::vector<Look> looks(coverage.covered.size());
+  const auto columns = static_cast<std::size_t>(coverage.columns);
+  parallel_ranges(
+      static_cast<std::size_t>(coverage.rows),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin * columns; i < end * columns; ++i) {
+          const auto row = static_cast<int>(i / columns), column = static_cast<int>(i % columns);
+          // The last row and column of cells may be cut off by the picture's edge.
+          const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
+                                      std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
+          Eigen::Vector3d origin, direction;
+          view.unproject(pixel, origin, direction);
+          if (direction.isZero(0.0) || view.hides(pixel)) continue;
+          const bool is_open = coverage.is_empty_around(column, row);
+          looks[i].kind = is_open ? Kind::kOpen : Kind::kHidden;
+          looks[i].met = meeting(origin, direction);
+          if (is_open) looks[i].colour = sample_bilinear(image, pixel);
+        }
+      },
+      kRowsPerThread);
+  // In their order: sums are rounded.
+  for (const Look& look : looks) {
+    if (look.kind != Kind::kNone) count(look.met, look.kind == Kind::kOpen ? &look.colour : nullptr);
   }
 }
 
 void FarShell::add(const Eigen::Vector3d& origin,
                    const Eigen::Vector3d& direction,
                    const Eigen::Vector3f& colour) {
-  const Meeting met = meeting(origin, direction);
-  Cell& cell = cells_[met.cell];
-  cell.direction += met.from_origin;
-  cell.colour += colour.cast<double>();
-  cell.open += 1.0;
+  count(meeting(origin, direction), &colour);
 }
 
 void FarShell::add_hidden(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-  cells_[meeting(origin, direction).cell].hidden += 1.0;
+  count(meeting(origin, direction), nullptr);
+}
+
+void FarShell::count(const Meeting& met, const Eigen::Vector3f* colour) {
+  if (met.outside_m > 0.0) {
+    throw Error(
+        ErrorKind::kInput,
+        fmt::format("far shell: found a camera {:.3g} m from the middle of the path, allowed less than "
+                    "{:.3g} m: are its mounting and the path right?",
+                    met.outside_m,
+                    distance_m_));
+  }
+  Cell& cell = cells_[met.cell];
+  if (colour == nullptr) {
+    cell.hidden += 1.0;
+    return;
+  }
+  cell.direction += met.from_origin;
+  cell.colour += colour->cast<double>();
+  cell.open += 1.0;
 }
 
 FarShell::Meeting FarShell::meeting(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
@@ -325,12 +363,9 @@ FarShell::Meeting FarShell::meeting(const Eigen::Vector3d& origin, const Eigen::
   const double b = origin.dot(direction);
   const double c = origin.squaredNorm() - distance_m_ * distance_m_;
   if (!(c < 0.0)) {
-    throw Error(
-        ErrorKind::kInput,
-        fmt::format("far shell: found a camera {:.3g} m from the middle of the path, allowed less than "
-                    "{:.3g} m: are its mounting and the path right?",
-                    origin.norm(),
-                    distance_m_));
+    Meeting none;
+    none.outside_m = origin.norm();
+    return none;
   }
   const double t = -b + std::sqrt(b * b - c);
   const Eigen::Vector3d from_origin = ((origin + t * direction) / distance_m_).normalized();

@@ -54,6 +54,15 @@ class ImageView {
   std::shared_ptr<const Hidden> hidden_;  // null: nothing is
 };
 
+/// A point in a picture.
+struct SeenPoint {
+  std::uint32_t index = 0;
+  double range_m = 0.0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+};
+/// Of `points` those that ImageView::project() says yes to, in their order.
+[[nodiscard]] std::vector<SeenPoint> seen_points(const ImageView& view, const PointSet& points);
+
 /// The closest look at a point over all images so far, and what all of them have shown.
 struct PointLook {
   float range_m = std::numeric_limits<float>::infinity();  // +inf: not seen
@@ -199,10 +208,13 @@ class FarShell {
   };
   /// The direction from the scene origin of what a ray meets on the shell, and its cell.
   struct Meeting {
-    Eigen::Vector3d from_origin;
-    std::uint64_t cell;
+    Eigen::Vector3d from_origin = Eigen::Vector3d::Zero();
+    std::uint64_t cell = 0;
+    double outside_m = 0.0;  // of the origin from the scene's, where the ray begins outside and meets nothing
   };
   [[nodiscard]] Meeting meeting(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+  /// A look in that colour; null: one that was hidden.
+  void count(const Meeting& met, const Eigen::Vector3f* colour);
 
   double spacing_rad_;
   double distance_m_;

@@ -208,12 +208,8 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
     const auto [image, view] = load_view(log, *frame, origin, image_scale);
     const PointSet known = actors.placed(points.subset(blocks.seen_from(view)), middle_s(*frame), view);
     NearestPoints nearest(view.camera());
-    for (std::size_t i = 0; i < known.size(); ++i) {
-      Eigen::Vector2d pixel;
-      double range_m = 0.0;
-      const Eigen::Vector3d p = known.position.col(static_cast<Eigen::Index>(i)).cast<double>();
-      if (!view.project(p, pixel, range_m)) continue;
-      nearest.add(pixel, range_m, 0.5 * voxel_m / (view.pixel_size_at_1m() * range_m));
+    for (const SeenPoint& seen : seen_points(view, known)) {
+      nearest.add(seen.pixel, seen.range_m, 0.5 * voxel_m / (view.pixel_size_at_1m() * seen.range_m));
     }
     const Eigen::Vector3d eye = view.origin();
     parallel_ranges(
