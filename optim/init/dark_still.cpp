@@ -1,12 +1,14 @@
 #include "optim/init/dark_still.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 #include <unordered_set>
 #include <variant>
 
+#include "host/core/base/parallel.hpp"
 #include "optim/init/dark_votes.hpp"
 #include "optim/init/way_inside.hpp"
 
@@ -44,23 +46,26 @@ double way_out_m(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double side
   return out_m;
 }
 
-/// Calls visit(ray, origin, direction, range_m) in the scene for all rays of a sweep but those in blind arcs.
+/// Calls visit(ray, origin, direction, range_m) in the scene for all rays of a sweep but those in blind arcs, on
+/// all cores.
 template <class Visit>
-void each_ray(const PosedSweep& posed, Visit&& visit) {
+void each_ray(const PosedSweep& posed, const Visit& visit) {
   const Sweep& sweep = posed.sweep;
   const auto* const lidar = std::get_if<Lidar>(&posed.lidar);
-  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
-    if (lidar != nullptr && sweep.range[i] == 0.0F) {
-      const auto row = static_cast<int>(i / static_cast<std::size_t>(lidar->columns));
-      if (is_blind(*lidar, row, sweep.rays.azimuth[i])) continue;
+  parallel_ranges(sweep.range.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (lidar != nullptr && sweep.range[i] == 0.0F) {
+        const auto row = static_cast<int>(i / static_cast<std::size_t>(lidar->columns));
+        if (is_blind(*lidar, row, sweep.rays.azimuth[i])) continue;
+      }
+      const Pose scene_from_lidar =
+          interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, sweep.rays.time_fraction[i]);
+      const Eigen::Vector3d origin = scene_from_lidar * ray_origin(posed.lidar, sweep.rays, i);
+      const Eigen::Vector3d direction =
+          scene_from_lidar.rotation * Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
+      visit(i, origin, direction, static_cast<double>(sweep.range[i]));
     }
-    const Pose scene_from_lidar =
-        interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, sweep.rays.time_fraction[i]);
-    const Eigen::Vector3d origin = scene_from_lidar * ray_origin(posed.lidar, sweep.rays, i);
-    const Eigen::Vector3d direction =
-        scene_from_lidar.rotation * Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
-    visit(i, origin, direction, static_cast<double>(sweep.range[i]));
-  }
+  });
 }
 
 }  // namespace
@@ -104,6 +109,7 @@ DarkStill::~DarkStill() = default;
 
 void DarkStill::add_dropped(const PosedSweep& posed, const std::vector<MovingBox>& boxes) {
   const std::vector<float>& shares = posed.sweep.rays.time_fraction;
+  std::vector<Way> ways(shares.size());  // none: one without a length
   each_ray(posed, [&](std::size_t ray, const Vector3d& origin, const Vector3d& direction, double range_m) {
     if (range_m > 0.0 || direction.z() > -kDown) return;
     const auto meets = [&](const MovingBox& box) {
@@ -121,16 +127,19 @@ void DarkStill::add_dropped(const PosedSweep& posed, const std::vector<MovingBox
       if (!ground_z) continue;
       if (from_m == 0.0 && p.z() < *ground_z + kHeight_m) from_m = t;
       if (p.z() >= *ground_z) continue;
-      const Way way{origin, direction, from_m, t - kAboveGround_m};
-      votes_->walk(way, false, [&](Key voxel, const Eigen::Vector3d& place) {
-        ++votes_->of[voxel].dropped;
-        votes_->blocks.insert(key_of(place, votes_->block_m()));
-        return true;
-      });
-      dropped_.push_back(way);
+      ways[ray] = {origin, direction, from_m, t - kAboveGround_m};
       return;
     }
   });
+  for (const Way& way : ways) {
+    if (!(way.from_m < way.to_m)) continue;
+    votes_->walk(way, false, [&](Key voxel, const Eigen::Vector3d& place) {
+      ++votes_->of[voxel].dropped;
+      votes_->blocks.insert(key_of(place, votes_->block_m()));
+      return true;
+    });
+    dropped_.push_back(way);
+  }
 }
 
 void DarkStill::add_returned(const PosedSweep& posed) {
@@ -139,7 +148,9 @@ void DarkStill::add_returned(const PosedSweep& posed) {
     const Way way{origin, direction, kOffVehicle_m, std::min(range_m - kBeforeReturn_m, kGround_m)};
     votes_->walk(way, true, [&](Key voxel, const Eigen::Vector3d&) {
       const auto found = votes_->of.find(voxel);
-      if (found != votes_->of.end()) ++found->second.through;
+      // Counts are the same in any order.
+      if (found != votes_->of.end())
+        std::atomic_ref(found->second.through).fetch_add(1, std::memory_order_relaxed);
       return true;
     });
   });
