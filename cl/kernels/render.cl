@@ -44,12 +44,13 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
     b->distance[j] = fma(weight, tau, b->distance[j]);
     const F left = b->transmittance[j] - weight;
 #if MEDIAN
+    const I is_half = AND(b->transmittance[j] > R(0.5), left <= R(0.5));
 #if ACTOR_IDS
-    const F halfway = actor;
+    b->f0[j] = SEL(is_half, tau, b->f0[j]);
+    b->median[j] = SEL(is_half, actor, b->median[j]);
 #else
-    const F halfway = tau;
+    b->median[j] = SEL(is_half, tau, b->median[j]);
 #endif
-    b->median[j] = SEL(AND(b->transmittance[j] > R(0.5), left <= R(0.5)), halfway, b->median[j]);
 #endif
     b->transmittance[j] = left;
     retire(AND(left < tile->t_cut, response.inside), j, &b->ray[j], alive);
@@ -60,7 +61,8 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
 /// in  world_ray[3|6|7][slots], ray_u[slots], of every slot a place in its tile; first[tiles+1]; payload[K] by
 ///     tile, nearest first; records[N][16]; motions[N][4] of particles that move, with ACTOR_MOTION
 /// out out[7][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
-///     0 where transmittance never falls to 1/2; with ACTOR_IDS the actor there), with DROP the drop logit. Slots
+///     0 where transmittance never falls to 1/2), with DROP the drop logit; with ACTOR_IDS the median distance
+///     is the first feature, over a background of 0, and in its place stands the actor there. Slots
 ///     without a ray get the background.
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
 /// footprint touches are visited, of these the vectors that still have a ray. A ray is retired (direction

@@ -22,16 +22,19 @@ FN void start_light(const RayLanes* ray, Light* light) {
 FN void blend(const Met* met, real t_cut, Light* light) {
   const F before = light->transmittance;
   const F weight = SEL(light->going, met->alpha, (F)R(0.0)) * before;
+#if !ACTOR_IDS
   for (int c = 0; c < 3; ++c) light->sum[c] = fma(weight, met->feature[c], light->sum[c]);
+#endif
   light->distance = fma(weight, met->tau, light->distance);
   const F left = before - weight;
 #if MEDIAN
+  const I is_half = AND(before > R(0.5), left <= R(0.5));
 #if ACTOR_IDS
-  const F halfway = met->feature[0];
+  light->sum[0] = SEL(is_half, met->tau, light->sum[0]);
+  light->median = SEL(is_half, met->feature[0], light->median);
 #else
-  const F halfway = met->tau;
+  light->median = SEL(is_half, met->tau, light->median);
 #endif
-  light->median = SEL(AND(before > R(0.5), left <= R(0.5)), halfway, light->median);
 #endif
   light->last = SEL(light->going, met->tau, light->last);
   light->transmittance = left;

@@ -181,7 +181,7 @@ ActorsBefore actors_before(SceneOnDevice& scene, const FillView& view) {
   RayRows rows;
   rows.rows = view.sensor().rows(), rows.columns = view.sensor().columns();
   rows.closed = is_closed(view.sensor());
-  rows.actor = frame.actors();
+  rows.actor = frame.owners();
   const std::vector<ActorBox> boxes = boxes_in(scene.scene(), view, kAround_m);
   const RayResults& seen = frame.results();
   // What training has put beside an actor's particles to show its rim.

@@ -1,5 +1,6 @@
 // Whose particle takes a ray's light below a half.
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "host/core/base/error.hpp"
@@ -21,7 +22,7 @@ TEST(FrameActors, AreThoseAtTheMedianDistanceInEveryOrder) {
     SceneOnDevice scene(test::device(), wall_and_actor(), options);
     const Sensor sensor = still_camera();
     const Frame frame = scene.render(sensor, at_origin(sensor), {.camera_median = true, .actors = true});
-    const std::vector<std::uint32_t> actors = frame.actors();
+    const std::vector<std::uint32_t> actors = frame.owners();
     const std::vector<float>& median = frame.results().median;
     std::size_t own = 0;
     for (std::size_t i = 0; i < actors.size(); ++i) {
@@ -47,18 +48,51 @@ TEST(FrameActors, LeaveTheFrameAsItIs) {
     EXPECT_EQ(frame.results().feature[0], plain.feature[0]);
     EXPECT_EQ(frame.results().distance, plain.distance);
     EXPECT_EQ(frame.results().median, plain.median);
-    const std::vector<std::uint32_t> actors = frame.actors();
+    const std::vector<std::uint32_t> actors = frame.owners();
     EXPECT_GT(std::count(actors.begin(), actors.end(), 1U), 3);
     // Half of the light was gone at a particle of its: without it that is elsewhere.
     Shot without = shot;
     without.edits = {{"near", ActorEdit::Remove{}}};
     request.camera_median = true;
     const Frame with = scene.render(sensor, shot, request), left = scene.render(sensor, without, request);
-    const std::vector<std::uint32_t> others = left.actors();
+    const std::vector<std::uint32_t> others = left.owners();
     EXPECT_EQ(std::count(others.begin(), others.end(), 1U), 0);
     for (std::size_t i = 0; i < others.size(); ++i) {
       if (actors[i] != 1U) continue;
       EXPECT_NE(left.results().median[i], with.results().median[i]) << i;
+    }
+  }
+}
+
+// An upright one of 1 m in a box of 2 m, and what it shows of the road below the box and beside it.
+TEST(FrameActors, AreBodiesWithoutShadowAndRoad) {
+  const struct {
+    Eigen::Vector3d at_m;
+    bool is_body;
+  } cases[] = {{{0.0, 0.0, 0.0}, true},
+               {{0.0, 1.05, 0.0}, true},     // labels are not exact
+               {{0.0, 1.15, 0.0}, false},    // beside it
+               {{0.0, 0.0, 1.05}, true},     // on its roof
+               {{0.0, 0.0, -0.9}, true},     // a tyre
+               {{0.0, 0.0, -1.0}, false},    // the road under it
+               {{0.0, 0.0, -1.04}, false}};  // and a label that reaches into it
+  for (const auto& [at_m, is_body] : cases) {
+    Scene all = wall_and_actor();
+    for (GaussianSet* const set : {&all.camera, &all.lidar}) {
+      set->mean().row(1) = at_m.cast<float>().transpose();
+      for (int k = 0; k < 3; ++k) set->log_scale()(1, k) = std::log(0.015F);
+    }
+    SceneOnDevice scene(test::device(), std::move(all));
+    for (const Order order : {Order::kRange, Order::kPerRay}) {
+      FrameRequest request{.options = RenderOptions{}, .actors = true};
+      request.options->order = order;
+      const Sensor sensor = still_camera().resized(480, 320);
+      const Frame frame = scene.render(sensor, at_origin(sensor), request);
+      const auto count = [](const std::vector<std::uint32_t>& of) {
+        return std::count(of.begin(), of.end(), 2U);
+      };
+      EXPECT_GT(count(frame.owners()), 0) << at_m.transpose();
+      EXPECT_EQ(count(frame.actors()), is_body ? count(frame.owners()) : 0) << at_m.transpose();
     }
   }
 }

@@ -89,7 +89,7 @@ std::vector<Eigen::Vector3d> Frame::points(PointFrame in) const {
   return points_of(sensor().lidar(), lidar(), shot(), in);
 }
 
-std::vector<std::uint32_t> Frame::actors() const {
+std::vector<std::uint32_t> Frame::owners() const {
   const State& s = *state_;
   if (!s.request.actors) {
     throw Error(ErrorKind::kUsage,
@@ -99,6 +99,25 @@ std::vector<std::uint32_t> Frame::actors() const {
   const std::vector<float>& ids = s.of_actors->results().median;
   std::vector<std::uint32_t> actors(ids.begin(), ids.end());
   for (std::uint32_t& id : actors) id = id > s.actors ? 0 : id;  // what occluders hide is background
+  return actors;
+}
+
+std::vector<std::uint32_t> Frame::actors() const {
+  std::vector<std::uint32_t> actors = owners();
+  const State& s = *state_;
+  if (!s.of_actors) return actors;
+  const std::vector<float>& distances = s.of_actors->results().feature[0];
+  const RayGrid& grid = s.rays.grid();
+  const std::size_t slots = grid.frame.slots;
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    if (grid.ray_of_slot[slot] < 0) continue;
+    const auto ray = static_cast<std::size_t>(grid.ray_of_slot[slot]);
+    if (actors[ray] == 0) continue;
+    const auto at = [&](std::size_t row) { return static_cast<double>(grid.sensor_ray[row * slots + slot]); };
+    const Eigen::Vector3d direction(at(0), at(1), at(2)), origin(at(3), at(4), at(5));
+    const Eigen::Vector3d p_sensor = origin + static_cast<double>(distances[ray]) * direction;
+    if (!s.boxes->is_of_body(actors[ray] - 1, p_sensor, at(6))) actors[ray] = 0;
+  }
   return actors;
 }
 

@@ -22,7 +22,7 @@ struct FrameRequest {
   std::vector<bool> rays = {};  // [rays] those to render, the others show the background; empty: all
   bool graded = true;           // pictures through the scene's colour grids
   bool camera_median = false;   // cameras: also RayResults::median (LiDARs: RenderOptions::median_distance)
-  bool actors = false;          // also Frame::actors(), for which the frame is rendered once more
+  bool actors = false;  // also Frame::actors() and owners(), for which the frame is rendered once more
 };
 
 /// dL/d(RayResults) by ray, of a loss that is the caller's. What is empty is 0.
@@ -67,6 +67,9 @@ class Frame {
   /// Of a frame that was asked for them: [rays] whose particle takes the ray's light below a half, 1 + its
   /// place in Scene::actors; 0: none's, or half of the light goes on. Where the median distance is.
   /// Error{kUsage} of others.
+  [[nodiscard]] std::vector<std::uint32_t> owners() const;
+  /// The same of actors' bodies alone (ActorBoxes::is_of_body()): without the shadow and the road around them
+  /// that their particles show, too.
   [[nodiscard]] std::vector<std::uint32_t> actors() const;
 
  private:

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/device/render/scene/actor_boxes.hpp"
 #include "host/device/render/scene/frame.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "host/device/runtime/pending.hpp"
@@ -50,7 +51,8 @@ struct Frame::State {
   std::optional<Event> done;
   std::optional<Download> outputs_coming, picture_coming;
   std::optional<RayResults> results;
-  std::optional<Frame> of_actors;  // the same with View::actor_ids; of a scene with actors, when asked for
+  std::optional<Frame> of_actors;   // the same with View::actor_ids; of a scene with actors, when asked for
+  std::optional<ActorBoxes> boxes;  // where there is of_actors
 };
 
 /// A frame's results where they are, in slot order, with the map that tells rays from slots. All of it lives

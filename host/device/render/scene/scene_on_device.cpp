@@ -177,6 +177,7 @@ struct SceneOnDevice::State {
     View view = view_of(*scene, shot, kind);
     view.camera_median = request.camera_median;
     view.actor_ids = what.actor_ids;
+    if (what.actor_ids) view.background = {};  // median distances have none
     if (!sensor.is_camera()) view.drop = ray_drop_of(scene->ray_drop, name_of(sensor.lidar()));
     Renderer& on = renderer(o);
     const SensorRays seen = rays(sensor, o, request.rays);
@@ -238,6 +239,8 @@ Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameR
   if (request.actors && has_actors) {
     frame->of_actors =
         Frame(s.frame_of(s.draw(sensor, shot, request, {.actor_ids = true}), sensor, shot, request));
+    const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
+    frame->boxes.emplace(s.scene->actors, view_of(*s.scene, shot, kind));
   }
   return Frame(frame);
 }

@@ -15,7 +15,7 @@ struct View {
   std::vector<ActorView> actors{};                  // what particles belong to (owners_during)
   RayDrop::Parameters drop = RayDrop::of_logits();  // of a LiDAR
   bool camera_median = false;                       // of a camera: median distances, too
-  bool actor_ids = false;  // who is at the median distances, instead of features and of them
+  bool actor_ids = false;  // who is at the median distances, instead of them; they are the first feature
 };
 
 /// What a sensor of that set sees from: the shot, relative to the scene's origin, before its background.
