@@ -11,33 +11,33 @@ namespace {
 
 struct LabelWord {
   std::string_view word;
-  std::string_view label;  // empty: whatever else it says, it is none of them
+  std::array<std::string_view, 3> labels;  // in the order of LabelNames; empty: whatever else it says, none
 };
 
 /// What says more comes first.
-constexpr std::array kLabelWords{LabelWord{"static", ""},
-                                 LabelWord{"tram", ""},
-                                 LabelWord{"train", ""},
-                                 LabelWord{"pedestrian", "person"},
-                                 LabelWord{"person", "person"},
-                                 LabelWord{"people", "person"},
-                                 LabelWord{"human", "person"},
-                                 LabelWord{"walker", "person"},
-                                 LabelWord{"cyclist", "rider"},
-                                 LabelWord{"bicyclist", "rider"},
-                                 LabelWord{"motorcyclist", "rider"},
-                                 LabelWord{"rider", "rider"},
-                                 LabelWord{"bicycle", "rider"},
-                                 LabelWord{"motorcycle", "rider"},
-                                 LabelWord{"bike", "rider"},
-                                 LabelWord{"motorbike", "rider"},
-                                 LabelWord{"trailer", "trailer"},
-                                 LabelWord{"bus", "bus"},
-                                 LabelWord{"truck", "heavy_truck"},
-                                 LabelWord{"automobile", "automobile"},
-                                 LabelWord{"car", "automobile"},
-                                 LabelWord{"van", "automobile"},
-                                 LabelWord{"vehicle", "automobile"}};
+constexpr std::array kLabelWords{LabelWord{"static", {"", "", ""}},
+                                 LabelWord{"tram", {"", "Tram", ""}},
+                                 LabelWord{"train", {"", "Tram", ""}},
+                                 LabelWord{"pedestrian", {"person", "Pedestrian", "human.pedestrian.adult"}},
+                                 LabelWord{"person", {"person", "Pedestrian", "human.pedestrian.adult"}},
+                                 LabelWord{"people", {"person", "Pedestrian", "human.pedestrian.adult"}},
+                                 LabelWord{"human", {"person", "Pedestrian", "human.pedestrian.adult"}},
+                                 LabelWord{"walker", {"person", "Pedestrian", "human.pedestrian.adult"}},
+                                 LabelWord{"cyclist", {"rider", "Cyclist", "vehicle.bicycle"}},
+                                 LabelWord{"bicyclist", {"rider", "Cyclist", "vehicle.bicycle"}},
+                                 LabelWord{"motorcyclist", {"rider", "", "vehicle.motorcycle"}},
+                                 LabelWord{"rider", {"rider", "Cyclist", "vehicle.bicycle"}},
+                                 LabelWord{"bicycle", {"rider", "Cyclist", "vehicle.bicycle"}},
+                                 LabelWord{"motorcycle", {"rider", "", "vehicle.motorcycle"}},
+                                 LabelWord{"bike", {"rider", "Cyclist", "vehicle.bicycle"}},
+                                 LabelWord{"motorbike", {"rider", "", "vehicle.motorcycle"}},
+                                 LabelWord{"trailer", {"trailer", "", "vehicle.trailer"}},
+                                 LabelWord{"bus", {"bus", "", "vehicle.bus.rigid"}},
+                                 LabelWord{"truck", {"heavy_truck", "Truck", "vehicle.truck"}},
+                                 LabelWord{"automobile", {"automobile", "Car", "vehicle.car"}},
+                                 LabelWord{"car", {"automobile", "Car", "vehicle.car"}},
+                                 LabelWord{"van", {"automobile", "Van", "vehicle.car"}},
+                                 LabelWord{"vehicle", {"automobile", "Car", "vehicle.car"}}};
 
 /// In small letters, without what stands between them.
 std::vector<std::string> words_of(const std::string& text) {
@@ -53,15 +53,23 @@ std::vector<std::string> words_of(const std::string& text) {
   return out;
 }
 
-}  // namespace
-
-std::string label_class_of(const std::string& kind) {
+/// Empty: none.
+std::string_view label_of(const std::string& kind, LabelNames names) {
   const std::vector<std::string> words = words_of(kind);
   for (const LabelWord& known : kLabelWords) {
-    if (std::find(words.begin(), words.end(), known.word) == words.end()) continue;
-    return known.label.empty() ? kind : std::string(known.label);
+    if (std::find(words.begin(), words.end(), known.word) != words.end())
+      return known.labels[static_cast<std::size_t>(names)];
   }
-  return kind;
+  return {};
 }
+
+}  // namespace
+
+std::string label_class_of(const std::string& kind, LabelNames names) {
+  const std::string_view label = label_of(kind, names);
+  return label.empty() ? kind : std::string(label);
+}
+
+bool has_label_class(const std::string& kind, LabelNames names) { return !label_of(kind, names).empty(); }
 
 }  // namespace simuli

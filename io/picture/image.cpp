@@ -276,7 +276,8 @@ void write_image(const fs::path& file, const Image& image) {
 
 void write_counts(const fs::path& file, const Image& image) {
   require_writable(file, image);
-  if (image.channels != 1) throw_input_error(file.string(), "channels", std::to_string(image.channels), "1");
+  if (image.channels != 1 && image.channels != 3)
+    throw_input_error(file.string(), "channels", std::to_string(image.channels), "1 or 3");
   if (file.extension() != ".png")
     throw_input_error(file.string(), "extension", file.extension().string(), ".png");
   std::vector<std::uint16_t> counts;
@@ -287,7 +288,7 @@ void write_counts(const fs::path& file, const Image& image) {
     }
     counts.push_back(static_cast<std::uint16_t>(value));
   }
-  write_pixels(file, {{image.width, image.height, 1, 1}, SampleType::kUint16, counts.data()});
+  write_pixels(file, {{image.width, image.height, 1, image.channels}, SampleType::kUint16, counts.data()});
 }
 
 std::string encode_image(const Image& image, ImageCode code, int quality) {

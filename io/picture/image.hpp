@@ -16,7 +16,7 @@ namespace simuli {
 /// Writes 8-bit (PNG, JPEG) or float (EXR) by extension; 1 or 3 channels; values outside [0,1] are
 /// clipped in 8-bit formats. Temporary name, then rename: never half-written.
 void write_image(const std::filesystem::path& file, const Image& image);
-/// Whole numbers, 0 to 65535, of one channel as a grey PNG of 16 bits. Error{kInput} for others.
+/// Whole numbers, 0 to 65535, of 1 or 3 channels as a PNG of 16 bits. Error{kInput} for others.
 void write_counts(const std::filesystem::path& file, const Image& image);
 enum class ImageCode {
   kPng,

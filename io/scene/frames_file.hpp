@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/core/scene/actor_label.hpp"
 #include "host/core/scene/pose.hpp"
 #include "host/core/sensors/sensor.hpp"
 
@@ -13,14 +14,18 @@ namespace simuli {
 /// One frame. World coordinates (m), seconds of the scene's log.
 struct FrameRecord {
   std::vector<std::string> files = {};  // beside frames.json
+  std::string data = {};                // of them, for labels: the picture, or the sweep as nuScenes has it
+  std::size_t number = 0;               // of the sensor's frames
   double time_start_s = 0.0, time_end_s = 0.0;
   Pose world_from_sensor_start = {}, world_from_sensor_end = {};
+  std::vector<ActorLabel> labels = {};  // of frames with labels
 };
 
 /// What the number of an actor stands for, in masks and clouds.
 struct ActorRecord {
   std::size_t id = 0;  // 1, 2, ...: 0 is none
   std::string name = {}, kind = {};
+  std::size_t class_id = 0;  // 1, 2, ..., the same for the same kind
 };
 
 /// What clouds hold beside their own headers.
@@ -42,15 +47,18 @@ struct FramesRecord {
   CloudRecord clouds = {};
   std::vector<std::string> outputs = {};  // of a camera, camera_output_names()
   std::vector<ActorRecord> actors = {};   // of frames with actors
+  bool has_labels = false;
   std::vector<FrameRecord> frames = {};
 };
 
 /// {"format": "simuli frames", "version": 1, "scene", "trajectory", "sensor": as in a sensor file
 /// (io/log/sensor_file.hpp), "rig_from_sensor": {"position_m", "rotation_wxyz"}, "edits": [...], "quality",
 /// "settings": [...], "simuli", "device", "driver", "clouds": {"frame", "coordinates"} of LiDARs,
-/// "outputs": [...] of cameras, "actors": [{"id", "name", "kind"}, ...] of frames that tell them, "frames":
-/// [{"files": [...], "time_start_s", "time_end_s", "world_from_sensor_start", "world_from_sensor_end"},
-/// ...]}. Cameras look along +z, x right, y down; LiDARs have x forward, y left, z up. Atomic. Error{kInput}
+/// "outputs": [...] of cameras, "actors": [{"id", "name", "kind", "class"}, ...] of frames that tell them,
+/// "frames": [{"files": [...], "time_start_s", "time_end_s", "world_from_sensor_start",
+/// "world_from_sensor_end"}, ...]}, with labels also "labels": [{"actor": its id, "time_s", "size_m", the poses
+/// "world_from_actor", "rig_from_actor", "sensor_from_actor", "pixels" or "returns", "occlusion" and of cameras
+/// "projected_px", "visible_px" and "truncation"}, ...], as ActorLabel says, null for what there is not. Cameras look along +z, x right, y down; LiDARs have x forward, y left, z up. Atomic. Error{kInput}
 /// when it can't be written.
 void write_frames_file(const std::filesystem::path& file, const FramesRecord& record);
 

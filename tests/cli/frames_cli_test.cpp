@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "io/base/file.hpp"
 #include "io/log/log.hpp"
@@ -158,7 +160,8 @@ TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
   const Outcome exr = run(what + outputs + " -o exr");
   ASSERT_EQ(exr.exit_code, 0) << exr.err;
   const nlohmann::json frames = frames_of("exr");
-  EXPECT_EQ(frames.at("actors"), nlohmann::json::array({{{"id", 1}, {"name", "car"}, {"kind", "car"}}}));
+  EXPECT_EQ(frames.at("actors"),
+            nlohmann::json::array({{{"id", 1}, {"name", "car"}, {"kind", "car"}, {"class", 1}}}));
   const nlohmann::json info = nlohmann::json::parse(run("--json info s.scene").out);
   ASSERT_EQ(info.at("occluders").size(), 1U);  // what nobody saw behind it is filled
   EXPECT_EQ(info.at("occluders").at(0).at("actor"), "car");
@@ -208,6 +211,94 @@ TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
   expect_failure("render s.scene --sensor top --outputs depth -o x", kUsage, "allowed actors");
   expect_failure("render s.scene --sensor front --outputs rgb,colour -o x", kUsage, "mean_depth");
   expect_failure("render s.scene --sensor front --outputs depth -o x.mp4", kUsage, "with a folder");
+}
+
+/// Numbers of a line of words, from the `first` one on.
+std::vector<double> numbers_of(const std::string& line, std::size_t first) {
+  std::vector<double> out;
+  std::istringstream words(line);
+  std::string word;
+  for (std::size_t i = 0; words >> word; ++i) {
+    if (i >= first) out.push_back(std::stod(word));
+  }
+  return out;
+}
+
+TEST_F(FramesCli, LabelsAreThoseOfTheDataSets) {
+  make_street_scene();
+  const std::string what = "render s.scene --sensor front --sensor top --times 0.1:0.2:0.1 --labels ";
+  // frames.json, which the others are made of.
+  ASSERT_EQ(run(what + "json -o json").exit_code, 0);
+  const nlohmann::json front = frames_of("json/front"), top = frames_of("json/top");
+  const nlohmann::json label = front.at("frames").at(0).at("labels").at(0);
+  EXPECT_EQ(label.at("actor"), 1);
+  const auto pixels = label.at("pixels").get<int>();
+  ASSERT_GT(pixels, 3);
+  const auto seen = label.at("visible_px").get<std::vector<double>>();
+  const auto projected = label.at("projected_px").get<std::vector<double>>();
+  EXPECT_LE(pixels, (seen[2] - seen[0]) * (seen[3] - seen[1]));
+  EXPECT_GE(label.at("occlusion").get<double>(), 0.0);
+  EXPECT_LE(label.at("truncation").get<double>(), 1.0);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(seen[i], projected[i], 2.0) << i;  // of 64 x 36 px
+  EXPECT_TRUE(top.at("frames").at(0).at("labels").at(0).contains("returns"));
+  // The same place by both sensors' poses.
+  const Pose world_from_actor = pose_of(label.at("world_from_actor"));
+  const Pose world_from_camera = pose_of(front.at("frames").at(0).at("world_from_sensor_start"));
+  const Pose camera_from_actor = pose_of(label.at("sensor_from_actor"));
+  EXPECT_LT((world_from_camera * camera_from_actor.translation - world_from_actor.translation).norm(), 0.5);
+
+  ASSERT_EQ(run(what + "kitti -o kitti").exit_code, 0);
+  const std::string line = read_file(folder_ / "kitti/front/kitti/label_2/000000.txt");
+  ASSERT_EQ(line.substr(0, 4), "Car ");
+  const std::vector<double> kitti = numbers_of(line.substr(0, line.find('\n')), 1);
+  ASSERT_EQ(kitti.size(), 14U);
+  EXPECT_NEAR(kitti[3], std::max(0.0, projected[0] - 0.5), 1e-3);  // its pixels are at their middles
+  const auto size_m = label.at("size_m").get<std::vector<double>>();
+  EXPECT_NEAR(kitti[7], size_m[2], 1e-3);  // height, width, length
+  EXPECT_NEAR(kitti[9], size_m[0], 1e-3);
+  EXPECT_NEAR(kitti[10], camera_from_actor.translation.x(), 1e-3);
+  EXPECT_NEAR(kitti[11], camera_from_actor.translation.y() + 0.5 * size_m[2], 1e-3);  // under the middle
+  EXPECT_NEAR(kitti[12], camera_from_actor.translation.z(), 1e-3);
+  EXPECT_TRUE(fs::exists(folder_ / "kitti/front/kitti/image_2/000001.png"));
+  EXPECT_NE(read_file(folder_ / "kitti/front/kitti/calib/000000.txt").find("P2: "), std::string::npos);
+
+  ASSERT_EQ(run(what + "coco --class car:truck -o coco").exit_code, 0);
+  const nlohmann::json coco = nlohmann::json::parse(read_file(folder_ / "coco/coco.json"));
+  EXPECT_EQ(coco.at("images").size(), 2U);
+  EXPECT_EQ(coco.at("categories").at(0).at("name"), "truck");
+  EXPECT_EQ(coco.at("annotations").at(0).at("area"), pixels);
+  EXPECT_EQ(coco.at("annotations").at(0).at("bbox").at(2).get<double>(), seen[2] - seen[0]);
+
+  ASSERT_EQ(run(what + "nuscenes -o nuscenes").exit_code, 0);
+  const auto table = [&](const char* name) {
+    return nlohmann::json::parse(read_file(folder_ / "nuscenes/v1.0-simuli" / (std::string(name) + ".json")));
+  };
+  EXPECT_EQ(table("sample").size(), 2U);
+  ASSERT_GE(table("sample_annotation").size(), 1U);
+  EXPECT_NEAR(table("sample_annotation").at(0).at("size").at(1).get<double>(), size_m[0], 1e-9);
+  for (const nlohmann::json& data : table("sample_data"))
+    EXPECT_TRUE(fs::exists(folder_ / "nuscenes" / data.at("filename").get<std::string>())) << data;
+
+  expect_failure("render s.scene --sensor top --labels coco -o x", kUsage, "allowed with a camera");
+  expect_failure("render s.scene --sensor front --labels kitti --images exr -o x", kUsage, "--images png");
+  expect_failure("render s.scene --sensor front --labels json -o x.mp4", kUsage, "with a folder");
+  expect_failure("render s.scene --sensor front --labels voc -o x", kUsage, "voc");
+  expect_failure("render s.scene --sensor front --class nobody:car -o x", kUsage, "nobody");
+}
+
+TEST_F(FramesCli, FlowLeadsToTheNextFrame) {
+  make_street_scene();
+  const std::string what = "render s.scene --sensor front --times ";
+  ASSERT_EQ(run(what + "0.1:0.2:0.1 --outputs flow,scene_flow --values npz -o npz").exit_code, 0);
+  const std::string first = read_file(folder_ / "npz/front_000000.npz");
+  EXPECT_NE(first.find("scene_flow.npy"), std::string::npos);
+  ASSERT_EQ(run(what + "0.1:0.2:0.1 --outputs flow --values png -o png").exit_code, 0);
+  const Image flow = read_image(folder_ / "png/front_000000_flow.png");
+  std::size_t valid = 0;
+  for (std::size_t i = 0; i < flow.data.size(); i += 3) valid += flow.data[i + 2] > 0.0F ? 1U : 0U;
+  EXPECT_GT(valid, 300U);
+  EXPECT_FALSE(fs::exists(folder_ / "png/front_000001_flow.png"));  // the last one leads nowhere
+  expect_failure(what + "0.1:0.1:0.1 --outputs flow -o x", kUsage, "a frame behind it");
 }
 
 TEST_F(FramesCli, AreTheRecordedOnesOfTheSensor) {

@@ -119,7 +119,12 @@ TEST(Image, CountsKeepSixteenBits) {
   }
   counts.data[1] = 7.0F;
   refused("b.exr", counts, {".png"});
-  refused("b.png", Image(1, 1, 3), {"channels"});
+  refused("b.png", Image(1, 1, 2), {"channels"});
+  Image colours(1, 1, 3);
+  colours.data = {7.0F, 65535.0F, 0.0F};
+  write_counts(scratch / "c.png", colours);
+  const Image back = read_image(scratch / "c.png");
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_FLOAT_EQ(65535.0F * back.data[i], colours.data[i]);
 }
 
 TEST(Image, RefusesTruncatedFiles) {

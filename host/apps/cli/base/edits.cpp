@@ -61,6 +61,7 @@ void add_edit_options(Command sub, Edits& edits) {
   add("--retime", edits.retime, "ACTOR:RATE[:DELAY_S], its track RATE times as fast, DELAY_S later");
   add("--move", edits.move, "ACTOR:FORWARD,LEFT,UP, metres in the actor's own frame");
   add("--turn", edits.turn, "ACTOR:DEGREES, to its left, about its own up");
+  add("--class", edits.classes, "ACTOR:CLASS, what it is: car, truck, pedestrian, ...; its kind in labels");
   add("--remove", edits.remove, "ACTOR, take it away");
 }
 
@@ -77,6 +78,7 @@ std::vector<std::string> lines_of(const Edits& edits) {
   tell("--retime", edits.retime);
   tell("--move", edits.move);
   tell("--turn", edits.turn);
+  tell("--class", edits.classes);
   tell("--remove", edits.remove);
   return lines;
 }
@@ -161,6 +163,11 @@ void apply(const Edits& edits, SceneFile& file) {
     constexpr const char* kAllowed = "ACTOR:DEGREES, a finite number";
     const auto parts = parts_of("--turn", edit, 2, 2, kAllowed);
     turn_actor(scene, parts[0], number("--turn", parts[1], kAllowed) * kDegree);
+  }
+  for (const std::string& edit : edits.classes) {
+    const auto parts = parts_of("--class", edit, 2, 2, "ACTOR:CLASS");
+    need_name(parts[1], "--class " + edit, "class");
+    scene.actors[find_actor(scene.actors, parts[0])].kind = parts[1];
   }
   for (const std::string& name : edits.remove) remove_actor(scene, name);
 }

@@ -20,6 +20,7 @@ struct Edits {
   std::vector<std::string> retime;     // ACTOR:RATE[:DELAY_S]
   std::vector<std::string> move;       // ACTOR:FORWARD_M,LEFT_M,UP_M
   std::vector<std::string> turn;       // ACTOR:DEGREES
+  std::vector<std::string> classes;    // ACTOR:CLASS
   std::vector<std::string> remove;     // ACTOR
 };
 

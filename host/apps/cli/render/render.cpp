@@ -27,6 +27,8 @@
 #include "host/device/render/options/validate.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "io/base/file.hpp"
+#include "io/export/frame_labels.hpp"
+#include "io/export/track_labels.hpp"
 #include "io/scene/frames_file.hpp"
 
 namespace simuli::cli {
@@ -100,6 +102,9 @@ enum class OutputKind { kFolder, kFolders, kLog, kVideo, kRecording };
 /// Of options that do not go together Error{kUsage}.
 OutputKind kind_of(const RenderCommand& command) {
   const std::string quoted = '"' + command.output + '"';
+  const bool is_file = is_bag(command.output) || is_video(command.output);
+  if (is_file && !command.files.labels.empty())
+    throw_usage_error("--labels", "with " + quoted, "with a folder");
   if (is_bag(command.output)) {
     need_options_of_bags(command.files);
     if (command.as_log) throw_usage_error("--as-log", "with an .mcap file", "with a folder");
@@ -137,54 +142,82 @@ fs::path folder_of(const SensorPlan& view, OutputKind kind, const fs::path& outp
 
 /// Pictures or clouds, and frames.json, into a folder that there is.
 template <class OnFrame>
-void write_frames(SceneOnDevice& scene,
-                  const SensorPlan& view,
-                  const FrameFiles& files,
-                  FramesRecord record,
-                  const fs::path& folder,
-                  const SupportSource* support,
-                  const OnFrame& on_frame) {
+FramesRecord write_frames(SceneOnDevice& scene,
+                          const SensorPlan& view,
+                          const FrameFiles& files,
+                          FramesRecord record,
+                          const fs::path& folder,
+                          const FrameSources& sources,
+                          const OnFrame& on_frame) {
   files.describe(record, scene.scene());
   for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
     const Frame frame = scene.render(view.sensor, view.plan.shot(view.sensor, i), files.request());
-    const Shot& shot = frame.shot();
-    record.frames.push_back(
-        {files.write(
-             frame, folder, fmt::format("{}_{:06d}", view.sensor.name(), view.plan.first + i), support),
-         shot.time_start_s,
-         shot.time_end_s,
-         shot.world_from_sensor_start,
-         shot.world_from_sensor_end});
+    std::optional<Shot> next;
+    if (i + 1 < view.plan.spans.size()) next = view.plan.shot(view.sensor, i + 1);
+    const std::size_t number = view.plan.first + i;
+    record.frames.push_back(files.write(frame,
+                                        folder,
+                                        fmt::format("{}_{:06d}", view.sensor.name(), number),
+                                        sources,
+                                        next ? &*next : nullptr));
+    record.frames.back().number = number;
     on_frame();
   }
   write_frames_file(folder / "frames.json", record);
+  return record;
+}
+
+/// Says which actors KITTI has no class for.
+void warn_of_kitti(const std::vector<Actor>& actors) {
+  for (const Actor& actor : actors) {
+    if (has_label_class(actor.kind, LabelNames::kKitti)) continue;
+    std::cerr << fmt::format(
+        "simuli: {} is a \"{}\", which KITTI has no class for: written as Misc; --class {}:car "
+        "would say what it is\n",
+        actor.name,
+        actor.kind,
+        actor.name);
+  }
 }
 
 void write_rendered_folder(SceneOnDevice& scene,
                            const std::vector<SensorPlan>& views,
                            OutputKind kind,
                            const RenderCommand& command,
+                           const RenderOptions& options,
                            const FramesRecord& record,
                            const std::shared_ptr<const SupportRecord>& seen,
                            const RecordedViews* recorded,
                            const std::function<void()>& on_frame) {
+  const std::string& labels = command.files.labels;
+  if (!labels.empty()) {
+    std::vector<Sensor> sensors;
+    for (const SensorPlan& view : views) sensors.push_back(view.sensor);
+    need_label_format(labels, sensors);
+    if (labels == "kitti") warn_of_kitti(scene.scene().actors);
+  }
   std::vector<FrameFiles> files;
   for (const SensorPlan& view : views) files.emplace_back(command.files, view.sensor, view.plan, recorded);
-  std::optional<SupportOnDevice> support_on;
-  std::optional<SupportSource> support;
   const ActorCopies copies = copies_of(command.edits);
-  if (std::any_of(files.begin(), files.end(), [](const FrameFiles& f) { return f.needs_support(); })) {
-    support_on.emplace(scene.device(), seen);
-    support.emplace(SupportSource{*support_on, scene.scene(), copies});
-  }
+  FrameSources sources{scene.scene(), copies};
+  std::optional<SupportOnDevice> support;
+  if (std::any_of(files.begin(), files.end(), [](const FrameFiles& f) { return f.needs_support(); }))
+    sources.support = &support.emplace(scene.device(), seen);
+  std::optional<LabelsOnDevice> labeller;
+  if (!labels.empty()) sources.labels = &labeller.emplace(scene.device(), borrowed(scene.scene()), options);
   write_folder_atomically(command.output, [&](const fs::path& folder) {
+    std::vector<LabelledFrames> all;
     for (std::size_t k = 0; k < views.size(); ++k) {
-      const fs::path to = folder_of(views[k], kind, folder);
+      const std::string name = kind == OutputKind::kFolders ? views[k].sensor.name() : "";
+      const fs::path to = folder / name;
       fs::create_directories(to);
       FramesRecord own = record;
       own.sensor = views[k].sensor;
-      write_frames(scene, views[k], files[k], std::move(own), to, support ? &*support : nullptr, on_frame);
+      all.push_back({name, write_frames(scene, views[k], files[k], std::move(own), to, sources, on_frame)});
     }
+    if (labels == "kitti") write_kitti_labels(folder, all);
+    if (labels == "coco") write_coco_labels(folder, all);
+    if (labels == "nuscenes") write_nuscenes_labels(folder, all);
   });
 }
 
@@ -314,6 +347,7 @@ void render(RenderCommand command, const Globals& globals) {
                             views,
                             kind,
                             command,
+                            options,
                             record_of(command, globals, options, views.front().sensor, scene),
                             file.support,
                             recorded.get(),
@@ -348,7 +382,8 @@ void add_render(Command app, const Globals& globals) {
   Option as_log = sub.flag("--as-log",
                            command->as_log,
                            "the folder becomes a log, by default of all sensors of the scene, to train on");
-  for (const char* other : {"--clouds", "--cloud-frame", "--outputs", "--values", "--fps", "--mark-unseen"})
+  for (const char* other :
+       {"--clouds", "--cloud-frame", "--outputs", "--values", "--fps", "--mark-unseen", "--labels"})
     as_log.excludes(other);
   add_plan_options(sub, command->plan);
   add_edit_options(sub, command->edits);

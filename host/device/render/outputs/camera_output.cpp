@@ -141,8 +141,17 @@ std::vector<float> values_of(const Frame& frame, CameraOutput output) {
 }  // namespace
 
 const std::vector<std::string>& camera_output_names() {
-  static const std::vector<std::string> names{
-      "rgb", "depth", "mean_depth", "distance", "mean_distance", "opacity", "actors", "normals", "support"};
+  static const std::vector<std::string> names{"rgb",
+                                              "depth",
+                                              "mean_depth",
+                                              "distance",
+                                              "mean_distance",
+                                              "opacity",
+                                              "actors",
+                                              "normals",
+                                              "support",
+                                              "flow",
+                                              "scene_flow"};
   return names;
 }
 
@@ -152,9 +161,10 @@ CameraOutput camera_output(std::string_view name) {
 
 FrameRequest request_for(const std::vector<CameraOutput>& outputs, FrameRequest request) {
   for (const CameraOutput output : outputs) {
+    const bool is_flow = output == CameraOutput::kFlow || output == CameraOutput::kSceneFlow;
     request.camera_median |= output == CameraOutput::kDepth || output == CameraOutput::kDistance ||
-                             output == CameraOutput::kNormals;
-    request.actors |= output == CameraOutput::kActors;
+                             output == CameraOutput::kNormals || is_flow;
+    request.actors |= output == CameraOutput::kActors || is_flow;
   }
   return request;
 }
@@ -168,6 +178,8 @@ Image image_of(const Frame& frame, CameraOutput output) {
         ErrorKind::kUsage,
         "support: found a frame alone, allowed with the record of its scene: SupportOnDevice::image_of()");
   }
+  if (output == CameraOutput::kFlow || output == CameraOutput::kSceneFlow)
+    throw Error(ErrorKind::kUsage, "flow: found a frame alone, allowed with another shot: flow_of()");
   Image image(camera.width, camera.height, 1);
   image.data = values_of(frame, output);
   return image;

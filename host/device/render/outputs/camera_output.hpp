@@ -22,10 +22,12 @@ enum class CameraOutput {
   kOpacity,  // [0, 1]: 1 less the light that goes on
   kActors,   // Frame::actors(): who is at kDistance
   kNormals,  // [3] in the camera's axes at the pixel's time, towards the camera; zeros: none
-  kSupport   // [0, 1]: how well it is known; SupportOnDevice::image_of() (host/device/support/support.hpp) tells it
+  kSupport,  // [0, 1]: how well it is known; SupportOnDevice::image_of() (host/device/support/support.hpp) tells it
+  kFlow,      // [3] to another shot: Flow::pixels of flow_of() (flow.hpp)
+  kSceneFlow  // [3] m: Flow::points
 };
-/// "rgb", "depth", "mean_depth", "distance", "mean_distance", "opacity", "actors", "normals", "support": in
-/// the order of the values.
+/// "rgb", "depth", "mean_depth", "distance", "mean_distance", "opacity", "actors", "normals", "support", "flow",
+/// "scene_flow": in the order of the values.
 [[nodiscard]] const std::vector<std::string>& camera_output_names();
 /// Error{kUsage} naming those there are.
 [[nodiscard]] CameraOutput camera_output(std::string_view name);
@@ -35,7 +37,8 @@ enum class CameraOutput {
 
 /// [height][width][1], of kRgb and kNormals [3]. A normal is that of the plane through the points at
 /// kDistance of 7 x 7 pixels, without those whose distance differs by more than a tenth. Error{kUsage} of a
-/// LiDAR, of kSupport, which takes more than the frame, or for what the frame was not asked for.
+/// LiDAR, of kSupport, kFlow and kSceneFlow, which take more than the frame, or for what the frame was not asked
+/// for.
 [[nodiscard]] Image image_of(const Frame& frame, CameraOutput output);
 
 }  // namespace simuli

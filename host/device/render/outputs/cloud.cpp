@@ -20,6 +20,8 @@ PointCloud point_cloud(const Frame& of, const CloudOptions& options) {
   if (has_rows) add("ring", ColumnType::kUint16);
   add("time", ColumnType::kFloat);
   if (options.actors) add("actor", ColumnType::kUint16);
+  const bool has_classes = options.actors && !options.classes.empty();
+  if (has_classes) add("class", ColumnType::kUint16);
   if (!options.support.empty()) add("support", ColumnType::kFloat);
   const std::vector<std::uint32_t> actors = options.actors ? of.actors() : std::vector<std::uint32_t>{};
   cloud.values.resize(frame.returns(), static_cast<Eigen::Index>(cloud.columns.size()));
@@ -33,6 +35,7 @@ PointCloud point_cloud(const Frame& of, const CloudOptions& options) {
     if (has_rows) *to++ = static_cast<double>(i / columns);
     *to++ = static_cast<double>(frame.rays.time_fraction[i]) * duration_s;
     if (options.actors) *to++ = actors[i];
+    if (has_classes) *to++ = actors[i] == 0 ? 0.0 : options.classes[actors[i] - 1];
     if (!options.support.empty()) *to++ = static_cast<double>(options.support[i]);
   }
   return cloud;

@@ -1,5 +1,6 @@
 #pragma once
 // A LiDAR's frame as a point cloud.
+#include <cstdint>
 #include <vector>
 
 #include "host/core/base/point_cloud.hpp"
@@ -11,6 +12,7 @@ struct CloudOptions {
   PointFrame frame = PointFrame::kWorld;
   ColumnType coordinates = ColumnType::kFloat;  // of x, y and z
   bool actors = false;                          // with a column "actor" (uint16): Frame::actors()
+  std::vector<std::uint16_t> classes = {};      // [actors], then also a column "class": theirs, 0 of no actor
   std::vector<float> support =
       {};  // [rays], with a column "support" of them: SupportOnDevice::of(); empty: without
 };
