@@ -32,7 +32,8 @@ set(SIMULI_PUBLIC_render
   "A scene on a device, a sensor and a shot make a frame."
   host/device/render/scene/shot.hpp host/device/render/scene/ray_results.hpp host/device/render/scene/readings.hpp
   host/device/render/scene/frame.hpp host/device/render/scene/scene_on_device.hpp host/device/render/outputs/cloud.hpp
-  host/device/render/outputs/camera_output.hpp
+  host/device/render/outputs/camera_output.hpp host/core/scene/actor_label.hpp
+  host/device/render/outputs/labels.hpp host/device/render/outputs/flow.hpp
   host/core/record/support_record.hpp host/core/record/mirror.hpp host/device/support/support.hpp)
 set(SIMULI_PUBLIC_log
   "Recorded drives."
