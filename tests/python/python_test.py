@@ -134,6 +134,21 @@ for at in (name, lidar):
     assert who.dtype == np.uint32 and 0 <= who.max() <= len(scene.actors), at
 assert scene.render_batch(lidar, [start_s], actors=True)[0].actors.max() <= len(scene.actors)
 
+# Labels of who is seen, and where what is seen goes to.
+now, later = (scene.render(name, time_s=t, actors=True) for t in (start_s, start_s + 0.1))
+for label in scene.labels(now):
+    assert label["pixels"] == (now.actors == label["actor"]).sum() and label["world_from_actor"].shape == (4, 4)
+    assert label["occlusion"] is None or 0 <= label["occlusion"] <= 1
+    assert (label["visible_px"] is None) == (label["pixels"] == 0) and 0 <= label["truncation"] <= 1
+assert all(label["returns"] >= 0 for label in scene.labels(scene.render(lidar, time_s=start_s, actors=True)))
+pixels, points = scene.flow(now, now)
+assert pixels.shape == points.shape == (height, width, 3) and pixels.dtype == np.float32
+assert abs(pixels[..., :2]).max() < 1e-3 and abs(points).max() < 1e-3  # to itself: nowhere
+assert abs(scene.flow(now, later)[0][..., :2]).max() > 0.1
+refused(lambda: scene.labels(frame), "actors")
+refused(lambda: scene.flow(frame, later), "actors")
+refused(lambda: simuli.Scene(folder).labels(now), "another scene")
+
 # Some rays alone: the same there, nothing elsewhere.
 for which, whole, quantity in ((name, frame, "distance_m"), (lidar, sweep, "range_m")):
     whole = getattr(whole, quantity)

@@ -21,6 +21,7 @@ class PyScene {
     file_ = read_scene(folder);
     rig_ = SensorRig(file_);
     scene_ = std::make_shared<const Scene>(std::exchange(file_.scene, {}));
+    options_ = options;
     on_device_.emplace(device_.device, scene_, options);
   }
   PyScene(const PyScene&) = delete;
@@ -28,6 +29,7 @@ class PyScene {
   ~PyScene() {
     const DeviceLock lock(device_.mutex);
     support_.reset();
+    labels_.reset();
     on_device_.reset();
   }
 
@@ -100,6 +102,7 @@ class PyScene {
     f(changed);
     scene_ = std::make_shared<const Scene>(std::move(changed));
     on_device_->set_scene(scene_);
+    labels_.reset();
   }
   void edit(const ActorEdit& edit) {
     change([&](Scene& s) { edit_actor(s, edit); });
@@ -153,6 +156,52 @@ class PyScene {
       return std::make_shared<const Eigen::MatrixXf>(on_device_->gradients(frame.frame(), given));
     }();
     return on_matrix(found, *found);
+  }
+
+  [[nodiscard]] py::list labels(const PyFrame& frame) {
+    const std::vector<ActorLabel> found = [&] {
+      const DeviceLock lock(device_.mutex);
+      if (!labels_) labels_.emplace(device_.device, scene_, options_);
+      return labels_->of(frame.frame());
+    }();
+    const auto box_of = [](const std::optional<PixelBox>& box) -> py::object {
+      if (!box) return py::none();
+      return py::make_tuple(box->left, box->top, box->right, box->bottom);
+    };
+    const bool is_camera = frame.frame().sensor().is_camera();
+    py::list out;
+    for (const ActorLabel& label : found) {
+      const Actor& actor = scene_->actors[label.actor];
+      py::dict one;
+      one["actor"] = label.actor + 1;
+      one["name"] = actor.name;
+      one["kind"] = actor.kind;
+      one["time_s"] = label.time_s;
+      one["size_m"] = py::make_tuple(label.size_m.x(), label.size_m.y(), label.size_m.z());
+      one["world_from_actor"] = array_of(label.world_from_actor);
+      one["rig_from_actor"] = array_of(label.rig_from_actor);
+      one["sensor_from_actor"] = array_of(label.sensor_from_actor);
+      one[is_camera ? "pixels" : "returns"] = label.rays;
+      one["occlusion"] = label.occlusion;
+      if (is_camera) {
+        one["projected_px"] = box_of(label.projected_px);
+        one["visible_px"] = box_of(label.visible_px);
+        one["truncation"] = label.truncation;
+      }
+      out.append(one);
+    }
+    return out;
+  }
+
+  [[nodiscard]] py::tuple flow(const PyFrame& frame, const PyFrame& to) {
+    const auto found = [&] {
+      const DeviceLock lock(device_.mutex);
+      return std::make_shared<const Flow>(flow_of(frame.frame(), *scene_, to.frame().shot()));
+    }();
+    const auto array = [&found](const Image& image) {
+      return array_on(found, image.data.data(), {image.height, image.width, 3});
+    };
+    return py::make_tuple(array(found->pixels), array(found->points));
   }
 
   [[nodiscard]] py::object support(const PyFrame& frame, const ActorCopies& copies) {
@@ -258,7 +307,9 @@ class PyScene {
   SensorRig rig_;
   std::shared_ptr<const Scene> scene_;
   std::optional<SceneOnDevice> on_device_;
+  RenderOptions options_;
   std::optional<SupportOnDevice> support_;  // when first asked for
+  std::optional<LabelsOnDevice> labels_;    // of scene_, when first asked for
 };
 
 py::list actors_of(const Scene& scene) {
@@ -329,7 +380,20 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("frame"),
            py::arg("copies") = ActorCopies{},
            "float32 [rows, columns] in [0, 1]: how well what a frame of this scene shows is known from the "
-           "frames that it was made of; 0: not at all. copies: whose copies duplicated actors are, by name.");
+           "frames that it was made of; 0: not at all. copies: whose copies duplicated actors are, by name.")
+      .def("labels",
+           &PyScene::labels,
+           py::arg("frame"),
+           "Of a frame of this scene rendered with actors=True, a dict for each actor that is there: its box "
+           "as "
+           "the sensor saw it, pixels or returns of its body, occlusion, and 2D boxes (docs/RENDERS.md).")
+      .def(
+          "flow",
+          &PyScene::flow,
+          py::arg("frame"),
+          py::arg("to"),
+          "float32 [rows, columns, 3] twice, of a camera's frame rendered with actors=True to another of it: "
+          "px right, px down and whether there is such a place; m in the camera's axes.");
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ TEST_F(LabelTruth, MasksAndFlowAreTheStreets) {
   training.run();
   const Scene scene = training.result().scene;
   const Errors found = errors(log, options, scene, 3);
-  EXPECT_GE(found.iou, 0.9);
+  EXPECT_GE(found.iou, 0.95);
   EXPECT_LE(found.at(0.5), 0.1);
 }
 

@@ -35,6 +35,8 @@ Vector3d deformed(const ActorView& actor, double share, const Vector3d& rest) {
 }  // namespace
 
 Flow flow_of(const Frame& frame, const Scene& scene, const Shot& to) {
+  if (!FrameAccess::is_of(frame, scene))
+    throw Error(ErrorKind::kUsage, "flow: found a frame of another scene, allowed one of the scene as it is");
   const Camera& camera = frame.sensor().camera();
   const std::vector<float>& distances = frame.results().median;
   if (distances.empty()) {
