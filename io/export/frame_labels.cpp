@@ -212,7 +212,8 @@ class NuscenesTables {
   void write(const fs::path& folder) const {
     fs::create_directories(folder);
     for (const auto& [name, table] : tables_)
-      write_file_atomically(folder / (name + ".json"), table.dump(1) + '\n');
+      write_file_atomically(folder / (name + ".json"),
+                            table.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
   }
 
  private:
