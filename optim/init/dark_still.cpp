@@ -1,11 +1,12 @@
 #include "optim/init/dark_still.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <unordered_map>
-#include <unordered_set>
 #include <variant>
 
 #include "host/core/base/parallel.hpp"
@@ -17,22 +18,26 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kOffVehicle_m = 1.5;     // from the sensor: not the vehicle itself
-constexpr double kStep_m = 0.25;          // along a ray, on the way to the ground
-constexpr double kDown = 0.02;            // of a ray's direction: how far down it looks at least
-constexpr double kAboveGround_m = 0.3;    // along a ray: what is nearer to the ground may be the ground
-constexpr double kBeforeReturn_m = 0.2;   // a thick surface is no way through itself
-constexpr std::int64_t kBlockVoxels = 8;  // along each axis
+constexpr double kOffVehicle_m = 1.5;    // from the sensor: not the vehicle itself
+constexpr double kStep_m = 0.25;         // along a ray, on the way to the ground
+constexpr double kDown = 0.02;           // of a ray's direction: how far down it looks at least
+constexpr double kAboveGround_m = 0.3;   // along a ray: what is nearer to the ground may be the ground
+constexpr double kBeforeReturn_m = 0.2;  // a thick surface is no way through itself
 
 using Key = std::uint64_t;
+using Cell = Eigen::Array<std::int64_t, 3, 1>;
+
+Cell cell_of(const Eigen::Vector3d& p, double side_m) {
+  return (p.array() / side_m).floor().cast<std::int64_t>();
+}
 
 /// 21 bits an axis.
-Key key_of(const Eigen::Vector3d& p, double side_m) {
-  const auto bits = [side_m](double x) {
+Key key_of(const Cell& cell) {
+  const auto bits = [](std::int64_t at) {
     constexpr std::int64_t kMiddle = std::int64_t{1} << 20U;
-    return static_cast<Key>(static_cast<std::int64_t>(std::floor(x / side_m)) + kMiddle) & 0x1fffffU;
+    return static_cast<Key>(at + kMiddle) & 0x1fffffU;
   };
-  return bits(p.x()) << 42U | bits(p.y()) << 21U | bits(p.z());
+  return bits(cell.x()) << 42U | bits(cell.y()) << 21U | bits(cell.z());
 }
 
 /// How far it is from p along d out of its cell of `side_m`.
@@ -70,40 +75,60 @@ void each_ray(const PosedSweep& posed, const Visit& visit) {
 
 }  // namespace
 
+/// Votes of voxels, in cubes of them: rays go through many of one after the other, and most of space has none.
 struct DarkStill::Votes {
+  static constexpr std::int64_t kBits = 3, kSide = std::int64_t{1} << kBits;  // voxels
+  using Block = std::array<DarkVotes, std::size_t{1} << (3 * kBits)>;
   double voxel_m;
-  std::unordered_map<Key, DarkVotes> of;
-  std::unordered_set<Key> blocks;  // with a voxel that has votes
+  std::unordered_map<Key, std::unique_ptr<Block>> blocks;
 
-  [[nodiscard]] double block_m() const { return voxel_m * static_cast<double>(kBlockVoxels); }
+  [[nodiscard]] double block_m() const { return voxel_m * static_cast<double>(kSide); }
+  [[nodiscard]] static Cell block_of(const Cell& voxel) {
+    return voxel.unaryExpr([](std::int64_t at) { return at >> kBits; });
+  }
+  [[nodiscard]] static std::size_t place_in_block(const Cell& voxel) {
+    const auto low = [](std::int64_t at) { return static_cast<std::size_t>(at & (kSide - 1)); };
+    return (low(voxel.z()) << (2 * kBits)) | (low(voxel.y()) << kBits) | low(voxel.x());
+  }
 
-  /// Calls visit(key, place) for the voxels along a way, in order, until it returns false; `known`: only for
-  /// those in blocks that have votes.
-  template <class Visit>
-  void walk(const Way& way, bool known, Visit&& visit) const {
+  /// Calls visit(votes, place) for the voxels along a way, in order, until it returns false. block(key): a
+  /// block's votes, or null where it is passed over.
+  template <class BlockOf, class Visit>
+  void walk(const Way& way, const BlockOf& block, const Visit& visit) const {
     const double step_m = 0.5 * voxel_m;  // what is only grazed may be missed, and nothing counts twice
-    Key last = std::numeric_limits<Key>::max(), block = last;
-    bool is_known = !known;
+    constexpr std::int64_t kNowhere = std::numeric_limits<std::int64_t>::max();
+    Cell last = Cell::Constant(kNowhere), last_block = last;
+    Block* votes = nullptr;
     for (double t = way.from_m; t < way.to_m; t += step_m) {
       const Eigen::Vector3d p = way.origin + t * way.direction;
-      if (const Key own = known ? key_of(p, block_m()) : block; own != block) {
-        block = own;
-        is_known = blocks.contains(own);
+      const Cell voxel = cell_of(p, voxel_m);
+      if ((voxel == last).all()) continue;
+      last = voxel;
+      if (const Cell own = block_of(voxel); (own != last_block).any()) {
+        last_block = own;
+        votes = block(key_of(own));
       }
-      if (!is_known) {
+      if (votes == nullptr) {
         t += std::max(0.0, way_out_m(p, way.direction, block_m()) - step_m);
         continue;
       }
-      const Key voxel = key_of(p, voxel_m);
-      if (voxel == last) continue;
-      last = voxel;
-      if (!visit(voxel, p)) return;
+      if (!visit((*votes)[place_in_block(voxel)], p)) return;
     }
+  }
+  /// The block there, which may be none yet.
+  [[nodiscard]] Block* found(Key key) const {
+    const auto at = blocks.find(key);
+    return at == blocks.end() ? nullptr : at->second.get();
+  }
+  [[nodiscard]] Block* made(Key key) {
+    std::unique_ptr<Block>& block = blocks[key];
+    if (!block) block = std::make_unique<Block>();
+    return block.get();
   }
 };
 
 DarkStill::DarkStill(const GroundMap& ground, double voxel_m)
-    : ground_(ground), votes_(std::make_unique<Votes>(Votes{voxel_m, {}, {}})) {}
+    : ground_(ground), votes_(std::make_unique<Votes>(Votes{voxel_m, {}})) {}
 
 DarkStill::~DarkStill() = default;
 
@@ -133,11 +158,13 @@ void DarkStill::add_dropped(const PosedSweep& posed, const std::vector<MovingBox
   });
   for (const Way& way : ways) {
     if (!(way.from_m < way.to_m)) continue;
-    votes_->walk(way, false, [&](Key voxel, const Eigen::Vector3d& place) {
-      ++votes_->of[voxel].dropped;
-      votes_->blocks.insert(key_of(place, votes_->block_m()));
-      return true;
-    });
+    votes_->walk(
+        way,
+        [&](Key block) { return votes_->made(block); },
+        [](DarkVotes& votes, const Vector3d&) {
+          ++votes.dropped;
+          return true;
+        });
     dropped_.push_back(way);
   }
 }
@@ -146,24 +173,28 @@ void DarkStill::add_returned(const PosedSweep& posed) {
   each_ray(posed, [&](std::size_t, const Vector3d& origin, const Vector3d& direction, double range_m) {
     if (!(range_m > 0.0)) return;
     const Way way{origin, direction, kOffVehicle_m, std::min(range_m - kBeforeReturn_m, kGround_m)};
-    votes_->walk(way, true, [&](Key voxel, const Eigen::Vector3d&) {
-      const auto found = votes_->of.find(voxel);
-      // Counts are the same in any order.
-      if (found != votes_->of.end())
-        std::atomic_ref(found->second.through).fetch_add(1, std::memory_order_relaxed);
-      return true;
-    });
+    votes_->walk(
+        way,
+        [&](Key block) { return votes_->found(block); },
+        [](DarkVotes& votes, const Vector3d&) {
+          // Counts are the same in any order.
+          std::atomic_ref(votes.through).fetch_add(1, std::memory_order_relaxed);
+          return true;
+        });
   });
 }
 
 PointSet DarkStill::points() const {
   VoxelGrid grid(votes_->voxel_m);
   for (const Way& way : dropped_) {
-    votes_->walk(way, false, [&](Key voxel, const Eigen::Vector3d& place) {
-      if (!votes_->of.at(voxel).is_dark()) return true;
-      grid.add(place, 0.0);
-      return false;
-    });
+    votes_->walk(
+        way,
+        [&](Key block) { return votes_->found(block); },
+        [&](const DarkVotes& votes, const Vector3d& place) {
+          if (!votes.is_dark()) return true;
+          grid.add(place, 0.0);
+          return false;
+        });
   }
   return grid.averages();
 }
