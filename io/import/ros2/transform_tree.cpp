@@ -23,6 +23,17 @@ Pose at(const std::vector<StampedPose>& poses, std::int64_t stamp_ns) {
   return interpolate(before.pose, after->pose, share);
 }
 
+/// A parent whose origin is the centre of the earth (REP 105's earth, of any name): as far away as that, along
+/// the child's z. The northings of a UTM grid are as large, but lie across z.
+bool is_on_earth(const Pose& pose) {
+  constexpr double kLeast_m = 6.33e6;  // a pole less 20 km
+  constexpr double kMost_m = 6.40e6;   // the equator and 20 km
+  constexpr double kLeastCosine = 0.8;
+  const double distance_m = pose.translation.norm();
+  const double along_z_m = std::abs(pose.translation.dot(pose.rotation * Eigen::Vector3d::UnitZ()));
+  return distance_m > kLeast_m && distance_m < kMost_m && along_z_m > kLeastCosine * distance_m;
+}
+
 bool are_one(const std::vector<StampedPose>& poses) {
   constexpr double kSame = 1e-6;  // m, rad: what a publisher's rounding makes of one pose
   const Pose& first = poses.front().pose;
@@ -156,7 +167,20 @@ std::vector<StampedPose> TransformTree::path(const std::string& frame, std::stri
   }
   if (!is_found)
     throw_input_error(file_, "/tf: frame " + frame, "not in " + world, "one that it is in: " + frames());
-  if (world.empty() && !links.empty()) world = links.back()->parent;
+  if (world.empty()) {
+    const auto moves = [](const Link* link) { return !link->is_fixed; };
+    const auto earth = std::find_if(
+        links.begin(), links.end(), [](const Link* link) { return is_on_earth(link->poses.front().pose); });
+    if (earth != links.end() && std::any_of(earth, links.end(), moves) &&
+        std::none_of(links.begin(), earth, moves)) {
+      throw_input_error(file_,
+                        "/tf: frame " + frame,
+                        "moved in " + (*earth)->parent + " alone, from the centre of the earth",
+                        "a frame between whose z is up, or --world-frame");
+    }
+    links.erase(earth, links.end());
+    if (!links.empty()) world = links.back()->parent;
+  }
   const Link* fastest = nullptr;
   for (const Link* link : links) {
     if (!link->is_fixed && (fastest == nullptr || link->poses.size() > fastest->poses.size())) fastest = link;

@@ -39,7 +39,8 @@ class TransformTree {
   /// Nothing where there is no such way.
   [[nodiscard]] std::optional<Pose> fixed(const std::string& a, const std::string& b) const;
   /// world_from_frame at the stamps of the link that has most, in time's order; `world` empty: the root,
-  /// which is then told. Empty where nothing on the way moves. Error{kInput} where `world` is not above it.
+  /// or what is below it where that is the centre of the earth, which is then told. Empty where nothing on the
+  /// way moves. Error{kInput} where `world` is not above it, or where nothing moves but in an earth.
   [[nodiscard]] std::vector<StampedPose> path(const std::string& frame, std::string& world) const;
 
  private:

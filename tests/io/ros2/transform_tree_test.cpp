@@ -50,5 +50,51 @@ TEST(TransformTree, FixedAndMovingLinks) {
   expect_input_error([&] { (void)circle.fixed("c", "b"); }, {"frame b", "in itself"});
 }
 
+TEST(TransformTree, WorldIsBelowTheCentreOfTheEarth) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  struct Case {
+    const char* root;
+    Eigen::Vector3d map_m;  // in the root
+    bool is_level;          // the map's z is the root's, not away from its origin
+    const char* world;
+  };
+  const Case cases[] = {
+      {"earth", {4184708.5, 813418.3, 4734575.6}, false, "map"},
+      {"FP_ECEF", {-2700000.0, -4292000.0, 3855000.0}, false, "map"},  // California
+      {"ecef", {6378137.0, 0.0, 0.0}, false, "map"},                   // the equator
+      {"earth", {0.0, 0.0, 6356752.0}, false, "map"},                  // a pole
+      {"earth", {-4646000.0, 2553000.0, -3534000.0}, false, "map"},    // Sydney
+      {"utm", {448262.0, 6370000.0, 30.0}, true, "utm"},               // as far, but level
+      {"utm", {448262.0, 5412345.0, 310.0}, true, "utm"},
+      {"world", {10.0, 5.0, 1.0}, true, "world"},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(testing::Message() << c.root << " " << c.map_m.transpose());
+    const Eigen::Quaterniond turn =
+        c.is_level ? Eigen::Quaterniond::Identity() : Eigen::Quaterniond::FromTwoVectors(up, c.map_m);
+    TransformTree tree("a.mcap");
+    TransformTree bare("a.mcap");  // the rig is in the root itself
+    tree.add({{0, c.root}, "map", {turn, c.map_m}});
+    for (int i = 0; i < 5; ++i) {
+      tree.add({{i, "map"}, "base_link", {Eigen::Quaterniond::Identity(), {1.0 * i, 0.0, 0.0}}});
+      bare.add({{i, c.root}, "base_link", {turn, c.map_m + Eigen::Vector3d(0.0, 1.0 * i, 0.0)}});
+    }
+    tree.finish();
+    bare.finish();
+    std::string world;
+    const std::vector<StampedPose> path = tree.path("base_link", world);
+    EXPECT_EQ(world, c.world);
+    ASSERT_EQ(path.size(), 5U);
+    EXPECT_NEAR((path[2].pose.rotation * up).z(), 1.0, 1e-12);
+    world = c.root;  // asked for: as it is
+    EXPECT_EQ(tree.path("base_link", world).size(), 5U);
+    world.clear();
+    if (c.is_level)
+      EXPECT_EQ(bare.path("base_link", world).size(), 5U);
+    else
+      expect_input_error([&] { (void)bare.path("base_link", world); }, {c.root, "--world-frame"});
+  }
+}
+
 }  // namespace
 }  // namespace simuli::ros2
