@@ -15,7 +15,7 @@ namespace simuli {
 
 /// A scene that its owner keeps for as long as anybody looks at it.
 [[nodiscard]] inline std::shared_ptr<const Scene> borrowed(const Scene& scene) {
-  return {std::shared_ptr<const Scene>(), &scene};
+  return {std::make_shared<char>(), &scene};  // an owner of its own, by which frames know their scene
 }
 
 /// Renders any sensor in a scene. Movable; used by one thread at a time.
