@@ -152,7 +152,8 @@ void keep_row(const std::filesystem::path& file, const DriveRow& row, const std:
 std::optional<DriveRow> kept_row(const std::filesystem::path& file, const std::string& identity) {
   if (!std::filesystem::exists(file)) return {};
   return read_json_text(read_file(file), file.string(), [&](JsonObject& root) -> std::optional<DriveRow> {
-    const bool same = root.text("identity") == identity;
+    const bool same =
+        root.get("identity") == Json(identity);  // of several lines, which text() would not have
     DriveRow row;
     root.object("row", [&](JsonObject& object) {
       row.drive = object.text("drive");
