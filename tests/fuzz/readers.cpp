@@ -171,8 +171,8 @@ void read_recording(const fs::path& file) {
   for (const auto& [topic, cloud] : scan.clouds) {
     (void)scan.transforms.fixed(options.rig_frame, cloud.frame_id);
     if (!cloud.fields) continue;
-    const auto lidar =
-        ros2::fit_recorded(table, cloud.first_sweeps, table.sweep_s, ros2::Stamp::kUnknown, name, topic);
+    const auto lidar = ros2::fit_recorded(
+        options.lidars[0], cloud.first_sweeps, table.sweep_s, ros2::Stamp::kUnknown, name, topic);
     PointReport report;
     for (const auto& sweep : cloud.first_sweeps)
       (void)grid_points(ros2::measured(sweep, lidar, name, topic), lidar.model, report);

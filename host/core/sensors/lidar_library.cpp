@@ -6,8 +6,10 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "host/core/base/close_names.hpp"
 #include "host/core/base/error.hpp"
@@ -136,6 +138,9 @@ const LidarTable* find_table(const std::string& name) {
   return nullptr;
 }
 
+/// Azimuth of the column whose firing begins behind.
+double from_behind(int columns) { return std::numbers::pi * (1.0 - 1.0 / columns); }
+
 /// The number that is all of `text`.
 template <class T>
 std::optional<T> parse(std::string_view text) {
@@ -207,16 +212,22 @@ BuiltinLidar builtin_lidar_with_facts(const std::string& name) {
   Lidar& lidar = sensor.model;
   lidar.name = name;
   lidar.columns = facts.mode.columns;
-  lidar.sweep_s = 1.0 / facts.mode.spin_hz;
+  lidar.sweep_s = std::numeric_limits<double>::infinity();  // tables are of a head at rest
   const LidarTable* table = find_table(base);
-  if (table == nullptr || table->azimuth_first_urad == LidarTable::kFromBehind) {
-    lidar.azimuth_first = std::numbers::pi * (1.0 - 1.0 / lidar.columns);
-  }
-  for (LidarRow& row : lidar.rows) {
-    // A beam that fires later fires where the head has turned to.
-    row.azimuth_offset += lidar.spin_sign() * 2.0 * std::numbers::pi * facts.mode.spin_hz * row.time_offset;
-  }
+  if (table == nullptr || table->azimuth_first_urad == LidarTable::kFromBehind)
+    lidar.azimuth_first = from_behind(lidar.columns);
+  lidar = in_mode(std::move(lidar), facts.mode);
   return sensor;
+}
+
+Lidar in_mode(Lidar lidar, const LidarMode& mode) {
+  const double faster_hz = mode.spin_hz - 1.0 / lidar.sweep_s;
+  if (lidar.azimuth_first == from_behind(lidar.columns)) lidar.azimuth_first = from_behind(mode.columns);
+  for (LidarRow& row : lidar.rows)
+    row.azimuth_offset += lidar.spin_sign() * 2.0 * std::numbers::pi * faster_hz * row.time_offset;
+  lidar.columns = mode.columns;
+  lidar.sweep_s = 1.0 / mode.spin_hz;
+  return lidar;
 }
 
 Lidar builtin_lidar(const std::string& name) { return builtin_lidar_with_facts(name).model; }

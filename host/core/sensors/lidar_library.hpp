@@ -36,4 +36,8 @@ struct BuiltinLidar {
 /// there, and the sensor's modes for a mode that it has not.
 [[nodiscard]] BuiltinLidar builtin_lidar_with_facts(const std::string& name);
 
+/// The same sensor at that rate with that many columns: a beam that fires later fires where the head has turned
+/// to by then, and a turn that began half a column behind the back does.
+[[nodiscard]] Lidar in_mode(Lidar lidar, const LidarMode& mode);
+
 }  // namespace simuli

@@ -30,39 +30,6 @@ Ray ray_through(const Lidar& lidar, int row, const Eigen::Vector3d& p) {
   return ray;
 }
 
-/// How far a point may be off each row's elevation.
-std::vector<double> tolerances(const Lidar& lidar) {
-  std::vector<double> out;
-  for (std::size_t r = 0; r < lidar.rows.size(); ++r) {
-    double apart = 0.0;
-    if (r > 0) apart = lidar.rows[r - 1].elevation - lidar.rows[r].elevation;
-    if (r + 1 < lidar.rows.size()) {
-      apart = std::max(apart, lidar.rows[r].elevation - lidar.rows[r + 1].elevation);
-    }
-    out.push_back(std::max(kTolerance_rad, 0.5 * apart));
-  }
-  return out;
-}
-
-/// The row of the nearest elevation; -1 when none is near.
-int nearest_row(const Lidar& lidar, const std::vector<double>& tolerance, const Eigen::Vector3d& p) {
-  int best = -1;
-  double smallest = kPi;
-  double offset = 0.0, elevation = std::atan2(p.z(), p.head<2>().norm());
-  for (std::size_t r = 0; r < lidar.rows.size(); ++r) {
-    const LidarRow& row = lidar.rows[r];
-    if (row.vertical_offset != offset) {  // mostly all have the same
-      offset = row.vertical_offset;
-      elevation = std::atan2(p.z() - offset, p.head<2>().norm());
-    }
-    const double off = std::abs(elevation - row.elevation);
-    if (off > tolerance[r] || off >= smallest) continue;
-    smallest = off;
-    best = static_cast<int>(r);
-  }
-  return best;
-}
-
 struct Placed {
   double column = 0.0;
   Ray ray;
@@ -119,6 +86,37 @@ void spread(const std::vector<int>& columns, const std::vector<double>& off, flo
 
 }  // namespace
 
+std::vector<double> row_tolerances(const Lidar& lidar) {
+  std::vector<double> out;
+  for (std::size_t r = 0; r < lidar.rows.size(); ++r) {
+    double apart = 0.0;
+    if (r > 0) apart = lidar.rows[r - 1].elevation - lidar.rows[r].elevation;
+    if (r + 1 < lidar.rows.size()) {
+      apart = std::max(apart, lidar.rows[r].elevation - lidar.rows[r + 1].elevation);
+    }
+    out.push_back(std::max(kTolerance_rad, 0.5 * apart));
+  }
+  return out;
+}
+
+int nearest_row(const Lidar& lidar, const std::vector<double>& tolerance, const Eigen::Vector3d& p) {
+  int best = -1;
+  double smallest = kPi;
+  double offset = 0.0, elevation = std::atan2(p.z(), p.head<2>().norm());
+  for (std::size_t r = 0; r < lidar.rows.size(); ++r) {
+    const LidarRow& row = lidar.rows[r];
+    if (row.vertical_offset != offset) {  // mostly all have the same
+      offset = row.vertical_offset;
+      elevation = std::atan2(p.z() - offset, p.head<2>().norm());
+    }
+    const double off = std::abs(elevation - row.elevation);
+    if (off > tolerance[r] || off >= smallest) continue;
+    smallest = off;
+    best = static_cast<int>(r);
+  }
+  return best;
+}
+
 double column_of(const Lidar& lidar, int row, double azimuth) {
   const double step = lidar.azimuth_span / lidar.columns;
   const double turn = 2.0 * kPi;
@@ -130,7 +128,7 @@ double column_of(const Lidar& lidar, int row, double azimuth) {
 
 Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, PointReport& report) {
   std::vector<std::vector<Placed>> rows(lidar.rows.size());
-  const std::vector<double> tolerance = tolerances(lidar);
+  const std::vector<double> tolerance = row_tolerances(lidar);
   for (const MeasuredPoint& point : points) {
     ++report.points;
     const bool far = point.position.norm() >= kNearest_m;

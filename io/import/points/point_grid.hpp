@@ -29,6 +29,14 @@ struct PointReport {
 /// 0: -0.5 to columns - 0.5 within its turn.
 [[nodiscard]] double column_of(const Lidar& lidar, int row, double azimuth);
 
+/// How far a point may be off each row's beam, rad: half the distance of the beams beside it, 0.01 at least.
+[[nodiscard]] std::vector<double> row_tolerances(const Lidar& lidar);
+
+/// The row of the nearest elevation; -1 when none is within its tolerance.
+[[nodiscard]] int nearest_row(const Lidar& lidar,
+                              const std::vector<double>& tolerances,
+                              const Eigen::Vector3d& p_sensor);
+
 /// The full firing grid: measured rays as measured, in the columns nearest to theirs in the least squares
 /// sense, all others nominal with what their row's neighbours are off. Adds to the report. A point farther
 /// than half the distance of the beams beside it from its own, 0.01 rad at least, is on none.

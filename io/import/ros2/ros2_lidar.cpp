@@ -10,6 +10,8 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/sensors/lidar_locate.hpp"
+#include "io/import/points/point_grid.hpp"
+#include "io/import/ros2/ros2_turn.hpp"
 
 namespace simuli::ros2 {
 namespace {
@@ -17,7 +19,6 @@ namespace {
 constexpr char kDoubt[] =
     "is it that sensor, in that frame (of Ouster often --lidar TOPIC=SENSOR:os_sensor)?";
 constexpr std::size_t kSamplesOfRing = 48;
-constexpr double kLeastOff_rad = 0.01;  // as io/import/points/point_grid.hpp
 
 using Rings = std::map<int, std::vector<const CloudPoint*>>;
 
@@ -47,18 +48,6 @@ std::optional<double> off_row(const Lidar& lidar, int row, const std::vector<con
   return *middle;
 }
 
-/// Half the way to the next row.
-double tolerance(const Lidar& lidar, int row) {
-  double nearest = 2.0 * kLeastOff_rad;
-  for (const int other : {row - 1, row + 1}) {
-    if (other < 0 || other >= lidar.row_count()) continue;
-    const double way = std::abs(lidar.rows[static_cast<std::size_t>(row)].elevation -
-                                lidar.rows[static_cast<std::size_t>(other)].elevation);
-    nearest = std::max(nearest, way);
-  }
-  return 0.5 * nearest;
-}
-
 class Fit {
  public:
   Fit(const Lidar& table, const std::string& file, const std::string& where) : file_(file), where_(where) {
@@ -67,6 +56,7 @@ class Fit {
 
   void rows(const Rings& rings) {
     const int count = out.model.row_count();
+    const std::vector<double> tolerances = row_tolerances(out.model);
     const int last = rings.rbegin()->first;
     if (last >= count) {
       refuse("rings", fmt::format("{}", last), fmt::format("0 to {}: rows of {}", count - 1, out.model.name));
@@ -83,7 +73,7 @@ class Fit {
           least = *off;
         }
       }
-      if (best < 0 || least > tolerance(out.model, best)) {
+      if (best < 0 || least > tolerances[static_cast<std::size_t>(best)]) {
         refuse(fmt::format("ring {}", ring),
                best < 0 ? "on no row" : fmt::format("{:.2f} degrees beside the nearest row", least / kDegree),
                fmt::format("on a row of {}: {}", out.model.name, kDoubt));
@@ -100,10 +90,10 @@ class Fit {
   }
 
   /// Where the turn begins and to which side it goes, by the points' times.
-  void turn(const Rings& rings, double period_s) {
+  void turn(const Rings& rings) {
     Lidar& model = out.model;
     if (std::abs(model.azimuth_span - kTurn) > 1e-6) return;  // it swings: the table says how
-    model.sweep_s = period_s;
+    const double period_s = model.sweep_s;
     std::optional<std::complex<double>> best;
     SpinDirection side = model.spin;
     for (const SpinDirection spin : {model.spin, other(model.spin)}) {
@@ -133,7 +123,8 @@ class Fit {
                                     model.azimuth_first / kDegree));
   }
 
-  void start(const std::vector<std::vector<CloudPoint>>& sweeps, double period_s, Stamp stamp) {
+  void start(const std::vector<std::vector<CloudPoint>>& sweeps, Stamp stamp) {
+    const double period_s = out.model.sweep_s;
     double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s;
     for (const auto& sweep : sweeps) {
       for (const CloudPoint& point : sweep) {
@@ -225,21 +216,23 @@ class Fit {
 
 }  // namespace
 
-RecordedLidar fit_recorded(const Lidar& table,
+RecordedLidar fit_recorded(const Ros2Lidar& asked,
                            const std::vector<std::vector<CloudPoint>>& sweeps,
-                           double period_s,
+                           double apart_s,
                            Stamp stamp,
                            const std::string& file,
                            const std::string& where) {
-  Fit fit(table, file, where);
+  Fit fit(asked.table, file, where);
   const Rings rings = sampled(sweeps);
   if (rings.empty()) fit.refuse("points", "none in the first sweeps", "some");
   const bool has_rings = rings.begin()->first >= 0;
   if (!has_rings && rings.size() > 1) fit.refuse("rings", "of some points", "those of all, or of none");
   if (has_rings) fit.rows(rings);
-  fit.start(sweeps, period_s, stamp);
-  if (!std::isnan(rings.begin()->second.front()->time_s)) fit.turn(rings, period_s);
-  fit.out.model.sweep_s = period_s;
+  RecordedTurn turn = find_turn(asked, sweeps, fit.out.row_of, apart_s, file, where);
+  fit.out.model = std::move(turn.model);
+  std::move(turn.notes.begin(), turn.notes.end(), std::back_inserter(fit.out.notes));
+  fit.start(sweeps, stamp);
+  if (!std::isnan(rings.begin()->second.front()->time_s)) fit.turn(rings);
   return fit.out;
 }
 

@@ -9,6 +9,7 @@
 #include "host/core/sensors/lidar.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/import/ros2/cloud_fields.hpp"
+#include "io/import/ros2/ros2_log.hpp"
 
 namespace simuli::ros2 {
 
@@ -23,12 +24,13 @@ struct RecordedLidar {
   std::vector<std::string> notes;  // what was found in the points
 };
 
-/// From the points of some sweeps, in the table's frame, `period_s` of a turn. Rings are rows by where their
-/// points are: any order. Error{kInput} naming `file` and `where` for rings that lie on no row, or two on
-/// one; times that fit no turn of the table; and, where points have no times, a stamp that is kUnknown.
-[[nodiscard]] RecordedLidar fit_recorded(const Lidar& table,
+/// From the points of some sweeps, in the table's frame, of messages that are `apart_s` from each other (0: not
+/// known). Rings are rows by where their points are: any order. Error{kInput} naming `file` and `where` for rings
+/// that lie on no row, or two on one; what find_turn() refuses; and, where points have no times, a stamp that is
+/// kUnknown.
+[[nodiscard]] RecordedLidar fit_recorded(const Ros2Lidar& asked,
                                          const std::vector<std::vector<CloudPoint>>& sweeps,
-                                         double period_s,
+                                         double apart_s,
                                          Stamp stamp,
                                          const std::string& file,
                                          const std::string& where);

@@ -133,15 +133,15 @@ class Importer {
     return *pose;
   }
 
-  /// Median time between sweeps.
-  double period_of(const SensorTopic& topic, const Lidar& table) const {
+  /// Median time between messages; 0 of one alone.
+  static double apart_s(const SensorTopic& topic) {
     std::vector<std::int64_t> steps;
     std::vector<std::int64_t> stamps = topic.stamps_ns;
     std::sort(stamps.begin(), stamps.end());
     for (std::size_t i = 1; i < stamps.size(); ++i) {
       if (stamps[i] > stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
     }
-    if (steps.empty()) return table.sweep_s;
+    if (steps.empty()) return 0.0;
     const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
     std::nth_element(steps.begin(), middle, steps.end());
     return static_cast<double>(*middle) * kNanosecond_s;
@@ -165,24 +165,21 @@ class Importer {
       if (found == scan_.clouds.end())
         refuse_option("--lidar", asked.topic, "a topic of clouds: " + names(scan_.clouds));
       const SensorTopic& topic = found->second;
-      const double period_s = period_of(topic, asked.table);
-      if (!(period_s > 0.0) || period_s > kLongestSweep_s)
-        throw_input_error(file_,
-                          asked.topic + ": time between sweeps",
-                          fmt::format("{} s", period_s),
-                          fmt::format("at most {}", kLongestSweep_s));
       const std::string& frame = asked.frame.empty() ? topic.frame_id : asked.frame;
       const Pose table_from_cloud = fixed(frame, topic.frame_id, asked.topic);
       std::vector<std::vector<CloudPoint>> sweeps = topic.first_sweeps;
       for (std::vector<CloudPoint>& sweep : sweeps) {
         for (CloudPoint& point : sweep) point.position = table_from_cloud * point.position;
       }
-      RecordedLidar lidar = fit_recorded(asked.table, sweeps, period_s, stamp, file_, asked.topic);
+      RecordedLidar lidar = fit_recorded(asked, sweeps, apart_s(topic), stamp, file_, asked.topic);
       lidar.table_from_cloud = table_from_cloud;
       lidar.model.name = name_of_topic(asked.topic);
       log_.lidars.push_back({lidar.model, mount_of(asked.topic, frame, false)});
-      std::string text = fmt::format(
-          "LiDAR {}: {}, {:.4g} Hz; {}", lidar.model.name, asked.topic, 1.0 / period_s, topic.fields->told());
+      std::string text = fmt::format("LiDAR {}: {}, {:.4g} Hz; {}",
+                                     lidar.model.name,
+                                     asked.topic,
+                                     1.0 / lidar.model.sweep_s,
+                                     topic.fields->told());
       for (const std::string& more : lidar.notes) text += "; " + more;
       note(text);
       if (!lidars_.emplace(asked.topic, std::move(lidar)).second)

@@ -15,7 +15,7 @@
 
 #include "host/core/scene/mounting.hpp"
 #include "host/core/sensors/camera.hpp"
-#include "host/core/sensors/lidar.hpp"
+#include "host/core/sensors/lidar_library.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/log/log.hpp"
 
@@ -23,8 +23,10 @@ namespace simuli {
 
 struct Ros2Lidar {
   std::string topic;
-  Lidar table;             // beams, columns and range of the sensor: a recording has no such thing
-  std::string frame = {};  // that the table's axes are; empty: the clouds' own
+  Lidar table;                        // beams, columns and range of the sensor: a recording has no such thing
+  std::string frame = {};             // that the table's axes are; empty: the clouds' own
+  std::vector<LidarMode> modes = {};  // that it may have run in; others by what points say
+  bool is_mode_given = false;         // others are refused
 };
 
 struct Ros2Shutter {

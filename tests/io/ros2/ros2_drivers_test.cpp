@@ -372,7 +372,8 @@ TEST(Ros2Log, RingsOfSomePointsAloneAreRefused) {
   }
   test::expect_input_error(
       [&] {
-        (void)ros2::fit_recorded(lidar_of(log), {sweep}, 0.1, ros2::Stamp::kStart, "some.mcap", "/points");
+        (void)ros2::fit_recorded(
+            {"/points", lidar_of(log)}, {sweep}, 0.1, ros2::Stamp::kStart, "some.mcap", "/points");
       },
       {"some.mcap", "/points: rings", "of some points"});
 }

@@ -13,6 +13,7 @@
 #include "host/core/base/one_line.hpp"
 #include "host/core/base/split.hpp"
 #include "io/import/ros2/ros2_log.hpp"
+#include "io/log/sensor_file.hpp"
 #include "io/scene/sensor_rig.hpp"
 
 namespace simuli::cli {
@@ -26,7 +27,13 @@ struct Ros2Command {
 Ros2Lidar lidar_of(const std::string& text) {
   const auto [topic, rest] = parted("--lidar", text, '=');
   const std::string name = rest.substr(0, rest.rfind(':'));
-  return {topic, lidar_table(name), name.size() < rest.size() ? rest.substr(name.size() + 1) : ""};
+  Ros2Lidar lidar{topic, lidar_table(name), name.size() < rest.size() ? rest.substr(name.size() + 1) : ""};
+  std::error_code ignored;
+  const bool is_file = name.ends_with(".json") || std::filesystem::is_regular_file(name, ignored);
+  const LidarFacts facts = is_file ? read_lidar_file(name).facts : builtin_lidar_with_facts(name).facts;
+  lidar.is_mode_given = !is_file && name.find('@') != std::string::npos;
+  lidar.modes = lidar.is_mode_given ? std::vector{facts.mode} : facts.modes;
+  return lidar;
 }
 
 std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
@@ -102,11 +109,13 @@ void add_import_ros2(Command import, const Globals& globals) {
   Command sub = import.command("mcap", "a recording of ROS 2: clouds, pictures, transforms");
   sub.option("FILE", options.recording, ".mcap or .db3, or a folder of such").required();
   sub.option("-o,--output", options.output, "log folder to write").required();
-  sub.option(
-         "--lidar",
-         command->lidars,
-         "TOPIC=SENSOR[:FRAME], a topic of PointCloud2, whose beams it has, built-in (velodyne_vlp16) or a "
-         "LiDAR file (simuli fit beams), and the frame that these are in, if it is not the clouds'")
+  sub.option("--lidar",
+             command->lidars,
+             "TOPIC=SENSOR[:FRAME], a topic of PointCloud2, whose beams it has, built-in (velodyne_vlp16, at "
+             "20 Hz "
+             "alone velodyne_vlp16@20) or a LiDAR file (simuli fit beams), and the frame that these are in, "
+             "if it is "
+             "not the clouds'")
       .one_at_a_time();
   sub.flag("--no-lidars", options.without_lidars, "pictures alone").excludes("--lidar");
   sub.option(

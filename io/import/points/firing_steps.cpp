@@ -1,0 +1,82 @@
+#include "io/import/points/firing_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "host/core/base/angles.hpp"
+
+namespace simuli {
+namespace {
+
+constexpr double kSameRay_rad = 3.5e-4;  // nearer ones are echoes: 18 000 firings a turn
+constexpr std::size_t kFewest = 20;      // neighbours that tell a step
+constexpr double kOneStep = 0.3;         // of the median step: encoders round, and beams pass the axis
+constexpr double kMostClean = 0.6;       // of all neighbours
+constexpr double kFewestRuns = 0.2;      // of all that have enough points
+
+/// Mean step of a run; 0 where most neighbours are farther apart.
+double step_of(FiredRun azimuths) {
+  for (double& azimuth : azimuths) azimuth -= kTurn * std::floor(azimuth / kTurn);
+  std::sort(azimuths.begin(), azimuths.end());
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < azimuths.size(); ++i) {
+    const double step = azimuths[i] - azimuths[i - 1];
+    if (step > kSameRay_rad) steps.push_back(step);
+  }
+  if (steps.size() < kFewest) return 0.0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double median = *middle;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const double step : steps) {
+    if (std::abs(step - median) > kOneStep * median) continue;
+    sum += step;
+    ++count;
+  }
+  return static_cast<double>(count) < kMostClean * static_cast<double>(steps.size())
+             ? 0.0
+             : sum / static_cast<double>(count);
+}
+
+}  // namespace
+
+double columns_by_steps(const std::vector<FiredRun>& runs, double span) {
+  std::vector<double> steps;
+  std::size_t asked = 0;
+  for (const FiredRun& run : runs) {
+    if (run.size() <= kFewest) continue;
+    ++asked;
+    const double step = step_of(run);
+    if (step > 0.0) steps.push_back(step);
+  }
+  const double needed = kFewestRuns * static_cast<double>(asked);
+  if (steps.empty() || static_cast<double>(steps.size()) < needed) return 0.0;
+  // The fastest that a fifth of the rows have, not one whose far points happen to lie closer.
+  const auto fast = steps.begin() +
+                    static_cast<std::ptrdiff_t>(std::min(steps.size() - 1, static_cast<std::size_t>(needed)));
+  std::nth_element(steps.begin(), fast, steps.end());
+  const double step = *fast;
+  double sum = 0.0, count = 0.0;
+  for (const double other : steps) {
+    if (std::abs(other - step) > kOneStep * step) continue;
+    sum += other;
+    count += 1.0;
+  }
+  return span * count / sum;
+}
+
+double fit_of_step(const std::vector<FiredRun>& runs, double step) {
+  double sum = 0.0, count = 0.0;
+  for (const FiredRun& run : runs) {
+    if (run.size() < 2) continue;
+    std::complex<double> phases;
+    for (const double azimuth : run) phases += std::polar(1.0, kTurn * azimuth / step);
+    sum += std::abs(phases);
+    count += static_cast<double>(run.size());
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+}  // namespace simuli

@@ -1,0 +1,179 @@
+// What points say about how their LiDAR turned goes before the table's first mode and the spacing of messages.
+#include "io/import/ros2/ros2_turn.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+#include <random>
+#include <string>
+
+#include "host/core/base/angles.hpp"
+#include "host/core/sensors/lidar_library.hpp"
+#include "io/import/ros2/ros2_lidar.hpp"
+#include "tests/io/scratch.hpp"
+
+namespace simuli {
+namespace ros2_turn_test {
+
+using Sweeps = std::vector<std::vector<ros2::CloudPoint>>;
+
+/// A LiDAR in its mode, and what is left of what it sees.
+struct Drive {
+  Lidar lidar;
+  bool has_times = true;
+  double sector = 1.0;  // of a turn
+  int every = 1;        // firing
+  double gaps = 0.2;    // share of rays without a return, in stretches
+  double jitter = 0.0;  // of a point's azimuth and time, of a column
+  bool has_rings = true;
+};
+
+Sweeps sweeps_of(const Drive& drive) {
+  const Lidar& lidar = drive.lidar;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  Sweeps sweeps(2);
+  for (auto& sweep : sweeps) {
+    for (int c = 0; c < drive.sector * lidar.columns; c += drive.every) {
+      for (int r = 0; r < lidar.row_count(); ++r) {
+        if (std::sin(0.02 * (c + 31 * r)) > 1.0 - 2.0 * drive.gaps) continue;
+        ros2::CloudPoint point;
+        const double step = lidar.azimuth_span / lidar.columns;
+        const double azimuth = lidar.azimuth(r, c) + drive.jitter * step * uniform(random);
+        const double range = 20.0 + 5.0 * std::sin(0.01 * c + r);
+        point.position = lidar.origin(r, azimuth) +
+                         range * Lidar::direction(azimuth, lidar.rows[static_cast<std::size_t>(r)].elevation);
+        if (drive.has_rings) point.ring = r;
+        const double share = lidar.time_fraction(r, c) + drive.jitter * uniform(random) / lidar.columns;
+        if (drive.has_times) point.time_s = share * lidar.sweep_s;
+        sweep.push_back(point);
+      }
+    }
+  }
+  return sweeps;
+}
+
+/// As `--lidar TOPIC=name` asks for it.
+Ros2Lidar asked_for(const std::string& name) {
+  const BuiltinLidar sensor = builtin_lidar_with_facts(name);
+  Ros2Lidar asked{"/points", sensor.model, "", sensor.facts.modes, name.find('@') != std::string::npos};
+  if (asked.is_mode_given) asked.modes = {sensor.facts.mode};
+  return asked;
+}
+
+ros2::RecordedLidar found(const std::string& table, const Drive& drive, double apart_s) {
+  return ros2::fit_recorded(
+      asked_for(table), sweeps_of(drive), apart_s, ros2::Stamp::kStart, "drive.mcap", "/points");
+}
+
+TEST(Ros2Turn, ModeAndTurnAreFoundInThePoints) {
+  struct Case {
+    const char* recorded;
+    double apart;  // messages, in turns
+    bool has_times = true;
+    double sector = 1.0;
+    double jitter = 0.0;
+    bool has_rings = true;
+  };
+  for (const Case& c : {Case{"velodyne_vlp16@5", 1.0},
+                        Case{"velodyne_vlp16@10", 1.0},
+                        Case{"velodyne_vlp16@20", 1.0},
+                        Case{"velodyne_vlp16@20", 1.0, true, 0.25},
+                        Case{"velodyne_vlp16@10", 2.0},
+                        Case{"velodyne_vlp16@20", 2.0},
+                        Case{"velodyne_vlp16@20", 5.0, true, 1.0, 0.3},
+                        Case{"velodyne_vlp16@20", 1.0, true, 1.0, 0.3, false},
+                        Case{"velodyne_vlp16@10", 0.0},
+                        Case{"velodyne_vlp16@10", 2.0, false},
+                        Case{"velodyne_vlp16@20", 1.0, false},
+                        Case{"velodyne_vlp16@20", 2.0, false, 1.0, 0.3},
+                        Case{"velodyne_vlp16@5", 3.0, false},
+                        Case{"hesai_xt32@20", 1.01},
+                        Case{"hesai_pandar40p@10", 5.0},
+                        Case{"hesai_pandar40p@20", 3.0, true, 1.0, 0.1},
+                        Case{"ouster_os1_32_g@512x10", 1.0},
+                        Case{"ouster_os1_32_g@1024x10", 1.0},
+                        Case{"ouster_os1_32_g@2048x10", 1.0},
+                        Case{"ouster_os1_32_g@512x20", 1.0},
+                        Case{"ouster_os1_32_g@1024x20", 1.0},
+                        Case{"ouster_os1_32_g@512x10", 1.0, false},
+                        Case{"ouster_os1_32_g@2048x10", 1.0, false},
+                        Case{"ouster_os1_32_g@1024x20", 1.0, false},
+                        Case{"ouster_os1_32_g@1024x10", 2.0, true},
+                        Case{"ouster_os1_32_g@2048x10", 5.0, false},
+                        Case{"robosense_rs16@20", 10.0}}) {
+    SCOPED_TRACE(fmt::format(
+        "{}, messages {} turns apart, {} times", c.recorded, c.apart, c.has_times ? "with" : "without"));
+    const std::string name = c.recorded;
+    Drive drive{builtin_lidar(name)};
+    drive.has_times = c.has_times;
+    drive.sector = c.sector;
+    drive.jitter = c.jitter;
+    drive.has_rings = c.has_rings;
+    const ros2::RecordedLidar lidar =
+        found(name.substr(0, name.find('@')), drive, c.apart * drive.lidar.sweep_s);
+    EXPECT_EQ(lidar.model.columns, drive.lidar.columns);
+    EXPECT_NEAR(lidar.model.sweep_s, drive.lidar.sweep_s, 0.02 * drive.lidar.sweep_s);
+    EXPECT_EQ(fmt::format("{}", fmt::join(lidar.notes, "\n")).find("a cloud of every") != std::string::npos,
+              c.apart > 1.5);
+    for (int r = 0; r < drive.lidar.row_count(); ++r) {
+      const auto row = static_cast<std::size_t>(r);
+      EXPECT_NEAR(lidar.model.rows[row].azimuth_offset, drive.lidar.rows[row].azimuth_offset, 1e-4);
+    }
+  }
+}
+
+TEST(Ros2Turn, RatesThatNoModeHasAreTaken) {
+  Drive drive{in_mode(builtin_lidar("velodyne_vlp16"), {15.0, 1206})};
+  for (const bool has_times : {true, false}) {
+    drive.has_times = has_times;
+    const ros2::RecordedLidar lidar = found("velodyne_vlp16", drive, 1.0 / 15.0);
+    EXPECT_NEAR(lidar.model.columns, 1206, 2);
+    EXPECT_NEAR(lidar.model.sweep_s, 1.0 / 15.0, 1e-4);
+  }
+  // Half of the firings, and a file's table, which has no modes: these columns at this rate.
+  drive = {builtin_lidar("hesai_xt16")};
+  drive.every = 2;
+  EXPECT_EQ(found("hesai_xt16", drive, 0.1).model.columns, 1000);
+  Ros2Lidar asked{"/points", drive.lidar};
+  drive = {in_mode(drive.lidar, {20.0, 1000})};
+  const auto lidar =
+      ros2::fit_recorded(asked, sweeps_of(drive), 0.05, ros2::Stamp::kUnknown, "drive.mcap", "/points");
+  EXPECT_EQ(lidar.model.columns, 1000);
+  EXPECT_NEAR(lidar.model.sweep_s, 0.05, 1e-4);
+}
+
+TEST(Ros2Turn, ThinnedCloudsKeepTheirTable) {
+  Drive drive{builtin_lidar("velodyne_vlp16")};
+  drive.every = 64;
+  drive.gaps = 0.0;
+  for (const bool has_times : {true, false}) {
+    drive.has_times = has_times;
+    const ros2::RecordedLidar lidar = found("velodyne_vlp16", drive, 0.2);
+    EXPECT_EQ(lidar.model.columns, 1808);
+    EXPECT_NEAR(lidar.model.sweep_s, 0.1, 1e-4);
+    EXPECT_NE(fmt::format("{}", fmt::join(lidar.notes, "\n")).find("thinned"), std::string::npos);
+  }
+}
+
+TEST(Ros2Turn, WhatContradictsTheNamedModeIsRefused) {
+  const auto refused =
+      [](const char* asked, const Drive& drive, double apart_s, std::vector<std::string> words) {
+        test::expect_input_error([&] { (void)found(asked, drive, apart_s); }, words);
+      };
+  refused("velodyne_vlp16@10",
+          {builtin_lidar("velodyne_vlp16@20")},
+          0.05,
+          {"drive.mcap", "/points: turn", "0.05 s", "0.1 s", "velodyne_vlp16@10"});
+  refused("ouster_os1_32_g@2048x10",
+          {builtin_lidar("ouster_os1_32_g@1024x10")},
+          0.1,
+          {"/points: columns", "1024", "2048"});
+  Drive other_unit{builtin_lidar("velodyne_vlp16")};
+  other_unit.lidar.sweep_s = 1e-4;  // ms taken for s
+  refused("velodyne_vlp16", other_unit, 0.1, {"/points: points' times", "no turn", "--point-time"});
+}
+
+}  // namespace ros2_turn_test
+}  // namespace simuli
