@@ -10,8 +10,8 @@
 #include <variant>
 
 #include "host/core/base/parallel.hpp"
+#include "host/device/render/scene/actor_boxes.hpp"
 #include "optim/init/dark_votes.hpp"
-#include "optim/init/way_inside.hpp"
 
 namespace simuli {
 namespace {
@@ -140,9 +140,10 @@ void DarkStill::add_dropped(const PosedSweep& posed, const std::vector<MovingBox
     const auto meets = [&](const MovingBox& box) {
       const Pose scene_from_box = interpolate(box.scene_from_box_start, box.scene_from_box_end, shares[ray]);
       const Pose box_from_scene = scene_from_box.inverse();
-      const auto [first, last] =
-          way_inside(box_from_scene * origin, box_from_scene.rotation * direction, box.half);
-      return first < last && first < kGround_m;
+      const BoxInterval in =
+          inside_box(box_from_scene * origin, box_from_scene.rotation * direction, box.half);
+      const double first = std::max(in.first, 0.0);
+      return first < in.last && first < kGround_m;
     };
     if (std::any_of(boxes.begin(), boxes.end(), meets)) return;
     double from_m = 0.0;

@@ -7,9 +7,9 @@
 #include <variant>
 
 #include "host/core/scene/ground/ground_mesh.hpp"
+#include "host/device/render/scene/actor_boxes.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/init/dark_still.hpp"
-#include "optim/init/way_inside.hpp"
 
 namespace simuli {
 namespace {
@@ -72,7 +72,9 @@ void DarkSurfaces::add_ray(std::size_t actor,
   const Pose actor_from_scene = scene_from_actor.inverse();
   const Eigen::Vector3d o = actor_from_scene * origin, d = actor_from_scene.rotation * direction;
   const bool returns = range_m > 0.0;
-  auto [first, last] = way_inside(o, d, box.half);
+  const BoxInterval in = inside_box(o, d, box.half);
+  const double first = std::max(in.first, 0.0);
+  double last = in.last;
   if (returns) last = std::min(last, range_m - kOffSurface_m);
   if (!(first < last) || !std::isfinite(last)) return;
   const Way way{(o + first * d).cast<float>(), (o + last * d).cast<float>()};

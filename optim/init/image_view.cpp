@@ -1,25 +1,18 @@
 // ImageView of optim/init/initialize_views.hpp.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "host/core/sensors/own_time.hpp"
 #include "optim/init/initialize_views.hpp"
 
 namespace simuli {
-namespace {
-
-bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin) {
-  return pixel.x() >= -margin * camera.width && pixel.x() < (1.0 + margin) * camera.width &&
-         pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
-}
-
-}  // namespace
 
 ImageView::ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end)
     : camera_(std::move(camera)),
       start_(scene_from_camera_start),
       end_(scene_from_camera_end),
-      moves_(camera_.shutter != ShutterKind::kGlobal),
       camera_from_scene_mid_(interpolate(start_, end_, 0.5).inverse()) {}
 
 Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
@@ -27,25 +20,20 @@ Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
 }
 
 bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
-  Eigen::Vector3d p_camera = camera_from_scene_mid_ * p_scene;
-  if (!camera_.project(p_camera, pixel)) return false;
-  if (moves_) {
-    // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it
-    // cannot come back into it. The fixed point contracts by (shift / height) per round: three are plenty, and
-    // one that moves it by less than kSettled_px is the last.
-    constexpr double kMargin = 0.25, kSettled_px = 0.01;
-    constexpr int kRounds = 3;
-    if (!is_inside(camera_, pixel, kMargin)) return false;
-    for (int i = 0; i < kRounds; ++i) {
-      const Eigen::Vector2d before = pixel;
-      const Pose pose = scene_from_camera(pixel);
-      p_camera = pose.rotation.conjugate() * (p_scene - pose.translation);
-      if (!camera_.project(p_camera, pixel)) return false;
-      if ((pixel - before).squaredNorm() < kSettled_px * kSettled_px) break;
-    }
-  }
+  // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it cannot
+  // come back into it. The fixed point contracts by (shift / height) per look: three are plenty.
+  constexpr OwnTimeLooks kLooks{.most = 3, .settled_px = 0.01, .margin = 0.25};
+  Eigen::Vector3d p_camera;
+  const auto at = [&](double share) -> const Eigen::Vector3d& {
+    if (share == 0.5) return p_camera = camera_from_scene_mid_ * p_scene;
+    const Pose pose = interpolate(start_, end_, share);
+    return p_camera = pose.rotation.conjugate() * (p_scene - pose.translation);
+  };
+  const std::optional<OwnTimeImage> image = image_at_own_time(camera_, at, kLooks);
+  if (!image) return false;
+  pixel = image->pixel;
   range_m = p_camera.norm();
-  return is_inside(camera_, pixel, 0.0) && !hides(pixel);
+  return is_inside(camera_, pixel) && !hides(pixel);
 }
 
 ImageView ImageView::with_camera(const Camera& camera) const {

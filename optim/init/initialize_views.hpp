@@ -45,7 +45,6 @@ class ImageView {
   Camera camera_;
   Pose start_;
   Pose end_;
-  bool moves_ = false;  // the pose depends on the pixel
   Pose camera_from_scene_mid_;
   struct Hidden {
     int width, height;

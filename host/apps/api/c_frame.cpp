@@ -136,10 +136,7 @@ simuli_status simuli_frame_support(simuli_scene* scene,
     simuli_scene& of = need(scene, "scene");
     const Frame& asked = need(frame, "frame").frame;
     need_length("count", count, asked.sensor().ray_count());
-    if (!FrameAccess::is_of(asked, of.on_device.scene())) {
-      throw Error(ErrorKind::kUsage,
-                  "support: found a frame of another scene, allowed one of the scene as it is");
-    }
+    FrameAccess::need_of(asked, of.on_device.scene(), "support");
     if (!of.support) of.support.emplace(of.on_device.device(), of.file.support);
     const std::vector<float> found = of.support->of(asked, of.on_device.scene(), of.copies);
     std::copy(found.begin(), found.end(), &need(values, "values"));

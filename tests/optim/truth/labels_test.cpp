@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <vector>
 
+#include "host/core/sensors/own_time.hpp"
 #include "host/device/render/outputs/flow.hpp"
-#include "host/device/render/outputs/own_time.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/training.hpp"

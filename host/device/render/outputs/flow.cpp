@@ -4,7 +4,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/parallel.hpp"
-#include "host/device/render/outputs/own_time.hpp"
+#include "host/core/sensors/own_time.hpp"
 #include "host/device/render/scene/actor_boxes.hpp"
 #include "host/device/render/scene/frame_state.hpp"
 
@@ -35,8 +35,7 @@ Vector3d deformed(const ActorView& actor, double share, const Vector3d& rest) {
 }  // namespace
 
 Flow flow_of(const Frame& frame, const Scene& scene, const Shot& to) {
-  if (!FrameAccess::is_of(frame, scene))
-    throw Error(ErrorKind::kUsage, "flow: found a frame of another scene, allowed one of the scene as it is");
+  FrameAccess::need_of(frame, scene, "flow");
   const Camera& camera = frame.sensor().camera();
   const std::vector<float>& distances = frame.results().median;
   if (distances.empty()) {

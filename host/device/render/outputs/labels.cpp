@@ -7,7 +7,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/scene/particle_order.hpp"
 #include "host/core/sensors/lidar_locate.hpp"
-#include "host/device/render/outputs/own_time.hpp"
+#include "host/core/sensors/own_time.hpp"
 #include "host/device/render/scene/actor_boxes.hpp"
 #include "host/device/render/scene/frame_state.hpp"
 
@@ -159,9 +159,7 @@ LabelsOnDevice::LabelsOnDevice(const Device& device,
     : scene_(std::move(scene)), alone_(device, without_background(*scene_), options) {}
 
 std::vector<ActorLabel> LabelsOnDevice::of(const Frame& frame) {
-  if (!FrameAccess::is_of(frame, *scene_))
-    throw Error(ErrorKind::kUsage,
-                "labels: found a frame of another scene, allowed one of the scene as it is");
+  FrameAccess::need_of(frame, *scene_, "labels");
   const Sensor& sensor = frame.sensor();
   const Shot& shot = frame.shot();
   const bool is_camera = sensor.is_camera();

@@ -1,5 +1,6 @@
 #include "host/device/render/scene/frame.hpp"
 
+#include <fmt/format.h>
 #include <utility>
 
 #include "host/core/base/error.hpp"
@@ -119,6 +120,12 @@ std::vector<std::uint32_t> Frame::actors() const {
     if (!s.boxes->is_of_body(actors[ray] - 1, p_sensor, at(6))) actors[ray] = 0;
   }
   return actors;
+}
+
+void FrameAccess::need_of(const Frame& frame, const Scene& scene, std::string_view call) {
+  if (is_of(frame, scene)) return;
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: found a frame of another scene, allowed one of the scene as it is", call));
 }
 
 FrameBuffersOfRays FrameAccess::buffers(const Frame& frame) {

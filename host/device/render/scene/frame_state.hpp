@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "host/device/render/scene/actor_boxes.hpp"
@@ -72,6 +73,8 @@ struct FrameAccess {
   [[nodiscard]] static bool is_of(const Frame& frame, const Scene& scene) {
     return frame.state_->scene.lock().get() == &scene;
   }
+  /// Refuses it, kUsage, where it was not: `call` is asked for what the scene says of it.
+  static void need_of(const Frame& frame, const Scene& scene, std::string_view call);
   [[nodiscard]] static FrameBuffersOfRays buffers(const Frame& frame);
   [[nodiscard]] static _cl_event* ready(const Frame& frame) { return frame.state_->done->handle(); }
   [[nodiscard]] static const std::array<float, 3>& background(const Frame& frame) {

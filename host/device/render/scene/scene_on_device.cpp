@@ -248,10 +248,7 @@ Frame SceneOnDevice::render(const Sensor& sensor, const Shot& shot, const FrameR
 Eigen::MatrixXf SceneOnDevice::gradients(const Frame& frame, const RayGradients& of_rays) {
   State& s = *state_;
   const Frame::State& f = *frame.state_;
-  if (f.scene.lock() != s.scene) {
-    throw Error(ErrorKind::kUsage,
-                "gradients: found a frame of another scene, allowed one of the scene as it is");
-  }
+  FrameAccess::need_of(frame, *s.scene, "gradients");
   if (f.graded) {
     throw Error(ErrorKind::kUsage,
                 "gradients: found a picture seen through colour grids, allowed one that is not graded");
