@@ -12,6 +12,7 @@
 #include "host/core/base/fields.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "io/log/frame_files.hpp"
+#include "io/log/mended_labels.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/returns_near.hpp"
@@ -77,9 +78,10 @@ bool same_path(const Trajectory& a, const Trajectory& b) {
                     });
 }
 
-/// The log as the scene knows it: its sensors, and for the log that it was trained on its path. Training may
+/// The log as the scene knows it: its labels mended, its sensors, and for the log that it was trained on its path. Training may
 /// have learned better.
 Log as_known_by(const SceneFile& scene, bool trained_on, Log log) {
+  (void)mend_labels(log);  // training has said so
   if (trained_on && !same_path(scene.world_from_rig, log.world_from_rig)) {
     log = on_path(std::move(log), scene.world_from_rig);
   }

@@ -11,6 +11,7 @@
 #include "host/core/base/version.hpp"
 #include "host/device/runtime/tuning.hpp"
 #include "io/log/frame_files.hpp"
+#include "io/log/mended_labels.hpp"
 #include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
 #include "optim/stretch/stretch_parts.hpp"
@@ -80,6 +81,7 @@ std::vector<RankField> Training::State::rank_fields() const {
 void Training::State::choose_course(const Progress& progress) {
   if (course) return;
   need_same(drive.ranks, rank_fields());
+  drive.report.labels = mend_labels(drive.log);
   if (drive.options.refine_path) {
     RefinedLog refined = with_refined_path(std::move(drive.log), progress);
     drive.log = std::move(refined.log);
@@ -122,11 +124,13 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
   prepare();
   state_->drive.report.train = state_->started().run(on_step, checkpoints);
   const FrameSelection& frames = state_->drive.options.frames;
+  std::vector<std::string>& warnings = state_->drive.report.train.warnings;
+  const std::vector<std::string>& labels = state_->drive.report.labels;
+  warnings.insert(warnings.end(), labels.begin(), labels.end());
   for (const SensorUse& use : sensor_uses(state_->drive.log, HeldOutRule(state_->drive.log, frames))) {
     const auto& asked = frames.held_out_sensors;
     if (use.training > 0 || std::find(asked.begin(), asked.end(), use.sensor) != asked.end()) continue;
-    state_->drive.report.train.warnings.push_back(
-        fmt::format("no frame of {} was trained on ({} held out)", use.sensor, use.held_out));
+    warnings.push_back(fmt::format("no frame of {} was trained on ({} held out)", use.sensor, use.held_out));
   }
   return report();
 }

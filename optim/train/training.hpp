@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "host/device/runtime/device.hpp"
@@ -23,7 +24,8 @@ namespace simuli {
 struct TrainingReport {
   StretchPlan stretches;
   PathReport path;
-  FindReport found;  // zeros: not searched
+  FindReport found;                 // zeros: not searched
+  std::vector<std::string> labels;  // a line for each that was mended (mended_labels.hpp): warnings, too
   InitReport init;
   TrainReport train;
 };
@@ -52,7 +54,7 @@ class Training {
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// Refines the path (refined_path.hpp), learns what sweeps say of their LiDARs, finds what moves
+  /// Mends labels (mended_labels.hpp), refines the path (refined_path.hpp), learns what sweeps say of their LiDARs, finds what moves
   /// and has no label (find_actors.hpp, complete_actors.hpp) and places the first particles, unless that is
   /// done; `progress` is called after each file of the latter, and after each sweep of the first.
   /// Error{kInput} when no frame is left to train on or a file can't be read, Error{kDevice} when the device

@@ -41,6 +41,35 @@ TEST_F(ATrainingsActors, TrainingFindsTheCarOfALogWithoutLabels) {
   EXPECT_EQ(blind.report().found.sweeps, 0U);
 }
 
+TEST_F(ATrainingsActors, TrainingMendsLabelsThatCannotBe) {
+  Log off = log_;
+  for (const std::size_t k : {3U, 4U}) {
+    Eigen::Quaterniond& rotation = off.actors[0].track[k].world_from_actor.rotation;
+    rotation = rotation * Eigen::Quaterniond(0.0, 0.0, 0.0, 1.0);
+  }
+  Actor ego = log_.actors[0];
+  ego.name = "ego";
+  for (KeyPose& key : ego.track) {
+    key.world_from_actor = log_.world_from_rig.at(key.time_s);
+    key.world_from_actor.translation.z() += 0.8;
+  }
+  off.actors.push_back(ego);
+  TrainingOptions options;
+  options.init = small(true);
+  options.frames.image_scale = 1.0;
+  options.train.iterations = 0;
+  const auto start_of = [&](const Log& log, std::size_t said) {
+    Training training(test::device(), log, options);
+    training.prepare();
+    EXPECT_EQ(training.report().labels.size(), said);
+    return training.scene();
+  };
+  const Scene right = start_of(log_, 0), mended = start_of(off, 2);
+  ASSERT_EQ(mended.actors.size(), 1U);
+  EXPECT_EQ(mended.lidar.actor, right.lidar.actor);
+  EXPECT_EQ(mended.camera.size(), right.camera.size());
+}
+
 TEST_F(ATrainingsActors, TrainingGoesOnWhereALabelEnds) {
   TrainingOptions options;
   options.init = small(true);

@@ -1,0 +1,175 @@
+#include "io/log/mended_labels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <fmt/format.h>
+#include <numbers>
+#include <utility>
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+
+// Wide enough for every label of the street, 0013 and 0052; the turns of a short thing are people's.
+constexpr double kVehicle_m = 2.5;  // who is as long turns as a vehicle does
+constexpr double kVehicleTurn_rad_per_s = 1.5, kTurn_rad_per_s = 6.0;
+constexpr double kLabel_rad = 0.6;  // by which labels of a thing that does not turn differ
+constexpr double kDriving_m_per_s = 1.0;
+constexpr int kLeastDriving = 3;      // labels: by how many more drive one way than the other
+constexpr double kAboveRoof_m = 1.5;  // where the own vehicle has its sensors
+
+/// Of one label.
+class Headings {
+ public:
+  explicit Headings(Actor& actor)
+      : track_(actor.track),
+        most_rad_per_s_(actor.size_m.maxCoeff() >= kVehicle_m ? kVehicleTurn_rad_per_s : kTurn_rad_per_s) {}
+
+  /// How many were half a turn off.
+  std::size_t unflip() {
+    std::size_t all = 0;
+    for (std::size_t first = 0; first < track_.size();) {
+      std::vector<std::size_t> flipped;  // as against the first
+      std::size_t end = first + 1;
+      for (; end < track_.size() && most_rad(end - 1, end) < std::numbers::pi; ++end) {
+        if (can_turn(end - 1, end)) continue;
+        flip(end);
+        // Whether the next ones were, too, is asked of them as they are.
+        if (can_turn(end - 1, end))
+          flipped.push_back(end);
+        else
+          flip(end);
+      }
+      if (!flipped.empty()) all += settle(first, end, flipped.size());
+      first = end;
+    }
+    return all;
+  }
+
+  /// How many were off otherwise, each alone.
+  std::size_t straighten() {
+    const std::size_t count = track_.size();
+    std::size_t all = 0;
+    for (std::size_t k = 0; count > 2 && k < count; ++k) {
+      const std::size_t before = k == 0 ? 1 : k - 1, after = k + 1 == count ? count - 2 : k + 1;
+      if (can_turn(before, k) || can_turn(k, after)) continue;
+      if (before == after ? !can_turn(before, k == 0 ? 2 : count - 3) : !can_turn(before, after)) continue;
+      const double whole_s = track_[after].time_s - track_[before].time_s;
+      const double share = before == after ? 0.0 : (track_[k].time_s - track_[before].time_s) / whole_s;
+      rotation(k) =
+          interpolate(track_[before].world_from_actor, track_[after].world_from_actor, share).rotation;
+      ++all;
+    }
+    return all;
+  }
+
+  /// The first that the thing can't turn to from the one before; 0: none.
+  [[nodiscard]] std::size_t first_wrong() const {
+    for (std::size_t k = 1; k < track_.size(); ++k) {
+      if (!can_turn(k - 1, k)) return k;
+    }
+    return 0;
+  }
+  [[nodiscard]] double turn_rad(std::size_t a, std::size_t b) const {
+    return track_[a].world_from_actor.rotation.angularDistance(track_[b].world_from_actor.rotation);
+  }
+
+ private:
+  Eigen::Quaterniond& rotation(std::size_t k) { return track_[k].world_from_actor.rotation; }
+  void flip(std::size_t k) { rotation(k) = rotation(k) * Eigen::Quaterniond(0.0, 0.0, 0.0, 1.0); }
+  [[nodiscard]] double most_rad(std::size_t a, std::size_t b) const {
+    return kLabel_rad + most_rad_per_s_ * std::abs(track_[b].time_s - track_[a].time_s);
+  }
+  [[nodiscard]] bool can_turn(std::size_t a, std::size_t b) const { return turn_rad(a, b) <= most_rad(a, b); }
+
+  /// [first, end) agree by now, `flipped` of them turned: which way round?
+  std::size_t settle(std::size_t first, std::size_t end, std::size_t flipped) {
+    int ahead = 0;
+    for (std::size_t k = first; k < end; ++k) {
+      const KeyPose &before = track_[std::max(k, first + 1) - 1], &after = track_[std::min(k + 1, end - 1)];
+      const Vector3d velocity = (after.world_from_actor.translation - before.world_from_actor.translation) /
+                                (after.time_s - before.time_s);
+      const double forward = velocity.dot(rotation(k) * Vector3d::UnitX());
+      ahead += forward > kDriving_m_per_s ? 1 : forward < -kDriving_m_per_s ? -1 : 0;
+    }
+    const std::size_t kept = end - first - flipped;
+    const bool is_right = std::abs(ahead) >= kLeastDriving ? ahead > 0 : kept >= flipped;
+    if (is_right) return flipped;
+    for (std::size_t k = first; k < end; ++k) flip(k);
+    return kept;
+  }
+
+  std::vector<KeyPose>& track_;
+  double most_rad_per_s_;
+};
+
+void mend_headings(Actor& actor, std::vector<std::string>& said) {
+  Headings headings(actor);
+  const std::size_t flipped = headings.unflip();
+  const std::size_t off = headings.straighten();
+  const std::size_t count = actor.track.size();
+  if (flipped > 0)
+    said.push_back(fmt::format(
+        "label {}: {} of {} headings are half a turn off, turned back", actor.name, flipped, count));
+  if (off > 0)
+    said.push_back(
+        fmt::format("label {}: {} of {} headings are off, taken from those beside", actor.name, off, count));
+  if (const std::size_t k = headings.first_wrong(); k > 0)
+    said.push_back(fmt::format("label {}: turns by {:.0f} degrees in {:.2f} s at {:.2f} s, left as it is",
+                               actor.name,
+                               headings.turn_rad(k - 1, k) * 180.0 / std::numbers::pi,
+                               actor.track[k].time_s - actor.track[k - 1].time_s,
+                               actor.track[k].time_s));
+}
+
+std::vector<Vector3d> sensors_on_rig(const Log& log) {
+  std::vector<Vector3d> out;
+  for (const LogCamera& camera : log.cameras) out.push_back(camera.rig_from_camera.translation);
+  for (const LogLidar& lidar : log.lidars) out.push_back(lidar.rig_from_lidar.translation);
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> mend_labels(Log& log) {
+  std::vector<std::string> said;
+  const std::vector<Vector3d> sensors = sensors_on_rig(log);
+  const auto is_on_rig = [&](const Actor& actor, const KeyPose& key) {
+    const Trajectory& path = log.world_from_rig;
+    if (key.time_s < path.start_s() - Trajectory::kExtrapolation_s ||
+        key.time_s > path.end_s() + Trajectory::kExtrapolation_s)
+      return false;
+    const Pose actor_from_rig = key.world_from_actor.inverse() * path.at(key.time_s);
+    const Vector3d half = 0.5 * actor.size_m;
+    return std::any_of(sensors.begin(), sensors.end(), [&](const Vector3d& p_rig) {
+      const Vector3d p = actor_from_rig * p_rig;
+      return std::abs(p.x()) <= half.x() && std::abs(p.y()) <= half.y() && p.z() >= -half.z() &&
+             p.z() <= half.z() + kAboveRoof_m;
+    });
+  };
+  std::vector<Actor> kept;
+  for (Actor& actor : log.actors) {
+    const std::size_t count = actor.track.size();
+    std::erase_if(actor.track, [&](const KeyPose& key) { return is_on_rig(actor, key); });
+    const std::size_t own = count - actor.track.size();
+    if (2 * own >= count && own > 0) {
+      said.push_back(
+          fmt::format("label {}: holds the sensors at {} of {} poses, as the own vehicle does: left out",
+                      actor.name,
+                      own,
+                      count));
+      continue;
+    }
+    if (own > 0)
+      said.push_back(
+          fmt::format("label {}: {} of {} poses hold the sensors, left out", actor.name, own, count));
+    mend_headings(actor, said);
+    kept.push_back(std::move(actor));
+  }
+  log.actors = std::move(kept);
+  return said;
+}
+
+}  // namespace simuli

@@ -1,0 +1,162 @@
+#include "io/log/mended_labels.hpp"
+
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace simuli {
+namespace {
+
+using Eigen::Vector3d;
+constexpr double kPi = std::numbers::pi;
+
+Pose at(const Vector3d& p_world, double heading_rad) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(heading_rad, Vector3d::UnitZ())), p_world};
+}
+
+/// 13 labels of a thing ten metres before the rig that drives as the rig does, at 5 m/s, at that rate.
+Actor thing(const Vector3d& size_m, double rate_hz = 10.0, double m_per_s = 5.0) {
+  Actor actor{.name = "car", .kind = "car", .size_m = size_m, .track = {}};
+  for (int i = 0; i < 13; ++i)
+    actor.track.push_back({i / rate_hz, at({10.0 + m_per_s * i / rate_hz, 3.0, 0.8}, 0.0)});
+  return actor;
+}
+const Vector3d kCar(4.2, 1.8, 1.5), kPerson(0.6, 0.7, 1.8);
+
+/// A rig with a LiDAR on the roof and a camera, on its way along x.
+Log log_with(Actor actor) {
+  Log log;
+  log.cameras.push_back({{"front", 64, 48, 50.0, 50.0, 32.0, 24.0}, at({0.5, 0.0, 1.4}, 0.0)});
+  Lidar lidar;
+  lidar.name = "top";
+  log.lidars.push_back({lidar, at({0.0, 0.0, 1.75}, 0.0)});
+  log.world_from_rig = Trajectory({{0.0, at({0.0, 0.0, 0.0}, 0.0)}, {13.0, at({65.0, 0.0, 0.0}, 0.0)}});
+  log.actors.push_back(std::move(actor));
+  return log;
+}
+
+struct HeadingCase {
+  const char* name;
+  Vector3d size_m;
+  double rate_hz;
+  std::vector<double> off_rad;  // of the first labels; those behind are right
+  double m_per_s = 5.0;
+  const char* said = "";              // part of the one line
+  std::vector<double> left_rad = {};  // what they are afterwards
+};
+
+class MendedHeadings : public testing::TestWithParam<HeadingCase> {};
+
+TEST_P(MendedHeadings, AreTheThings) {
+  const HeadingCase& c = GetParam();
+  Actor actor = thing(c.size_m, c.rate_hz, c.m_per_s);
+  for (std::size_t i = 0; i < c.off_rad.size(); ++i)
+    actor.track[i].world_from_actor.rotation = at(Vector3d::Zero(), c.off_rad[i]).rotation;
+  Log log = log_with(actor);
+  const std::vector<std::string> said = mend_labels(log);
+  ASSERT_EQ(log.actors.size(), 1U);
+  ASSERT_EQ(said.size(), c.said[0] == '\0' ? 0U : 1U);
+  if (!said.empty()) {
+    EXPECT_NE(said[0].find(c.said), std::string::npos) << said[0];
+  }
+  for (std::size_t i = 0; i < actor.track.size(); ++i) {
+    const double left_rad = i < c.left_rad.size() ? c.left_rad[i] : 0.0;
+    EXPECT_NEAR(at(Vector3d::Zero(), left_rad)
+                    .rotation.angularDistance(log.actors[0].track[i].world_from_actor.rotation),
+                0.0,
+                1e-6)
+        << "label " << i;
+    EXPECT_EQ(log.actors[0].track[i].world_from_actor.translation,
+              actor.track[i].world_from_actor.translation);
+  }
+}
+
+const std::vector<double> kTurning{0.0, 0.1, 0.25, 0.4, 0.6, 0.7, 0.8, 0.8, 0.7, 0.5, 0.3, 0.2, 0.1};
+const std::vector<double> kAboutTurn{0.0, 0.0, 0.0, 0.9, 1.8, 2.7, kPi, kPi, kPi, kPi, kPi, kPi, kPi};
+const std::vector<double> kBackwards(13, kPi);
+
+INSTANTIATE_TEST_SUITE_P(
+    Tracks,
+    MendedHeadings,
+    testing::Values(
+        HeadingCase{
+            "TwoInBetween", kCar, 10.0, {0, 0, 0, 0, 0, kPi, kPi}, 5.0, "2 of 13 headings are half a turn"},
+        HeadingCase{"TheFirst", kCar, 10.0, {kPi}, 5.0, "1 of 13"},
+        HeadingCase{
+            "EverySecond", kCar, 10.0, {kPi, 0, kPi, 0, kPi, 0, kPi, 0, kPi, 0, kPi, 0, kPi}, 5.0, "7 of 13"},
+        HeadingCase{"MostOfADrivingOne", kCar, 10.0, std::vector<double>(10, kPi), 5.0, "10 of 13"},
+        HeadingCase{"FewOfAStandingOne", kCar, 10.0, std::vector<double>(5, kPi), 0.0, "5 of 13"},
+        HeadingCase{"AtTwoHertz", kCar, 2.0, {0, 0, kPi, kPi}, 5.0, "2 of 13"},
+        HeadingCase{"NotQuiteHalfATurn", kCar, 10.0, {0, 0, kPi - 0.3}, 5.0, "1 of 13", {0, 0, -0.3}},
+        HeadingCase{"OfAPerson", kPerson, 10.0, {0, 0, 0, kPi}, 1.5, "1 of 13"},
+        HeadingCase{"AcrossForOne", kCar, 10.0, {0, 0, 0, kPi / 2.0}, 5.0, "1 of 13 headings are off, taken"},
+        HeadingCase{"TheFirstAcross", kCar, 10.0, {kPi / 2.0}, 5.0, "1 of 13 headings are off, taken"},
+        HeadingCase{"AcrossForLong",
+                    kCar,
+                    10.0,
+                    std::vector<double>(6, kPi / 2.0),
+                    5.0,
+                    "turns by 90 degrees in 0.10 s at 0.60 s, left",
+                    std::vector<double>(6, kPi / 2.0)},
+        // What is right stays as it is.
+        HeadingCase{"Right", kCar, 10.0, {}},
+        HeadingCase{"Turning", kCar, 5.0, kTurning, 5.0, "", kTurning},
+        HeadingCase{"PersonWhoTurnsAround", kPerson, 10.0, kAboutTurn, 0.0, "", kAboutTurn},
+        HeadingCase{"PersonAtTwoHertz", kPerson, 2.0, {0, 0, kPi, kPi}, 1.0, "", {0, 0, kPi, kPi}},
+        HeadingCase{"DrivingBackwards", kCar, 10.0, kBackwards, 5.0, "", kBackwards}),
+    [](const auto& of) { return of.param.name; });
+
+struct OwnCase {
+  const char* name;
+  Vector3d size_m, p_rig;
+  std::size_t at_first;  // labels at p_rig of the rig; the others are far away
+  std::size_t left;
+  const char* said;
+};
+
+class OwnVehicleLabel : public testing::TestWithParam<OwnCase> {};
+
+TEST_P(OwnVehicleLabel, IsLeftOut) {
+  const OwnCase& c = GetParam();
+  Actor actor = thing(c.size_m);
+  Log log = log_with({});
+  for (std::size_t i = 0; i < actor.track.size(); ++i) {
+    KeyPose& key = actor.track[i];
+    key.world_from_actor = log.world_from_rig.at(key.time_s) * at(c.p_rig, 0.0);
+    if (i >= c.at_first) key.world_from_actor.translation.y() += 20.0;
+  }
+  log.actors = {actor};
+  const std::vector<std::string> said = mend_labels(log);
+  EXPECT_EQ(log.actors.empty() ? 0U : log.actors[0].track.size(), c.left);
+  ASSERT_EQ(said.size(), c.said[0] == '\0' ? 0U : 1U);
+  if (!said.empty()) {
+    EXPECT_NE(said[0].find(c.said), std::string::npos) << said[0];
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Labels,
+    OwnVehicleLabel,
+    testing::Values(
+        OwnCase{"Around", {4.2, 1.8, 2.0}, {0.0, 0.0, 1.0}, 13, 0, "at 13 of 13 poses, as the own"},
+        OwnCase{"UnderTheRoofRack", {4.2, 1.8, 1.5}, {0.0, 0.0, 0.77}, 13, 0, "13 of 13"},
+        OwnCase{"FromTheRearAxle", {4.2, 1.8, 1.5}, {1.4, 0.0, 0.75}, 13, 0, "13 of 13"},
+        OwnCase{"SixtyMetresAround", {60.0, 60.0, 5.0}, {20.0, 15.0, 1.0}, 13, 0, "13 of 13"},
+        OwnCase{"ForAWhile", {4.2, 1.8, 1.5}, {0.0, 0.0, 0.75}, 4, 9, "4 of 13 poses hold"},
+        OwnCase{"Beside", {4.2, 1.8, 1.5}, {0.0, 2.0, 0.75}, 13, 13, ""},
+        OwnCase{"BusBefore", {18.0, 2.5, 3.5}, {10.0, 0.0, 1.7}, 13, 13, ""},
+        OwnCase{"OnABridge", {4.2, 1.8, 1.5}, {0.0, 0.0, -4.5}, 13, 13, ""},
+        OwnCase{"UnderABridge", {4.2, 1.8, 1.5}, {0.0, 0.0, 6.0}, 13, 13, ""}),
+    [](const auto& of) { return of.param.name; });
+
+TEST(MendedLabels, OfATimeWithoutAPathAreLeft) {
+  Actor actor = thing(kCar);
+  for (KeyPose& key : actor.track) key.time_s += 100.0;
+  Log log = log_with(actor);
+  EXPECT_TRUE(mend_labels(log).empty());
+  EXPECT_EQ(log.actors.size(), 1U);
+}
+
+}  // namespace
+}  // namespace simuli
