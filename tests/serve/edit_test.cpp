@@ -246,6 +246,22 @@ TEST_F(ServedEdits, AreAllowedByTheirOwnersAndBounded) {
     EXPECT_TRUE(edit(insertion(fmt::format("a{}", i))).success());  // 120 each of 600
   EXPECT_NE(edit(insertion("more")).message().find("found 1320 particles in all, allowed 1200"),
             std::string::npos);
+  restore();
+  allow();
+  auto long_one = insertion();
+  long_one.mutable_insert(0)->set_semantic_class(std::string(std::size_t{4} << 20U, 'x'));
+  std::string said;
+  int made = 0;
+  for (; said.empty() && made < 40; ++made) {
+    long_one.mutable_insert(0)->set_id(fmt::format("b{}", made));
+    said = edit(long_one).message();
+  }
+  EXPECT_NE(said.find("MiB in all, allowed 64 MiB"), std::string::npos) << said;
+  EXPECT_EQ(made, 16);
+  EXPECT_FALSE(edit(long_one).success());
+  restore();
+  EXPECT_TRUE(edit(long_one).success());
+  restore();
   allow({});
   expect_refusal(RefusalKind::kPrecondition, "--enable-editing-actors", [&] {
     static_cast<void>(edit(insertion("b")));

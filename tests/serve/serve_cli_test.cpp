@@ -141,6 +141,19 @@ TEST_F(ServeCli, SpeaksTls) {
   options.pem_root_certs = read_file(folder_ / "cert.pem");
   const std::string address = fmt::format("127.0.0.1:{}", server_->number_behind("127.0.0.1:"));
   EXPECT_EQ(health_of(grpc::CreateChannel(address, grpc::SslCredentials(options)), ""), 1);
+#ifdef SIMULI_HAS_METRICS
+  start({"--tls-cert",
+         (folder_ / "cert.pem").string(),
+         "--tls-key",
+         (folder_ / "key.pem").string(),
+         "--host",
+         "0.0.0.0",
+         "--insecure",
+         "--metrics-port",
+         "0"});
+  EXPECT_GT(server_->number_behind("http://127.0.0.1:"), 0)
+      << server_->output();  // plain: not on the network
+#endif
 }
 
 }  // namespace

@@ -272,6 +272,54 @@ TEST_F(ServerTest, TellsItsHealthAndDrains) {
   EXPECT_LT(test::health_of(channel_to(server_->address()), ""), 0);
 }
 
+/// The beginning of HTTP/2: the preface, and settings.
+std::string greeting() {
+  return "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + std::string("\x00\x00\x00\x04\x00\x00\x00\x00\x00", 9);
+}
+/// A frame of HTTP/2 on the first stream.
+std::string http2_frame(char type, char flags, const std::string& payload) {
+  const auto byte = [&](unsigned shift) { return static_cast<char>(payload.size() >> shift & 0xFFU); };
+  return std::string{byte(16), byte(8), byte(0), type, flags, 0, 0, 0, 1} + payload;
+}
+
+TEST_F(ServerTest, DrainsWithoutClientsThatAreDead) {
+  const int dead = connection();  // hears nothing, and answers no ping
+  ASSERT_GT(::send(dead, greeting().data(), greeting().size(), MSG_NOSIGNAL), 0);
+  expect_answers();
+  const auto begin = std::chrono::steady_clock::now();
+  server_->drain(std::chrono::seconds(60));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  ::close(dead);
+}
+
+TEST_F(ServerTest, WaitsForNoRequestForEver) {
+  ServerOptions options;
+  options.connection_age = milliseconds(200);
+  start(options);
+  std::string headers;  // literals, without compression
+  for (const auto& [name, value] : {std::pair<std::string, std::string>{":method", "POST"},
+                                    {":scheme", "http"},
+                                    {":path", "/nre.grpc.protos.sensorsim.SensorsimService/render_rgb"},
+                                    {":authority", "localhost"},
+                                    {"content-type", "application/grpc"},
+                                    {"te", "trailers"}}) {
+    headers += std::string(1, 0) + static_cast<char>(name.size()) + name;
+    headers += static_cast<char>(value.size()) + value;
+  }
+  const std::string body("\x00\x00\x10\x00\x00half", 9);  // 1 MiB, it says
+  const std::string said = greeting() + http2_frame(1, 4, headers) + http2_frame(0, 0, body);
+  const int socket = connection();
+  ASSERT_GT(::send(socket, said.data(), said.size(), MSG_NOSIGNAL), 0);
+  const timeval patience{10, 0};
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  std::array<char, 256> heard{};
+  ssize_t bytes = 1;
+  while (bytes > 0) bytes = ::recv(socket, heard.data(), heard.size(), 0);
+  EXPECT_TRUE(bytes == 0 || errno == ECONNRESET) << errno;
+  ::close(socket);
+  expect_answers();
+}
+
 TEST_F(ServerTest, SurvivesConnectionsThatAreNone) {
   std::vector<int> idle;
   for (int i = 0; i < 500; ++i) idle.push_back(connection());

@@ -81,11 +81,12 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   serve::Server server(handlers, of_server);
   std::optional<MetricsServer> metrics;
   if (command.metrics_port >= 0) {
-    // Plain text: on the network by --insecure alone, else beside a server with TLS on loopback.
+    // Plain text: on the network by --insecure alone, and never beside TLS.
     const std::string& host = command.server.host;
-    metrics.emplace(is_loopback(host) || command.is_insecure ? host : "127.0.0.1",
-                    command.metrics_port,
-                    [&server] { return server.metrics(); });
+    const bool is_plain = command.is_insecure && command.server.tls_certificate.empty();
+    metrics.emplace(is_loopback(host) || is_plain ? host : "127.0.0.1", command.metrics_port, [&server] {
+      return server.metrics();
+    });
   }
   std::cout << server.address() << std::endl;  // at once: somebody waits for it
   if (metrics) std::cout << metrics->url() << std::endl;

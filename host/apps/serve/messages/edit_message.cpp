@@ -117,7 +117,12 @@ SceneEdit edit_of(const ServedScene& scene, const proto::EditAssetsRequest& requ
     tracks.push_back(track_of(scene, object.trajectory(), fmt::format("insert {}.trajectory", i)));
   }
   const std::int64_t most = particles_of(scene.original()) * 2 + most_more;
-  edit.apply = [request, tracks = std::move(tracks), most](Scene& changed) {
+  proto::EditAssetsRequest actions = request;  // what of it is needed
+  actions.DiscardUnknownFields();
+  for (proto::DynamicObjectTrack& object : *actions.mutable_insert()) object.clear_trajectory();
+  edit.bytes = actions.SpaceUsedLong();
+  for (const std::vector<KeyPose>& track : tracks) edit.bytes += track.size() * sizeof(KeyPose);
+  edit.apply = [request = std::move(actions), tracks = std::move(tracks), most](Scene& changed) {
     const auto need_room = [&] {
       if (particles_of(changed) <= most) return;
       throw Refusal(

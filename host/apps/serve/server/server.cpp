@@ -1,5 +1,7 @@
 #include "host/apps/serve/server/server.hpp"
 
+#include <atomic>
+#include <condition_variable>
 #include <fmt/format.h>
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/grpc.h>
@@ -8,6 +10,8 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/support/server_interceptor.h>
+#include <mutex>
+#include <thread>
 
 #include "host/apps/serve/session/refusal.hpp"
 #include "host/apps/serve/session/shared_work.hpp"
@@ -103,8 +107,14 @@ class Sensorsim final : public Base::Service {
             const FairQueue& workers,
             SharedWork& rendering,
             UnreadReplies& replies,
-            End& end)
-      : handlers_(handlers), workers_(workers), rendering_(rendering), replies_(replies), end_(end) {}
+            End& end,
+            std::atomic<int>& at_work)
+      : handlers_(handlers),
+        workers_(workers),
+        rendering_(rendering),
+        replies_(replies),
+        end_(end),
+        at_work_(at_work) {}
 
   Status get_version(ServerContext* c,
                      const proto_common::Empty* /*q*/,
@@ -211,6 +221,7 @@ class Sensorsim final : public Base::Service {
   template <class Reply, class Work>
   Status told(const char* name, ServerContext* context, const Reply& reply, const Work& work) const {
     const Stopwatch watch;
+    ++at_work_;
     const Status status = status_of(work);
     const std::size_t bytes = status.ok() ? reply.ByteSizeLong() : 0;
     handlers_.metrics().count_call(name, name_of(status.error_code()), watch.seconds(), bytes);
@@ -218,6 +229,7 @@ class Sensorsim final : public Base::Service {
       grpc_call_cancel_with_status(
           call, GRPC_STATUS_RESOURCE_EXHAUSTED, "reply: found a client that does not read it", nullptr);
     });
+    --at_work_;
     return status;
   }
   template <class Work>
@@ -273,6 +285,7 @@ class Sensorsim final : public Base::Service {
   SharedWork& rendering_;
   UnreadReplies& replies_;
   End& end_;
+  std::atomic<int>& at_work_;
 };
 
 std::shared_ptr<grpc::ServerCredentials> credentials_of(const ServerOptions& options) {
@@ -314,8 +327,8 @@ struct Server::Impl {
         workers(with.max_workers),
         replies(with.replies),
         end{with.allows_shut_down},
-        nre(handlers, workers, rendering, replies, end),
-        nurec(handlers, workers, rendering, replies, end) {}
+        nre(handlers, workers, rendering, replies, end, at_work),
+        nurec(handlers, workers, rendering, replies, end, at_work) {}
 
   const Handlers& handlers;
   ServerOptions options;
@@ -323,6 +336,7 @@ struct Server::Impl {
   SharedWork rendering;  // by either name
   UnreadReplies replies;
   End end;
+  std::atomic<int> at_work{0};  // calls whose reply is not made
   Sensorsim<NreService> nre;
   Sensorsim<NurecService> nurec;
   std::unique_ptr<grpc::Server> server;
@@ -356,6 +370,9 @@ Server::Server(const Handlers& handlers, const ServerOptions& options)
   builder.SetMaxReceiveMessageSize(kLargestRequest);
   builder.SetMaxSendMessageSize(-1);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostStreams);
+  const int age_ms = static_cast<int>(options.connection_age.count());
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, age_ms);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, age_ms);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // else a second server takes half of the calls
   builder.AddListeningPort(address_of(options.host, options.port), credentials_of(options), &impl_->port);
   builder.RegisterService(&impl_->nre);
@@ -400,8 +417,26 @@ std::string Server::metrics() const {
 void Server::drain(std::chrono::milliseconds patience) {
   if (!impl_->server) return;
   impl_->set_serving(false);
+  // The library asks each connection whether it is there, and waits 20 s for those that are not: who has begun
+  // nothing is cut off.
+  std::mutex mutex;
+  std::condition_variable_any changed;
+  std::jthread cutter([&](const std::stop_token& is_done) {
+    constexpr std::chrono::milliseconds kQuiet{500}, kLookAgain{20};
+    auto quiet_since = std::chrono::steady_clock::now();
+    std::unique_lock lock(mutex);
+    while (!changed.wait_for(lock, is_done, kLookAgain, [&] { return is_done.stop_requested(); })) {
+      const auto now = std::chrono::steady_clock::now();
+      if (impl_->at_work > 0 || impl_->replies.count() > 0) quiet_since = now;
+      if (now - quiet_since < kQuiet) continue;
+      grpc_server_cancel_all_calls(impl_->server->c_server());
+      return;
+    }
+  });
   impl_->server->Shutdown(std::chrono::system_clock::now() + patience);
   impl_->server->Wait();
+  cutter.request_stop();
+  cutter.join();
   impl_->server.reset();
 }
 

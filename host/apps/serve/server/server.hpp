@@ -16,6 +16,9 @@ struct ServerOptions {
   std::size_t max_workers = 4;    // requests at once; others wait
   bool allows_shut_down = false;  // by any client
   ReplyLimits replies;
+  /// Of a connection: then its client makes another one, and has as long again for what it has begun, which
+  /// bounds requests that never come whole.
+  std::chrono::milliseconds connection_age{std::chrono::minutes(5)};
   std::string tls_certificate,
       tls_key;              // PEM files, both or neither: then everybody on the way can read along
   std::string tls_clients;  // PEM file of authorities: clients must have a certificate of one
@@ -43,8 +46,8 @@ class Server {
   [[nodiscard]] bool is_shut_down_asked_for() const;
   /// What is counted and what is at work, in Prometheus' text format. Safe to ask from any thread.
   [[nodiscard]] std::string metrics() const;
-  /// From here on nothing new is answered; returns when what was begun is done, or cancelled after
-  /// `patience`.
+  /// From here on nothing new is answered; returns when what was begun is done and taken, or cancelled after
+  /// `patience`. Clients that are connected and say nothing are not waited for.
   void drain(std::chrono::milliseconds patience);
 
  private:

@@ -133,6 +133,13 @@ RenderSession::ScenePtr RenderSession::open(const std::string& id, const IsGiven
 
 void RenderSession::edit(const std::string& id, const SceneEdit& edit, const IsGivenUp& is_given_up) {
   const std::lock_guard editing(edit_mutex_);
+  if (edit_bytes_ + edit.bytes > kMostEditBytes) {
+    throw Refusal(RefusalKind::kExhausted,
+                  fmt::format("edit_assets: found edits of {:.1f} MiB in all, allowed {} MiB until "
+                              "restore_model_parameters takes some back",
+                              static_cast<double>(edit_bytes_ + edit.bytes) / (1 << 20),
+                              kMostEditBytes >> 20U));
+  }
   replace(id, owned(open(id, is_given_up)->edited(edit)), edit);
 }
 
@@ -150,7 +157,9 @@ void RenderSession::replace(const std::string& id, ScenePtr scene, const std::op
   ++edition_;
   if (edit) {
     edits_[id].push_back(*edit);
+    edit_bytes_ += edit->bytes;
   } else {
+    for (const SceneEdit& back : edits_[id]) edit_bytes_ -= back.bytes;
     edits_.erase(id);
   }
   const auto kept =

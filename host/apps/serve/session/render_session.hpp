@@ -62,6 +62,9 @@ class RenderSession {
   /// Of scenes, the device's queue and its memory, as it was behind the last frame.
   [[nodiscard]] std::vector<Gauge> gauges() const;
 
+  /// Edits are kept for scenes that are read again.
+  static constexpr std::size_t kMostEditBytes = std::size_t{64} << 20U;
+
   using ScenePtr = std::shared_ptr<ServedScene>;
   /// Reads it unless it is kept; two who ask at once wait for the same reading. Refusal{kNotFound} for a name
   /// that there is not, Refusal{kPrecondition} for a scene that can't be read, Refusal{kCancelled}.
@@ -69,7 +72,8 @@ class RenderSession {
   /// The same before anybody asks, for who starts the server: Error{kInput} for a scene that can't be read.
   void read_now(const std::string& id);
   /// Who opens the scene from now on finds it edited, also when it is read again; those who hold it have it
-  /// as it was. Errors as open() and `edit` throw them; then nothing has changed.
+  /// as it was. Errors as open() and `edit` throw them, Refusal{kExhausted} where all edits together would
+  /// keep more than kMostEditBytes; then nothing has changed.
   void edit(const std::string& id, const SceneEdit& edit, const IsGivenUp& is_given_up = never_given_up);
   /// Takes all edits back. Errors as open().
   void restore(const std::string& id, const IsGivenUp& is_given_up = never_given_up);
@@ -118,6 +122,7 @@ class RenderSession {
   mutable std::mutex mutex_;
   std::list<CachedScene> kept_;                          // last used first
   std::map<std::string, std::vector<SceneEdit>> edits_;  // by scene
+  std::size_t edit_bytes_ = 0;                           // of edits_
   std::mutex edit_mutex_;                                // one after the other; before mutex_
 };
 

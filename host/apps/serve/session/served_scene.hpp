@@ -31,6 +31,7 @@ struct SceneEdit {
   std::function<void(Scene&)> apply;
   std::vector<std::string> external;  // actors that got another one's particles, or came to be
   std::vector<std::string> inserted;  // of those: who came to be
+  std::size_t bytes = 0;              // that it keeps, about
 };
 
 /// A scene that has been read. What it tells is safe to ask from any thread; its device is RenderSession's.
