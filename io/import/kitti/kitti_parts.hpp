@@ -135,8 +135,8 @@ struct Point {
 };
 
 /// float32 x y z reflectance. Error{kInput} for a size that is no multiple of 16, NaN, Inf, a reflectance
-/// outside [0, 1].
-[[nodiscard]] std::vector<Point> read_points(const std::filesystem::path& file);
+/// outside [0, 1]; who `needs_places` alone takes any reflectance.
+[[nodiscard]] std::vector<Point> read_points(const std::filesystem::path& file, bool needs_places = false);
 
 /// A sweep's points sorted into the beams that fired them.
 struct BeamPoints {

@@ -83,7 +83,7 @@ int majority(const std::vector<int>& rows, std::size_t first, std::size_t last, 
 
 }  // namespace
 
-std::vector<Point> read_points(const fs::path& file) {
+std::vector<Point> read_points(const fs::path& file, bool needs_places) {
   static_assert(std::endian::native == std::endian::little, "the files are little endian");
   constexpr std::size_t kPoint_bytes = 16;
   constexpr double kFarthest_m = 1e4;
@@ -97,7 +97,8 @@ std::vector<Point> read_points(const fs::path& file) {
     std::array<float, 4> v{};
     std::memcpy(v.data(), bytes.data() + i * kPoint_bytes, kPoint_bytes);
     for (std::size_t k = 0; k < v.size(); ++k) {
-      const bool good = k < 3 ? std::abs(v[k]) <= kFarthest_m : (v[k] >= 0.0F && v[k] <= 1.0F);
+      const bool good =
+          k < 3 ? std::abs(v[k]) <= kFarthest_m : needs_places || (v[k] >= 0.0F && v[k] <= 1.0F);
       if (good) continue;
       constexpr std::array<const char*, 4> kNames{"x", "y", "z", "reflectance"};
       throw_input_error(file.string(),

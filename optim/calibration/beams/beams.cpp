@@ -17,7 +17,7 @@
 namespace simuli::calibration {
 namespace {
 
-constexpr double kNearest_m = 0.5;
+constexpr double kNearest_m = 0.05;  // nearer ones have no direction
 constexpr std::size_t kVoters = 120000;
 constexpr std::size_t kFewestVoters = 2000;
 constexpr double kBin_rad = 0.25e-3;
@@ -254,10 +254,7 @@ BeamPoints sort_points(const std::vector<RawSweep>& sweeps, BeamTable& table) {
   table.unplaced = 0;
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     for (const Eigen::Vector3d& p : sweeps[s]) {
-      if (!(p.norm() >= kNearest_m)) {
-        ++table.unplaced;
-        continue;
-      }
+      if (!(p.norm() >= kNearestTelling_m)) continue;
       const BeamPoint point{std::atan2(p.y(), p.x()), std::hypot(p.x(), p.y()), p.z()};
       std::size_t best = lines.size();
       double smallest = kGate_rad;
@@ -290,20 +287,27 @@ BeamPoints sort_points(const std::vector<RawSweep>& sweeps, BeamTable& table) {
 
 BeamTable find_beams(const std::vector<RawSweep>& sweeps) {
   BeamTable table;
+  table.range_min = kNearestTelling_m;
   for (const RawSweep& sweep : sweeps) table.points += sweep.size();
   const std::size_t stride = std::max<std::size_t>(1, table.points / kVoters);
   std::vector<Voter> voters;
   std::size_t number = 0;
   for (const RawSweep& sweep : sweeps) {
     for (const Eigen::Vector3d& p : sweep) {
-      table.range_max = std::max(table.range_max, p.norm());
-      if (number++ % stride != 0 || !(p.norm() >= kNearest_m)) continue;
+      const double range = p.norm();
+      table.range_max = std::max(table.range_max, range);
+      if (range >= kNearest_m) table.range_min = std::min(table.range_min, range);
+      if (!(range >= kNearestTelling_m)) ++table.near;
+      if (number++ % stride != 0 || !(range >= kNearestTelling_m)) continue;
       voters.push_back({std::hypot(p.x(), p.y()), p.z()});
     }
   }
   const auto refuse = [](const std::string& why) { throw Error(ErrorKind::kNumeric, "beam table: " + why); };
   if (voters.size() < kFewestVoters) {
-    refuse(fmt::format("found {} points, allowed at least {}", voters.size(), kFewestVoters));
+    refuse(fmt::format("found {} points {} m away or farther, allowed at least {}",
+                       voters.size(),
+                       kNearestTelling_m,
+                       kFewestVoters));
   }
   for (const Line& line : find_lines(std::move(voters))) {
     BeamEstimate beam;
@@ -313,7 +317,8 @@ BeamTable find_beams(const std::vector<RawSweep>& sweeps) {
   }
   constexpr double kMostUnplaced = 0.05;
   BeamPoints points = sort_points(sweeps, table);
-  const double unplaced = static_cast<double>(table.unplaced) / static_cast<double>(table.points);
+  const double unplaced =
+      static_cast<double>(table.unplaced) / static_cast<double>(table.points - table.near);
   if (!(unplaced <= kMostUnplaced)) {
     refuse(
         fmt::format("found {:.1f} % of the points on no beam, allowed {:.0f} %: no spinning sensor with an "
@@ -335,7 +340,7 @@ Lidar lidar_of(const BeamTable& table, const std::string& name, SpinDirection sp
   lidar.columns = static_cast<int>(std::lround(table.columns));
   lidar.azimuth_span = 2.0 * kPi;
   lidar.azimuth_first = lidar.spin_sign() * kPi * (1.0 / std::max(1, lidar.columns) - 1.0);
-  lidar.range_min = kNearest_m;
+  lidar.range_min = table.range_min;
   lidar.range_max = std::max(120.0, table.range_max);
   double mean_offset = 0.0;
   for (const BeamEstimate& beam : table.rows) {

@@ -33,13 +33,17 @@ struct BeamTable {
   double columns = 0.0;            // firings per turn, mean; 0: too few points to tell
   int encoder_ticks = 0;           // per turn; 0: azimuths lie on no grid
   std::size_t points = 0;
-  std::size_t unplaced = 0;        // on no beam
-  double returned_share = 0.0;     // of all firings
-  double range_max = 0.0;          // m, farthest point
+  std::size_t near = 0;         // of these nearer than kNearestTelling_m: on no beam, and held against none
+  std::size_t unplaced = 0;     // of the others on no beam
+  double returned_share = 0.0;  // of all firings
+  double range_min = 0.0;       // m, nearest point that has a direction
+  double range_max = 0.0;       // m, farthest point
   std::vector<std::string> notes;  // what the sweeps do not determine, and why
 };
 
 inline constexpr double kWorstOffset_m = 5e-3;
+/// The lever arms of beams and the shape of their spots hide a nearer point's beam.
+inline constexpr double kNearestTelling_m = 0.5;
 
 /// Throws Error{kNumeric} when the points lie on no beams.
 [[nodiscard]] BeamTable find_beams(const std::vector<RawSweep>& sweeps);

@@ -91,6 +91,20 @@ TEST(Beams, AreFoundInShuffledPoints) {
   EXPECT_EQ(lidar.row_count(), 16);
 }
 
+TEST(Beams, NearPointsAreHeldAgainstNone) {
+  std::vector<RawSweep> sweeps = fire({}, 4);
+  std::size_t near = 0;
+  for (RawSweep& sweep : sweeps) {
+    for (std::size_t i = 0; i < sweep.size(); i += 3, ++near) sweep[i] *= 0.4 / sweep[i].norm();
+  }
+  const BeamTable table = find_beams(sweeps);
+  ASSERT_EQ(table.rows.size(), 16U);
+  EXPECT_EQ(table.near, near);
+  EXPECT_LT(table.unplaced, table.points / 1000);
+  EXPECT_NEAR(table.rows[3].row.elevation, true_rows()[3].elevation, 0.05e-3);
+  EXPECT_NEAR(lidar_of(table, "blind spot", SpinDirection::kClockwise).range_min, 0.4, 1e-6);
+}
+
 TEST(Beams, OneDistanceTellsNoOffsets) {
   // A round wall, 8 m away everywhere: height over distance is one number, lever arm or tilt.
   const BeamTable table = find_beams(fire({true, true}, 4));

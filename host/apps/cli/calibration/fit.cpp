@@ -59,7 +59,7 @@ std::vector<fs::path> sweep_files(const fs::path& folder) {
 
 calib::RawSweep read_raw(const fs::path& file) {
   calib::RawSweep sweep;
-  for (const kitti::Point& point : kitti::read_points(file)) sweep.push_back(point.position);
+  for (const kitti::Point& point : kitti::read_points(file, true)) sweep.push_back(point.position);
   return sweep;
 }
 
@@ -143,6 +143,7 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
     json["firings_per_turn"] = table.columns;
     json["returned_share"] = table.returned_share;
     json["unplaced"] = table.unplaced;
+    json["near"] = table.near;
     json["notes"] = table.notes;
     json["sigmas"] = Json::array();
     for (const calib::BeamEstimate& b : table.rows) {
@@ -153,13 +154,18 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
     std::cout << json_text(json) << '\n';
     return;
   }
-  std::cout << fmt::format("{} beams in {} points of {} sweeps; {} points on none of them\n",
-                           table.rows.size(),
-                           table.points,
-                           count,
-                           table.unplaced)
-            << " row  elevation  sigma  vertical  sigma horizontal  azimuth   points residual\n"
-               "           deg    deg        mm     mm        mm      deg              mrad\n";
+  std::cout
+      << fmt::format(
+             "{} beams in {} points of {} sweeps; {} points on none of them, {} nearer than {} m, which "
+             "tell no beam\n",
+             table.rows.size(),
+             table.points,
+             count,
+             table.unplaced,
+             table.near,
+             calib::kNearestTelling_m)
+      << " row  elevation  sigma  vertical  sigma horizontal  azimuth   points residual\n"
+         "           deg    deg        mm     mm        mm      deg              mrad\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i) std::cout << row_line(i, table.rows[i]);
   std::cout << fmt::format(
       "{:.1f} firings per turn, a step of {:.4f} deg; encoder of {} ticks; {:.1f} % of firings returned "
