@@ -1,4 +1,5 @@
 // PSNR and SSIM of optim/base/metrics.hpp.
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -114,6 +115,37 @@ double psnr_db(const Image& rendered, const Image& truth) {
   }
   const double mean_square = sum / static_cast<double>(known);
   return -10.0 * std::log10(mean_square);  // log10(0) = -inf: identical pictures give +inf
+}
+
+double psnr_corrected_db(const Image& rendered, const Image& truth) {
+  check_pair("psnr_corrected_db", rendered, truth, 1);
+  const Eigen::Index channels = truth.channels;
+  const auto pixels = static_cast<Eigen::Index>(truth.data.size()) / channels;
+  using Pixels = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  const Pixels from(rendered.data.data(), pixels, channels), to(truth.data.data(), pixels, channels);
+  const auto with_one = [&](Eigen::Index pixel) {
+    Eigen::VectorXd row(channels + 1);
+    row << from.row(pixel).transpose().cast<double>(), 1.0;
+    return row;
+  };
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(channels + 1, channels + 1);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(channels + 1, channels);
+  for (Eigen::Index i = 0; i < pixels; ++i) {
+    if (to.row(i).minCoeff() < 0.0F) continue;
+    const Eigen::VectorXd row = with_one(i);
+    normal += row * row.transpose();
+    right += row * to.row(i).cast<double>();
+  }
+  // Of grey and of plain pictures many transforms are as near: the least one.
+  const Eigen::MatrixXd transform = normal.completeOrthogonalDecomposition().solve(right);
+  Image corrected = rendered;
+  for (Eigen::Index i = 0; i < pixels; ++i) {
+    const Eigen::VectorXd colour = (transform.transpose() * with_one(i)).cwiseMax(0.0).cwiseMin(1.0);
+    for (Eigen::Index c = 0; c < channels; ++c) {
+      corrected.data[static_cast<std::size_t>(i * channels + c)] = static_cast<float>(colour[c]);
+    }
+  }
+  return std::fmax(psnr_db(corrected, truth), psnr_db(rendered, truth));  // the same but for rounding
 }
 
 double ssim(const Image& rendered, const Image& truth) {

@@ -48,7 +48,7 @@ struct FrameScore {
 struct PictureScore : FrameScore {
   double psnr_db = kNoNumber;
   double ssim = kNoNumber;
-  double psnr_ungraded_db = kNoNumber;
+  double psnr_corrected_db = kNoNumber;
 };
 struct SweepScore : FrameScore {
   SweepMetrics metrics;
@@ -62,7 +62,7 @@ struct EvalScores {
   std::size_t sweeps = 0;
   double psnr_db = kNoNumber;
   double ssim = kNoNumber;
-  double psnr_ungraded_db = kNoNumber;            // without colour grids; NaN when the scene has none
+  double psnr_corrected_db = kNoNumber;           // once the best affine transform corrects each one's tint
   SweepMetrics lidar;                             // of best_distance()
   double distance_expected_median_m = kNoNumber;  // the same median error with expected distances alone
   /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the

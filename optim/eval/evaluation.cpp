@@ -251,9 +251,7 @@ PictureScore Evaluation::Run::score_picture(const ImageFrame& frame, ErrorPools&
   PictureScore score;
   score.psnr_db = psnr_db(rendered, truth);
   score.ssim = ssim(rendered, truth);
-  if (!of_.scene_.scene.color_grids.empty()) {
-    score.psnr_ungraded_db = psnr_db(of_.on_device_.render(camera, shot, {.graded = false}).image(), truth);
-  }
+  score.psnr_corrected_db = psnr_corrected_db(rendered, truth);
   pool_pixels(frame, rendered, truth, pools);
   return score;
 }

@@ -54,7 +54,7 @@ void put_scores(py::dict& out, const EvalScores& r) {
   out["sweeps"] = r.sweeps;
   out["psnr_db"] = r.psnr_db;
   out["ssim"] = r.ssim;
-  out["psnr_ungraded_db"] = r.psnr_ungraded_db;
+  out["psnr_corrected_db"] = r.psnr_corrected_db;
   out["distance_median_m"] = r.lidar.distance_median_m;
   out["distance_expected_median_m"] = r.distance_expected_median_m;
   out["medl2_m2"] = r.lidar.medl2_m2;

@@ -103,6 +103,43 @@ TEST(Psnr, IdenticalPicturesAreInfinite) {
   EXPECT_EQ(psnr_db(image, image), std::numeric_limits<double>::infinity());
 }
 
+TEST(PsnrCorrected, SeesNoTint) {
+  const Image truth = noise(16, 12, 3, 5);
+  Image tinted = truth, noisy = truth;
+  const Image other = noise(16, 12, 3, 6);
+  for (std::size_t i = 0; i < truth.data.size(); i += 3) {
+    const float* const t = &truth.data[i];
+    tinted.data[i] = 0.1F + 0.5F * t[0] + 0.2F * t[1];
+    tinted.data[i + 1] = 0.3F * t[1] - 0.1F * t[2];
+    tinted.data[i + 2] = 0.9F * t[2];
+    for (std::size_t c = i; c < i + 3; ++c) noisy.data[c] = tinted.data[c] + 0.05F * other.data[c];
+  }
+  EXPECT_LT(psnr_db(tinted, truth), 20.0);
+  EXPECT_GT(psnr_corrected_db(tinted, truth), 100.0);
+  EXPECT_GT(psnr_corrected_db(noisy, truth), psnr_db(noisy, truth) + 10.0);
+  EXPECT_LT(psnr_corrected_db(noisy, truth), 40.0);  // noise is no tint
+  EXPECT_LT(psnr_corrected_db(other, truth), 12.0);  // no transform of one makes the other
+}
+
+TEST(PsnrCorrected, IsNeverBelowThePlainOne) {
+  const Image truth = noise(16, 12, 3, 7);
+  EXPECT_TRUE(std::isinf(psnr_corrected_db(truth, truth)));
+  const Image grey = constant(12, 0.5F);  // many transforms are as near
+  EXPECT_TRUE(std::isinf(psnr_corrected_db(grey, grey)));
+  EXPECT_GT(psnr_corrected_db(grey, constant(12, 0.25F)), 100.0);
+}
+
+TEST(PsnrCorrected, LeavesOutWhatIsNotKnown) {
+  Image truth = noise(16, 12, 3, 8);
+  Image rendered = truth;
+  for (std::size_t i = 0; i < truth.data.size(); ++i) rendered.data[i] = 0.5F * truth.data[i];
+  for (std::size_t c = 0; c < 3; ++c) truth.data[c] = -1.0F;
+  rendered.data[0] = 100.0F;
+  EXPECT_GT(psnr_corrected_db(rendered, truth), 100.0);
+  std::fill(truth.data.begin(), truth.data.end(), -1.0F);
+  EXPECT_TRUE(std::isnan(psnr_corrected_db(rendered, truth)));
+}
+
 TEST(Psnr, UnequalSizesAreRefused) {
   try {
     (void)psnr_db(constant(4, 0.0F), constant(5, 0.0F));

@@ -19,6 +19,7 @@ std::vector<std::string> score_cells(const std::string& name, const EvalScores& 
   return {name,
           fmt::format("{} + {}", s.images, s.sweeps),
           number_text(s.psnr_db, 2),
+          number_text(s.psnr_corrected_db, 2),
           number_text(s.ssim, 4),
           number_text(100.0 * s.lidar.distance_median_m, 2),
           number_text(s.lidar.mean_rel_l2, 4),
@@ -32,6 +33,7 @@ TextTable table_of_scores(const char* title) {
           {"",
            "pictures + sweeps",
            "PSNR dB",
+           "corrected dB",
            "SSIM",
            "median cm",
            "rel. L2",
@@ -152,7 +154,7 @@ Json json_of(const EvalScores& s) {
   for (const KindScores& kind : s.kinds) kinds.push_back(json_of(kind));
   return {{"psnr_db", s.psnr_db},
           {"ssim", s.ssim},
-          {"psnr_ungraded_db", s.psnr_ungraded_db},
+          {"psnr_corrected_db", s.psnr_corrected_db},
           {"distance_median_m", l.distance_median_m},
           {"distance_expected_median_m", s.distance_expected_median_m},
           {"medl2_m2", l.medl2_m2},
@@ -185,7 +187,7 @@ Json json_of(const PictureScore& s) {
           {"time_s", s.time_s},
           {"psnr_db", s.psnr_db},
           {"ssim", s.ssim},
-          {"psnr_ungraded_db", s.psnr_ungraded_db}};
+          {"psnr_corrected_db", s.psnr_corrected_db}};
 }
 
 Json json_of(const SweepScore& s) {

@@ -254,8 +254,7 @@ std::vector<MetricLine> metric_lines(const EvalReport& r) {
     lines.push_back({name, value, unit});
   };
   line("PSNR", number_text(r.psnr_db, 2), "dB");
-  if (std::isfinite(r.psnr_ungraded_db))
-    line("  without colour grids", number_text(r.psnr_ungraded_db, 2), "dB");
+  line("  each picture's tint corrected", number_text(r.psnr_corrected_db, 2), "dB");
   line("SSIM", number_text(r.ssim, 4), "");
   line("distance error, median", number_text(l.distance_median_m * 100.0, 2), "cm");
   line("  of expected distances", number_text(r.distance_expected_median_m * 100.0, 2), "cm");
