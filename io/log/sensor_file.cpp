@@ -129,8 +129,15 @@ LidarFile read_lidar_file(const std::filesystem::path& file) {
 
 void write_sensor_file(const std::filesystem::path& path, const SensorFile& file) {
   std::visit([&](const auto& sensor) { check(sensor, path.string()); }, file);
-  const Json json = std::visit([](const auto& sensor) { return to_json(sensor); }, file);
-  write_file_atomically(path, json.dump(2) + '\n');
+  write_file_atomically(path, text_of(file));
+}
+
+SensorFile sensor_file_from_text(const std::string& text, const std::string& where) {
+  return read_json_text(text, where, sensor_file_from_json);
+}
+
+std::string text_of(const SensorFile& file) {
+  return std::visit([](const auto& sensor) { return to_json(sensor); }, file).dump(2) + '\n';
 }
 
 Sensor sensor_of(const SensorFile& file) {

@@ -62,6 +62,9 @@ using SensorFile = std::variant<CameraFile, LidarFile>;
 [[nodiscard]] CameraFile read_camera_file(const std::filesystem::path& file);
 [[nodiscard]] LidarFile read_lidar_file(const std::filesystem::path& file);
 
+/// The same from a file's text; `where` is named by errors.
+[[nodiscard]] SensorFile sensor_file_from_text(const std::string& text, const std::string& where);
+[[nodiscard]] std::string text_of(const SensorFile& file);
 /// Error{kInput} for a model that validate() refuses, and when it can't be written. Atomic.
 void write_sensor_file(const std::filesystem::path& path, const SensorFile& file);
 

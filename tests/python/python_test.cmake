@@ -22,6 +22,8 @@ if(NOT beside STREQUAL version)
 endif()
 execute_process(COMMAND ${PYTHON} ${SOURCE}/python_test.py ${WORK}/street.log ${WORK} ${PROGRAM}
   COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${PYTHON} ${SOURCE}/learning_test.py ${WORK}/python.scene ${WORK}
+  COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${PYTHON} ${SOURCE}/processes_test.py ${WORK}/python.scene ${WORK}/street.log
   COMMAND_ERROR_IS_FATAL ANY)
 # What the pages show; the README's drive is longer, and its car has another name.

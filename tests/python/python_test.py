@@ -109,6 +109,35 @@ hit = sweep.range_m > 0
 assert 0.2 < hit.mean() <= 1.0 and np.isfinite(sweep.points_m).all()
 assert scene.render("velodyne_vlp16", time_s=start_s).drop.shape[0] == 16
 
+# Where and when, and other libraries' tensors on the same memory.
+assert np.allclose(frame.world_from_sensor, pose) and np.allclose(frame.world_from_sensor_end, pose)
+assert frame.span == (start_s, start_s) and sweep.span[1] - sweep.span[0] == sensor.duration_s
+assert repr(frame) == f'<simuli.Frame: camera "{name}", {width} x {height}, at {start_s:.3f} s>'
+for of, at in ((frame, "image"), (frame, "depth_m"), (frame, "normals"), (frame, "median_m"), (sweep, "range_m"), (sweep, "drop")):
+    tensor = np.from_dlpack(of.tensor(at))
+    assert np.shares_memory(tensor, getattr(of, at)) and np.array_equal(tensor, getattr(of, at)), at
+assert np.shares_memory(np.from_dlpack(frame), frame.image) and np.shares_memory(np.from_dlpack(sweep), sweep.range_m)
+assert frame.__dlpack_device__() == (1, 0)
+for version, kind in ((None, '"dltensor"'), ((0, 8), '"dltensor"'), ((1, 0), '"dltensor_versioned"')):
+    assert kind in repr(frame.__dlpack__(max_version=version)), version  # one that nobody takes goes by itself
+for wrong in ({"stream": 1}, {"dl_device": (2, 0)}, {"copy": True}):
+    try:
+        frame.__dlpack__(**wrong)
+    except BufferError as error:
+        assert "allowed" in str(error), error
+    else:
+        raise AssertionError(wrong)
+refused(lambda: frame.tensor("actors"), 'tensor: found "actors"')
+refused(lambda: frame.tensor("range_m"), "")
+held = np.from_dlpack(scene.render(name, time_s=start_s).tensor("image"))
+gc.collect()
+assert np.array_equal(held, image)  # its memory lives as long as it
+thread = threading.Thread(target=held.sum)
+del held
+thread.start()  # the last owner may be another thread's
+thread.join()
+del thread
+
 # Clouds: the returns, in the frame asked for, with beam and time.
 cloud = sweep.cloud()
 assert cloud["xyz"].dtype == np.float64 and np.array_equal(cloud["xyz"], sweep.points_m[hit])
@@ -166,12 +195,20 @@ batch = scene.render_batch(name, times)
 assert np.array_equal(batch[0].image, image) and not np.array_equal(batch[2].image, image)
 poses = np.stack([pose] * 3)
 assert np.array_equal(scene.render_batch(name, times, poses)[2].image, scene.render(name, pose, times[2]).image)
-own = simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0).mounted(camera.rig_from_sensor)
-assert scene.render(own, time_s=start_s).image.shape == (18, 32, 3)
+own = simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0)
+placed = own.mounted(camera.rig_from_sensor)
+assert scene.render(placed, time_s=start_s).image.shape == (18, 32, 3)
+# One that was never mounted stands where the first of its kind does.
+assert np.array_equal(scene.render(own, time_s=start_s).image, scene.render(placed, time_s=start_s).image)
+assert np.array_equal(scene.render_batch(own, times)[2].image, scene.render(placed, time_s=times[2]).image)
+assert np.array_equal(scene.render(simuli.sensor("tum_vi_cam0"), time_s=start_s).image,
+                      scene.render("tum_vi_cam0", time_s=start_s).image)
+assert np.array_equal(scene.render(simuli.sensor("velodyne_vlp16"), time_s=start_s).range_m,
+                      scene.render("velodyne_vlp16", time_s=start_s).range_m)
 beams = simuli.lidar("two", np.radians([2.0, -2.0]), 90)
 assert scene.render(beams, scene.world_from_rig(start_s), start_s).range_m.shape == (2, 90)
 scene.add_sensor(own)
-assert "own" in scene.cameras
+assert "own" in scene.cameras and np.allclose(scene.cameras["own"].rig_from_sensor, camera.rig_from_sensor)
 draft = simuli.Scene(folder, quality="draft", settings=["render.alpha_cut=0.1"])
 assert not np.array_equal(draft.render(name, time_s=start_s).image, image)
 
@@ -188,6 +225,12 @@ scene.edit(simuli.move("second", [0, 3, 0]))
 scene.edit(simuli.turn("second", 0.5))
 scene.edit(simuli.retime("second", 2.0, 0.1))
 assert not np.array_equal(scene.render(lidar, time_s=when).range_m, there)
+scene.resize_actor("second", 1.5)
+assert np.allclose(scene.actors[-1]["size_m"], 1.5 * np.array(scene.actors[0]["size_m"]))
+assert scene.mirror_actor("second", recorded=car) in (True, False)
+refused(lambda: scene.mirror_actor("second"), "second")
+refused(lambda: scene.resize_actor("second", 0.0), "resize second")
+assert repr(scene).startswith('<simuli.Scene: "street", 2 cameras, 1 LiDARs, 2 actors, on '), repr(scene)
 scene.edit(simuli.remove("second"))
 assert np.array_equal(scene.render(lidar, time_s=when).range_m, there)
 scene.edit(simuli.remove(car))
@@ -261,11 +304,46 @@ refused(lambda: scene.set_particles(np.where(np.arange(particles.shape[1]) == 3,
 refused(lambda: scene.set_particles(np.zeros(particles.shape, dtype="U1")), "real numbers")
 refused(lambda: scene.gradients(frame, transmittance=[1.0]), "transmittance")
 refused(lambda: scene.edit(simuli.remove("nobody")), "nobody")
+for text in ("a\nb", "\x1b[2J", "\u202egpj", "a\r\0"):
+    for call in (lambda: simuli.sensor(text), lambda: scene.render(text), lambda: scene.edit(simuli.remove(text)),
+                 lambda: simuli.Scene(folder, quality=text), lambda: simuli.Scene(folder, settings=[text]),
+                 lambda: simuli.Device(text), lambda: scene.duplicate_actor(text, "b"), lambda: frame.tensor(text),
+                 lambda: simuli.camera("a", 1, 1, 1, 1, 1, 1, lens=text), lambda: simuli.lidar("a", [0.1], 4, spin=text)):
+        try:
+            call()
+        except simuli.Error as error:
+            assert str(error).isprintable(), error
+        except (TypeError, ValueError):  # what no path holds
+            assert "\0" in text
+        else:
+            raise AssertionError(text)
 # Sensors and edits are values: they are equal, have a text, and edits go to other processes.
 same = simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0)
 assert same == simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0) and len({same, same.named("own")}) == 1
 assert same != same.named("other") and same != same.with_duration(0.1) and same != 7 and same != simuli.sensor("hesai_xt32")
 assert repr(same) == '<simuli.Sensor: camera "own", 32 x 18 px>' and same.K.tolist() == [[20, 0, 16], [0, 20, 9], [0, 0, 1]]
+bent = simuli.camera("bent", 64, 36, 30, 31, 32, 18, lens="opencv_fisheye", parameters=[0.01, 0, 0, 0, 1.5],
+                     shutter="top_to_bottom", duration_s=0.03)
+assert (bent.lens, bent.shutter, bent.lens_parameters["k1"]) == ("opencv_fisheye", "top_to_bottom", 0.01)
+assert (same.lens, same.shutter, same.lens_parameters) == ("pinhole", "global", {})
+assert np.allclose(sensor.elevation_rad, np.sort(sensor.elevation_rad)[::-1]) and len(sensor.elevation_rad) == sensor.shape[0]
+assert np.allclose(same.project([[1, 2, 4], [0, 0, 1]]), [[21, 19], [16, 9]])
+assert np.isnan(same.project([[0, 0, -1], [nan, 0, 1]])).all() and same.project(np.zeros((0, 3))).shape == (0, 2)
+pixels = np.array([[3.5, 30.0], [60.0, 2.0], [32.0, 18.0]])
+rays = bent.unproject(pixels)
+assert np.allclose(np.linalg.norm(rays, axis=1), 1) and np.allclose(bent.project(7 * rays), pixels, atol=1e-9)
+assert np.isnan(bent.unproject([[1e4, 0]])).all()
+refused(lambda: same.project([1, 2, 3]), "points_m")
+refused(lambda: same.unproject(np.zeros((2, 3))), "pixels")
+for wrong in ("lens", "shutter", "K", "lens_parameters"):
+    refused(lambda: getattr(sensor, wrong), "")
+refused(lambda: same.elevation_rad, "")
+for value in (same, bent, bent.mounted(pose).named("other"), camera, sensor, sensor.with_duration(0.2), simuli.sensor("hesai_xt32@20")):
+    again = pickle.loads(pickle.dumps(value))
+    assert again == value and hash(again) == hash(value) and again.duration_s == value.duration_s, value
+    assert np.array_equal(again.rig_from_sensor, value.rig_from_sensor)
+refused(lambda: simuli.Sensor.__new__(simuli.Sensor).__setstate__(("{}", "a", 0.0, [0.0] * 7)), "")
+assert "simuli.Device: " in repr(simuli.Device())
 edits = [simuli.remove("a"), simuli.move("a", [0.1, 1 / 3, 3]), simuli.turn("a", 0.1), simuli.retime("a", 2.0, 1 / 3),
          simuli.retrack("a", [0.1, 0.2], [np.eye(4), np.eye(4)])]
 assert [repr(edit).split()[1] for edit in edits] == ["remove", "move", "turn", "retime", "retrack"]
@@ -296,6 +374,13 @@ example = os.path.join(os.path.dirname(__file__), "..", "..", "examples", "sweep
 out = subprocess.run([sys.executable, example, folder, "velodyne_vlp16"], cwd=work, check=True, text=True,
                      capture_output=True).stdout
 assert "rays of velodyne_vlp16 returned" in out, out
+
+# The program, for what has no call of its own.
+from simuli import program as command
+assert command.run("--version").split()[1] == simuli.__version__
+assert command.run("info", pathlib.Path(folder), as_json=True) == json.loads(command.run("--json", "info", folder))
+refused(lambda: command.run("info", "nowhere.scene"), "nowhere.scene")
+refused(lambda: command.run("no such command"), "")
 
 # What is no pose, and edits that are no list, in words.
 eye, edit = np.eye(4), simuli.remove("car")

@@ -23,7 +23,7 @@ def members_of(nodes):
     for node in nodes:
         if isinstance(node, ast.ClassDef):
             out[node.name] = members_of(node.body)
-        elif isinstance(node, ast.FunctionDef):
+        elif isinstance(node, ast.FunctionDef) and (node.name == "__init__" or not node.name.startswith("_")):
             kinds = [d.id for d in node.decorator_list]
             out[node.name] = "property" if "property" in kinds else arguments_of(node)
         elif isinstance(node, ast.AnnAssign):

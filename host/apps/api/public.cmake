@@ -8,7 +8,7 @@ endif()
 
 set(SIMULI_PUBLIC_base
   "Errors, version, pictures, clouds, and the keys of options."
-  host/core/base/version.hpp host/core/base/error.hpp host/core/base/image.hpp host/core/base/point_cloud.hpp
+  host/core/base/version.hpp host/core/base/one_line.hpp host/core/base/error.hpp host/core/base/image.hpp host/core/base/point_cloud.hpp
   host/core/base/allowed.hpp
   host/core/base/fields.hpp host/core/base/interruption.hpp host/core/base/precision.hpp)
 set(SIMULI_PUBLIC_scene

@@ -1,5 +1,7 @@
 // Arrays in and out by the buffer protocol.
 #include <cmath>
+#include <cstdint>
+#include <type_traits>
 
 #include "host/apps/python/bindings.hpp"
 
@@ -21,7 +23,7 @@ std::string shape_text(const std::vector<py::ssize_t>& shape) {
   return text.empty() ? "one number" : text;
 }
 
-py::object numpy_array(View view) {
+py::object object_of(View view) {
   if (view.strides.empty()) {
     py::ssize_t bytes = view.item_bytes;
     view.strides.resize(view.shape.size());
@@ -30,7 +32,106 @@ py::object numpy_array(View view) {
       bytes *= view.shape[i];
     }
   }
-  return py::module_::import("numpy").attr("asarray")(py::cast(std::move(view)));
+  return py::cast(std::move(view));
+}
+
+py::object numpy_array(View view) {
+  return py::module_::import("numpy").attr("asarray")(object_of(std::move(view)));
+}
+
+// DLPack's structures, as its specification has them: the plain ones, and those of version 1 that can say "read
+// only".
+struct DlTensor {
+  void* data;
+  std::int32_t device_type, device_id;
+  std::int32_t dimensions;
+  std::uint8_t type_code, type_bits;
+  std::uint16_t type_lanes;
+  std::int64_t* shape;
+  std::int64_t* strides;  // in items
+  std::uint64_t byte_offset;
+};
+struct DlManaged {
+  DlTensor tensor;
+  void* context;
+  void (*deleter)(DlManaged*);
+};
+struct DlManagedVersioned {
+  std::uint32_t major, minor;
+  void* context;
+  void (*deleter)(DlManagedVersioned*);
+  std::uint64_t flags;
+  DlTensor tensor;
+};
+constexpr std::int32_t kDlHost = 1;
+constexpr std::uint8_t kDlFloat = 2;
+constexpr std::uint64_t kDlReadOnly = 1;
+
+/// What a capsule holds: the structure, and what its pointers show.
+template <class Managed>
+struct DlHolder {
+  Managed managed{};
+  View view;
+  std::vector<std::int64_t> shape, strides;
+};
+
+/// Names of capsules: theirs who have not been taken yet.
+const char* name_of(const DlManaged*) { return "dltensor"; }
+const char* name_of(const DlManagedVersioned*) { return "dltensor_versioned"; }
+
+template <class Managed>
+py::object dlpack_capsule(const View& view) {
+  auto holder = std::make_unique<DlHolder<Managed>>();
+  holder->view = view;
+  holder->shape.assign(view.shape.begin(), view.shape.end());
+  for (const py::ssize_t bytes : view.strides) holder->strides.push_back(bytes / view.item_bytes);
+  Managed& managed = holder->managed;
+  managed.context = holder.get();
+  managed.deleter = [](Managed* of) {
+    if (Py_IsInitialized() == 0) return;  // whoever takes it may outlive the interpreter
+    const py::gil_scoped_acquire acquire;
+    delete static_cast<DlHolder<Managed>*>(of->context);
+  };
+  managed.tensor = {const_cast<void*>(view.data),
+                    kDlHost,
+                    0,
+                    static_cast<std::int32_t>(view.shape.size()),
+                    kDlFloat,
+                    static_cast<std::uint8_t>(8 * view.item_bytes),
+                    1,
+                    holder->shape.data(),
+                    holder->strides.data(),
+                    0};
+  if constexpr (std::is_same_v<Managed, DlManagedVersioned>) {
+    managed.major = 1;
+    managed.flags = kDlReadOnly;
+  }
+  PyObject* const capsule = PyCapsule_New(&managed, name_of(&managed), [](PyObject* of) {
+    constexpr const Managed* kKind = nullptr;
+    if (PyCapsule_IsValid(of, name_of(kKind)) == 0) return;  // taken
+    auto* const untaken = static_cast<Managed*>(PyCapsule_GetPointer(of, name_of(kKind)));
+    untaken->deleter(untaken);
+  });
+  if (capsule == nullptr) throw py::error_already_set();
+  static_cast<void>(holder.release());
+  return py::reinterpret_steal<py::object>(capsule);
+}
+
+/// The array API's __dlpack__().
+py::object dlpack(const View& view,
+                  const py::object& stream,
+                  const std::optional<std::pair<int, int>>& max_version,
+                  const std::optional<std::pair<int, int>>& dl_device,
+                  std::optional<bool> copy) {
+  const auto refuse = [](const char* text) {
+    PyErr_SetString(PyExc_BufferError, text);
+    throw py::error_already_set();
+  };
+  if (!stream.is_none()) refuse("stream: found one, allowed None: the values are the host's");
+  if (dl_device && *dl_device != std::pair(kDlHost, 0)) refuse("dl_device: allowed (1, 0), the host's");
+  if (copy == true) refuse("copy: found True, allowed False or None: copy what you take");
+  return max_version && max_version->first >= 1 ? dlpack_capsule<DlManagedVersioned>(view)
+                                                : dlpack_capsule<DlManaged>(view);
 }
 
 /// `rows`: 3, or 4, whose last one says nothing but that it is a pose.
@@ -94,6 +195,11 @@ std::vector<Pose> poses_of(const py::handle& from, const std::string& what) {
   return poses;
 }
 
+py::object tensor_on(std::shared_ptr<const void> owner, const float* data, std::vector<py::ssize_t> shape) {
+  return object_of(
+      {std::move(owner), data, py::format_descriptor<float>::format(), sizeof(float), std::move(shape), {}});
+}
+
 py::object array_on(std::shared_ptr<const void> owner,
                     const float* data,
                     std::vector<py::ssize_t> shape,
@@ -122,7 +228,7 @@ py::object array_of(const Pose& a_from_b) {
 }
 
 void add_arrays(py::module_& m) {
-  py::class_<View>(m, "_View", py::buffer_protocol(), "Memory of the library's, for NumPy.")
+  py::class_<View>(m, "_View", py::buffer_protocol(), "Memory of the library's: a buffer, and DLPack's.")
       .def_buffer([](const View& view) {
         return py::buffer_info(const_cast<void*>(view.data),
                                view.item_bytes,
@@ -131,7 +237,15 @@ void add_arrays(py::module_& m) {
                                view.shape,
                                view.strides,
                                true);
-      });
+      })
+      .def("__dlpack_device__", [](const View&) { return std::pair(kDlHost, 0); })
+      .def("__dlpack__",
+           &dlpack,
+           py::kw_only(),
+           py::arg("stream") = py::none(),
+           py::arg("max_version") = py::none(),
+           py::arg("dl_device") = py::none(),
+           py::arg("copy") = py::none());
 }
 
 }  // namespace simuli::python

@@ -101,6 +101,10 @@ struct Numbers {
 /// Error{kUsage} naming `what` unless it is finite.
 double finite(double value, const char* what);
 
+/// Memory that `owner` keeps, for NumPy and by DLPack, without a copy.
+[[nodiscard]] py::object tensor_on(std::shared_ptr<const void> owner,
+                                   const float* data,
+                                   std::vector<py::ssize_t> shape);
 /// A NumPy array on memory that `owner` keeps, read-only, without a copy.
 [[nodiscard]] py::object array_on(std::shared_ptr<const void> owner,
                                   const float* data,
@@ -110,6 +114,12 @@ double finite(double value, const char* what);
                                   const double* data,
                                   std::vector<py::ssize_t> shape);
 [[nodiscard]] py::object array_of(const Pose& a_from_b);  // 4 x 4
+
+// What simuli.pyi tells of as dicts.
+[[nodiscard]] py::list actors_as_dicts(const Scene& scene);
+[[nodiscard]] py::list labels_as_dicts(const std::vector<ActorLabel>& labels,
+                                       const Scene& scene,
+                                       bool is_camera);
 
 // Parts of the module.
 void add_arrays(py::module_& m);
@@ -130,7 +140,7 @@ class PyFrame : public std::enable_shared_from_this<PyFrame> {
   [[nodiscard]] const Frame& frame() const { return *frame_; }
   [[nodiscard]] DeviceLock lock() const { return DeviceLock(mutex_); }
 
-  [[nodiscard]] py::object values(const std::string& name);
+  [[nodiscard]] py::object tensor(const std::string& name);
   [[nodiscard]] py::object points();
   [[nodiscard]] py::dict cloud(const std::string& in) const;
   [[nodiscard]] py::dict memory() const;

@@ -1,5 +1,8 @@
 // Frames in Python.
+#include <algorithm>
 #include <cstdint>
+#include <fmt/format.h>
+#include <iterator>
 #include <simuli/opencl.h>
 
 #include "host/apps/python/bindings.hpp"
@@ -9,6 +12,46 @@ namespace {
 
 std::vector<py::ssize_t> shape_of(const Sensor& sensor) {
   return {static_cast<py::ssize_t>(sensor.rows()), static_cast<py::ssize_t>(sensor.columns())};
+}
+
+/// What frames have, by the names of their attributes.
+constexpr std::pair<const char*, const char*> kArrays[] = {
+    {"image", "of cameras: [height, width, 3] in [0, 1]"},
+    {"feature", "[rows, columns, 3] as blended: colour, or intensity, hit logit, drop logit"},
+    {"transmittance", "light that comes through all"},
+    {"opacity", "1 - transmittance"},
+    {"distance_m", "mean of where a ray's light comes from; 0: nothing was met"},
+    {"median_m", "where half of the light is gone; 0: nowhere"},
+    {"distance_sum_m", "sum of w tau: distance_m times opacity, what gradients are taken of"},
+    {"depth_m", "of cameras: the part of median_m along the optical axis"},
+    {"mean_depth_m", "of cameras: the part of distance_m along the optical axis"},
+    {"normals",
+     "of cameras: [height, width, 3] of the surface at median_m, in the camera's axes and towards it; "
+     "zeros: "
+     "none"},
+    {"range_m", "of LiDARs, from the ray's own origin; 0: no return"},
+    {"intensity", "of LiDARs, [0, 1]"},
+    {"drop", "of LiDARs: probability that the ray does not return"},
+    {"time_s", "of LiDARs: when the ray is fired, since the frame's start"},
+};
+
+py::object values(PyFrame& frame, const std::string& name) {
+  return py::module_::import("numpy").attr("asarray")(frame.tensor(name));
+}
+
+/// What a frame is for most.
+py::object main_tensor(PyFrame& frame) {
+  return frame.tensor(frame.frame().sensor().is_camera() ? "image" : "range_m");
+}
+
+std::string text_of(const PyFrame& f) {
+  const Sensor& s = f.frame().sensor();
+  return fmt::format("<simuli.Frame: {} \"{}\", {} x {}, at {:.3f} s>",
+                     s.is_camera() ? "camera" : "LiDAR",
+                     s.name(),
+                     s.is_camera() ? s.columns() : s.rows(),
+                     s.is_camera() ? s.rows() : s.columns(),
+                     f.frame().shot().time_start_s);
 }
 
 std::uintptr_t number_of(const void* handle) { return reinterpret_cast<std::uintptr_t>(handle); }
@@ -52,7 +95,7 @@ std::vector<float> PyFrame::computed(const std::string& name) const {
 }
 
 /// What the library has is shown where it is, the rest worked out once.
-py::object PyFrame::values(const std::string& name) {
+py::object PyFrame::tensor(const std::string& name) {
   std::vector<py::ssize_t> shape = shape_of(frame().sensor());
   const std::vector<float>* values = nullptr;
   {
@@ -73,7 +116,7 @@ py::object PyFrame::values(const std::string& name) {
     }
   }
   if (name == "image" || name == "feature" || name == "normals") shape.push_back(3);
-  return array_on(shared_from_this(), values->data(), std::move(shape));
+  return tensor_on(shared_from_this(), values->data(), std::move(shape));
 }
 
 py::object PyFrame::points() {
@@ -133,6 +176,40 @@ void add_frames(py::module_& m) {
       .def_property_readonly(
           "sensor", [](const PyFrame& f) { return f.frame().sensor(); }, "what saw it")
       .def_property_readonly(
+          "world_from_sensor",
+          [](const PyFrame& f) { return array_of(f.frame().shot().world_from_sensor_start); },
+          "4 x 4, where the sensor was at the frame's start")
+      .def_property_readonly(
+          "world_from_sensor_end",
+          [](const PyFrame& f) { return array_of(f.frame().shot().world_from_sensor_end); },
+          "4 x 4, and at its end")
+      .def_property_readonly(
+          "span",
+          [](const PyFrame& f) {
+            return std::pair(f.frame().shot().time_start_s, f.frame().shot().time_end_s);
+          },
+          "when it starts and ends, s")
+      .def("__repr__", &text_of)
+      .def(
+          "tensor",
+          [](PyFrame& f, const std::string& name) {
+            const auto is_it = [&](const auto& of) { return name == of.first; };
+            if (std::any_of(std::begin(kArrays), std::end(kArrays), is_it)) return f.tensor(name);
+            throw Error(ErrorKind::kUsage, "tensor: found \"" + name + "\", allowed the name of an array");
+          },
+          py::arg("name"),
+          "An array's memory for `from_dlpack()` of torch, JAX or NumPy, without a copy: float32 on the "
+          "host. It "
+          "is the frame's own; who does not ask for DLPack 1 is not told that it is read-only.")
+      .def(
+          "__dlpack__",
+          [](PyFrame& f, const py::kwargs& asked) { return main_tensor(f).attr("__dlpack__")(**asked); },
+          "That of tensor(\"image\"), of LiDARs tensor(\"range_m\").")
+      .def(
+          "__dlpack_device__",
+          [](PyFrame& f) { return main_tensor(f).attr("__dlpack_device__")(); },
+          "The host's.")
+      .def_property_readonly(
           "is_ready",
           [](const PyFrame& f) {
             const DeviceLock lock = f.lock();
@@ -165,7 +242,7 @@ void add_frames(py::module_& m) {
            "(uint16 [n])")
       .def_property_readonly(
           "actors",
-          [](PyFrame& f) { return f.values("actors").attr("astype")("uint32"); },
+          [](PyFrame& f) { return values(f, "actors").attr("astype")("uint32"); },
           "uint32 [rows, columns], of frames rendered with actors=True: 1 + the place in scene.actors of "
           "whose "
           "particle takes a ray's light below a half; 0: none's")
@@ -175,28 +252,9 @@ void add_frames(py::module_& m) {
                              "(features, transmittance, distance_sum, median), of LiDARs [7][slots] (and the "
                              "logit of drop), picture [3][slots] or None, "
                              "ray_of_slot, slot_of_ray (int32), ready (event); slots, rays, dtype");
-  const std::pair<const char*, const char*> all[] = {
-      {"image", "of cameras: [height, width, 3] in [0, 1]"},
-      {"feature", "[rows, columns, 3] as blended: colour, or intensity, hit logit, drop logit"},
-      {"transmittance", "light that comes through all"},
-      {"opacity", "1 - transmittance"},
-      {"distance_m", "mean of where a ray's light comes from; 0: nothing was met"},
-      {"median_m", "where half of the light is gone; 0: nowhere"},
-      {"distance_sum_m", "sum of w tau: distance_m times opacity, what gradients are taken of"},
-      {"depth_m", "of cameras: the part of median_m along the optical axis"},
-      {"mean_depth_m", "of cameras: the part of distance_m along the optical axis"},
-      {"normals",
-       "of cameras: [height, width, 3] of the surface at median_m, in the camera's axes and towards it; "
-       "zeros: "
-       "none"},
-      {"range_m", "of LiDARs, from the ray's own origin; 0: no return"},
-      {"intensity", "of LiDARs, [0, 1]"},
-      {"drop", "of LiDARs: probability that the ray does not return"},
-      {"time_s", "of LiDARs: when the ray is fired, since the frame's start"},
-  };
-  for (const auto& [name, text] : all) {
+  for (const auto& [name, text] : kArrays) {
     frame.def_property_readonly(
-        name, [name = std::string(name)](PyFrame& f) { return f.values(name); }, text);
+        name, [name = std::string(name)](PyFrame& f) { return values(f, name); }, text);
   }
 }
 

@@ -65,7 +65,15 @@ PYBIND11_MODULE(_simuli, m) {
   m.attr("__module__") = "simuli";  // where users find what follows, and what help() calls it
   m.doc() = "Camera and LiDAR simulation with 3D Gaussians on any OpenCL device";
   m.attr("__version__") = simuli::version();
-  py::object error = py::register_exception<simuli::Error>(m, "Error", PyExc_RuntimeError);
+  static const py::object error = py::exception<simuli::Error>(m, "Error", PyExc_RuntimeError);
+  // What a message quotes may be anybody's text, and MemoryError's and others' are C++'s own.
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      std::rethrow_exception(std::move(thrown));
+    } catch (const simuli::Error& told) {
+      PyErr_SetString(error.ptr(), simuli::on_one_line(told.what()).c_str());
+    }
+  });
   error.attr("__module__") = "simuli";
   error.attr("__doc__") =
       "What is raised: one line that names the file or the argument, what was found and what is allowed.";

@@ -1,5 +1,6 @@
 // Scenes in Python.
 #include <cmath>
+#include <fmt/format.h>
 #include <functional>
 #include <tuple>
 
@@ -42,6 +43,14 @@ class PyScene {
       if (s.is_camera() == cameras) out.emplace(s.name(), s);
     }
     return out;
+  }
+  /// One that has no place on a rig yet is mounted where the first of its kind is.
+  [[nodiscard]] Sensor in_place(const Sensor& sensor) const {
+    const Pose& mount = sensor.rig_from_sensor();
+    const bool is_mounted =
+        !mount.translation.isZero(0.0) || mount.rotation.coeffs() != Pose{}.rotation.coeffs();
+    const bool is_own = rig_.has(sensor.name()) && rig_.find(sensor.name()).has_rays_of(sensor);
+    return is_mounted || is_own ? sensor : rig_.in_place(sensor);
   }
   [[nodiscard]] const FrameSpans& recorded_frames() const { return file_.recorded_frames; }
   [[nodiscard]] const Trajectory& path() const {
@@ -104,6 +113,19 @@ class PyScene {
     on_device_->set_scene(scene_);
     labels_.reset();
   }
+  [[nodiscard]] bool mirror(const std::string& actor, const std::string& recorded) {
+    if (file_.support == nullptr) {
+      throw Error(
+          ErrorKind::kUsage,
+          "mirror_actor: found a scene that does not say which sides of actors were seen, allowed one "
+          "that says so: train it anew");
+    }
+    bool done = false;
+    change([&](Scene& s) {
+      done = mirror_actor(s, *file_.support, actor, recorded.empty() ? actor : recorded);
+    });
+    return done;
+  }
   void edit(const ActorEdit& edit) {
     change([&](Scene& s) { edit_actor(s, edit); });
   }
@@ -164,33 +186,7 @@ class PyScene {
       if (!labels_) labels_.emplace(device_.device, scene_, options_);
       return labels_->of(frame.frame());
     }();
-    const auto box_of = [](const std::optional<PixelBox>& box) -> py::object {
-      if (!box) return py::none();
-      return py::make_tuple(box->left, box->top, box->right, box->bottom);
-    };
-    const bool is_camera = frame.frame().sensor().is_camera();
-    py::list out;
-    for (const ActorLabel& label : found) {
-      const Actor& actor = scene_->actors[label.actor];
-      py::dict one;
-      one["actor"] = label.actor + 1;
-      one["name"] = actor.name;
-      one["kind"] = actor.kind;
-      one["time_s"] = label.time_s;
-      one["size_m"] = py::make_tuple(label.size_m.x(), label.size_m.y(), label.size_m.z());
-      one["world_from_actor"] = array_of(label.world_from_actor);
-      one["rig_from_actor"] = array_of(label.rig_from_actor);
-      one["sensor_from_actor"] = array_of(label.sensor_from_actor);
-      one[is_camera ? "pixels" : "returns"] = label.rays;
-      one["occlusion"] = label.occlusion;
-      if (is_camera) {
-        one["projected_px"] = box_of(label.projected_px);
-        one["visible_px"] = box_of(label.visible_px);
-        one["truncation"] = label.truncation;
-      }
-      out.append(one);
-    }
-    return out;
+    return labels_as_dicts(found, *scene_, frame.frame().sensor().is_camera());
   }
 
   [[nodiscard]] py::tuple flow(const PyFrame& frame, const PyFrame& to) {
@@ -235,11 +231,17 @@ class PyScene {
                                  bool is_placed,
                                  std::optional<double> duration_s) const {
     const auto found = [&] {
-      if (py::isinstance<Sensor>(sensor)) return sensor.cast<Sensor>();
+      if (py::isinstance<Sensor>(sensor))
+        return is_placed ? sensor.cast<Sensor>() : in_place(sensor.cast<Sensor>());
       if (!py::isinstance<py::str>(sensor) && !py::hasattr(sensor, "__fspath__")) {
         throw Error(ErrorKind::kUsage, "sensor: found something else, allowed a Sensor, a name or a path");
       }
-      const std::string name = sensor.cast<std::filesystem::path>();
+      std::string name;
+      try {
+        name = sensor.cast<std::filesystem::path>();
+      } catch (const py::cast_error&) {
+        throw Error(ErrorKind::kUsage, "sensor: found a name with a zero in it, allowed one without");
+      }
       return is_placed ? rig_.find(name, Pose{}) : rig_.find(name);
     }();
     if (!duration_s) return found;
@@ -311,25 +313,6 @@ class PyScene {
   std::optional<SupportOnDevice> support_;  // when first asked for
   std::optional<LabelsOnDevice> labels_;    // of scene_, when first asked for
 };
-
-py::list actors_of(const Scene& scene) {
-  py::list out;
-  for (const Actor& actor : scene.actors) {
-    py::list times, poses;
-    for (const KeyPose& key : actor.track) {
-      times.append(key.time_s);
-      poses.append(array_of(key.corrected()));
-    }
-    py::dict one;
-    one["name"] = actor.name;
-    one["kind"] = actor.kind;
-    one["size_m"] = py::make_tuple(actor.size_m.x(), actor.size_m.y(), actor.size_m.z());
-    one["times_s"] = times;
-    one["world_from_actor"] = poses;
-    out.append(one);
-  }
-  return out;
-}
 
 void add_rendering(py::class_<PyScene>& scene) {
   scene
@@ -418,7 +401,7 @@ void add_scenes(py::module_& m) {
           "lidars", [](const PyScene& s) { return s.sensors(false); }, "name -> Sensor")
       .def(
           "add_sensor",
-          [](PyScene& s, const Sensor& sensor) { s.rig().add(sensor); },
+          [](PyScene& s, const Sensor& sensor) { s.rig().add(s.in_place(sensor)); },
           py::arg("sensor"),
           "Makes it one of the scene's, to be rendered by its name.")
       .def_property_readonly(
@@ -449,7 +432,7 @@ void add_scenes(py::module_& m) {
           "where in the world the means of particles() count from")
       .def_property_readonly(
           "actors",
-          [](const PyScene& s) { return actors_of(*s.scene()); },
+          [](const PyScene& s) { return actors_as_dicts(*s.scene()); },
           "name, kind, size_m, times_s, world_from_actor of each")
       .def("edit", &PyScene::edit, py::arg("edit"), "remove(), move(), retime(), retrack(): for all frames.")
       .def(
@@ -470,6 +453,30 @@ void add_scenes(py::module_& m) {
           py::arg("actor"),
           py::arg("new_name"),
           "An actor of another scene, with its particles and its track.")
+      .def(
+          "resize_actor",
+          [](PyScene& s, const std::string& actor, double factor) {
+            s.change([&](Scene& scene_) { resize_actor(scene_, actor, factor); });
+          },
+          py::arg("actor"),
+          py::arg("factor"),
+          "So many times as large; it stands where it stood.")
+      .def("mirror_actor",
+           &PyScene::mirror,
+           py::arg("actor"),
+           py::arg("recorded") = "",
+           "Of which one side alone was recorded: the other shows it mirrored. False, and nothing done, "
+           "where both "
+           "sides were seen, or none. recorded: whose copy a duplicated actor is.")
+      .def("__repr__",
+           [](const PyScene& s) {
+             return fmt::format("<simuli.Scene: \"{}\", {} cameras, {} LiDARs, {} actors, on {}>",
+                                on_one_line(s.scene()->name),
+                                s.sensors(true).size(),
+                                s.sensors(false).size(),
+                                s.scene()->actors.size(),
+                                s.device().device.info().label());
+           })
       .def("save", &PyScene::save, py::arg("folder"), "Writes the scene as it is now.");
   add_rendering(scene);
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <functional>
+#include <limits>
 #include <variant>
 
 #include "host/apps/python/bindings.hpp"
@@ -124,7 +125,10 @@ void add_devices(py::module_& m) {
           py::arg("queue"),
           "Works on a context and in-order queue of the caller's: pyopencl's, or their int_ptr.")
       .def_property_readonly(
-          "name", [](const PyDevice& d) { return d.device.info().label(); }, "platform and device");
+          "name", [](const PyDevice& d) { return d.device.info().label(); }, "platform and device")
+      .def("__repr__", [](const PyDevice& d) {
+        return fmt::format("<simuli.Device: {}>", on_one_line(d.device.info().label()));
+      });
 }
 
 namespace {
@@ -153,6 +157,82 @@ py::object intrinsics_of(const Sensor& s) {
   rows.append(py::make_tuple(0.0, c.fy, c.cy));
   rows.append(py::make_tuple(0.0, 0.0, 1.0));
   return py::module_::import("numpy").attr("array")(rows);
+}
+
+/// What pickle keeps: the file's text, and what a file does not say.
+py::tuple state_of(const Sensor& s) {
+  const Pose& mount = s.rig_from_sensor();
+  const Eigen::Quaterniond& q = mount.rotation;
+  const Eigen::Vector3d& t = mount.translation;
+  return py::make_tuple(text_of(sensor_file_of(s)),
+                        s.name(),
+                        s.duration_s(),
+                        std::array{q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()});
+}
+
+Sensor sensor_of_state(const py::tuple& state) {
+  if (state.size() != 4) {
+    throw Error(ErrorKind::kUsage,
+                "Sensor: found a state that is none, allowed one that Sensor was pickled into");
+  }
+  const auto m = state[3].cast<std::array<double, 7>>();
+  for (const double value : m) finite(value, "Sensor");
+  const Pose mount{Eigen::Quaterniond(m[0], m[1], m[2], m[3]), {m[4], m[5], m[6]}};
+  const Sensor sensor = sensor_of(sensor_file_from_text(state[0].cast<std::string>(), "Sensor"));
+  return sensor.named(state[1].cast<std::string>()).with_duration(state[2].cast<double>()).mounted(mount);
+}
+
+/// [n][from] numbers to [n][to].
+template <int from, int to, class F>
+py::object map_rows(const py::object& rows, const char* what, const F& f) {
+  const Numbers given = numbers_of(rows, what);
+  if (given.shape.size() != 2 || given.shape[1] != from) {
+    throw Error(ErrorKind::kUsage, fmt::format("{}: found another shape, allowed n x {}", what, from));
+  }
+  const auto out = std::make_shared<std::vector<double>>();
+  for (py::ssize_t i = 0; i < given.shape[0]; ++i) {
+    const Eigen::Vector<double, to> row =
+        f(Eigen::Map<const Eigen::Vector<double, from>>(given.values.data() + i * from));
+    out->insert(out->end(), row.begin(), row.end());
+  }
+  return array_on(out, out->data(), {given.shape[0], to}).attr("copy")();
+}
+
+py::object project(const Sensor& s, const py::object& points_m) {
+  const Camera& camera = s.camera();
+  return map_rows<3, 2>(points_m, "points_m", [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
+    Eigen::Vector2d pixel;
+    if (p.allFinite() && camera.project(p, pixel)) return pixel;
+    return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  });
+}
+
+py::object unproject(const Sensor& s, const py::object& pixels) {
+  const Camera& camera = s.camera();
+  return map_rows<2, 3>(pixels, "pixels", [&](const Eigen::Vector2d& p) -> Eigen::Vector3d {
+    const Eigen::Vector3d ray = p.allFinite() ? camera.unproject(p) : Eigen::Vector3d::Zero();
+    if (!ray.isZero(0.0)) return ray;
+    return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  });
+}
+
+py::dict lens_parameters(const Sensor& s) {
+  const Lens& lens = s.camera().lens;
+  const std::vector<std::string>& names = lens_parameter_names(lens.kind());
+  py::dict out;
+  for (std::size_t i = 0; i < names.size() && i < lens.parameters().size(); ++i)
+    out[names[i].c_str()] = lens.parameters()[i];
+  return out;
+}
+
+py::object elevations(const Sensor& s) {
+  const auto* const lidar = std::get_if<Lidar>(&s.lidar());
+  if (lidar == nullptr) {
+    throw Error(ErrorKind::kUsage, "elevation_rad: found a LiDAR without rows, allowed one with rows");
+  }
+  const auto out = std::make_shared<std::vector<double>>();
+  for (const LidarRow& row : lidar->rows) out->push_back(row.elevation);
+  return array_on(out, out->data(), {static_cast<py::ssize_t>(out->size())});
 }
 
 // An edit as numbers: what it is by ActorEdit::Change's index, and all of its values, to the last bit.
@@ -237,6 +317,27 @@ void add_sensors(py::module_& m) {
           [](const Sensor& s) { return array_of(s.rig_from_sensor()); },
           "4 x 4, its mounting")
       .def_property_readonly("K", &intrinsics_of, "of a camera: 3 x 3, px; lenses bend beside it")
+      .def_property_readonly(
+          "lens", [](const Sensor& s) { return to_string(s.camera().lens.kind()); }, "of a camera: its model")
+      .def_property_readonly("lens_parameters", &lens_parameters, "of a camera: name -> value")
+      .def_property_readonly(
+          "shutter",
+          [](const Sensor& s) { return to_string(s.camera().shutter); },
+          "of a camera: \"global\", \"top_to_bottom\", ...")
+      .def_property_readonly(
+          "elevation_rad", &elevations, "of a LiDAR with rows: [rows], rad above its horizon")
+      .def("project",
+           &project,
+           py::arg("points_m"),
+           "Of a camera: pixels [n, 2] of points [n, 3] in its own axes; NaN where the lens has no image. It "
+           "may lie "
+           "outside the picture.")
+      .def("unproject",
+           &unproject,
+           py::arg("pixels"),
+           "Of a camera: unit directions [n, 3] in its own axes of pixels [n, 2]; NaN where the lens has no "
+           "ray.")
+      .def(py::pickle(&state_of, &sensor_of_state))
       .def(
           "__eq__", [](const Sensor& a, const Sensor& b) { return is_same(a, b); }, py::is_operator())
       .def("__hash__", &Sensor::rays_hash)
@@ -276,7 +377,9 @@ void add_sensors(py::module_& m) {
         py::arg("parameters") = std::vector<double>{},
         py::arg("shutter") = "global",
         py::arg("duration_s") = 0.0,
-        "Pixels; the centre of the first one is (0.5, 0.5).");
+        "Pixels; the centre of the first one is (0.5, 0.5). Until it is mounted() it stands where a scene's "
+        "first camera "
+        "does.");
   m.def("lidar",
         &lidar,
         py::arg("name"),
@@ -290,7 +393,7 @@ void add_sensors(py::module_& m) {
         py::arg("range_max_m") = 200.0,
         py::arg("beam_divergence_rad") = 0.0,
         py::arg("azimuth_offset_rad") = py::none(),
-        "Beams from top to bottom.");
+        "Beams from top to bottom. Until it is mounted() it stands where a scene's first LiDAR does.");
   py::class_<ActorEdit>(
       m, "Edit", "A change of what an actor does: remove, move, turn, retime, retrack.", made_objects_only())
       .def_readonly("actor", &ActorEdit::actor, "whose")

@@ -1,0 +1,54 @@
+// Actors and labels in Python.
+#include "host/apps/python/bindings.hpp"
+
+namespace simuli::python {
+
+py::list actors_as_dicts(const Scene& scene) {
+  py::list out;
+  for (const Actor& actor : scene.actors) {
+    py::list times, poses;
+    for (const KeyPose& key : actor.track) {
+      times.append(key.time_s);
+      poses.append(array_of(key.corrected()));
+    }
+    py::dict one;
+    one["name"] = actor.name;
+    one["kind"] = actor.kind;
+    one["size_m"] = py::make_tuple(actor.size_m.x(), actor.size_m.y(), actor.size_m.z());
+    one["times_s"] = times;
+    one["world_from_actor"] = poses;
+    out.append(one);
+  }
+  return out;
+}
+
+py::list labels_as_dicts(const std::vector<ActorLabel>& labels, const Scene& scene, bool is_camera) {
+  const auto box_of = [](const std::optional<PixelBox>& box) -> py::object {
+    if (!box) return py::none();
+    return py::make_tuple(box->left, box->top, box->right, box->bottom);
+  };
+  py::list out;
+  for (const ActorLabel& label : labels) {
+    const Actor& actor = scene.actors[label.actor];
+    py::dict one;
+    one["actor"] = label.actor + 1;
+    one["name"] = actor.name;
+    one["kind"] = actor.kind;
+    one["time_s"] = label.time_s;
+    one["size_m"] = py::make_tuple(label.size_m.x(), label.size_m.y(), label.size_m.z());
+    one["world_from_actor"] = array_of(label.world_from_actor);
+    one["rig_from_actor"] = array_of(label.rig_from_actor);
+    one["sensor_from_actor"] = array_of(label.sensor_from_actor);
+    one[is_camera ? "pixels" : "returns"] = label.rays;
+    one["occlusion"] = label.occlusion;
+    if (is_camera) {
+      one["projected_px"] = box_of(label.projected_px);
+      one["visible_px"] = box_of(label.visible_px);
+      one["truncation"] = label.truncation;
+    }
+    out.append(one);
+  }
+  return out;
+}
+
+}  // namespace simuli::python
