@@ -60,11 +60,14 @@ class Browser {
         {"type", "pointer"}, {"id", "mouse"}, {"parameters", {{"pointerType", "mouse"}}}, {"actions", steps}};
     call("/actions", {{"actions", {pointer}}});
   }
+  /// Of the DevTools protocol.
+  void command(const char* name, const nlohmann::json& params) {
+    call("/goog/cdp/execute", {{"cmd", name}, {"params", params}});
+  }
   /// The page itself, whatever windows may be.
   bool resize_to(int width, int height) {
-    call("/goog/cdp/execute",
-         {{"cmd", "Emulation.setDeviceMetricsOverride"},
-          {"params", {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}}}});
+    command("Emulation.setDeviceMetricsOverride",
+            {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", false}});
     return evaluate("return innerWidth") == width;
   }
   nlohmann::json console() { return call("/se/log", {{"type", "browser"}}); }

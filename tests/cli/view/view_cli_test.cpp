@@ -1,12 +1,10 @@
-// The viewer: its answers over HTTP, and its page in a real browser where one is installed.
+// The viewer's answers over HTTP.
 #include <Eigen/Core>  // before the macros of the HTTP library
+#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <fmt/format.h>
 #include <fstream>
-#include <functional>
 #include <gtest/gtest.h>
 #include <httplib.h>
 #include <nlohmann/json.hpp>
@@ -17,7 +15,6 @@
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/splat_file.hpp"
 #include "tests/cli/background_program.hpp"
-#include "tests/cli/draw/browser.hpp"
 #include "tests/cli/view/view_fixture.hpp"
 
 namespace view_cli_test {
@@ -31,7 +28,14 @@ TEST_F(ViewCli, AnswersWithPicturesAndSweeps) {
   const httplib::Result page = client_->Get("/");
   ASSERT_TRUE(page);
   EXPECT_NE(page->body.find("<title>simuli view</title>"), std::string::npos);
-  for (const char* part : {"/style.css", "/math.js", "/points.js", "/live.js", "/actors.js", "/view.js"}) {
+  for (const char* part : {"/style.css",
+                           "/math.js",
+                           "/points.js",
+                           "/live.js",
+                           "/state.js",
+                           "/panes.js",
+                           "/actors.js",
+                           "/view.js"}) {
     EXPECT_EQ(client_->Get(part)->status, 200) << part;
   }
   const json scene = json::parse(client_->Get("/api/scene")->body);
@@ -97,6 +101,11 @@ TEST_F(ViewCli, ViewsDependOnWhatIsAsked) {
   EXPECT_LT(ahead.info.at("unseen_share"), 0.05);
   unseen["yaw_rad"] = 3.1;
   EXPECT_GT(post("/api/picture", unseen).info.at("unseen_share"), 0.9);
+  // A pinhole camera of any shape, anywhere.
+  json free = view_of("front");
+  free["scene_from_camera"] = {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}};
+  free["height"] = 200;
+  EXPECT_EQ(post("/api/picture", free).status, 200);
   // The car is taken away, and moved.
   json view = view_of("top");
   const Reply all = post("/api/sweep", view);
@@ -213,89 +222,42 @@ TEST_F(ViewCli, RefusesWhatItCantShow) {
   EXPECT_EQ(post("/api/picture", view_of("front")).status, 200);  // still there
 }
 
-TEST_F(ViewCli, PageWorksInABrowser) {
-  if (!has_browser()) {
-    GTEST_SKIP() << "not run: the page in a browser, chromedriver (Debian: chromium-driver) is not installed";
-  }
+TEST_F(ViewCli, TellsWhatIsAtAPixel) {
   make_street_scene(3);
   start();
-  const BackgroundProgram driver({"chromedriver", "--port=0"}, folder_ / "driver.txt");
-  const int driver_port = driver.number_behind("successfully on port ");
-  ASSERT_GT(driver_port, 0) << driver.output();
-  Browser browser(driver_port, folder_ / "profile");
-  ASSERT_TRUE(browser.is_open()) << driver.output();
-  browser.open("http://localhost:" + std::to_string(port_) + "/");
-  const std::string picture = "document.getElementById('picture')",
-                    points = "document.getElementById('points')";
-  ASSERT_TRUE(browser.wait_for("+" + picture + ".dataset.frames > 0 && +" + points + ".dataset.frames > 0"))
-      << browser.console().dump();
-  const auto pixels = [&](const std::string& canvas) {
-    return browser.evaluate("return " + canvas + ".toDataURL()");
+  const auto probed = [&](const json& at) {
+    json view = view_of("front");
+    view["pixel"] = at;
+    const httplib::Result result = client_->Post("/api/probe", view.dump(), "application/json");
+    EXPECT_EQ(result->status, 200) << result->body;
+    return json::parse(result->body);
   };
-  /// Does `act`, waits until both canvases have changed as often as is expected, and says whether they look
-  /// different.
-  const auto changes = [&](const std::string& canvas, const std::function<void()>& act) {
-    const json before = pixels(canvas);
-    act();
-    for (int tries = 0; tries < 100; ++tries) {
-      if (pixels(canvas) != before) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const json road = probed({0.5, 0.95});
+  EXPECT_GT(road.at("opacity"), 0.5);
+  EXPECT_GT(road.at("distance_m"), 1.0);
+  EXPECT_LT(road.at("distance_m"), 20.0);
+  EXPECT_LE(road.at("depth_m"), road.at("distance_m"));
+  EXPECT_EQ(road.at("actor"), nullptr);
+  EXPECT_EQ(road.at("point").size(), 3U);
+  EXPECT_TRUE(road.at("support").is_number());
+  // In the middle of the car's box, as the picture has it.
+  const json boxes = post("/api/picture", view_of("front")).info.at("boxes");
+  ASSERT_EQ(boxes.size(), 1U);
+  EXPECT_EQ(boxes.at(0).at("name"), "car");
+  double low[2] = {1, 1}, high[2] = {0, 0};
+  for (const json& line : boxes.at(0).at("lines")) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      low[i % 2] = std::min(low[i % 2], line.at(i).get<double>());
+      high[i % 2] = std::max(high[i % 2], line.at(i).get<double>());
     }
-    return false;
-  };
-  const auto set = [&](const char* id, const char* value, const char* event) {
-    browser.evaluate(
-        fmt::format("const e = document.getElementById('{}'); e.value = '{}'; "
-                    "e.dispatchEvent(new Event('{}'));",
-                    id,
-                    value,
-                    event));
-  };
-  EXPECT_TRUE(changes(picture, [&] { set("time", "0.4", "input"); }));
-  // Of the log, as the command line takes it; the path begins before.
-  EXPECT_EQ(browser.evaluate("return document.getElementById('time-text').textContent"), "0.40 s");
-  EXPECT_TRUE(changes(points, [&] { set("time", "0.1", "input"); }));
-  EXPECT_TRUE(changes(picture, [&] { browser.drag(200, 250, 80, 20); })) << "look around";
-  EXPECT_TRUE(changes(points, [&] { browser.drag(900, 250, 80, 20); })) << "orbit";
-  EXPECT_TRUE(changes(picture, [&] { browser.evaluate("document.getElementById('free').click()"); }))
-      << "orbit";
-  EXPECT_TRUE(changes(points, [&] { set("lidar", "velodyne_vlp16", "change"); })) << "another LiDAR";
-  EXPECT_TRUE(changes(points, [&] { browser.evaluate("document.querySelector('[data-actor]').click()"); }))
-      << "actor taken away";
-  browser.evaluate("document.querySelector('[data-actor]').click()");
-  browser.evaluate("document.getElementById('clip').click()");
-  EXPECT_EQ(browser.evaluate("return document.getElementById('clip').textContent"), "stop");
-  EXPECT_TRUE(changes(picture, [&] { set("layer", "depth", "change"); })) << "depth";
-  EXPECT_TRUE(changes(picture, [&] { set("time", "0.3", "input"); }));
-  browser.evaluate("document.getElementById('clip').click()");
-  EXPECT_TRUE(browser.wait_for("document.getElementById('clip').textContent === 'clip'"));
-  EXPECT_TRUE(browser.wait_for("+document.getElementById('clip').dataset.bytes > 0")) << "clip";
-  EXPECT_TRUE(changes(points, [&] { set("colour", "ring", "change"); })) << "coloured by ring";
-  EXPECT_TRUE(changes(points, [&] {
-    browser.evaluate(
-        "const e = document.querySelector('[data-edit=\"car turned\"]'); e.value = 60; e.onchange()");
-  })) << "actor turned";
-  browser.evaluate("document.querySelector('[data-duplicate]').click()");
-  EXPECT_TRUE(browser.wait_for("document.querySelectorAll('[data-actor]').length === 2"));
-  // What is written above the picture is about that picture, also while the next one is under way.
-  const json stays = browser.evaluate(
-      "const held = fetch; window.fetch = (...a) => String(a[0]).includes('picture') ? new Promise(() => {}) "
-      ": "
-      "held(...a); const before = document.getElementById('camera-time').textContent;"
-      "const e = document.getElementById('camera'); e.value = 'pandaset_front_camera'; e.onchange();"
-      "return [before, document.getElementById('camera-time').textContent, "
-      "document.getElementById('picture').className]");
-  EXPECT_EQ(stays.at(0), stays.at(1));
-  EXPECT_EQ(stays.at(0).get<std::string>().rfind("front, balanced, depth", 0), 0U) << stays;
-  EXPECT_EQ(stays.at(2), "stale");
-  EXPECT_TRUE(browser.wait_for("document.getElementById('camera-note').textContent.includes('...')"));
-  // Nothing is wider than a phone.
-  EXPECT_TRUE(browser.resize_to(390, 800));
-  EXPECT_TRUE(browser.wait_for("document.documentElement.scrollWidth <= innerWidth"));
-  for (const json& entry : browser.console()) {
-    EXPECT_NE(entry.at("level"), "SEVERE") << entry.dump();
   }
-  EXPECT_EQ(browser.evaluate("return document.getElementById('message').textContent"), "");
+  EXPECT_EQ(probed({0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])}).at("actor"), "car");
+  for (const json& wrong : {json({0.5, 1.5}), json({-0.1, 0.5}), json({0.5}), json("x"), json()}) {
+    json view = view_of("front");
+    view["pixel"] = wrong;
+    EXPECT_EQ(client_->Post("/api/probe", view.dump(), "application/json")->status, 400) << wrong;
+  }
+  EXPECT_EQ(client_->Post("/api/probe", view_of("front").dump(), "application/json")->status, 400);
 }
 
 TEST_F(ViewCli, TrainingIsShownWhileItRuns) {

@@ -1,8 +1,11 @@
 // The viewer's "this view as a command", run.
+#include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <string>
 
 #include "io/base/file.hpp"
+#include "io/picture/image.hpp"
 #include "tests/cli/view/view_fixture.hpp"
 
 namespace {
@@ -41,6 +44,25 @@ TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
   run_told(told());
   EXPECT_EQ(simuli::read_file(folder_ / "view" / "front_000000.png"), post("/api/picture", view).payload)
       << told();
+  // From elsewhere, and another layer beside the picture.
+  view["layer"] = "colour";
+  view["up_m"] = 0.5;
+  view["forward_m"] = -1.0;
+  view["yaw_rad"] = 0.2;
+  view["pitch_rad"] = -0.05;
+  view["lossless"] = true;
+  run_told(told());
+  const simuli::Image run = simuli::read_image(folder_ / "view" / "front_000000.png");
+  simuli::write_file_atomically(folder_ / "shown.png", post("/api/picture", view).payload);
+  const simuli::Image shown = simuli::read_image(folder_ / "shown.png");
+  ASSERT_EQ(run.data.size(), shown.data.size());
+  double most = 0.0;
+  for (std::size_t i = 0; i < run.data.size(); ++i)
+    most = std::max(most, std::abs(run.data[i] - shown.data[i]) * 1.0);
+  EXPECT_LE(most, 2.5 / 255.0) << "angles of the mounting are rounded";
+  view["layer"] = "depth";
+  run_told(told());
+  EXPECT_TRUE(fs::exists(folder_ / "view" / "front_000000_distance.exr")) << told();
   // Of another LiDAR.
   view["sensor"] = "velodyne_vlp16";
   run_told(told());
@@ -52,11 +74,12 @@ TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
     EXPECT_EQ(result->status, 400) << key;
     EXPECT_NE(result->body.find(part), std::string::npos) << result->body;
   };
-  refused("yaw_rad", 0.1, "another place or direction");
-  refused("up_m", 1.0, "another place or direction");
-  refused("layer", "depth", "a layer");
   refused("moved", {{"old", {1, 0, 0}}}, "an edit of old");
   refused("sensor", "nobody", "nobody");
+  json free = view_of("front");
+  free["scene_from_camera"] = {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}};
+  free["height"] = 100;
+  EXPECT_EQ(client_->Post("/api/command", free.dump(), "application/json")->status, 400);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "host/apps/cli/view/view_server.hpp"
+#include "host/apps/cli/view/view_session.hpp"
 
 namespace simuli::cli {
 namespace {

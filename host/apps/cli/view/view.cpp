@@ -1,4 +1,4 @@
-// simuli view: a scene in the browser.
+// simuli view: a scene, or a log, in the browser.
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -6,6 +6,7 @@
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/edits.hpp"
 #include "host/apps/cli/view/view_server.hpp"
+#include "host/apps/cli/view/view_session.hpp"
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 #include "io/scene/scene_folder.hpp"
@@ -34,6 +35,14 @@ std::string token_of(const ViewCommand& command) {
   return token;
 }
 
+void serve(const ViewCommand& command, ViewAnswers& answers) {
+  ServerOptions options = command.server;
+  options.token = token_of(command);
+  ViewServer server(answers, options);
+  std::cout << server.url() << std::endl;  // at once: somebody waits for it
+  server.wait();
+}
+
 void view(const ViewCommand& command, const Globals& globals) {
   SceneFile file = read_scene(command.scene);
   if (file.world_from_rig.poses().empty()) {
@@ -41,19 +50,16 @@ void view(const ViewCommand& command, const Globals& globals) {
   }
   apply(command.edits, file);
   ViewSession session(globals, std::move(file), {command.scene, command.edits});
-  ServerOptions options = command.server;
-  options.token = token_of(command);
-  ViewServer server(session, options);
-  std::cout << server.url() << std::endl;  // at once: somebody waits for it
-  server.wait();
+  serve(command, session);
 }
 
 }  // namespace
 
 void add_view(Command app, const Globals& globals) {
   const auto command = std::make_shared<ViewCommand>();
-  Command sub = app.command("view", "a scene in the browser, rendered live, until Ctrl-C");
-  sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
+  Command sub = app.command(
+      "view", "a scene in the browser, rendered live, until Ctrl-C");
+  sub.option("SCENE", command->scene, "scene folder, splats: .ply, .spz, .glb").required();
   sub.option("--port", command->server.port, "0: any free one").range(0, 65535).with_default();
   sub.option("--host", command->server.host, "address to listen on; others than loopback need --token")
       .with_default();

@@ -7,6 +7,7 @@
 #include "host/apps/cli/base/quoted.hpp"
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/scene/mounting.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -29,24 +30,32 @@ std::set<std::string> actors_of(const Edits& edits) {
   return names;
 }
 
+/// Of --outputs, beside the picture.
+std::string output_of(ViewLayer layer) {
+  switch (layer) {
+    case ViewLayer::kDepth:
+      return "distance";
+    case ViewLayer::kOpacity:
+      return "opacity";
+    case ViewLayer::kSupport:
+      return "support";
+    default:
+      return "";
+  }
+}
+
 }  // namespace
 
 std::string command_of(const ViewRequest& request,
                        double time_s,
                        const Sensor& sensor,
+                       const SensorPlace& place,
                        const ViewSource& source,
                        const std::vector<std::string>& added) {
-  const Eigen::Vector3d& shift = request.rig_shift_m;
-  const bool is_turned = sensor.is_camera() && (request.yaw_rad != 0.0 || request.pitch_rad != 0.0);
-  if (shift.x() != 0.0 || shift.z() != 0.0 || is_turned ||
-      (sensor.is_camera() && request.scene_from_camera)) {
-    throw_usage_error(
-        "command", "another place or direction", "the recorded path, and a shift to the left of it");
+  if (request.height) {
+    throw_usage_error("command", "the free camera of the 3D view", "a camera's or a LiDAR's own view");
   }
-  const bool is_marked = request.layer == ViewLayer::kUnseen;
-  const bool is_support = request.layer == ViewLayer::kSupport;
-  if (request.layer != ViewLayer::kColour && !is_marked && !is_support)
-    throw_usage_error("command", "a layer", "colour, unseen, support");
+  const bool is_camera = sensor.is_camera();
   std::string line = "simuli render";
   const auto add = [&line](const std::string& option, const std::string& value) {
     line += ' ' + option + ' ' + shell_word(value);
@@ -54,15 +63,28 @@ std::string command_of(const ViewRequest& request,
   line += ' ' + shell_word(source.scene);
   add("--sensor", request.sensor);
   add("--times", fmt::format("{}:{}:1", time_s, time_s));
-  if (sensor.is_camera()) {
+  if (is_camera) {
     const double scale = static_cast<double>(request.width) / static_cast<double>(sensor.columns());
     add("--duration", "0");
     if (scale != 1.0) add("--scale", fmt::format("{}", scale));
   }
   add("--quality", request.quality);
-  if (is_marked && sensor.is_camera()) line += " --mark-unseen";
-  if (is_support && sensor.is_camera()) add("--outputs", "rgb,support");
-  if (shift.y() != 0.0) add("--lane-shift", fmt::format("{}", shift.y()));
+  if (is_camera && request.layer == ViewLayer::kUnseen) line += " --mark-unseen";
+  const std::string output = output_of(request.layer);
+  if (is_camera && !output.empty()) add("--outputs", "rgb," + output);
+  if (place.only_left) {
+    if (request.rig_shift_m.y() != 0.0) add("--lane-shift", fmt::format("{}", request.rig_shift_m.y()));
+  } else {
+    const Mounting m =
+        is_camera ? Mounting::of_camera(place.rig_from_sensor) : Mounting::of_lidar(place.rig_from_sensor);
+    line += fmt::format(" --mount={},{},{},{},{},{}",
+                        m.position_m.x(),
+                        m.position_m.y(),
+                        m.position_m.z(),
+                        m.roll_deg,
+                        m.pitch_deg,
+                        m.yaw_deg);
+  }
 
   const std::set<std::string> edited_before = actors_of(source.edits);
   const auto edit = [&](const std::string& option, const std::string& actor, const std::string& how) {

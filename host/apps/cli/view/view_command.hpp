@@ -15,13 +15,21 @@ struct ViewSource {
   Edits edits;
 };
 
+/// Where the request has a sensor on the rig, and whether that is where the scene has it, but for a shift to the
+/// left.
+struct SensorPlace {
+  Pose rig_from_sensor;
+  bool only_left = true;
+};
+
 /// `simuli render ...` of the request's picture or sweep: `sensor` as the scene has it, of which the picture
-/// is a size, at `time_s`. `added`: options of the actors that were added since. Error{kUsage} for what
-/// render has no options for: other places than beside the path, other directions, layers, and
-/// edits of actors which the viewer's own command line edits, too.
+/// is a size, in that place at `time_s`. `added`: options of the actors that were added since. Error{kUsage}
+/// for the free pinhole camera, which no command has, and edits of actors which the viewer's own command line
+/// edits, too.
 [[nodiscard]] std::string command_of(const ViewRequest& request,
                                      double time_s,
                                      const Sensor& sensor,
+                                     const SensorPlace& place,
                                      const ViewSource& source,
                                      const std::vector<std::string>& added);
 

@@ -1,6 +1,7 @@
 #include "host/apps/cli/view/view_layers.hpp"
 
-#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -29,14 +30,15 @@ LayerPicture support_layer(const Frame& frame,
                            const ActorCopies& copies,
                            SupportOnDevice& support) {
   constexpr float kLeast = 0.25F;  // light, so that black things have a colour
+  // Orange and blue are apart for colour-blind people, too.
+  constexpr std::array<float, 3> kUnknown{1.0F, 0.42F, 0.0F}, kKnown{0.25F, 0.62F, 1.0F};
   LayerPicture out{frame.image()};
   const std::vector<float> known = support.of(frame, scene, copies);
   for (std::size_t i = 0; i < known.size(); ++i) {
     float* const pixel = out.image.data.data() + 3 * i;
     const float light = kLeast + (1.0F - kLeast) * (pixel[0] + pixel[1] + pixel[2]) / 3.0F;
-    pixel[0] = light * std::clamp(2.0F - 2.0F * known[i], 0.0F, 1.0F);
-    pixel[1] = light * std::clamp(2.0F * known[i], 0.0F, 1.0F);
-    pixel[2] = 0.0F;
+    for (std::size_t c = 0; c < 3; ++c)
+      pixel[c] = light * (kUnknown[c] + known[i] * (kKnown[c] - kUnknown[c]));
     out.support += static_cast<double>(known[i]) / static_cast<double>(known.size());
   }
   return out;

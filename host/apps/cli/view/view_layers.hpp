@@ -17,8 +17,7 @@ struct LayerPicture {
 /// As in host/apps/cli/draw/depth_picture.hpp and unseen.hpp. Waits. Error{kInput} for unseen pixels of a scene
 /// that no camera was carried through.
 [[nodiscard]] LayerPicture layer_of(ViewLayer layer, const Frame& frame, const RecordedViews& recorded);
-/// ViewLayer::kSupport: the picture's own light, red where it is not known, through yellow to green where it
-/// is. Waits.
+/// ViewLayer::kSupport: the picture's own light, orange where it is not known, blue where it is. Waits.
 [[nodiscard]] LayerPicture support_layer(const Frame& frame,
                                          const Scene& scene,
                                          const ActorCopies& copies,

@@ -31,6 +31,11 @@ std::vector<ActorEdit> ViewRequest::edits() const {
   return edits;
 }
 
+bool ViewRequest::is_as_recorded() const {
+  return rig_shift_m.isZero() && yaw_rad == 0.0 && pitch_rad == 0.0 && !scene_from_camera &&
+         layer == ViewLayer::kColour && edits().empty();
+}
+
 ViewRequest parse_view_request(const std::string& json) {
   constexpr double kFarthest_m = 1e6;
   return read_json_text(json, "request", [](JsonObject& o) {
@@ -51,6 +56,22 @@ ViewRequest parse_view_request(const std::string& json) {
         return Pose{Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), p.vector<3>("t")};
       });
     }
+    if (o.has("height")) {
+      if (!r.scene_from_camera) {
+        throw_input_error(
+            "request", o.field("height"), "one of a rig's camera", "one with scene_from_camera");
+      }
+      r.height = static_cast<int>(o.integer("height", ViewRequest::kNarrowest_px, ViewRequest::kWidest_px));
+    }
+    if (o.has("pixel")) {
+      const Eigen::Vector2d at = o.vector<2>("pixel");
+      if (at.minCoeff() < 0.0 || at.maxCoeff() > 1.0) {
+        throw_input_error("request", o.field("pixel"), "a place outside of the picture", "0 to 1, both");
+      }
+      r.pixel = at;
+    }
+    if (o.has("points")) r.points = o.text("points");
+    if (o.has("sweeps")) r.sweeps = static_cast<int>(o.integer("sweeps", 1, ViewRequest::kMostSweeps));
     if (o.has("layer")) r.layer = layer_named(o.text("layer"), o.field("layer"));
     if (o.has("lossless")) r.lossless = o.boolean("lossless");
     const Json& removed = o.get("removed");

@@ -79,7 +79,7 @@ struct ViewServer::Impl {
   int port = 0;
 };
 
-ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : impl_(std::make_unique<Impl>()) {
+ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : impl_(std::make_unique<Impl>()) {
   const bool loopback = is_loopback(options.host);
   if (!loopback && options.token.empty()) {
     throw Error(
@@ -145,9 +145,9 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
     };
   };
   server.Get("/api/scene",
-             answer("application/json", [&](const httplib::Request&) { return session.describe(); }));
+             answer("application/json", [&](const httplib::Request&) { return answers.describe(); }));
   server.Get("/api/status",
-             answer("application/json", [&](const httplib::Request&) { return session.progress(); }));
+             answer("application/json", [&](const httplib::Request&) { return answers.progress(); }));
   using Post = std::function<std::string(const httplib::Request&, const std::string& body)>;
   const auto post = [&](const char* path, const char* type, std::size_t most_bytes, const Post& work) {
     server.Post(
@@ -176,20 +176,23 @@ ViewServer::ViewServer(ViewSession& session, const ServerOptions& options) : imp
   };
   const char* const parts = "application/octet-stream";
   post("/api/picture", parts, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
-    return session.picture(parse_view_request(body));
+    return answers.picture(parse_view_request(body));
   });
   post("/api/sweep", parts, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
-    return session.sweep(parse_view_request(body));
+    return answers.sweep(parse_view_request(body));
   });
   const char* const json = "application/json";
+  post("/api/probe", json, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
+    return answers.probe(parse_view_request(body));
+  });
   post("/api/duplicate", json, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
-    return session.duplicate(body);
+    return answers.duplicate(body);
   });
   post("/api/command", json, kLargestRequest, [&](const httplib::Request&, const std::string& body) {
-    return session.command(parse_view_request(body));
+    return answers.command(parse_view_request(body));
   });
   post("/api/add", json, kLargestFile, [&](const httplib::Request& request, const std::string& body) {
-    return session.add(request.get_param_value("file"), body, seconds_of(request.get_param_value("time_s")));
+    return answers.add(request.get_param_value("file"), body, seconds_of(request.get_param_value("time_s")));
   });
   impl_->port = options.port;
   const bool bound = options.port == 0 ? (impl_->port = server.bind_to_any_port(options.host)) > 0

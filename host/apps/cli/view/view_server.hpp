@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "host/apps/cli/view/view_session.hpp"
+#include "host/apps/cli/view/view_answers.hpp"
 
 namespace simuli::cli {
 
@@ -13,11 +13,11 @@ struct ServerOptions {
   std::string token;               // asked for with every request but those for the page itself
 };
 
-/// Serves the page and the session's answers from threads of its own, until it is destroyed.
+/// Serves the page and the answers from threads of its own, until it is destroyed.
 class ViewServer {
  public:
   /// Error{kUsage} for another host without a token, and when the address can't be bound.
-  ViewServer(ViewSession& session, const ServerOptions& options);
+  ViewServer(ViewAnswers& answers, const ServerOptions& options);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;

@@ -15,7 +15,9 @@
 
 #include "host/apps/cli/base/edits.hpp"
 #include "host/apps/cli/base/refuse.hpp"
+#include "host/apps/cli/draw/pictures.hpp"
 #include "host/apps/cli/view/view_layers.hpp"
+#include "host/apps/cli/view/view_parts.hpp"
 #include "host/core/base/activity.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
@@ -31,48 +33,21 @@
 namespace simuli::cli {
 namespace {
 
-constexpr int kJpegQuality = 90;
-
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-Json json_of(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Json json_of(const Pose& pose) {
-  const Eigen::Quaterniond& q = pose.rotation;
-  return {{"t", json_of(pose.translation)}, {"q", {q.w(), q.x(), q.y(), q.z()}}};
-}
-
-std::string reply(const Json& info, const void* payload, std::size_t bytes) {
-  const std::string text = info.dump();
-  const auto length = static_cast<std::uint32_t>(text.size());
-  std::string out;
-  for (unsigned shift = 0; shift < 32; shift += 8) out += static_cast<char>(length >> shift & 0xFFU);
-  out += text;
-  out.resize((out.size() + 3) / 4 * 4, '\0');
-  out.append(static_cast<const char*>(payload), bytes);
-  return out;
-}
-
-/// One more than the number of the first actor whose box holds the point at that share of the frame; 0: none.
-std::size_t actor_at(const Eigen::Vector3d& point,
-                     const std::vector<Actor>& actors,
-                     const std::vector<ActorView>& views,
-                     float share) {
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    if (!views[i].is_there) continue;
-    const Pose scene_from_actor =
-        interpolate(views[i].scene_from_actor_start, views[i].scene_from_actor_end, share);
-    const Eigen::Vector3d inside = scene_from_actor.inverse() * point;
-    if ((inside.cwiseAbs().array() <= 0.5 * actors[i].size_m.array()).all()) return i + 1;
-  }
-  return 0;
 }
 
 RenderOptions options_named(const std::string& quality) {
   const std::optional<Quality> known = find_quality(quality);
   if (known) return options_of(*known);
   refuse("quality", quality, fmt::format("{}", fmt::join(quality_names(), ", ")));
+}
+
+/// To the left is about the camera's -y, which is up; down about its x.
+Pose camera_from_turned(const ViewRequest& request) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(-request.yaw_rad, Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(-request.pitch_rad, Eigen::Vector3d::UnitX())),
+          Eigen::Vector3d::Zero()};
 }
 
 /// `wanted`, or with a number behind it where the scene has one of that name.
@@ -123,30 +98,20 @@ void ViewSession::touch() {
 std::string ViewSession::describe() const {
   const std::lock_guard lock(mutex_);
   const Scene& scene = scene_.scene();
-  std::vector<std::string> cameras, lidars;
-  for (const LogCamera& c : file_.cameras) cameras.push_back(c.model.name);
-  for (const LogLidar& l : file_.lidars) lidars.push_back(name_of(l.model));
-  Json actors = Json::array();
-  for (const Actor& a : scene.actors) {
-    actors.push_back({{"name", a.name}, {"kind", a.kind}, {"size_m", json_of(a.size_m)}});
-  }
-  Json path = Json::array();
-  const std::vector<TimedPose>& poses = file_.world_from_rig.poses();
-  for (const TimedPose& p : poses) path.push_back(json_of(p.pose.translation - scene.origin));
-  const Eigen::Vector3d ahead = poses.front().pose.rotation * Eigen::Vector3d::UnitX();
-  const Json out = {{"name", scene.name},
-                    {"device", scene_.device().info().label()},
-                    {"cameras", cameras},
-                    {"builtin_cameras", builtin_camera_names()},
-                    {"lidars", lidars},
-                    {"builtin_lidars", builtin_lidar_names()},
-                    {"qualities", quality_names()},
-                    {"quality", quality_names().at(static_cast<std::size_t>(globals_.quality))},
-                    {"time_start_s", file_.world_from_rig.start_s()},
-                    {"time_end_s", file_.world_from_rig.end_s()},
-                    {"heading_rad", std::atan2(ahead.y(), ahead.x())},
-                    {"path", path},
-                    {"actors", actors}};
+  Json out =
+      json_of_drive(file_.cameras, file_.lidars, file_.world_from_rig, file_.recorded_frames, scene.origin);
+  out["kind"] = "scene";
+  out["name"] = scene.name;
+  out["device"] = scene_.device().info().label();
+  out["builtin_cameras"] = builtin_camera_names();
+  out["builtin_lidars"] = builtin_lidar_names();
+  out["qualities"] = quality_names();
+  out["quality"] = quality_names().at(static_cast<std::size_t>(globals_.quality));
+  out["has_support"] = file_.support != nullptr;
+  out["depth_colours"] = Json::array();  // of the depth layer, from near to far
+  for (int i = 0; i <= 8; ++i) out["depth_colours"].push_back(colour_at(i / 8.0));
+  out["added"] = added_names_;
+  out["actors"] = json_of_actors(scene.actors);
   return out.dump();
 }
 
@@ -178,8 +143,10 @@ void ViewSession::change(const std::function<std::string(Scene&)>& how) {
   }
   Scene scene = scene_.scene();
   const std::string option = how(scene);
+  const std::string name = scene.actors.back().name;
   scene_.set_scene(std::move(scene));
   added_.push_back(option);
+  added_names_.push_back(name);
   const std::lock_guard progress_lock(progress_mutex_);
   ++version_;
 }
@@ -224,7 +191,20 @@ std::string ViewSession::command(const ViewRequest& request) const {
   const Trajectory& path = file_.world_from_rig;
   const double time_s = std::clamp(request.time_s, path.start_s(), path.end_s());
   const Sensor sensor = rig_.find(request.sensor, Pose{});
-  return Json{{"command", command_of(request, time_s, sensor, source_, added_)}}.dump();
+  const bool is_camera = sensor.is_camera();
+  const Pose rig_from_moved{Eigen::Quaterniond::Identity(), request.rig_shift_m};
+  SensorPlace place{rig_from_moved * sensor.rig_from_sensor()};
+  place.only_left = request.rig_shift_m.x() == 0.0 && request.rig_shift_m.z() == 0.0;
+  if (is_camera) {
+    place.rig_from_sensor = place.rig_from_sensor * camera_from_turned(request);
+    place.only_left = place.only_left && request.yaw_rad == 0.0 && request.pitch_rad == 0.0;
+    if (request.scene_from_camera) {
+      Pose world_from_camera = *request.scene_from_camera;
+      world_from_camera.translation += scene_.scene().origin;
+      place = {path.at(time_s).inverse() * world_from_camera, false};
+    }
+  }
+  return Json{{"command", command_of(request, time_s, sensor, place, source_, added_)}}.dump();
 }
 
 Shot ViewSession::shot_of(const ViewRequest& request, const Sensor& sensor) const {
@@ -242,16 +222,12 @@ Shot ViewSession::shot_of(const ViewRequest& request, const Sensor& sensor) cons
   return shot;
 }
 
-std::string ViewSession::picture(const ViewRequest& request) {
-  touch();
-  std::unique_lock lock(mutex_);
-  if (scene_.scene().camera.size() == 0)
-    throw_input_error("scene", "camera set", "no particles", "at least one");
-  const FrameRequest how{.options = options_named(request.quality)};
+std::pair<Sensor, Shot> ViewSession::still_of(const ViewRequest& request) const {
   const Sensor own = rig_.find(request.sensor, Pose{});
   const double aspect = static_cast<double>(own.rows()) / static_cast<double>(own.columns());
   // As scaled_camera() has it, for command_of(); of a scene's camera any number.
-  const double wanted = std::max(1.0, std::ceil(request.width * aspect - 1e-9));
+  const double wanted =
+      request.height ? *request.height : std::max(1.0, std::ceil(request.width * aspect - 1e-9));
   if (wanted > ViewRequest::kTallest_px || wanted * request.width > ViewRequest::kMostPixels) {
     throw Error(
         ErrorKind::kUsage,
@@ -264,36 +240,97 @@ std::string ViewSession::picture(const ViewRequest& request) {
                     ViewRequest::kTallest_px));
   }
   const int height = static_cast<int>(wanted);
-  // To the left is about the camera's -y, which is up; down about its x.
-  const Pose camera_from_turned{
-      Eigen::Quaterniond(Eigen::AngleAxisd(-request.yaw_rad, Eigen::Vector3d::UnitY()) *
-                         Eigen::AngleAxisd(-request.pitch_rad, Eigen::Vector3d::UnitX())),
-      Eigen::Vector3d::Zero()};
+  if (request.height) {
+    Camera free;
+    free.name = "free";
+    free.width = request.width;
+    free.height = height;
+    free.fx = free.fy = 0.5 * height / std::tan(ViewRequest::kFreeHalf_rad);
+    free.cx = 0.5 * request.width;
+    free.cy = 0.5 * height;
+    const Sensor camera(free, own.rig_from_sensor());
+    return {camera, shot_of(request, camera)};
+  }
   // A still: the shutter is not followed.
   const Sensor camera = own.resized(request.width, height)
-                            .mounted(own.rig_from_sensor() * camera_from_turned)
+                            .mounted(own.rig_from_sensor() * camera_from_turned(request))
                             .with_duration(0.0);
-  const Shot shot = shot_of(request, camera);
+  return {camera, shot_of(request, camera)};
+}
+
+std::string ViewSession::picture(const ViewRequest& request) {
+  touch();
+  std::unique_lock lock(mutex_);
+  const Scene& scene = scene_.scene();
+  if (scene.camera.size() == 0) throw_input_error("scene", "camera set", "no particles", "at least one");
+  const auto [camera, shot] = still_of(request);
   const Stopwatch render;
-  const Frame frame = scene_.render(camera, shot, how);
+  const Frame frame = scene_.render(camera, shot, {.options = options_named(request.quality)});
   frame.wait();
   const double render_ms = render.ms();
   const bool is_support = request.layer == ViewLayer::kSupport;
   if (is_support && !support_) support_.emplace(scene_.device(), file_.support);
-  const LayerPicture shown = is_support ? support_layer(frame, scene_.scene(), copies_, *support_)
+  const LayerPicture shown = is_support ? support_layer(frame, scene, copies_, *support_)
                                         : layer_of(request.layer, frame, recorded_);
+  const Json boxes = json_of_outlines(camera.camera(),
+                                      shot.relative_to(scene.origin),
+                                      scene.actors,
+                                      actors_during(scene.actors, shot, scene.origin));
   lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
   const ImageCode code = request.lossless ? ImageCode::kPng : ImageCode::kJpeg;
   const std::string bytes = encode_image(shown.image, code, kJpegQuality);
   return reply({{"render_ms", render_ms},
                 {"encode_ms", encode.ms()},
+                {"time_s", shot.time_start_s},
+                {"boxes", boxes},
                 {"near_m", shown.near_m},
                 {"far_m", shown.far_m},
                 {"unseen_share", shown.unseen_share},
                 {"support", shown.support}},
                bytes.data(),
                bytes.size());
+}
+
+std::string ViewSession::probe(const ViewRequest& request) {
+  touch();
+  if (!request.pixel) throw_input_error("request", "pixel", "none", "a place in the picture");
+  const std::lock_guard lock(mutex_);
+  const Scene& scene = scene_.scene();
+  if (scene.camera.size() == 0) throw_input_error("scene", "camera set", "no particles", "at least one");
+  const auto [camera, shot] = still_of(request);
+  const Camera& model = camera.camera();
+  const auto x = static_cast<std::size_t>(std::min(request.pixel->x() * model.width, model.width - 1.0));
+  const auto y = static_cast<std::size_t>(std::min(request.pixel->y() * model.height, model.height - 1.0));
+  const std::size_t at = y * static_cast<std::size_t>(model.width) + x;
+  FrameRequest how{.options = options_named(request.quality)};
+  how.rays.assign(camera.ray_count(), false);
+  how.rays[at] = true;
+  how.camera_median = how.actors = true;
+  const Frame frame = scene_.render(camera, shot, how);
+  const RayResults& rays = frame.results();
+  const Image image = frame.image();
+  const std::uint32_t owner = frame.actors()[at];
+  Json out = {{"colour", {image.data[3 * at], image.data[3 * at + 1], image.data[3 * at + 2]}},
+              {"opacity", 1.0F - rays.transmittance[at]},
+              {"distance_m", nullptr},
+              {"depth_m", nullptr},
+              {"point", nullptr},
+              {"actor", nullptr},
+              {"support", nullptr}};
+  if (owner > 0) out["actor"] = scene.actors.at(owner - 1).name;
+  if (rays.median[at] > 0.0F) {
+    const auto distance_m = static_cast<double>(rays.median[at]);
+    const Eigen::Vector3d ray = model.unproject({static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5});
+    out["distance_m"] = distance_m;
+    out["depth_m"] = distance_m * ray.z();
+    out["point"] = json_of(shot.relative_to(scene.origin).pose_at(0.5) * (distance_m * ray));
+  }
+  if (file_.support) {
+    if (!support_) support_.emplace(scene_.device(), file_.support);
+    out["support"] = support_->of(frame, scene, copies_)[at];
+  }
+  return out.dump();
 }
 
 std::string ViewSession::sweep(const ViewRequest& request) {
@@ -309,32 +346,14 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   const LidarFrame frame = rendered.lidar();
   const double render_ms = render.ms();
   const Shot in_scene = shot.relative_to(scene.origin);
-  const std::vector<Eigen::Vector3d> ends = points_of(lidar.lidar(), frame, in_scene, PointFrame::kWorld);
   const std::vector<ActorView> views = actors_during(scene.actors, shot, scene.origin);
-  const bool has_rows = std::holds_alternative<Lidar>(lidar.lidar());
   std::vector<float> points;
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    if (!frame.is_return(i)) continue;
-    for (const double value : ends[i]) points.push_back(static_cast<float>(value));
-    const float share = frame.rays.time_fraction[i];
-    points.push_back(frame.intensity[i]);
-    points.push_back(has_rows ? static_cast<float>(i / lidar.columns()) : 0.0F);
-    points.push_back(share);
-    points.push_back(static_cast<float>(actor_at(ends[i], scene.actors, views, share)));
-  }
-  Json actors = Json::array();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const Actor& actor = scene.actors[i];
-    Json entry = json_of(views[i].scene_from_actor_start);
-    entry["name"] = actor.name;
-    entry["size"] = json_of(actor.size_m);
-    entry["is_there"] = views[i].is_there;
-    actors.push_back(std::move(entry));
-  }
+  append_points(lidar.lidar(), frame, in_scene, scene.actors, views, 1, points);
   return reply({{"render_ms", render_ms},
                 {"rays", frame.range.size()},
+                {"time_s", shot.time_start_s},
                 {"scene_from_sensor", json_of(in_scene.world_from_sensor_start)},
-                {"actors", actors}},
+                {"actors", json_of_boxes(scene.actors, views)}},
                points.data(),
                points.size() * sizeof(float));
 }

@@ -1,23 +1,30 @@
 'use strict';
-// The actors: a row of controls for each, of what the page changes about it.
+// The actors: a row of controls for each, of what the page changes about it. A row and its box are chosen together.
 
 // `q` behind a turn to the left about z by `degrees`: of a vector in an actor's turned axes, in those before.
 function turnedLeft(q, degrees) {
-  const h = degrees * Math.PI / 360, [c, s] = [Math.cos(h), Math.sin(h)];
-  return [c * q[0] - s * q[3], c * q[1] - s * q[2], c * q[2] + s * q[1], c * q[3] + s * q[0]];
+  const h = degrees * Math.PI / 360;
+  return times([Math.cos(h), 0, 0, Math.sin(h)], q);
 }
 
-// A number field for entry k of map.get(name), or of the value itself where it is one.
-function field(label, unit, map, name, k, usual, step) {
-  const values = () => map.has(name) ? map.get(name) : usual;
+function changeEdits(how) {
+  how(state.edits);
+  changed();
+  refresh();
+}
+function setRemoved(name, removed) {
+  changeEdits(edits => { edits.removed = [...edits.removed.filter(other => other !== name), ...(removed ? [name] : [])]; });
+}
+
+// A number field for entry k of state.edits[kind][name], or of the value itself where it is one.
+function field(label, unit, kind, name, k, usualValue, step) {
+  const value = () => state.edits[kind][name] ?? usualValue;
   const input = Object.assign(document.createElement('input'), {
-    type: 'number', step, value: +(Array.isArray(usual) ? values()[k] : values()).toFixed(3)});
+    type: 'number', step, value: +(Array.isArray(usualValue) ? value()[k] : value()).toFixed(3)});
   input.dataset.edit = `${name} ${label}`;
-  input.onchange = () => {
-    if (Array.isArray(usual)) map.set(name, values().map((value, i) => i === k ? +input.value : value));
-    else map.set(name, +input.value);
-    refresh();
-  };
+  input.onchange = () => changeEdits(edits => {
+    edits[kind][name] = Array.isArray(usualValue) ? value().map((v, i) => i === k ? +input.value : v) : +input.value;
+  });
   const out = document.createElement('label');
   out.append(label + ' ', input, unit && ' ' + unit);
   return out;
@@ -25,32 +32,55 @@ function field(label, unit, map, name, k, usual, step) {
 
 function actorRow(actor) {
   const row = Object.assign(document.createElement('div'), {className: 'actor'}), name = actor.name;
-  const shown = Object.assign(document.createElement('input'), {type: 'checkbox', checked: !state.removed.has(name)});
+  row.dataset.row = name;
+  row.onclick = event => { if (!['INPUT', 'BUTTON'].includes(event.target.tagName)) choose(name); };
+  row.onpointerenter = () => { hovered = name; drawAll(); };
+  row.onpointerleave = () => { hovered = ''; drawAll(); };
+  const title = document.createElement('div');
+  const kind = Object.assign(document.createElement('span'), {className: 'soft', textContent: actor.kind});
+  title.append(name, ' ', kind);
+  row.append(title);
+  if (scene.kind === 'log') return row;
+  const shown = Object.assign(document.createElement('input'), {type: 'checkbox', checked: !state.edits.removed.includes(name)});
   shown.dataset.actor = name;
-  shown.onchange = () => { state.removed[shown.checked ? 'delete' : 'add'](name); refresh(); };
-  const title = document.createElement('label');
-  title.append(shown, ' ', name, ' ', Object.assign(document.createElement('span'), {className: 'soft', textContent: actor.kind}));
+  shown.ariaLabel = `${name} is there`;
+  shown.onchange = () => setRemoved(name, !shown.checked);
+  title.prepend(shown, ' ');
   const twice = Object.assign(document.createElement('button'), {textContent: 'duplicate'});
   twice.dataset.duplicate = name;
   twice.onclick = () => duplicate(name).catch(error => say(error.message));
-  row.append(
-    title, ...['forward', 'left', 'up'].map((axis, k) => field(axis, 'm', state.moved, name, k, [0, 0, 0], 0.25)),
-    field('turned', 'deg', state.turned, name, 0, 0, 5), field('rate', '', state.retimed, name, 0, [1, 0], 0.1),
-    field('later', 's', state.retimed, name, 1, [1, 0], 0.1), twice);
+  row.append(...['forward', 'left', 'up'].map((axis, k) => field(axis, 'm', 'moved', name, k, [0, 0, 0], 0.25)),
+    field('turned', 'deg', 'turned', name, 0, 0, 5), field('rate', '', 'retimed', name, 0, [1, 0], 0.1),
+    field('later', 's', 'retimed', name, 1, [1, 0], 0.1), twice);
   return row;
 }
 
 function listActors() {
   $('actors').replaceChildren(...scene.actors.map(actorRow));
-  $('actors-view').querySelector('h2').hidden = scene.actors.length === 0;
+  $('actors-view').querySelector('h2').textContent = scene.actors.length > 0 ? 'Actors' : 'no actors';
+  choose(selected, false);
+}
+
+// The one of that name; '': none.
+function choose(name, show = true) {
+  selected = name;
+  for (const row of $('actors').children) row.classList.toggle('selected', row.dataset.row === name);
+  if (name && show) {
+    $('actors-view').hidden = false;
+    $('actors').querySelector('.selected')?.scrollIntoView({block: 'nearest'});
+  }
+  drawAll();
 }
 
 // A second one of the same, beside it.
 async function duplicate(name) {
   const {actor} = await (await call('api/duplicate', {actor: name})).json();
-  const [forward, left, up] = state.moved.get(name) || [0, 0, 0];
-  state.moved.set(actor, [forward, left - 3, up]);
-  for (const map of [state.turned, state.retimed]) if (map.has(name)) map.set(actor, map.get(name));
+  settle();
+  addedNow(actor);
+  const {moved, turned, retimed} = state.edits, [forward, left, up] = moved[name] || [0, 0, 0];
+  moved[actor] = [forward, left - 3, up];
+  for (const map of [turned, retimed]) if (name in map) map[actor] = map[name];
+  settle();
   await reload();
 }
 
@@ -58,7 +88,10 @@ async function duplicate(name) {
 async function addSplats(file) {
   const query = new URLSearchParams({file: file.name, time_s: state.time});
   const {actor, moved_m} = await (await call(`api/add?${query}`, file)).json();
-  state.moved.set(actor, moved_m);
+  settle();
+  addedNow(actor);
+  state.edits.moved[actor] = moved_m;
+  settle();
   await reload();
 }
 addEventListener('dragover', e => e.preventDefault());

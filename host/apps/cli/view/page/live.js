@@ -1,15 +1,22 @@
 'use strict';
-// Requests, and what keeps a canvas up to date with them.
+// Requests, and what keeps the panes up to date with them.
 
 const $ = id => document.getElementById(id);
 const token = new URLSearchParams(location.search).get('token') || '';
-const say = text => { $('message').textContent = text; };
 const pause = ms => new Promise(done => setTimeout(done, ms));
+// `from`: whose next success makes it untrue.
+function say(text, from = '') {
+  $('message').textContent = text;
+  $('message').dataset.from = from;
+}
 
-// `body`: bytes as they are, else JSON.
+class Gone extends Error {}
+
+// `body`: bytes as they are, else JSON. Gone: nobody answers.
 async function call(path, body) {
   const bytes = body instanceof Blob ? body : body && JSON.stringify(body);
-  const reply = await fetch(path, {method: body ? 'POST' : 'GET', headers: {'X-Simuli-Token': token}, body: bytes});
+  const reply = await fetch(path, {method: body ? 'POST' : 'GET', headers: {'X-Simuli-Token': token}, body: bytes})
+    .catch(() => { throw new Gone('the viewer does not answer: trying again ...'); });
   if (reply.ok) return reply;
   const text = await reply.text();
   throw new Error(text || reply.statusText);
@@ -22,48 +29,77 @@ async function parts(reply) {
   return [JSON.parse(text), buffer, 4 + Math.ceil(length / 4) * 4];
 }
 
-// Keeps one request in flight; what is asked for meanwhile is done once, with the newest state. `what()` names
-// what the canvas is to show: while it shows something else it is faint.
-class Live {
-  constructor(name, canvas, what, work) {
-    Object.assign(this, {name, canvas, what, work, wanted: false, running: false, shown: null, turn: 0, frames: 0,
-      since: performance.now(), rate: 0});
+// A pane: `load()` asks the server and returns what `paint()` shows. `what()` names what is to be shown: while
+// something else is, it is faint.
+class Pane {
+  constructor(name, canvas, what, load, paint) {
+    Object.assign(this, {name, canvas, what, load, paint, wanted: false, shown: null, rate: 0, last: 0});
   }
-  ask() {
-    this.wanted = true;
-    this.canvas.classList.toggle('stale', this.shown !== null && this.shown !== this.what());
-    if (!this.running) this.run();
+  mark() { this.canvas.classList.toggle('stale', this.shown !== null && this.shown !== this.what()); }
+  note(text) { const line = $(this.name + '-note'); if (line) line.textContent = text; }
+}
+
+// All panes show one moment: what is asked for together is shown together. Meanwhile new wishes are collected,
+// and done once, with the newest state.
+class Panes {
+  constructor(panes) { Object.assign(this, {panes, running: null, turn: 0}); }
+  ask(names) {
+    for (const pane of this.panes) {
+      if (!names.includes(pane.name)) continue;
+      pane.wanted = true;
+      pane.mark();
+    }
+    this.running ??= this.run().finally(() => { this.running = null; });
+    return this.running;
   }
   async run() {
-    this.running = true;
-    while (this.wanted) {
-      this.wanted = false;
-      const what = this.what(), waiting = setTimeout(() => this.wait(this.turn), 300);
-      try {
-        await this.work(this);
-        this.shown = what;
-        if ($('message').dataset.from === this.name) say('');
-      } catch (error) { say(error.message); $('message').dataset.from = this.name; }
+    await null;  // what is asked for in one go comes together
+    for (let due; (due = this.panes.filter(pane => pane.wanted)).length > 0; ++this.turn) {
+      const waiting = setTimeout(() => this.wait(this.turn, due), 400);
+      const results = await Promise.allSettled(due.map(pane => {
+        pane.wanted = false;
+        const what = pane.what();
+        return pane.load().then(loaded => [what, loaded]);
+      }));
       clearTimeout(waiting);
-      this.turn += 1;
-      $(this.name + '-note').textContent = '';
-      this.canvas.classList.toggle('stale', this.shown !== null && this.shown !== this.what());
-      this.frames += 1;
-      const now = performance.now();
-      if (now - this.since > 1000) {
-        this.rate = 1000 * this.frames / (now - this.since);
-        [this.frames, this.since] = [0, now];
-      }
+      let gone = false;
+      results.forEach((result, i) => {
+        const pane = due[i];
+        pane.note('');
+        try {
+          if (result.status === 'rejected') throw result.reason;
+          const [what, loaded] = result.value;
+          if (loaded !== null) pane.paint(loaded);
+          pane.shown = what;
+          if ($('message').dataset.from === pane.name) say('');
+          const now = performance.now();
+          pane.rate = 0.7 * pane.rate + 300 / Math.max(now - pane.last, 1);
+          pane.last = now;
+        } catch (error) {
+          gone ||= error instanceof Gone;
+          say(error.message, pane.name);
+        }
+        pane.mark();
+      });
+      if (gone) await reconnect();
     }
-    this.running = false;
   }
   // Says what takes so long.
-  async wait(turn) {
-    while (turn === this.turn) {
+  async wait(turn, due) {
+    while (turn === this.turn && this.running) {
       const activity = await call('api/status').then(reply => reply.json()).then(s => s.activity, () => '');
       if (turn !== this.turn) return;
-      $(this.name + '-note').textContent = `${activity || 'rendering'} ...`;
+      for (const pane of due) pane.note(`${activity || 'rendering'} ...`);
       await pause(300);
     }
   }
+}
+
+// Until somebody answers again; then all is asked for anew.
+async function reconnect() {
+  for (;;) {
+    await pause(1000);
+    try { await reload(); break; } catch (error) { if (!(error instanceof Gone)) say(error.message); }
+  }
+  say('');
 }

@@ -14,6 +14,17 @@ function rotate(q, v) {
   return add(add(v, scale(t, q[0])), cross(u, t));
 }
 
+const inverse = q => [q[0], -q[1], -q[2], -q[3]];
+const place = (a_from_b, v) => add(a_from_b.t, rotate(a_from_b.q, v));
+const times = (p, q) => [p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+  p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1], p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]];
+// Between two rotations that are near each other.
+function blend(a, b, share) {
+  const sign = a.reduce((sum, v, i) => sum + v * b[i], 0) < 0 ? -1 : 1;
+  const q = a.map((v, i) => (1 - share) * v + share * sign * b[i]), n = Math.hypot(...q);
+  return q.map(v => v / n);
+}
+
 // Columns of a rotation -> quaternion.
 function quaternion(x, y, z) {
   const trace = x[0] + y[1] + z[2];
@@ -32,6 +43,8 @@ function quaternion(x, y, z) {
   const s = 2 * Math.sqrt(1 + z[2] - x[0] - y[1]);
   return [(x[1] - y[0]) / s, (z[0] + x[2]) / s, (z[1] + y[2]) / s, s / 4];
 }
+
+const kHalf = 0.45;  // rad of what an orbit sees, above and below its middle: ViewRequest::kFreeHalf_rad
 
 // An eye that turns about `target` at `distance`, z up. azimuth and elevation in rad: where it stands.
 class Orbit {
@@ -61,16 +74,21 @@ class Orbit {
   // Column-major clip_from_world.
   matrix(aspect) {
     const [x, y, z] = this.axes, e = this.eye;
-    const f = 1 / Math.tan(0.45), near = Math.max(0.05, this.distance / 500), far = this.distance * 50 + 2000;
+    const f = 1 / Math.tan(kHalf), near = Math.max(0.05, this.distance / 500), far = this.distance * 50 + 2000;
     const a = (far + near) / (far - near), b = -2 * far * near / (far - near);
     const sx = f / aspect, sy = -f;
     return new Float32Array([
       sx * x[0], sy * y[0], a * z[0], z[0], sx * x[1], sy * y[1], a * z[1], z[1],
       sx * x[2], sy * y[2], a * z[2], z[2], -sx * dot(x, e), -sy * dot(y, e), b - a * dot(z, e), -dot(z, e)]);
   }
+  // Where a canvas of that aspect shows the point, in parts of its sides; null: behind the eye.
+  project(point, aspect) {
+    const [right, down, forward] = this.axes, v = sub(point, this.eye), z = dot(v, forward), t = 2 * Math.tan(kHalf);
+    return z > 0.05 ? [0.5 + dot(v, right) / (z * t * aspect), 0.5 + dot(v, down) / (z * t), z] : null;
+  }
   // Direction into the world of a point of the canvas, (x, y) in [-1, 1], y up.
   ray(x, y, aspect) {
-    const [right, down, forward] = this.axes, t = Math.tan(0.45);
+    const [right, down, forward] = this.axes, t = Math.tan(kHalf);
     return unit(add(forward, add(scale(right, x * t * aspect), scale(down, -y * t))));
   }
 }

@@ -1,39 +1,59 @@
 'use strict';
-// The sweep as points, the actors as boxes, with WebGL.
+// Returns as points, boxes, the path and the cameras, with WebGL; names and measures above them.
 
 const kPointValues = 7;  // x y z intensity ring time actor
 
-const kPointShader = `attribute vec3 place; attribute float value; uniform mat4 clip_from_world; uniform float size;
-varying vec3 colour;
-vec3 ramp(float v) {
-  v = clamp(v, 0.0, 1.0);
-  return mix(mix(vec3(.12,.35,.75), vec3(.2,.8,.6), smoothstep(0.0,.4,v)), vec3(1.0,.85,.3), smoothstep(.4,1.0,v));
+// Colours that grow lighter all along, for colour-blind people, too, and stand out from black and from white; of actors those of Okabe and Ito.
+const kRamp = [[88, 60, 170], [50, 105, 180], [25, 150, 150], [105, 200, 90], [250, 230, 40]];
+const kOwn = [[230, 159, 0], [86, 180, 233], [0, 158, 115], [240, 228, 66], [0, 114, 178], [213, 94, 0], [204, 121, 167]];
+const kNobody = [130, 130, 130];
+const kChosen = [255, 60, 200];  // on dark and on light
+const css = rgb => `rgb(${rgb.map(Math.round)})`;
+function ramp(v) {
+  const at = Math.min(Math.max(v, 0), 1) * (kRamp.length - 1), i = Math.min(Math.floor(at), kRamp.length - 2);
+  return kRamp[i].map((low, c) => low + (at - i) * (kRamp[i + 1][c] - low));
 }
-void main() { gl_Position = clip_from_world * vec4(place, 1.0); gl_PointSize = size; colour = ramp(value); }`;
-const kLineShader = `attribute vec3 place; uniform mat4 clip_from_world; uniform vec3 tint; varying vec3 colour;
-void main() { gl_Position = clip_from_world * vec4(place, 1.0); colour = tint; }`;
+const ownColour = number => number === 0 ? kNobody : kOwn[(number - 1) % kOwn.length];
+
+// What of a point is coloured, its place on the ramp, and the ends of the scale as text.
+const kColourings = {
+  height: {of: (p, from) => (p[2] - from[2] + 2.5) / 8, ends: ['-2.5 m', '5.5 m above the sensor']},
+  intensity: {of: p => Math.sqrt(p[3]), ends: ['0', '1 (square root)']},
+  range: {of: (p, from) => Math.log2(Math.max(Math.hypot(p[0] - from[0], p[1] - from[1], p[2] - from[2]), 1)) / 7, ends: ['1 m', '128 m (logarithm)']},
+  ring: {of: (p, from, rings) => p[4] / rings, ends: ['top', 'bottom row']},
+  time: {of: p => p[5], ends: ['start', 'end of the sweep']},
+  actor: null};
+// [r, g, b] of each point, 0 to 255; points of `stride` values each.
+function coloursOf(points, stride, colouring, from) {
+  const n = points.length / stride, colours = new Uint8Array(3 * n), how = kColourings[colouring];
+  let rings = 1;
+  for (let i = 0; i < n; ++i) rings = Math.max(rings, points[stride * i + 4]);
+  for (let i = 0; i < n; ++i) {
+    const p = points.subarray(stride * i, stride * (i + 1));
+    colours.set(how ? ramp(how.of(p, from, rings)) : ownColour(p[6]), 3 * i);
+  }
+  return colours;
+}
+// The scale beside a view: stops of colours and what its ends are.
+function showScale(element, stops, ends) {
+  const bar = document.createElement('i');
+  bar.style.background = `linear-gradient(90deg, ${stops.map(css)})`;
+  element.replaceChildren(ends[0], bar, ends[1]);
+  element.hidden = false;
+}
+
+const kVertex = `attribute vec3 place, tint; uniform mat4 clip_from_world; uniform float size; varying vec3 colour;
+void main() { gl_Position = clip_from_world * vec4(place, 1.0); gl_PointSize = size; colour = tint; }`;
 const kFragment = `precision mediump float; varying vec3 colour; void main() { gl_FragColor = vec4(colour, 1.0); }`;
 
 class PointView {
-  constructor(canvas) {
-    this.canvas = canvas;
-    this.gl = canvas.getContext('webgl', {antialias: true, preserveDrawingBuffer: true});
-    this.orbit = new Orbit([0, 0, 0], 40, Math.PI, 0.5);
-    this.count = 0;
-    this.boxes = [];   // {name, shown, t, q, size, tint}
-    this.path = [];
-    if (!this.gl) return;
-    const gl = this.gl;
-    this.programs = [kPointShader, kLineShader].map(source => this.program(source));
-    this.places = gl.createBuffer();
-    this.values = gl.createBuffer();
-    this.lines = gl.createBuffer();
-    gl.enable(gl.DEPTH_TEST);
-    gl.clearColor(0.03, 0.04, 0.05, 1);
-  }
-  program(vertex) {
-    const gl = this.gl, program = gl.createProgram();
-    for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, kFragment]]) {
+  constructor(canvas, over) {
+    Object.assign(this, {canvas, over, orbit: new Orbit([0, 0, 0], 20, Math.PI, 0.4), points: new Float32Array(0), from: [0, 0, 0],
+      size: 2, boxes: [], lines: [], marks: [], clear: [0, 0, 0, 0]});  // boxes: {name, shown, t, q, size}; lines: [points, rgb]
+    const gl = this.gl = canvas.getContext('webgl', {antialias: true, preserveDrawingBuffer: true, premultipliedAlpha: true});
+    if (!gl) return;
+    const program = this.program = gl.createProgram();
+    for (const [kind, source] of [[gl.VERTEX_SHADER, kVertex], [gl.FRAGMENT_SHADER, kFragment]]) {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, source);
       gl.compileShader(shader);
@@ -41,72 +61,67 @@ class PointView {
       gl.attachShader(program, shader);
     }
     gl.linkProgram(program);
-    return program;
+    gl.useProgram(program);
+    [this.placeBuffer, this.colourBuffer, this.lineBuffer] = [0, 1, 2].map(() => gl.createBuffer());
+    this.at = Object.fromEntries(['place', 'tint'].map(name => [name, gl.getAttribLocation(program, name)]));
+    gl.enableVertexAttribArray(this.at.place);
+    gl.enable(gl.DEPTH_TEST);
   }
+  get aspect() { return this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1); }
   // points: Float32Array of kPointValues each; `from` the sensor's place.
-  show(points, colour, from) {
-    if (!this.gl) return;
-    const n = points.length / kPointValues, places = new Float32Array(3 * n), values = new Float32Array(n);
-    let rings = 1;
-    for (let i = 0; i < n; ++i) rings = Math.max(rings, points[kPointValues * i + 4]);
-    const valueOf = {
-      height: p => (p[2] - from[2] + 2.5) / 8,
-      intensity: p => Math.sqrt(p[3]),
-      range: p => 1 - Math.log(1 + Math.hypot(p[0] - from[0], p[1] - from[1], p[2] - from[2])) / 5,
-      ring: p => 1 - p[4] / rings,
-      time: p => p[5],
-      actor: p => p[6] === 0 ? 0.05 : 0.55 + 0.45 * (p[6] * 0.618 % 1)}[colour];
-    for (let i = 0; i < n; ++i) {
-      const p = points.subarray(kPointValues * i, kPointValues * (i + 1));
-      places.set(p.subarray(0, 3), 3 * i);
-      values[i] = valueOf(p);
-    }
-    const gl = this.gl;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.places);
+  show(points, colouring, from) {
+    Object.assign(this, {points, from});
+    const gl = this.gl, n = points.length / kPointValues, places = new Float32Array(3 * n);
+    if (!gl) return;
+    for (let i = 0; i < n; ++i) for (let c = 0; c < 3; ++c) places[3 * i + c] = points[kPointValues * i + c];
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.placeBuffer);
     gl.bufferData(gl.ARRAY_BUFFER, places, gl.STREAM_DRAW);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.values);
-    gl.bufferData(gl.ARRAY_BUFFER, values, gl.STREAM_DRAW);
-    this.count = n;
+    this.colour(colouring);
+  }
+  colour(colouring) {
+    const gl = this.gl;
+    if (!gl) return;
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.colourBuffer);
+    gl.bufferData(gl.ARRAY_BUFFER, coloursOf(this.points, kPointValues, colouring, this.from), gl.STREAM_DRAW);
   }
   draw() {
-    const gl = this.gl, canvas = this.canvas;
+    const gl = this.gl, canvas = this.canvas, ratio = window.devicePixelRatio || 1;
     if (!gl) return;
-    const ratio = window.devicePixelRatio || 1;
     const w = Math.round(canvas.clientWidth * ratio), h = Math.round(canvas.clientHeight * ratio);
+    if (w === 0 || h === 0) return;
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     gl.viewport(0, 0, w, h);
+    gl.clearColor(...this.clear);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const matrix = this.orbit.matrix(w / h);
-    const use = (program, buffer) => {
-      gl.useProgram(program);
-      gl.uniformMatrix4fv(gl.getUniformLocation(program, 'clip_from_world'), false, matrix);
-      this.attribute(program, 'place', buffer, 3);
-    };
-    if (this.count > 0) {
-      use(this.programs[0], this.places);
-      gl.uniform1f(gl.getUniformLocation(this.programs[0], 'size'), 1.5 * ratio);
-      this.attribute(this.programs[0], 'value', this.values, 1);
-      gl.drawArrays(gl.POINTS, 0, this.count);
-    }
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.lines);
-    const line = (vertices, tint, mode) => {
-      if (vertices.length === 0) return;
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.lines);
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.program, 'clip_from_world'), false, this.orbit.matrix(w / h));
+    gl.uniform1f(gl.getUniformLocation(this.program, 'size'), this.size * ratio);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.placeBuffer);
+    gl.vertexAttribPointer(this.at.place, 3, gl.FLOAT, false, 0, 0);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.colourBuffer);
+    gl.enableVertexAttribArray(this.at.tint);
+    gl.vertexAttribPointer(this.at.tint, 3, gl.UNSIGNED_BYTE, true, 0, 0);
+    if (this.points.length > 0) gl.drawArrays(gl.POINTS, 0, this.points.length / kPointValues);
+    gl.disableVertexAttribArray(this.at.tint);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.lineBuffer);
+    gl.vertexAttribPointer(this.at.place, 3, gl.FLOAT, false, 0, 0);
+    const shown = this.boxes.filter(box => box.shown).map(box => [boxEdges(box), box.held ? kChosen : box.colour]);
+    for (const [vertices, rgb] of [...this.lines, ...shown]) {  // pairs of ends
       gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(vertices.flat()), gl.STREAM_DRAW);
-      use(this.programs[1], this.lines);
-      gl.uniform3fv(gl.getUniformLocation(this.programs[1], 'tint'), tint);
-      gl.drawArrays(mode, 0, vertices.length);
-    };
-    line(this.path, [0.5, 0.5, 0.5], gl.LINE_STRIP);
-    for (const box of this.boxes) {
-      if (box.shown) line(boxEdges(box), box.held ? [1, 1, 1] : [1, 0.45, 0.2], gl.LINES);
+      gl.vertexAttrib3fv(this.at.tint, rgb.map(v => v / 255));
+      gl.drawArrays(gl.LINES, 0, vertices.length);
     }
+    this.drawOver(w, h, ratio);
   }
-  attribute(program, name, buffer, size) {
-    const gl = this.gl, at = gl.getAttribLocation(program, name);
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.enableVertexAttribArray(at);
-    gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0);
+  drawOver(w, h, ratio) {
+    const over = this.over, pen = over.getContext('2d');
+    [over.width, over.height] = [w, h];
+    const at = point => { const p = this.orbit.project(point, w / h); return p && [p[0] * w, p[1] * h]; };
+    for (const box of this.boxes) {
+      const p = box.shown && at(add(box.t, [0, 0, box.size[2] / 2]));
+      if (p) tag(pen, box.name, p[0], p[1] - 4 * ratio, box.held ? kChosen : box.colour, ratio);
+    }
+    const ends = this.marks.map(at);
+    drawMeasure(pen, ends, this.marks, ratio);
   }
   // Eye and direction through a place of the canvas.
   rayAt(event) {
@@ -123,12 +138,50 @@ class PointView {
     }
     return found;
   }
+  // The nearest point within some pixels of the pointer, its values; null: none.
+  pointAt(event, within = 8) {
+    const [eye, d] = this.rayAt(event), points = this.points;
+    const per_pixel = 2 * Math.tan(kHalf) / this.canvas.clientHeight;
+    let best = Infinity, found = -1;
+    for (let i = 0; i < points.length; i += kPointValues) {
+      const x = points[i] - eye[0], y = points[i + 1] - eye[1], z = points[i + 2] - eye[2], along = x * d[0] + y * d[1] + z * d[2];
+      if (along <= 0.05) continue;
+      const off = Math.sqrt(Math.max(x * x + y * y + z * z - along * along, 0)) / (along * per_pixel);
+      if (off > within) continue;
+      const cost = along * (1 + off);
+      if (cost < best) [best, found] = [cost, i];
+    }
+    return found < 0 ? null : points.subarray(found, found + kPointValues);
+  }
   // Where the ray meets the horizontal plane at `height`; null when it does not.
   groundAt(event, height) {
     const [eye, direction] = this.rayAt(event);
     const s = (height - eye[2]) / direction[2];
     return s > 0 && s < 5000 ? add(eye, scale(direction, s)) : null;
   }
+}
+
+function tag(pen, text, x, y, rgb, ratio) {
+  pen.font = `${12 * ratio}px system-ui, sans-serif`;
+  pen.textAlign = 'center';
+  pen.lineWidth = 3 * ratio;
+  pen.strokeStyle = '#000b';
+  pen.strokeText(text, x, y);
+  pen.fillStyle = css(rgb);
+  pen.fillText(text, x, y);
+}
+// Between two points that were clicked: [x, y] of each on the canvas, null where it is not seen, and in space.
+function drawMeasure(pen, ends, points, ratio) {
+  pen.strokeStyle = pen.fillStyle = '#ff2fd0';
+  pen.lineWidth = 2 * ratio;
+  for (const end of ends) if (end) pen.fillRect(end[0] - 3 * ratio, end[1] - 3 * ratio, 6 * ratio, 6 * ratio);
+  if (ends.length !== 2 || !ends[0] || !ends[1]) return;
+  pen.beginPath();
+  pen.moveTo(...ends[0]);
+  pen.lineTo(...ends[1]);
+  pen.stroke();
+  const length = Math.hypot(...sub(points[1], points[0]));
+  tag(pen, `${length.toFixed(2)} m`, (ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2 - 6 * ratio, [255, 160, 235], ratio);
 }
 
 function boxEdges(box) {
@@ -141,8 +194,7 @@ function boxEdges(box) {
 }
 
 function hitBox(box, eye, direction) {
-  const inverse = [box.q[0], -box.q[1], -box.q[2], -box.q[3]];
-  const o = rotate(inverse, sub(eye, box.t)), d = rotate(inverse, direction);
+  const back = inverse(box.q), o = rotate(back, sub(eye, box.t)), d = rotate(back, direction);
   let enter = 0, leave = Infinity;
   for (let axis = 0; axis < 3; ++axis) {
     const half = box.size[axis] / 2, a = (-half - o[axis]) / d[axis], b = (half - o[axis]) / d[axis];

@@ -1,76 +1,68 @@
 'use strict';
-// The page's state, its controls, and the requests that keep both views up to date.
-
-let scene = null;             // what /api/scene says
-let orbit = null;             // of the free camera
-const points = new PointView($('points'));
-const state = {time: 0, forward: 0, left: 0, up: 0, yaw: 0, pitch: 0, removed: new Set(), moved: new Map(), turned: new Map(),
-  retimed: new Map()};
-
-function request(sensor) {
-  return {
-    sensor, quality: $('quality').value, time_s: state.time, width: Math.round(+$('width').value),
-    forward_m: state.forward, left_m: state.left, up_m: state.up, yaw_rad: state.yaw, pitch_rad: state.pitch,
-    layer: 'colour', lossless: false, removed: [...state.removed], moved: Object.fromEntries(state.moved),
-    turned_deg: Object.fromEntries(state.turned), retimed: Object.fromEntries(state.retimed)};
-}
-
-function pictureRequest() {
-  const body = request($('camera').value);
-  body.layer = $('layer').value;
-  if ($('free').checked) body.scene_from_camera = orbit.pose;
-  return body;
-}
-
-const shownAs = (id, ...more) => () => [$(id).value, $('quality').value, ...more.map(other => $(other).value)].join(', ');
-const distance = m => m < 1 ? `${(100 * m).toFixed(0)} cm` : `${m} m`;
-
-const camera = new Live('camera', $('picture'), shownAs('camera', 'layer'), async live => {
-  const body = pictureRequest();
-  if (!body.sensor) return;
-  const [info, buffer, at] = await parts(await call('api/picture', body));
-  const bitmap = await createImageBitmap(new Blob([new Uint8Array(buffer, at)], {type: 'image/jpeg'}));
-  const canvas = $('picture');
-  if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
-    [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
-    canvas.style.aspectRatio = `${bitmap.width} / ${bitmap.height}`;
-  }
-  canvas.getContext('2d').drawImage(bitmap, 0, 0);
-  const scale = info.far_m > 0 ? ` ${distance(info.near_m)} (pale) to ${distance(info.far_m)} (dark)` : '';
-  const unseen = body.layer === 'unseen' ? ` (hatched: no recorded camera faced it, ${(100 * info.unseen_share).toFixed(0)} %)` : '';
-  const support = body.layer === 'support' ? ` (red: not known, green: as recorded; mean ${(100 * info.support).toFixed(0)} %)` : '';
-  $('camera-time').textContent =
-    `${body.sensor}, ${body.quality}, ${body.layer}${scale}${unseen}${support}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG` +
-    (live.rate ? `, ${live.rate.toFixed(1)} per s` : '');
-  canvas.dataset.frames = 1 + (+canvas.dataset.frames || 0);
-});
-
-const lidar = new Live('lidar', $('points'), shownAs('lidar'), async live => {
-  const body = request($('lidar').value);
-  if (!body.sensor) return;
-  const [info, buffer, at] = await parts(await call('api/sweep', body));
-  const data = new Float32Array(buffer, at);
-  points.show(data, $('colour').value, info.scene_from_sensor.t);
-  const held = points.boxes.find(box => box.held);
-  points.boxes = info.actors.map(actor => ({...actor, shown: actor.is_there, held: held && held.name === actor.name}));
-  if ($('follow').checked) points.orbit.target = info.scene_from_sensor.t;
-  points.draw();
-  $('lidar-time').textContent = `${body.sensor}, ${body.quality}, ${data.length / kPointValues} returns of ${info.rays} rays, ${info.render_ms.toFixed(0)} ms` +
-    (live.rate ? `, ${live.rate.toFixed(1)} per s` : '');
-  $('points').dataset.frames = 1 + (+$('points').dataset.frames || 0);
-});
+// The controls: fields, mouse, touch, keys, and time going by.
 
 function refresh() {
   $('time').value = state.time;
-  $('time-text').textContent = `${state.time.toFixed(2)} s`;
-  camera.ask();
-  lidar.ask();
+  const count = frameTimes().length, digits = String(count - 1).length;
+  $('time-text').textContent = `frame ${String(frameAt(state.time)).padStart(digits)} of ${count - 1}, ` +
+    `${state.time.toFixed(3)} of ${scene.time_end_s.toFixed(3)} s`;
+  showFields();
+  $('command-box').close();
+  return panes.ask(['camera', 'lidar']);
 }
 
 function setTime(time) {
   state.time = Math.min(Math.max(time, scene.time_start_s), scene.time_end_s);
-  refresh();
+  changed();
+  return refresh();
 }
+function toFrame(number) {
+  const all = frameTimes();
+  return setTime(all[Math.min(Math.max(number, 0), all.length - 1)]);
+}
+
+// --- fields: an element with data-state="key" is state[key]; data-asks says which panes depend on it -----
+
+const fields = () => document.querySelectorAll('[data-state]');
+function showFields() {
+  for (const e of fields()) {
+    if (e === document.activeElement && e.type === 'number') continue;
+    const value = state[e.dataset.state];
+    if (e.type === 'checkbox') e.checked = value; else e.value = e.type === 'number' ? +(+value).toFixed(3) : value;
+  }
+  document.documentElement.dataset.theme = state.theme;
+  $('main').className = state.only && `only-${state.only}`;
+  $('main').style.setProperty('--first', state.only ? '' : `${state.split}fr`);
+  $('main').style.setProperty('--second', state.only ? '' : `${1 - state.split}fr`);
+}
+function bindFields() {
+  for (const e of fields()) {
+    e.onchange = () => {
+      if (e.type === 'number' && !e.checkValidity()) { say(`${e.dataset.state}: found ${e.value}, allowed ${e.min} to ${e.max}`, e.dataset.state); return; }
+      state[e.dataset.state] = e.type === 'checkbox' ? e.checked : e.type === 'number' ? +e.value : e.value;
+      say('');
+      $('command-box').close();
+      showFields();
+      if (e.type !== 'number') e.blur();  // keys are the page's again
+      changed();
+      const asks = (e.dataset.asks || '').split(' ');
+      if (asks.includes('draw') || e.dataset.state === 'lidar') points.colour(state.colour);
+      if (e.dataset.state === 'camera') refresh();
+      panes.ask(asks);
+      drawAll();
+    };
+  }
+}
+
+function fill(select, groups) {
+  for (const [label, names] of groups) {
+    const group = Object.assign(document.createElement('optgroup'), {label});
+    group.append(...names.map(name => new Option(name, name)));
+    if (names.length > 0) select.append(group);
+  }
+}
+
+// --- files -----------------------------------------------------------------------------------------------
 
 function offer(blob, name) {
   const link = document.createElement('a');
@@ -82,9 +74,9 @@ function offer(blob, name) {
 
 // The picture as it is chosen now, without loss.
 async function save() {
-  const body = {...pictureRequest(), lossless: true};
+  const body = {...pictureRequest(), points: '', lossless: true};
   const [, buffer, at] = await parts(await call('api/picture', body));
-  offer(new Blob([new Uint8Array(buffer, at)], {type: 'image/png'}), `${body.sensor}_${body.layer}_${body.time_s.toFixed(3)}s.png`);
+  offer(new Blob([new Uint8Array(buffer, at)], {type: 'image/png'}), `${body.sensor}_${body.layer || 'recorded'}_${body.time_s.toFixed(3)}s.png`);
 }
 
 // All that the picture shows until the button is pressed again, as it is shown. Every frame of a drive: simuli render -o X.mp4.
@@ -92,7 +84,7 @@ let recorder = null;
 function clip() {
   if (recorder) { recorder.stop(); return; }
   if (!window.MediaRecorder) { say('this browser records no canvas'); return; }
-  const chunks = [], name = `${$('camera').value}_${state.time.toFixed(3)}s.webm`;
+  const chunks = [], name = `${state.camera}_${state.time.toFixed(3)}s.webm`;
   recorder = new MediaRecorder($('picture').captureStream());
   recorder.ondataavailable = event => chunks.push(event.data);
   recorder.onstop = () => {
@@ -106,177 +98,353 @@ function clip() {
   $('clip').textContent = 'stop';
 }
 
-// The command line that makes what is chosen now: shown, and copied where the browser lets us.
+// The command line that makes what is chosen now: shown, and copied where the browser lets us; or why there is none.
 async function tellCommand(body) {
-  const {command} = await (await call('api/command', body)).json();
-  $('command').hidden = false;
-  $('command').value = command;
-  if (navigator.clipboard) await navigator.clipboard.writeText(command).catch(() => $('command').select());
+  const told = await call('api/command', body).then(reply => reply.json()).then(reply => reply.command, error => error.message);
+  $('command').value = told;
+  if (!$('command-box').open) $('command-box').showModal();
+  if (navigator.clipboard) await navigator.clipboard.writeText(told).catch(() => $('command').select());
 }
 
-let playing = 0;
-function play() {
-  if (playing) { clearInterval(playing); playing = 0; $('play').innerHTML = '&#9654;'; return; }
-  $('play').innerHTML = '&#10074;&#10074;';
-  let last = performance.now();
-  playing = setInterval(() => {
-    const now = performance.now(), next = state.time + (now - last) / 1000;
+// --- time goes by: the next moment is asked for when the last one is shown -------------------------------
+
+let playing = null;
+async function play() {
+  const me = playing = playing ? null : {};
+  $('play').innerHTML = playing ? '&#10074;&#10074;' : '&#9654;';
+  for (let last = performance.now(); me && me === playing;) {
+    const now = performance.now(), speed = +state.speed, all = frameTimes(), i = frameAt(state.time);
+    if (state.every) {
+      const next = i + 1 < all.length ? i + 1 : 0;
+      if (next === 0 && !state.loop) { play(); break; }
+      await Promise.all([setTime(all[next]), pause(next > 0 ? 1000 * (all[next] - all[i]) / speed : 100)]);
+      continue;
+    }
+    const next = state.time + (now - last) / 1000 * speed;
     last = now;
-    setTime(next > scene.time_end_s ? scene.time_start_s : next);
-  }, 50);
+    if (next > scene.time_end_s && !state.loop) { setTime(scene.time_end_s); play(); break; }
+    haste.camera.move(() => { if (!playing) panes.ask(['camera']); });
+    await Promise.all([setTime(next > scene.time_end_s ? firstTime() : next), pause(20)]);
+  }
 }
 
-// Dragging with what was grabbed at the start.
-function dragging(canvas, start) {
+// --- mouse and touch -------------------------------------------------------------------------------------
+
+// One pointer drags what start(event) returns: move(dx, dy, event), end(); two pan and pinch: both(dx, dy, factor).
+function pointing(canvas, start, both) {
+  const down = new Map();
+  let held = null;
   canvas.addEventListener('contextmenu', e => e.preventDefault());
   canvas.addEventListener('pointerdown', e => {
     canvas.setPointerCapture(e.pointerId);
     canvas.focus();
-    let [x, y] = [e.clientX, e.clientY];
-    const {move, end} = start(e);
-    const onMove = m => { move(m.clientX - x, m.clientY - y, m); [x, y] = [m.clientX, m.clientY]; };
-    canvas.addEventListener('pointermove', onMove);
-    canvas.addEventListener('pointerup', () => { canvas.removeEventListener('pointermove', onMove); if (end) end(); }, {once: true});
+    down.set(e.pointerId, [e.clientX, e.clientY]);
+    if (down.size > 1) { held?.end?.(); held = null; } else held = start(e);
   });
+  canvas.addEventListener('pointermove', e => {
+    const before = down.get(e.pointerId);
+    if (!before) return;
+    const now = [e.clientX, e.clientY], [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+    if (down.size === 2) {
+      const other = [...down].find(([id]) => id !== e.pointerId)[1], apart = p => Math.hypot(p[0] - other[0], p[1] - other[1]);
+      both(dx / 2, dy / 2, Math.max(apart(before), 1) / Math.max(apart(now), 1));
+    } else if (down.size === 1) held?.move(dx, dy, e);
+    down.set(e.pointerId, now);
+  });
+  const up = e => {
+    if (!down.delete(e.pointerId) || down.size > 0) return;
+    held?.end?.();
+    held = null;
+  };
+  canvas.addEventListener('pointerup', up);
+  canvas.addEventListener('pointercancel', up);
 }
 
-dragging($('picture'), () => ({move: (dx, dy, e) => {
-  if ($('free').checked) {
-    if (e.buttons & 2) orbit.pan(-dx * orbit.distance / 800, -dy * orbit.distance / 800);
-    else orbit.turn(dx / 250, dy / 250);
-  } else {
-    state.yaw += dx / 500;
-    state.pitch = Math.min(Math.max(state.pitch + dy / 500, -1.5), 1.5);
-  }
-  camera.ask();
-}}));
+function placed() {  // the rig's sensors are elsewhere now
+  haste.camera.move(() => panes.ask(['camera']));
+  changed();
+  showFields();
+  $('command-box').close();
+  drawSpace();
+}
+function drive(forward, left, up) {  // in the direction looked at
+  if (scene.kind === 'log') return;
+  state.forward += forward * Math.cos(state.yaw) - left * Math.sin(state.yaw);
+  state.left += forward * Math.sin(state.yaw) + left * Math.cos(state.yaw);
+  state.up += up;
+  placed();
+  panes.ask(['camera', 'lidar']);
+}
+function orbited() {
+  haste.photo.move(() => panes.ask(['photo']));
+  const {target, distance, azimuth, elevation} = points.orbit;
+  state.orbit = {target, distance, azimuth, elevation};
+  changed();
+  drawSpace();
+  if (state.photo) panes.ask(['photo']);
+}
+const panOrbit = (dx, dy) => {
+  const per_pixel = 2 * Math.tan(kHalf) * points.orbit.distance / $('points').clientHeight;
+  points.orbit.pan(-dx * per_pixel, -dy * per_pixel);
+  orbited();
+};
 
-dragging($('points'), e => {
-  const box = e.button === 0 ? points.boxAt(e) : null;
-  const grabbed = box && points.groundAt(e, box.t[2]);
-  if (!grabbed) {
-    return {move: (dx, dy, m) => {
-      if (m.buttons & 2 || m.shiftKey) {
-        $('follow').checked = false;
-        points.orbit.pan(-dx * points.orbit.distance / 700, -dy * points.orbit.distance / 700);
-      } else points.orbit.turn(dx / 250, dy / 250);
-      points.draw();
+function bindPointers() {
+  pointing($('picture'), e => {
+    if (measuring) { mark(e, 'picture'); return null; }
+    return {move: (dx, dy) => {
+      if (scene.kind === 'log') return;
+      state.yaw += dx * 0.003;
+      state.pitch = Math.min(Math.max(state.pitch - dy * 0.003, -1.5), 1.5);
+      placed();
+      panes.ask(['camera']);
     }};
-  }
-  const before = state.moved.get(box.name) || [0, 0, 0];
-  // Moved along its own axes as they were before it was turned.
-  const inverse = turnedLeft([box.q[0], -box.q[1], -box.q[2], -box.q[3]], state.turned.get(box.name) || 0);
-  box.held = true;
-  return {
-    move: (dx, dy, m) => {
-      const at = points.groundAt(m, grabbed[2]);
-      if (!at) return;
-      state.moved.set(box.name, add(before, rotate(inverse, sub(at, grabbed))));
-      refresh();
-    },
-    end: () => { for (const b of points.boxes) b.held = false; listActors(); points.draw(); }};
-});
-$('points').addEventListener('dblclick', e => {
-  const box = points.boxAt(e);
-  if (box) { state.removed.add(box.name); listActors(); refresh(); }
-});
-$('points').addEventListener('wheel', e => { e.preventDefault(); points.orbit.zoom(Math.exp(e.deltaY / 800)); points.draw(); }, {passive: false});
-$('picture').addEventListener('wheel', e => {
-  if (!$('free').checked) return;
-  e.preventDefault();
-  orbit.zoom(Math.exp(e.deltaY / 800));
-  camera.ask();
-}, {passive: false});
+  }, (dx, dy, factor) => drive(Math.log(1 / factor) * 4, dx / 100, dy / 100));
+  $('picture').addEventListener('wheel', e => { e.preventDefault(); drive(-e.deltaY / 200, 0, 0); }, {passive: false});
 
+  pointing($('points'), e => {
+    if (measuring) { mark(e, 'space'); return null; }
+    const box = e.button === 0 && !e.shiftKey ? points.boxAt(e) : null;
+    const grabbed = box && scene.kind === 'scene' && points.groundAt(e, box.t[2]);
+    let moved = false;
+    if (!grabbed) {
+      return {move: (dx, dy, m) => {
+        moved = true;
+        if (m.buttons & 2 || m.shiftKey) panOrbit(dx, dy);
+        else { points.orbit.turn(dx / 250, dy / 250); orbited(); }
+      }, end: () => { if (!moved) choose(box ? box.name : ''); }};
+    }
+    const before = state.edits.moved[box.name] || [0, 0, 0];
+    // Moved along its own axes as they were before it was turned.
+    const back = turnedLeft(inverse(box.q), state.edits.turned[box.name] || 0);
+    choose(box.name);
+    box.held = true;
+    return {
+      move: (dx, dy, m) => {
+        const at = points.groundAt(m, grabbed[2]);
+        if (at) changeEdits(edits => { edits.moved[box.name] = add(before, rotate(back, sub(at, grabbed))); });
+      },
+      end: () => { for (const b of points.boxes) b.held = false; listActors(); }};
+  }, (dx, dy, factor) => { points.orbit.zoom(factor); panOrbit(dx, dy); });
+  $('points').addEventListener('wheel', e => { e.preventDefault(); points.orbit.zoom(Math.exp(e.deltaY / 800)); orbited(); }, {passive: false});
+  $('points').addEventListener('dblclick', e => pick(e, 'space').then(focusOn));
+
+  let [resting, under] = [0, null];
+  for (const [canvas, pane] of [[$('picture'), 'picture'], [$('points'), 'space']]) {
+    canvas.addEventListener('pointermove', e => {
+      under = lastPointer = {clientX: e.clientX, clientY: e.clientY, pane};
+      clearTimeout(resting);
+      if (e.buttons === 0) resting = setTimeout(() => { if (under && !playing) read(under).catch(() => {}); }, 120);
+    });
+    canvas.addEventListener('pointerleave', () => { under = lastPointer = null; });
+  }
+  const splitter = $('splitter');
+  pointing(splitter, () => ({move: (dx, dy, m) => {
+    const r = $('main').getBoundingClientRect(), down = innerWidth <= 800;
+    const share = down ? (m.clientY - r.top) / r.height : (m.clientX - r.left) / (r.width - $('actors-view').offsetWidth);
+    state.split = +Math.min(Math.max(share, 0.1), 0.9).toFixed(3);
+    showFields();
+    changed();
+  }}), () => {});
+}
+
+// --- what is under the pointer ---------------------------------------------------------------------------
+
+let lastPointer = null, measuring = false;
+const metres = v => v === null || v === undefined ? 'nothing' : `${v.toFixed(2)} m`;
+
+// What is there: {point (null: nothing), text, picture}.
+async function pick(e, pane) {
+  if (pane === 'space') {
+    const p = points.pointAt(e);
+    if (!p) return {point: null, text: ''};
+    const range = Math.hypot(...sub([...p.subarray(0, 3)], points.from));
+    const whose = p[6] > 0 ? `, ${scene.actors[p[6] - 1]?.name}` : '';
+    return {point: [...p.subarray(0, 3)], text: `${range.toFixed(2)} m, intensity ${p[3].toFixed(3)}, ring ${p[4]}, ${(100 * p[5]).toFixed(0)} % of the sweep${whose}`};
+  }
+  const at = pictureAt(e);
+  if (!at) return {point: null, text: ''};
+  const found = await (await call('api/probe', {...pictureRequest(), pixel: at})).json();
+  const said = [`pixel ${Math.floor(at[0] * $('picture').width)}, ${Math.floor(at[1] * $('picture').height)}`, metres(found.distance_m)];
+  for (const [key, label] of [['depth_m', 'z'], ['opacity', 'opacity'], ['support', 'support'], ['intensity', 'intensity'], ['ring', 'ring']]) {
+    if (found[key] !== null && found[key] !== undefined) said.push(`${label} ${found[key].toFixed(key === 'ring' ? 0 : 2)}`);
+  }
+  if (found.actor) said.push(found.actor);
+  return {point: found.point, text: said.join(', '), picture: at};
+}
+async function read(e) {
+  const {text} = await pick(e, e.pane);
+  $(e.pane === 'picture' ? 'camera-reading' : 'lidar-reading').textContent = text;
+}
+
+function setMeasuring(on) {
+  measuring = on;
+  marks.length = 0;
+  document.body.classList.toggle('measuring', on);
+  $('measure').ariaPressed = on;
+  drawAll();
+}
+async function mark(e, pane) {
+  const found = await pick(e, pane).catch(error => { say(error.message); return {point: null}; });
+  if (!found.point) return;
+  if (marks.length === 2) marks.length = 0;
+  marks.push({point: found.point, picture: found.picture || null});
+  if (marks.length === 2) {
+    const d = sub(marks[1].point, marks[0].point);
+    $('lidar-reading').textContent = $('camera-reading').textContent =
+      `${Math.hypot(...d).toFixed(3)} m (${d.map(v => v.toFixed(2)).join(', ')} along x, y, z)`;
+  }
+  drawAll();
+}
+
+// The 3D view turns about what is under the pointer, the chosen box, or the rig.
+function focusOn({point}) {
+  if (!point) return;
+  points.orbit.target = point;
+  orbited();
+}
+async function focus() {
+  const found = lastPointer ? await pick(lastPointer, lastPointer.pane) : {point: null};
+  const box = points.boxes.find(b => b.name === selected && b.shown);
+  focusOn(found.point ? found : {point: box ? box.t : rigAt(state.time).t});
+  if (!found.point && box) { points.orbit.distance = 3 * Math.max(...box.size); orbited(); }
+}
+
+// --- keys: what the help shows is what there is ----------------------------------------------------------
+
+const toggled = key => () => document.querySelector(`[data-state=${key}]`).click();
+function maximise(pane) {
+  state.only = state.only === pane ? '' : pane;
+  changed();
+  showFields();
+  drawAll();
+}
+const inSpace = () => document.activeElement === $('points');
+const walk = (right, up, forward) => () => {
+  if (!inSpace()) { drive(0.25 * forward, -0.25 * right, 0.25 * up); return; }
+  const {azimuth, distance, target} = points.orbit, s = distance / 20, [c, n] = [-Math.cos(azimuth), -Math.sin(azimuth)];
+  points.orbit.target = add(target, scale([c * forward + n * right, n * forward - c * right, up], s));
+  orbited();
+};
+const kKeys = [
+  [' ', 'play, stop', () => play()],
+  ['ArrowRight', 'a frame on', () => toFrame(frameAt(state.time) + 1)], ['ArrowLeft', 'a frame back', () => toFrame(frameAt(state.time) - 1)],
+  ['Shift+ArrowRight', '1 s on', () => setTime(state.time + 1)], ['Shift+ArrowLeft', '1 s back', () => setTime(state.time - 1)],
+  ['Home', 'first frame', () => toFrame(0)], ['End', 'last frame', () => toFrame(Infinity)],
+  ['l', 'loop', toggled('loop')], ['e', 'every frame', toggled('every')],
+  ['w', 'drive on; in the 3D view: go on', walk(0, 0, 1)], ['s', 'back', walk(0, 0, -1)], ['a', 'to the left', walk(-1, 0, 0)],
+  ['d', 'to the right', walk(1, 0, 0)], ['PageUp', 'up', walk(0, 1, 0)], ['PageDown', 'down', walk(0, -1, 0)],
+  ['r', 'onto the recorded path, looking ahead', () => goHome()],
+  ['f', 'turn the 3D view about what is under the pointer, the chosen actor, or the rig', () => focus().catch(error => say(error.message))],
+  ['m', 'measure between two clicks', () => setMeasuring(!measuring)], ['b', 'boxes', toggled('boxes')],
+  ['p', 'the 3D view with the rendered picture', toggled('photo')],
+  ['Delete', 'take the chosen actor away', () => { if (selected && scene.kind === 'scene') { setRemoved(selected, true); listActors(); } }],
+  ['Ctrl+z', 'undo', () => undo()], ['Ctrl+Shift+Z', 'redo', () => redo()], ['Ctrl+y', 'redo', () => redo()],
+  ['x', 'one pane alone, or both', () => maximise(state.only || (inSpace() ? 'space' : 'camera'))],
+  ['?', 'this help', () => $('help').showModal()],
+  ['Escape', 'measure nothing, choose nothing', () => { setMeasuring(false); choose(''); }]];
+const nameOfKey = e => (e.ctrlKey || e.metaKey ? 'Ctrl+' : '') + (e.shiftKey && e.key !== '?' ? 'Shift+' : '') + e.key;
 document.addEventListener('keydown', e => {
-  if (e.target.tagName === 'INPUT' || e.target.tagName === 'SELECT' || !scene) return;
-  const step = e.shiftKey ? 1 : 0.25;
-  const along = (forward, left) => {  // in the direction looked at
-    state.forward += step * (forward * Math.cos(state.yaw) - left * Math.sin(state.yaw));
-    state.left += step * (forward * Math.sin(state.yaw) + left * Math.cos(state.yaw));
-  };
-  const keys = {w: () => along(1, 0), s: () => along(-1, 0), a: () => along(0, 1), d: () => along(0, -1),
-    q: () => { state.up -= step; }, e: () => { state.up += step; },
-    arrowright: () => setTime(state.time + 0.1), arrowleft: () => setTime(state.time - 0.1), ' ': play};
-  const act = keys[e.key.toLowerCase()];
-  if (!act) return;
+  const {tagName, type} = e.target;
+  const typing = tagName === 'TEXTAREA' || tagName === 'SELECT' || (tagName === 'INPUT' && type === 'number') || (tagName === 'BUTTON' && e.key === ' ');
+  if (typing || !scene || document.querySelector('dialog[open]')) return;
+  const name = nameOfKey(e), found = kKeys.find(([key]) => key === name || (key.length === 1 && key === name.toLowerCase()));
+  if (!found) return;
   e.preventDefault();
-  act();
-  $('left').value = state.left.toFixed(2);
-  $('up').value = state.up.toFixed(2);
-  refresh();
+  found[2]();
 });
+
+function goHome() {
+  Object.assign(state, {forward: 0, left: 0, up: 0, yaw: 0, pitch: 0});
+  changed();
+  refresh();
+}
+
+// --- the server ------------------------------------------------------------------------------------------
 
 async function reload() {
   scene = await (await call('api/scene')).json();
-  points.path = scene.path;
   listActors();
-  refresh();
+  refresh();  // which nobody waits for here: the panes themselves may be waiting for this
 }
 
 // While a training runs: how far it is, and its newest scene.
 async function watch() {
-  let version = -1;
-  for (;;) {
-    const s = await (await call('api/status')).json();
-    $('training').hidden = !s.training;
-    if (s.training) {
+  for (let version = -1; ;) {
+    const s = await call('api/status').then(reply => reply.json(), () => null);
+    $('training').hidden = !s?.training;
+    if (s?.training) {
       $('bar').value = s.iteration / s.iterations;
       const number = (v, digits, unit) => v === null ? '' : `  ${v.toFixed(digits)} ${unit}`;
       $('state').textContent = `training ${s.iteration} / ${s.iterations}${number(s.psnr_db, 2, 'dB')}` +
         number(s.distance_m === null ? null : 100 * s.distance_m, 1, 'cm') +
         `  ${((s.camera_particles + s.lidar_particles) / 1e3).toFixed(0)} k particles`;
     }
-    if (s.version !== version && version !== -1) await reload();  // another scene: more actors, perhaps
-    version = s.version;
-    await pause(s.training ? 1000 : 5000);
+    if (!s) { say('the viewer does not answer: trying again ...', 'watch'); version = -2; }
+    else {
+      if ($('message').dataset.from === 'watch') say('');
+      if (s.version !== version && version !== -1) await reload().catch(() => {});  // another scene, or another viewer
+      version = s.version;
+    }
+    await pause(!s || s.training ? 1000 : 3000);
   }
 }
 
-function fill(select, groups, chosen) {
-  for (const [label, names] of groups) {
-    const group = Object.assign(document.createElement('optgroup'), {label});
-    group.append(...names.map(name => new Option(name, name, name === chosen, name === chosen)));
-    if (names.length > 0) select.append(group);
-  }
+function restore() {
+  readAddress();
+  const {orbit} = state;
+  if (orbit && [...(orbit.target || []), orbit.distance, orbit.azimuth, orbit.elevation].every(Number.isFinite)) Object.assign(points.orbit, structuredClone(orbit));
+  past.now = snapshot();
 }
 
 async function start() {
   scene = await (await call('api/scene')).json();
   $('name').textContent = scene.name || 'simuli';
-  $('device').textContent = scene.device;
-  fill($('camera'), [['of the scene', scene.cameras], ['built in', scene.builtin_cameras]], scene.cameras[0]);
-  fill($('lidar'), [['of the scene', scene.lidars], ['built in', scene.builtin_lidars]], scene.lidars[0]);
-  fill($('quality'), [['', scene.qualities]], scene.quality);
+  $('device').textContent = scene.device || 'log';
+  for (const e of document.querySelectorAll(scene.kind === 'log' ? '.of-scene' : '.of-log')) e.hidden = true;
+  fill($('camera'), [['of the ' + scene.kind, scene.cameras], ['built in', scene.builtin_cameras || []]]);
+  fill($('lidar'), [['of the ' + scene.kind, scene.lidars], ['built in', scene.builtin_lidars || []]]);
+  fill($('quality'), [['', scene.qualities || []]]);
+  if (!scene.has_support) for (const option of $('layer').options) if (option.value === 'support') option.disabled = true;
+  const time = firstTime(), rig = rigAt(time), [x, y] = rotate(rig.q, [1, 0, 0]);
+  const around = {target: place(rig, [6, 0, 0]), distance: 22, azimuth: Math.atan2(y, x) + Math.PI, elevation: 0.35};
+  usual = {...usual, time, camera: scene.cameras[0] || '', lidar: scene.lidars[0] || '', quality: scene.quality || '', orbit: around};
   $('time').min = scene.time_start_s;
   $('time').max = scene.time_end_s;
-  points.path = scene.path;
-  orbit = new Orbit(scene.path[0], 15, Math.PI, 0.35);
-  points.orbit.azimuth = orbit.azimuth = scene.heading_rad + Math.PI;
-  state.time = scene.time_start_s;
+  Object.assign(points.orbit, around);
+  points.follows = null;
+  restore();
+  $('keys').replaceChildren(...kKeys.map(([key, what]) => {
+    const row = document.createElement('tr');
+    row.append(...[key === ' ' ? 'Space' : key.toUpperCase() === key ? key : key[0].toUpperCase() + key.slice(1), what].map(text =>
+      Object.assign(document.createElement('td'), {textContent: text})));
+    return row;
+  }));
+  bindFields();
+  bindPointers();
   listActors();
-  $('time').oninput = () => setTime(+$('time').value);
-  $('play').onclick = play;
-  for (const id of ['left', 'up']) $(id).oninput = () => { state[id] = +$(id).value; refresh(); };
-  for (const id of ['camera', 'layer', 'width', 'free']) $(id).onchange = () => camera.ask();
-  for (const id of ['lidar', 'colour']) $(id).onchange = () => lidar.ask();
-  $('follow').onchange = () => lidar.ask();
-  $('quality').onchange = refresh;
-  $('clip').onclick = clip;
-  $('save').onclick = () => save().catch(error => say(error.message));
-  const tell = request => tellCommand(request()).catch(error => {
-    say(error.message);
-    $('message').dataset.from = 'camera';  // until the next picture
-  });
-  $('camera-command').onclick = () => tell(pictureRequest);
-  $('lidar-command').onclick = () => tell(() => request($('lidar').value));
-  $('home').onclick = () => {
-    Object.assign(state, {forward: 0, left: 0, up: 0, yaw: 0, pitch: 0});
-    $('left').value = $('up').value = 0;
-    $('free').checked = false;
-    refresh();
-  };
-  new ResizeObserver(() => points.draw()).observe($('points'));
+  showPast();
+  const on = (id, act) => { $(id).onclick = act; };
+  $('time').oninput = () => { haste.camera.move(() => panes.ask(['camera'])); setTime(+$('time').value); };
+  on('play', () => play());
+  on('back', () => toFrame(frameAt(state.time) - 1));
+  on('on', () => toFrame(frameAt(state.time) + 1));
+  on('clip', clip);
+  on('save', () => save().catch(error => say(error.message)));
+  on('camera-command', () => tellCommand(pictureRequest()));
+  on('lidar-command', () => tellCommand(request(state.lidar)));
+  on('home', goHome);
+  on('undo', undo);
+  on('redo', redo);
+  on('reset', () => { changeEdits(edits => Object.assign(edits, structuredClone(kNoEdits), {removed: [...scene.added]})); listActors(); });
+  on('measure', () => setMeasuring(!measuring));
+  on('show-help', () => $('help').showModal());
+  on('show-actors', () => { $('actors-view').hidden = !$('actors-view').hidden; });
+  for (const button of document.querySelectorAll('.maximise')) button.onclick = () => maximise(button.closest('.pane').id.split('-')[0]);
+  addEventListener('hashchange', () => { restore(); listActors(); refresh(); });
+  matchMedia('(prefers-color-scheme: dark)').onchange = drawAll;
+  const resized = new ResizeObserver(drawAll);
+  for (const stage of document.querySelectorAll('.stage')) resized.observe(stage);
   refresh();
   watch().catch(error => say(error.message));
 }

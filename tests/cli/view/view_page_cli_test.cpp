@@ -1,0 +1,284 @@
+// The viewer's page in a real browser, where one is installed.
+#include <Eigen/Core>  // before the macros of the HTTP library
+#include <chrono>
+#include <fmt/format.h>
+#include <functional>
+#include <gtest/gtest.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "tests/cli/background_program.hpp"
+#include "tests/cli/draw/browser.hpp"
+#include "tests/cli/view/view_fixture.hpp"
+
+namespace view_page_cli_test {
+
+using namespace simuli::test;
+using nlohmann::json;
+
+/// The page in a browser.
+class ViewPage : public ViewCli {
+ protected:
+  void TearDown() override {
+    browser_.reset();  // writes to the folder until it ends
+    driver_.reset();
+    ViewCli::TearDown();
+  }
+  void open(const std::string& what) {
+    start_scene(what);
+    driver_ = std::make_unique<BackgroundProgram>(std::vector<std::string>{"chromedriver", "--port=0"},
+                                                  folder_ / "driver.txt");
+    const int driver_port = driver_->number_behind("successfully on port ");
+    ASSERT_GT(driver_port, 0) << driver_->output();
+    browser_ = std::make_unique<Browser>(driver_port, folder_ / "profile");
+    ASSERT_TRUE(browser_->is_open()) << driver_->output();
+    go("");
+  }
+  /// The page with that behind its address.
+  void go(const std::string& hash) {
+    browser_->open("about:blank");
+    browser_->open("http://localhost:" + std::to_string(port_) + "/" + hash);
+    ASSERT_TRUE(
+        browser_->wait_for("typeof $ === 'function' && +$('picture').dataset.frames > 0 && "
+                           "+$('points').dataset.frames > 0"))
+        << browser_->console().dump();
+  }
+  json tell(const std::string& expression) { return browser_->evaluate("return " + expression); }
+  void act(const std::string& script) { browser_->evaluate(script); }
+  void set(const std::string& id, const std::string& value, const char* event = "change") {
+    act(fmt::format("$('{0}').value = '{1}'; $('{0}').dispatchEvent(new Event('{2}'))", id, value, event));
+  }
+  void key(const std::string& name, const std::string& more = "") {
+    act(fmt::format("document.dispatchEvent(new KeyboardEvent('keydown', {{key: '{}', {}}}))", name, more));
+  }
+  /// Whether the canvas looks different within some seconds.
+  bool changes(const std::string& canvas, const std::function<void()>& how) {
+    const std::string look = "$('" + canvas + "').toDataURL()";
+    const json before = tell(look);
+    how();
+    for (int tries = 0; tries < 200; ++tries) {
+      if (tell(look) != before) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  }
+  void expect_no_errors() {
+    for (const json& entry : browser_->console()) EXPECT_NE(entry.at("level"), "SEVERE") << entry.dump();
+    EXPECT_EQ(tell("$('message').textContent"), "");
+  }
+
+  std::unique_ptr<BackgroundProgram> driver_;
+  std::unique_ptr<Browser> browser_;
+};
+
+#define NEED_BROWSER()                                                                                \
+  if (!has_browser()) {                                                                               \
+    GTEST_SKIP()                                                                                      \
+        << "not run: the page in a browser, chromedriver (Debian: chromium-driver) is not installed"; \
+  }
+
+TEST_F(ViewPage, ShowsASceneAndKeepsItsLayout) {
+  NEED_BROWSER();
+  make_street_scene(3);
+  open("s.scene");
+  // The first frame is one at which everything sees, and both panes show that moment.
+  EXPECT_EQ(tell("$('picture').dataset.time"), tell("$('points').dataset.time"));
+  EXPECT_EQ(tell("state.time"), tell("Math.max(scene.frames.front[0][0], scene.frames.top[0][0])"));
+  // The window is filled, and whatever is said nothing in it moves, at any size.
+  const std::string layout =
+      "JSON.stringify(['camera-pane', 'space-pane', 'time', 'picture', 'points'].map(id => { const r = "
+      "$(id).getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; }))";
+  for (const auto& [width, height] : {std::pair{1600, 1000}, {1280, 720}, {390, 844}}) {
+    ASSERT_TRUE(browser_->resize_to(width, height));
+    EXPECT_EQ(tell("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"),
+              json({width, height}));
+    EXPECT_EQ(tell("Math.round(document.querySelector('footer').getBoundingClientRect().bottom)"), height);
+    EXPECT_GT(tell("$('picture').clientHeight + (innerWidth > 800 ? 0 : $('points').clientHeight)"),
+              0.7 * height);
+    const json before = tell(layout);
+    act("$('camera-time').textContent = 'x '.repeat(400); say('y '.repeat(400)); $('device').textContent = "
+        "'z '.repeat(400)");
+    EXPECT_EQ(tell(layout), before);
+    act("say(''); $('device').textContent = ''");
+  }
+  ASSERT_TRUE(browser_->resize_to(1280, 720));
+  browser_->drag(639, 300, 200, 0);
+  EXPECT_NEAR(tell("$('camera-pane').clientWidth").get<double>(), 837.0, 8.0) << "resized";
+  key("x");
+  EXPECT_EQ(tell("[$('picture').clientWidth, $('points').clientWidth]"), json({1280, 0})) << "maximised";
+  key("x");
+  act("for (const theme of ['light', 'dark']) { state.theme = theme; showFields(); "
+      "document.body.dataset[theme] = "
+      "getComputedStyle(document.body).backgroundColor; }");
+  EXPECT_NE(tell("document.body.dataset.light"), tell("document.body.dataset.dark"));
+  key("?");
+  EXPECT_EQ(tell("$('help').open && $('keys').rows.length === kKeys.length"), true);
+  act("$('help').close()");
+  EXPECT_TRUE(changes("picture", [&] { set("layer", "depth"); }));
+  EXPECT_TRUE(browser_->wait_for("$('camera-scale').textContent.includes(' m')"));
+  EXPECT_TRUE(changes("picture", [&] { browser_->drag(200, 300, 80, 20); })) << "look around";
+  EXPECT_TRUE(changes("points", [&] { browser_->drag(1000, 300, 80, 20); })) << "orbit";
+  EXPECT_TRUE(changes("points", [&] { set("lidar", "velodyne_vlp16"); }));
+  EXPECT_TRUE(changes("points", [&] { set("colour", "ring"); }));
+  act("$('clip').click()");
+  EXPECT_EQ(tell("$('clip').textContent"), "stop");
+  EXPECT_TRUE(changes("picture", [&] { key("End"); }));
+  act("$('clip').click()");
+  EXPECT_TRUE(browser_->wait_for("+$('clip').dataset.bytes > 0"));
+  expect_no_errors();
+  // What is written below the picture is about that picture, also while the next one is under way.
+  const json stays = browser_->evaluate(
+      "const held = fetch; window.fetch = (...a) => String(a[0]).includes('picture') ? new Promise(() => {}) "
+      ": held(...a); const before = $('camera-time').textContent; $('camera').value = "
+      "'pandaset_front_camera'; "
+      "$('camera').onchange(); return [before, $('camera-time').textContent, $('picture').className]");
+  EXPECT_EQ(stays.at(0), stays.at(1));
+  EXPECT_EQ(stays.at(0).get<std::string>().rfind("front, balanced, depth", 0), 0U) << stays;
+  EXPECT_EQ(stays.at(2), "stale");
+  EXPECT_TRUE(browser_->wait_for("$('camera-note').textContent.includes('...')"));
+}
+
+TEST_F(ViewPage, TimeEditsAndAddressAreKept) {
+  NEED_BROWSER();
+  make_street_scene(3);
+  open("s.scene");
+  key("Home");
+  EXPECT_EQ(tell("$('time-text').textContent.startsWith('frame 0 of ')"), true);
+  key("ArrowRight");
+  EXPECT_EQ(tell("state.time"), tell("scene.frames.front[1][0]"));
+  key("End");
+  EXPECT_EQ(tell("state.time"), tell("scene.frames.front.at(-1)[0]"));
+  // Every frame is shown, in its turn, and without a loop the last one stays.
+  act("key = name => document.dispatchEvent(new KeyboardEvent('keydown', {key: name})); shown = []; const "
+      "paint = camera.paint;"
+      "camera.paint = what => { paint(what); shown.push(what.info.time_s); }; key('Home'); key('e'); "
+      "key('l'); state.speed = '4';");
+  act("played = false; panes.ask(['camera']).then(() => { shown = []; return play(); }).then(() => { played "
+      "= true; })");
+  EXPECT_TRUE(browser_->wait_for("played && !playing"));
+  EXPECT_EQ(tell("JSON.stringify(shown) === JSON.stringify(scene.frames.front.slice(1).map(f => f[0]))"),
+            true)
+      << tell("shown");
+  // Undo, redo and reset; rows and boxes are chosen together.
+  act("$('show-actors').click(); document.querySelector('[data-row=car]').click()");
+  EXPECT_EQ(tell("[selected, document.querySelector('[data-row=car]').className]"),
+            json({"car", "actor selected"}));
+  EXPECT_TRUE(changes("points", [&] {
+    act("const e = document.querySelector('[data-edit=\"car turned\"]'); e.value = 60; e.onchange(); "
+        "settle()");
+  }));
+  key("Delete");
+  act("settle()");
+  EXPECT_EQ(tell("state.edits.removed"), json({"car"}));
+  EXPECT_EQ(tell("document.querySelector('[data-actor]').checked"), false);
+  key("z", "ctrlKey: true");
+  EXPECT_EQ(tell("[state.edits.removed, state.edits.turned.car]"), json({json::array(), 60}));
+  key("z", "ctrlKey: true");
+  EXPECT_EQ(tell("state.edits.turned"), json::object());
+  key("Z", "ctrlKey: true, shiftKey: true");
+  EXPECT_EQ(tell("state.edits.turned.car"), 60);
+  act("document.querySelector('[data-duplicate]').click()");
+  EXPECT_TRUE(browser_->wait_for("document.querySelectorAll('[data-actor]').length === 2"));
+  act("undo()");
+  EXPECT_EQ(tell("state.edits.removed"), json({"car_2"})) << "it was not there before";
+  act("redo(); $('reset').click(); settle()");
+  EXPECT_EQ(tell("[state.edits.removed, state.edits.moved, state.edits.turned]"),
+            json({{"car_2"}, json::object(), json::object()}));
+  // A reload shows the same.
+  act("undo(); set = (k, v) => { state[k] = v; }; set('left', 0.5); set('layer', 'opacity'); "
+      "points.orbit.turn(1, 0); "
+      "orbited(); settle()");
+  const json hash = tell("location.hash");
+  const json before = tell("JSON.stringify(state)");
+  go(hash.get<std::string>());
+  EXPECT_EQ(tell("JSON.stringify(state)"), before);
+  EXPECT_EQ(tell("points.orbit.azimuth"), tell("state.orbit.azimuth"));
+  // An address that nobody wrote is said to be none.
+  go("#time=x&edits=%7B%7D&orbit=%7B%7D");
+  EXPECT_EQ(tell("$('message').textContent.includes('address: time')"), true);
+}
+
+TEST_F(ViewPage, PointsToWhatIsThere) {
+  NEED_BROWSER();
+  make_street_scene(3);
+  open("s.scene");
+  ASSERT_TRUE(browser_->resize_to(1280, 720));
+  // The car's box, its name and the cameras are in the 3D view; a value is read from a point and from a pixel.
+  EXPECT_EQ(tell("points.boxes[0].name + (points.lines.length - 1)"), "car1");
+  const std::string on_a_point =
+      "const p = points.points.subarray(0, 7), at = points.orbit.project([...p], points.aspect), r = "
+      "$('points').getBoundingClientRect(); const e = {clientX: r.left + at[0] * r.width, clientY: r.top + "
+      "at[1] * "
+      "r.height, pane: 'space'};";
+  act("points.orbit.target = [...points.points.subarray(0, 3)]; points.orbit.distance = 8; orbited();" +
+      on_a_point + "read(e)");
+  EXPECT_TRUE(browser_->wait_for("$('lidar-reading').textContent.includes('intensity')"));
+  const std::string pixel =
+      "const r = $('picture').getBoundingClientRect(), e = {clientX: r.left + r.width / 2, "
+      "clientY: r.top + r.height * 0.65, pane: 'picture'};";
+  act(pixel + "read(e)");
+  EXPECT_TRUE(browser_->wait_for("$('camera-reading').textContent.includes('opacity')"));
+  EXPECT_EQ(tell("/support \\d/.test($('camera-reading').textContent)"), true);
+  // The 3D view turns about what the pointer is on.
+  act(pixel + "lastPointer = e; focused = points.orbit.target; focus().then(() => { focused = null; })");
+  EXPECT_TRUE(browser_->wait_for("focused === null"));
+  act(pixel + "pick(e, 'picture').then(found => { picked = found.point; })");
+  EXPECT_TRUE(browser_->wait_for("typeof picked === 'object'"));
+  EXPECT_EQ(tell("points.orbit.target"), tell("picked"));
+  // Between two places.
+  act("key = name => document.dispatchEvent(new KeyboardEvent('keydown', {key: name})); key('m');" + pixel +
+      "mark(e, 'picture').then(() => mark({...e, clientX: e.clientX + 60}, 'picture'))");
+  EXPECT_TRUE(browser_->wait_for("/^\\d+\\.\\d+ m \\(/.test($('camera-reading').textContent)"));
+  EXPECT_EQ(tell("Math.abs(Math.hypot(...sub(marks[0].point, marks[1].point)) - "
+                 "parseFloat($('camera-reading').textContent)) < 1e-3"),
+            true);
+  key("Escape");
+  EXPECT_EQ(tell("marks.length"), 0);
+  // The scene behind the points, from where the orbit is.
+  EXPECT_TRUE(changes("photo", [&] { key("p"); }));
+  // One finger turns, two pan and pinch.
+  const auto touch = [&](const char* kind, const std::string& fingers) {
+    browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});
+  };
+  act("was = structuredClone({...points.orbit})");
+  touch("touchStart", R"([{"x": 900, "y": 300, "id": 1}])");
+  touch("touchMove", R"([{"x": 950, "y": 300, "id": 1}])");
+  touch("touchEnd", "[]");
+  EXPECT_EQ(tell("points.orbit.azimuth !== was.azimuth && points.orbit.distance === was.distance"), true);
+  act("was = structuredClone({...points.orbit})");
+  touch("touchStart", R"([{"x": 900, "y": 300, "id": 1}, {"x": 1000, "y": 300, "id": 2}])");
+  touch("touchMove", R"([{"x": 880, "y": 350, "id": 1}, {"x": 1080, "y": 350, "id": 2}])");
+  touch("touchEnd", "[]");
+  EXPECT_EQ(tell("points.orbit.azimuth === was.azimuth && points.orbit.distance < 0.7 * was.distance && "
+                 "points.orbit.target[2] !== was.target[2]"),
+            true)
+      << tell("[points.orbit, was]");
+  // Each view has its command; it is gone when another view is shown.
+  act("tellCommand(pictureRequest())");
+  EXPECT_TRUE(browser_->wait_for("$('command-box').open && $('command').value.startsWith('simuli render')"));
+  act("$('layer').value = 'depth'; $('layer').onchange()");
+  EXPECT_EQ(tell("$('command-box').open"), false);
+  expect_no_errors();
+}
+
+TEST_F(ViewPage, ComesBackWithItsServer) {
+  NEED_BROWSER();
+  make_street_scene(3);
+  open("s.scene");
+  const std::string port = std::to_string(port_);
+  viewer_.reset();
+  key("ArrowRight");
+  EXPECT_TRUE(browser_->wait_for("$('message').textContent.includes('trying again')"));
+  viewer_ = std::make_unique<BackgroundProgram>(
+      std::vector<std::string>{SIMULI_PROGRAM, "view", (folder_ / "s.scene").string(), "--port", port},
+      folder_ / "again.txt");
+  EXPECT_TRUE(
+      browser_->wait_for("$('message').textContent === '' && !panes.running && "
+                         "Math.abs($('picture').dataset.time - state.time) < 1e-9"));
+}
+
+}  // namespace view_page_cli_test
