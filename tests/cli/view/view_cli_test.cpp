@@ -260,6 +260,55 @@ TEST_F(ViewCli, TellsWhatIsAtAPixel) {
   EXPECT_EQ(client_->Post("/api/probe", view_of("front").dump(), "application/json")->status, 400);
 }
 
+TEST_F(ViewCli, ALogIsShownBeforeItIsTrainedOn) {
+  make_street();
+  start_scene("s.log");
+  const json log = json::parse(client_->Get("/api/scene")->body);
+  EXPECT_EQ(log.at("kind"), "log");
+  EXPECT_EQ(log.at("frames").at("front").size(), log.at("frames").at("top").size());
+  json view = view_of("front");
+  view["quality"] = "";
+  view["points"] = "top";
+  const Reply picture = post("/api/picture", view);
+  ASSERT_EQ(picture.status, 200) << picture.body;
+  const auto count = picture.info.at("points").get<std::size_t>();
+  ASSERT_GT(count, 100U);
+  EXPECT_EQ(picture.payload.substr(count * 36U, 3), "\xFF\xD8\xFF");
+  // The first point's own place in the picture is where it is found again.
+  std::vector<float> first(9);
+  std::memcpy(first.data(), picture.payload.data(), 36);
+  json at = view;
+  at["pixel"] = {first[7], first[8]};
+  const json found = json::parse(client_->Post("/api/probe", at.dump(), "application/json")->body);
+  EXPECT_NEAR(found.at("point").at(0).get<double>(), first[0], 1e-4);
+  EXPECT_GT(found.at("distance_m"), 0.5);
+  json several = view_of("top");
+  several["quality"] = "";
+  const std::size_t one = post("/api/sweep", several).payload.size();
+  several["sweeps"] = 3;
+  const Reply sweeps = post("/api/sweep", several);
+  EXPECT_EQ(sweeps.info.at("sweeps"), 3);
+  EXPECT_GT(sweeps.payload.size(), 2 * one);
+  EXPECT_EQ(sweeps.info.at("actors").size(), 1U);
+  const auto refused = [&](const char* path, const char* key, const json& value, const char* part) {
+    json other = view;
+    other[key] = value;
+    const httplib::Result result = client_->Post(path, other.dump(), "application/json");
+    EXPECT_EQ(result->status, 400) << key;
+    EXPECT_NE(result->body.find(part), std::string::npos) << result->body;
+  };
+  refused("/api/picture", "left_m", 1.0, "of a log");
+  refused("/api/picture", "layer", "depth", "of a log");
+  refused("/api/picture", "removed", {"car"}, "of a log");
+  refused("/api/picture", "sensor", "nobody", "nobody");
+  refused("/api/picture", "points", "nobody", "nobody");
+  refused("/api/sweep", "sweeps", 0, "sweeps");
+  refused("/api/command", "width", 96, "simuli train");
+  const Outcome edited = run("view " + (folder_ / "s.log").string() + " --remove car");
+  EXPECT_EQ(edited.exit_code, 2);
+  EXPECT_NE(edited.err.find("a log"), std::string::npos) << edited.err;
+}
+
 TEST_F(ViewCli, TrainingIsShownWhileItRuns) {
   make_street("--no-moving-car");
   const BackgroundProgram train({SIMULI_PROGRAM,

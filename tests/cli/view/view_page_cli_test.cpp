@@ -281,4 +281,16 @@ TEST_F(ViewPage, ComesBackWithItsServer) {
                          "Math.abs($('picture').dataset.time - state.time) < 1e-9"));
 }
 
+TEST_F(ViewPage, ShowsALog) {
+  NEED_BROWSER();
+  make_street();
+  open("s.log");
+  EXPECT_GT(tell("seen.points.length"), 900);
+  EXPECT_EQ(tell("$('layer').closest('label').hidden"), true);
+  EXPECT_TRUE(changes("picture-over", [&] { set("colour", "intensity"); }));
+  EXPECT_TRUE(changes("points", [&] { set("sweeps", "3"); }));
+  EXPECT_TRUE(changes("picture", [&] { key("End"); }));
+  expect_no_errors();
+}
+
 }  // namespace view_page_cli_test

@@ -5,10 +5,13 @@
 
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/edits.hpp"
+#include "host/apps/cli/base/refuse.hpp"
+#include "host/apps/cli/view/log_session.hpp"
 #include "host/apps/cli/view/view_server.hpp"
 #include "host/apps/cli/view/view_session.hpp"
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -43,7 +46,16 @@ void serve(const ViewCommand& command, ViewAnswers& answers) {
   server.wait();
 }
 
+void view_log(const ViewCommand& command) {
+  if (!lines_of(command.edits).empty()) {
+    throw_usage_error("view", "edits of " + command.scene + ", a log", "none; edits of a trained scene");
+  }
+  LogSession session(read_log(command.scene));
+  serve(command, session);
+}
+
 void view(const ViewCommand& command, const Globals& globals) {
+  if (is_there(std::filesystem::path(command.scene) / "log.json")) return view_log(command);
   SceneFile file = read_scene(command.scene);
   if (file.world_from_rig.poses().empty()) {
     throw_input_error(command.scene, "trajectory", "no poses", "at least one");
@@ -58,8 +70,8 @@ void view(const ViewCommand& command, const Globals& globals) {
 void add_view(Command app, const Globals& globals) {
   const auto command = std::make_shared<ViewCommand>();
   Command sub = app.command(
-      "view", "a scene in the browser, rendered live, until Ctrl-C");
-  sub.option("SCENE", command->scene, "scene folder, splats: .ply, .spz, .glb").required();
+      "view", "a scene in the browser, rendered live, or a log before it is trained on, until Ctrl-C");
+  sub.option("SCENE", command->scene, "scene folder, splats: .ply, .spz, .glb; or log folder").required();
   sub.option("--port", command->server.port, "0: any free one").range(0, 65535).with_default();
   sub.option("--host", command->server.host, "address to listen on; others than loopback need --token")
       .with_default();

@@ -1,0 +1,50 @@
+#pragma once
+// A log before it is trained on: its pictures, the returns of its sweeps over them and in space, its boxes.
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "host/apps/cli/view/view_answers.hpp"
+#include "io/log/log.hpp"
+
+namespace simuli::cli {
+
+/// Of each sensor the frame nearest to the time that is asked for. Error{kUsage} for what only a scene can
+/// show: other places and layers, edits; Error{kInput} for a sensor without frames.
+class LogSession : public ViewAnswers {
+ public:
+  explicit LogSession(Log log);
+
+  [[nodiscard]] std::string describe() const override;
+  [[nodiscard]] std::string progress() const override;
+  /// With request.points its info has "points", how many returns of that LiDAR's nearest sweep are in the
+  /// picture, and the bytes begin with them: as in sweep(), then x and y in parts of the picture's sides. A
+  /// return lies where it lay when it was measured, and is seen when the shutter reaches it.
+  [[nodiscard]] std::string picture(const ViewRequest& request) override;
+  /// Of several sweeps, spread evenly over the drive, kMostReturns at most, each so many-th ("every").
+  [[nodiscard]] std::string sweep(const ViewRequest& request) override;
+  /// The return nearest to the pixel, within a hundredth of the width.
+  [[nodiscard]] std::string probe(const ViewRequest& request) override;
+
+  static constexpr std::size_t kMostReturns = 600'000;
+
+ private:
+  struct Points {
+    std::vector<float> values;  // kPointValues each
+    Pose scene_from_lidar;
+    std::size_t rays = 0;
+  };
+  [[nodiscard]] Points points_of_sweep(const SweepFrame& frame, std::size_t every) const;
+  [[nodiscard]] const SweepFrame& sweep_at(const std::string& lidar, double time_s) const;
+  [[nodiscard]] const ImageFrame& image_at(const std::string& camera, double time_s) const;
+  /// As picture() has them: kPointValues, x, y of each.
+  [[nodiscard]] std::vector<float> seen_points(const ImageFrame& image,
+                                               const Camera& camera,
+                                               const std::string& lidar) const;
+  [[nodiscard]] Shot in_scene(const Shot& shot) const;
+
+  Log log_;
+  Eigen::Vector3d origin_;
+};
+
+}  // namespace simuli::cli
