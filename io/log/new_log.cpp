@@ -2,6 +2,7 @@
 
 #include <system_error>
 
+#include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
 
 namespace simuli {
@@ -21,6 +22,14 @@ Log make_log(const std::filesystem::path& output, Log& log, const std::function<
   });
   made.folder = output;
   return made;
+}
+
+Log make_import(const std::filesystem::path& output, Log& log, const std::function<void()>& fill) {
+  return make_log(output, log, [&] {
+    fill();
+    if (log.images.empty() && log.sweeps.empty())
+      throw_nothing_left(output.string(), "pictures and sweeps", "none", "at least one that is left");
+  });
 }
 
 }  // namespace simuli

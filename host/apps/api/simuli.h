@@ -17,6 +17,7 @@ typedef enum simuli_status { /* also the exit codes of the program */
                              SIMULI_DEVICE = 4, /* no such OpenCL device, or it failed */
                              SIMULI_KERNEL = 5,
                              SIMULI_NUMERIC = 6,
+                             SIMULI_NOTHING = 8, /* of an import nothing is left */
                              SIMULI_INTERNAL = 70,
                              SIMULI_MEMORY = 71 /* of the host; a device's is SIMULI_DEVICE */
 } simuli_status;

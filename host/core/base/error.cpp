@@ -14,18 +14,33 @@ std::string part_of_message(std::string_view text) {
   return on_one_line(text.substr(0, kLongestPart)) + (text.size() > kLongestPart ? "..." : "");
 }
 
+[[noreturn]] void throw_found(ErrorKind kind,
+                              std::string_view file,
+                              std::string_view field,
+                              std::string_view found,
+                              std::string_view allowed) {
+  throw Error(kind,
+              fmt::format("{}: {}: found {}, allowed {}",
+                          part_of_message(file),
+                          part_of_message(field),
+                          part_of_message(found),
+                          part_of_message(allowed)));
+}
+
 }  // namespace
 
 void throw_input_error(std::string_view file,
                        std::string_view field,
                        std::string_view found,
                        std::string_view allowed) {
-  throw Error(ErrorKind::kInput,
-              fmt::format("{}: {}: found {}, allowed {}",
-                          part_of_message(file),
-                          part_of_message(field),
-                          part_of_message(found),
-                          part_of_message(allowed)));
+  throw_found(ErrorKind::kInput, file, field, found, allowed);
+}
+
+void throw_nothing_left(std::string_view file,
+                        std::string_view field,
+                        std::string_view found,
+                        std::string_view allowed) {
+  throw_found(ErrorKind::kNothing, file, field, found, allowed);
 }
 
 }  // namespace simuli

@@ -16,6 +16,7 @@ enum class ErrorKind : int {
   kDevice = 4,
   kKernel = 5,
   kNumeric = 6,
+  kNothing = 8,  // of what was recorded nothing is left (7: ranks of a training differ)
   kInternal = 70,
 };
 
@@ -37,6 +38,12 @@ class Error : public std::runtime_error {
                                     std::string_view field,
                                     std::string_view found,
                                     std::string_view allowed);
+
+/// The same as Error{kNothing}.
+[[noreturn]] void throw_nothing_left(std::string_view file,
+                                     std::string_view field,
+                                     std::string_view found,
+                                     std::string_view allowed);
 
 /// Runs f; an Error that leaves it is rethrown with "while CONTEXT: " in front, its kind kept.
 template <class F>

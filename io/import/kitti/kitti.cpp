@@ -301,7 +301,7 @@ Log import_kitti(const KittiOptions& options,
   log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, turn_s(velodyne, times)), counts),
                  Pose{}}};  // the rig's frame is the velodyne's
 
-  Log imported = make_log(options.output, log, [&] {
+  Log imported = make_import(options.output, log, [&] {
     const Lidar& lidar = log.lidars[0].with_rows();
     for (std::size_t i = frames.first; i <= frames.last; ++i) {
       for (std::size_t c = 0; c < log.cameras.size(); ++c) {

@@ -187,7 +187,7 @@ Log import_kitti360(const Kitti360Options& options,
     pictures.push_back(sequence.pictures(folder, log.world_from_rig));
     total += pictures.back().size();
   }
-  if (total == 0) throw_input_error(options.root.string(), "pictures and sweeps", "none", "at least one");
+  if (total == 0) throw_nothing_left(options.root.string(), "pictures and sweeps", "none", "at least one");
   if (!sweeps.empty()) {
     std::vector<fs::path> files;
     for (const Recording& sweep : sweeps) files.push_back(sweep.file);
@@ -195,7 +195,7 @@ Log import_kitti360(const Kitti360Options& options,
                    Pose{}}};  // the rig's frame is the velodyne's
   }
 
-  return make_log(options.output, log, [&] {
+  return make_import(options.output, log, [&] {
     const auto step = [&] {
       if (progress) progress(++done, total);
     };

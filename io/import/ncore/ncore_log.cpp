@@ -54,7 +54,7 @@ class Importer {
       if (is_asked(options.lidars, name)) add_lidar(name);
     }
     if (log_.cameras.empty() && log_.lidars.empty())
-      throw_input_error(sequence_.file(), "sensors", "none that can be used", "at least one");
+      throw_nothing_left(sequence_.file(), "sensors", "none that can be used", "at least one");
     for (const char* const kind : {"radars", "point_clouds", "camera_labels"}) {
       const std::size_t count = sequence_.instances(kind).size();
       if (count > 0) report_.notes.push_back(fmt::format("left out: {} {}", count, kind));
@@ -69,7 +69,7 @@ class Importer {
     const auto step = [&] {
       if (progress) progress(++done, total);
     };
-    return make_log(options_.output, log_, [&] {
+    return make_import(options_.output, log_, [&] {
       for (const LogCamera& camera : log_.cameras) add_pictures(camera.model, step);
       for (LogLidar& lidar : log_.lidars) add_sweeps(lidar, step);
       for (const LogCamera& camera : log_.cameras) add_masks(camera.model.name);

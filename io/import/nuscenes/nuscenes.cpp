@@ -258,7 +258,7 @@ Log import_nuscenes(const NuscenesOptions& options,
     }
   }
   if (pictures.empty() && turns.empty()) {
-    throw_input_error(
+    throw_nothing_left(
         options.root.string(), "files", fmt::format("none of {}", report.absent), "at least one");
   }
   const auto seconds = [&](const Recording* r) {
@@ -276,7 +276,7 @@ Log import_nuscenes(const NuscenesOptions& options,
         {nuscenes::lidar_of(files, kLidar), t.mounted.at(turns.front()->calibration).rig_from_sensor}};
   }
 
-  return make_log(options.output, log, [&] {
+  return make_import(options.output, log, [&] {
     std::size_t done = 0;
     const auto step = [&] {
       if (progress) progress(++done, pictures.size() + turns.size());

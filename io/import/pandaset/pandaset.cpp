@@ -93,7 +93,7 @@ class Importer {
     const auto step = [&] {
       if (progress) progress(++done, total);
     };
-    return make_log(options_.output, log_, [&] {
+    return make_import(options_.output, log_, [&] {
       look_at_clouds(step);
       for (const auto& [number, file] : clouds_) {
         add_cloud(number, file);
@@ -238,10 +238,10 @@ class Importer {
       for (const std::string& sensor : lacking) absent[sensor].push_back(i);
     }
     if (pictures_.empty() && clouds_.empty()) {
-      throw_input_error(folder_.string(),
-                        "frames",
-                        fmt::format("no picture and no sweep of {} to {}", options_.first, last_),
-                        "at least one");
+      throw_nothing_left(folder_.string(),
+                         "frames",
+                         fmt::format("no picture and no sweep of {} to {}", options_.first, last_),
+                         "at least one");
     }
     if (!nothing.frames.empty()) report_.gaps.push_back(nothing);
     for (auto& [sensor, frames] : absent) report_.gaps.push_back({sensor, std::move(frames)});

@@ -66,7 +66,8 @@ void keep_present(PhotoSet& set, PhotoReport& report) {
   };
   report.absent = std::erase_if(set.photos, is_absent);
   if (set.photos.empty()) {
-    throw_input_error(set.source, "photographs", fmt::format("none of {}", report.absent), "at least one");
+    (report.absent > 0 ? throw_nothing_left : throw_input_error)(
+        set.source, "photographs", fmt::format("none of {}", report.absent), "at least one");
   }
 }
 
@@ -142,7 +143,7 @@ Log write_photo_log(PhotoSet set,
   log.name = name_from((fs::current_path() / output).lexically_normal().stem().string());
   log.world_from_rig = Trajectory(std::move(path));
   for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kForwardFromCamera, {0, 0, 0}}});
-  return make_log(output, log, [&] {
+  return make_import(output, log, [&] {
     for (std::size_t i = 0; i < set.photos.size(); ++i) {
       const Photo& photo = set.photos[i];
       const Camera& camera = set.cameras[photo.camera];

@@ -155,7 +155,7 @@ Log import_waymo(const WaymoOptions& options,
                  WaymoReport& report) {
   TfRecords records(options.segment);
   Log log;
-  return make_log(options.output, log, [&] {
+  return make_import(options.output, log, [&] {
     SegmentLog segment(options.segment.string(), log.folder, report);
     std::string record;
     while (records.next(record)) {

@@ -13,6 +13,7 @@ RefusalKind kind_of(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::kUsage:
     case ErrorKind::kInput:
+    case ErrorKind::kNothing:
     case ErrorKind::kNumeric:
       return RefusalKind::kInvalid;
     case ErrorKind::kDevice:
