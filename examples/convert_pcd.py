@@ -10,8 +10,8 @@ Clouds beside the path of poses with times are left out. TABLE: `simuli info sen
 
 Fields: x y z; intensity (or reflectivity, i), to 1, 255 or 65535, whichever holds the greatest; t, time, timestamp,
 time_stamp, offset_time or curvature: when each point was measured, after the sweep's start or since 1970, in s, ms, us or
-ns, whichever makes a sweep of --sweep. A point belongs to the beam of the nearest elevation, whatever its ring is called.
-Points have to be as measured, in the sensor's frame; --deskewed: the vehicle's motion is taken off, as of the file's time.
+ns, whichever makes a sweep of --sweep (about 0.1 s). A point belongs to the beam of the nearest elevation, whatever its
+ring is called. Points have to be as measured, in the sensor's frame; --deskewed: the vehicle's motion is taken off, as of the file's time.
 """
 import argparse
 import json
@@ -21,7 +21,7 @@ import sys
 
 import numpy as np
 
-from points_folder import Folder, Path, matrix, pose, spin
+from points_folder import Folder, Path, matrix, pose, spin, turn_s
 
 INTENSITY = ("intensity", "reflectivity", "i")
 TIMES = ("t", "time", "timestamp", "time_stamp", "offset_time", "curvature")
@@ -149,7 +149,8 @@ def parse():
     parser.add_argument("--lidar", required=True, help="hesai_pandar64 ..., or a .json of simuli fit beams")
     parser.add_argument("--name", default="lidar", help="what it is called in the log")
     parser.add_argument("--mount", help="X,Y,Z,ROLL,PITCH,YAW on the rig, m and degrees")
-    parser.add_argument("--sweep", type=float, default=0.1, help="s; of files without times their rhythm, too")
+    parser.add_argument("--sweep", type=float, help="s of a turn; default: what points' times say, else 0.1. Of files "
+                        "without times their rhythm, too")
     parser.add_argument("--stamp", choices=("start", "end"), default="start", help="which of a sweep a file's time is")
     parser.add_argument("--columns", type=int, help="firings a turn, if not the table's")
     parser.add_argument("--deskewed", action="store_true")
@@ -185,12 +186,32 @@ def placed(files, times, poses, sweep_ns):
     return kept, path
 
 
+def sweep_of(files):
+    """Seconds of a turn by the points' times of the first cloud that has such; 0.1 where none tells."""
+    for file in files[:4]:
+        columns = read_pcd(file)
+        field = next((k for k in TIMES if k in columns), None)
+        good = np.isfinite(columns["x"]) & (np.abs(columns["x"]) + np.abs(columns["y"]) > 0)
+        if field is None or (good & np.isfinite(columns[field])).sum() < 100:
+            continue
+        good &= np.isfinite(columns[field])
+        t = columns[field][good] - columns[field][good].min()
+        azimuth = np.arctan2(columns["y"][good], columns["x"][good])
+        found, agreement = turn_s(azimuth, t * UNITS[unit_of(np.ptp(t), 0.1)])
+        if agreement > 0.9 and 0.01 < found < 2 and abs(found - 0.1) > 0.003:
+            print(f"a turn in {found:.4f} s, by the points' times")
+            return found
+        return 0.1
+    return 0.1
+
+
 def main():
     args = parse()
     files = sorted(args.clouds.glob("*.pcd"), key=lambda f: (time_of(f.stem) or 0, natural(f.stem)))
     if not files:
         sys.exit(f"{args.clouds}: no *.pcd")
     times, poses = read_poses(args.poses)
+    args.sweep = args.sweep or sweep_of(files)
     sweep_ns = round(args.sweep * 1e9)
     kept, path = placed(files, times, poses, sweep_ns)
     if not kept:

@@ -78,6 +78,22 @@ def spin(azimuth, share):
     return sign, start, agree
 
 
+def turn_s(azimuth, time_s):
+    """Seconds of a turn that explain best when points were measured where (azimuths in rad), and how well they do (1:
+    exactly)."""
+    span, some = np.ptp(time_s), slice(None, None, len(time_s) // 4096 + 1)
+    a, t = azimuth[some], time_s[some] / max(span, 1e-12)
+
+    def agree(rate):
+        return max(abs(np.exp(1j * (a - sign * 2 * np.pi * t * rate)).mean()) for sign in (1, -1))
+
+    best, step = max(np.arange(0.02, 1.5, 0.02), key=agree), 0.02
+    for _ in range(5):
+        step /= 4
+        best = max(best + step * np.arange(-4, 5), key=agree)
+    return float(span / best), float(agree(best))
+
+
 def lidar(name, table, columns, rig_from_lidar, sign, start):
     """An entry of "lidars": the table as it was mounted; `start` is where column 0 begins."""
     step = 2 * np.pi / columns
