@@ -84,6 +84,10 @@ Json row_model_json(const Lidar& model) {
                     {"time_offset_s", row.time_offset},
                     {"radial_offset_m", row.radial_offset}});
     if (row.range_bias != 0.0) rows.back()["range_bias_m"] = row.range_bias;
+    if (row.every != 1) {
+      rows.back()["fires_every"] = row.every;
+      rows.back()["fires_first"] = row.first;
+    }
   }
   Json json{{"kind", kRows},
             {"name", model.name},
@@ -120,13 +124,16 @@ Lidar row_model_from_json(JsonObject& object) {
   model.beam_divergence = object.number("beam_divergence_rad");
   model.divergence_variance = object.number("divergence_variance");
   model.rows = object.objects("rows", [](JsonObject& row) {
-    return LidarRow{row.number("elevation_rad"),
-                    row.number("azimuth_offset_rad"),
-                    row.number("vertical_offset_m"),
-                    row.number("horizontal_offset_m"),
-                    row.number("time_offset_s"),
-                    row.has("radial_offset_m") ? row.number("radial_offset_m") : 0.0,
-                    row.has("range_bias_m") ? row.number("range_bias_m") : 0.0};
+    return LidarRow{
+        row.number("elevation_rad"),
+        row.number("azimuth_offset_rad"),
+        row.number("vertical_offset_m"),
+        row.number("horizontal_offset_m"),
+        row.number("time_offset_s"),
+        row.has("radial_offset_m") ? row.number("radial_offset_m") : 0.0,
+        row.has("range_bias_m") ? row.number("range_bias_m") : 0.0,
+        row.has("fires_every") ? static_cast<int>(row.integer("fires_every", 1, kMostColumns)) : 1,
+        row.has("fires_first") ? static_cast<int>(row.integer("fires_first", 0, kMostColumns)) : 0};
   });
   if (object.has("blind_arcs")) {
     model.blind = object.objects("blind_arcs", [](JsonObject& arc) {

@@ -20,7 +20,8 @@
 //    "spin": "clockwise" or "counter_clockwise",
 //    "range_min_m": 0.5, "range_max_m": 120, "beam_divergence_rad": 0.003, "divergence_variance": 0.25,
 //    "rows": [{"elevation_rad": 0.26, "azimuth_offset_rad": 0, "vertical_offset_m": 0,
-//              "horizontal_offset_m": 0, "time_offset_s": 0, "radial_offset_m": 0, "range_bias_m": 0}, ...]}
+//              "horizontal_offset_m": 0, "time_offset_s": 0, "radial_offset_m": 0, "range_bias_m": 0,
+//              "fires_every": 2, "fires_first": 0}, ...]}              of columns, these two; may be missing: each
 //
 // with rows from top to bottom, fields as in host/core/sensors/lidar.hpp; and for a sensor without rows
 //

@@ -14,7 +14,7 @@ inline constexpr int kMostColumns = 1 << 20;  // of a LiDAR
 
 /// kind to rows or to the list.
 [[nodiscard]] Json to_json(const LidarModel& model);
-/// Reads that and validates it. A missing kind is "lidar", a missing radial_offset_m or range_bias_m 0,
+/// Reads that and validates it. A missing kind is "lidar", a missing radial_offset_m or range_bias_m 0, a row without fires_every fires always,
 /// a missing sweep_s 0.1.
 [[nodiscard]] LidarModel lidar_model_from_json(JsonObject& object);
 

@@ -105,10 +105,7 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
       const Eigen::Vector3d to = middle - origin;
       if (direction.dot(to) < -reach_m || direction.cross(to).squaredNorm() > reach_m * reach_m) continue;
       if (!actors_[a].is_there(time_start_s + share * duration_s)) continue;
-      if (lidar != nullptr && sweep.range[i] == 0.0F) {
-        const auto row = static_cast<int>(i / static_cast<std::size_t>(lidar->columns));
-        if (is_blind(*lidar, row, sweep.rays.azimuth[i])) continue;
-      }
+      if (lidar != nullptr && sweep.range[i] == 0.0F && is_blind(*lidar, i, sweep.rays.azimuth[i])) continue;
       const double time_s = time_start_s + share * duration_s;
       add_ray(a, scene_from_actor(actors_[a], time_s, scene_origin_), origin, direction, sweep.range[i]);
     }

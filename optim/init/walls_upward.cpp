@@ -47,9 +47,9 @@ class PassingRays {
     for (const int beside : {-1, 0, 1}) {
       const int at = (middle + beside + lidar_.columns) % lidar_.columns;
       const std::size_t i = row * static_cast<std::size_t>(lidar_.columns) + static_cast<std::size_t>(at);
+      if (!fires(lidar_, i)) continue;
       const auto ray_m = static_cast<double>(posed_.sweep.range[i]);
-      if (ray_m > 0.0 ? ray_m < range_m + margin_m
-                      : is_blind(lidar_, static_cast<int>(row), posed_.sweep.rays.azimuth[i])) {
+      if (ray_m > 0.0 ? ray_m < range_m + margin_m : is_blind(lidar_, i, posed_.sweep.rays.azimuth[i])) {
         return false;
       }
     }

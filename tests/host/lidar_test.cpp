@@ -124,6 +124,8 @@ TEST(Lidar, ValidateNamesTheFieldThatIsWrong) {
   refused("range_max_m", [](Lidar& l) { l.range_max = std::numeric_limits<double>::infinity(); });
   refused("beam_divergence_rad", [](Lidar& l) { l.beam_divergence = kNan; });
   refused("divergence_variance", [](Lidar& l) { l.divergence_variance = -0.1; });
+  refused("rows[1].fires_every", [](Lidar& l) { l.rows[1].every = 0; });
+  refused("rows[0].fires_first", [](Lidar& l) { l.rows[0].first = 1; });
   refused("blind_arcs[0].row", [](Lidar& l) { l.blind = {{2, 0.0, 1.0}}; });
   refused("blind_arcs[1].row", [](Lidar& l) { l.blind = {{1, 0.0, 1.0}, {0, 0.0, 1.0}}; });
   refused("blind_arcs[0].azimuth_first_rad", [](Lidar& l) { l.blind = {{0, -0.1, 1.0}}; });
@@ -134,19 +136,40 @@ TEST(Lidar, ValidateNamesTheFieldThatIsWrong) {
 
 TEST(Lidar, BlindArcsHoldTheirRaysOnAnyTurn) {
   Lidar lidar = two_rows(SpinDirection::kClockwise);
-  EXPECT_FALSE(is_blind(lidar, 0, 1.0));
+  const auto is_blind_in = [&](int row, double azimuth) {
+    return is_blind(lidar, static_cast<std::size_t>(row * lidar.columns), azimuth);
+  };
+  EXPECT_FALSE(is_blind_in(0, 1.0));
   lidar.blind = {{0, 0.5, 1.0}, {0, 6.0, 2.0 * kPi}, {1, 0.0, 0.25}};
   for (const double turn : {-2.0 * kPi, 0.0, 4.0 * kPi}) {
-    EXPECT_FALSE(is_blind(lidar, 0, turn + 0.49));
-    EXPECT_TRUE(is_blind(lidar, 0, turn + 0.51));
-    EXPECT_TRUE(is_blind(lidar, 0, turn + 0.99));
-    EXPECT_FALSE(is_blind(lidar, 0, turn + 1.01));
-    EXPECT_FALSE(is_blind(lidar, 0, turn + 0.1));  // row 1's arc
-    EXPECT_TRUE(is_blind(lidar, 1, turn + 0.1));
-    EXPECT_FALSE(is_blind(lidar, 1, turn + 0.75));
-    EXPECT_TRUE(is_blind(lidar, 0, turn - 0.1));  // the last arc ends at the full turn
-    EXPECT_FALSE(is_blind(lidar, 1, turn - 0.1));
+    EXPECT_FALSE(is_blind_in(0, turn + 0.49));
+    EXPECT_TRUE(is_blind_in(0, turn + 0.51));
+    EXPECT_TRUE(is_blind_in(0, turn + 0.99));
+    EXPECT_FALSE(is_blind_in(0, turn + 1.01));
+    EXPECT_FALSE(is_blind_in(0, turn + 0.1));  // row 1's arc
+    EXPECT_TRUE(is_blind_in(1, turn + 0.1));
+    EXPECT_FALSE(is_blind_in(1, turn + 0.75));
+    EXPECT_TRUE(is_blind_in(0, turn - 0.1));  // the last arc ends at the full turn
+    EXPECT_FALSE(is_blind_in(1, turn - 0.1));
   }
+}
+
+TEST(Lidar, RowsFireInTheirColumns) {
+  Lidar lidar = two_rows(SpinDirection::kClockwise);
+  EXPECT_FALSE(lidar.has_blind());
+  lidar.rows[1].every = 2;
+  lidar.rows[1].first = 1;
+  EXPECT_TRUE(lidar.has_blind());
+  EXPECT_EQ(firings_of(lidar, 0), lidar.columns);
+  EXPECT_EQ(firings_of(lidar, 1), lidar.columns / 2);
+  int fired = 0;
+  for (int c = 0; c < lidar.columns; ++c) {
+    EXPECT_FALSE(is_blind(lidar, static_cast<std::size_t>(c), 0.0));
+    const auto ray = static_cast<std::size_t>(lidar.columns + c);
+    EXPECT_EQ(is_blind(lidar, ray, 0.0), c % 2 == 0);
+    fired += fires(lidar, ray) ? 1 : 0;
+  }
+  EXPECT_EQ(fired, firings_of(lidar, 1));
 }
 
 TEST(Lidar, KittiTableCrossesTheSpinAxisWhereItWasFitted) {

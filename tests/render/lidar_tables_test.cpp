@@ -53,6 +53,9 @@ GaussianSet balls_on_rays(const BuiltinLidar& sensor,
   chosen.clear();
   for (int row = 0; row < lidar.row_count(); row += std::max(1, lidar.row_count() / 32)) {
     for (const int column : {0, (lidar.columns / 5 + 37 * row) % lidar.columns, lidar.columns - 1}) {
+      const std::size_t ray = static_cast<std::size_t>(row) * static_cast<std::size_t>(lidar.columns) +
+                              static_cast<std::size_t>(column);
+      if (!fires(lidar, ray)) continue;
       const double azimuth = lidar.azimuth(row, column);
       const double range = row % 2 == 0 ? 6.0 : 25.0;
       const Pose scene_from_sensor = interpolate(start, end, lidar.time_fraction(row, column));
@@ -64,8 +67,7 @@ GaussianSet balls_on_rays(const BuiltinLidar& sensor,
       ball.scale = Eigen::Vector3d::Constant(0.004);
       ball.opacity = 0.95;
       balls.push_back(ball);
-      chosen.push_back(static_cast<std::size_t>(row) * static_cast<std::size_t>(lidar.columns) +
-                       static_cast<std::size_t>(column));
+      chosen.push_back(ray);
     }
   }
   return test::set_of(SetKind::kLidar, balls);

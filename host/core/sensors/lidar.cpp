@@ -84,6 +84,9 @@ void validate(const Lidar& lidar, const std::string& file) {
     }
     if (!(std::abs(row.range_bias) <= 1.0)) refuse(name + "range_bias_m", row.range_bias, "-1 to 1");
     if (!(std::abs(row.time_offset) <= 1.0)) refuse(name + "time_offset_s", row.time_offset, "-1 to 1");
+    if (row.every < 1 || row.every > lidar.columns) refuse(name + "fires_every", row.every, "1 to columns");
+    if (row.first < 0 || row.first >= row.every)
+      refuse(name + "fires_first", row.first, "0 to below fires_every");
     if (i > 0 && !(row.elevation <= lidar.rows[i - 1].elevation)) {
       refuse(name + "elevation_rad", row.elevation, "rows sorted from top to bottom");
     }
@@ -125,7 +128,25 @@ LidarRays nominal_rays(const Lidar& lidar) {
   return rays;
 }
 
-bool is_blind(const Lidar& lidar, int row, double azimuth) {
+bool Lidar::has_blind() const {
+  return !blind.empty() ||
+         std::any_of(rows.begin(), rows.end(), [](const LidarRow& row) { return row.every > 1; });
+}
+
+int firings_of(const Lidar& lidar, int row) {
+  const LidarRow& beam = lidar.rows[static_cast<std::size_t>(row)];
+  return (lidar.columns - beam.first + beam.every - 1) / beam.every;
+}
+
+bool fires(const Lidar& lidar, std::size_t ray) {
+  const auto columns = static_cast<std::size_t>(lidar.columns);
+  const LidarRow& beam = lidar.rows[ray / columns];
+  return static_cast<int>(ray % columns) % beam.every == beam.first;
+}
+
+bool is_blind(const Lidar& lidar, std::size_t ray, double azimuth) {
+  if (!fires(lidar, ray)) return true;
+  const int row = static_cast<int>(ray / static_cast<std::size_t>(lidar.columns));
   const double turn = azimuth - 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi));
   // The last arc that begins at or before the ray is the only one that can hold it.
   const auto behind = std::upper_bound(

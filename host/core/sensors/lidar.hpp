@@ -20,6 +20,8 @@ struct LidarRow {
   double time_offset = 0.0;        // s, added to the column's firing time
   double radial_offset = 0.0;      // m, away from the spin axis
   double range_bias = 0.0;         // m, recorded less true distance; sweeps are corrected when read
+  int every = 1;                   // of so many columns the beam fires in one,
+  int first = 0;                   // from this one on
 
   bool operator==(const LidarRow&) const = default;
 };
@@ -54,6 +56,8 @@ struct Lidar {
 
   [[nodiscard]] int row_count() const { return static_cast<int>(rows.size()); }
   [[nodiscard]] std::size_t ray_count() const { return rows.size() * static_cast<std::size_t>(columns); }
+  /// Whether there are rays that is_blind() tells apart.
+  [[nodiscard]] bool has_blind() const;
   [[nodiscard]] double spin_sign() const { return spin == SpinDirection::kCounterClockwise ? 1.0 : -1.0; }
   /// Azimuth of (row, column) at the centre of its firing, not wrapped.
   [[nodiscard]] double azimuth(int row, int column) const;
@@ -88,7 +92,14 @@ struct LidarRays {
 
 [[nodiscard]] LidarRays nominal_rays(const Lidar& lidar);
 
-/// Whether a ray of `row` at `azimuth` (rad, any turn) lies in a blind arc.
-[[nodiscard]] bool is_blind(const Lidar& lidar, int row, double azimuth);
+/// Columns in which a row fires.
+[[nodiscard]] int firings_of(const Lidar& lidar, int row);
+
+/// Whether a ray's (row-major) beam fires in its column.
+[[nodiscard]] bool fires(const Lidar& lidar, std::size_t ray);
+
+/// Whether nothing can return from a ray (row-major) at `azimuth` (rad, any turn): its beam does not fire in that
+/// column, or into a blind arc.
+[[nodiscard]] bool is_blind(const Lidar& lidar, std::size_t ray, double azimuth);
 
 }  // namespace simuli

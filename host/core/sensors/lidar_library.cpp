@@ -104,6 +104,12 @@ BuiltinLidar from_table(const LidarTable& table) {
     row.horizontal_offset =
         value(table.horizontal_offset_100um, r, 1e-4) - circle * std::sin(row.azimuth_offset);
     row.radial_offset = circle * std::cos(row.azimuth_offset) - tilted * std::sin(row.elevation);
+    for (const SlowRows& slow : table.slow) {
+      const int number = static_cast<int>(r);
+      if (number < slow.first || number > slow.last) continue;
+      row.every = slow.every;
+      row.first = number / slow.group % slow.every;
+    }
     lidar.rows.push_back(row);
   }
   lidar.azimuth_span = table.azimuth_span_urad == 0 ? 2.0 * std::numbers::pi : table.azimuth_span_urad * 1e-6;

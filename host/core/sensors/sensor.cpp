@@ -54,6 +54,7 @@ void add(Hash& hash, const Lidar& l) {
     for (const double value : {r.elevation, r.azimuth_offset, r.vertical_offset, r.time_offset}) {
       hash.add(value);
     }
+    if (r.every > 1) hash.add(double(r.every * l.columns + r.first));
   }
   for (const BlindArc& arc : l.blind) hash.add(arc.azimuth_first);
 }

@@ -66,9 +66,8 @@ std::vector<std::size_t> drawing_order(const std::vector<float>& range) {
 
 bool meets_vehicle(const LidarModel& lidar, const LidarRays& rays, std::size_t ray) {
   const auto* const rows = std::get_if<Lidar>(&lidar);
-  if (rows == nullptr || rows->blind.empty()) return false;
-  const std::size_t columns = rays.azimuth.size() / rows->rows.size();
-  return is_blind(*rows, static_cast<int>(ray / columns), static_cast<double>(rays.azimuth[ray]));
+  if (rows == nullptr || !rows->has_blind()) return false;
+  return is_blind(*rows, ray, static_cast<double>(rays.azimuth[ray]));
 }
 
 }  // namespace

@@ -135,6 +135,15 @@ std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
   add(&LidarRow::radial_offset, "beam origins outwards", 1.0, 4, "m");
   add(&LidarRow::range_bias, "ranges recorded too long", 1.0, 4, "m");
   add(&LidarRow::time_offset, "row firing times", 1e6, 2, "us");
+  const auto slow =
+      std::count_if(lidar.rows.begin(), lidar.rows.end(), [](const LidarRow& r) { return r.every > 1; });
+  if (slow > 0) {
+    std::size_t fired = 0;
+    for (int row = 0; row < lidar.row_count(); ++row)
+      fired += static_cast<std::size_t>(firings_of(lidar, row));
+    text += fmt::format(
+        "  {} rows fire in every second column or fewer: {} of {} rays\n", slow, fired, lidar.ray_count());
+  }
   return text + divergence_text(lidar.beam_divergence, lidar.divergence_variance, facts);
 }
 

@@ -8,6 +8,11 @@
 
 namespace simuli {
 
+/// Rows `first` to `last` fire in one of `every` columns each, groups of `group` rows in turns.
+struct SlowRows {
+  int first = 0, last = 0, every = 1, group = 1;
+};
+
 /// Angles in microradians, lever arms in 0.1 mm, times in ns: integers, because that is what is known.
 /// An empty list stands for zeros; the others have one value per beam, top beam first.
 struct LidarTable {
@@ -23,6 +28,7 @@ struct LidarTable {
   std::int32_t beam_origin_um = 0;  // the beams start on a circle of this radius that turns with the head
   std::int32_t height_um = 0;       // of the beams' common plane above the sensor frame
   std::span<const LidarMode> modes{};
+  std::span<const SlowRows> slow{};               // others fire in each column
   std::int32_t azimuth_first_urad = kFromBehind;  // kFromBehind: half a column after the back
   std::int32_t azimuth_span_urad = 0;             // 0: a full turn
   double range_min_m = 0.0;

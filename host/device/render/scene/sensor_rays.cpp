@@ -42,12 +42,10 @@ RequestedRays masked_rays(const Device& device,
 /// [rays] that leave the sensor; empty: all.
 std::vector<bool> not_blind(const LidarModel& model, const LidarRays& rays) {
   const auto* const lidar = std::get_if<Lidar>(&model);
-  if (lidar == nullptr || lidar->blind.empty()) return {};
+  if (lidar == nullptr || !lidar->has_blind()) return {};
   std::vector<bool> sees(rays.azimuth.size());
-  for (std::size_t i = 0; i < sees.size(); ++i) {
-    const auto row = static_cast<int>(i / static_cast<std::size_t>(rays.columns));
-    sees[i] = !is_blind(*lidar, row, static_cast<double>(rays.azimuth[i]));
-  }
+  for (std::size_t i = 0; i < sees.size(); ++i)
+    sees[i] = !is_blind(*lidar, i, static_cast<double>(rays.azimuth[i]));
   return sees;
 }
 
