@@ -40,6 +40,25 @@ double step_of(FiredRun azimuths) {
              : sum / static_cast<double>(count);
 }
 
+struct Pattern {
+  int every = 0;  // 0: not told
+  int first = 0;
+};
+
+/// Of a row by the columns of its points.
+Pattern pattern_of(const std::vector<double>& columns) {
+  constexpr double kOnGrid = 0.8;
+  if (columns.size() < kFewest) return {};
+  for (const int every : {4, 3, 2, 1}) {
+    std::complex<double> phase;
+    for (const double column : columns) phase += std::polar(1.0, kTurn * column / every);
+    if (std::abs(phase) < kOnGrid * static_cast<double>(columns.size())) continue;
+    const int first = static_cast<int>(std::lround(std::arg(phase) / kTurn * every));
+    return {every, (first + every) % every};
+  }
+  return {};
+}
+
 }  // namespace
 
 double columns_by_steps(const std::vector<FiredRun>& runs, double span) {
@@ -77,6 +96,46 @@ double fit_of_step(const std::vector<FiredRun>& runs, double step) {
     count += static_cast<double>(run.size());
   }
   return count > 0.0 ? sum / count : 0.0;
+}
+
+int set_firing_pattern(const std::vector<FiredRun>& runs, Lidar& lidar) {
+  const std::size_t rows = lidar.rows.size();
+  std::vector<std::vector<double>> columns(rows);
+  std::complex<double> phase;
+  double count = 0.0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const int row = static_cast<int>(i % rows);
+    for (const double azimuth : runs[i]) {
+      const double column =
+          lidar.spin_sign() * (azimuth - lidar.azimuth(row, 0)) * lidar.columns / lidar.azimuth_span;
+      columns[i % rows].push_back(column);
+      phase += std::polar(1.0, kTurn * column);
+      count += 1.0;
+    }
+  }
+  constexpr double kSeen = 0.5;
+  if (!(std::abs(phase) > kSeen * count)) return 0;
+  const double shift = std::arg(phase) / kTurn;
+  std::vector<Pattern> found;
+  std::size_t told = 0, always = 0;
+  for (std::vector<double>& row : columns) {
+    for (double& column : row) column -= shift;
+    found.push_back(pattern_of(row));
+    told += found.back().every > 0 ? 1 : 0;
+    always += found.back().every == 1 ? 1 : 0;
+  }
+  // Clouds of which each row is thinned tell nothing about the sensor.
+  if (always == told || static_cast<double>(always) < kFewestRuns * static_cast<double>(told)) return 0;
+  lidar.azimuth_first += lidar.spin_sign() * shift * lidar.azimuth_span / lidar.columns;
+  int changed = 0;
+  for (std::size_t r = 0; r < rows; ++r) {
+    LidarRow& row = lidar.rows[r];
+    if (found[r].every == 0) continue;
+    changed += found[r].every != row.every ? 1 : 0;
+    row.every = found[r].every;
+    row.first = found[r].first;
+  }
+  return changed;
 }
 
 }  // namespace simuli

@@ -149,15 +149,19 @@ Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, 
   sweep.rays = nominal_rays(lidar);
   sweep.range.assign(lidar.ray_count(), 0.0F);
   sweep.intensity.assign(lidar.ray_count(), 0.0F);
-  report.rays += lidar.ray_count();
   for (std::size_t r = 0; r < rows.size(); ++r) {
+    const LidarRow& beam = lidar.rows[r];
+    const int firings = firings_of(lidar, static_cast<int>(r));
+    report.rays += static_cast<std::size_t>(firings);
     keep_first_echoes(rows[r], report);
-    leave_as_many(rows[r], static_cast<std::size_t>(lidar.columns), report);
+    leave_as_many(rows[r], static_cast<std::size_t>(firings), report);
     if (rows[r].empty()) continue;
     const std::size_t first = r * static_cast<std::size_t>(lidar.columns);
     std::vector<double> even;  // as kitti::assign_columns() counts: clockwise from pi, a full turn
-    for (const Placed& p : rows[r]) even.push_back(kPi - (p.column + 0.5) * 2.0 * kPi / lidar.columns);
-    const std::vector<int> columns = kitti::assign_columns(even, lidar.columns);
+    for (const Placed& p : rows[r])
+      even.push_back(kPi - ((p.column - beam.first) / beam.every + 0.5) * 2.0 * kPi / firings);
+    std::vector<int> columns = kitti::assign_columns(even, firings);
+    for (int& column : columns) column = beam.first + beam.every * column;
     std::vector<double> azimuth_off, time_off;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const Placed& p = rows[r][i];

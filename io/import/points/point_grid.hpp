@@ -19,10 +19,11 @@ struct MeasuredPoint {
 
 struct PointReport {
   std::size_t points = 0;
-  std::size_t unplaced = 0;  // too near, beside all beams or columns, or more than columns; left out
-  std::size_t echoes = 0;    // farther ones of a ray that has another; left out
-  std::size_t rays = 0;      // of all firing grids
-  std::size_t returned = 0;  // of these
+  std::size_t unplaced = 0;        // too near, beside all beams or columns, or more than columns; left out
+  std::size_t echoes = 0;          // farther ones of a ray that has another; left out
+  std::size_t rays = 0;            // of all firing grids
+  std::size_t returned = 0;        // of these
+  std::vector<std::string> notes;  // where a LiDAR is another than its table says
 };
 
 /// Column at which `lidar` looks to `azimuth` (rad, any turn) with a row, counted from the middle of column

@@ -6,14 +6,21 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
+#include <iterator>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
+#include "host/core/sensors/lidar_library.hpp"
+#include "host/core/sensors/lidar_locate.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/import/points/firing_steps.hpp"
+#include "io/import/points/unit_offset.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/new_log.hpp"
 
@@ -29,6 +36,7 @@ struct Layout {
   std::size_t width = 0;
   std::array<int, kColumns.size()> at{-1, -1, -1, -1, -1, -1};
   bool in_world = false;
+  std::map<std::string, std::vector<LidarMode>> modes;  // by LiDAR: of tables that are named without columns
 };
 
 Layout read_layout(JsonObject& root) {
@@ -64,10 +72,10 @@ Layout read_layout(JsonObject& root) {
 }
 
 /// A LiDAR by the name of its table as log.json has it; others as they are.
-Json whole_lidar(const std::string& file, const std::string& path, const Json& value) {
+Json whole_lidar(const std::string& file, const std::string& path, const Json& value, Layout& layout) {
   if (!value.is_object() || !value.contains("table")) return value;
   JsonObject object(file, path, value);
-  return object.read_and_finish([](JsonObject& o) {
+  return object.read_and_finish([&layout](JsonObject& o) {
     const std::string table = o.text("table");
     const std::vector<std::string> known = builtin_lidar_names();
     if (std::find(known.begin(), known.end(), table) == known.end()) {
@@ -78,6 +86,7 @@ Json whole_lidar(const std::string& file, const std::string& path, const Json& v
     model.name = o.text("name");
     need_name(model.name, o.file(), o.field("name"));
     constexpr std::int64_t kMostColumns = 65536;
+    if (!o.has("columns")) layout.modes[model.name] = builtin_lidar_with_facts(table).facts.modes;
     if (o.has("columns")) model.columns = static_cast<int>(o.integer("columns", 1, kMostColumns));
     if (o.has("azimuth_first_rad")) model.azimuth_first = o.number("azimuth_first_rad");
     if (o.has("spin")) {
@@ -112,7 +121,7 @@ Log read_description(const fs::path& folder, Layout& layout) {
   log.erase("points_in");
   if (log.contains("lidars") && log["lidars"].is_array()) {
     for (std::size_t i = 0; i < log["lidars"].size(); ++i) {
-      log["lidars"][i] = whole_lidar(file, fmt::format("lidars[{}]", i), log["lidars"][i]);
+      log["lidars"][i] = whole_lidar(file, fmt::format("lidars[{}]", i), log["lidars"][i], layout);
     }
   }
   JsonObject whole(file, "", log);
@@ -179,6 +188,52 @@ void put_into_sensor(std::vector<MeasuredPoint>& points, const SweepFrame& sweep
   }
 }
 
+/// What the first sweeps say of a LiDAR before its table: the offset of this unit, columns, and which rows fire in
+/// which of them.
+void fit_table(
+    const PointsOptions& options, const Layout& layout, const Log& log, Lidar& lidar, PointReport& report) {
+  constexpr std::size_t kSweeps = 4;
+  std::vector<std::vector<MeasuredPoint>> sweeps;
+  std::vector<Eigen::Vector3d> places;
+  for (const SweepFrame& sweep : log.sweeps) {
+    if (sweep.lidar != lidar.name || sweeps.size() == kSweeps) continue;
+    lidar.sweep_s = sweep.time_end_s - sweep.time_start_s;
+    sweeps.push_back(read_points(options.folder / sweep.file, layout, lidar));
+    if (layout.in_world) put_into_sensor(sweeps.back(), sweep, log);
+    for (const MeasuredPoint& point : sweeps.back()) places.push_back(point.position);
+  }
+  const auto note = [&](const std::string& text) {
+    report.notes.push_back("LiDAR " + lidar.name + ": " + text);
+  };
+  const double offset = unit_offset(lidar, places);
+  if (offset != 0.0) note(raise_beams(lidar, offset));
+  std::vector<FiredRun> runs;
+  const std::vector<double> tolerances = row_tolerances(lidar);
+  for (const auto& sweep : sweeps) {
+    std::vector<FiredRun> rows(lidar.rows.size());
+    for (const MeasuredPoint& point : sweep) {
+      const int row = point.row >= 0 ? point.row : nearest_row(lidar, tolerances, point.position);
+      const auto hit = row < 0 ? std::nullopt : locate_in_row(lidar, row, point.position);
+      if (hit) rows[static_cast<std::size_t>(row)].push_back(hit->azimuth);
+    }
+    std::move(rows.begin(), rows.end(), std::back_inserter(runs));
+  }
+  const auto modes = layout.modes.find(lidar.name);
+  const double steps = modes == layout.modes.end() ? 0.0 : columns_by_steps(runs, lidar.azimuth_span);
+  constexpr double kSame = 0.08, kThinned = 4.0;
+  if (steps > 0.0 && std::abs(steps - lidar.columns) > kSame * lidar.columns &&
+      steps * kThinned > lidar.columns && steps < kThinned * lidar.columns) {
+    LidarMode mode{1.0 / lidar.sweep_s, static_cast<int>(std::lround(steps))};
+    for (const LidarMode& known : modes->second) {
+      if (std::abs(steps - known.columns) <= kSame * known.columns) mode.columns = known.columns;
+    }
+    note(fmt::format("{} columns, not {}, by the points", mode.columns, lidar.columns));
+    lidar = in_mode(lidar, mode);
+  }
+  const int changed = set_firing_pattern(runs, lidar);
+  if (changed > 0) note(fmt::format("{} rows fire in other columns than the table says", changed));
+}
+
 }  // namespace
 
 Log import_points(const PointsOptions& options,
@@ -187,7 +242,15 @@ Log import_points(const PointsOptions& options,
   Layout layout;
   Log log = read_description(options.folder, layout);
   const fs::path source = options.folder / "points.json";
-  return make_log(options.output, log, [&] {
+  for (LogLidar& lidar : log.lidars) {
+    auto* const rows = std::get_if<Lidar>(&lidar.model);
+    if (rows == nullptr) continue;
+    Lidar fitted = *rows;
+    fit_table(options, layout, log, fitted, report);
+    fitted.sweep_s = rows->sweep_s;
+    *rows = std::move(fitted);
+  }
+  return make_import(options.output, log, [&] {
     const std::size_t total = log.images.size() + log.sweeps.size();
     std::size_t done = 0;
     const auto step = [&] {

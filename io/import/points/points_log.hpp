@@ -14,8 +14,9 @@
 // elevation, without times to the time at which its column fires. In the sensor's frame points are as
 // measured, each when it was measured; in the world they are where they were and need their times: what is
 // seen at a sweep's seam may have been measured at either end. A LiDAR is a whole model as in log.json, or a
-// built-in table by name
-// (`simuli info sensors`), in which "columns", "azimuth_first_rad" and "spin" may be others.
+// built-in table by name (`simuli info sensors`), in which "columns", "azimuth_first_rad" and "spin" may be others. An
+// angle that all beams of this unit are off by, which rows fire in which columns and, without "columns", how many there
+// are is found in the points.
 #include <cstddef>
 #include <filesystem>
 #include <functional>

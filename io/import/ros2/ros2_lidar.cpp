@@ -11,13 +11,16 @@
 #include "host/core/base/error.hpp"
 #include "host/core/sensors/lidar_locate.hpp"
 #include "io/import/points/point_grid.hpp"
+#include "io/import/points/unit_offset.hpp"
 #include "io/import/ros2/ros2_turn.hpp"
 
 namespace simuli::ros2 {
 namespace {
 
 constexpr char kDoubt[] =
-    "is it that sensor, in that frame (of Ouster often --lidar TOPIC=SENSOR:os_sensor)?";
+    "is it that sensor, in that frame (of Ouster often --lidar TOPIC=SENSOR:os_sensor)? Else simuli fit "
+    "beams finds its "
+    "own beams";
 constexpr std::size_t kSamplesOfRing = 48;
 
 using Rings = std::map<int, std::vector<const CloudPoint*>>;
@@ -216,14 +219,23 @@ class Fit {
 
 }  // namespace
 
-RecordedLidar fit_recorded(const Ros2Lidar& asked,
+RecordedLidar fit_recorded(const Ros2Lidar& as_asked,
                            const std::vector<std::vector<CloudPoint>>& sweeps,
                            double apart_s,
                            Stamp stamp,
                            const std::string& file,
                            const std::string& where) {
-  Fit fit(asked.table, file, where);
+  Ros2Lidar asked = as_asked;
   const Rings rings = sampled(sweeps);
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& sweep : sweeps) {
+    for (const CloudPoint& point : sweep) places.push_back(point.position);
+  }
+  const double offset = unit_offset(asked.table, places);
+  std::vector<std::string> notes;
+  if (offset != 0.0) notes.push_back(raise_beams(asked.table, offset));
+  Fit fit(asked.table, file, where);
+  fit.out.notes = std::move(notes);
   if (rings.empty()) fit.refuse("points", "none in the first sweeps", "some");
   const bool has_rings = rings.begin()->first >= 0;
   if (!has_rings && rings.size() > 1) fit.refuse("rings", "of some points", "those of all, or of none");
@@ -233,6 +245,9 @@ RecordedLidar fit_recorded(const Ros2Lidar& asked,
   std::move(turn.notes.begin(), turn.notes.end(), std::back_inserter(fit.out.notes));
   fit.start(sweeps, stamp);
   if (!std::isnan(rings.begin()->second.front()->time_s)) fit.turn(rings);
+  const int changed = set_firing_pattern(turn.runs, fit.out.model);
+  if (changed > 0)
+    fit.out.notes.push_back(fmt::format("{} rows fire in other columns than the table says", changed));
   return fit.out;
 }
 

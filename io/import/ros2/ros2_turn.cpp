@@ -49,7 +49,7 @@ class TurnFinder {
     const double turn_s = has_times ? by_times() : by_modes(steps);
     tell_lost(turn_s);
     const LidarMode mode = mode_of(turn_s, steps);
-    RecordedTurn out{asked_.table, {}};
+    RecordedTurn out{asked_.table, {}, {}};
     const bool is_other = mode.columns != out.model.columns || !is_near(out.model.sweep_s, turn_s, kSameRate);
     if (is_other) {
       out.model = in_mode(out.model, mode);
@@ -61,6 +61,7 @@ class TurnFinder {
     }
     out.model.sweep_s = turn_s;
     out.notes = std::move(notes_);
+    out.runs = std::move(runs_);
     return out;
   }
 

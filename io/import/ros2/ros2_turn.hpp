@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/core/sensors/lidar.hpp"
+#include "io/import/points/firing_steps.hpp"
 #include "io/import/ros2/cloud_fields.hpp"
 #include "io/import/ros2/ros2_log.hpp"
 
@@ -13,6 +14,7 @@ namespace simuli::ros2 {
 struct RecordedTurn {
   Lidar model;                     // the table at the rate and with the columns that were found
   std::vector<std::string> notes;  // where these are others than the table's
+  std::vector<FiredRun> runs;      // what each row measured, by sweep and row
 };
 
 /// Of the points of some sweeps, in the table's frame, on the rows that `row_of` gives their rings (empty: on the

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "host/core/sensors/lidar_library.hpp"
 #include "io/base/file.hpp"
 #include "io/log/log_json.hpp"
 #include "io/synth/street.hpp"
@@ -136,6 +137,43 @@ TEST(PointsLog, TheStreetComesBack) {
       EXPECT_LT(angle_off, kStored_rad);
       EXPECT_LT(time_off, 1e-5);
     }
+  }
+}
+
+TEST(PointsLog, ATableIsOfAnotherUnitAndMode) {
+  const Scratch scratch;
+  const Log log = street(scratch);
+  for (const bool has_columns : {false, true}) {
+    Folder folder(scratch, log, false, {"x_m", "y_m", "z_m"});
+    Lidar lidar = in_mode(builtin_lidar("velodyne_vlp16"), {20.0, 904});
+    std::string bytes;
+    std::size_t count = 0;
+    for (int c = 0; c < lidar.columns; ++c) {
+      for (int r = 0; r < lidar.row_count(); ++r, ++count) {
+        const double azimuth = lidar.azimuth(r, c);
+        const double elevation = lidar.rows[static_cast<std::size_t>(r)].elevation + 0.005;
+        const Eigen::Vector3d p = lidar.origin(r, azimuth) + 10.0 * Lidar::direction(azimuth, elevation);
+        for (const double v : {p.x(), p.y(), p.z()}) put(bytes, v);
+      }
+    }
+    Json sweep = folder.json["sweeps"][0];
+    folder.json["sweeps"] = {sweep};
+    folder.json["images"] = Json::array();
+    folder.json["lidars"] = {{{"table", "velodyne_vlp16"},
+                              {"name", folder.json["lidars"][0]["name"]},
+                              {"rig_from_lidar", folder.json["lidars"][0]["rig_from_lidar"]}}};
+    if (has_columns) folder.json["lidars"][0]["columns"] = 904;
+    std::ofstream(folder.path / sweep["file"].get<std::string>(), std::ios::binary) << bytes;
+    PointReport report;
+    const Log back =
+        import_points({folder.write(), scratch / fmt::format("unit{}.log", has_columns)}, {}, report);
+    const Lidar& found = back.lidars.at(0).with_rows();
+    EXPECT_EQ(found.columns, 904);
+    EXPECT_NEAR(found.rows[0].elevation, lidar.rows[0].elevation + 0.005, 1e-5);
+    EXPECT_EQ(report.returned, count);
+    EXPECT_EQ(report.rays, count);
+    ASSERT_EQ(report.notes.size(), has_columns ? 1U : 2U);
+    EXPECT_NE(report.notes[0].find("another unit: all beams 0.286 degrees higher"), std::string::npos);
   }
 }
 

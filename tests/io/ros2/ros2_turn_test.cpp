@@ -37,6 +37,7 @@ Sweeps sweeps_of(const Drive& drive) {
   for (auto& sweep : sweeps) {
     for (int c = 0; c < drive.sector * lidar.columns; c += drive.every) {
       for (int r = 0; r < lidar.row_count(); ++r) {
+        if (!fires(lidar, static_cast<std::size_t>(r * lidar.columns + c))) continue;
         if (std::sin(0.02 * (c + 31 * r)) > 1.0 - 2.0 * drive.gaps) continue;
         ros2::CloudPoint point;
         const double step = lidar.azimuth_span / lidar.columns;
@@ -154,6 +155,82 @@ TEST(Ros2Turn, ThinnedCloudsKeepTheirTable) {
     EXPECT_EQ(lidar.model.columns, 1808);
     EXPECT_NEAR(lidar.model.sweep_s, 0.1, 1e-4);
     EXPECT_NE(fmt::format("{}", fmt::join(lidar.notes, "\n")).find("thinned"), std::string::npos);
+  }
+}
+
+TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
+  for (const char* name : {"hesai_ot128@10", "hesai_ot128@20", "hesai_qt128"}) {
+    for (const bool is_in_table : {true, false}) {
+      SCOPED_TRACE(name);
+      Drive drive{builtin_lidar(name)};
+      // Rows of either kind are enough.
+      drive.lidar.rows.erase(drive.lidar.rows.begin() + 100, drive.lidar.rows.end());
+      drive.lidar.rows.erase(drive.lidar.rows.begin(), drive.lidar.rows.begin() + 50);
+      drive.sector = 0.3;
+      Ros2Lidar asked = asked_for(name);
+      asked.table = drive.lidar;
+      // Without a pattern, and where the turn begins half a column off the firings.
+      if (!is_in_table) {
+        for (LidarRow& row : asked.table.rows) row.every = 1, row.first = 0;
+        asked.table.azimuth_first += 0.4 * kTurn / asked.table.columns;
+      }
+      const ros2::RecordedLidar lidar = ros2::fit_recorded(
+          asked, sweeps_of(drive), drive.lidar.sweep_s, ros2::Stamp::kStart, "drive.mcap", "/points");
+      EXPECT_EQ(lidar.model.columns, drive.lidar.columns);
+      PointReport report;
+      const auto sweep = sweeps_of(drive).front();
+      const Sweep grid =
+          grid_points(ros2::measured(sweep, lidar, "drive.mcap", "/points"), lidar.model, report);
+      EXPECT_EQ(report.returned, sweep.size());
+      EXPECT_EQ(report.unplaced + report.echoes, 0U);
+      std::size_t fired = 0;
+      for (int r = 0; r < drive.lidar.row_count(); ++r)
+        fired += static_cast<std::size_t>(firings_of(drive.lidar, r));
+      EXPECT_EQ(report.rays, fired);
+      for (std::size_t ray = 0; ray < grid.range.size(); ++ray)
+        ASSERT_TRUE(grid.range[ray] == 0.0F || fires(lidar.model, ray)) << ray;
+    }
+  }
+  // A row of which the filter of a driver left every second point is no such sensor where all are.
+  Drive thinned{builtin_lidar("hesai_xt16")};
+  thinned.every = 8;
+  for (const LidarRow& row : found("hesai_xt16", thinned, 0.1).model.rows) EXPECT_EQ(row.every, 1);
+}
+
+TEST(Ros2Turn, AnotherUnitIsTaken) {
+  struct Case {
+    const char* table;
+    double offset_deg;
+    bool has_rings;
+  };
+  for (const Case& c : {Case{"hesai_pandar64", 0.162, true},
+                        Case{"hesai_pandar64", 0.162, false},
+                        Case{"hesai_pandar64", -0.162, true},
+                        Case{"hesai_pandar40p", 0.416, true},
+                        Case{"hesai_pandar40p", 0.416, false},
+                        Case{"hesai_xt32", 0.3, true},
+                        Case{"velodyne_vlp16", -0.2, false},
+                        Case{"ouster_os1_32_g", 0.0, true},
+                        Case{"hesai_pandar64", 0.01, true}}) {
+    SCOPED_TRACE(fmt::format("{} {}", c.table, c.offset_deg));
+    Drive drive{builtin_lidar(c.table)};
+    drive.has_rings = c.has_rings;
+    drive.sector = 0.2;
+    std::mt19937 random(3);
+    std::normal_distribution<double> own(0.0, 0.005 * kDegree);
+    for (LidarRow& row : drive.lidar.rows) row.elevation += c.offset_deg * kDegree + own(random);
+    const ros2::RecordedLidar lidar = found(c.table, drive, drive.lidar.sweep_s);
+    const bool is_other = std::abs(c.offset_deg) > 0.1;
+    EXPECT_EQ(fmt::format("{}", fmt::join(lidar.notes, "\n")).find("another unit") != std::string::npos,
+              is_other);
+    for (int r = 0; is_other && r < drive.lidar.row_count(); ++r) {
+      const auto row = static_cast<std::size_t>(r);
+      EXPECT_NEAR(lidar.model.rows[row].elevation, drive.lidar.rows[row].elevation, 0.03 * kDegree);
+    }
+    PointReport report;
+    const auto sweep = sweeps_of(drive).front();
+    (void)grid_points(ros2::measured(sweep, lidar, "drive.mcap", "/points"), lidar.model, report);
+    EXPECT_EQ(report.returned, sweep.size());  // none is taken for an echo, none is on no beam
   }
 }
 

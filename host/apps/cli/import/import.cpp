@@ -9,6 +9,7 @@
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/apps/cli/import/run_import.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/base/split.hpp"
 #include "host/core/scene/placement.hpp"
 #include "io/base/output.hpp"
@@ -137,6 +138,7 @@ void import_point_drive(const PointsOptions& options, const Globals& globals) {
       globals,
       [&](const auto& progress, PointReport& r) { return import_points(options, progress, r); },
       [](const PointReport& r) {
+        for (const std::string& note : r.notes) std::cerr << on_one_line(note) << '\n';
         std::cerr << fmt::format(
             "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
             r.points,
